@@ -10,6 +10,10 @@
 //! system that knows its motion so fills a [`FlightPath`] ([`SecondOrderSystem::flight_path`]), and the loop of any
 //! method goes along it in one step ([`Integrator::free_flight`](crate::Integrator::free_flight)). It is exact up to
 //! rounding, at both ends and inside.
+//!
+//! **Linear contact.** A system whose contacts are springs and dampers of constant stiffness moves so while they are closed,
+//! too, from event to event ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)): such a path may press, and ends
+//! where event functions reach zero. Methods that are exact for oscillators go along it.
 
 use crate::method::Dense;
 use crate::modal::propagator::coefficients;
@@ -54,14 +58,40 @@ pub struct FlightPath {
     oscillators: Vec<Oscillator>,
     /// Coordinate and weight.
     terms: Vec<(u32, f64)>,
+    /// The longest step [s] in which observers see what swings, where something touches on the way.
+    presses: Option<f64>,
+    /// Event functions that reach zero at its end.
+    switches: Vec<usize>,
 }
 
 impl FlightPath {
+    /// Something touches on the way; observers see it swing in steps of at most so long [s].
+    pub fn press(&mut self, longest: f64) {
+        self.presses = Some(longest);
+    }
+
+    /// An event function reaches zero at its end.
+    pub fn switch_at_end(&mut self, event: usize) {
+        self.switches.push(event);
+    }
+
+    /// The longest step [s] where something touches on the way.
+    pub(crate) fn pressed(&self) -> Option<f64> {
+        self.presses
+    }
+
+    /// Event functions that reach zero at its end.
+    pub(crate) fn switches(&self) -> &[usize] {
+        &self.switches
+    }
+
     /// Starts afresh at a time [s], with nothing that moves.
     pub fn begin(&mut self, t: f64) {
         self.start = t;
         self.oscillators.clear();
         self.terms.clear();
+        self.presses = None;
+        self.switches.clear();
     }
 
     /// Adds `x'' + 2 zeta omega x' + omega^2 x = load` from `start = [x, x']`; `zeta` lies in [0, 1).
@@ -144,6 +174,17 @@ impl Patience {
             self.end();
         }
     }
+}
+
+/// What a loop knows of the motion of its system in closed form from event to event.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SegmentProbe {
+    /// For methods that are exact for oscillators, where events are located.
+    pub(crate) on: bool,
+    pub(crate) path: FlightPath,
+    pub(crate) patience: Patience,
+    /// A path ended here, and the method has not started afresh yet.
+    pub(crate) left: bool,
 }
 
 /// What a loop knows of the free flights of its system.

@@ -20,11 +20,15 @@ pub fn hermite(from: &State, to: &State, theta: f64, q: &mut [f64], v: &mut [f64
     let [h00, h10, h01, h11] = hermite_basis(theta);
     let (s, r) = (theta, 1.0 - theta);
     let inv_h = if h > 0.0 { 1.0 / h } else { 0.0 };
-    for i in 0..q.len() {
-        q[i] = h00 * from.q[i] + h10 * h * from.v[i] + h01 * to.q[i] + h11 * h * to.v[i];
-        v[i] = 6.0 * s * r * (to.q[i] - from.q[i]) * inv_h
-            + r * (1.0 - 3.0 * s) * from.v[i]
-            + s * (3.0 * s - 2.0) * to.v[i];
+    // Lengths that the compiler knows to be one need no checks inside.
+    let n = q.len();
+    let (v, q0, v0) = (&mut v[..n], &from.q[..n], &from.v[..n]);
+    let (q1, v1) = (&to.q[..n], &to.v[..n]);
+    for i in 0..n {
+        q[i] = h00 * q0[i] + h10 * h * v0[i] + h01 * q1[i] + h11 * h * v1[i];
+        v[i] = 6.0 * s * r * (q1[i] - q0[i]) * inv_h
+            + r * (1.0 - 3.0 * s) * v0[i]
+            + s * (3.0 * s - 2.0) * v1[i];
     }
 }
 
@@ -40,8 +44,11 @@ pub fn hermite_with_acceleration(
 ) {
     let h = to.t - from.t;
     let [h00, h10, h01, h11] = hermite_basis(theta);
-    for i in 0..q.len() {
-        q[i] = h00 * from.q[i] + h10 * h * from.v[i] + h01 * to.q[i] + h11 * h * to.v[i];
-        v[i] = h00 * from.v[i] + h10 * h * a[0][i] + h01 * to.v[i] + h11 * h * a[1][i];
+    let n = q.len();
+    let (v, q0, v0, a0) = (&mut v[..n], &from.q[..n], &from.v[..n], &a[0][..n]);
+    let (q1, v1, a1) = (&to.q[..n], &to.v[..n], &a[1][..n]);
+    for i in 0..n {
+        q[i] = h00 * q0[i] + h10 * h * v0[i] + h01 * q1[i] + h11 * h * v1[i];
+        v[i] = h00 * v0[i] + h10 * h * a0[i] + h01 * v1[i] + h11 * h * a1[i];
     }
 }

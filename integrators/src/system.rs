@@ -318,6 +318,13 @@ pub trait FreeFlight {
     /// where the time is `later` than a time; `s.t` where something touches or nothing is known.
     fn flight_path(&mut self, s: &State, later: f64, path: &mut FlightPath) -> f64;
 
+    /// The motion from `s` on in closed form whether contacts are closed or not, where all of them are springs and dampers
+    /// of constant stiffness: the time of the next event, or until which loads are steady, with the motion and the event
+    /// functions to switch at its end in `path`; `s.t` where it is not known. Asked where events are located.
+    fn linear_path(&mut self, s: &State, _path: &mut FlightPath) -> f64 {
+        s.t
+    }
+
     /// Work [J] of steady loads and prescribed motions between two states of one flight, where it is known in closed
     /// form; `from` and `to` have the discrete state of the flight.
     fn steady_work(&mut self, _from: At<'_>, _to: At<'_>) -> Option<f64> {
@@ -400,6 +407,11 @@ impl dyn SecondOrderSystem + '_ {
     /// [`FreeFlight::flight_path`].
     pub fn flight_path(&mut self, s: &State, later: f64, path: &mut FlightPath) -> f64 {
         (self.free_flight()).map_or(s.t, |f| f.flight_path(s, later, path))
+    }
+
+    /// [`FreeFlight::linear_path`].
+    pub fn linear_path(&mut self, s: &State, path: &mut FlightPath) -> f64 {
+        (self.free_flight()).map_or(s.t, |f| f.linear_path(s, path))
     }
 
     /// [`FreeFlight::steady_work`].

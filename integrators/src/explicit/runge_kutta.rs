@@ -223,15 +223,25 @@ impl RungeKutta {
         // Sums `sum_j w_j k_j` over the stages so far, into `(q, v)`.
         let sum = |w: &[f64], kq: &[f64], kv: &[f64], q: &mut [f64], v: &mut [f64]| {
             let (q, v) = (&mut q[..n], &mut v[..n]);
-            q.fill(0.0);
-            v.fill(0.0);
+            let mut first = true;
             for (w, (kq, kv)) in w
                 .iter()
                 .zip(kq.chunks_exact(chunk).zip(kv.chunks_exact(chunk)))
             {
-                for i in 0..n {
-                    q[i] += w * kq[i];
-                    v[i] += w * kv[i];
+                if *w == 0.0 {
+                    continue;
+                }
+                let (kq, kv) = (&kq[..n], &kv[..n]);
+                if std::mem::take(&mut first) {
+                    for i in 0..n {
+                        q[i] = w * kq[i];
+                        v[i] = w * kv[i];
+                    }
+                } else {
+                    for i in 0..n {
+                        q[i] += w * kq[i];
+                        v[i] += w * kv[i];
+                    }
                 }
             }
         };
@@ -340,10 +350,12 @@ impl OneStep for RungeKutta {
             ];
             q.copy_from_slice(&from.q);
             v.copy_from_slice(&from.v);
+            let (q, v) = (&mut q[..n], &mut v[..n]);
             for (j, b) in b.into_iter().enumerate() {
+                let (kq, kv) = (&self.kq[j * n..][..n], &self.kv[j * n..][..n]);
                 for i in 0..n {
-                    q[i] += b * self.kq[j * n + i];
-                    v[i] += b * self.kv[j * n + i];
+                    q[i] += b * kq[i];
+                    v[i] += b * kv[i];
                 }
             }
             return;
@@ -358,14 +370,14 @@ impl OneStep for RungeKutta {
             v,
         );
         let w = h * (theta * (1.0 - theta)).powi(2);
-        for i in 0..n {
-            let (mut dq, mut dv) = (0.0, 0.0);
-            for (j, &d) in DOPRI5_DENSE.iter().enumerate() {
-                dq += d * self.kq[j * n + i];
-                dv += d * self.kv[j * n + i];
+        let (q, v) = (&mut q[..n], &mut v[..n]);
+        for (j, d) in DOPRI5_DENSE.iter().enumerate() {
+            let d = w * d;
+            let (kq, kv) = (&self.kq[j * n..][..n], &self.kv[j * n..][..n]);
+            for i in 0..n {
+                q[i] += d * kq[i];
+                v[i] += d * kv[i];
             }
-            q[i] += w * dq;
-            v[i] += w * dv;
         }
     }
 }

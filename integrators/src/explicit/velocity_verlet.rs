@@ -61,10 +61,12 @@ impl OneStep for VelocityVerlet {
     ) -> Result<f64, StepError> {
         let n = self.a0.len();
         let half = 0.5 * h;
+        let (q0, v0, a0) = (&from.q[..n], &from.v[..n], &self.a0[..n]);
+        let (q, v, before) = (&mut to.q[..n], &mut self.v[..n], &mut self.before[..n]);
         for i in 0..n {
-            to.q[i] = from.q[i] + h * (from.v[i] + half * self.a0[i]);
-            self.v[i] = from.v[i] + h * self.a0[i];
-            self.before[i] = from.v[i] + half * self.a0[i];
+            q[i] = q0[i] + h * (v0[i] + half * a0[i]);
+            v[i] = v0[i] + h * a0[i];
+            before[i] = v0[i] + half * a0[i];
         }
         to.t = from.t + h;
         let at = At {
@@ -82,8 +84,9 @@ impl OneStep for VelocityVerlet {
         sys.force_after(at, &kick, &mut self.a1);
         sys.solve_mass(at, &mut self.a1);
         work.force_evaluations += 1;
+        let (v1, a1) = (&mut to.v[..n], &self.a1[..n]);
         for i in 0..n {
-            to.v[i] = from.v[i] + half * (self.a0[i] + self.a1[i]);
+            v1[i] = v0[i] + half * (a0[i] + a1[i]);
         }
         Ok(0.0)
     }

@@ -107,13 +107,18 @@ impl<M: OneStep> Stepped<M> {
             let f = watch.lowest_here();
             // Secant on the interpolant of this step, around its end.
             let (mut x0, mut f0, mut x1) = (1.0, f, 1.0 - SHIFT);
-            for _ in 0..8 {
+            for correction in 0..8 {
                 if f0 == 0.0 {
                     x1 = x0;
                     break;
                 }
                 events_on(&self.method, sys, end, x1, event, &mut watch.here);
                 let f1 = watch.lowest_here();
+                // What comes no closer has only rounding left to go by, which leads anywhere.
+                if correction > 1 && f1.abs() >= f0.abs() {
+                    x1 = x0;
+                    break;
+                }
                 let x2 = x1 - f1 * (x1 - x0) / (f1 - f0);
                 if f1 == 0.0 || !x2.is_finite() {
                     break;

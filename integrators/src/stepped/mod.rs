@@ -22,22 +22,25 @@
 //! not grow with the length of the flight. What a method would make of the flight, its drift of energy and phase among
 //! it, is then not seen, so crosses free flights are off unless asked for: a comparison of methods shows what the
 //! methods do. Steps in contact are those of the method; errors that cancel over flight and contact together, as those
-//! of first order of semi-implicit Euler nearly do, cancel no more.
+//! of first order of semi-implicit Euler nearly do, cancel no more. A method that is exact for oscillators crosses linear
+//! contacts as well, from event to event ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)).
 
 mod advance;
 mod locate;
 mod resume;
+mod segments;
 
 use crate::bounds::Bounds;
 use crate::error::StepError;
 use crate::events::Watch;
-use crate::free_flight::FlightProbe;
+use crate::free_flight::{FlightProbe, SegmentProbe};
 pub use crate::interpolation::{hermite, hermite_with_acceleration};
 use crate::method::{
     Dense, Integrator, MethodInfo, OneStep, Resolution, Sink, Stepping, TimePlan, Tolerance, Work,
 };
 use crate::system::{SecondOrderSystem, State};
 use advance::Outcome;
+use segments::Segment;
 
 /// Events allowed at one instant before the run is called chatter.
 pub(crate) const MAX_EVENTS_AT_ONCE: u32 = 200;
@@ -49,6 +52,7 @@ const ERROR_AT_START: f64 = 1e-4;
 pub struct Stepped<M> {
     method: M,
     flight: FlightProbe,
+    segments: SegmentProbe,
 }
 
 impl<M> Stepped<M> {
@@ -57,6 +61,7 @@ impl<M> Stepped<M> {
         Stepped {
             method,
             flight: FlightProbe::default(),
+            segments: SegmentProbe::default(),
         }
     }
 }
@@ -221,9 +226,12 @@ impl<M: OneStep> Integrator for Stepped<M> {
         }
         self.method.begin(sys, plan.resolution)?;
         self.flight.patience.end();
+        self.segments.patience.end();
+        self.segments.left = false;
         self.method.restart(sys, s, work);
         let mut watch = Watch::new(layout.event_functions);
         let events = plan.events && layout.event_functions > 0;
+        self.segments.on = events && info.linear_part;
         if events {
             sys.event_functions(s.at(), &mut watch.before);
         }
@@ -255,6 +263,11 @@ impl<M: OneStep> Integrator for Stepped<M> {
         };
         while s.t < plan.t_end {
             bounds.check(plan, s.t, work)?;
+            match self.segment(sys, s, &mut r, &mut bounds, sink, work)? {
+                Segment::Unknown => self.leave_segment(sys, s, &mut r, work),
+                Segment::Stopped => return Ok(()),
+                Segment::Went => continue,
+            }
             let aim = self.aim(sys, s, &mut r);
             match self.advance(sys, s, &aim, &mut r, sink, work)? {
                 Outcome::Rejected => {}

@@ -7,6 +7,28 @@ use crate::method::{OneStep, Sink, Work};
 use crate::system::{Change, SecondOrderSystem, State};
 
 impl<M: OneStep> Stepped<M> {
+    /// Starts the method afresh from a state.
+    pub(super) fn start_afresh(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &State,
+        r: &mut Run<'_>,
+        work: &mut Work,
+    ) {
+        self.method.restart(sys, s, work);
+        self.flight.patience.end();
+        self.segments.patience.end();
+        if !r.fixed {
+            let first = first_step(sys, s, r.plan, r.tolerance.rtol, r.exponent);
+            r.h_next = r.h_next.min(first);
+            r.err_old = ERROR_AT_START;
+            r.after_rejection = false;
+        }
+        if r.events {
+            sys.event_functions(s.at(), &mut r.watch.before);
+        }
+    }
+
     /// Makes the state at the end of a step the start of the next one.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn resume(
@@ -68,17 +90,7 @@ impl<M: OneStep> Stepped<M> {
                 return Ok(());
             }
             work.restarts += 1;
-            self.method.restart(sys, s, work);
-            self.flight.patience.end();
-            if !r.fixed {
-                let first = first_step(sys, s, r.plan, r.tolerance.rtol, r.exponent);
-                r.h_next = r.h_next.min(first);
-                r.err_old = ERROR_AT_START;
-                r.after_rejection = false;
-            }
-            if r.events {
-                sys.event_functions(s.at(), &mut r.watch.before);
-            }
+            self.start_afresh(sys, s, r, work);
         } else if !aim.sliver {
             self.method.advance();
             r.watch.advance();

@@ -38,6 +38,17 @@ pub trait ToothCoordinates {
         }
     }
 
+    /// The coordinate of the gear that is the displacement of a tooth, where a contact force acts on that one alone, by
+    /// the effective radius arm of the hub; `None` where teeth move by several.
+    fn coordinate(&self, _discrete: &[f64], _tooth: Tooth) -> Option<usize> {
+        None
+    }
+
+    /// How many cells of its discrete state [`Self::coordinate`] depends on, from the first on.
+    fn places(&self) -> usize {
+        0
+    }
+
     /// Its springs know the contact radius: [`Self::engage`] has to be told of contacts.
     fn follows_contact(&self) -> bool {
         false

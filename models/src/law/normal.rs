@@ -239,6 +239,11 @@ impl Law {
         }
     }
 
+    /// Coefficient of its constant damper (N s/m).
+    pub fn damper(&self) -> f64 {
+        self.c
+    }
+
     /// Whether a closed-open cycle loses energy.
     pub fn is_dissipative(&self) -> bool {
         self.chi > 0.0 || self.c > 0.0
@@ -342,6 +347,27 @@ impl Law {
                 dn_dk: by_k * factor,
             }
         }
+    }
+
+    /// A force as the length that the elastic law would need for it, with sign (m).
+    #[inline]
+    pub fn as_length(&self, n: f64, k: f64) -> f64 {
+        let x = n / k;
+        if self.exponent == 1.0 {
+            x
+        } else {
+            x.signum() * x.abs().powf(1.0 / self.exponent)
+        }
+    }
+
+    /// How far an open contact is from pushing (m): the gap, or, where the bodies still overlap after a damped release,
+    /// how far the law is from pushing again.
+    #[inline]
+    pub fn until_it_pushes(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> f64 {
+        if g > 0.0 {
+            return g;
+        }
+        g.max(-self.as_length(self.smooth(g, g_rate, v0, k).n, k))
     }
 
     /// Elastic energy `k d^(n+1) / (n+1)` (J), zero when open.

@@ -1,5 +1,6 @@
 //! The assembled system: gears, meshes, sizes, buffers. What it does stands in the modules beside.
 
+use super::linear_path::OneSpring;
 use super::members::{SceneGear, SceneMesh};
 use super::workspace::Workspace;
 use crate::gear::{FreeFlight, Magnitudes};
@@ -35,6 +36,8 @@ pub struct Scene {
     pub(super) work: Workspace,
     /// All gears are oscillators.
     pub(super) oscillators: bool,
+    /// The whole scene is two gears on one constant spring.
+    pub(super) one_spring: Option<OneSpring>,
     /// A gear may be put to rest in flight.
     pub(super) cuts_vibration: bool,
     /// Buffer of [`Self::flight_until`].

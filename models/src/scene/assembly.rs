@@ -4,6 +4,8 @@ use super::assembled::Scene;
 use super::assembly_lines::{flank_lines, strips};
 use super::assembly_points::flank_points;
 use super::channels;
+use super::direct::Follows;
+use super::linear_path::OneSpring;
 use super::members::{SceneGear, SceneMesh};
 use super::mesh_assembly::{friction_of, hub_of, lines_of_action, varies_over_width};
 use super::nodal::{Nodal, islands};
@@ -11,6 +13,7 @@ use super::placement::{assemble, check_start, views};
 use super::scales::{Scales, initial_speed};
 use super::workspace::Workspace;
 use crate::contact::Search;
+use crate::contact::pairs::Roster;
 use crate::error::{BuildError, GearPart, MeshPart};
 use crate::gear::LinearMotion;
 use crate::gear::elastic::lines::Strips;
@@ -139,6 +142,9 @@ impl Scene {
                 n: 0,
                 discrete: (0, 0),
                 internal: true,
+                follows: Follows::Several,
+                places: 0,
+                constant_load: None,
             });
         }
 
@@ -224,6 +230,7 @@ impl Scene {
                 friction: friction_of(spec, mesh, l, contact),
                 hard: contact.points.is_some_and(|p| p.hard) && mesh.gears.iter().any(has_field),
                 nodal: mesh.gears.iter().any(has_field),
+                arms: None,
                 clearances,
                 gap_bound: (if with_flanks { FLANK_BOUND } else { ROUNDING }) * l.base_pitch,
                 discrete: 0,
@@ -253,6 +260,7 @@ impl Scene {
             g.internal = hub.own > 0;
             n += hub.len();
             discrete += hub.discrete;
+            g.note_load();
         }
         for m in &mut meshes {
             (m.discrete, m.event_functions) = (discrete, event_functions);
@@ -286,11 +294,20 @@ impl Scene {
                 &mut initial.discrete[g.discrete.0..][..g.discrete.1],
             );
         }
+        for g in &mut gears {
+            g.follows = Follows::of(g, &initial.discrete[g.discrete.0..][..g.discrete.1]);
+            g.places = g.model.teeth().map_or(0, |teeth| teeth.places());
+        }
+        for m in &mut meshes {
+            m.note_arms(&gears);
+        }
         let characteristic_time = gears
             .iter()
             .map(|g| g.model.hub().characteristic_time)
             .fold(scales.characteristic_time, f64::min);
         let channels = channels::names(meshes.len(), gears.iter().map(|g| g.name.as_str()));
+        let one_spring = OneSpring::of(&gears, &meshes);
+        let rosters = meshes.iter().map(|_| Roster::default()).collect();
         let fields = gears.iter().any(|g| g.model.displacement().is_some());
         let nodal = Nodal::new(&gears, &meshes);
         let condenses = gears.iter().any(|g| g.model.large().is_some());
@@ -323,6 +340,7 @@ impl Scene {
             gears,
             meshes,
             oscillators,
+            one_spring,
             cuts_vibration,
             flights: Vec::new(),
             channels,
@@ -345,6 +363,7 @@ impl Scene {
             mass,
             work: Workspace {
                 nodal,
+                rosters,
                 ..Workspace::default()
             },
             initial,

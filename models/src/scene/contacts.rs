@@ -57,6 +57,25 @@ impl Scene {
         }
     }
 
+    /// Adds the forces of all contacts at a state; what they are is noted only where forces need it.
+    #[inline]
+    pub(super) fn add_contacts(&mut self, at: At<'_>, f: &mut [f64]) {
+        if self.fields {
+            self.evaluate_with_fields(at);
+        } else {
+            self.work.active.clear();
+            self.work.candidates.clear();
+            let located = at.discrete[0] != 0.0;
+            for m in 0..self.meshes.len() {
+                let open = located && all_open(&at.discrete[self.meshes[m].modes()]);
+                if !(open || self.add_forces_directly(at, m, f)) {
+                    self.evaluate_mesh(at, m, located);
+                }
+            }
+        }
+        self.add_contact_forces(f);
+    }
+
     /// Appends the contacts of a mesh.
     #[inline(never)]
     pub(super) fn evaluate_mesh(&mut self, at: At<'_>, m: usize, located: bool) {

@@ -4,31 +4,8 @@ use super::active::gap_rate;
 use super::assembled::Scene;
 use super::members::parties;
 use crate::contact::{Candidate, Wanted};
-use crate::law::Law;
 use crate::spec::Load;
 use gearbench_integrators::system::{At, Change, Events, State};
-
-/// Event function of an open contact: the gap, or, where the bodies still overlap after a damped release, how far
-/// the law is from pushing again; in metres.
-#[inline]
-fn open_event(law: &Law, c: &Candidate, gap: f64, rate: f64, impact_speed: f64) -> f64 {
-    if gap > 0.0 {
-        return gap;
-    }
-    let n = law.smooth(gap, rate, impact_speed, c.stiffness).n;
-    gap.max(-as_length(law, n, c.stiffness))
-}
-
-/// A force as the length that the elastic law would need for it, with sign.
-#[inline]
-fn as_length(law: &Law, n: f64, k: f64) -> f64 {
-    let x = n / k;
-    if law.exponent() == 1.0 {
-        x
-    } else {
-        x.signum() * x.abs().powf(1.0 / law.exponent())
-    }
-}
 
 impl Events for Scene {
     fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
@@ -37,6 +14,9 @@ impl Events for Scene {
             return;
         }
         for m in 0..self.meshes.len() {
+            if self.watch_directly(at, m, out) {
+                continue;
+            }
             let mesh = &self.meshes[m];
             let (a, b) = parties(&self.gears, mesh, at);
             let (zone, slots) =
@@ -160,12 +140,11 @@ impl Events for Scene {
             let at = mesh.slot(slot);
             let closing = s.discrete[at] == 0.0;
             // A contact that a damper releases early keeps its impact speed until the flanks part.
-            let apart = self
-                .find(s, m, slot)
-                .is_none_or(|c| c.gap >= -1e-6 * self.magnitudes.deflection);
+            let found = self.find(s, m, slot);
+            let apart = found.is_none_or(|c| c.gap >= -1e-6 * self.magnitudes.deflection);
             if closing {
                 if apart || s.discrete[at + 1] <= 0.0 {
-                    let speed = self.approach_speed(s, m, slot);
+                    let speed = found.map_or(0.0, |c| self.approach_speed(s, m, &c));
                     s.discrete[at + 1] = speed;
                 }
                 s.discrete[at] = 1.0;
@@ -175,7 +154,9 @@ impl Events for Scene {
                     s.discrete[at + 1] = 0.0;
                 }
             }
-            self.engage(s, m, slot, closing);
+            if let Some(c) = found {
+                self.tell(s, m, &c, closing);
+            }
         }
         Change::Restart
     }
@@ -238,9 +219,9 @@ impl Scene {
             let law = mesh.law.shared(c.share);
             slots[c.slot] = if mode != 0.0 {
                 let n = law.smooth(c.gap, rate, v0, c.stiffness).n;
-                as_length(&law, n, c.stiffness)
+                law.as_length(n, c.stiffness)
             } else {
-                open_event(&law, c, c.gap, rate, v0)
+                law.until_it_pushes(c.gap, rate, v0, c.stiffness)
             };
         }
     }
@@ -332,17 +313,9 @@ impl Scene {
         c
     }
 
-    fn approach_speed(&mut self, s: &State, m: usize, slot: usize) -> f64 {
-        let Some(c) = self.find(s, m, slot) else {
-            return 0.0;
-        };
-        let rate = gap_rate(
-            &self.gears,
-            &self.meshes[m],
-            &c,
-            s.at(),
-            &mut self.work.scratch,
-        );
+    fn approach_speed(&mut self, s: &State, m: usize, c: &Candidate) -> f64 {
+        let mesh = &self.meshes[m];
+        let rate = gap_rate(&self.gears, mesh, c, s.at(), &mut self.work.scratch);
         (-rate).max(0.0)
     }
 

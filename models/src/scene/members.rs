@@ -1,10 +1,11 @@
 //! Gears and meshes as they stand in a scene: where their coordinates and their discrete state are.
 
+use super::direct::Follows;
 use super::friction::MeshFriction;
 use crate::contact::{LineClearance, Party, Search};
 use crate::gear::GearModel;
 use crate::law::Law;
-use crate::spec::Load;
+use crate::spec::{Load, Profile};
 use gearbench_integrators::system::At;
 
 /// A gear in the scene.
@@ -23,6 +24,12 @@ pub struct SceneGear {
     pub(super) discrete: (usize, usize),
     /// It has forces of its own.
     pub(super) internal: bool,
+    /// What its flanks follow.
+    pub(super) follows: Follows,
+    /// Cells of its discrete state, from the first on, that say by which coordinates teeth move.
+    pub(super) places: usize,
+    /// The loads on its hub where they never change and act on its first coordinate alone [N m] or [N].
+    pub(super) constant_load: Option<f64>,
 }
 
 impl SceneGear {
@@ -52,10 +59,23 @@ impl SceneGear {
             .sum()
     }
 
+    /// Notes the loads on its hub where they never change.
+    pub(super) fn note_load(&mut self) {
+        let hub = self.model.hub();
+        let constant = |l: &Load| matches!(l, Load::Applied(Profile::Constant(_)));
+        let alone = hub.coordinates() > 0 && hub.hub_shapes.is_empty();
+        let known = alone && self.loads.iter().all(constant);
+        self.constant_load = known.then(|| self.load(0.0, 0.0));
+    }
+
     /// Adds the load on a hub that is free to move to the scene's forces.
     #[inline]
     pub(super) fn add_load(&self, at: At<'_>, f: &mut [f64]) {
         if self.loads.is_empty() {
+            return;
+        }
+        if let Some(load) = self.constant_load {
+            f[self.offset] += load;
             return;
         }
         let hub = self.model.hub();
@@ -125,6 +145,8 @@ pub struct SceneMesh {
     pub friction: Option<MeshFriction>,
     /// Its contact has no penalty.
     pub(super) hard: bool,
+    /// Effective radius arms of both gears on each line of action, where contacts need no candidates.
+    pub(super) arms: Option<Vec<[f64; 2]>>,
     /// One of its gears has a displacement field.
     pub(super) nodal: bool,
     /// What facing flanks are apart at least, were the gears rigid.

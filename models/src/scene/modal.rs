@@ -32,8 +32,7 @@ impl ModalSplit for Scene {
                 linear.add_inertia_force(at.t, &mut a[g.range()]);
             }
         }
-        self.evaluate_contacts(at);
-        self.add_contact_forces(a);
+        self.add_contacts(at, a);
         self.solve_mass(at, a);
     }
 

@@ -33,8 +33,7 @@ impl SecondOrderSystem for Scene {
 
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         self.force_without_contact(at, f);
-        self.evaluate_contacts(at);
-        self.add_contact_forces(f);
+        self.add_contacts(at, f);
     }
 
     fn force_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, f: &mut [f64]) {
@@ -176,7 +175,10 @@ impl Scene {
                 let range = g.range();
                 g.model.forces(own, &mut f[range]);
             }
-            g.add_load(at, f);
+            match g.constant_load {
+                Some(load) => f[g.offset] += load,
+                None => g.add_load(at, f),
+            }
         }
     }
 
@@ -195,6 +197,10 @@ impl Scene {
 impl FreeFlight for Scene {
     fn flight_path(&mut self, s: &State, later: f64, path: &mut FlightPath) -> f64 {
         self.path_from(s.at(), later, path)
+    }
+
+    fn linear_path(&mut self, s: &State, path: &mut FlightPath) -> f64 {
+        self.linear_path_from(s.at(), path)
     }
 
     fn steady_work(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {

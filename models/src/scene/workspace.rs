@@ -4,6 +4,7 @@ use super::active::{Active, Answer, Tangent};
 use super::condensed::Condensed;
 use super::nodal::{Nodal, Reduced};
 use crate::contact::Candidate;
+use crate::contact::pairs::{Pressed, Roster};
 use crate::kinematics::Row;
 use gearbench_integrators::system::{At, State};
 
@@ -49,6 +50,10 @@ pub(super) struct Workspace {
     /// Candidates before a zone switch.
     pub listed: Vec<Candidate>,
     pub active: Vec<Active>,
+    /// Pairs of one line whose forces need no candidates.
+    pub pressed: Vec<Pressed>,
+    /// Pairs that are looked at, by mesh.
+    pub rosters: Vec<Roster>,
     /// Their tangents, where these were asked for.
     pub tangents: Vec<Tangent>,
     /// How they answer to each other through bodies.

@@ -13,6 +13,7 @@ mod kinematics;
 mod mounts;
 mod movable_teeth;
 mod nodal;
+mod one_line;
 mod records;
 mod refusals;
 mod rows;

@@ -113,6 +113,28 @@ impl LinesOfAction {
         self.lines.iter().map(of).collect()
     }
 
+    /// Whether all pairs stand on one spring of constant stiffness and have one gap: the pair nearest to the middle of
+    /// the path touches within it, on plain involutes.
+    pub(crate) fn is_one_constant_spring(&self) -> bool {
+        let middle = 0.5 * (self.zone[0] + self.zone[1]);
+        let beside = 0.5 * self.mesh.base_pitch;
+        let inside = |line: &Line| {
+            middle + beside <= line.tips[0] && self.mesh.length - (middle - beside) <= line.tips[1]
+        };
+        self.whole_mesh
+            && self.stiffness.is_constant()
+            && self.lines.iter().all(|line| line.plain && inside(line))
+    }
+
+    /// The gap of plain flanks of a side, all slices alike.
+    pub(crate) fn clearance_of(&self, side: Side) -> Option<LineClearance> {
+        let line = self.lines.iter().find(|line| line.side == side)?;
+        Some(LineClearance {
+            assembled: self.helix_cos * line.slack,
+            per_displacement: line.map.map(|m| -self.helix_cos * m.per_displacement),
+        })
+    }
+
     /// Gap of pair 0 of a flank at the assembled position [m], without modifications.
     pub fn assembled_gap(&self, side: Side) -> f64 {
         let j = self.partner[side_index(side)];

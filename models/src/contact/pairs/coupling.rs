@@ -40,12 +40,19 @@ impl LinesOfAction {
         if a.slot == b.slot || !self.on_one_line(a, b) {
             return None;
         }
-        let pitches = a.points[0].tooth.index.abs_diff(b.points[0].tooth.index) as usize;
-        let (c, slope) = self.stiffness.coupling(pitches, 0.5 * (a.s + b.s));
+        let teeth = [a, b].map(|c| c.points[0].tooth.index);
+        self.between(a.slot / self.pairs, teeth, [a.s, b.s])
+    }
+
+    /// The same between two pairs of a line, by their teeth of the first gear and their path coordinates.
+    #[inline]
+    pub(super) fn between(&self, l: usize, teeth: [i64; 2], s: [f64; 2]) -> Option<(f64, f64)> {
+        let pitches = teeth[0].abs_diff(teeth[1]) as usize;
+        let (c, slope) = self.stiffness.coupling(pitches, 0.5 * (s[0] + s[1]));
         if c == 0.0 && slope == 0.0 {
             return None;
         }
-        let weight = self.slices[self.lines[a.slot / self.pairs].slice].weight;
+        let weight = self.slices[self.lines[l].slice].weight;
         Some((c / weight, slope / (weight * self.helix_cos)))
     }
 
@@ -57,54 +64,74 @@ impl LinesOfAction {
         }
         let mut rest = found;
         while let Some(first) = rest.first() {
-            let line = first.slot / self.pairs;
-            let n = rest.partition_point(|c| c.slot / self.pairs == line);
+            let index = first.slot / self.pairs;
+            let n = rest.partition_point(|c| c.slot / self.pairs == index);
             let (group, others) = rest.split_at_mut(n);
             // One pair has no neighbour.
             if n > 1 {
-                self.couple_line(&mut group[..n.min(MOST)], &closed);
+                let group = &mut group[..n.min(MOST)];
+                let mut line = Group::default();
+                for c in &*group {
+                    let tooth = c.points[0].tooth.index;
+                    line.add(tooth, c.s, c.stiffness, c.gap, closed(c.slot));
+                }
+                self.settle(index, &mut line);
+                for (c, gap) in group.iter_mut().zip(line.gap) {
+                    c.gap = gap;
+                }
             }
             rest = others;
         }
     }
 
-    /// Semismooth Newton: `r = g - g0 - C N(g)`, `J = I - C dN/dg`; as many rounds as pairs open or close for a linear
-    /// law.
-    fn couple_line(&self, group: &mut [Candidate], closed: &impl Fn(usize) -> Option<bool>) {
-        let n = group.len();
-        let mut c = [0.0; MOST * MOST];
+    /// Compliances between the pairs of a line; false where there are none.
+    fn compliances(&self, l: usize, g: &Group, c: &mut [f64; MOST * MOST]) -> bool {
+        let n = g.n;
         let mut coupled = false;
         for i in 0..n {
             for j in 0..i {
-                if let Some((value, _)) = self.compliance(&group[i], &group[j]) {
+                let teeth = [g.tooth[i], g.tooth[j]];
+                if let Some((value, _)) = self.between(l, teeth, [g.s[i], g.s[j]]) {
                     (c[i * n + j], c[j * n + i]) = (value, value);
                     coupled |= value != 0.0;
                 }
             }
         }
-        if !coupled {
+        coupled
+    }
+
+    /// Opens the gaps of pairs of a line by what the forces of their neighbours give.
+    pub(super) fn settle(&self, l: usize, g: &mut Group) {
+        let mut c = [0.0; MOST * MOST];
+        if g.n < 2 || !self.compliances(l, g, &mut c) {
             return;
         }
-        let mut gap0 = [0.0; MOST];
-        for (g, p) in gap0.iter_mut().zip(&*group) {
-            *g = p.gap;
+        let settled = self.elastic.exponent() == 1.0 && settle_few(g, &c) || self.iterate(g, &c);
+        if !settled {
+            // A stalled solve must not pass for a force.
+            g.gap = [f64::NAN; MOST];
         }
+    }
+
+    /// Semismooth Newton: `r = g - g0 - C N(g)`, `J = I - C dN/dg`; as many rounds as pairs open or close for a linear
+    /// law. False where it stalls.
+    fn iterate(&self, g: &mut Group, c: &[f64; MOST * MOST]) -> bool {
+        let n = g.n;
+        let gap0 = g.gap;
         let (mut force, mut slope) = ([0.0; MOST], [0.0; MOST]);
         let mut pressed = [false; MOST];
         for round in 0..MAX_ITERATIONS {
             let mut changed = round == 0;
             for i in 0..n {
                 let opened: f64 = (0..n).map(|j| c[i * n + j] * force[j]).sum();
-                let presses = closed(group[i].slot).unwrap_or(gap0[i] + opened < 0.0);
+                let presses = g.closed[i].unwrap_or(gap0[i] + opened < 0.0);
                 changed |= presses != pressed[i];
                 pressed[i] = presses;
             }
             for i in 0..n {
                 (force[i], slope[i]) = (0.0, 0.0);
                 if pressed[i] {
-                    let f = self
-                        .elastic
-                        .smooth(group[i].gap, 0.0, 0.0, group[i].stiffness);
+                    let f = self.elastic.smooth(g.gap[i], 0.0, 0.0, g.stiffness[i]);
                     (force[i], slope[i]) = (f.n, f.dn_dg);
                 }
             }
@@ -117,27 +144,109 @@ impl LinesOfAction {
                     matrix[i * n + j] = unit - c[i * n + j] * slope[j];
                     opened += c[i * n + j] * force[j];
                 }
-                rhs[i] = group[i].gap - gap0[i] - opened;
+                rhs[i] = g.gap[i] - gap0[i] - opened;
                 worst = worst.max(rhs[i].abs() / (gap0[i].abs() + opened.abs() + 1e-12));
             }
             if worst <= 1e-15 && !changed {
-                return;
+                return true;
             }
             if solve_in_place(&mut matrix[..n * n], &mut rhs[..n]).is_err() {
-                break;
+                return false;
             }
             let mut moved = 0.0_f64;
-            for (p, d) in group.iter_mut().zip(&rhs) {
-                p.gap -= d;
-                moved = moved.max(d.abs() / (p.gap.abs() + 1e-12));
+            for (gap, d) in g.gap.iter_mut().zip(&rhs[..n]) {
+                *gap -= d;
+                moved = moved.max(d.abs() / (gap.abs() + 1e-12));
             }
             if moved <= 1e-15 && !changed {
-                return;
+                return true;
             }
         }
-        // A stalled solve must not pass for a force.
-        for p in group {
-            p.gap = f64::NAN;
+        false
+    }
+}
+
+/// Pairs of a line as their neighbours see them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Group {
+    pub(super) n: usize,
+    /// Teeth of the first gear.
+    tooth: [i64; MOST],
+    /// Path coordinates [m].
+    s: [f64; MOST],
+    /// [N/m] for a linear law.
+    stiffness: [f64; MOST],
+    /// [m]
+    pub(super) gap: [f64; MOST],
+    /// Follows its smooth branch, is open, or is told by its gap.
+    closed: [Option<bool>; MOST],
+}
+
+impl Group {
+    /// Adds a pair; there is room for [`MOST_ON_LINE`].
+    #[inline]
+    pub(super) fn add(
+        &mut self,
+        tooth: i64,
+        s: f64,
+        stiffness: f64,
+        gap: f64,
+        closed: Option<bool>,
+    ) {
+        let i = self.n;
+        if i < MOST {
+            self.tooth[i] = tooth;
+            self.s[i] = s;
+            self.stiffness[i] = stiffness;
+            self.gap[i] = gap;
+            self.closed[i] = closed;
+            self.n += 1;
         }
     }
+}
+
+/// The gaps of pairs with a linear law of which at most two press, without a matrix: two pairs that press are
+/// `g_1 + c k_2 g_2 = g0_1`, `c k_1 g_1 + g_2 = g0_2`. Round by round until those that press are those that were taken to.
+/// False, and nothing changed, where more press.
+fn settle_few(g: &mut Group, c: &[f64; MOST * MOST]) -> bool {
+    let n = g.n;
+    let gap0 = g.gap;
+    let mut gap = gap0;
+    let mut before = 0_u32;
+    for round in 0..MAX_ITERATIONS {
+        let (mut pressed, mut few, mut count) = (0_u32, [0; 2], 0);
+        for i in 0..n {
+            if g.closed[i].unwrap_or(gap[i] < 0.0) {
+                pressed |= 1 << i;
+                if count == 2 {
+                    return false;
+                }
+                few[count] = i;
+                count += 1;
+            }
+        }
+        if round > 0 && pressed == before {
+            g.gap = gap;
+            return gap[..n].iter().all(|gap| gap.is_finite());
+        }
+        before = pressed;
+        let [i, j] = few;
+        let mut force = [0.0; 2];
+        if count == 1 {
+            force[0] = -g.stiffness[i] * gap0[i];
+        } else if count == 2 {
+            let c = c[i * n + j];
+            let (a, b) = (c * g.stiffness[j], c * g.stiffness[i]);
+            let determinant = 1.0 - a * b;
+            force = [
+                -g.stiffness[i] * (gap0[i] - a * gap0[j]) / determinant,
+                -g.stiffness[j] * (gap0[j] - b * gap0[i]) / determinant,
+            ];
+        }
+        for k in 0..n {
+            // Nothing opens a pair by its own force.
+            gap[k] = gap0[k] + c[k * n + i] * force[0] + c[k * n + j] * force[1];
+        }
+    }
+    false
 }

@@ -22,6 +22,7 @@
 
 mod assembly;
 mod coupling;
+mod direct;
 mod flank_lines;
 mod lines;
 mod search;
@@ -29,6 +30,7 @@ mod separation;
 mod walk;
 
 pub(crate) use coupling::MOST_ON_LINE;
+pub(crate) use direct::{Mesh, PRESCRIBED, Pressed, Roster};
 pub use flank_lines::{FlankLines, LineGear, LinePressure};
 pub(crate) use lines::all_open;
 pub use lines::{LinesOfAction, MeshGeometry, Slice};

@@ -210,7 +210,7 @@ impl LinesOfAction {
     }
 
     #[inline]
-    fn slot(&self, l: usize, pair: i64) -> usize {
+    pub(super) fn slot(&self, l: usize, pair: i64) -> usize {
         // 32-bit division is several times cheaper, and no gear turns through 2^31 teeth.
         l * self.pairs + (pair as i32).rem_euclid(self.pairs as i32) as usize
     }
@@ -312,12 +312,13 @@ impl LinesOfAction {
     /// Path coordinate of a pair on that of gear a, the same whichever gear comes first [m].
     #[inline(always)]
     fn place(&self, line: &Line, movers: [&Mover<'_>; 2], pair: i64) -> f64 {
-        self.middle([0, 1].map(|k| self.path_coordinate(line, k, movers[k], pair)))
+        let of = |k: usize| self.path_coordinate(line, k, movers[k], pair);
+        self.middle([of(0), of(1)])
     }
 
     /// `s`: path coordinates of the pair before the first, the first, the last, the one after it.
     #[inline(always)]
-    fn set_zone_events(&self, s: [f64; 4], event_functions: &mut [f64]) {
+    pub(super) fn set_zone_events(&self, s: [f64; 4], event_functions: &mut [f64]) {
         let scale = self.per_base_pitch;
         event_functions[0] = (self.zone[1] - s[2]) * scale;
         event_functions[1] = (s[1] - self.zone[0]) * scale;
@@ -338,9 +339,7 @@ impl LinesOfAction {
         if self.whole_mesh {
             // One spring: the pair nearest to the middle of the path stands for the mesh; all pairs of
             // rigid gears have its gap.
-            let middle = 0.5 * (self.zone[0] + self.zone[1]);
-            let s0 = self.place(line, movers, 0);
-            let pair = nearest((middle - s0) * self.per_base_pitch);
+            let pair = self.nearest_to_middle(self.place(line, movers, 0));
             (pair, pair)
         } else if listed {
             (discrete[2 * l] as i64, discrete[2 * l + 1] as i64)
@@ -349,12 +348,17 @@ impl LinesOfAction {
         }
     }
 
+    /// The pair nearest to the middle of the path, where pair 0 is at a path coordinate [m].
+    #[inline]
+    pub(super) fn nearest_to_middle(&self, s0: f64) -> i64 {
+        let middle = 0.5 * (self.zone[0] + self.zone[1]);
+        nearest((middle - s0) * self.per_base_pitch)
+    }
+
     /// First and last pair in the zone at a state.
     pub(super) fn zone_now(&self, line: &Line, movers: [&Mover<'_>; 2]) -> (i64, i64) {
         // The teeth move little against the hub, so the pair nearest to the middle is a safe start.
-        let middle = 0.5 * (self.zone[0] + self.zone[1]);
-        let s0 = self.place(line, movers, 0);
-        let guess = nearest((middle - s0) * self.per_base_pitch);
+        let guess = self.nearest_to_middle(self.place(line, movers, 0));
         // Two pairs on each side are all that a contact ratio below three has.
         let mut around = [[0.0; 5]; 2];
         for (k, around) in around.iter_mut().enumerate() {

@@ -34,9 +34,7 @@ impl GearModel for MovableTeeth {
     #[inline]
     fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         // A tooth outside its window carries no force, so the mean stands for it.
-        let i = self
-            .coordinate(at.discrete, p.tooth)
-            .unwrap_or(self.first());
+        let i = self.own_or_mean(at.discrete, p.tooth);
         row.push(i, self.hub.effective_radius(&p.x, n));
         // A tooth has a coordinate whatever its hub does: nothing of its motion is prescribed.
         0.0

@@ -116,9 +116,16 @@ impl MovableTeeth {
         }
     }
 
+    /// Coordinate that stands for a tooth: outside its window it cannot touch, and its small free deviation from the mean
+    /// is not worth a sine.
+    #[inline]
+    pub(super) fn own_or_mean(&self, discrete: &[f64], tooth: Tooth) -> usize {
+        self.own_coordinate(discrete, tooth).unwrap_or(self.first())
+    }
+
     /// Coordinate of a tooth, `None` when it is outside the windows.
     #[inline]
-    pub(super) fn coordinate(&self, discrete: &[f64], tooth: Tooth) -> Option<usize> {
+    pub(super) fn own_coordinate(&self, discrete: &[f64], tooth: Tooth) -> Option<usize> {
         match &self.integrated {
             Integrated::All => {
                 Some(self.first() + (tooth.index as i32).rem_euclid(self.teeth as i32) as usize)

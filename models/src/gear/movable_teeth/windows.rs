@@ -10,10 +10,20 @@ use gearbench_integrators::system::{At, Change};
 impl ToothCoordinates for MovableTeeth {
     #[inline]
     fn displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
-        match self.coordinate(at.discrete, tooth) {
-            Some(i) => at.q[i],
-            // Outside its window a tooth cannot touch: its small free deviation is not worth a sine here.
-            None => at.q[self.first()],
+        at.q[self.own_or_mean(at.discrete, tooth)]
+    }
+
+    #[inline]
+    fn coordinate(&self, discrete: &[f64], tooth: Tooth) -> Option<usize> {
+        Some(self.own_or_mean(discrete, tooth))
+    }
+
+    /// The middle teeth of its windows.
+    #[inline]
+    fn places(&self) -> usize {
+        match &self.integrated {
+            Integrated::All => 0,
+            Integrated::Windows(windows) => windows.len(),
         }
     }
 
@@ -56,7 +66,7 @@ impl ToothCoordinates for MovableTeeth {
         if self.springs.radius.is_none() {
             return Change::None;
         }
-        let Some(i) = self.coordinate(discrete, tooth) else {
+        let Some(i) = self.own_coordinate(discrete, tooth) else {
             return Change::None;
         };
         let Some(slot) = self.slot(i - self.first()) else {

@@ -1,0 +1,151 @@
+//! Wall time over simulated time of gears that run under load: `cargo bench --bench real_time [-- --store FILE]`.
+//!
+//! `loaded_mesh` with rigid gears and with movable teeth: of some methods over their resolutions the cheapest whose own
+//! error (relative L2 against the model's converged solution) is at most 0.1 % in the contact force and in the
+//! transmission error, setup apart; then both by turns. The work stands beside the times: right-hand sides, steps, events,
+//! and what a right-hand side costs with all that belongs to it.
+
+mod support;
+
+use gearbench_integrators::observers::recorder::Recorder;
+use gearbench_integrators::{NullSink, Resolution, StepError, TimePlan, Work};
+use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
+use serde_json::json;
+use std::time::Duration;
+use support::ratio::{by_turns, ratios};
+use support::scenes::{built, file, method, resolution as text, run, store};
+use support::sweep::time;
+
+const COMMAND: &str = "cargo bench --bench real_time -- --store FILE";
+const OWN_ERROR: f64 = 1e-3;
+const SAMPLES: usize = 4000;
+
+/// Force [N] and transmission error [m] on an even grid.
+fn series(
+    scene: &mut Scene,
+    id: &str,
+    resolution: Resolution,
+    end: f64,
+) -> Result<[Vec<f64>; 2], StepError> {
+    let grid = (0..=SAMPLES).map(|i| end * i as f64 / SAMPLES as f64);
+    let mut recorder = Recorder::on(grid.collect());
+    let mut s = scene.initial();
+    let plan = TimePlan {
+        // A method beyond its limit finds no end.
+        time_limit: Some(Duration::from_secs(3)),
+        ..TimePlan::new(end, resolution)
+    };
+    method(id).run(scene, &mut s, &plan, &mut recorder, &mut Work::default())?;
+    let column = |channel| {
+        let channel = scene.channel(channel);
+        channel.map_or_else(Vec::new, |c| recorder.column(c))
+    };
+    let turned = [0, 1].map(|i| column(Channel::Gear(i, OfGear::Displacement)));
+    let radius = [0, 1].map(|i| scene.gears()[i].model.hub().effective_base_radius);
+    let error = turned[0].iter().zip(&turned[1]);
+    let error = error.map(|(a, b)| radius[0] * a + radius[1] * b).collect();
+    Ok([column(Channel::Mesh(0, OfMesh::Force)), error])
+}
+
+fn relative(a: &[f64], b: &[f64]) -> f64 {
+    let differ: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+    (differ / b.iter().map(|b| b * b).sum::<f64>()).sqrt()
+}
+
+struct Found {
+    id: &'static str,
+    resolution: Resolution,
+    errors: [f64; 2],
+    wall: f64,
+    work: Work,
+}
+
+/// The cheapest run within the error.
+fn cheapest(scene: &mut Scene, end: f64) -> Option<Found> {
+    let converged = series(scene, "dopri5", Resolution::Tolerance(1e-11), end).ok()?;
+    let tolerances = (4..=10).map(|i| Resolution::Tolerance(10f64.powf(-0.5 * f64::from(i))));
+    let rk4 = [6e-6, 4e-6, 3e-6, 2e-6].map(|h| ("rk4", Resolution::Step(h)));
+    let verlet = [2e-6, 1e-6, 5e-7].map(|h| ("velocity-verlet", Resolution::Step(h)));
+    let candidates = tolerances
+        .flat_map(|r| [("dopri5", r), ("tsit45", r)])
+        .chain(rk4)
+        .chain(verlet);
+    let mut best: Option<Found> = None;
+    for (id, resolution) in candidates {
+        let Ok(found) = series(scene, id, resolution, end) else {
+            continue;
+        };
+        let errors = [0, 1].map(|i| relative(&found[i], &converged[i]));
+        if !errors.iter().all(|e| *e <= OWN_ERROR) {
+            continue;
+        }
+        let (wall, work) = time(scene, method(id).as_mut(), resolution, end);
+        if best.as_ref().is_none_or(|b| wall < b.wall) {
+            best = Some(Found {
+                id,
+                resolution,
+                errors,
+                wall,
+                work,
+            });
+        }
+    }
+    best
+}
+
+#[allow(clippy::print_stdout)]
+fn main() {
+    let file = file("loaded_mesh");
+    let end = file.duration;
+    let labels = ["rigid", "movable-teeth"];
+    let mut scenes = labels.map(|label| built(&file, label, &[]));
+    let found = scenes.each_mut().map(|scene| cheapest(scene, end));
+    let [Some(rigid), Some(teeth)] = &found else {
+        println!("no run within the error");
+        return;
+    };
+    let both = [rigid, teeth];
+    let times = by_turns(
+        &mut ratios(2.0),
+        "loaded_mesh",
+        "movable teeth / rigid",
+        || {
+            [1, 0].map(|k| {
+                let plan = TimePlan::new(end, both[k].resolution);
+                let mut method = method(both[k].id);
+                run(&mut scenes[k], method.as_mut(), &plan, &mut NullSink).2
+            })
+        },
+    );
+    let walls = [times[1], times[0]];
+    println!(
+        "loaded_mesh, {end} s, own error of force and transmission error at most {OWN_ERROR}: cheapest run"
+    );
+    let mut figures = Vec::new();
+    for ((label, f), wall) in labels.iter().zip(both).zip(walls) {
+        let per_rhs = 1e9 * wall / f.work.force_evaluations as f64;
+        println!(
+            "{label:<14} wall / simulated {:>6.3}  {} {}: errors {:.1e} {:.1e}, {} right-hand sides of {per_rhs:.0} ns, {} steps, {} events",
+            wall / end,
+            f.id,
+            text(f.resolution),
+            f.errors[0],
+            f.errors[1],
+            f.work.force_evaluations,
+            f.work.steps,
+            f.work.events,
+        );
+        figures.push(json!({
+            "model": label,
+            "method": f.id,
+            "resolution": text(f.resolution),
+            "errors": f.errors,
+            "wall_over_simulated": wall / end,
+            "right_hand_sides": f.work.force_evaluations,
+            "steps": f.work.steps,
+            "events": f.work.events,
+        }));
+    }
+    println!("movable teeth / rigid {:.1}", walls[1] / walls[0]);
+    store(COMMAND, json!({ "loaded_mesh": figures }));
+}

@@ -1,0 +1,412 @@
+//! Forces and event functions of tooth pairs as a handful of scalars, for gears whose teeth move by one coordinate each.
+//!
+//! On the line of action the effective radius arm of a flank is the same all along: a pair's contact row is one number per
+//! gear, its gap and gap rate follow from the displacements and speeds of two teeth. Which pairs there are, and by which
+//! coordinates their teeth move, is in the discrete state and changes once in a thousand steps: it is kept in a [`Roster`]
+//! until then. Nothing is searched, and neither points nor rows are made. Candidates say the same of the same pairs, with
+//! all that pictures, tangents and friction need.
+
+use super::coupling::{Group, MOST_ON_LINE};
+use super::lines::{Line, LinesOfAction, ZONE_EVENTS, all_open};
+use crate::kinematics::{Hub, Tooth};
+use crate::law::Law;
+
+/// In place of the number of a coordinate: the motion of the gear is prescribed.
+pub(crate) const PRESCRIBED: usize = usize::MAX;
+
+/// Of both gears. (A `map` over an array of two is a call for each of them.)
+#[inline(always)]
+fn both<T>(of: impl Fn(usize) -> T) -> [T; 2] {
+    [of(0), of(1)]
+}
+
+/// A pair that is looked at.
+#[derive(Clone, Copy, Debug)]
+struct Listed {
+    pair: i64,
+    slot: usize,
+    /// Of the first gear.
+    tooth: i64,
+    /// The scene's coordinates by which its teeth move, or [`PRESCRIBED`].
+    coordinates: [usize; 2],
+}
+
+/// The pairs of a mesh that are looked at, and one before and behind those of each line, as a discrete state has them.
+#[derive(Debug, Default)]
+pub(crate) struct Roster {
+    /// What it was made from.
+    key: Vec<f64>,
+    listed: Vec<Listed>,
+    /// Ends of the lines in [`Self::listed`].
+    ends: Vec<usize>,
+}
+
+impl Roster {
+    /// Whether it is that of a discrete state, given in parts.
+    #[inline(always)]
+    fn is_of(&self, parts: [&[f64]; 3]) -> bool {
+        let mut key = self.key.iter();
+        for part in parts {
+            for cell in part {
+                if key.next() != Some(cell) {
+                    return false;
+                }
+            }
+        }
+        !self.ends.is_empty() && key.next().is_none()
+    }
+}
+
+/// A mesh at a state.
+pub(crate) struct Mesh<'a> {
+    pub(crate) law: &'a Law,
+    /// Effective radius arm of both gears on each line ([`LinesOfAction::arms`]).
+    pub(crate) arms: &'a [[f64; 2]],
+    /// The scene's coordinates and velocities.
+    pub(crate) q: &'a [f64],
+    pub(crate) v: &'a [f64],
+    /// Displacement and speed of gears whose motion is prescribed.
+    pub(crate) prescribed: [[f64; 2]; 2],
+    /// The search's part of the discrete state, and the parts of both gears that say by which coordinates teeth move.
+    pub(crate) discrete: [&'a [f64]; 3],
+    /// Per slot `(mode, impact speed)`.
+    pub(crate) modes: &'a [f64],
+}
+
+impl Mesh<'_> {
+    #[inline(always)]
+    fn displacement(&self, k: usize, coordinate: usize) -> f64 {
+        match self.q.get(coordinate) {
+            Some(q) => *q,
+            None => self.prescribed[k][0],
+        }
+    }
+
+    #[inline(always)]
+    fn speed(&self, k: usize, coordinate: usize) -> f64 {
+        match self.v.get(coordinate) {
+            Some(v) => *v,
+            None => self.prescribed[k][1],
+        }
+    }
+
+    /// Speed stored at the first touch of a contact, or that of the contact itself [m/s].
+    #[inline(always)]
+    fn impact_speed(&self, p: &Pressed) -> f64 {
+        let stored = self.modes[2 * p.slot + 1];
+        if stored > 0.0 { stored } else { -p.rate }
+    }
+}
+
+/// A pair whose force is asked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pressed {
+    slot: usize,
+    tooth: i64,
+    coordinates: [usize; 2],
+    /// Path coordinate [m], gap [m] and its rate [m/s].
+    s: f64,
+    gap: f64,
+    rate: f64,
+    scale: [f64; 2],
+    /// Entries of the contact row.
+    row: [f64; 2],
+    stiffness: f64,
+    stiffness_s: f64,
+    /// What both entries are multiplied by [N].
+    on: [f64; 2],
+    /// Elastic force, which is what neighbours feel [N].
+    elastic: f64,
+}
+
+impl Pressed {
+    #[inline(always)]
+    fn add_to(&self, f: &mut [f64]) {
+        for k in 0..2 {
+            if let Some(f) = f.get_mut(self.coordinates[k]) {
+                *f += self.on[k] * self.row[k];
+            }
+        }
+    }
+}
+
+/// The force of a closed pair, what its potential changes by along the path included.
+#[inline(always)]
+fn press(law: &Law, mesh: &Mesh<'_>, p: &mut Pressed) {
+    let n = law
+        .smooth(p.gap, p.rate, mesh.impact_speed(p), p.stiffness)
+        .n;
+    p.on = [n; 2];
+    if p.stiffness_s != 0.0 {
+        let along = 0.5 * law.d_potential_dk(p.gap, p.stiffness) * p.stiffness_s;
+        p.on = [n + along / p.scale[0], n - along / p.scale[1]];
+    }
+}
+
+/// The event function of a pair [m].
+#[inline(always)]
+fn watched(law: &Law, mesh: &Mesh<'_>, p: &Pressed) -> f64 {
+    let v0 = mesh.impact_speed(p);
+    if mesh.modes[2 * p.slot] == 0.0 {
+        return law.until_it_pushes(p.gap, p.rate, v0, p.stiffness);
+    }
+    let n = law.smooth(p.gap, p.rate, v0, p.stiffness).n;
+    law.as_length(n, p.stiffness)
+}
+
+impl LinesOfAction {
+    /// Effective radius arms of both gears on each line, `d(x . n)/dq` of a point on it, as its hub tells them.
+    pub(crate) fn arms(&self, of: [&Hub; 2]) -> Vec<[f64; 2]> {
+        let lines = self.lines.iter();
+        lines
+            .map(|line| of.map(|hub| hub.effective_radius(&line.origin, &line.normal)))
+            .collect()
+    }
+
+    /// Lists the pairs that a discrete state has. `coordinate` tells by which coordinate of the scene a tooth of the
+    /// first or second gear moves.
+    #[inline(always)]
+    pub(crate) fn list(
+        &self,
+        mesh: &Mesh<'_>,
+        roster: &mut Roster,
+        coordinate: impl Fn(usize, Tooth) -> usize,
+    ) {
+        if self.whole_mesh || !roster.is_of(mesh.discrete) {
+            self.list_afresh(mesh, roster, &coordinate);
+        }
+    }
+
+    #[inline(never)]
+    fn list_afresh(
+        &self,
+        mesh: &Mesh<'_>,
+        roster: &mut Roster,
+        coordinate: &dyn Fn(usize, Tooth) -> usize,
+    ) {
+        roster.key.clear();
+        for part in mesh.discrete {
+            roster.key.extend_from_slice(part);
+        }
+        roster.listed.clear();
+        roster.ends.clear();
+        for (l, line) in self.lines.iter().enumerate() {
+            let listed = |pair: i64| {
+                let teeth = self.teeth(line.side, pair);
+                Listed {
+                    pair,
+                    slot: self.slot(l, pair),
+                    tooth: teeth[0].index,
+                    coordinates: both(|k| coordinate(k, teeth[k])),
+                }
+            };
+            let (lo, hi) = if self.whole_mesh {
+                // One spring: the pair nearest to the middle of the path stands for the mesh.
+                let pair = self.nearest_to_middle(self.middle(self.path(line, &listed(0), mesh)));
+                (pair, pair)
+            } else {
+                let own = &mesh.discrete[0][2 * l..];
+                (own[0] as i64, own[1] as i64)
+            };
+            roster.listed.extend((lo - 1..=hi + 1).map(listed));
+            roster.ends.push(roster.listed.len());
+        }
+    }
+
+    /// The pairs of a line, one before and one behind them included.
+    #[inline(always)]
+    fn of_line<'r>(&self, roster: &'r Roster, l: usize) -> &'r [Listed] {
+        let first = if l == 0 { 0 } else { roster.ends[l - 1] };
+        &roster.listed[first..roster.ends[l]]
+    }
+
+    #[inline(always)]
+    fn path(&self, line: &Line, of: &Listed, mesh: &Mesh<'_>) -> [f64; 2] {
+        both(|k| {
+            let x = mesh.displacement(k, of.coordinates[k]);
+            line.map[k].s(x, of.pair)
+        })
+    }
+
+    /// Gap of a pair [m], and the scales of its row.
+    #[inline(always)]
+    fn gap_and_scale(&self, line: &Line, pair: i64, s: [f64; 2]) -> (f64, [f64; 2]) {
+        if line.plain && s[0] <= line.tips[0] && s[1] <= line.tips[1] {
+            let gap = self.helix_cos * (self.mesh.length - s[0] - s[1]);
+            return (gap, [1.0; 2]);
+        }
+        let p = self.pair(line, pair, s);
+        (p.gap, p.scale)
+    }
+
+    /// Adds the forces of the pairs that are closed.
+    pub(crate) fn add_forces(
+        &self,
+        mesh: &Mesh<'_>,
+        roster: &Roster,
+        found: &mut Vec<Pressed>,
+        f: &mut [f64],
+    ) {
+        for l in 0..self.lines.len() {
+            if all_open(&mesh.modes[2 * l * self.pairs..][..2 * self.pairs]) {
+                continue;
+            }
+            let line = &self.lines[l];
+            let law = mesh.law.shared(self.slices[line.slice].weight);
+            let of_line = self.of_line(roster, l);
+            let closed = of_line[1..of_line.len() - 1].iter();
+            let closed = closed.filter(|of| mesh.modes[2 * of.slot] != 0.0);
+            if !self.couples() {
+                for of in closed {
+                    let path = self.path(line, of, mesh);
+                    let mut p = self.pressed(l, of, path, mesh);
+                    press(&law, mesh, &mut p);
+                    p.add_to(f);
+                }
+                continue;
+            }
+            found.clear();
+            for of in closed {
+                let path = self.path(line, of, mesh);
+                found.push(self.pressed(l, of, path, mesh));
+            }
+            self.couple_pressed(l, found, |_| true);
+            for p in &mut *found {
+                press(&law, mesh, p);
+            }
+            self.press_along(l, found);
+            for p in &*found {
+                p.add_to(f);
+            }
+        }
+    }
+
+    /// Event functions of the discrete state: of the zone, and of each pair in it by slot, in metres; others stay as
+    /// they are.
+    pub(crate) fn watch_listed(
+        &self,
+        mesh: &Mesh<'_>,
+        roster: &Roster,
+        found: &mut Vec<Pressed>,
+        zones: &mut [f64],
+        slots: &mut [f64],
+    ) {
+        let dissipates = mesh.law.is_dissipative();
+        for (l, line) in self.lines.iter().enumerate() {
+            let of_line = self.of_line(roster, l);
+            let n = of_line.len();
+            let place = |i: usize| self.middle(self.path(line, &of_line[i], mesh));
+            if !self.whole_mesh {
+                let ends = [place(0), place(1), place(n - 2), place(n - 1)];
+                self.set_zone_events(ends, &mut zones[ZONE_EVENTS * l..][..ZONE_EVENTS]);
+            }
+            let closed = !all_open(&mesh.modes[2 * l * self.pairs..][..2 * self.pairs]);
+            let couples = closed && self.couples();
+            let law = mesh.law.shared(self.slices[line.slice].weight);
+            found.clear();
+            for of in &of_line[1..n - 1] {
+                let path = self.path(line, of, mesh);
+                let open = mesh.modes[2 * of.slot] == 0.0;
+                let (gap, scale) = self.gap_and_scale(line, of.pair, path);
+                if couples {
+                    found.push(self.pressed_at(l, of, path, (gap, scale), mesh));
+                } else if dissipates && !(open && gap > 0.0) {
+                    let p = self.pressed_at(l, of, path, (gap, scale), mesh);
+                    slots[of.slot] = watched(&law, mesh, &p);
+                } else {
+                    // Gaps are all that open contacts and contacts without damping need.
+                    slots[of.slot] = if open { gap } else { -gap };
+                }
+            }
+            if couples {
+                self.couple_pressed(l, found, |slot| mesh.modes[2 * slot] != 0.0);
+                for p in &*found {
+                    slots[p.slot] = watched(&law, mesh, p);
+                }
+            }
+        }
+    }
+
+    /// A pair, but for its force.
+    #[inline(always)]
+    fn pressed(&self, l: usize, of: &Listed, path: [f64; 2], mesh: &Mesh<'_>) -> Pressed {
+        let gap_and_scale = self.gap_and_scale(&self.lines[l], of.pair, path);
+        self.pressed_at(l, of, path, gap_and_scale, mesh)
+    }
+
+    /// The same where its gap and scales are known.
+    #[inline(always)]
+    fn pressed_at(
+        &self,
+        l: usize,
+        of: &Listed,
+        path: [f64; 2],
+        (gap, scale): (f64, [f64; 2]),
+        mesh: &Mesh<'_>,
+    ) -> Pressed {
+        let line = &self.lines[l];
+        let [a, b] = mesh.arms[l];
+        let row = [-scale[0] * a, scale[1] * b];
+        let speed = both(|k| mesh.speed(k, of.coordinates[k]));
+        let s = self.middle(path);
+        let (k, k_s) = self.stiffness.eval(s);
+        let weight = self.slices[line.slice].weight;
+        Pressed {
+            slot: of.slot,
+            tooth: of.tooth,
+            coordinates: of.coordinates,
+            s,
+            gap,
+            rate: row[0] * speed[0] + row[1] * speed[1],
+            scale,
+            row,
+            stiffness: k * weight,
+            stiffness_s: k_s * weight / self.helix_cos,
+            on: [0.0; 2],
+            elastic: 0.0,
+        }
+    }
+
+    /// Opens the gaps of pairs of a line by what the forces of their neighbours give.
+    #[inline(always)]
+    fn couple_pressed(&self, l: usize, found: &mut [Pressed], closed: impl Fn(usize) -> bool) {
+        if found.len() < 2 || !self.couples() {
+            return;
+        }
+        let mut group = Group::default();
+        for p in found.iter().take(MOST_ON_LINE) {
+            group.add(p.tooth, p.s, p.stiffness, p.gap, Some(closed(p.slot)));
+        }
+        self.settle(l, &mut group);
+        for (p, gap) in found.iter_mut().zip(group.gap).take(group.n) {
+            p.gap = gap;
+        }
+    }
+
+    /// Joins what the compliance between the pairs of a line changes by along the path.
+    #[inline(always)]
+    fn press_along(&self, l: usize, found: &mut [Pressed]) {
+        if found.len() < 2 {
+            return;
+        }
+        for p in &mut *found {
+            p.elastic = self.elastic.smooth(p.gap, 0.0, 0.0, p.stiffness).n;
+        }
+        for j in 1..found.len() {
+            let (before, rest) = found.split_at_mut(j);
+            let b = &mut rest[0];
+            for a in before {
+                let between = self.between(l, [a.tooth, b.tooth], [a.s, b.s]);
+                let Some((_, slope)) = between.filter(|_| a.slot != b.slot) else {
+                    continue;
+                };
+                // By half for either contact, and by half for either gear.
+                let along = -0.25 * slope * a.elastic * b.elastic;
+                for p in [&mut *a, &mut *b] {
+                    p.on[0] += along / p.scale[0];
+                    p.on[1] -= along / p.scale[1];
+                }
+            }
+        }
+    }
+}

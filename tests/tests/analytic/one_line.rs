@@ -1,0 +1,336 @@
+//! Contacts on lines of action without candidates: their forces are those of the candidates; one constant spring from event
+//! to event in closed form; what a run under load takes.
+
+use gearbench_integrators::observers::ledger::Ledger;
+use gearbench_integrators::observers::recorder::Recorder;
+use gearbench_integrators::{
+    AcceptedStep, Control, FlightPath, FreeFlight, NullSink, Resolution, SecondOrderSystem, Sink,
+    State, TimePlan, Work, method,
+};
+use gearbench_models::geometry::GearParams;
+use gearbench_models::law::{Damping, Friction};
+use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
+use gearbench_models::spec::{Body, ContactSpec, Load, ModelSpec, Mount, Profile, SceneSpec};
+use gearbench_models::stiffness::{Foundation, Hertz, PairOrMesh, PairStiffness, ToothModel};
+use gearbench_tests::*;
+
+fn loaded(torque: f64) -> SceneSpec {
+    let mut spec = fzg_c(400.0);
+    for (g, torque) in spec.gears.iter_mut().zip([torque, 1.5 * torque]) {
+        g.loads = vec![Load::Applied(Profile::Constant(torque))];
+    }
+    spec
+}
+
+fn helical(mut spec: SceneSpec) -> SceneSpec {
+    for (g, sign) in spec.gears.iter_mut().zip([1.0, -1.0]) {
+        if let Body::Gear(own) = &g.body {
+            let params = GearParams {
+                helix_angle: sign * 12.0_f64.to_radians(),
+                ..own.params().clone()
+            };
+            g.body = Body::Gear(gearbench_models::geometry::Gear::new(params).unwrap());
+        }
+    }
+    spec.gears[1].position[0] = 0.0935;
+    spec
+}
+
+fn compliance(damping: Damping) -> ContactSpec {
+    ContactSpec {
+        stiffness: PairStiffness::Compliance {
+            tooth: ToothModel::WeberBanaschek,
+            foundation: Foundation::Ring,
+            hertz: Hertz::WeberBanaschek {
+                reference_load: None,
+            },
+        },
+        damping,
+        ..contact(1.4e10)
+    }
+}
+
+fn damped(per_width: f64, damping: Damping) -> ContactSpec {
+    ContactSpec {
+        damping,
+        ..contact(per_width)
+    }
+}
+
+/// Keeps the ends of steps.
+#[derive(Default)]
+struct Kept(Vec<State>);
+
+impl Sink for Kept {
+    fn accepted(&mut self, _sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        self.0.push(step.to.clone());
+        Control::Continue
+    }
+}
+
+/// Springs inside a gear add nothing to the sum of the forces on it: what is left is the load and what contacts, looked at
+/// with all their points and rows, exert on its hub.
+#[test]
+fn forces_without_candidates_are_those_of_the_candidates() {
+    let teeth = movable(8e8, 8e-3, 100.0);
+    let kelvin = Damping::KelvinVoigtRatio { ratio: 0.05 };
+    let at_load = Damping::RatioAtLoad { ratio: 0.05 };
+    let cases: [(&str, SceneSpec, [ModelSpec; 2], ContactSpec); 7] = [
+        (
+            "coupled",
+            loaded(94.1),
+            [rigid(), rigid()],
+            compliance(at_load),
+        ),
+        (
+            "kelvin",
+            loaded(94.1),
+            [rigid(), rigid()],
+            damped(1.4e10, kelvin),
+        ),
+        (
+            "helical",
+            helical(loaded(94.1)),
+            [rigid(), rigid()],
+            ContactSpec {
+                slices: Some(3),
+                ..compliance(at_load)
+            },
+        ),
+        (
+            "windows",
+            loaded(94.1),
+            [teeth.clone(), teeth.clone()],
+            damped(2.68e10, at_load),
+        ),
+        (
+            "teeth and rigid",
+            loaded(94.1),
+            [teeth.clone(), rigid()],
+            damped(2.68e10, kelvin),
+        ),
+        (
+            "coupled teeth",
+            loaded(94.1),
+            [teeth.clone(), teeth.clone()],
+            compliance(at_load),
+        ),
+        (
+            "all teeth",
+            loaded(94.1),
+            [all_teeth(teeth.clone()), teeth],
+            contact(2.68e10),
+        ),
+    ];
+    for (name, spec, models, contact) in cases {
+        let mut scene = build(&spec, &models, &contact);
+        let mut kept = Kept::default();
+        let plan = TimePlan::new(2e-3, Resolution::Tolerance(1e-5));
+        let begin = scene.initial();
+        watched(&mut scene, begin, "dopri5", &plan, &mut kept);
+        let (mut in_contact, mut worst) = (0, 0.0_f64);
+        for s in &kept.0 {
+            let mut f = vec![0.0; s.q.len()];
+            scene.force(s.at(), &mut f);
+            let contacts = scene.contact_forces(s.at());
+            in_contact += usize::from(!contacts.is_empty());
+            for (k, g) in scene.gears().iter().enumerate() {
+                let load = [94.1, 141.15][k];
+                let sum: f64 = f[g.range()].iter().sum();
+                let size: f64 = f[g.range()].iter().map(|f| f.abs()).sum();
+                let expected: f64 = contacts.iter().map(|c| c.on_hubs[k]).sum();
+                worst = worst.max((sum - load - expected).abs() / (load + size));
+            }
+        }
+        println!(
+            "{name}: {} states, {in_contact} in contact: {worst:.1e}",
+            kept.0.len()
+        );
+        assert!(in_contact > 50 && worst < 1e-11, "{name}: {worst:e}");
+    }
+}
+
+fn one_spring(damping: Damping) -> ContactSpec {
+    ContactSpec {
+        stiffness: PairStiffness::Constant {
+            per_width: 1.5e10,
+            of: PairOrMesh::Mesh,
+        },
+        ..damped(1.5e10, damping)
+    }
+}
+
+/// Newton's law along steps, by differences of what they say of the velocities inside.
+struct Newton {
+    worst: f64,
+    steps: usize,
+}
+
+impl Sink for Newton {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        let n = step.from.q.len();
+        let h = step.to.t - step.from.t;
+        let by = (1e-3_f64).min(1e-8 / h);
+        let mut s = step.from.clone();
+        let (mut q, mut ahead, mut behind) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        for theta in [0.2, 0.5, 0.9] {
+            step.dense.eval(theta + by, &mut q, &mut ahead);
+            step.dense.eval(theta - by, &mut q, &mut behind);
+            step.dense.eval(theta, &mut s.q, &mut s.v);
+            s.t = step.from.t + theta * h;
+            let mut a = vec![0.0; n];
+            sys.force(s.at(), &mut a);
+            sys.solve_mass(s.at(), &mut a);
+            for i in 0..n {
+                let rate = (ahead[i] - behind[i]) / (2.0 * by * h);
+                self.worst = self.worst.max((rate - a[i]).abs() / (1e3 + a[i].abs()));
+            }
+        }
+        self.steps += 1;
+        Control::Continue
+    }
+}
+
+#[test]
+fn one_constant_spring_goes_from_event_to_event() {
+    let kelvin = Damping::KelvinVoigtRatio { ratio: 0.05 };
+    let strong = Damping::KelvinVoigtRatio { ratio: 0.6 };
+    for (name, torque, damping, driven) in [
+        ("free", 0.0, Damping::None, false),
+        ("free, damped", 0.0, kelvin, false),
+        ("loaded", 2.0, Damping::None, false),
+        ("loaded, damped", 2.0, kelvin, false),
+        ("loaded, strongly damped", 2.0, strong, false),
+        ("driven", 1.0, kelvin, true),
+    ] {
+        let mut spec = case_a(1e-5);
+        spec.gears[0].loads = vec![Load::Applied(Profile::Constant(torque))];
+        if driven {
+            spec.gears[1].mount = Mount::Driven(Profile::Constant(-10.0));
+        } else {
+            spec.gears[1].loads = vec![Load::Applied(Profile::Constant(torque))];
+        }
+        let mut scene = build(&spec, &[rigid(), rigid()], &one_spring(damping));
+        let end = 0.02;
+        let fine = run(&mut scene, "dopri5", Resolution::Tolerance(1e-12), end).unwrap(name);
+        for resolution in [Resolution::Step(1e-4), Resolution::Tolerance(1e-2)] {
+            let (mut ledger, mut newton) = (
+                Ledger::default(),
+                Newton {
+                    worst: 0.0,
+                    steps: 0,
+                },
+            );
+            let plan = TimePlan::new(end, resolution);
+            let begin = scene.initial();
+            let mut sinks = gearbench_integrators::observers::Tee(vec![&mut ledger, &mut newton]);
+            let (state, work) = watched(&mut scene, begin, "trigonometric", &plan, &mut sinks);
+            ledger.close(&mut scene, &state);
+            let off = (state.v.iter().zip(&fine.state.v))
+                .map(|(a, b)| (a - b).abs() / b.abs())
+                .fold(0.0, f64::max);
+            let residual = ledger.residual().abs() / ledger.vibrating();
+            println!(
+                "{name}: {} events, {} steps, speeds off by {off:.1e}, energy {residual:.1e}, Newton {:.1e}",
+                work.events, work.steps, newton.worst
+            );
+            assert!(work.events > 0 && work.events == fine.work.events, "{name}");
+            assert!(
+                off < 1e-8 && residual < 1e-6 && newton.worst < 1e-4,
+                "{name}"
+            );
+            // No force is evaluated but at the start, and contact is told in steps of half a radian.
+            assert!(work.force_evaluations <= 2 && work.rejected == 0, "{name}");
+            assert!(
+                work.steps < 9 * work.events + 1300,
+                "{name}: {}",
+                work.steps
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_not_one_constant_spring_has_no_closed_form() {
+    let mut with_friction = one_spring(Damping::None);
+    with_friction.friction = Some(Friction::new(0.05, 0.01).unwrap());
+    let mut ramp = case_a(1e-5);
+    ramp.gears[0].loads = vec![Load::Viscous(0.1)];
+    for (name, spec, contact) in [
+        ("pairs", case_a(1e-5), contact(1.5e10)),
+        ("varying", case_a(1e-5), compliance(Damping::None)),
+        ("friction", case_a(1e-5), with_friction),
+        (
+            "impact speed",
+            case_a(1e-5),
+            one_spring(Damping::Flores { e: 0.8 }),
+        ),
+        (
+            "overdamped",
+            case_a(-1e-6),
+            one_spring(Damping::KelvinVoigtRatio { ratio: 1.5 }),
+        ),
+        ("viscous load", ramp, one_spring(Damping::None)),
+    ] {
+        let mut scene = build(&spec, &[rigid(), rigid()], &contact);
+        let mut s = scene.initial();
+        gearbench_integrators::Events::begin(&mut scene, &mut s, true);
+        let mut path = FlightPath::default();
+        assert_eq!(scene.linear_path(&s, &mut path), s.t, "{name}");
+    }
+}
+
+/// Force [N] and transmission error [m] on a grid.
+fn series(scene: &mut Scene, rtol: f64) -> ([Vec<f64>; 2], Work) {
+    let end = 0.01;
+    let grid = (0..=2000).map(|i| end * f64::from(i) / 2000.0).collect();
+    let mut recorder = Recorder::on(grid);
+    let plan = TimePlan::new(end, Resolution::Tolerance(rtol));
+    let (mut s, mut work) = (scene.initial(), Work::default());
+    let mut dopri5 = method("dopri5").unwrap();
+    dopri5
+        .run(scene, &mut s, &plan, &mut recorder, &mut work)
+        .unwrap();
+    let column = |channel| recorder.column(scene.channel(channel).unwrap());
+    let turned = [0, 1].map(|i| column(Channel::Gear(i, OfGear::Displacement)));
+    let radius = [0, 1].map(|i| scene.gears()[i].model.hub().effective_base_radius);
+    let error = turned[0].iter().zip(&turned[1]);
+    let error = error.map(|(a, b)| radius[0] * a + radius[1] * b).collect();
+    ([column(Channel::Mesh(0, OfMesh::Force)), error], work)
+}
+
+/// What `cargo bench --bench real_time` measures the time of: ten mesh cycles within 0.1 %.
+#[test]
+fn ten_loaded_mesh_cycles_within_a_thousandth_take_so_much_work() {
+    let at_load = Damping::RatioAtLoad { ratio: 0.05 };
+    let teeth = movable(8e8, 8e-3, 100.0);
+    for (model, contact, rtol, most) in [
+        (rigid(), compliance(at_load), 3e-4, [3300, 460, 70]),
+        (teeth, damped(2.68e10, at_load), 1e-3, [21000, 2850, 200]),
+    ] {
+        let mut scene = build(&loaded(94.1), &[model.clone(), model.clone()], &contact);
+        let (fine, _) = series(&mut scene, 1e-9);
+        let (found, work) = series(&mut scene, rtol);
+        let errors = [0, 1].map(|i| {
+            let differ = found[i].iter().zip(&fine[i]).map(|(a, b)| (a - b).powi(2));
+            (differ.sum::<f64>() / fine[i].iter().map(|x| x * x).sum::<f64>()).sqrt()
+        });
+        println!("{}: errors {errors:?}, {work:?}", model.id);
+        assert!(errors.iter().all(|e| *e < 1e-3), "{}: {errors:?}", model.id);
+        let took = [work.force_evaluations, work.steps, work.events];
+        assert!(
+            took.iter().zip(most).all(|(took, most)| *took <= most),
+            "{}: {took:?}",
+            model.id
+        );
+    }
+    // Timing looks at the same runs without observers.
+    let mut scene = build(&loaded(94.1), &[rigid(), rigid()], &compliance(at_load));
+    let plan = TimePlan::new(0.01, Resolution::Tolerance(3e-4));
+    let (mut s, mut work) = (scene.initial(), Work::default());
+    let mut dopri5 = method("dopri5").unwrap();
+    dopri5
+        .run(&mut scene, &mut s, &plan, &mut NullSink, &mut work)
+        .unwrap();
+    assert!(work.force_evaluations <= 3300);
+}
