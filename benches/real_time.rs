@@ -2,22 +2,26 @@
 //!
 //! `loaded_mesh` with rigid gears and with movable teeth: of some methods over their resolutions the cheapest whose own
 //! error (relative L2 against the model's converged solution) is at most 0.1 % in the contact force and in the
-//! transmission error, setup apart; then both by turns. The work stands beside the times: right-hand sides, steps, events,
+//! transmission error, setup apart; then both by turns. Elastic gears as shipped, on half-spaces, and with the elements of
+//! their meshes in contact: the longest step of the trigonometric method within 1 % of a run at a tenth of it. The work stands beside the times: right-hand sides, steps, events,
 //! and what a right-hand side costs with all that belongs to it.
 
 mod support;
 
+use gearbench::scene_file::SceneFile;
 use gearbench_integrators::observers::recorder::Recorder;
 use gearbench_integrators::{NullSink, Resolution, StepError, TimePlan, Work};
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
+use gearbench_models::spec::{PointContact, PointRule};
 use serde_json::json;
 use std::time::Duration;
 use support::ratio::{by_turns, ratios};
-use support::scenes::{built, file, method, resolution as text, run, store};
+use support::scenes::{built, changed, file, method, resolution as text, run, store};
 use support::sweep::time;
 
 const COMMAND: &str = "cargo bench --bench real_time -- --store FILE";
 const OWN_ERROR: f64 = 1e-3;
+const ELASTIC_ERROR: f64 = 1e-2;
 const SAMPLES: usize = 4000;
 
 /// Force [N] and transmission error [m] on an even grid.
@@ -93,6 +97,52 @@ fn cheapest(scene: &mut Scene, end: f64) -> Option<Found> {
     best
 }
 
+/// Elastic gears: wall over simulated time of the longest step within the error, by kind of contact.
+fn elastic(file: &SceneFile) -> Vec<(&'static str, Found)> {
+    let kinds = [
+        ("elastic, half-spaces", PointContact::half_space()),
+        (
+            "elastic, elements",
+            PointContact {
+                rule: PointRule::Quadrature {
+                    along: 3,
+                    across: 1,
+                },
+                ..PointContact::new(1e15)
+            },
+        ),
+    ];
+    let within = |points: PointContact| {
+        let mut scene = changed(file, "elastic", |modelling| {
+            for contact in &mut modelling.contacts {
+                contact.points = Some(points);
+            }
+        });
+        let id = "trigonometric";
+        [4e-6, 3e-6, 2e-6, 1.5e-6, 1e-6, 5e-7].iter().find_map(|h| {
+            let resolution = Resolution::Step(*h);
+            let mut of = |h: f64| series(&mut scene, id, Resolution::Step(h), file.duration).ok();
+            let (found, fine) = (of(*h)?, of(0.1 * h)?);
+            let errors = [0, 1].map(|i| relative(&found[i], &fine[i]));
+            if !errors.iter().all(|e| *e <= ELASTIC_ERROR) {
+                return None;
+            }
+            let (wall, work) = time(&mut scene, method(id).as_mut(), resolution, file.duration);
+            Some(Found {
+                id,
+                resolution,
+                errors,
+                wall,
+                work,
+            })
+        })
+    };
+    kinds
+        .into_iter()
+        .filter_map(|(label, points)| Some((label, within(points)?)))
+        .collect()
+}
+
 #[allow(clippy::print_stdout)]
 fn main() {
     let file = file("loaded_mesh");
@@ -121,11 +171,15 @@ fn main() {
     println!(
         "loaded_mesh, {end} s, own error of force and transmission error at most {OWN_ERROR}: cheapest run"
     );
+    let elastic = elastic(&file);
+    let mut rows: Vec<(&str, &Found, f64)> = Vec::new();
+    rows.extend((labels.iter().zip(both).zip(walls)).map(|((label, f), wall)| (*label, f, wall)));
+    rows.extend(elastic.iter().map(|(label, f)| (*label, f, f.wall)));
     let mut figures = Vec::new();
-    for ((label, f), wall) in labels.iter().zip(both).zip(walls) {
+    for (label, f, wall) in rows {
         let per_rhs = 1e9 * wall / f.work.force_evaluations as f64;
         println!(
-            "{label:<14} wall / simulated {:>6.3}  {} {}: errors {:.1e} {:.1e}, {} right-hand sides of {per_rhs:.0} ns, {} steps, {} events",
+            "{label:<20} wall / simulated {:>6.3}  {} {}: errors {:.1e} {:.1e}, {} right-hand sides of {per_rhs:.0} ns, {} steps, {} events",
             wall / end,
             f.id,
             text(f.resolution),

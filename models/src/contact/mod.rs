@@ -3,7 +3,7 @@
 //! | module | owns |
 //! |---|---|
 //! | [`Search`] | which of both a mesh has |
-//! | [`pairs`] | tooth pairs on the lines of action |
+//! | [`pairs`] | tooth pairs on the lines of action; lines of elastic flanks on half-spaces |
 //! | [`points`] | points of one flank against the surface of the other |
 //! | [`nodal`] | contact of gears whose flank nodes stand off the rigid flank |
 

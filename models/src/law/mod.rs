@@ -49,8 +49,8 @@ mod normal;
 #[cfg(test)]
 mod tests;
 
-pub use damping::Damping;
+pub use damping::{Damping, realised_restitution};
 pub use error::LawError;
 pub use friction::{Film, Friction, FrictionForce, FrictionForm, MeshFilm};
 pub use half_space::HalfSpace;
-pub use normal::{Law, LawForce, MeshLoad, realised_restitution};
+pub use normal::{Law, LawForce, MeshLoad};

@@ -395,27 +395,3 @@ impl Law {
         }
     }
 }
-
-/// The restitution a law with factor `chi >= 0` gives in a free impact, whatever its exponent: the
-/// root in `(0, 1]` of `chi (1 + r) = ln((1 + chi) / (1 - chi r))`.
-pub fn realised_restitution(chi: f64) -> f64 {
-    if chi.is_nan() || chi <= 0.0 {
-        return 1.0;
-    }
-    if chi < 1e-4 {
-        // The logarithms cancel here; the series of the root is r = 1 - 2 chi / 3 + O(chi^2).
-        return 1.0 - 2.0 * chi / 3.0 + 4.0 * chi * chi / 9.0;
-    }
-    let residual = |r: f64| chi * (1.0 + r) - chi.ln_1p() + (-chi * r).ln_1p();
-    // The residual is positive at r = 0 and falls to minus infinity (or below zero) at the bound.
-    let (mut low, mut high) = (0.0, (1.0 / chi).min(1.0));
-    for _ in 0..200 {
-        let mid = 0.5 * (low + high);
-        if residual(mid) > 0.0 {
-            low = mid;
-        } else {
-            high = mid;
-        }
-    }
-    0.5 * (low + high)
-}

@@ -1,13 +1,13 @@
 //! Assembly of a scene: positions, initial angles, lines of action, models, loads.
 
 use super::assembled::Scene;
-use super::assembly_lines::{flank_lines, strips};
+use super::assembly_lines::{flank_lines, is_half_space, lines_of, strips};
 use super::assembly_points::flank_points;
 use super::channels;
 use super::direct::Follows;
 use super::linear_path::OneSpring;
 use super::members::{SceneGear, SceneMesh};
-use super::mesh_assembly::{friction_of, hub_of, lines_of_action, varies_over_width};
+use super::mesh_assembly::{friction_of, hub_of, lines_of_action};
 use super::nodal::{Nodal, islands};
 use super::placement::{assemble, check_start, views};
 use super::scales::{Scales, initial_speed};
@@ -16,15 +16,11 @@ use crate::contact::Search;
 use crate::contact::pairs::Roster;
 use crate::error::{BuildError, GearPart, MeshPart};
 use crate::gear::LinearMotion;
-use crate::gear::elastic::lines::Strips;
 use crate::gear::table::{GearContext, Model};
 use crate::geometry::Side;
 use crate::kinematics::Placement;
 use crate::law::Law;
-use crate::spec::{
-    Body, ContactSpec, Load, LocalContact, MeshSpec, Modelling, Mount, SceneSpec, effective_radius,
-    mesh_layout,
-};
+use crate::spec::{Body, Load, Modelling, Mount, SceneSpec, effective_radius, mesh_layout};
 use gearbench_integrators::system::State;
 
 /// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
@@ -72,27 +68,6 @@ impl Scene {
             let mut meshes = spec.meshes.iter().zip(&modelling.contacts);
             meshes.any(|(mesh, contact)| contact.friction.is_some() && mesh.gears.contains(&gear))
         };
-        let half_space =
-            |c: &ContactSpec| c.points.is_some_and(|p| p.local == LocalContact::HalfSpace);
-        // One strip where contact lies evenly over the width.
-        let lines = |gear: usize| {
-            let meshes = spec.meshes.iter().zip(&modelling.contacts);
-            let mut own = meshes.filter(|(m, c)| half_space(c) && m.gears.contains(&gear));
-            let varies = |m: &MeshSpec| {
-                let mut gears = m.gears.iter();
-                gears.any(|g| varies_over_width(&spec.gears[*g].body))
-            };
-            let of = |(mesh, contact): (&MeshSpec, &ContactSpec)| match contact.slices {
-                Some(n) => Strips::Count(n),
-                None if varies(mesh) => Strips::Layers,
-                None => Strips::Count(1),
-            };
-            let first = of(own.next()?);
-            Some(own.fold(first, |strips, next| match (strips, of(next)) {
-                (Strips::Count(a), Strips::Count(b)) => Strips::Count(a.max(b)),
-                _ => Strips::Layers,
-            }))
-        };
         let mut gears: Vec<SceneGear> = Vec::new();
         for (g, model) in spec.gears.iter().zip(&modelling.gears) {
             for load in &g.loads {
@@ -129,7 +104,7 @@ impl Scene {
                 effective_radius: effective_radius(&g.body),
                 meshes: &seen_by[gears.len()],
                 slides: slides(gears.len()),
-                lines: lines(gears.len()),
+                lines: lines_of(spec, modelling, gears.len()),
                 speed: initial_speed(g),
                 parameters: &model.parameters,
             };
@@ -154,7 +129,7 @@ impl Scene {
         for ((mesh, l), contact) in spec.meshes.iter().zip(&layouts).zip(&modelling.contacts) {
             let [ia, ib] = mesh.gears;
             let of_gear = [seen[ia], seen[ib]];
-            let strips = if half_space(contact) {
+            let strips = if is_half_space(contact) {
                 Some(strips(spec, mesh, &gears)?)
             } else {
                 None

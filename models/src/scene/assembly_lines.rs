@@ -1,12 +1,41 @@
 //! Contact along lines of flanks, from its settings: which gears it takes, and its law.
 
 use super::members::SceneGear;
+use super::mesh_assembly::varies_over_width;
 use crate::contact::pairs::{FlankLines, LineGear, LinesOfAction};
 use crate::error::{BuildError, GearPart, MeshPart, Reason};
+use crate::gear::elastic::lines::Strips;
 use crate::law::{Damping, HalfSpace, Law};
-use crate::spec::{Body, ContactSpec, MeshLayout, MeshSpec, SceneSpec};
+use crate::spec::{Body, ContactSpec, LocalContact, MeshLayout, MeshSpec, Modelling, SceneSpec};
 use crate::stiffness::Material;
 use std::f64::consts::PI;
+
+/// Whether half-spaces give way where flanks touch.
+pub(super) fn is_half_space(contact: &ContactSpec) -> bool {
+    let local = contact.points.map(|p| p.local);
+    local == Some(LocalContact::HalfSpace)
+}
+
+/// Strips of a gear whose flanks touch along lines: one where contact lies evenly over the width, else the slices asked
+/// for, or one per layer of elements; `None` for other gears.
+pub(super) fn lines_of(spec: &SceneSpec, modelling: &Modelling, gear: usize) -> Option<Strips> {
+    let meshes = spec.meshes.iter().zip(&modelling.contacts);
+    let mut own = meshes.filter(|(m, c)| is_half_space(c) && m.gears.contains(&gear));
+    let varies = |m: &MeshSpec| {
+        let mut gears = m.gears.iter();
+        gears.any(|g| varies_over_width(&spec.gears[*g].body))
+    };
+    let of = |(mesh, contact): (&MeshSpec, &ContactSpec)| match contact.slices {
+        Some(n) => Strips::Count(n),
+        None if varies(mesh) => Strips::Layers,
+        None => Strips::Count(1),
+    };
+    let first = of(own.next()?);
+    Some(own.fold(first, |strips, next| match (strips, of(next)) {
+        (Strips::Count(a), Strips::Count(b)) => Strips::Count(a.max(b)),
+        _ => Strips::Layers,
+    }))
+}
 
 /// Strips over the width of a mesh whose flanks touch along lines: those of its elastic gears.
 ///

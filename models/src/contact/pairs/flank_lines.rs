@@ -298,9 +298,9 @@ impl FlankLines {
             ln_spread += share * place.ln_spread.0;
             terms.ln_force[k] += share * place.ln_spread.1;
         }
-        if !gap_bound.takes(gap0) {
-            return;
-        }
+        // Few as they are, all are listed: the residual displacements under a deeper line that is yet to come may close a
+        // gap.
+        gap_bound.takes(gap0);
         let total: f64 = curvature.iter().sum();
         terms.radius = total.recip();
         for k in 0..2 {

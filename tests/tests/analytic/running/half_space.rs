@@ -99,10 +99,17 @@ fn forces_are_the_slope_of_one_potential() {
 }
 
 fn cycle(elements: f64, layers: f64, force_per_width: f64, positions: usize) -> MeshCycle {
+    cycle_of(
+        &half_space(elements, layers, 0.0),
+        force_per_width,
+        positions,
+    )
+}
+
+fn cycle_of(modelling: &Modelling, force_per_width: f64, positions: usize) -> MeshCycle {
     let spec = fzg(0.0, 94.1);
     let models = gearbench::models::models();
-    let modelling = half_space(elements, layers, 0.0);
-    let mut pair = LoadedPair::new(&spec, &modelling, models).unwrap();
+    let mut pair = LoadedPair::new(&spec, modelling, models).unwrap();
     let load = StaticLoad::Force(0.014 * force_per_width);
     MeshCycle::solve(&mut pair, load, positions, |_| {}).unwrap()
 }
@@ -142,6 +149,62 @@ fn static_transmission_error_does_not_depend_on_the_mesh() {
         light - heavy
     );
     assert!(((light - heavy) / hertz - 1.0).abs() < 0.05);
+}
+
+/// What a polynomial of degree four leaves of the transmission error where one pair carries it, peak to peak [m].
+fn ripple(cycle: &MeshCycle) -> f64 {
+    let single = cycle.positions.iter().filter(|p| p.pairs.len() == 1);
+    let (s, mut left): (Vec<f64>, Vec<f64>) = single.map(|p| (p.s, p.approach)).unzip();
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    for degree in 0..5 {
+        let place = |s: &f64| ((s - cycle.pitch_point) / cycle.base_pitch).powi(degree);
+        let mut next: Vec<f64> = s.iter().map(place).collect();
+        for b in &basis {
+            let part = dot(b, &next);
+            next.iter_mut().zip(b).for_each(|(x, b)| *x -= part * b);
+        }
+        let norm = dot(&next, &next).sqrt();
+        next.iter_mut().for_each(|x| *x /= norm);
+        let part = dot(&next, &left);
+        left.iter_mut().zip(&next).for_each(|(x, b)| *x -= part * b);
+        basis.push(next);
+    }
+    let [low, high] = left.iter().fold([f64::MAX, f64::MIN], |[low, high], x| {
+        [low.min(*x), high.max(*x)]
+    });
+    high - low
+}
+
+/// The table of the README: half-spaces and elements in contact, over meshes and loads.
+#[test]
+#[ignore = "two minutes: meshes of up to 48 elements along a flank"]
+fn transmission_error_over_meshes() {
+    for load in [50e3, 200e3, 800e3] {
+        let mut means = Vec::new();
+        for elements in [8.0, 12.0, 24.0, 48.0] {
+            let on_half_spaces = half_space(elements, 1.0, 0.0);
+            let mut in_contact = on_half_spaces.clone();
+            in_contact.contacts[0].points = Some(PointContact::new(1e17));
+            let [a, b] = [&on_half_spaces, &in_contact].map(|m| cycle_of(m, load, 100));
+            println!(
+                "{:.0} N/mm, {elements} elements, mean, peak to peak, ripple in um: half-spaces {:.4} {:.4} {:.4}, elements in contact {:.4} {:.4} {:.4}",
+                load / 1e3,
+                1e6 * a.mean_error(),
+                1e6 * a.peak_to_peak(),
+                1e6 * ripple(&a),
+                1e6 * b.mean_error(),
+                1e6 * b.peak_to_peak(),
+                1e6 * ripple(&b)
+            );
+            assert!(ripple(&a) < 3e-3 * a.mean_error());
+            means.push((a.mean_error(), a.peak_to_peak()));
+        }
+        let fine = means[3];
+        for (mean, peak) in means {
+            assert!((mean / fine.0 - 1.0).abs() < 0.01 && (peak / fine.1 - 1.0).abs() < 0.02);
+        }
+    }
 }
 
 /// Half-width and pressure where one pair carries the load: Hertz's for the radii of the involutes at the path coordinate
