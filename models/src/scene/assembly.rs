@@ -130,7 +130,7 @@ impl Scene {
             let [ia, ib] = mesh.gears;
             let of_gear = [seen[ia], seen[ib]];
             let strips = if is_half_space(contact) {
-                Some(strips(spec, mesh, &gears)?)
+                Some(strips(spec, modelling, mesh, &gears)?)
             } else {
                 None
             };

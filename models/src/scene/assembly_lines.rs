@@ -40,9 +40,10 @@ pub(super) fn lines_of(spec: &SceneSpec, modelling: &Modelling, gear: usize) -> 
 /// Strips over the width of a mesh whose flanks touch along lines: those of its elastic gears.
 ///
 /// # Errors
-/// A gear that does not give way along lines, strips that differ.
+/// A gear that does not give way along lines or touches otherwise in another mesh, strips that differ.
 pub(super) fn strips(
     spec: &SceneSpec,
+    modelling: &Modelling,
     mesh: &MeshSpec,
     gears: &[SceneGear],
 ) -> Result<usize, BuildError> {
@@ -51,7 +52,7 @@ pub(super) fn strips(
     let mut found: Option<usize> = None;
     for i in mesh.gears {
         let model = &gears[i].model;
-        let elastic = model.displacement().is_some();
+        let elastic = (model.displacement()).is_some_and(|field| field.near_field().is_some());
         if !elastic && (model.teeth().is_some() || model.flanks().is_some()) {
             return Err(BuildError::gear(
                 &spec.gears[i].name,
@@ -68,6 +69,20 @@ pub(super) fn strips(
         let Some(flanks) = model.flanks().filter(|_| elastic) else {
             continue;
         };
+        let mut others = spec.meshes.iter().zip(&modelling.contacts);
+        if others.any(|(m, c)| m.gears.contains(&i) && !is_half_space(c)) {
+            return Err(error(
+                MeshPart::Contact,
+                (
+                    format!(
+                        "`{}` touches on half-spaces here and with the elements of its mesh elsewhere",
+                        spec.gears[i].name
+                    ),
+                    "give all contacts of an elastic gear the same `local`",
+                )
+                    .into(),
+            ));
+        }
         let own = flanks.grids().first().map_or(0, |g| g.columns);
         if flanks.grids().iter().any(|g| g.columns != own) {
             return Err(BuildError::gear(

@@ -22,9 +22,8 @@
 
 use super::lines::{Line, LinesOfAction, Mover, side_index};
 use crate::Vec3;
-use crate::contact::nodal::GearNodes;
 use crate::contact::nodal::{
-    GapBound, LineTerms, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
+    GapBound, GearNodes, LineTerms, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
 };
 use crate::error::Reason;
 use crate::gear::elastic::lines::spread;
