@@ -8,7 +8,7 @@ mod wrong_laws;
 use gearbench::experiment::run::{Job, NO_BOUND, run};
 use gearbench::experiment::status::{RunMonitor, against_contact, against_tolerance};
 use gearbench_integrators::Scheme;
-use gearbench_integrators::{Resolution, TimePlan, Work};
+use gearbench_integrators::{NullSink, Resolution, TimePlan, Work};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
@@ -362,4 +362,28 @@ fn records_of_failures_hold_finite_numbers() {
         }
     }
     assert!(files > 3, "{files} files");
+}
+
+/// Teeth that a step throws far beyond their gears: windows that follow them tooth by tooth would never arrive. Nothing
+/// watches the run.
+#[test]
+fn movable_teeth_that_blow_up_come_to_an_end() {
+    let way = Way::movable();
+    for (text, h) in [("velocity-verlet", 8e-6), ("semi-implicit-euler", 3e-5)] {
+        let mut scene = Scene::build(&way.scene, &way.modelling(), &models()).unwrap();
+        let mut s = scene.initial();
+        let plan = TimePlan {
+            events: false,
+            max_steps: 3000,
+            ..TimePlan::new(0.02, step(h))
+        };
+        let mut method = gearbench_integrators::method(text).unwrap();
+        let mut work = Work::default();
+        let ended = method.run(&mut scene, &mut s, &plan, &mut NullSink, &mut work);
+        println!(
+            "{text}: {ended:?} after {} steps, {:.1e} rad",
+            work.steps, s.q[0]
+        );
+        assert!(ended.is_err() || s.q[0].abs() > 1e6, "{text}: {:?}", s.q[0]);
+    }
 }

@@ -7,6 +7,9 @@ use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use gearbench_integrators::system::{At, Change};
 
+/// Teeth that a gear may turn by in one step: more than any method that still follows its teeth.
+const MOST_TEETH: f64 = 1e4;
+
 impl ToothCoordinates for MovableTeeth {
     #[inline]
     fn displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
@@ -87,6 +90,12 @@ impl ToothCoordinates for MovableTeeth {
         for m in 0..self.views.len() {
             let x = self.nearest(m, displacement);
             let mut centre = discrete[m];
+            if (x - centre).abs() > MOST_TEETH {
+                // No gear turns so far in a step: the run has blown up, and one tooth after the other would never end.
+                discrete[m] = x.round();
+                change = Change::Restart;
+                continue;
+            }
             while (x - centre).abs() > 0.5 + HYSTERESIS {
                 let step = (x - centre).signum();
                 let before = centre as i64;
