@@ -138,7 +138,9 @@ mod tests {
         let law = HalfSpace::new(0.014, 2.0 * 2.0 * 0.91 / (std::f64::consts::PI * 2.06e11));
         let f0 = 3e5;
         let from = law.straight(f0).1;
-        for part in [1e-12, 1e-6, 1e-3, 0.1, 0.5, 0.99, 1.0, 1.01, 2.0, 10.0] {
+        for part in [
+            1e-12, 1e-6, 1e-3, 0.1, 0.5, 0.99, 0.999, 1.001, 1.01, 2.0, 10.0,
+        ] {
             let d = part * from;
             let (n, slope, by_f0) = law.force(d, f0);
             if part < 1.0 {
@@ -158,6 +160,8 @@ mod tests {
                 "{part}"
             );
         }
+        let [below, above] = [1.0 - 1e-12, 1.0 + 1e-12].map(|part| law.force(part * from, f0));
+        assert!((above.0 / below.0 - 1.0).abs() < 1e-9 && (above.1 / below.1 - 1.0).abs() < 1e-9);
         assert_eq!(law.force(0.0, f0), (0.0, 0.0, 0.0));
     }
 }
