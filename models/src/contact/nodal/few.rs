@@ -206,7 +206,7 @@ impl FewPoints {
         }
     }
 
-    /// Sets the mobility between points, which [`press`](Self::press) found the compliance of, from that of `n` nodes.
+    /// Sets the mobility between points, whose compliance the solve by gaps found, from that of `n` nodes.
     pub fn set_mobility(&mut self, springs: &[Spring], mobility: (&[Block], &[f64]), n: usize) {
         between(springs, mobility, n, &mut self.line, &mut self.mobility);
     }

@@ -10,7 +10,7 @@
 //! with `u_-1 = 2 u_0 - u_1` beyond the ends: spread to two nodes, a load that passes from element to element would make
 //! the mesh yield more and less (C. de Boor, *A Practical Guide to Splines* (1978), for the splines).
 //!
-//! Where the mesh is finer along the profile than [`FINEST`] elements, lines of twice the distance stand for it,
+//! Where the mesh is finer along the profile than 16 elements, lines of twice the distance stand for it,
 //! `v_j = (u_2j-2 + 4 u_2j-1 + 6 u_2j + 4 u_2j+1 + u_2j+2)/16`: B-splines of twice the width are made of these. So the load
 //! is always spread wider than a contact is, and [`HalfSpace`](crate::law::HalfSpace) gives the difference.
 
