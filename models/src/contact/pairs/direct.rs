@@ -208,7 +208,8 @@ impl LinesOfAction {
                 let own = &mesh.discrete[0][2 * l..];
                 (own[0] as i64, own[1] as i64)
             };
-            roster.listed.extend((lo - 1..=hi + 1).map(listed));
+            // Neither end is missing where a run that blows up has crossed both.
+            roster.listed.extend((lo - 1..=lo.max(hi + 1)).map(listed));
             roster.ends.push(roster.listed.len());
         }
     }
