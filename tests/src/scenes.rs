@@ -8,7 +8,9 @@ use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, SceneSpec, Start,
 };
-use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
+use gearbench_models::stiffness::{
+    Foundation, Hertz, Material, PairOrMesh, PairStiffness, ToothModel,
+};
 
 /// Geometry of a spur gear of module 4 mm.
 pub fn spur(teeth: u32) -> GearParams {
@@ -106,6 +108,17 @@ pub fn fzg_c(speed: f64) -> SceneSpec {
     let a = gear("pinion", params(16, 0.1817), 0.0, speed);
     let b = gear("wheel", params(24, 0.1715), 0.0915, -speed / 1.5);
     pair_of(a, b, start(Side::Left, 0.0))
+}
+
+/// The usual stiffness of a tooth pair that varies along the path: Weber and Banaschek's, on an elastic ring.
+pub fn weber_banaschek() -> PairStiffness {
+    PairStiffness::Compliance {
+        tooth: ToothModel::WeberBanaschek,
+        foundation: Foundation::Ring,
+        hertz: Hertz::WeberBanaschek {
+            reference_load: None,
+        },
+    }
 }
 
 /// A linear elastic contact of constant stiffness per width [N/m per m] of a tooth pair.

@@ -114,6 +114,25 @@ struct Run<'p> {
 }
 
 impl Run<'_> {
+    /// Goes on from a state that was committed, counting the events that came `without_progress`; the lengths are
+    /// constant.
+    fn go_on(&mut self, s: &State, without_progress: bool) -> Result<(), StepError> {
+        self.events_here = if without_progress {
+            self.events_here + 1
+        } else {
+            0
+        };
+        if self.events_here > MAX_EVENTS_AT_ONCE {
+            return Err(StepError::Chatter {
+                t: s.t,
+                events: self.events_here,
+            });
+        }
+        self.end.discrete.copy_from_slice(&s.discrete);
+        self.event.discrete.copy_from_slice(&s.discrete);
+        Ok(())
+    }
+
     /// After a step of size `h` from `t` with too large an error.
     fn shorten(&mut self, t: f64, h: f64, err: f64) -> Result<(), StepError> {
         let bad = !err.is_finite();

@@ -1,7 +1,7 @@
 //! Between two steps: branches are switched, teeth handed over, and the method goes on or starts afresh.
 
 use super::advance::Aim;
-use super::{ERROR_AT_START, MAX_EVENTS_AT_ONCE, Run, Stepped, first_step};
+use super::{ERROR_AT_START, Run, Stepped, first_step};
 use crate::error::StepError;
 use crate::method::{OneStep, Sink, Work};
 use crate::system::{Change, SecondOrderSystem, State};
@@ -95,20 +95,6 @@ impl<M: OneStep> Stepped<M> {
             self.method.advance();
             r.watch.advance();
         }
-        r.events_here = if located && !progressed {
-            r.events_here + 1
-        } else {
-            0
-        };
-        if r.events_here > MAX_EVENTS_AT_ONCE {
-            return Err(StepError::Chatter {
-                t: s.t,
-                events: r.events_here,
-            });
-        }
-        // The lengths are constant; the discrete state that the next step starts from is the committed one.
-        r.end.discrete.copy_from_slice(&s.discrete);
-        r.event.discrete.copy_from_slice(&s.discrete);
-        Ok(())
+        r.go_on(s, located && !progressed)
     }
 }

@@ -5,7 +5,7 @@
 //! at its end, at any step or tolerance, and switches there. In contact the path is told in steps that observers see its
 //! swinging in; a flight is one step. Where the system knows no such path the method steps.
 
-use super::{MAX_EVENTS_AT_ONCE, Run, Stepped, first_not_finite, resolution_of_time};
+use super::{Run, Stepped, first_not_finite, resolution_of_time};
 use crate::bounds::Bounds;
 use crate::error::StepError;
 use crate::free_flight::FlightDense;
@@ -113,15 +113,7 @@ impl<M: OneStep> Stepped<M> {
         // What the method keeps belongs to the start of the path.
         self.segments.left = true;
         let progressed = s.t - start > 1e-12 * (r.plan.t_end - r.t_begin);
-        r.events_here = if progressed { 0 } else { r.events_here + 1 };
-        if r.events_here > MAX_EVENTS_AT_ONCE {
-            return Err(StepError::Chatter {
-                t: s.t,
-                events: r.events_here,
-            });
-        }
-        r.end.discrete.copy_from_slice(&s.discrete);
-        r.event.discrete.copy_from_slice(&s.discrete);
+        r.go_on(s, !progressed)?;
         Ok(Segment::Went)
     }
 

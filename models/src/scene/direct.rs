@@ -83,9 +83,7 @@ impl SceneMesh {
             _ => None,
         };
     }
-}
 
-impl SceneMesh {
     /// The mesh at a state where events are located, if its contacts need no candidates; the pairs that are looked at
     /// are then in the roster.
     #[inline(always)]

@@ -11,7 +11,7 @@ use gearbench_models::geometry::GearParams;
 use gearbench_models::law::{Damping, Friction};
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
 use gearbench_models::spec::{Body, ContactSpec, Load, ModelSpec, Mount, Profile, SceneSpec};
-use gearbench_models::stiffness::{Foundation, Hertz, PairOrMesh, PairStiffness, ToothModel};
+use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use gearbench_tests::*;
 
 fn loaded(torque: f64) -> SceneSpec {
@@ -38,13 +38,7 @@ fn helical(mut spec: SceneSpec) -> SceneSpec {
 
 fn compliance(damping: Damping) -> ContactSpec {
     ContactSpec {
-        stiffness: PairStiffness::Compliance {
-            tooth: ToothModel::WeberBanaschek,
-            foundation: Foundation::Ring,
-            hertz: Hertz::WeberBanaschek {
-                reference_load: None,
-            },
-        },
+        stiffness: weber_banaschek(),
         damping,
         ..contact(1.4e10)
     }

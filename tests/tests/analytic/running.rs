@@ -12,7 +12,6 @@ use gearbench_models::spec::{
     ContactSpec, Load, ModelSpec, Modelling, Parameters, Profile, SceneSpec, Value,
     effective_radius, mesh_layout,
 };
-use gearbench_models::stiffness::{Foundation, Hertz, PairStiffness, ToothModel};
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_tests::*;
 
@@ -37,13 +36,7 @@ fn exchanged(mut spec: SceneSpec) -> SceneSpec {
 
 fn varying(damping: Damping) -> ContactSpec {
     ContactSpec {
-        stiffness: PairStiffness::Compliance {
-            tooth: ToothModel::WeberBanaschek,
-            foundation: Foundation::Ring,
-            hertz: Hertz::WeberBanaschek {
-                reference_load: None,
-            },
-        },
+        stiffness: weber_banaschek(),
         damping,
         ..contact(1.4e10)
     }

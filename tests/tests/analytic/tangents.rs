@@ -8,9 +8,7 @@ use gearbench_models::kinematics::Row;
 use gearbench_models::law::{Damping, Friction};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{ContactSpec, Load, ModelSpec, effective_radius, mesh_layout};
-use gearbench_models::stiffness::{
-    Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, ToothModel,
-};
+use gearbench_models::stiffness::{Ends, Interpolation, IsoVariation, PairOrMesh, PairStiffness};
 use gearbench_tests::*;
 
 fn laws() -> Vec<(f64, Damping)> {
@@ -210,13 +208,7 @@ fn coupled_pairs_and_edges_of_tips_have_their_tangent() {
             for (along, edge) in [(1e-3, false), (-2e-4, true)] {
                 for located in [false, true] {
                     let contact = ContactSpec {
-                        stiffness: PairStiffness::Compliance {
-                            tooth: ToothModel::WeberBanaschek,
-                            foundation: Foundation::Ring,
-                            hertz: Hertz::WeberBanaschek {
-                                reference_load: None,
-                            },
-                        },
+                        stiffness: weber_banaschek(),
                         damping,
                         friction: Some(Friction::new(0.08, 0.02).unwrap()),
                         ..contact(1.5e10)

@@ -32,12 +32,18 @@ fn residuals(model: &ModelSpec, place: f64, steps: &[f64]) -> Vec<f64> {
     steps.iter().map(of_step).collect()
 }
 
-/// The value at a step of zero, the error falling with the square of the step, by the two shortest.
-fn extrapolated(steps: &[f64], values: &[f64]) -> f64 {
+/// The value at a step of zero for a place, told, the error falling with the square of the step, by the two shortest.
+fn extrapolated(place: f64, steps: &[f64], values: &[f64]) -> f64 {
     let [.., h, g] = steps else { unreachable!() };
     let [.., x, y] = values else { unreachable!() };
     let ratio = (h / g).powi(2);
-    y + (y - x) / (ratio - 1.0)
+    let limit = y + (y - x) / (ratio - 1.0);
+    let told: String = values.iter().map(|x| format!("{x:+.1e} ")).collect();
+    println!(
+        "{:.0} %: {told}, {limit:.1e} at a step of zero",
+        100.0 * place
+    );
+    limit
 }
 
 /// In the middle (40 %), where points leave over the tip of the next pair at its start (64 %: without the gradient of what
@@ -48,15 +54,7 @@ fn impacts_of_finite_elements_keep_their_energy() {
     let steps = [2e-6, 1e-6, 5e-7];
     for place in [0.40, 0.64, 0.80] {
         let found = residuals(&meshed("fe", None), place, &steps);
-        let limit = extrapolated(&steps, &found);
-        println!(
-            "{:.0} %: {}, {limit:.1e} at a step of zero",
-            100.0 * place,
-            found
-                .iter()
-                .map(|x| format!("{x:+.1e} "))
-                .collect::<String>()
-        );
+        let limit = extrapolated(place, &steps, &found);
         assert!(found[2].abs() < 1e-3, "{place}: {found:?}");
         assert!(limit.abs() < 5e-4, "{place}: {limit:e}");
     }
@@ -84,15 +82,7 @@ fn impacts_along_the_whole_path_keep_their_energy() {
     let steps = [1e-6, 5e-7, 2.5e-7, 1.25e-7, 6.25e-8];
     for place in [0.10, 0.20, 0.30, 0.40, 0.50, 0.60, 0.65, 0.70, 0.80, 0.90] {
         let found = residuals(&model, place, &steps);
-        let limit = extrapolated(&steps, &found);
-        println!(
-            "{:.0} %: {}, {limit:.1e} at a step of zero",
-            100.0 * place,
-            found
-                .iter()
-                .map(|x| format!("{x:+.1e} "))
-                .collect::<String>()
-        );
+        let limit = extrapolated(place, &steps, &found);
         assert!(
             limit.abs() < 1e-5 && found[4].abs() < 1e-5,
             "{place}: {found:?}"

@@ -12,7 +12,6 @@ use gearbench_models::spec::{
     ContactSpec, Load, ModelSpec, Modelling, Mount, Parameters, PointContact, Profile, SceneSpec,
     Value, effective_radius, mesh_layout,
 };
-use gearbench_models::stiffness::{Foundation, Hertz, PairStiffness, ToothModel};
 use gearbench_reference::MODELS;
 use gearbench_tests::*;
 use std::collections::HashMap;
@@ -33,13 +32,7 @@ fn driven() -> SceneSpec {
 
 fn rubbing(friction: Option<Friction>, ratio: f64) -> ContactSpec {
     ContactSpec {
-        stiffness: PairStiffness::Compliance {
-            tooth: ToothModel::WeberBanaschek,
-            foundation: Foundation::Ring,
-            hertz: Hertz::WeberBanaschek {
-                reference_load: None,
-            },
-        },
+        stiffness: weber_banaschek(),
         damping: match ratio {
             0.0 => Damping::None,
             ratio => Damping::RatioAtLoad { ratio },

@@ -28,9 +28,8 @@ pub(super) struct Compliance {
     pub matrix: Vec<f64>,
     /// Their inverses, rows padded, where all are regular.
     pub inverse: Vec<f64>,
-    pub regular: bool,
-    /// Whether `inverse` is that of the present nodes.
-    inverted: bool,
+    /// Whether they are, once asked for; the inverses are then those of the present nodes.
+    regular: Option<bool>,
     /// Whether `root` is that of the present nodes.
     rooted: bool,
     /// Lower triangles `C` of the blocks, one `len x len` matrix after the other.
@@ -68,16 +67,15 @@ impl Compliance {
             self.n = 1;
         }
         self.rooted = false;
-        self.inverted = false;
+        self.regular = None;
     }
 
     /// The inverse, where it is not there yet; whether the compliance is regular.
     pub fn take_inverse(&mut self) -> bool {
-        if self.inverted {
-            return self.regular;
+        if let Some(regular) = self.regular {
+            return regular;
         }
-        self.inverted = true;
-        self.regular = true;
+        let mut regular = true;
         self.inverse.clear();
         let mut begin = 0;
         for b in &self.blocks {
@@ -91,15 +89,16 @@ impl Compliance {
                 self.factor[i * stride..][..b.len].copy_from_slice(line);
                 largest = largest.max(line[i]);
             }
-            self.regular &= cholesky_padded(&mut self.factor, b.len).is_ok();
+            regular &= cholesky_padded(&mut self.factor, b.len).is_ok();
             let pivot = |i: usize| self.factor[i * stride + i].powi(2);
-            self.regular &= (0..b.len).all(|i| pivot(i) >= REGULAR * largest);
-            if !self.regular {
+            regular &= (0..b.len).all(|i| pivot(i) >= REGULAR * largest);
+            if !regular {
                 break;
             }
             append_inverse(&self.factor, b.len, &mut self.line, &mut self.inverse);
         }
-        self.regular
+        self.regular = Some(regular);
+        regular
     }
 
     /// `C`, where it is not there yet.

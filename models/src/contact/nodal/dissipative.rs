@@ -39,14 +39,13 @@
 //! Normal laws are linear piece by piece: without friction the iteration ends when no point changes its piece.
 
 use super::compliance::Block;
+use super::descent::{Descent, norm_of};
 use super::spring::Spring;
 use gearbench_integrators::dense_solve::{Lu, solve_in_place};
 use gearbench_integrators::system::Singular;
 
 /// Newton iterations before the solve is given up.
 const MOST_ITERATIONS: usize = 100;
-/// Iterations after which steps that do not lessen the residual are halved.
-const PATIENCE: usize = 8;
 
 /// A direction of a point over the ports of both gears: four nodes and a hub each.
 #[derive(Clone, Copy, Debug, Default)]
@@ -136,12 +135,8 @@ pub struct DissipativeSolve {
     step: Vec<f64>,
     line: Vec<f64>,
     touched: Vec<(usize, usize)>,
-    pieces: Vec<(f64, f64)>,
+    descent: Descent,
     factor: Lu,
-}
-
-fn norm_of(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// `y = A x` block by block.
@@ -190,29 +185,15 @@ impl DissipativeSolve {
             p.normal.add(s.force.n, &mut self.force);
         }
         let linear = (springs.iter()).all(|s| s.law.is_piecewise_linear() && s.friction.is_none());
+        self.descent.begin(linear);
         let mut norm = self.residual(springs);
-        let (mut first, mut before) = (norm, f64::INFINITY);
-        self.pieces.clear();
-        // A step that was cut short ends on the piece where it began without being at its solution.
-        let mut whole = true;
-        for iteration in 0..MOST_ITERATIONS {
+        for _ in 0..MOST_ITERATIONS {
             if !norm.is_finite() {
                 return Err(Singular);
             }
-            let same = iteration > 0
-                && (self.pieces.iter().zip(&*springs))
-                    .all(|(p, s)| *p == (s.force.dn_dg, s.force.dn_dgdot));
-            first = first.max(norm);
-            // What is left counts beside what was lacking and beside the forces, whose rounding it is.
-            let scale = first.max(norm_of(&self.force));
-            if norm == 0.0 || (same && whole && linear) || norm <= 1e-14 * scale {
+            if self.descent.ends(norm, norm_of(&self.force), springs) {
                 return Ok(());
             }
-            // Rounding ends the descent of laws that are not linear.
-            if norm <= 1e-10 * scale && norm >= 0.5 * before {
-                return Ok(());
-            }
-            before = norm;
             self.step.clear();
             self.step.extend_from_slice(&self.line);
             self.linearise(springs);
@@ -221,17 +202,14 @@ impl DissipativeSolve {
             for (f, d) in self.force.iter_mut().zip(&self.step) {
                 *f += d;
             }
-            let step = std::mem::take(&mut self.step);
             norm = self.residual(springs);
-            while iteration > PATIENCE && norm > before && length > 1e-3 {
+            while self.descent.halves(length, norm) {
                 length *= 0.5;
-                for (f, d) in self.force.iter_mut().zip(&step) {
+                for (f, d) in self.force.iter_mut().zip(&self.step) {
                     *f -= length * d;
                 }
                 norm = self.residual(springs);
             }
-            whole = length == 1.0;
-            self.step = step;
         }
         Err(Singular)
     }
@@ -276,12 +254,9 @@ impl DissipativeSolve {
         norm_of(&self.line)
     }
 
-    /// The matrix of the present pieces, which stand in `pieces`.
+    /// The matrix of the present pieces.
     fn linearise(&mut self, springs: &[Spring]) {
         let n = self.ports.n;
-        self.pieces.clear();
-        self.pieces
-            .extend(springs.iter().map(|s| (s.force.dn_dg, s.force.dn_dgdot)));
         self.matrix.clear();
         self.matrix.resize(n * n, 0.0);
         for i in 0..n {

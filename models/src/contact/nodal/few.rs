@@ -17,6 +17,7 @@
 //! method on either has as many unknowns as there are points. Where it begins depends on nothing but the points at hand.
 
 use super::compliance::Block;
+use super::descent::{Descent, norm_of};
 use super::spring::{Spring, deepest, elastic_at};
 use gearbench_integrators::dense_solve::Lu;
 use gearbench_integrators::system::Singular;
@@ -32,9 +33,6 @@ const ENDS: f64 = 1e-12;
 
 /// Newton iterations before a solve is given up.
 const MOST_ITERATIONS: usize = 50;
-
-/// Iterations after which steps that do not lessen the residual are halved.
-const PATIENCE: usize = 8;
 
 /// The solves and their buffers.
 #[derive(Clone, Debug, Default)]
@@ -52,7 +50,7 @@ pub struct FewPoints {
     lack: Vec<f64>,
     matrix: Vec<f64>,
     step: Vec<f64>,
-    pieces: Vec<(f64, f64)>,
+    descent: Descent,
     factor: Lu,
 }
 
@@ -94,10 +92,6 @@ fn between(
     for s in springs {
         out.extend(columns.chunks_exact(n).map(|column| s.along(column)));
     }
-}
-
-fn norm_of(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// `y += A x` of a square matrix.
@@ -240,30 +234,15 @@ impl FewPoints {
         self.gaps.clear();
         self.gaps.extend(springs.iter().map(|s| s.force.n));
         let linear = springs.iter().all(|s| s.law.is_piecewise_linear());
+        self.descent.begin(linear);
         let mut norm = self.push(springs);
-        let (mut first, mut before) = (norm, f64::INFINITY);
-        self.pieces.clear();
-        let mut whole = true;
-        for iteration in 0..MOST_ITERATIONS {
+        for _ in 0..MOST_ITERATIONS {
             if !norm.is_finite() {
                 return Err(Singular);
             }
-            let pieces = self.pieces.iter().zip(&*springs);
-            let same = iteration > 0
-                && pieces.fold(true, |same, (p, s)| {
-                    same && *p == (s.force.dn_dg, s.force.dn_dgdot)
-                });
-            first = first.max(norm);
-            let scale = first.max(norm_of(&self.gaps));
-            if norm == 0.0 || (same && whole && linear) || norm <= 1e-14 * scale {
+            if self.descent.ends(norm, norm_of(&self.gaps), springs) {
                 return Ok(());
             }
-            if norm <= 1e-10 * scale && norm >= 0.5 * before {
-                return Ok(());
-            }
-            before = norm;
-            self.pieces.clear();
-            (self.pieces).extend(springs.iter().map(|s| (s.force.dn_dg, s.force.dn_dgdot)));
             self.matrix.clear();
             let rows = self.compliance.chunks_exact(points);
             for (i, (c, y)) in rows.zip(self.mobility.chunks_exact(points)).enumerate() {
@@ -277,14 +256,13 @@ impl FewPoints {
             self.step.extend_from_slice(&self.lack);
             self.factor.solve(&mut self.step);
             let mut length = 1.0;
-            self.move_gaps(1.0);
+            self.move_gaps(length);
             norm = self.push(springs);
-            while iteration > PATIENCE && norm > before && length > 1e-3 {
+            while self.descent.halves(length, norm) {
                 length *= 0.5;
                 self.move_gaps(-length);
                 norm = self.push(springs);
             }
-            whole = length == 1.0;
         }
         Err(Singular)
     }

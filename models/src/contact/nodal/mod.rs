@@ -34,6 +34,7 @@
 //! compliance is condensed with the contact as in quasi-static mode acceleration.
 
 mod compliance;
+mod descent;
 mod dissipative;
 mod few;
 mod hard;

@@ -105,9 +105,10 @@ impl LinesOfAction {
                 .sum();
             let gears = self.mesh.deviating.iter().flatten();
             let stands_off: f64 = gears.map(Gear::greatest_tooth_deviation).sum();
+            let plain = self.plain_clearance(line);
             LineClearance {
-                assembled: self.helix_cos * line.slack + modified - stands_off,
-                per_displacement: line.map.map(|m| -self.helix_cos * m.per_displacement),
+                assembled: plain.assembled + modified - stands_off,
+                ..plain
             }
         };
         self.lines.iter().map(of).collect()
@@ -129,10 +130,14 @@ impl LinesOfAction {
     /// The gap of plain flanks of a side, all slices alike.
     pub(crate) fn clearance_of(&self, side: Side) -> Option<LineClearance> {
         let line = self.lines.iter().find(|line| line.side == side)?;
-        Some(LineClearance {
+        Some(self.plain_clearance(line))
+    }
+
+    fn plain_clearance(&self, line: &Line) -> LineClearance {
+        LineClearance {
             assembled: self.helix_cos * line.slack,
             per_displacement: line.map.map(|m| -self.helix_cos * m.per_displacement),
-        })
+        }
     }
 
     /// Gap of pair 0 of a flank at the assembled position [m], without modifications.

@@ -1,7 +1,8 @@
 //! Flanks as lines: what a reduction is to contact that is one line of pressure per tooth pair and strip of the width.
 //!
 //! A line of nodes is the mean of the columns of a strip, each with the width that it stands for, so that a load on it is
-//! spread evenly over the width of the strip. Between four lines along the profile a contact at a place `x` of an element acts by cubic B-splines,
+//! spread evenly over the width of the strip. Between four lines along the profile a contact at a place `x` of an element
+//! acts by cubic B-splines,
 //!
 //! ```text
 //! w = ((1-x)^3, 4 - 6 x^2 + 3 x^3, 1 + 3 x + 3 x^2 - 3 x^3, x^3)/6
@@ -152,7 +153,7 @@ impl Reduced {
                 .into());
         };
         let mut grids = Vec::new();
-        let mut sums: Vec<Vec<(usize, f64)>> = Vec::new();
+        let mut sums: Vec<Sum> = Vec::new();
         let mut fields = Vec::new();
         for (grid, of_rows) in self.flanks.grids().iter().zip(near_field.iter()) {
             let lines = lines_of(grid.rows);
@@ -200,17 +201,7 @@ impl Reduced {
                     sums.push(sum);
                 }
             }
-            let mut field = Vec::with_capacity(lines.len() * lines.len());
-            for a in &lines {
-                for b in &lines {
-                    let terms = a.iter().flat_map(|(i, wi)| {
-                        b.iter()
-                            .map(move |(j, wj)| wi * wj * of_rows[i * grid.rows + j])
-                    });
-                    field.push(terms.sum());
-                }
-            }
-            fields.push(field);
+            fields.push(congruence(of_rows, &lines));
             grids.push(FlankGrid {
                 rows: lines.len(),
                 columns: strips,
@@ -221,7 +212,7 @@ impl Reduced {
         }
         let per_node = self.per_node();
         // Rows of the shapes: of a node outwards, then along the profile.
-        let row_sums: Vec<Vec<(usize, f64)>> = sums
+        let row_sums: Vec<Sum> = sums
             .iter()
             .flat_map(|sum| {
                 (0..per_node).map(move |d| {
@@ -231,14 +222,6 @@ impl Reduced {
             })
             .collect();
         let modes = self.modes();
-        let mut shapes = vec![0.0; row_sums.len() * modes];
-        for (out, sum) in shapes.chunks_exact_mut(modes.max(1)).zip(&row_sums) {
-            for &(row, w) in sum {
-                for (x, b) in out.iter_mut().zip(&self.shapes[row * modes..][..modes]) {
-                    *x += w * b;
-                }
-            }
-        }
         let normals = sums
             .iter()
             .map(|sum| {
@@ -246,16 +229,13 @@ impl Reduced {
                 terms.fold(Vec3::zeros(), |sum, n| sum + n).normalize()
             })
             .collect();
-        let hub = row_sums
-            .iter()
-            .map(|sum| sum.iter().map(|(row, w)| w * residual.hub[*row]).sum());
         Ok(Reduced {
             flanks: Flanks::new(grids),
             normals,
-            shapes,
+            shapes: rows_of_sums(&self.shapes, modes, &row_sums),
             residual: Some(Residual {
-                flanks: over(&residual.flanks, self.rows(), &row_sums),
-                hub: hub.collect(),
+                flanks: over(&residual.flanks, &row_sums),
+                hub: rows_of_sums(&residual.hub, 1, &row_sums),
                 hub_hub: residual.hub_hub,
             }),
             near_field: Some(Arc::new(fields)),
@@ -264,28 +244,36 @@ impl Reduced {
     }
 }
 
+/// `L A` of a matrix with rows of so many columns: sums of its rows.
+fn rows_of_sums(a: &[f64], columns: usize, sums: &[Sum]) -> Vec<f64> {
+    let mut out = vec![0.0; sums.len() * columns];
+    for (out, sum) in out.chunks_exact_mut(columns.max(1)).zip(sums) {
+        for &(row, w) in sum {
+            for (x, a) in out.iter_mut().zip(&a[row * columns..][..columns]) {
+                *x += w * a;
+            }
+        }
+    }
+    out
+}
+
+/// `L A L^T` of a square matrix.
+fn congruence(a: &[f64], sums: &[Sum]) -> Vec<f64> {
+    let n = a.len().isqrt();
+    let left = rows_of_sums(a, n, sums);
+    let mut out = Vec::with_capacity(sums.len() * sums.len());
+    for of_sum in left.chunks_exact(n.max(1)) {
+        for sum in sums {
+            out.push(sum.iter().map(|(row, w)| w * of_sum[*row]).sum());
+        }
+    }
+    out
+}
+
 /// Compliance between sums of rows.
-fn over(of_rows: &FlankCompliance, rows: usize, sums: &[Sum]) -> FlankCompliance {
-    // `L C` of a block, then `L C L^T`.
-    let congruence = |block: &[f64], n: usize, sums: &[Sum]| -> Vec<f64> {
-        let mut left = vec![0.0; sums.len() * n];
-        for (out, sum) in left.chunks_exact_mut(n.max(1)).zip(sums) {
-            for &(row, w) in sum {
-                for (x, c) in out.iter_mut().zip(&block[row * n..][..n]) {
-                    *x += w * c;
-                }
-            }
-        }
-        let mut out = Vec::with_capacity(sums.len() * sums.len());
-        for of_line in left.chunks_exact(n.max(1)) {
-            for sum in sums {
-                out.push(sum.iter().map(|(row, w)| w * of_line[*row]).sum());
-            }
-        }
-        out
-    };
+fn over(of_rows: &FlankCompliance, sums: &[Sum]) -> FlankCompliance {
     match of_rows {
-        FlankCompliance::Full(c) => FlankCompliance::Full(congruence(c, rows, sums)),
+        FlankCompliance::Full(c) => FlankCompliance::Full(congruence(c, sums)),
         FlankCompliance::Cyclic {
             teeth,
             per_tooth: m,
@@ -297,7 +285,7 @@ fn over(of_rows: &FlankCompliance, rows: usize, sums: &[Sum]) -> FlankCompliance
                 teeth: *teeth,
                 per_tooth,
                 blocks: (blocks.chunks_exact(m * m))
-                    .flat_map(|block| congruence(block, *m, of_tooth))
+                    .flat_map(|block| congruence(block, of_tooth))
                     .collect(),
             }
         }

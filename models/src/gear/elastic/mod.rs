@@ -16,7 +16,8 @@
 //! contact force that presses on the node, `h_i` how far mode `i` turns the hub, `R` and `r` the residual compliance
 //! between the flank nodes and towards the hub. Only displacements along the normals enter a gap: what slides
 //! along the flank changes it in second order, by `u_t^2 / (2 rho)`, a part in a thousand of the deflection of a
-//! steel tooth. Where flanks touch on half-spaces the nodes are [`lines`] over strips of the width. Gears that turn fast have the centrifugal and Coriolis terms of [`inertia`] as well.
+//! steel tooth. Where flanks touch on half-spaces the nodes are [`lines`] over strips of the width. Gears that turn fast
+//! have the centrifugal and Coriolis terms of [`inertia`] as well.
 
 mod body;
 mod free_flight;
