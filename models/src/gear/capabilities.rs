@@ -4,9 +4,10 @@ use super::flank_displacement::FlankDisplacement;
 use super::free_flight::FreeFlight;
 use crate::Vec3;
 use crate::geometry::{Flanks, Side};
-use crate::kinematics::Tooth;
+use crate::kinematics::{Row, Tooth};
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Change, Coeffs, Singular};
+use std::sync::Arc;
 
 /// The flanks of a gear as grids of nodes.
 #[derive(Clone, Copy)]
@@ -18,6 +19,23 @@ pub struct FlankSurface<'a> {
     /// Displacements of the nodes along their normals, on top of the rigid motion that [`Self::nodes`] then tells;
     /// `None` for gears whose node positions are the deformed ones.
     pub displacement: Option<&'a dyn FlankDisplacement>,
+}
+
+/// Flanks as [lines](super::elastic::lines) of a gear whose nodes say where they are, for contact on half-spaces: their
+/// outward displacements are no linear function of the coordinates, and no compliance is left beside these.
+pub trait DeformedLines {
+    /// Flanks whose nodes are the lines.
+    fn flanks(&self) -> &Flanks;
+
+    /// Displacement of the lines of each flank by line loads, as [`FlankDisplacement::near_field`].
+    fn near_field(&self) -> &Arc<Vec<Vec<f64>>>;
+
+    /// Outward displacement of a line [m], and its slope by the displacement of the hub while the nodes stay in space.
+    fn outward(&self, at: At<'_>, line: u32) -> (f64, f64);
+
+    /// Appends the slopes of `sum w_i a_i` of the outward displacements of lines by the places of their nodes to a row
+    /// that is targeted at this gear.
+    fn row(&self, at: At<'_>, lines: &[u32; 4], weights: &[f64; 4], row: &mut Row);
 }
 
 /// Positions of flank nodes.

@@ -5,7 +5,7 @@
 //! ([`super::capabilities`]), which a gear hands out. A gear may take part in several meshes; the gears of a mesh may
 //! have different models.
 
-use super::capabilities::{CoupledMass, FlankSurface, LargeGear, LinearMotion, ToothCoordinates};
+use super::capabilities::{CoupledMass, DeformedLines, FlankSurface, LargeGear, LinearMotion, ToothCoordinates};
 use super::hub_body::{HubBody, HubState};
 use crate::Vec3;
 use crate::kinematics::{Point, Row, Wrench};
@@ -92,6 +92,11 @@ pub trait GearModel {
     /// Flanks as grids of nodes, for gears whose contact is searched point by point. Such a gear takes
     /// [`Locus::Quadrature`](crate::kinematics::Locus) points in [`Self::row`].
     fn surface(&self) -> Option<FlankSurface<'_>> {
+        None
+    }
+
+    /// Flanks as lines, for gears that meet half-spaces with the places of their nodes.
+    fn deformed_lines(&self) -> Option<&dyn DeformedLines> {
         None
     }
 

@@ -198,13 +198,14 @@ impl Scene {
                 (Search::Pairs(Box::new(search)), law, on_lines)
             };
             let has_field = |i: &usize| gears[*i].model.displacement().is_some();
+            let nodal = mesh.gears.iter().any(has_field) || search.lines().is_some();
             meshes.push(SceneMesh {
                 gears: mesh.gears,
                 search,
                 law,
                 friction: friction_of(spec, mesh, l, contact),
                 hard: contact.points.is_some_and(|p| p.hard) && mesh.gears.iter().any(has_field),
-                nodal: mesh.gears.iter().any(has_field),
+                nodal,
                 arms: None,
                 clearances,
                 gap_bound: (if with_flanks { FLANK_BOUND } else { ROUNDING }) * l.base_pitch,
@@ -283,7 +284,7 @@ impl Scene {
         let channels = channels::names(meshes.len(), gears.iter().map(|g| g.name.as_str()));
         let one_spring = OneSpring::of(&gears, &meshes);
         let rosters = meshes.iter().map(|_| Roster::default()).collect();
-        let fields = gears.iter().any(|g| g.model.displacement().is_some());
+        let fields = meshes.iter().any(|m| m.nodal);
         let nodal = Nodal::new(&gears, &meshes);
         let condenses = gears.iter().any(|g| g.model.large().is_some());
         let tracks = meshes.iter().any(|m| m.law.needs_impact_speed())

@@ -4,11 +4,14 @@ use super::members::SceneGear;
 use super::mesh_assembly::varies_over_width;
 use crate::contact::pairs::{FlankLines, LineGear, LinesOfAction};
 use crate::error::{BuildError, GearPart, MeshPart, Reason};
+use crate::gear::GearModel;
 use crate::gear::elastic::lines::Strips;
+use crate::geometry::Flanks;
 use crate::law::{Damping, HalfSpace, Law};
 use crate::spec::{Body, ContactSpec, LocalContact, MeshLayout, MeshSpec, Modelling, SceneSpec};
 use crate::stiffness::Material;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Whether half-spaces give way where flanks touch.
 pub(super) fn is_half_space(contact: &ContactSpec) -> bool {
@@ -52,21 +55,21 @@ pub(super) fn strips(
     let mut found: Option<usize> = None;
     for i in mesh.gears {
         let model = &gears[i].model;
-        let elastic = (model.displacement()).is_some_and(|field| field.near_field().is_some());
-        if !elastic && (model.teeth().is_some() || model.flanks().is_some()) {
+        let lines = lines_of_gear(model.as_ref());
+        if lines.is_none() && (model.teeth().is_some() || model.flanks().is_some()) {
             return Err(BuildError::gear(
                 &spec.gears[i].name,
                 GearPart::Model,
                 (
                     format!(
-                        "half-spaces are known to elastic gears and to rigid ones that they meet, but `{}` is `{}`",
+                        "half-spaces are known to elastic gears, to finite elements and to rigid gears that they meet, but `{}` is `{}`",
                         spec.gears[i].name, gears[i].id
                     ),
                     "give the contact local = \"mesh\" and a penalty",
                 ),
             ));
         }
-        let Some(flanks) = model.flanks().filter(|_| elastic) else {
+        let Some((flanks, _)) = lines else {
             continue;
         };
         let mut others = spec.meshes.iter().zip(&modelling.contacts);
@@ -78,7 +81,7 @@ pub(super) fn strips(
                         "`{}` touches on half-spaces here and with the elements of its mesh elsewhere",
                         spec.gears[i].name
                     ),
-                    "give all contacts of an elastic gear the same `local`",
+                    "give all contacts of a gear the same `local`",
                 )
                     .into(),
             ));
@@ -137,6 +140,14 @@ pub(super) fn strips(
     Ok(strips)
 }
 
+/// The flanks of a gear with lines for nodes, and its near field; nothing where it has no such.
+fn lines_of_gear(model: &dyn GearModel) -> Option<(&Flanks, &Arc<Vec<Vec<f64>>>)> {
+    if let Some(lines) = model.deformed_lines() {
+        return Some((lines.flanks(), lines.near_field()));
+    }
+    Some((model.flanks()?, model.displacement()?.near_field()?))
+}
+
 /// `A = 2 (1 - nu^2)/(pi E)` of a material [m^2/N].
 fn compliance(of: &Material) -> f64 {
     2.0 * (1.0 - of.poisson * of.poisson) / (PI * of.young)
@@ -183,11 +194,7 @@ pub(super) fn flank_lines(
     }
     let mut of_gears = [None, None];
     for (out, &i) in of_gears.iter_mut().zip(&mesh.gears) {
-        let model = &gears[i].model;
-        let (Some(field), Some(flanks)) = (model.displacement(), model.flanks()) else {
-            continue;
-        };
-        let Some(near_field) = field.near_field() else {
+        let Some((flanks, near_field)) = lines_of_gear(gears[i].model.as_ref()) else {
             continue;
         };
         let g = &spec.gears[i];

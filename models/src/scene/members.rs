@@ -147,7 +147,7 @@ pub struct SceneMesh {
     pub(super) hard: bool,
     /// Effective radius arms of both gears on each line of action, where contacts need no candidates.
     pub(super) arms: Option<Vec<[f64; 2]>>,
-    /// One of its gears has a displacement field.
+    /// One of its gears has a displacement field, or its flanks touch along lines.
     pub(super) nodal: bool,
     /// What facing flanks are apart at least, were the gears rigid.
     pub(super) clearances: Vec<LineClearance>,

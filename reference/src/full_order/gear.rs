@@ -17,13 +17,14 @@
 use super::body::Body;
 use super::correction::Correction;
 use super::frame::unit_motion;
+use super::lines::Lines;
 use super::kinematics::{add3, dot3, node3};
 use crate::assembly::tie::{MassKind, Tie};
 use crate::vector::dot;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 use gearbench_models::Vec3;
 use gearbench_models::gear::{
-    CoupledMass, FlankNodes, FlankSurface, GearModel, HubBody, HubState, LargeGear,
+    CoupledMass, DeformedLines, FlankNodes, FlankSurface, GearModel, HubBody, HubState, LargeGear,
 };
 use gearbench_models::kinematics::{Hub, Point, Row, Wrench};
 use gearbench_models::spec::Mount;
@@ -50,6 +51,7 @@ pub struct FullOrder {
     pub(super) own: usize,
     pub(super) scratch: RefCell<Nodal>,
     pub(super) correction: RefCell<Correction>,
+    pub(super) lines: Lines,
 }
 
 impl FullOrder {
@@ -86,6 +88,7 @@ impl FullOrder {
                 ..HubBody::new(hub, effective_base_radius)
             },
             body,
+            lines: Lines::default(),
             scratch: RefCell::new(Nodal {
                 u: zeros(),
                 g: zeros(),
@@ -93,6 +96,12 @@ impl FullOrder {
                 dg: zeros(),
             }),
         }
+    }
+
+    /// The same gear, touching along lines of its flanks.
+    #[must_use]
+    pub fn with_lines(self, lines: Lines) -> Self {
+        FullOrder { lines, ..self }
     }
 
     /// The finite elements.
@@ -320,6 +329,10 @@ impl GearModel for FullOrder {
             nodes: self,
             displacement: None,
         })
+    }
+
+    fn deformed_lines(&self) -> Option<&dyn DeformedLines> {
+        (!self.lines.is_empty()).then_some(self)
     }
 
     fn large(&self) -> Option<&dyn LargeGear> {

@@ -5,6 +5,7 @@
 //! | `frame` | the frame on the hub: where undeformed points are |
 //! | [`body`] | mesh, stiffness and mass, prepared |
 //! | `gear`, `kinematics`, `large` | the gear model: coordinates, forces, energy; where its nodes are and how they move; coupled masses |
+//! | `lines` | its flanks as lines, for contact on half-spaces |
 //! | `correction` | Newton corrections: factor kept per step size, flexibility of the nodes in contact |
 //! | `table` | the line in the table of models |
 
@@ -14,6 +15,7 @@ mod frame;
 mod gear;
 mod kinematics;
 mod large;
+mod lines;
 pub(crate) mod table;
 
 #[cfg(test)]

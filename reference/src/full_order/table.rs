@@ -2,6 +2,7 @@
 
 use super::body::Body;
 use super::gear::FullOrder;
+use super::lines::Lines;
 use crate::assembly::tie::MassKind;
 use crate::mesh_source::{self, MeshParameters, Reader, Source, optional};
 use gearbench_models::error::BuildError;
@@ -71,6 +72,11 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
             ),
         ));
     }
+    let lines = match context.lines {
+        None => Lines::default(),
+        Some(strips) => Lines::new(&mesh, &context.material, &context.placement.pose(0.0), strips)
+            .map_err(|e| reader.error("mesh", e))?,
+    };
     let body = Body::new(
         mesh,
         &context.material,
@@ -80,9 +86,6 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         context.added_inertia,
     )
     .map_err(|e| reader.error("mesh", e.to_string()))?;
-    Ok(Box::new(FullOrder::new(
-        context.hub.clone(),
-        context.effective_radius,
-        body,
-    )))
+    let gear = FullOrder::new(context.hub.clone(), context.effective_radius, body);
+    Ok(Box::new(gear.with_lines(lines)))
 }

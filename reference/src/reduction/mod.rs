@@ -53,9 +53,11 @@ mod truncation;
 pub use error::ReductionError;
 pub use geometry::Toothing;
 pub use mounting::Mounting;
+pub(crate) use near_field::of_flanks as near_field_of_flanks;
 pub use of_gear::{OfGear, of_gear};
 pub use parameters::ElasticParameters;
 pub use request::Request;
+pub(crate) use surface::Surface;
 pub(crate) use truncation::{Kept, without_modes};
 
 use gearbench_models::Vec3;

@@ -40,7 +40,7 @@ type Kernel = [f64; REACH + 1];
 
 /// Displacement over `A` of each row of nodes by a line load at each row, of lengths in m: per flank, `rows x rows`.
 /// Nothing where the elements are not hexahedra of eight nodes.
-pub(super) fn of_flanks(
+pub fn of_flanks(
     gear: &GearMesh,
     material: &Material,
 ) -> Result<Option<Vec<Vec<f64>>>, ElementError> {

@@ -83,6 +83,9 @@ pub struct LineTerms {
     pub slopes: [[f64; 4]; 2],
     /// Slopes of the logarithm of the law's force.
     pub ln_force: [f64; 2],
+    /// Lines of a gear that [says where its nodes are](crate::gear::DeformedLines) in the place of slots; their weights
+    /// are those of the point, and what follows them with the hub is in the effective radius.
+    pub deformed: [Option<[u32; 4]>; 2],
     /// Relative radius of curvature [m].
     pub radius: f64,
 }

@@ -16,7 +16,8 @@
 //! N (dg_rigid/dtheta_k - ds_k/dtheta_k w_k' . a_k) - dV/dF_0 dF_0/ds_k ds_k/dtheta_k
 //! ```
 //!
-//! Nothing of it knows the facets of a mesh: geometry under load is that of the exact flank. That a tilting flank moves the
+//! with the slope of `a_k` by `theta_k` as well where the nodes say themselves where they are
+//! ([`DeformedLines`](crate::gear::DeformedLines)). Nothing of it knows the facets of a mesh: geometry under load is that of the exact flank. That a tilting flank moves the
 //! contact along the profile, by `R` times the tilt, is left out: 1 % of the approach where teeth are loaded to
 //! 800 N/mm. A tip edge counts as the end of the flank, with the curvature that it has there.
 
@@ -70,7 +71,7 @@ struct LineFlank {
 
 /// Where a contact lies on a flank, and how that changes with the displacement of the gear.
 struct Place {
-    slots: [u32; 4],
+    lines: [u32; 4],
     weights: [f64; 4],
     slopes: [f64; 4],
     /// `ln b` of the width over which the mesh spreads the load, and its slope by the displacement.
@@ -161,7 +162,7 @@ impl LineGear {
             by_place += spread.slopes[i] * of_row;
         }
         Place {
-            slots: std::array::from_fn(|i| f.nodes[(spread.first + i) * self.strips + strip]),
+            lines: std::array::from_fn(|i| f.nodes[(spread.first + i) * self.strips + strip]),
             weights: spread.weights,
             slopes: spread.slopes.map(|x| x * moves),
             ln_spread: (LN_2 + 0.5 - p, -2.0 * by_place * moves),
@@ -223,7 +224,12 @@ impl FlankLines {
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
-        let limit = sides[0].bound() + sides[1].bound();
+        let deformed = sides.iter().any(|s| s.party.gear.deformed_lines().is_some());
+        let limit = if deformed {
+            f64::INFINITY
+        } else {
+            sides[0].bound() + sides[1].bound()
+        };
         let movers = [0, 1].map(|k| Mover::new(&sides[k].party));
         let movers = [&movers[0], &movers[1]];
         for (l, line) in self.pairs.lines.iter().enumerate() {
@@ -285,14 +291,23 @@ impl FlankLines {
                 field,
                 nodes,
             } = &mut sides[k];
-            let (Some(field), Some(flank)) = (*field, gear.flank(p.teeth[k], side, rack)) else {
+            let Some(flank) = gear.flank(p.teeth[k], side, rack) else {
                 return;
             };
             let place = gear.place(flank, line.slice, height);
-            slots[k] = nodes.meet(field, party.at, &place.slots);
             weights[k] = place.weights;
-            gap0 -= weighted(&weights[k], &GearNodes::at(&nodes.displacement, &slots[k]));
-            terms.slopes[k] = place.slopes;
+            if let Some(field) = *field {
+                slots[k] = nodes.meet(field, party.at, &place.lines);
+                gap0 -= weighted(&weights[k], &GearNodes::at(&nodes.displacement, &slots[k]));
+                terms.slopes[k] = place.slopes;
+            } else if let Some(lines) = party.gear.deformed_lines() {
+                let outward = place.lines.map(|line| lines.outward(party.at, line));
+                let (a, by_hub) = (outward.map(|x| x.0), outward.map(|x| x.1));
+                gap0 -= weighted(&weights[k], &a);
+                terms.effective_radii[k] -=
+                    weighted(&place.slopes, &a) + weighted(&weights[k], &by_hub);
+                terms.deformed[k] = Some(place.lines);
+            }
             let share = 2.0 * gear.compliance / self.compliance;
             ln_spread += share * place.ln_spread.0;
             terms.ln_force[k] += share * place.ln_spread.1;

@@ -90,8 +90,8 @@ fn behind_last([a, b, c, w]: [f64; 4]) -> [f64; 4] {
     [0.0, a, b - w, c + 2.0 * w]
 }
 
-/// A line as a sum of nodes of the mesh: `(row of the flank, weight)`.
-type Sum = Vec<(usize, f64)>;
+/// A sum over a mesh, of nodes or of rows of nodes: their numbers and weights.
+pub type Sum = Vec<(usize, f64)>;
 
 /// Lines of a flank of so many rows of nodes.
 fn lines_of(rows: usize) -> Vec<Sum> {
@@ -131,31 +131,27 @@ fn lines_of(rows: usize) -> Vec<Sum> {
     lines
 }
 
-impl Reduced {
-    /// The same gear with lines over strips of the width in the place of its flank nodes.
+/// The lines of all flanks of a mesh.
+#[derive(Clone, Debug)]
+pub struct LinesOfFlanks {
+    /// Flanks whose nodes are the lines.
+    pub flanks: Flanks,
+    /// Each line as a sum of the flank nodes of the mesh.
+    pub sums: Vec<Sum>,
+    /// What the mesh around a flank does to a line load, as [`Reduced::near_field`], between lines.
+    pub near_field: Arc<Vec<Vec<f64>>>,
+}
+
+impl LinesOfFlanks {
+    /// The lines of flanks over strips of the width; `near_field` is that of the rows of each flank.
     ///
     /// # Errors
-    /// What is missing: the compliance of the modes that were cut, what the mesh does to a line load, rows along the
-    /// flank.
-    pub fn over_lines(&self, strips: Strips) -> Result<Reduced, Reason> {
-        let Some(residual) = &self.residual else {
-            return Err((
-                "contact on half-spaces takes the static compliance of the whole mesh, but that of the truncated modes is left out",
-                "leave out `residual = false`",
-            )
-                .into());
-        };
-        let Some(near_field) = &self.near_field else {
-            return Err((
-                "contact on half-spaces has to know what the mesh does to a line load, but the reduction does not say",
-                "make the reduction again, of a mesh of hexahedra with eight nodes: `gearbench reduce`",
-            )
-                .into());
-        };
+    /// Too few rows along a flank, strips that do not fit the layers of elements over the width.
+    pub fn new(flanks: &Flanks, near_field: &[Vec<f64>], strips: Strips) -> Result<Self, Reason> {
         let mut grids = Vec::new();
         let mut sums: Vec<Sum> = Vec::new();
         let mut fields = Vec::new();
-        for (grid, of_rows) in self.flanks.grids().iter().zip(near_field.iter()) {
+        for (grid, of_rows) in flanks.grids().iter().zip(near_field) {
             let lines = lines_of(grid.rows);
             if lines.len() < LEAST {
                 return Err((
@@ -210,10 +206,39 @@ impl Reduced {
                 ..grid.clone()
             });
         }
+        Ok(LinesOfFlanks {
+            flanks: Flanks::new(grids),
+            sums,
+            near_field: Arc::new(fields),
+        })
+    }
+}
+
+impl Reduced {
+    /// The same gear with lines over strips of the width in the place of its flank nodes.
+    ///
+    /// # Errors
+    /// What is missing: the compliance of the modes that were cut, what the mesh does to a line load, rows along the
+    /// flank.
+    pub fn over_lines(&self, strips: Strips) -> Result<Reduced, Reason> {
+        let Some(residual) = &self.residual else {
+            return Err((
+                "contact on half-spaces takes the static compliance of the whole mesh, but that of the truncated modes is left out",
+                "leave out `residual = false`",
+            )
+                .into());
+        };
+        let Some(near_field) = &self.near_field else {
+            return Err((
+                "contact on half-spaces has to know what the mesh does to a line load, but the reduction does not say",
+                "make the reduction again, of a mesh of hexahedra with eight nodes: `gearbench reduce`",
+            )
+                .into());
+        };
+        let lines = LinesOfFlanks::new(&self.flanks, near_field, strips)?;
         let per_node = self.per_node();
         // Rows of the shapes: of a node outwards, then along the profile.
-        let row_sums: Vec<Sum> = sums
-            .iter()
+        let row_sums: Vec<Sum> = (lines.sums.iter())
             .flat_map(|sum| {
                 (0..per_node).map(move |d| {
                     let of_direction = |(node, w): &(usize, f64)| (node * per_node + d, *w);
@@ -222,15 +247,14 @@ impl Reduced {
             })
             .collect();
         let modes = self.modes();
-        let normals = sums
-            .iter()
+        let normals = (lines.sums.iter())
             .map(|sum| {
                 let terms = sum.iter().map(|(node, w)| *w * self.normals[*node]);
                 terms.fold(Vec3::zeros(), |sum, n| sum + n).normalize()
             })
             .collect();
         Ok(Reduced {
-            flanks: Flanks::new(grids),
+            flanks: lines.flanks,
             normals,
             shapes: rows_of_sums(&self.shapes, modes, &row_sums),
             residual: Some(Residual {
@@ -238,7 +262,7 @@ impl Reduced {
                 hub: rows_of_sums(&residual.hub, 1, &row_sums),
                 hub_hub: residual.hub_hub,
             }),
-            near_field: Some(Arc::new(fields)),
+            near_field: Some(lines.near_field),
             ..self.clone()
         })
     }

@@ -93,7 +93,11 @@ impl Nodal {
     ) -> ([f64; 2], f64) {
         let p = &self.found.points[a.point];
         let (effective_radii, mut speed) = match a.of_line.filter(|_| of_nodes == 0) {
-            Some(of_line) => (of_line, 0.0),
+            Some(of_line) => {
+                row.clear();
+                self.deformed_rows(p, gears, mesh, at, row);
+                (of_line, row.dot(at.v))
+            }
             None => {
                 let (radii, drift) = rows_of(gears, mesh, p, along, &self.found, at, row);
                 (radii, drift + row.dot(at.v))
@@ -121,6 +125,26 @@ impl Nodal {
         let line = &self.found.lines[p.line? as usize];
         let of = |k: usize| line.effective_radius(k, &displacements(mesh.gears[k], &p.slots[k]));
         Some([of(0), of(1)])
+    }
+
+    /// Appends the slopes of the gap of a line by the places of the nodes of gears that say where these are.
+    fn deformed_rows(
+        &self,
+        p: &NodalPoint,
+        gears: &[SceneGear],
+        mesh: &SceneMesh,
+        at: At<'_>,
+        row: &mut Row,
+    ) {
+        let Some(line) = p.line else { return };
+        let deformed = &self.found.lines[line as usize].deformed;
+        for ((k, lines), &g) in deformed.iter().enumerate().zip(&mesh.gears) {
+            let g = &gears[g];
+            if let (Some(lines), Some(nodes)) = (lines, g.model.deformed_lines()) {
+                row.target(g.offset, -1.0);
+                nodes.row(g.at(at), lines, &p.weights[k], row);
+            }
+        }
     }
 
     /// Power that dashpots and friction take [W]: that of the forces, less that of the elastic ones by themselves, which is
@@ -204,10 +228,16 @@ impl Nodal {
             let p = &self.found.points[self.active[i].point];
             let mesh = &meshes[p.mesh as usize];
             let of_line = self.of_line(p, mesh, |g, slots| self.gears[g].total(slots));
-            let a = &mut self.active[i];
-            let [row, sliding] = &mut self.rows[i];
+            let mut rows = std::mem::take(&mut self.rows[i]);
+            let [row, sliding] = &mut rows;
             row.clear();
             sliding.clear();
+            if self.active[i].force.n != 0.0 {
+                self.deformed_rows(p, gears, mesh, at, row);
+            }
+            self.rows[i] = rows;
+            let a = &mut self.active[i];
+            let [row, sliding] = &mut self.rows[i];
             if a.force.n == 0.0 {
                 continue;
             }

@@ -1,0 +1,112 @@
+//! The flanks of a full-order gear as lines, for contact on half-spaces.
+//!
+//! Outward displacement of a line of nodes with weights `w` and outward normals `n` in the frame on the hub,
+//!
+//! ```text
+//! a = sum w n . u,    u = R^T (X + d) - X,    da/dtheta = -sum w n . (z x (X + u)),    da/dd = w R n
+//! ```
+//!
+//! the same sums as those of a reduction ([`LinesOfFlanks`]).
+
+use super::FullOrder;
+use super::frame::unit_motion;
+use super::kinematics::dot3;
+use crate::mesh::GearMesh;
+use crate::reduction::{Surface, near_field_of_flanks};
+use gearbench_integrators::system::At;
+use gearbench_models::error::Reason;
+use gearbench_models::gear::DeformedLines;
+use gearbench_models::gear::elastic::lines::{LinesOfFlanks, Strips};
+use gearbench_models::geometry::Flanks;
+use gearbench_models::kinematics::{Pose, Row};
+use gearbench_models::stiffness::Material;
+use std::sync::Arc;
+
+/// The lines of a gear; none where its contact asks for none.
+#[derive(Debug, Default)]
+pub struct Lines {
+    flanks: Flanks,
+    near_field: Arc<Vec<Vec<f64>>>,
+    /// Each line as nodes of its mesh, with weights times outward normals in the frame.
+    sums: Vec<Vec<(u32, [f64; 3])>>,
+}
+
+impl Lines {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.sums.is_empty()
+    }
+
+    /// Nodes of a line; no flank node is held, its surface has seen to that.
+    fn of(&self, line: u32) -> &[(u32, [f64; 3])] {
+        self.sums.get(line as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// The lines of a mesh in its own frame, which `pose` turns into the assembled position.
+    ///
+    /// # Errors
+    /// Why its flanks make no lines.
+    pub fn new(
+        mesh: &GearMesh,
+        material: &Material,
+        pose: &Pose,
+        strips: Strips,
+    ) -> Result<Self, Reason> {
+        let surface = Surface::new(mesh).map_err(|e| e.to_string())?;
+        let near_field = near_field_of_flanks(mesh, material).map_err(|e| e.to_string())?;
+        let Some(near_field) = near_field else {
+            return Err((
+                "contact on half-spaces is known to meshes of hexahedra with eight nodes",
+                "take C3D8 or C3D8I, or give the contact local = \"mesh\"",
+            )
+                .into());
+        };
+        let lines = LinesOfFlanks::new(&surface.flanks, &near_field, strips)?;
+        let of_node = |&(node, w): &(usize, f64)| {
+            let n = pose.turn(&surface.directions[node]);
+            (surface.mesh_nodes[node], (w * n).into())
+        };
+        Ok(Lines {
+            sums: (lines.sums.iter())
+                .map(|sum| sum.iter().map(of_node).collect())
+                .collect(),
+            flanks: lines.flanks,
+            near_field: lines.near_field,
+        })
+    }
+}
+
+impl DeformedLines for FullOrder {
+    fn flanks(&self) -> &Flanks {
+        &self.lines.flanks
+    }
+
+    fn near_field(&self) -> &Arc<Vec<Vec<f64>>> {
+        &self.lines.near_field
+    }
+
+    fn outward(&self, at: At<'_>, line: u32) -> (f64, f64) {
+        let (frame, d) = (self.frame(at), &at.q[self.own..]);
+        let (mut outward, mut by_hub) = (0.0, 0.0);
+        for (node, direction) in self.lines.of(line) {
+            let x = &self.body.position[*node as usize];
+            let place = self.body.place[*node as usize] as usize;
+            let u = frame.elastic(x, &d[3 * place..][..3]);
+            outward += dot3(u, direction);
+            let moved = [x.x + u[0], x.y + u[1], x.z + u[2]];
+            by_hub -= dot3(unit_motion(&moved, self.slide()), direction);
+        }
+        (outward, by_hub)
+    }
+
+    fn row(&self, at: At<'_>, lines: &[u32; 4], weights: &[f64; 4], row: &mut Row) {
+        let frame = self.frame(at);
+        for (&line, w) in lines.iter().zip(weights) {
+            for (node, direction) in self.lines.of(line) {
+                let place = self.body.place[*node as usize] as usize;
+                let along = frame.to_space(direction.map(|x| w * x));
+                row.push_span(self.own + 3 * place, along);
+            }
+        }
+    }
+}
