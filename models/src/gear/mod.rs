@@ -28,7 +28,8 @@ pub mod table;
 
 pub use any::{add_response, condense_by, condensed, respond_by, work_on_hub};
 pub use capabilities::{
-    CoupledMass, DeformedLines, FlankNodes, FlankSurface, LargeGear, LinearMotion, Oscillators, ToothCoordinates,
+    CoupledMass, DeformedLines, FlankNodes, FlankSurface, LargeGear, LinearMotion, Oscillators,
+    ToothCoordinates,
 };
 pub use flank_displacement::FlankDisplacement;
 pub use free_flight::FreeFlight;

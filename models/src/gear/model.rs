@@ -5,7 +5,9 @@
 //! ([`super::capabilities`]), which a gear hands out. A gear may take part in several meshes; the gears of a mesh may
 //! have different models.
 
-use super::capabilities::{CoupledMass, DeformedLines, FlankSurface, LargeGear, LinearMotion, ToothCoordinates};
+use super::capabilities::{
+    CoupledMass, DeformedLines, FlankSurface, LargeGear, LinearMotion, ToothCoordinates,
+};
 use super::hub_body::{HubBody, HubState};
 use crate::Vec3;
 use crate::kinematics::{Point, Row, Wrench};

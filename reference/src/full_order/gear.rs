@@ -17,8 +17,8 @@
 use super::body::Body;
 use super::correction::Correction;
 use super::frame::unit_motion;
-use super::lines::Lines;
 use super::kinematics::{add3, dot3, node3};
+use super::lines::Lines;
 use crate::assembly::tie::{MassKind, Tie};
 use crate::vector::dot;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};

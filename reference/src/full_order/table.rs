@@ -74,8 +74,13 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     }
     let lines = match context.lines {
         None => Lines::default(),
-        Some(strips) => Lines::new(&mesh, &context.material, &context.placement.pose(0.0), strips)
-            .map_err(|e| reader.error("mesh", e))?,
+        Some(strips) => Lines::new(
+            &mesh,
+            &context.material,
+            &context.placement.pose(0.0),
+            strips,
+        )
+        .map_err(|e| reader.error("mesh", e))?,
     };
     let body = Body::new(
         mesh,

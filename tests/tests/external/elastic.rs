@@ -114,6 +114,25 @@ fn few_modes_with_residual_compliance_are_full_finite_elements() {
     assert!(e > 40.0 * usual_error, "{e} {usual_error}");
 }
 
+/// With Hertz's half-spaces in the place of the elements in contact, on both sides: what is left is the reduction.
+#[test]
+fn few_modes_on_half_spaces_are_full_finite_elements_on_half_spaces() {
+    let case = load("spur_impact", "fe-half-space,elastic-half-space");
+    let full = run(&case, "fe-half-space", &[], None);
+    let fine = run(&case, "fe-half-space", &[], Some(("newmark", 1.25e-7)));
+    let [step, ..] = errors("fe at 0.25 us against 0.125 us", &full, &fine);
+    assert!(step < 5e-4, "{step:.2e}");
+    for (n, limits) in [(100.0, [4.5e-3, 2e-4, 3e-3]), (200.0, [3e-3, 2e-4, 2e-3])] {
+        let modes = ("modes", Value::Number(n));
+        let found = run(&case, "elastic-half-space", &[modes], None);
+        let what = format!("{} modes on half-spaces", found.modes.unwrap());
+        let e = errors(&what, &found, &fine);
+        for (e, limit) in e.iter().zip(limits) {
+            assert!(e.abs() < limit, "{what}: {e:.2e} beyond {limit:.0e}");
+        }
+    }
+}
+
 /// Change of energy over an impact, and of the gears' momenta against the impulse of the torques; relative.
 fn balance(scene: &mut Scene, h: f64, t_end: f64) -> (f64, f64) {
     let start = scene.initial();

@@ -224,7 +224,9 @@ impl FlankLines {
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
-        let deformed = sides.iter().any(|s| s.party.gear.deformed_lines().is_some());
+        let deformed = sides
+            .iter()
+            .any(|s| s.party.gear.deformed_lines().is_some());
         let limit = if deformed {
             f64::INFINITY
         } else {
