@@ -76,6 +76,10 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
             columns.push(column(Channel::Mesh(m, OfMesh::Force)));
         }
         columns.push(column(Channel::Mesh(m, OfMesh::Transverse)));
+        if scene.meshes()[m].search.lines().is_some() {
+            columns.push(column(Channel::Mesh(m, OfMesh::Pressure)));
+            columns.push(column(Channel::Mesh(m, OfMesh::HalfWidth)));
+        }
     }
     // The first two gears have columns of their own, but in [rad/s].
     for (g, gear) in spec.gears.iter().enumerate() {
@@ -296,6 +300,8 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
             point: [f.x.x, f.x.y],
             force: [f.force.x, f.force.y],
             pair: pair_name(spec, f),
+            pressure_pa: f.pressure.and_then(|p| finite(p.peak)),
+            half_width_m: f.pressure.and_then(|p| finite(p.half_width)),
         })
         .collect();
     ContactSnapshot {

@@ -4,21 +4,25 @@
 use super::assembled::Scene;
 use crate::spec::{Body, SceneSpec};
 
-/// A quantity of a mesh [N].
+/// A quantity of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OfMesh {
-    /// Magnitude of the vector sum over its contacts on the second gear.
+    /// Magnitude of the vector sum over its contacts on the second gear [N].
     Force,
-    /// Its part in the transverse plane.
+    /// Its part in the transverse plane [N].
     Transverse,
-    /// Its component along x.
+    /// Its component along x [N].
     X,
-    /// Its component along y.
+    /// Its component along y [N].
     Y,
-    /// Its component along the axes.
+    /// Its component along the axes [N].
     Z,
-    /// The least normal force of its contacts, 0 without any.
+    /// The least normal force of its contacts, 0 without any [N].
     LeastNormal,
+    /// The largest pressure of its contacts [Pa]; 0 where they have none, as all but lines on half-spaces.
+    Pressure,
+    /// Half the width of that contact [m].
+    HalfWidth,
 }
 
 /// A quantity of a gear; [rad] and [N m] are [m] and [N] of one that slides.
@@ -51,13 +55,15 @@ pub enum Channel {
 
 impl OfMesh {
     /// All, in the order of the channels of a mesh.
-    pub const ALL: [OfMesh; 6] = [
+    pub const ALL: [OfMesh; 8] = [
         OfMesh::Force,
         OfMesh::Transverse,
         OfMesh::X,
         OfMesh::Y,
         OfMesh::Z,
         OfMesh::LeastNormal,
+        OfMesh::Pressure,
+        OfMesh::HalfWidth,
     ];
 
     fn name(self) -> &'static str {
@@ -68,6 +74,17 @@ impl OfMesh {
             OfMesh::Y => "force_y",
             OfMesh::Z => "force_z",
             OfMesh::LeastNormal => "normal_min",
+            OfMesh::Pressure => "contact_pressure",
+            OfMesh::HalfWidth => "contact_half_width",
+        }
+    }
+
+    /// Unit, as names of columns end.
+    fn unit(self) -> &'static str {
+        match self {
+            OfMesh::Pressure => "pa",
+            OfMesh::HalfWidth => "m",
+            _ => "n",
         }
     }
 }
@@ -127,7 +144,7 @@ impl Channel {
                     }
                     _ => String::new(),
                 };
-                format!("{quantity}{of}_n")
+                format!("{quantity}{of}_{}", what.unit())
             }
             Channel::Gear(g, what) => {
                 let gear = &scene.gears[g];

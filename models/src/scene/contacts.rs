@@ -5,6 +5,7 @@ use super::assembled::Scene;
 use super::members::parties;
 use crate::Vec3;
 use crate::contact::Wanted;
+use crate::contact::nodal::NodalPoint;
 use crate::contact::pairs::{LinePressure, LinesOfAction, all_open};
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
@@ -175,11 +176,7 @@ impl Scene {
                 friction: a.sliding.force.f,
                 on_hubs: [0, 1].map(|k| a.on_hub(p, self.gears[hubs[k]].model.hub(), k)),
                 gap: a.gap,
-                pressure: p.line.and_then(|line| {
-                    let radius = self.work.nodal.found.lines[line as usize].radius;
-                    let lines = self.meshes[p.mesh as usize].search.lines()?;
-                    Some(lines.pressure(radius, p.share, a.force.n))
-                }),
+                pressure: self.pressure(p, a.force.n),
             }
         });
         self.work
@@ -205,6 +202,13 @@ impl Scene {
             })
             .chain(nodal)
             .collect()
+    }
+
+    /// Hertz's pressure at a point under a normal force [N], where it is a line between flanks.
+    pub(super) fn pressure(&self, p: &NodalPoint, force: f64) -> Option<LinePressure> {
+        let line = &self.work.nodal.found.lines[p.line? as usize];
+        let lines = self.meshes[p.mesh as usize].search.lines()?;
+        Some(lines.pressure(line.radius, p.share, force))
     }
 
     /// What an active contact exerts on the hub of one of its gears: torque about the axis [N m], force along the slide

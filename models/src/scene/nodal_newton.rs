@@ -2,6 +2,7 @@
 //! [`Reduced`] numbers.
 
 use super::assembled::Scene;
+use super::members::SceneMesh;
 use super::nodal::{Entry, NodalActive, Reduced, rows_of};
 use crate::Vec3;
 use crate::gear::{add_response, condensed};
@@ -272,12 +273,25 @@ impl Scene {
             at,
             &mut Row::default(),
         );
-        for (effective_radius, &g) in effective_radii.iter().zip(&mesh.gears) {
+        drift += self.driven_drift(mesh, effective_radii, at);
+        drift
+    }
+
+    /// The part of it that driven hubs have [m/s].
+    pub(super) fn driven_drift(
+        &self,
+        mesh: &SceneMesh,
+        effective_radii: [f64; 2],
+        at: At<'_>,
+    ) -> f64 {
+        let of_gear = |(radius, &g): (&f64, &usize)| {
             let hub = self.gears[g].model.hub();
             if hub.coordinates() == 0 {
-                drift += effective_radius * hub.speed(at.t, &[]);
+                radius * hub.speed(at.t, &[])
+            } else {
+                0.0
             }
-        }
-        drift
+        };
+        effective_radii.iter().zip(&mesh.gears).map(of_gear).sum()
     }
 }

@@ -144,14 +144,24 @@ impl Scene {
             if a.force.n == 0.0 {
                 continue;
             }
-            let along = (a.direction, a.faded);
-            power.external -= a.force.n * self.nodal_drift(a, along, at);
+            power.external -= a.force.n
+                * match a.of_line {
+                    // The hub feels what the potential changes by along the path as well.
+                    Some(_) => self.driven_drift(mesh, a.effective_radii, at),
+                    None => self.nodal_drift(a, (a.direction, a.faded), at),
+                };
             if mesh.friction.is_some() {
                 let along = (a.sliding.direction, 0.0);
                 power.external -= a.sliding.force.f * self.nodal_drift(a, along, at);
             }
             let of_mesh = &mut out.channels[PER_MESH * p.mesh as usize..][..PER_MESH];
             add_contact(of_mesh, a.on_second(p), a.force.n);
+            if let Some(pressure) = self.pressure(p, a.force.n)
+                && pressure.peak > of_mesh[OfMesh::Pressure as usize]
+            {
+                of_mesh[OfMesh::Pressure as usize] = pressure.peak;
+                of_mesh[OfMesh::HalfWidth as usize] = pressure.half_width;
+            }
             for (k, &i) in mesh.gears.iter().enumerate() {
                 let hub = self.gears[i].model.hub();
                 out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += a.on_hub(p, hub, k);

@@ -37,4 +37,10 @@ pub struct ContactPoint {
     pub force: [f64; 2],
     /// The tooth pair, for example `1-20`.
     pub pair: String,
+    /// Hertz's pressure in its middle, of a line between flanks on half-spaces \[Pa\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure_pa: Option<f64>,
+    /// Half its width \[m\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub half_width_m: Option<f64>,
 }

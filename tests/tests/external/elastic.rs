@@ -121,7 +121,8 @@ fn few_modes_on_half_spaces_are_full_finite_elements_on_half_spaces() {
     let full = run(&case, "fe-half-space", &[], None);
     let fine = run(&case, "fe-half-space", &[], Some(("newmark", 1.25e-7)));
     let [step, ..] = errors("fe at 0.25 us against 0.125 us", &full, &fine);
-    assert!(step < 5e-4, "{step:.2e}");
+    // Of second order: the finer one is off by a third of this.
+    assert!(step < 1.5e-3, "{step:.2e}");
     for (n, limits) in [(100.0, [4.5e-3, 2e-4, 3e-3]), (200.0, [3e-3, 2e-4, 2e-3])] {
         let modes = ("modes", Value::Number(n));
         let found = run(&case, "elastic-half-space", &[modes], None);

@@ -18,27 +18,27 @@ struct Drawn<'a> {
 }
 
 /// A history with its look.
-struct History<'a> {
-    label: String,
-    series: &'a TimeSeries,
-    stroke: Stroke,
+pub(super) struct History<'a> {
+    pub label: String,
+    pub series: &'a TimeSeries,
+    pub stroke: Stroke,
     /// Place of its model; none of a reference.
-    style: Option<usize>,
+    pub style: Option<usize>,
 }
 
 /// What both history charts share.
-struct Histories<'a> {
+pub(super) struct Histories<'a> {
     reference: Option<&'a ReferenceSeries>,
     runs: Vec<Drawn<'a>>,
     /// The reference first, then one run per model.
-    curves: Vec<History<'a>>,
-    time: TimeAxis,
+    pub curves: Vec<History<'a>>,
+    pub time: TimeAxis,
     /// A window to look into when the whole is too busy to read.
-    zoom: Option<TimeAxis>,
+    pub zoom: Option<TimeAxis>,
 }
 
 impl<'a> Histories<'a> {
-    fn of(view: &View<'a>) -> Option<Self> {
+    pub fn of(view: &View<'a>) -> Option<Self> {
         let reference = view.reference();
         let mut curves: Vec<History<'a>> = (reference.iter())
             .map(|r| History {
@@ -110,7 +110,7 @@ impl<'a> Histories<'a> {
     }
 
     /// All curves of a column. Busy overviews take thin full lines: dashes would be lost in them.
-    fn lines(
+    pub fn lines(
         &self,
         column: impl Fn(&TimeSeries) -> Option<&[f64]>,
         factor: f64,
@@ -142,10 +142,10 @@ fn is_run(id: &str, run: &Run) -> bool {
 
 /// Time axis: window \[s\], prefix, name.
 #[derive(PartialEq)]
-struct TimeAxis {
-    axis: Axis,
+pub(super) struct TimeAxis {
+    pub axis: Axis,
     factor: f64,
-    name: String,
+    pub name: String,
 }
 
 fn time_axis(window: (f64, f64)) -> TimeAxis {

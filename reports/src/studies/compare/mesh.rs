@@ -223,6 +223,11 @@ fn by_pair(contacts: &[ContactPoint]) -> Vec<ContactPoint> {
                     pair.force[k] += contact.force[k];
                     pair.point[k] += share * (contact.point[k] - pair.point[k]);
                 }
+                // Of several lines over the width the most pressed one.
+                if contact.pressure_pa > pair.pressure_pa {
+                    (pair.pressure_pa, pair.half_width_m) =
+                        (contact.pressure_pa, contact.half_width_m);
+                }
             }
             Some(_) => {}
             None => pairs.push((contact.clone(), weight)),
@@ -274,11 +279,13 @@ fn arrows(
         for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
             room.keep_point((x + part * length * ux, y + part * length * uy), 6.0);
         }
-        let text = if contact.pair.is_empty() {
-            quantity(force, "N", 3)
-        } else {
-            format!("{} (pair {})", quantity(force, "N", 3), contact.pair)
-        };
+        let mut text = quantity(force, "N", 3);
+        if !contact.pair.is_empty() {
+            text = format!("{text} (pair {})", contact.pair);
+        }
+        if let Some(pressure) = contact.pressure_pa {
+            text = format!("{text}, {}", quantity(pressure, "Pa", 3));
+        }
         labels.push((text, tip));
     }
     labels

@@ -5,6 +5,7 @@ mod finding;
 mod glance;
 pub(super) mod histories;
 mod mesh;
+mod pressure;
 mod timing;
 
 use crate::drawing::canvas::DrawError;
@@ -26,6 +27,7 @@ pub struct CompareRecord {
 pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyReport, DrawError> {
     let charts = [
         histories::force(view)?,
+        pressure::pressure(view)?,
         histories::speeds(view)?,
         mesh::mesh(view)?,
         cost::runtime(view)?,

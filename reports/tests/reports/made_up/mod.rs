@@ -129,6 +129,7 @@ pub fn snapshot(forces: &[(f64, f64, &str)]) -> ContactSnapshot {
         point: [pitch + s * direction[0], s * direction[1]],
         force: [force * direction[0], force * direction[1]],
         pair: (*pair).into(),
+        ..ContactPoint::default()
     });
     let end = |s: f64| [pitch + s * direction[0], s * direction[1]];
     ContactSnapshot {
