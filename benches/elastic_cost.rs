@@ -4,7 +4,8 @@
 //!    elements on the same mesh, the better of explicit and implicit, and beside CalculiX. The time of CalculiX is the
 //!    stored one or, better, one measured on this machine (`reference/calculix/regenerate.sh case-a-fine 0.1335e-3`,
 //!    processor time), handed over on the command line. `--store` writes figures and machine into a file.
-//!    The ratios are of hundreds and more: the finite elements run once, not by turns.
+//!    The ratios are of hundreds and more: the finite elements run once, not by turns. Beside the elements in contact stand
+//!    Hertz's half-spaces, elastic and full alike (`elastic-half-space`, `fe-half-space`).
 //! 2. Flight: `hammer` with ten times the backlash and duration, so that flights last ten times as long between the
 //!    same impacts.
 //! 3. Mesh: twice the elements at the same flank nodes, time per step.
@@ -57,6 +58,16 @@ fn impact(calculix: Option<f64>) -> Value {
         let (wall, work) = timed(&mut scene, "trigonometric", 1e-6, end, REPEATS);
         runs.push((modes, wall, work));
     }
+    let mut half_spaces = built(&file, "elastic-half-space", &[]);
+    let (on_half_spaces, steps) = timed(&mut half_spaces, "trigonometric", 1e-6, end, REPEATS);
+    let full_on_half_spaces = timed(
+        &mut built(&file, "fe-half-space", &[]),
+        "newmark",
+        2.5e-7,
+        end,
+        1,
+    )
+    .0;
     let explicit = timed(
         &mut built(&file, "fe-lumped", &[]),
         "velocity-verlet",
@@ -102,8 +113,24 @@ fn impact(calculix: Option<f64>) -> Value {
             calculix / wall
         );
     }
+    println!(
+        "elastic, 100 modes on half-spaces: {:>7.3} ms, {} steps, {:.2} us each; fe on half-spaces {full_on_half_spaces:.2} s, {:>6.0} times; CalculiX / elastic {:>7.0}",
+        1e3 * on_half_spaces,
+        steps.steps,
+        1e6 * on_half_spaces / steps.steps as f64,
+        full_on_half_spaces / on_half_spaces,
+        calculix / on_half_spaces
+    );
     json!({
         "scene": "spur_impact",
+        "half_spaces": {
+            "modes": 100,
+            "wall_s": on_half_spaces,
+            "steps": steps.steps,
+            "fe_s": full_on_half_spaces,
+            "fe_over_elastic": full_on_half_spaces / on_half_spaces,
+            "calculix_over_elastic": calculix / on_half_spaces,
+        },
         "simulated_s": end,
         "fe_explicit_s": explicit,
         "fe_implicit_s": implicit,

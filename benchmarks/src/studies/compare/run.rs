@@ -2,7 +2,7 @@
 
 use super::plan::Plan;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::converged::{EXACT_MODES, exact_for_modes, of_model, tight};
+use crate::experiment::converged::{exact, of_model, tight};
 use crate::experiment::key::Key;
 use crate::experiment::run::{Job, LEFT_OUT, RunError, run};
 use crate::experiment::runner::Runner;
@@ -21,7 +21,9 @@ use std::fmt::Display;
 pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> {
     let grid = plan.conditions.grid();
     let tight = tight();
-    let exact_modes = EXACT_MODES.map(|(rtol, steps)| (exact_for_modes(rtol), steps));
+    let exact_modes: Vec<_> = (plan.entries.iter())
+        .map(|entry| exact(plan.methods_of(entry)))
+        .collect();
     let mut runs = Vec::with_capacity(plan.len());
     let mut left_out = Vec::new();
     let mut refused = None;
@@ -60,9 +62,10 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                     Some(own) => own,
                     none => {
                         tell(&"converged solution");
-                        let key = Key::new("converged solution").and(&job(&tight[0].0).key());
-                        let found =
-                            runner.piece(key, || of_model(&job, &row, &exact_modes, &tight));
+                        let exact = &exact_modes[i];
+                        let schemes = [&exact[0].0, &tight[0].0].map(|s| job(s).key());
+                        let key = Key::new("converged solution").and(&schemes);
+                        let found = runner.piece(key, || of_model(&job, &row, exact, &tight));
                         none.insert(found?)
                     }
                 };

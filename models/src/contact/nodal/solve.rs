@@ -77,6 +77,7 @@ impl NodalSolve {
         self.find(springs)?;
         for s in springs.iter_mut() {
             s.elastic = (s.gap, s.force.n);
+            s.elastic_stiffness = -s.force.dn_dg;
         }
         Ok(&self.u)
     }

@@ -32,6 +32,8 @@ pub struct Spring {
     pub rub: FrictionForce,
     /// Result: gap [m] and normal force [N] of the elastic law alone.
     pub elastic: (f64, f64),
+    /// Result: its stiffness there [N/m].
+    pub elastic_stiffness: f64,
 }
 
 impl Spring {
@@ -55,6 +57,7 @@ impl Spring {
             force: LawForce::default(),
             rub: FrictionForce::default(),
             elastic: (gap0, 0.0),
+            elastic_stiffness: 0.0,
         }
     }
 
@@ -76,7 +79,7 @@ impl Spring {
         if gap >= 0.0 {
             return 0.0;
         }
-        -elastic_at(self, gap).dn_dg * (-gap / (HOLDS * deepest)).min(1.0)
+        self.elastic_stiffness * (-gap / (HOLDS * deepest)).min(1.0)
     }
 
     /// `f += x w`.

@@ -81,6 +81,7 @@ fn gears_that_hardly_vibrate_have_forces() {
                 Spring {
                     force,
                     elastic: (gap0, force.n),
+                    elastic_stiffness: -force.dn_dg,
                     ..Spring::new(([0; 8], [0.0; 8]), (gap0, rate), 1e8, law)
                 }
             })
