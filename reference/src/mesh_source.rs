@@ -158,7 +158,7 @@ impl MeshParameters {
 #[derive(Clone, Debug)]
 pub enum Source {
     /// To be generated.
-    Generated(GearMeshParams),
+    Generated(Box<GearMeshParams>),
     /// Read from a deck, in the gear's own frame.
     Deck(Box<GearMesh>),
 }
@@ -234,7 +234,7 @@ fn generated(
             *value = n;
         }
     }
-    Ok(Source::Generated(params))
+    Ok(Source::Generated(Box::new(params)))
 }
 
 /// The mesh of a gear in a deck: the toothed body with as many teeth whose centre is nearest.

@@ -260,6 +260,15 @@ fn bad_input_is_refused_with_a_way_out() {
         ),
         (
             with(&|p| {
+                p.flank_focus = Some(Focus {
+                    place: 0.5,
+                    reach: 0.0,
+                });
+            }),
+            "reach of the focus is 0; expected a part",
+        ),
+        (
+            with(&|p| {
                 p.sector = true;
                 p.fine_teeth = Some(FineTeeth {
                     teeth: vec![0],

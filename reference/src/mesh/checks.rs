@@ -64,6 +64,21 @@ pub(super) fn check_ratios(p: &GearMeshParams) -> Result<(), MeshError> {
             });
         }
     }
+    let Some(focus) = p.flank_focus else {
+        return Ok(());
+    };
+    for (what, value, least) in [
+        ("place of the focus", focus.place, 0.0),
+        ("reach of the focus", focus.reach, 1e-6),
+    ] {
+        if !(least..=1.0).contains(&value) {
+            return Err(MeshError::Invalid {
+                what,
+                value,
+                expected: "a part of the flank, at most 1 (the reach above 0)",
+            });
+        }
+    }
     Ok(())
 }
 

@@ -17,6 +17,21 @@ pub(super) fn geometric(n: usize, ratio: f64, refine: usize) -> Vec<f64> {
     refined(&ends, refine)
 }
 
+/// Ends of `n` intervals of [0, 1] that are of equal length within `reach` of `place`, and beyond in proportion to the
+/// distance: equal steps of the inverse hyperbolic sine of it.
+pub(super) fn focused(n: usize, place: f64, reach: f64, refine: usize) -> Vec<f64> {
+    let at = |x: f64| ((x - place) / reach).asinh();
+    let (low, high) = (at(0.0), at(1.0));
+    let ends: Vec<f64> = (0..=n)
+        .map(|i| match i {
+            0 => 0.0,
+            i if i == n => 1.0,
+            i => place + reach * (low + (high - low) * i as f64 / n as f64).sinh(),
+        })
+        .collect();
+    refined(&ends, refine)
+}
+
 /// Inserts the middles when `refine` is 2.
 pub(super) fn refined(ends: &[f64], refine: usize) -> Vec<f64> {
     if refine == 1 {
@@ -56,6 +71,18 @@ mod tests {
         assert_eq!(g, [0.0, 1.0 / 7.0, 3.0 / 7.0, 1.0]);
         let g = geometric(2, 3.0, 2);
         assert_eq!(g, [0.0, 0.125, 0.25, 0.625, 1.0]);
+    }
+
+    #[test]
+    fn the_shortest_lie_about_the_place() {
+        let g = focused(40, 0.6, 0.02, 1);
+        assert!(g.is_sorted_by(|a, b| a < b) && (g[0], g[40]) == (0.0, 1.0));
+        let lengths: Vec<f64> = g.windows(2).map(|w| w[1] - w[0]).collect();
+        let shortest = (0..40).min_by(|a, b| lengths[*a].total_cmp(&lengths[*b]));
+        let i = shortest.unwrap();
+        assert!((0.5 * (g[i] + g[i + 1]) - 0.6).abs() < lengths[i]);
+        // asinh(20) + asinh(30) in 40 steps.
+        assert!((lengths[i] / (0.02 * 7.784 / 40.0) - 1.0).abs() < 0.01);
     }
 
     #[test]

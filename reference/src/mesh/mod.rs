@@ -28,7 +28,7 @@ mod width;
 
 pub use build::{gear, rack, sector};
 pub use error::{MeshError, Part};
-pub use params::{FineTeeth, GearMeshParams, Tooth, Web};
+pub use params::{FineTeeth, Focus, GearMeshParams, Tooth, Web};
 pub use quality::{ElementQuality, Quality, element_qualities, quality};
 
 use gearbench_models::Vec3;

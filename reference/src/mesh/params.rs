@@ -56,6 +56,16 @@ pub struct FineTeeth {
     pub others: Tooth,
 }
 
+/// A place of the flank about which its elements are short, as a contact wants them: of equal length about as far as
+/// `reach`, and beyond it in proportion to the distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Focus {
+    /// Part of the flank's arc length from the form circle, 0 to 1.
+    pub place: f64,
+    /// Part of the flank's arc length, above 0.
+    pub reach: f64,
+}
+
 /// A web: between the rim and the hub the body is a thinner disc, in the middle of the face width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Web {
@@ -87,6 +97,8 @@ pub struct GearMeshParams {
     pub width: usize,
     /// Length of the flank's last element at the tip over that of the first at the form circle; 1 is uniform.
     pub flank_grading: f64,
+    /// Elements along the flank short about a place, in the place of `flank_grading`.
+    pub flank_focus: Option<Focus>,
     /// Thickness of each layer of the skin over that of its neighbour nearer to the surface; 1 is uniform.
     pub skin_growth: f64,
     /// Thickness of each layer of the rim over that of its neighbour nearer to the teeth; left out, it is chosen
@@ -110,6 +122,7 @@ impl Default for GearMeshParams {
             rim: 4,
             width: 4,
             flank_grading: 1.0,
+            flank_focus: None,
             skin_growth: 1.5,
             rim_growth: None,
             web: None,

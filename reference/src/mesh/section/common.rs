@@ -3,7 +3,7 @@
 use crate::mesh::build::refine;
 use crate::mesh::error::Part;
 use crate::mesh::grading::{geometric, ratio_from_first};
-use crate::mesh::params::GearMeshParams;
+use crate::mesh::params::{Focus, GearMeshParams};
 use crate::mesh::profile::{Body, Plane, Root};
 
 /// What all teeth of a mesh share, fine and coarse.
@@ -15,6 +15,7 @@ pub(in crate::mesh) struct Common<'a> {
     pub(super) layers: usize,
     pub(super) skin_growth: f64,
     pub(super) flank_grading: f64,
+    pub(super) flank_focus: Option<Focus>,
     /// Thickness of the skin in the middle of the tooth space [m].
     pub(super) root_skin: f64,
     /// Unrolled depth of the rim, and of the whole body [m].
@@ -66,6 +67,7 @@ impl<'a> Common<'a> {
             layers,
             skin_growth,
             flank_grading: p.flank_grading,
+            flank_focus: p.flank_focus,
             root_skin,
             rim_depth,
             depth,

@@ -1,7 +1,7 @@
 //! The surface of the left half of a tooth, and the rows of the skin under it.
 
 use super::common::{Common, skin_part};
-use crate::mesh::grading::{geometric, refined};
+use crate::mesh::grading::{focused, geometric, refined};
 use crate::mesh::params::Tooth;
 use crate::mesh::profile::Plane;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
@@ -28,11 +28,12 @@ impl Surface {
         let part = skin_part(common.layers, common.skin_growth, tooth.across);
         let (mut start, mut dip, mut follows) = (Vec::new(), Vec::new(), Vec::new());
         // From the form circle up, then turned: the surface is followed from the tip down.
-        let ratio = match tooth.flank {
-            1 => 1.0,
-            n => common.flank_grading.powf(1.0 / (n - 1) as f64),
+        let places = match (common.flank_focus, tooth.flank) {
+            (Some(focus), n) => focused(n, focus.place, focus.reach, f),
+            (None, 1) => geometric(1, 1.0, f),
+            (None, n) => geometric(n, common.flank_grading.powf(1.0 / (n - 1) as f64), f),
         };
-        for &t in geometric(tooth.flank, ratio, f).iter().rev() {
+        for &t in places.iter().rev() {
             let (p, s) = common.body.flank(t);
             start.push(p);
             dip.push(0.0);
