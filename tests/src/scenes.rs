@@ -110,6 +110,21 @@ pub fn fzg_c(speed: f64) -> SceneSpec {
     pair_of(a, b, start(Side::Left, 0.0))
 }
 
+/// Two gears of 30 teeth, module 2 mm, the first at a speed [rad/s], without loads.
+pub fn s30(speed: f64) -> SceneSpec {
+    let params = GearParams {
+        teeth: 30,
+        module: 2e-3,
+        face_width: 0.015,
+        thinning: 3e-5,
+        bore_radius: 0.01,
+        ..Default::default()
+    };
+    let a = gear("pinion", params.clone(), 0.0, speed);
+    let b = gear("wheel", params, 0.06, -speed);
+    pair_of(a, b, start(Side::Left, 0.0))
+}
+
 /// The usual stiffness of a tooth pair that varies along the path: Weber and Banaschek's, on an elastic ring.
 pub fn weber_banaschek() -> PairStiffness {
     PairStiffness::Compliance {

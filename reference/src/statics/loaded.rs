@@ -7,7 +7,7 @@ use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{ContactForce, Scene};
 use gearbench_models::spec::{Body, MeshLayout, Modelling, Mount, Profile, SceneSpec, mesh_layout};
 
 /// Largest last Newton correction over the approach.
@@ -22,8 +22,8 @@ const EDGE: f64 = 1e-10;
 const AHEAD: f64 = 1e-4;
 /// First guess of the mesh stiffness over the width [N/m^2]: a steel pair.
 const FIRST_GUESS: f64 = 1.4e10;
-/// Part of the base pitch that an approach may reach: a hundredth is far beyond elastic teeth.
-const LARGEST_APPROACH: f64 = 0.01;
+/// Part of the base pitch that an approach may reach: that of steel teeth of module 2 mm under 1600 N/mm.
+const LARGEST_APPROACH: f64 = 0.02;
 /// Relative step of the tangent.
 const TANGENT_STEP: f64 = 5e-3;
 
@@ -313,9 +313,14 @@ impl LoadedPair {
         Ok((above - below) / (2.0 * h))
     }
 
+    /// All contacts of the equilibrium that was found last.
+    pub fn contacts(&mut self) -> Vec<ContactForce> {
+        self.scene.contact_forces(self.state.at())
+    }
+
     /// Sums by tooth pair the forces along the line of action that balance the torques of the contacts.
     fn read(&mut self, s: f64, approach: f64) -> LoadedContact {
-        let contacts = self.scene.contact_forces(self.state.at());
+        let contacts = self.contacts();
         let mut pairs: Vec<PairForce> = Vec::new();
         let pressures = contacts.iter().filter_map(|c| c.pressure);
         let pressure = pressures.max_by(|a, b| a.peak.total_cmp(&b.peak));

@@ -16,6 +16,7 @@ use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_tests::*;
 
 mod elastic;
+mod graded;
 mod half_space;
 mod statics;
 

@@ -1,0 +1,287 @@
+//! Contact on half-spaces of coarse elastic gears beside finite elements that resolve the contact themselves: full order,
+//! elements that are short along the flank about the contact and thin under it, no correction.
+//!
+//! The elements touch at one point along each face, with a penalty that gives next to nothing. Their half-width is twice
+//! the standard deviation of the pressure over the arc of the flank, as it is of Hertz's semi-ellipse; their peak pressure
+//! is that of a parabola through `p^2` about its middle.
+//!
+//! `cargo test --release -p gearbench-tests --test analytic graded -- --nocapture --include-ignored` (eight minutes).
+
+use super::half_space::half_space;
+use super::*;
+use elements::{Fine, toothing};
+use gearbench_models::contact::pairs::LinePressure;
+use gearbench_models::geometry::{Deviations, FlankDeviations, Gear, GivenDeviations};
+use gearbench_models::scene::ContactForce;
+use gearbench_models::spec::{Body, GearSpec};
+use gearbench_reference::statics::LoadedContact;
+
+mod elements;
+
+/// The gear with other parameters.
+fn change(gear: &mut GearSpec, change: impl FnOnce(&mut GearParams)) {
+    let mut params = toothing(&gear.body).params().clone();
+    change(&mut params);
+    gear.body = Body::Gear(Gear::new(params).unwrap());
+}
+
+fn on_half_spaces(spec: &SceneSpec, layers: usize) -> LoadedPair {
+    let modelling = half_space(8.0, layers as f64, 0.0);
+    LoadedPair::new(spec, &modelling, gearbench::models::models()).unwrap()
+}
+
+/// Forces of rows of points [N] by their arcs [m] on the involute of the base radius `rb`.
+fn rows(contacts: &[ContactForce], rb: f64) -> Vec<(f64, f64)> {
+    let mut rows: Vec<(f64, f64)> = Vec::new();
+    for c in contacts {
+        // Points of a row stand at the same arc.
+        let arc = (c.x.xy().norm_squared() - rb * rb) / (2.0 * rb);
+        match rows.iter_mut().find(|r| (r.0 - arc).abs() < 1e-6) {
+            Some(row) => row.1 += c.normal_force,
+            None => rows.push((arc, c.normal_force)),
+        }
+    }
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rows
+}
+
+/// Pressure of points that stand for a part of the width [m].
+fn pressed(contacts: &[ContactForce], gear: &Gear, width: f64) -> LinePressure {
+    let rows = rows(contacts, gear.r_base());
+    assert!(rows.len() > 8, "{} rows of points press", rows.len());
+    let moment = |f: &dyn Fn(f64) -> f64| rows.iter().map(|r| f(r.0) * r.1).sum::<f64>();
+    let total = moment(&|_| 1.0);
+    let mean = moment(&|x| x) / total;
+    let half_width = 2.0 * (moment(&|x| (x - mean).powi(2)) / total).sqrt();
+    // p^2 = p_0^2 - c x^2 by least squares within three quarters of the half-width.
+    let (mut n, mut x2, mut x4, mut y, mut x2y) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for w in rows.windows(3) {
+        let x = ((w[1].0 - mean) / half_width).powi(2);
+        let p = w[1].1 / (0.5 * (w[2].0 - w[0].0) * width);
+        if x < 0.5625 {
+            n += 1.0;
+            x2 += x;
+            x4 += x * x;
+            y += p * p;
+            x2y += x * p * p;
+        }
+    }
+    LinePressure {
+        half_width,
+        peak: ((y * x4 - x2y * x2) / (n * x4 - x2 * x2)).sqrt(),
+    }
+}
+
+/// Prints the same balance on half-spaces and of graded elements; gives how far the first is from the second in approach,
+/// half-width and peak pressure.
+fn beside(
+    what: &str,
+    [found, graded]: [&LoadedContact; 2],
+    [lines, elements]: [LinePressure; 2],
+) -> [f64; 3] {
+    let off = [
+        found.approach / graded.approach - 1.0,
+        lines.half_width / elements.half_width - 1.0,
+        lines.peak / elements.peak - 1.0,
+    ];
+    println!(
+        "{what}: approach {:.3} um, graded {:.3} ({:+.2} %); half-width {:.4} mm, {:.4} ({:+.2} %); peak {:.1} MPa, {:.1} ({:+.2} %)",
+        1e6 * found.approach,
+        1e6 * graded.approach,
+        100.0 * off[0],
+        1e3 * lines.half_width,
+        1e3 * elements.half_width,
+        100.0 * off[1],
+        1e-6 * lines.peak,
+        1e-6 * elements.peak,
+        100.0 * off[2]
+    );
+    off
+}
+
+/// One layer of elements over the width, 8 along the flank, beside 96 that are 14 to 26 over the width of the contact.
+#[test]
+fn a_tooth_pair_over_its_load() {
+    let spec = fzg_c(0.0);
+    let mut coarse = on_half_spaces(&spec, 1);
+    let (s, width) = (coarse.layout().pitch_point, coarse.layout().face_width);
+    for load in [50e3, 200e3, 800e3] {
+        let found = coarse.under_force(s, width * load).unwrap();
+        let lines = found.pressure.unwrap();
+        let fine = Fine {
+            s,
+            reach: 1.5 * lines.half_width,
+            flank: 96,
+            layers: 10,
+            width: [1, 1],
+            penalty: 1e17,
+        };
+        let mut fine = fine.pair(&spec);
+        let graded = fine.under_force(s, width * load).unwrap();
+        let elements = pressed(&fine.contacts(), toothing(&spec.gears[0].body), width);
+        let what = format!("{:.0} N/mm", load / 1e3);
+        let off = beside(&what, [&found, &graded], [lines, elements]);
+        assert!(off.iter().all(|x| x.abs() < 0.02), "{off:?}");
+    }
+}
+
+/// Forces over strips of the width, from one end to the other, in per cent of their sum.
+fn over_width(contacts: &[ContactForce], strips: usize, width: f64) -> String {
+    let mut parts = vec![0.0; strips];
+    let total: f64 = contacts.iter().map(|c| c.normal_force).sum();
+    for c in contacts {
+        let strip = (c.x.z / width + 0.5) * strips as f64;
+        parts[strip as usize] += 100.0 * c.normal_force / total;
+    }
+    let parts: Vec<String> = parts.iter().map(|x| format!("{x:.2}")).collect();
+    parts.join(" ")
+}
+
+/// Eight strips beside eight layers of elements over the width, with and without crowning.
+#[test]
+#[ignore = "four minutes: two gears of 100,000 unknowns each, three times"]
+fn strips_of_crowned_and_of_straight_teeth() {
+    const STRIPS: usize = 8;
+    for (crowning, load) in [(0.0, 200e3), (10e-6, 50e3), (10e-6, 200e3)] {
+        let mut spec = fzg_c(0.0);
+        change(&mut spec.gears[0], |p| {
+            p.modifications.lead_crowning = crowning;
+        });
+        let mut coarse = on_half_spaces(&spec, STRIPS);
+        let (s, width) = (coarse.layout().pitch_point, coarse.layout().face_width);
+        let found = coarse.under_force(s, width * load).unwrap();
+        let of_lines = over_width(&coarse.contacts(), STRIPS, width);
+        let lines = found.pressure.unwrap();
+        let fine = Fine {
+            s,
+            reach: 1.5 * lines.half_width,
+            flank: 72,
+            layers: 6,
+            width: [STRIPS; 2],
+            penalty: 1e17,
+        };
+        let mut fine = fine.pair(&spec);
+        println!("    {} unknowns", fine.unknowns());
+        let graded = fine.under_force(s, width * load).unwrap();
+        let contacts = fine.contacts();
+        let of_points = over_width(&contacts, STRIPS, width);
+        // Of either element in the middle of the width the points next to it, which stand for half of it.
+        let strip = width / STRIPS as f64;
+        let middle: Vec<ContactForce> = contacts
+            .into_iter()
+            .filter(|c| c.x.z.abs() < 0.5 * strip)
+            .collect();
+        let elements = pressed(&middle, toothing(&spec.gears[0].body), strip);
+        let what = format!("crowning {:.0} um, {:.0} N/mm", 1e6 * crowning, load / 1e3);
+        let off = beside(&what, [&found, &graded], [lines, elements]);
+        println!("    strips, per cent of the force: {}", of_lines);
+        println!("    graded:                        {}", of_points);
+        assert!(
+            off[0].abs() < 0.01 && off.iter().all(|x| x.abs() < 0.06),
+            "{off:?}"
+        );
+    }
+}
+
+/// One strip on faces so narrow that their free ends are all there is, and on a face that is wider than its mate's: its
+/// load lies on all of its width, where the elements bend it in the middle.
+#[test]
+#[ignore = "three minutes: two gears of 100,000 unknowns each, four times"]
+fn free_ends_of_the_width() {
+    for (wide, layers) in [
+        ([1e-3; 2], [6, 6]),
+        ([3e-3; 2], [8, 8]),
+        ([14e-3, 18e-3], [7, 9]),
+        ([14e-3, 28e-3], [7, 14]),
+    ] {
+        let mut spec = fzg_c(0.0);
+        for (gear, width) in spec.gears.iter_mut().zip(wide) {
+            change(gear, |p| p.face_width = width);
+        }
+        let mut coarse = on_half_spaces(&spec, 1);
+        let (s, width) = (coarse.layout().pitch_point, coarse.layout().face_width);
+        let load = 200e3;
+        let found = coarse.under_force(s, width * load).unwrap();
+        let lines = found.pressure.unwrap();
+        let fine = Fine {
+            s,
+            reach: 1.5 * lines.half_width,
+            flank: 72,
+            layers: 6,
+            width: layers,
+            // With more the points at the ends of the width come and go.
+            penalty: 2e16,
+        };
+        let mut fine = fine.pair(&spec);
+        println!("    {} unknowns", fine.unknowns());
+        let graded = fine.under_force(s, width * load).unwrap();
+        let contacts = fine.contacts();
+        let of_points = over_width(&contacts, layers[0], width);
+        let elements = pressed(&contacts, toothing(&spec.gears[0].body), width);
+        let what = format!("{:.0} and {:.0} mm wide", 1e3 * wide[0], 1e3 * wide[1]);
+        let [off, ..] = beside(&what, [&found, &graded], [lines, elements]);
+        println!("    graded, over the width, per cent of the force: {of_points}");
+        let twice = wide[1] > 1.5 * wide[0];
+        assert!(off.abs() < if twice { 0.06 } else { 0.02 }, "{what}: {off}");
+    }
+}
+
+/// A pair that is alone up to its tip edge, for the other teeth of its first gear stand back: from far away up to the edge
+/// and over it.
+#[test]
+#[ignore = "a minute"]
+fn a_pair_at_its_tip_edge() {
+    let mut spec = fzg_c(0.0);
+    change(&mut spec.gears[0], |p| {
+        let back = |tooth: u32| if tooth == 0 { 0.0 } else { -60e-6 };
+        let left = FlankDeviations {
+            cumulative_pitch: (0..p.teeth).map(back).collect(),
+            ..FlankDeviations::default()
+        };
+        p.deviations = Deviations::Given(Box::new(GivenDeviations {
+            sides: [left, FlankDeviations::default()],
+            ..GivenDeviations::default()
+        }));
+    });
+    let gear = toothing(&spec.gears[0].body);
+    let (rb, tip) = (gear.r_base(), gear.roll_length_tip());
+    let mut coarse = on_half_spaces(&spec, 1);
+    let width = coarse.layout().face_width;
+    let load = 200e3;
+    for part in [8.0, 4.0, 2.0, 1.0, 0.5, 0.0, -0.5, -1.0, -2.0] {
+        // The contact runs ahead by half of the approach.
+        let half_width = 0.13e-3;
+        let s = (tip * tip - 2.0 * rb * part * half_width).sqrt() - 8e-6;
+        let found = coarse.under_force(s, width * load).unwrap();
+        let fine = Fine {
+            s,
+            reach: 1.5 * half_width,
+            flank: 96,
+            layers: 10,
+            width: [1, 1],
+            penalty: 1e17,
+        };
+        let mut fine = fine.pair(&spec);
+        let graded = fine.under_force(s, width * load).unwrap();
+        // Of rows of points, but for the last that press.
+        let rows = rows(&fine.contacts(), rb);
+        let pressure = rows
+            .windows(3)
+            .map(|w| w[1].1 / (0.5 * (w[2].0 - w[0].0) * width));
+        println!(
+            "{part} half-widths from the edge: approach {:.3} um, graded {:.3} ({:+.2} %); peak {:.0} MPa, {:.0}; {} and {} pairs",
+            1e6 * found.approach,
+            1e6 * graded.approach,
+            100.0 * (found.approach / graded.approach - 1.0),
+            1e-6 * found.pressure.unwrap().peak,
+            1e-6 * pressure.fold(0.0, f64::max),
+            found.pairs.len(),
+            graded.pairs.len(),
+        );
+        let off = found.approach / graded.approach - 1.0;
+        assert!(
+            off.abs() < if part < 0.0 { 0.07 } else { 0.02 },
+            "{part}: {off}"
+        );
+    }
+}

@@ -1,0 +1,150 @@
+//! Finite elements of full order that are short along the flank about a place and thin under it.
+
+use crate::running::*;
+use gearbench_models::error::BuildError;
+use gearbench_models::gear::GearModel;
+use gearbench_models::gear::properties::Properties;
+use gearbench_models::gear::table::{GearContext, ParameterInfo};
+use gearbench_models::geometry::Gear;
+use gearbench_models::spec::{Body, Mount, Passes, PointContact, PointRule};
+use gearbench_reference::assembly::tie::MassKind;
+use gearbench_reference::full_order::FullOrder;
+use gearbench_reference::full_order::body::Body as Elements;
+use gearbench_reference::mesh::{self, FineTeeth, Focus, GearMeshParams, Tooth};
+
+const KEYS: [&str; 5] = ["flank", "layers", "width", "place", "reach"];
+
+const fn number(key: &'static str) -> ParameterInfo {
+    ParameterInfo {
+        key,
+        meaning: "a number of the mesh",
+        required: true,
+    }
+}
+
+const GRADED: Model = Model {
+    id: "graded",
+    title: "finite elements that are short about a place of the flank",
+    parameters: &[
+        number(KEYS[0]),
+        number(KEYS[1]),
+        number(KEYS[2]),
+        number(KEYS[3]),
+        number(KEYS[4]),
+    ],
+    properties: Properties::NONE,
+    build: graded,
+};
+
+fn graded(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
+    let [flank, layers, width, place, reach] = KEYS.map(|key| match context.parameters[key] {
+        Value::Number(x) => x,
+        _ => panic!("{key} is no number"),
+    });
+    let layers = layers as usize;
+    let params = GearMeshParams {
+        tooth: Tooth {
+            flank: flank as usize,
+            fillet: layers + 2,
+            root: 4,
+            across: 2 * layers + 4,
+        },
+        layers,
+        rim: layers + 2,
+        // The first layer is a two hundredth of the tooth's half thickness.
+        skin_growth: if layers > 6 { 1.5 } else { 2.0 },
+        width: width as usize,
+        flank_focus: Some(Focus { place, reach }),
+        fine_teeth: Some(FineTeeth {
+            teeth: vec![0],
+            others: Tooth {
+                across: 2 * layers + 1,
+                ..Tooth::coarse()
+            },
+        }),
+        ..Default::default()
+    };
+    let gear = toothing(context.body);
+    let mut mesh = mesh::gear(gear, &params).unwrap();
+    // Where flanks touch; the elements under them are thinner than a pitch deviation.
+    for grid in &mut mesh.flanks {
+        grid.deviate(gear);
+    }
+    let body = Elements::new(
+        mesh,
+        &context.material,
+        &context.placement,
+        &Mount::Fixed,
+        MassKind::Lumped,
+        0.0,
+    );
+    Ok(Box::new(FullOrder::new(
+        context.hub.clone(),
+        context.effective_radius,
+        body.unwrap(),
+    )))
+}
+
+/// The gear.
+pub fn toothing(body: &Body) -> &Gear {
+    match body {
+        Body::Gear(gear) => gear,
+        Body::Rack(_) => panic!("a gear"),
+    }
+}
+
+/// How fine the finite elements are: `flank` of them along the teeth that touch at the path coordinate `s`, of equal length
+/// within `reach` of it [m], `layers` under the flank, `width` over the width of each gear.
+pub struct Fine {
+    pub s: f64,
+    pub reach: f64,
+    pub flank: usize,
+    pub layers: usize,
+    pub width: [usize; 2],
+    /// [Pa/m].
+    pub penalty: f64,
+}
+
+impl Fine {
+    pub fn pair(&self, spec: &SceneSpec) -> LoadedPair {
+        let length = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap().length;
+        let gears = [self.s, length - self.s].into_iter().enumerate();
+        let gears = gears.map(|(i, s)| {
+            let gear = toothing(&spec.gears[i].body);
+            let (a, b) = (gear.roll_length_form(), gear.roll_length_tip());
+            let numbers = [
+                self.flank as f64,
+                self.layers as f64,
+                self.width[i] as f64,
+                ((s * s - a * a) / (b * b - a * a)).clamp(0.0, 1.0),
+                // The arc of an involute is s^2/(2 r_b).
+                self.reach * 2.0 * gear.r_base() / (b * b - a * a),
+            ];
+            let parameters = KEYS.iter().zip(numbers);
+            ModelSpec {
+                id: "graded".into(),
+                parameters: parameters
+                    .map(|(key, x)| (key.to_string(), Value::Number(x)))
+                    .collect(),
+            }
+        });
+        let points = PointContact {
+            rule: PointRule::Quadrature {
+                along: 1,
+                across: 2,
+            },
+            passes: Passes::First,
+            ..PointContact::new(self.penalty)
+        };
+        let modelling = Modelling {
+            gears: gears.collect(),
+            contacts: vec![ContactSpec {
+                points: Some(points),
+                ..contact(1.4e10)
+            }],
+        };
+        let mut table = gearbench::models::models().to_vec();
+        table.push(GRADED);
+        LoadedPair::new(spec, &modelling, &table).unwrap()
+    }
+}
