@@ -192,7 +192,7 @@ fn free_ends_of_the_width() {
         ([1e-3; 2], [6, 6]),
         ([3e-3; 2], [8, 8]),
         ([14e-3, 18e-3], [7, 9]),
-        ([14e-3, 28e-3], [7, 14]),
+        ([14e-3, 22e-3], [7, 11]),
     ] {
         let mut spec = fzg_c(0.0);
         for (gear, width) in spec.gears.iter_mut().zip(wide) {
@@ -221,8 +221,8 @@ fn free_ends_of_the_width() {
         let what = format!("{:.0} and {:.0} mm wide", 1e3 * wide[0], 1e3 * wide[1]);
         let [off, ..] = beside(&what, [&found, &graded], [lines, elements]);
         println!("    graded, over the width, per cent of the force: {of_points}");
-        let twice = wide[1] > 1.5 * wide[0];
-        assert!(off.abs() < if twice { 0.06 } else { 0.02 }, "{what}: {off}");
+        let wider = wide[1] > 1.5 * wide[0];
+        assert!(off.abs() < if wider { 0.03 } else { 0.02 }, "{what}: {off}");
     }
 }
 
