@@ -28,7 +28,7 @@ pub struct History {
 impl History {
     /// Reads the CSV; the header names the columns, in any order, further ones are passed over. A rack held at
     /// its back does not turn: its table has no columns of that.
-    pub(super) fn read(text: &str, rack: bool) -> Result<Self, String> {
+    pub fn read(text: &str, rack: bool) -> Result<Self, String> {
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         let header = reader.headers().map_err(|e| e.to_string())?.clone();
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); header.len()];

@@ -4,6 +4,7 @@
 
 mod elastic;
 mod full_order;
+mod half_space;
 
 use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
