@@ -195,7 +195,7 @@ fn cycle(spec: &SceneSpec, modelling: &Modelling, per_width: f64, positions: usi
 /// Static transmission error from coarse meshes and fine ones.
 #[test]
 fn static_transmission_error_does_not_depend_on_the_mesh() {
-    for (name, spec) in tabled() {
+    for ((name, spec), most) in tabled().into_iter().zip([2e-3, 3e-3]) {
         let of = |elements, load| cycle(&spec, &half_space(elements, 1.0, 0.0), load, 120);
         for load in [50e3, 200e3, 800e3] {
             let fine = of(24.0, load);
@@ -210,7 +210,7 @@ fn static_transmission_error_does_not_depend_on_the_mesh() {
                     1e6 * coarse.peak_to_peak()
                 );
                 assert!(
-                    mean.abs() < 3e-3 && peak.abs() < 5e-3,
+                    mean.abs() < most && peak.abs() < 5e-3,
                     "{name}: {mean:.2e} {peak:.2e}"
                 );
             }
