@@ -55,7 +55,7 @@ pub struct Reduction {
 /// Arguments of `run`.
 #[derive(Args, Clone, Debug)]
 pub struct Run {
-    /// `tuning` or `held-out`
+    /// A set of validation/sets.toml
     pub set: String,
     /// Scenes of the set, from the first to the last [default: all]
     #[arg(long, value_name = "A..B", value_parser = range)]

@@ -24,7 +24,7 @@ impl Plan {
     fn key(&self, number: usize) -> Key {
         let set = &self.set;
         Key::new("validated")
-            .and(&(&set.name, set.seed, set.full_order))
+            .and(&(&set.name, set.seed, set.full_order, &set.own))
             .and(&number)
     }
 }

@@ -8,6 +8,12 @@ use std::f64::consts::{PI, TAU};
 
 /// Longest scene [s].
 pub const LONGEST: f64 = 20e-3;
+/// Part of the scenes that are of one impact, and of these with those of several.
+const IMPACTS: f64 = 0.45;
+/// See [`IMPACTS`].
+const FREE: f64 = 0.70;
+/// Part of the scenes without damping.
+const UNDAMPED: f64 = 0.35;
 /// Penalty over the module [Pa/m m]: 1e15 Pa/m for 4 mm.
 const PENALTY: f64 = 4e12;
 /// First frequency of a tooth over the module [Hz m].
@@ -112,12 +118,18 @@ pub struct Parameters {
 }
 
 pub fn parameters(r: &mut Random, set: &Set, number: usize) -> Result<Parameters, SampleError> {
-    let kind = match r.unit() {
-        u if u < 0.45 => Kind::Impact,
-        u if u < 0.70 => Kind::Hammer,
+    let own = &set.own;
+    let share = match own.loaded_every {
+        None => r.unit(),
+        Some(n) if number.is_multiple_of(n) => 1.0,
+        Some(_) => FREE * r.unit(),
+    };
+    let kind = match share {
+        u if u < IMPACTS => Kind::Impact,
+        u if u < FREE => Kind::Hammer,
         _ => Kind::Load,
     };
-    let toothing = if kind == Kind::Impact && r.chance(0.15) {
+    let toothing = if kind == Kind::Impact && r.chance(own.racks) {
         r.one(&RACKS)
     } else {
         r.one(&PAIRS)
@@ -207,7 +219,7 @@ pub fn parameters(r: &mut Random, set: &Set, number: usize) -> Result<Parameters
         }
         Kind::Load => {
             let frequency = r.decades(300.0, 2500.0);
-            p.count = r.one(&[2, 3]);
+            p.count = r.one(&own.cycles);
             let period = frequency.recip();
             let turn = TAU * frequency / f64::from(toothing.teeth[0]);
             let ratio = effective_radii[0] / effective_radii[1];
@@ -218,7 +230,7 @@ pub fn parameters(r: &mut Random, set: &Set, number: usize) -> Result<Parameters
             let torque = short(force * effective_radii[0]);
             let torque = [torque, fitting(torque / ratio)];
             let ramp = r.chance(0.5);
-            let end = short(period);
+            let end = short(period * f64::from((p.count / 2).max(1)));
             p.load = torque.map(|x| {
                 if ramp {
                     Load::Ramp(x, end)
@@ -235,15 +247,18 @@ pub fn parameters(r: &mut Random, set: &Set, number: usize) -> Result<Parameters
             p.window = f64::from(p.count) * period;
         }
     }
-    if !r.chance(0.35) {
+    let undamped = (own.undamped_impacts).filter(|_| kind == Kind::Impact);
+    if !r.chance(undamped.unwrap_or(UNDAMPED)) {
         let lag = r.decades(1e-7, 2e-6);
         let modal = r.decades(0.002, 0.02);
-        p.dashpot = short(lag * p.penalty);
-        p.modal_ratio = if kind == Kind::Impact {
-            0.0
-        } else {
-            short(modal)
+        // Full finite elements, which impacts are held against, know dashpots but no damping of modes.
+        let (lag, modal) = match own.dashpots {
+            true if kind == Kind::Impact => (lag, 0.0),
+            true => (lag, modal),
+            false => (0.0, modal),
         };
+        p.dashpot = short(lag * p.penalty);
+        p.modal_ratio = short(modal);
         p.rigid_ratio = equal_loss(
             &p,
             effective_radii,

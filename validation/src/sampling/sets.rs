@@ -11,15 +11,45 @@ const SETS: &str = include_str!("../../sets.toml");
 pub const MOST_SAMPLES: u32 = 200;
 
 /// A set of scenes.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Set {
-    /// `tuning` or `held-out`.
+    /// Its name in the list.
     pub name: String,
     pub seed: u64,
     /// Number of scenes, counted from 1.
     pub scenes: usize,
     /// So many of its scenes of one impact, the first, are validated against full finite elements.
     pub full_order: usize,
+    /// What its distributions have of their own.
+    pub own: Own,
+}
+
+/// What the distributions of a set have of their own.
+#[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
+#[serde(default, rename_all = "kebab-case")]
+pub struct Own {
+    /// Every scene whose number is a multiple of this runs under load, no other does; by chance where it is left out.
+    pub loaded_every: Option<usize>,
+    /// Part of the impacts that are those of a pinion on a rack.
+    pub racks: f64,
+    /// Mesh cycles of gears that run under load.
+    pub cycles: Vec<u32>,
+    /// Part of the impacts without damping; of other scenes it is a third where this is left out.
+    pub undamped_impacts: Option<f64>,
+    /// Flank points may have dashpots; where not, modes carry all damping.
+    pub dashpots: bool,
+}
+
+impl Default for Own {
+    fn default() -> Self {
+        Own {
+            loaded_every: None,
+            racks: 0.15,
+            cycles: vec![2, 3],
+            undamped_impacts: None,
+            dashpots: true,
+        }
+    }
 }
 
 /// Why there is no such scene.
@@ -69,6 +99,8 @@ struct SetRow {
     scenes: usize,
     #[serde(default)]
     full_order: usize,
+    #[serde(flatten)]
+    own: Own,
 }
 
 /// A set by its name.
@@ -87,5 +119,6 @@ pub fn set(name: &str) -> Result<Set, SampleError> {
         seed: row.seed,
         scenes: row.scenes,
         full_order: row.full_order,
+        own: row.own,
     })
 }

@@ -103,6 +103,30 @@ fn tuning_scenes_are_sound_and_varied() {
     }
 }
 
+/// The sets on which choices are judged by a refined model have what they say of themselves; rigid gears see in them what
+/// their kinds say.
+#[test]
+fn refined_scenes_are_as_their_set_says() {
+    let tuning = set("refined-tuning").unwrap();
+    let judged = set("refined").unwrap();
+    assert_ne!(tuning.seed, judged.seed);
+    assert_eq!(tuning.own, judged.own);
+    let all: Vec<Sample> = (1..=tuning.scenes)
+        .map(|n| sample(&tuning, n).unwrap())
+        .collect();
+    for s in &all {
+        assert_eq!(s.kind == Kind::Load, s.number.is_multiple_of(3));
+        assert!(!s.text.contains("damping_ns_per_m3"), "{}", s.text);
+        assert_eq!(s.text.contains("damping_ratio"), s.damps_modes);
+    }
+    let racks = (all.iter()).filter(|s| s.text.contains("kind = \"rack\""));
+    assert!(racks.count() >= 4);
+    let full = full_order(&tuning).unwrap();
+    assert_eq!(full.len(), tuning.full_order);
+    let fit = |n: &usize| all[n - 1].kind == Kind::Impact && !all[n - 1].damps_modes;
+    assert!(full.iter().all(fit));
+}
+
 /// Every pair of the list is cut, meshed and assembled as the scene file says, free and held. What is reduced from the
 /// same meshes takes minutes and is left to the validation.
 #[test]
