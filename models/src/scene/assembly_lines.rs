@@ -199,8 +199,8 @@ pub(super) fn flank_lines(
         };
         let g = &spec.gears[i];
         let teeth = match &g.body {
-            Body::Gear(gear) => (gear.teeth() as usize, false),
-            Body::Rack(rack) => (rack.teeth() as usize, true),
+            Body::Gear(gear) => (gear.teeth() as usize, None),
+            Body::Rack(rack) => (rack.teeth() as usize, Some(rack.first_tooth())),
         };
         let lines = LineGear::new(flanks, near_field.clone(), teeth, compliance(&g.material))
             .map_err(|why| BuildError::gear(&g.name, GearPart::Model, why))?;

@@ -54,6 +54,8 @@ pub struct LineGear {
     /// `2 (1 - nu^2)/(pi E)` [m^2/N].
     compliance: f64,
     teeth: i64,
+    /// Index of the first tooth of a rack.
+    first: Option<i64>,
     /// Flank of each tooth, left and right.
     of_tooth: Vec<[Option<u32>; 2]>,
     flanks: Vec<LineFlank>,
@@ -80,13 +82,14 @@ struct Place {
 
 impl LineGear {
     /// The lines of a gear [reduced to such](crate::gear::elastic::reduced::Reduced::over_lines) with `teeth`, round or a
-    /// rack, of a material with `2 (1 - nu^2)/(pi E)` [m^2/N].
+    /// rack with its first tooth, of a material with `2 (1 - nu^2)/(pi E)` [m^2/N].
     pub fn new(
         flanks: &Flanks,
         near_field: Arc<Vec<Vec<f64>>>,
-        (teeth, rack): (usize, bool),
+        (teeth, first): (usize, Option<i64>),
         compliance: f64,
     ) -> Result<Self, Reason> {
+        let rack = first.is_some();
         let mut of_tooth = vec![[None; 2]; teeth];
         let mut lines = Vec::new();
         let mut strips = 0;
@@ -116,6 +119,7 @@ impl LineGear {
         Ok(LineGear {
             compliance,
             teeth: teeth as i64,
+            first,
             of_tooth,
             flanks: lines,
             near_field,
@@ -128,13 +132,13 @@ impl LineGear {
         self.strips
     }
 
-    /// Flank of a tooth, if it is meshed.
-    fn flank(&self, tooth: Tooth, side: usize, rack: bool) -> Option<usize> {
-        let tooth = if rack {
-            usize::try_from(tooth.index).ok()?
-        } else {
-            tooth.index.rem_euclid(self.teeth) as usize
-        };
+    /// Flank of a tooth, if it is meshed; meshes number the teeth of a rack as if it closed on itself.
+    fn flank(&self, tooth: Tooth, side: usize) -> Option<usize> {
+        let beyond = |first: i64| !(first..first + self.teeth).contains(&tooth.index);
+        if self.first.is_some_and(beyond) {
+            return None;
+        }
+        let tooth = tooth.index.rem_euclid(self.teeth) as usize;
         self.of_tooth.get(tooth)?[side].map(|f| f as usize)
     }
 
@@ -287,13 +291,12 @@ impl FlankLines {
                 }
             };
             let Some(gear) = &self.gears[k] else { continue };
-            let rack = mesh.views[k].base_radius.is_none();
             let NodalParty {
                 party,
                 field,
                 nodes,
             } = &mut sides[k];
-            let Some(flank) = gear.flank(p.teeth[k], side, rack) else {
+            let Some(flank) = gear.flank(p.teeth[k], side) else {
                 return;
             };
             let place = gear.place(flank, line.slice, height);

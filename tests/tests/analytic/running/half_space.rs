@@ -1,6 +1,7 @@
 //! Elastic gears that touch on half-spaces: one potential, statics that do not depend on the mesh, running under load.
 
 use super::*;
+use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_integrators::Report;
 use gearbench_models::Vec3;
 use gearbench_models::kinematics::{Locus, Point, Row, Tooth};
@@ -356,4 +357,54 @@ fn half_spaces_keep_the_energy_under_load() {
         println!("{layers} strips: {found:?}");
         assert!(found[0] < 1e-3 && found[2] < 1e-4, "{found:?}");
     }
+}
+
+/// On a rack, whose teeth count from a negative index on, each pair that the exact flanks close carries its part: on
+/// half-spaces as with the elements.
+#[test]
+fn every_pair_on_a_rack_carries() {
+    const GEARS: &str = r#"
+schema = 1
+name = "rack"
+duration_s = 1e-4
+
+[gears.pinion]
+teeth = 20
+module_m = 2e-3
+face_width_m = 1e-2
+bore_radius_m = 8e-3
+
+[gears.rack]
+kind = "rack"
+teeth = 5
+module_m = 2e-3
+face_width_m = 1e-2
+mount = "fixed"
+
+[[meshes]]
+gears = ["pinion", "rack"]
+backlash_m = 6e-5
+start = { flank = "left", gap_m = 0.0, path_coordinate_m = 8.954e-3 }
+"#;
+    let pairs = |contact: &str| -> Vec<[i64; 2]> {
+        let text = format!(
+            "{GEARS}\n[[models]]\nmodel = \"elastic\"\nparameters = {{ modes = 0, flank_elements = 6, \
+             width_elements = 1, rim_elements = 2 }}\ncontact = {{ {contact} }}\n"
+        );
+        let file = SceneFile::unbuilt("rack.toml", &text, Origin::Shipped, false).unwrap();
+        let mut scene = built(&file.spec, &file.models[0].modelling);
+        let mut state = scene.initial();
+        state.q[0] += 3e-4;
+        let forces = scene.contact_forces(state.at());
+        let mut pairs: Vec<[i64; 2]> = (forces.iter())
+            .filter(|f| f.normal_force > 0.0)
+            .map(|f| f.teeth.map(|t| t.index))
+            .collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    };
+    let on_lines = pairs("local = \"half-space\"");
+    assert_eq!(on_lines.len(), 2, "{on_lines:?}");
+    assert_eq!(on_lines, pairs("penalty_pa_per_m = 2e15"));
 }
