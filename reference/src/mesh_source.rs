@@ -152,6 +152,38 @@ impl MeshParameters {
             ("width_elements", self.width_elements),
         ]
     }
+
+    /// Numbers of elements of a generated mesh, given or by default: along a flank, along a fillet, across a tooth, from
+    /// root to bore, over the width.
+    pub fn counted(&self) -> [usize; 5] {
+        let usual = GearMeshParams::default();
+        let tooth = usual.tooth;
+        let usual = [
+            tooth.flank,
+            tooth.fillet,
+            tooth.across,
+            usual.rim,
+            usual.width,
+        ];
+        let mut given = self.counts().into_iter().zip(usual);
+        std::array::from_fn(|_| given.next().map_or(1, |((_, n), usual)| n.unwrap_or(usual)))
+    }
+
+    /// A generated mesh with so many times the elements along flank and fillet, across the teeth, from root to bore, over
+    /// the width.
+    #[must_use]
+    pub fn times(&self, factor: usize) -> MeshParameters {
+        let [flank, fillet, across, rim, width] = self.counted().map(|n| Some(factor * n));
+        MeshParameters {
+            mesh: None,
+            element: self.element.clone(),
+            flank_elements: flank,
+            fillet_elements: fillet,
+            across_elements: across,
+            rim_elements: rim,
+            width_elements: width,
+        }
+    }
 }
 
 /// A mesh, or how to make one.

@@ -163,8 +163,11 @@ fn validate(args: &arguments::Run, command: &str) -> Result<Answer, Refusal> {
             ("seed".into(), set.seed.to_string()),
             ("scenes".into(), format!("{} to {}", scenes[0], scenes[1])),
             (
-                "against full finite elements".into(),
-                format!("the first {} scenes of one impact", set.full_order),
+                "against full finite elements as well".into(),
+                format!(
+                    "the first {} scenes of one impact without damping",
+                    set.full_order
+                ),
             ),
             (
                 "validated at the same time".into(),

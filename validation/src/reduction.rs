@@ -120,13 +120,13 @@ pub fn compare(
     }
     let times = grid(problem.duration, sample.contact_time);
     let method = HHT_ALPHA.with_value(ALPHA);
-    let finite = full(&problem);
+    let finite = full(&problem.flexible);
     let truth = outcome(&problem, &finite, &method.at_step(step), &times)?;
     let coarse = outcome(&problem, &finite, &method.at_step(2.0 * step), &times)?;
     // The implicit method takes modes of any frequency, the trigonometric one those that its step resolves.
-    let alike = elastic(&problem, MODES, None);
+    let alike = elastic(&problem.flexible, MODES, None);
     let alike = outcome(&problem, &alike, &method.at_step(step), &times)?;
-    let reduced = elastic(&problem, MODES, Some(step));
+    let reduced = elastic(&problem.flexible, MODES, Some(step));
     let reduced = outcome(&problem, &reduced, &TRIGONOMETRIC.at_step(step), &times)?;
     let error = [&alike, &reduced, &coarse].map(|run| {
         (truth.usable() && run.usable())
@@ -162,7 +162,7 @@ fn start_gently(problem: &mut Problem, cycle: f64, module: f64) -> Result<(), Va
             });
         }
     }
-    let modelling = elastic(problem, MODES, None);
+    let modelling = elastic(&problem.flexible, MODES, None);
     let mut touches = |gap: f64| -> Result<bool, ValidationError> {
         problem.scene.meshes[0].start.gap = gap;
         let mut scene = Scene::build(&problem.scene, &modelling, problem.models)

@@ -119,6 +119,6 @@ pub fn set(name: &str) -> Result<Set, SampleError> {
         seed: row.seed,
         scenes: row.scenes,
         full_order: row.full_order,
-        own: row.own,
+        own: row.own.clone(),
     })
 }

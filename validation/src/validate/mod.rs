@@ -1,4 +1,4 @@
-//! Choices validated: on random scenes, against a reference over the whole scene, beside all other candidates.
+//! Choices validated: on random scenes, against a refined model over the whole scene, beside all other candidates.
 //!
 //! For a scene validation runs the reference, then every candidate there is: what it costs, and how far it is off. The
 //! cheapest that keeps the tolerance is what a choice can be at best. Candidates that cannot be the cheapest are not run
@@ -11,14 +11,13 @@ mod reference;
 #[cfg(test)]
 mod tests;
 
-pub use reference::{DENSEST_NAME, FULL_NAME};
-
 use crate::sampling::{Sample, SampleError};
 use gearbench::experiment::journal::JournalError;
 use gearbench::experiment::machine::cpu_time;
 use gearbench::experiment::run::{NO_BOUND, RunError};
+use gearbench::studies::choose::detail::Detail;
 use gearbench::studies::choose::level::Level;
-use gearbench::studies::choose::plan::{Candidate, candidates};
+use gearbench::studies::choose::plan::{Candidate, Prepared, densest};
 use gearbench::studies::choose::problem::Problem;
 use gearbench::studies::choose::requirement::Requirement;
 use gearbench::studies::choose::run::{ChooseError, choose};
@@ -29,6 +28,7 @@ use gearbench_reports::choice_check::{Outcome, TriedCandidate, ValidatedChoice};
 use gearbench_reports::record::Status;
 pub use measure::grid;
 use measure::{error, side_by_side, time};
+use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
 /// Cost over that of the cheapest adequate candidate beyond which dearer kin of a candidate is not run.
@@ -72,8 +72,38 @@ pub fn outcome(
     Ok(trial.observe(method, (problem.duration, times), false, NO_BOUND)?)
 }
 
+/// Errors against full finite elements on a finer mesh: of the choice, and of what it was validated against.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct AgainstFull {
+    pub chosen: Option<f64>,
+    pub refined: Option<f64>,
+}
+
+/// Holds a validated choice, by its name, against full finite elements as well; nothing where none was chosen.
+///
+/// # Errors
+/// [`ValidationError::Reference`]: these do not reach the end.
+pub fn against_full(sample: &Sample, chosen: Option<&str>) -> Result<AgainstFull, ValidationError> {
+    let problem = Problem::of(&sample.scene);
+    let times = grid(problem.duration, sample.contact_time);
+    let prepared = Prepared::of(&problem)?;
+    let full = reference::finite_elements(&problem, (&times, sample.contact_time))?;
+    let against = |candidate: &Candidate| -> Result<Option<f64>, ValidationError> {
+        let mut trial = Trial::new(&problem, &candidate.scene, &candidate.modelling)?;
+        let whole = (problem.duration, &times[..]);
+        let seen = trial.observe(&candidate.method, whole, false, LONGEST)?;
+        Ok(error(&seen, sample.metric, &full))
+    };
+    let all = prepared.candidates(&problem);
+    let chosen = all.iter().find(|c| Some(c.name().as_str()) == chosen);
+    Ok(AgainstFull {
+        chosen: chosen.map(&against).transpose()?.flatten(),
+        refined: against(&densest(&problem, &prepared, prepared.details.judge()))?,
+    })
+}
+
 /// Validates the choice for a sampled scene.
-pub fn validate(sample: &Sample, full_order: bool) -> ValidatedChoice {
+pub fn validate(sample: &Sample) -> ValidatedChoice {
     let mut row = ValidatedChoice {
         scene: sample.scene.name.clone(),
         number: sample.number,
@@ -82,11 +112,11 @@ pub fn validate(sample: &Sample, full_order: bool) -> ValidatedChoice {
         duration_s: sample.scene.duration,
         metric: sample.metric,
         tolerance: sample.tolerance,
-        reference: if full_order { FULL_NAME } else { DENSEST_NAME }.into(),
+        reference: reference::NAME.into(),
         rejected: sample.rejected,
         ..ValidatedChoice::default()
     };
-    if let Err(e) = validate_into(&mut row, sample, full_order) {
+    if let Err(e) = validate_into(&mut row, sample) {
         row.outcome = Outcome::NotValidated;
         row.note = Some(e.to_string());
     }
@@ -114,11 +144,7 @@ struct Best {
     error: f64,
 }
 
-fn validate_into(
-    row: &mut ValidatedChoice,
-    sample: &Sample,
-    full_order: bool,
-) -> Result<(), ValidationError> {
+fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), ValidationError> {
     let metric = sample.metric;
     let problem = Problem::of(&sample.scene);
     let times = grid(problem.duration, sample.contact_time);
@@ -141,13 +167,15 @@ fn validate_into(
             None
         }
     };
+    row.refining_s = (choice.as_ref()).map(|c| c.details.setup_s(Detail::Finer));
 
-    let truth = reference::reference(&problem, metric, full_order, (&times, sample.contact_time))?;
-    row.reference = truth.name.into();
+    let prepared = Prepared::of(&problem)?;
+    let truth = reference::reference((&problem, &prepared), metric, &times)?;
     row.reference_error = truth.own_error;
-    row.densest_error = truth.densest_error;
+    row.mesh_error = truth.mesh_error;
+    row.given_error = truth.given_error;
 
-    let mut all = candidates(&problem)?;
+    let mut all = prepared.candidates(&problem);
     all.sort_by(|a, b| effort(a).total_cmp(&effort(b)));
     row.candidates = all.len();
     let mut best: Option<Best> = None;
@@ -356,7 +384,7 @@ fn effort(c: &Candidate) -> f64 {
 /// fewer modes.
 fn is_dearer_kin(c: &Candidate, other: &Candidate) -> bool {
     let same_level = match (c.level.modes(), other.level.modes()) {
-        (Some(a), Some(b)) => a >= b,
+        (Some(a), Some(b)) => a >= b && c.level.detail() == other.level.detail(),
         _ => c.level == other.level,
     };
     let finer = match (c.method.resolution, other.method.resolution) {

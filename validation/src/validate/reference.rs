@@ -1,108 +1,135 @@
-//! What choices are held against: the densest elastic model, or full finite elements on the same mesh.
+//! What choices are held against: the densest elastic model on the refined mesh, with the contact of half-spaces where the
+//! scene allows it; and full finite elements on a mesh of their own, three times as fine along the flanks as the scene's,
+//! which touch with their elements.
+//!
+//! Beside the first stands what it may be off itself (twice the step, fewer modes), and what the mesh and the contact of
+//! the scene are off it, with as many modes.
 
 use super::ValidationError;
 use super::measure::{PATIENCE, error};
-use gearbench::studies::choose::plan::{DENSEST, densest, elastic, full};
-use gearbench::studies::choose::problem::Problem;
+use gearbench::studies::choose::plan::{DENSEST, Prepared, densest, elastic, full};
+use gearbench::studies::choose::problem::{Flexible, Problem};
 use gearbench::studies::choose::trial::{Outcome, Trial};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{HHT_ALPHA, NEWMARK};
 use gearbench_integrators::{MethodSpec, Scheme};
-use gearbench_models::spec::Modelling;
+use gearbench_models::spec::{Modelling, PointContact};
 use gearbench_reports::Metric;
 
 /// Modes of the model whose distance tells what the densest is off by cutting modes.
 const FEWER: usize = 200;
 const _: () = assert!(FEWER < DENSEST);
-/// Methods of full finite elements and their steps per contact time, in the order in which they are tried. Dashpots at
-/// flanks may ask Newton's method for steps that take minutes: where none of these reaches the end, the densest elastic
-/// model is the reference, and the row says so.
-const FULL: [(MethodSpec, f64); 2] = [(NEWMARK, 500.0), (HHT_ALPHA.with_value(0.05), 500.0)];
-/// Parts of its step that the densest elastic model is given, likewise.
+/// Methods of full finite elements and their steps per contact time, in the order in which they are tried.
+const FULL: [(MethodSpec, f64); 2] = [(NEWMARK, 250.0), (HHT_ALPHA.with_value(0.05), 250.0)];
+/// Elements of theirs along a flank over those of the scene, penalty over that of the scene.
+const FINE: (usize, f64) = (3, 10.0);
+/// Parts of its step that the densest elastic model is given, in the order in which they are tried.
 const FINER: [f64; 2] = [1.0, 0.25];
+/// What it is called.
+pub const NAME: &str = "refined elastic model";
 
 pub struct Reference {
-    /// In words.
-    pub name: &'static str,
     pub run: Outcome,
-    /// The larger of what twice the step and fewer modes change; for the densest elastic model.
+    /// The larger of what twice the step and fewer modes change.
     pub own_error: Option<f64>,
-    /// Error of the densest elastic model, where that is not the reference.
-    pub densest_error: Option<f64>,
+    /// Error of as many modes on the mesh of the scene, with the same contact.
+    pub mesh_error: Option<f64>,
+    /// Error of as many modes with mesh and contact of the scene.
+    pub given_error: Option<f64>,
 }
 
-/// Names of the references.
-pub const DENSEST_NAME: &str = "densest elastic model";
-/// See [`DENSEST_NAME`].
-pub const FULL_NAME: &str = "full finite elements";
-
-pub fn reference(
+/// A run over the whole scene that reached its end.
+fn ended(
     problem: &Problem,
-    metric: Metric,
-    full_order: bool,
-    (grid, contact_time): (&[f64], f64),
-) -> Result<Reference, ValidationError> {
-    let dense = densest(problem)?;
-    let run = |modelling: &Modelling, method: &Scheme| -> Result<Outcome, ValidationError> {
-        let mut trial = Trial::new(problem, &dense.scene, modelling)?;
-        let seen = trial.observe(method, (problem.duration, grid), false, PATIENCE)?;
-        if !seen.usable() {
-            return Err(ValidationError::Reference {
-                method: method.method.to_string(),
-                why: (seen.row.message).unwrap_or_else(|| seen.row.status.to_string()),
-            });
-        }
-        Ok(seen)
+    modelling: &Modelling,
+    method: &Scheme,
+    grid: &[f64],
+) -> Result<Outcome, ValidationError> {
+    let mut trial = Trial::new(problem, &problem.scene, modelling)?;
+    let seen = trial.observe(method, (problem.duration, grid), false, PATIENCE)?;
+    if seen.usable() {
+        return Ok(seen);
+    }
+    Err(ValidationError::Reference {
+        method: method.method.to_string(),
+        why: (seen.row.message).unwrap_or_else(|| seen.row.status.to_string()),
+    })
+}
+
+/// The first of some methods that reaches the end, and its run.
+fn first<'m>(
+    problem: &Problem,
+    modelling: &Modelling,
+    methods: &'m [Scheme],
+    grid: &[f64],
+) -> Result<(Outcome, &'m Scheme), ValidationError> {
+    let mut last = ValidationError::Reference {
+        method: "nothing".into(),
+        why: "no method to try".into(),
     };
-    let first = |modelling: &Modelling, methods: &[Scheme]| {
-        let mut last = None;
-        for (i, method) in methods.iter().enumerate() {
-            match run(modelling, method) {
-                Ok(seen) => return Ok((seen, i)),
-                Err(e @ ValidationError::Reference { .. }) => last = Some(e),
-                Err(e) => return Err(e),
-            }
-        }
-        Err(last.unwrap_or(ValidationError::Reference {
-            method: dense.method.method.to_string(),
-            why: "no method to try".into(),
-        }))
-    };
-    let finer = FINER.map(|part| scaled(&dense.method, part));
-    let (fine, used) = first(&dense.modelling, &finer)?;
-    let dense_method = &finer[used];
-    if full_order {
-        let methods = FULL.map(|(method, steps)| method.at_step(contact_time / steps));
-        match first(&full(problem), &methods) {
-            Ok((run, _)) => {
-                return Ok(Reference {
-                    name: FULL_NAME,
-                    own_error: None,
-                    densest_error: error(&fine, metric, &run),
-                    run,
-                });
-            }
-            Err(ValidationError::Reference { .. }) => {}
+    for method in methods {
+        match ended(problem, modelling, method, grid) {
+            Ok(seen) => return Ok((seen, method)),
+            Err(e @ ValidationError::Reference { .. }) => last = e,
             Err(e) => return Err(e),
         }
     }
-    let step = dense_method.resolution.step();
+    Err(last)
+}
+
+pub fn reference(
+    (problem, prepared): (&Problem, &Prepared),
+    metric: Metric,
+    grid: &[f64],
+) -> Result<Reference, ValidationError> {
+    let details = &prepared.details;
+    let judge = details.judge();
+    let dense = densest(problem, prepared, judge);
+    let methods = FINER.map(|part| scaled(&dense.method, part));
+    let (fine, method) = first(problem, &dense.modelling, &methods, grid)?;
+    let step = method.resolution.step();
     // What does not reach the end says nothing of the one that does.
-    let coarse = run(&dense.modelling, &scaled(dense_method, 2.0)).ok();
-    let fewer = run(&elastic(problem, FEWER, step), dense_method).ok();
-    let own = [coarse, fewer]
-        .iter()
-        .flatten()
-        .filter_map(|o| error(o, metric, &fine))
-        .fold(None, |worst: Option<f64>, e| {
-            Some(worst.map_or(e, |w| w.max(e)))
-        });
+    let off = |modelling: &Modelling, method: &Scheme| {
+        let run = ended(problem, modelling, method, grid).ok();
+        run.and_then(|o| error(&o, metric, &fine))
+    };
+    let own = [
+        off(&dense.modelling, &scaled(method, 2.0)),
+        off(&elastic(judge, FEWER, step), method),
+    ];
+    let of = |other: &Flexible| {
+        (other.detail != judge.detail).then(|| off(&elastic(other, DENSEST, step), method))
+    };
     Ok(Reference {
-        name: DENSEST_NAME,
+        own_error: own.into_iter().flatten().reduce(f64::max),
+        mesh_error: of(&details.lead).flatten(),
+        given_error: of(&problem.flexible).flatten(),
         run: fine,
-        own_error: own,
-        densest_error: None,
     })
+}
+
+/// Full finite elements on a mesh that is finer along the flanks, without half-spaces.
+///
+/// # Errors
+/// [`ValidationError::Reference`]: no method reaches the end.
+pub fn finite_elements(
+    problem: &Problem,
+    (grid, contact_time): (&[f64], f64),
+) -> Result<Outcome, ValidationError> {
+    let (along, penalty) = FINE;
+    let mut fine = problem.flexible.clone();
+    for gear in &mut fine.gears {
+        let [flank, ..] = gear.mesh.counted();
+        gear.mesh.flank_elements = Some(along * flank);
+    }
+    for contact in &mut fine.contacts {
+        contact.points = contact.points.map(|p| PointContact {
+            penalty: penalty * p.penalty,
+            ..p
+        });
+    }
+    let methods = FULL.map(|(method, steps)| method.at_step(contact_time / steps));
+    Ok(first(problem, &full(&fine), &methods, grid)?.0)
 }
 
 /// A method at another step, or at a tolerance that is as much larger in decades as twice the step is one.

@@ -5,11 +5,11 @@ use gearbench::studies::choose::plan::MODES;
 /// Choices on some scenes of the tuning set are validated to the end: the figures hang together, whatever the choice is.
 #[test]
 fn choices_are_judged() {
-    let set = sampling::set("tuning").unwrap();
+    let set = sampling::set("refined-tuning").unwrap();
     // Single impacts: without a cache on disk most of the time goes into the modes of four gears.
     for number in [5, 33] {
         let sample = sampling::sample(&set, number).unwrap();
-        let row = validate(&sample, false);
+        let row = validate(&sample);
         let place = format!("{row:?}");
         assert_ne!(row.outcome, Outcome::NotValidated, "{place}");
         assert!(row.outcome.is_met(), "{}: {}", row.scene, row.why_missed());
@@ -36,7 +36,7 @@ fn choices_are_judged() {
 fn kin_is_ordered() {
     let set = sampling::set("tuning").unwrap();
     let problem = Problem::of(&sampling::sample(&set, 33).unwrap().scene);
-    let all = candidates(&problem).unwrap();
+    let all = Prepared::of(&problem).unwrap().candidates(&problem);
     let of = |level: &str, text: &str| -> Vec<&Candidate> {
         (all.iter())
             .filter(|c| c.level.name() == level && c.method.method == text.parse().unwrap())

@@ -246,6 +246,7 @@ fn study(file: &SceneFile, candidate: &Candidate) -> String {
 mod tests {
     use super::*;
     use crate::scene_file::{ModelChoice, Selection, load_for};
+    use crate::studies::choose::detail::Detail;
     use crate::studies::choose::level::Level;
     use gearbench_integrators::table::DOPRI5;
 
@@ -278,7 +279,7 @@ mod tests {
     fn what_is_written_is_read() {
         let write = |file: &SceneFile, choice: &ModelChoice| {
             let candidate = Candidate {
-                level: Level::QuasiStatic,
+                level: Level::QuasiStatic(Detail::Given),
                 scene: file.spec_for(choice).into(),
                 modelling: choice.modelling.clone().into(),
                 method: DOPRI5.at_tolerance(1e-6),

@@ -2,7 +2,8 @@
 
 use super::plan::Prepared;
 use super::problem::Problem;
-use gearbench_models::spec::{Body, LocalContact, Mount, Profile};
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{Body, Mount, Profile};
 use std::f64::consts::{PI, TAU};
 
 /// Numbers of teeth of the gears that choices were validated on.
@@ -105,16 +106,24 @@ pub fn outside(problem: &Problem, prepared: &Prepared) -> Vec<String> {
             problem.duration
         ));
     }
-    for c in &problem.flexible.contacts {
+    for c in &prepared.details.lead.contacts {
         if c.friction.is_some() {
             found.push("flanks have friction; checked were smooth ones".into());
         }
         if c.points.is_some_and(|p| p.hard) {
             found.push("contact is hard; checked were penalties".into());
         }
-        if c.points.is_some_and(|p| p.local == LocalContact::HalfSpace) {
-            found.push("flanks touch on half-spaces; checked were penalties".into());
+        if matches!(c.damping, Damping::RatioAtLoad { .. }) {
+            found.push("contact is damped by a ratio at load; checked was damping of modes".into());
         }
+    }
+    if let Some(why) = &prepared.details.no_half_spaces {
+        found.push(format!(
+            "flanks touch with their elements, because {why}; checked were half-spaces"
+        ));
+    }
+    if let Err(why) = &prepared.details.finer {
+        found.push(format!("no finer mesh judges it, because {why}"));
     }
     if let Err(e) = &prepared.statics {
         found.push(format!(

@@ -1,5 +1,7 @@
-//! The hierarchy of models: its levels, from rigid gears to elastic ones with many modes.
+//! The hierarchy of models: its levels, from rigid gears to elastic ones with many modes, and with more than the mesh of
+//! the scene.
 
+use super::detail::Detail;
 use gearbench_models::gear::movable_teeth::MovableTeethParameters;
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::rigid;
@@ -26,11 +28,13 @@ pub enum Level {
     /// Movable teeth with derived constants, or the scene's own with this label.
     MovableTeeth(Option<String>),
     /// Elastic gears without modes: quasi-static compliance.
-    QuasiStatic,
+    QuasiStatic(Detail),
     /// Elastic gears with so many modes, and the compliance of the others.
     Elastic {
         /// Modes per gear, at most.
         modes: usize,
+        /// How they are meshed and touch.
+        detail: Detail,
     },
 }
 
@@ -44,8 +48,10 @@ impl Level {
             Level::Rigid(Stiffness::Own(label)) => format!("rigid, own `{label}`"),
             Level::MovableTeeth(None) => "movable teeth".into(),
             Level::MovableTeeth(Some(label)) => format!("movable teeth, own `{label}`"),
-            Level::QuasiStatic => "quasi-static".into(),
-            Level::Elastic { modes } => format!("elastic, {modes} modes"),
+            Level::QuasiStatic(detail) => format!("quasi-static{}", detail.suffix()),
+            Level::Elastic { modes, detail } => {
+                format!("elastic, {modes} modes{}", detail.suffix())
+            }
         }
     }
 
@@ -54,7 +60,7 @@ impl Level {
         match self {
             Level::Rigid(_) => rigid::MODEL,
             Level::MovableTeeth(_) => MovableTeethParameters::MODEL,
-            Level::QuasiStatic => "quasi-static",
+            Level::QuasiStatic(_) => "quasi-static",
             Level::Elastic { .. } => ElasticParameters::MODEL,
         }
     }
@@ -62,9 +68,25 @@ impl Level {
     /// Modes per gear where gears are elastic.
     pub fn modes(&self) -> Option<usize> {
         match self {
-            Level::QuasiStatic => Some(0),
-            Level::Elastic { modes } => Some(*modes),
+            Level::QuasiStatic(_) => Some(0),
+            Level::Elastic { modes, .. } => Some(*modes),
             _ => None,
+        }
+    }
+
+    /// How elastic gears are meshed and touch.
+    pub fn detail(&self) -> Option<Detail> {
+        match self {
+            Level::QuasiStatic(detail) | Level::Elastic { detail, .. } => Some(*detail),
+            _ => None,
+        }
+    }
+
+    /// Elastic gears with so many modes.
+    pub fn elastic(modes: usize, detail: Detail) -> Level {
+        match modes {
+            0 => Level::QuasiStatic(detail),
+            modes => Level::Elastic { modes, detail },
         }
     }
 }

@@ -2,9 +2,9 @@
 //!
 //! A requirement is a metric and a tolerance. A **hierarchy** of models is refined on a short **window** of the scene:
 //! rigid gears (stiffness of the norm, of analytic tooth compliance, of static solves of the elastic gears), movable teeth,
-//! quasi-static compliance, elastic gears with more and more modes. Differences between levels estimate the error of
-//! the top one; the refinement ends where two of them in a row lie well below the tolerance. All other levels are held
-//! against the top one, and of the adequate ones every integrator is taken to the longest step that keeps the
+//! quasi-static compliance, elastic gears with more and more modes, on half-spaces, and with twice the elements. Differences
+//! between levels estimate the error of the top one; the refinement of modes ends where two of them in a row lie well below
+//! the tolerance, the mesh is refined once. All other levels are held against the top one, and of the adequate ones every integrator is taken to the longest step that keeps the
 //! tolerance. The cheapest of all that is left is the choice.
 //!
 //! | module | owns |
@@ -12,6 +12,7 @@
 //! | [`problem`] | the scene and what its elastic gears are made of |
 //! | [`requirement`] | metrics by their names, and the error in them |
 //! | [`level`] | the hierarchy of models |
+//! | [`detail`] | its levels of contact and mesh |
 //! | [`plan`] | what could be run: levels, integrators, steps |
 //! | `statics` | the stiffness of rigid gears from static solves of the elastic ones |
 //! | `pilot` | a rigid run through the scene: the window, and how errors grow beyond it |
@@ -27,6 +28,7 @@
 pub(crate) mod arguments;
 mod chosen;
 pub(crate) mod command;
+pub mod detail;
 mod domain;
 pub mod level;
 mod pilot;

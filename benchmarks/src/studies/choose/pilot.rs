@@ -1,7 +1,8 @@
 //! A cheap rigid run through the whole scene: when teeth touch and how hard, and what part of it stands for all.
 //!
 //! The window goes from the start through so many contact times of touching teeth that several impacts or mesh cycles
-//! are in it; where the whole scene has no more than that, it is the whole scene.
+//! are in it, and where gears run under a load, through mesh cycles at all of it; where the whole scene has no more than
+//! that, it is the whole scene.
 
 use super::plan::Fixed;
 use super::problem::Problem;
@@ -31,6 +32,11 @@ const BUDGET: f64 = 12.0;
 /// Mesh cycles that a window of lasting contact holds, where these are not more than so many contact times.
 const CYCLES: f64 = 4.0;
 const MOST_BUDGET: f64 = 200.0;
+/// Mesh cycles under the whole load that are in a window of gears that run.
+const RUNNING: f64 = 2.0;
+/// Part of the greatest mean force of a mesh cycle from which on the load is there, and of a cycle that gears touch in which
+/// run under load.
+const LOADED: f64 = 0.9;
 /// Contact times that the end of an impact is followed by.
 const MARGIN: f64 = 0.5;
 /// Relative change of stiffness whose effect tells how errors grow.
@@ -148,6 +154,36 @@ fn spells(run: &Outcome) -> Vec<[f64; 2]> {
     all
 }
 
+/// When gears that run first carry the load that they carry at most over a mesh cycle [s]; nothing where they do not run
+/// for a few cycles, or part.
+fn loaded(run: &Outcome, cycle: f64) -> Option<f64> {
+    let (t, f) = (&run.series.time_s, &run.series.contact_force_n);
+    let duration = *t.last()?;
+    if cycle.is_nan() || (RUNNING + 1.0) * cycle > duration {
+        return None;
+    }
+    // Impulse, and time of contact, up to each time.
+    let mut sums = vec![[0.0; 2]];
+    for (t, f) in t.windows(2).zip(f.windows(2)) {
+        let (step, last) = (t[1] - t[0], sums[sums.len() - 1]);
+        let touches = f64::from(u8::from(f[0] > 0.0 || f[1] > 0.0));
+        sums.push([
+            last[0] + 0.5 * (f[0] + f[1]) * step,
+            last[1] + touches * step,
+        ]);
+    }
+    // The mean over a cycle that ends there, of gears that touch all the while.
+    let mean = |i: usize| {
+        let from = t.partition_point(|x| *x < t[i] - cycle);
+        let [impulse, touching] = [0, 1].map(|k| (sums[i][k] - sums[from][k]) / (t[i] - t[from]));
+        (t[i] >= cycle && touching >= LOADED).then_some((t[i], impulse))
+    };
+    let means: Vec<(f64, f64)> = (0..t.len()).filter_map(mean).collect();
+    let most = means.iter().map(|(_, m)| *m).fold(0.0, f64::max);
+    let (first, _) = means.iter().find(|(_, m)| *m >= LOADED * most)?;
+    (most > 0.0).then_some(*first)
+}
+
 /// Time in which the first mesh moves on by one tooth pair [s].
 fn cycle(problem: &Problem) -> f64 {
     let mesh = &problem.scene.meshes[0];
@@ -190,6 +226,10 @@ pub fn window(
             break;
         }
         used += b - a;
+    }
+    let cycle = cycle(problem);
+    if let Some(loaded) = loaded(&run, cycle) {
+        end = end.max(loaded + RUNNING * cycle).min(problem.duration);
     }
     // A rest that is hardly longer than the window is taken along.
     if end > 0.7 * problem.duration {

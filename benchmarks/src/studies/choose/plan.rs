@@ -3,8 +3,9 @@
 //! Steps are halves of halves of the contact time `T = pi sqrt(m/k)` of rigid gears with the stiffness of the norm, so
 //! that candidates of small and large gears resolve a contact alike.
 
+use super::detail::Details;
 use super::level::{Level, Stiffness};
-use super::problem::{Own, Problem};
+use super::problem::{Flexible, Own, Problem};
 use super::run::ChooseError;
 use super::statics::{self, Calibrated, MeshOscillator, calibrate};
 use gearbench_integrators::Resolution;
@@ -13,6 +14,7 @@ use gearbench_integrators::table::{
 };
 use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::law::Damping;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reference::reduction::ElasticParameters;
@@ -100,10 +102,9 @@ fn short(x: f64) -> f64 {
     (x * digits).round() / digits
 }
 
-/// Full finite elements on the meshes of the elastic gears of a problem, with their contact. Damping of modes is not
-/// in them.
-pub fn full(problem: &Problem) -> Modelling {
-    let gears = (problem.flexible.gears.iter())
+/// Full finite elements on the meshes of elastic gears, with their contact. Damping of modes is not in them.
+pub fn full(flexible: &Flexible) -> Modelling {
+    let gears = (flexible.gears.iter())
         .map(|p| {
             FullOrderParameters {
                 mass: None,
@@ -114,13 +115,13 @@ pub fn full(problem: &Problem) -> Modelling {
         .collect();
     Modelling {
         gears,
-        contacts: problem.flexible.contacts.clone(),
+        contacts: flexible.contacts.clone(),
     }
 }
 
-/// The elastic gears of a problem with some modes, for a fixed step or for a tolerance.
-pub fn elastic(problem: &Problem, modes: usize, step: Option<f64>) -> Modelling {
-    let gears = (problem.flexible.gears.iter())
+/// Elastic gears with some modes, for a fixed step or for a tolerance.
+pub fn elastic(flexible: &Flexible, modes: usize, step: Option<f64>) -> Modelling {
+    let gears = (flexible.gears.iter())
         .map(|p| {
             ElasticParameters {
                 modes: Some(modes),
@@ -132,7 +133,7 @@ pub fn elastic(problem: &Problem, modes: usize, step: Option<f64>) -> Modelling 
         .collect();
     Modelling {
         gears,
-        contacts: problem.flexible.contacts.clone(),
+        contacts: flexible.contacts.clone(),
     }
 }
 
@@ -156,20 +157,30 @@ pub struct Prepared {
     pub fixed: Vec<Fixed>,
     /// Stiffness from static solves, or why there is none.
     pub statics: Result<Calibrated, String>,
+    /// How elastic gears are meshed and touch.
+    pub details: Details,
 }
 
 impl Prepared {
     /// Sizes up a scene: its contact time, a rigid run that tells how deep flanks go into each other, static solves.
     pub fn of(problem: &Problem) -> Result<Prepared, ChooseError> {
         let oscillator = MeshOscillator::of(&problem.scene)?;
+        let details = Details::of(problem);
         let scene = Arc::new(problem.scene.clone());
         // Dampers belong to a force, which the first run tells; a ratio would need a linear law.
-        let relaxation = |m: usize, force| problem.relaxation(m, oscillator.stiffness, force);
+        let relaxation =
+            |m: usize, force| problem.relaxation(&details.lead, m, oscillator.stiffness, force);
         let fixed = |stiffness: Stiffness, source: statics::Source<'_>, force: f64| {
             let contacts = (problem.flexible.contacts.iter().enumerate())
                 .map(|(m, flexible)| {
                     let mut c = source.contact(relaxation(m, force), &oscillator);
                     c.friction = flexible.friction;
+                    if let Damping::RatioAtLoad { ratio } = flexible.damping {
+                        let of_modes = relaxation(m, force) / (2.0 * oscillator.lag());
+                        c.damping = Damping::RatioAtLoad {
+                            ratio: ratio + of_modes,
+                        };
+                    }
                     c
                 })
                 .collect();
@@ -182,7 +193,7 @@ impl Prepared {
         let first = fixed(Stiffness::Norm, statics::Source::Norm, 0.0);
         let approach = super::pilot::approach(problem, &first, &oscillator)?;
         let force = MEAN_FORCE * approach * oscillator.stiffness;
-        let statics = calibrate(problem, approach).map_err(|e| e.to_string());
+        let statics = calibrate(problem, details.judge(), approach).map_err(|e| e.to_string());
         let mut all = vec![
             fixed(Stiffness::Norm, statics::Source::Norm, force),
             fixed(Stiffness::Analytic, statics::Source::Analytic, force),
@@ -218,6 +229,7 @@ impl Prepared {
             oscillator,
             fixed: all,
             statics,
+            details,
         })
     }
 
@@ -246,10 +258,12 @@ impl Prepared {
             }
         }
         let scene = Arc::new(problem.scene.clone());
-        for modes in std::iter::once(0).chain(MODES) {
-            all.extend(
-                (ELASTIC.methods(time)).map(|method| self.flexible(problem, &scene, modes, method)),
-            );
+        let finer = self.details.finer.as_ref().ok();
+        for of in std::iter::once(&self.details.lead).chain(finer) {
+            for modes in std::iter::once(0).chain(MODES) {
+                let methods = ELASTIC.methods(time);
+                all.extend(methods.map(|method| self.flexible(of, &scene, modes, method)));
+            }
         }
         all
     }
@@ -257,7 +271,7 @@ impl Prepared {
     /// Elastic gears with some modes under a method.
     fn flexible(
         &self,
-        problem: &Problem,
+        of: &Flexible,
         scene: &Arc<SceneSpec>,
         modes: usize,
         method: Scheme,
@@ -265,37 +279,29 @@ impl Prepared {
         let usual = || short(self.oscillator.contact_time() / TOLERANCE_STEPS);
         let step = method.resolution.step().unwrap_or_else(usual);
         Candidate {
-            level: match modes {
-                0 => Level::QuasiStatic,
-                modes => Level::Elastic { modes },
-            },
+            level: Level::elastic(modes, of.detail),
             scene: scene.clone(),
-            modelling: Arc::new(elastic(problem, modes, Some(step))),
+            modelling: Arc::new(elastic(of, modes, Some(step))),
             method,
         }
     }
 
     /// Elastic gears with some modes at some steps per contact time or more, so that teeth are resolved as well.
-    pub fn at_steps(&self, problem: &Problem, modes: usize, steps: f64) -> Candidate {
+    pub fn at_steps(
+        &self,
+        problem: &Problem,
+        of: &Flexible,
+        modes: usize,
+        steps: f64,
+    ) -> Candidate {
         let tooth = 1.0 / (TOOTH_STEPS * problem.tooth_frequency());
         let step = (self.oscillator.contact_time() / steps).min(tooth);
         let method = TRIGONOMETRIC.at_step(short(step));
-        self.flexible(problem, &Arc::new(problem.scene.clone()), modes, method)
+        self.flexible(of, &Arc::new(problem.scene.clone()), modes, method)
     }
 }
 
-/// All candidates of a scene, the cheapest family first.
-pub fn candidates(problem: &Problem) -> Result<Vec<Candidate>, ChooseError> {
-    Ok(Prepared::of(problem)?.candidates(problem))
-}
-
-/// The densest elastic model, finer than anything of the hierarchy: what choices are validated against where full finite
-/// elements would take too long.
-pub fn densest(problem: &Problem) -> Result<Candidate, ChooseError> {
-    let prepared = Prepared {
-        oscillator: MeshOscillator::of(&problem.scene)?,
-        fixed: Vec::new(),
-        statics: Err("not asked for".into()),
-    };
-    Ok(prepared.at_steps(problem, DENSEST, DENSEST_STEPS))
+/// The densest elastic model of gears, finer than anything of the hierarchy: what choices are validated against.
+pub fn densest(problem: &Problem, prepared: &Prepared, of: &Flexible) -> Candidate {
+    prepared.at_steps(problem, of, DENSEST, DENSEST_STEPS)
 }

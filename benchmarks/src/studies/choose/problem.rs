@@ -16,6 +16,7 @@
 //! width `b` under the force `F`, on flanks of the relative radius `rho`, has the half width `a = (3 F rho / (2 p b))^(1/3)`
 //! and the stiffness `k_c = 2 a b p`.
 
+use super::detail::Detail;
 use crate::experiment::runner::Runner;
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
@@ -46,6 +47,8 @@ pub struct Flexible {
     pub contacts: Vec<ContactSpec>,
     /// Label of the model of the scene that it is; `None` where the scene has none.
     pub label: Option<String>,
+    /// How they are meshed and touch.
+    pub detail: Detail,
 }
 
 /// A model of the scene with constants of its own: rigid, or with movable teeth.
@@ -114,6 +117,7 @@ impl Problem {
                     .collect(),
                 contacts: m.modelling.contacts.clone(),
                 label: Some(m.label.clone()),
+                detail: Detail::Given,
             },
         );
         Problem {
@@ -130,12 +134,12 @@ impl Problem {
 
     /// Time by which the force of a mesh runs ahead of the approach of its gears, the damper of a pair over its
     /// stiffness `k` [N/m], under a force [N]; see the head of the module [s].
-    pub fn relaxation(&self, mesh: usize, k: f64, force: f64) -> f64 {
-        let ratio = (self.flexible.gears.iter())
+    pub fn relaxation(&self, of: &Flexible, mesh: usize, k: f64, force: f64) -> f64 {
+        let ratio = (of.gears.iter())
             .filter_map(|p| p.damping_ratio)
             .fold(0.0, f64::max);
         let teeth = 2.0 * ratio / (TAU * self.tooth_frequency());
-        let points = self.flexible.contacts.get(mesh).and_then(|c| c.points);
+        let points = of.contacts.get(mesh).and_then(|c| c.points);
         let Some(points) = points.filter(PointContact::has_penalty) else {
             return teeth;
         };
@@ -215,5 +219,6 @@ fn generated(scene: &SceneSpec, rigid: Option<&Modelling>) -> Flexible {
         gears: vec![parameters; scene.gears.len()],
         contacts,
         label: None,
+        detail: Detail::Given,
     }
 }

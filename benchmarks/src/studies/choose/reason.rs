@@ -1,9 +1,10 @@
 //! The reason of a choice in plain words.
 
+use super::detail::Detail;
 use super::level::Level;
 use super::refinement::Refinement;
 use super::requirement::Requirement;
-use super::run::Choice;
+use super::run::{Choice, LevelTried};
 use gearbench_reports::numbers::{percent, short};
 
 /// A ratio in per cent, with the unit.
@@ -34,6 +35,7 @@ pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinemen
         if refinement.settled { "settles at" } else { "ends unsettled at" },
         per_cent(refinement.remaining)
     ));
+    said.extend(beyond_the_mesh(choice, metric, refinement));
     if refinement.growth > 1.05 {
         said.push(format!(
             "A little more stiffness moves the {metric} {:.1} times as far over the whole scene as over the window; estimates are larger by that.",
@@ -47,14 +49,19 @@ pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinemen
         ));
         return said;
     };
-    let cheaper: Vec<String> = (choice.levels.iter())
+    let simpler = |r: &&LevelTried| r.level != candidate.level && !r.adequate;
+    let told = |r: &LevelTried| match &r.failure {
+        Some(f) => format!("{} ({f})", r.level.name()),
+        None => format!("{} ({})", r.level.name(), per_cent(r.error)),
+    };
+    // Of another mesh or contact the nearest stands for all.
+    let detail = candidate.level.detail();
+    let (other, same): (Vec<_>, Vec<_>) = (choice.levels.iter())
         .take_while(|r| r.level != candidate.level)
-        .filter(|r| !r.adequate)
-        .map(|r| match &r.failure {
-            Some(f) => format!("{} ({f})", r.level.name()),
-            None => format!("{} ({})", r.level.name(), per_cent(r.error)),
-        })
-        .collect();
+        .filter(simpler)
+        .partition(|r| r.level.detail().is_some() && r.level.detail() != detail);
+    let nearest = (other.into_iter()).min_by(|a, b| a.error.total_cmp(&b.error));
+    let cheaper: Vec<String> = same.into_iter().chain(nearest).map(told).collect();
     if !cheaper.is_empty() {
         said.push(format!(
             "Simpler models do not keep {limit}: {}.",
@@ -85,6 +92,38 @@ pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinemen
             "Reducing the meshes is paid once ({} here) and kept on disk.",
             seconds(choice.setup_s)
         ));
+    }
+    said
+}
+
+/// What mesh and contact of the scene are off, and what all models are held against.
+fn beyond_the_mesh(choice: &Choice, metric: &str, refinement: &Refinement) -> Vec<String> {
+    let mut said = Vec::new();
+    let given = (choice.levels.iter())
+        .find(|l| l.level.detail() == Some(Detail::Given))
+        .filter(|_| choice.details.lead.detail == Detail::HalfSpaces);
+    if let Some(given) = given {
+        said.push(format!(
+            "Flanks touch on half-spaces (local = \"half-space\"): with the elements and the contact of the scene the {metric} would be {} off.",
+            per_cent(given.distance)
+        ));
+    }
+    if let Some(why) = &choice.details.no_half_spaces {
+        said.push(format!(
+            "Flanks touch with the elements of their mesh, because {why}."
+        ));
+    }
+    match (&refinement.finer, refinement.of_mesh()) {
+        (Ok(finer), Some(distance)) => said.push(format!(
+            "All models are held against twice the elements, from which the mesh of the scene is {} away; that took {} of set-up and {} of running.",
+            per_cent(distance),
+            seconds(choice.details.setup_s(Detail::Finer) + finer.setup_s),
+            seconds(finer.outcome.row.wall_s)
+        )),
+        (Ok(_), None) => {}
+        (Err(why), _) => said.push(format!(
+            "What the mesh itself is off is not known: it was not refined ({why})."
+        )),
     }
     said
 }

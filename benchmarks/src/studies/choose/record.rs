@@ -1,10 +1,11 @@
 //! A choice as a record.
 
+use super::detail;
 use super::problem::Problem;
 use super::requirement::Requirement;
 use super::run::{Choice, LevelTried, Tried};
 use crate::experiment::machine;
-use gearbench_models::spec::LocalContact;
+use gearbench_models::spec::{LocalContact, PointContact};
 use gearbench_reports::record::{Part, Results, Tolerance, finite};
 use gearbench_reports::{ChoiceRecord, ChooseRecord, LevelRecord, Metric, TriedRecord};
 
@@ -98,18 +99,34 @@ fn settings(problem: &Problem, choice: &Choice) -> Vec<(String, String)> {
     ];
     for (i, c) in problem.flexible.contacts.iter().enumerate() {
         if let Some(p) = c.points {
-            let law = if p.local == LocalContact::HalfSpace {
-                "half-spaces".into()
-            } else if p.hard {
-                "hard contact".into()
-            } else {
-                format!(
-                    "penalty {:.3e} Pa/m, dashpot {:.3e} N s/m^3",
-                    p.penalty, p.damping
-                )
-            };
-            all.push((format!("contact of mesh {}", i + 1), law));
+            all.push((format!("contact of mesh {}", i + 1), law(&p)));
         }
     }
+    let details = &choice.details;
+    let judge = details.judge();
+    let of_gears = judge.gears.iter().map(detail::elements);
+    let mut of_gears: Vec<String> = of_gears.collect();
+    of_gears.dedup();
+    let contact = match details.on_half_spaces() {
+        true => "half-spaces",
+        false => "the contact of the scene",
+    };
+    all.push((
+        "held against".into(),
+        format!("{}; {contact}", of_gears.join("; ")),
+    ));
     all
+}
+
+fn law(p: &PointContact) -> String {
+    if p.local == LocalContact::HalfSpace {
+        "half-spaces".into()
+    } else if p.hard {
+        "hard contact".into()
+    } else {
+        format!(
+            "penalty {:.3e} Pa/m, dashpot {:.3e} N s/m^3",
+            p.penalty, p.damping
+        )
+    }
 }

@@ -1,13 +1,19 @@
-//! The refinement: elastic gears with more and more modes on the window, until more of them change little.
+//! The refinement: elastic gears with more and more modes on the window, until more of them change little; then a finer
+//! mesh with as many.
 //!
-//! With `d_i` the distance of level `i` to level `i + 1` in the metric, the refinement ends where the last two are both below a
-//! part of the tolerance, as errors grow over the scene; for a metric that is a single number the force histories must
-//! agree as well, since two numbers may meet by chance. What the top level is still off is estimated as that of a
-//! geometric series, `d q / (1 - q)` with `q` the ratio of the last two; that is to be as small.
+//! With `d_i` the distance of level `i` to level `i + 1` in the metric, the refinement of modes ends where the last two are
+//! both below a part of the tolerance, as errors grow over the scene; for a metric that is a single number the force
+//! histories must agree as well, since two numbers may meet by chance. What the top level is still off is estimated as that
+//! of a geometric series, `d q / (1 - q)` with `q` the ratio of the last two; that is to be as small.
+//!
+//! The distance of the [finer mesh](super::detail) with the modes of the top level is the error of the mesh. What the finer
+//! one is still off itself follows from the order at which errors fall with the size of the elements: the second where
+//! flanks touch on half-spaces, the first where they touch with their elements (`q` = 1/4 and 1/2). Both remainders add.
 
+use super::level::Level;
 use super::pilot::Window;
 use super::plan::{Candidate, MODES, Prepared};
-use super::problem::Problem;
+use super::problem::{Flexible, Problem};
 use super::requirement::{Requirement, is_scalar};
 use super::run::ChooseError;
 use super::trial::{Outcome, Trial};
@@ -24,6 +30,8 @@ const HISTORY: f64 = 2.0;
 const FLOOR: [f64; 2] = [3e-3, 1e-3];
 /// Bounds of the ratio of differences.
 const RATIO: [f64; 2] = [0.3, 0.5];
+/// Ratio of the errors of a mesh to those of one with half the elements: on half-spaces, with the elements themselves.
+const OF_MESHES: [f64; 2] = [0.25, 0.5];
 
 /// A level of elastic gears on the window.
 #[derive(Clone, Debug)]
@@ -40,21 +48,70 @@ pub struct RefinedLevel {
 /// The hierarchy as far as it was refined.
 #[derive(Clone, Debug)]
 pub struct Refinement {
-    /// Levels that ran to the end, ascending.
+    /// Levels that ran to the end, by modes, ascending.
     pub levels: Vec<RefinedLevel>,
+    /// As many modes as the last of them on a finer mesh, or why there is none.
+    pub finer: Result<RefinedLevel, String>,
     /// What the top one is estimated to be off on the window.
     pub remaining: f64,
     /// Factor by which errors grow from the window to the scene.
     pub growth: f64,
     /// The differences became small.
     pub settled: bool,
+    /// Steps per contact time.
+    steps: f64,
 }
 
 impl Refinement {
     /// The top level.
     pub fn top(&self) -> Option<&RefinedLevel> {
-        self.levels.last()
+        self.finer.as_ref().ok().or(self.levels.last())
     }
+
+    /// What the mesh of the scene is off: the distance of the finest modes on it to those on the finer one.
+    pub fn of_mesh(&self) -> Option<f64> {
+        let last = self.levels.last().filter(|_| self.finer.is_ok());
+        last.and_then(|l| l.step_up)
+    }
+
+    /// Runs a further level as the others were run.
+    ///
+    /// # Errors
+    /// Why the run could not start, or why it is not to be used.
+    pub fn further(
+        &self,
+        (problem, prepared, window): (&Problem, &Prepared, &Window),
+        of: &Flexible,
+        modes: usize,
+    ) -> Result<Result<RefinedLevel, String>, ChooseError> {
+        level(
+            problem,
+            prepared.at_steps(problem, of, modes, self.steps),
+            window,
+        )
+    }
+}
+
+/// Runs a level on the window, or says why its numbers are not to be used.
+fn level(
+    problem: &Problem,
+    candidate: Candidate,
+    window: &Window,
+) -> Result<Result<RefinedLevel, String>, ChooseError> {
+    let mut trial = Trial::new(problem, &candidate.scene, &candidate.modelling)?;
+    let outcome = trial.run(&candidate.method, window)?;
+    if !outcome.usable() {
+        return Ok(Err(
+            (outcome.row.message.clone()).unwrap_or_else(|| outcome.row.status.to_string())
+        ));
+    }
+    let setup_s = trial.setup.as_secs_f64();
+    Ok(Ok(RefinedLevel {
+        candidate,
+        outcome,
+        setup_s,
+        step_up: None,
+    }))
 }
 
 /// Refines.
@@ -73,34 +130,32 @@ pub fn refine(
         .iter()
         .find(|(limit, _)| requirement.tolerance < *limit))
     .map_or(128.0, |s| s.1);
+    let lead = &prepared.details.lead;
     let mut levels: Vec<RefinedLevel> = Vec::new();
     let mut failure = String::from("no reason given");
     let mut settled = false;
     // How far histories are apart, for metrics that are single numbers.
     let mut apart: Vec<f64> = Vec::new();
     for modes in std::iter::once(0).chain(MODES) {
-        let candidate = prepared.at_steps(problem, modes, steps);
-        progress(&format!("{} on the window", candidate.level.name()));
-        let (scene, modelling) = (candidate.scene.clone(), candidate.modelling.clone());
-        let mut trial = Trial::new(problem, &scene, &modelling)?;
-        let outcome = trial.run(&candidate.method, window)?;
-        if !outcome.usable() {
-            failure = outcome.row.message.clone().unwrap_or(failure);
-            continue;
-        }
-        let setup_s = trial.setup.as_secs_f64();
+        progress(&format!(
+            "{} on the window",
+            Level::elastic(modes, lead.detail).name()
+        ));
+        let candidate = prepared.at_steps(problem, lead, modes, steps);
+        let next = match level(problem, candidate, window)? {
+            Ok(next) => next,
+            Err(why) => {
+                failure = why;
+                continue;
+            }
+        };
         if let Some(below) = levels.last_mut() {
-            below.step_up = Some(below.outcome.error(requirement.metric, &outcome));
+            below.step_up = Some(below.outcome.error(requirement.metric, &next.outcome));
             if is_scalar(requirement.metric) {
-                apart.push(below.outcome.error(Metric::ForceL2Aligned, &outcome));
+                apart.push(below.outcome.error(Metric::ForceL2Aligned, &next.outcome));
             }
         }
-        levels.push(RefinedLevel {
-            candidate,
-            outcome,
-            setup_s,
-            step_up: None,
-        });
+        levels.push(next);
         let differences = differences(&levels);
         let last =
             |x: &[f64], limit: f64| x.len() >= 2 && x.iter().rev().take(2).all(|d| *d <= limit);
@@ -112,17 +167,38 @@ pub fn refine(
             break;
         }
     }
-    if levels.len() < 2 {
+    let modes = remaining(&differences(&levels));
+    let (Some(last), true) = (levels.last_mut(), modes.is_finite()) else {
         return Err(ChooseError::Hierarchy(failure));
-    }
+    };
     let floor = FLOOR[usize::from(is_scalar(requirement.metric))];
-    let remaining = remaining(&differences(&levels)).max(floor);
-    Ok(Refinement {
-        levels,
-        remaining,
+    let mut refinement = Refinement {
+        finer: Err(String::new()),
+        levels: Vec::new(),
+        remaining: modes.max(floor),
         growth,
         settled,
-    })
+        steps,
+    };
+    refinement.finer = match &prepared.details.finer {
+        Ok(finer) => {
+            let modes = last.candidate.level.modes().unwrap_or(0);
+            progress(&format!(
+                "{} on the window",
+                Level::elastic(modes, finer.detail).name()
+            ));
+            refinement.further((problem, prepared, window), finer, modes)?
+        }
+        Err(why) => Err(why.clone()),
+    };
+    if let Ok(finer) = &refinement.finer {
+        let distance = last.outcome.error(requirement.metric, &finer.outcome);
+        last.step_up = Some(distance);
+        let q = OF_MESHES[usize::from(!prepared.details.on_half_spaces())];
+        refinement.remaining += distance * q / (1.0 - q);
+    }
+    refinement.levels = levels;
+    Ok(refinement)
 }
 
 fn differences(levels: &[RefinedLevel]) -> Vec<f64> {

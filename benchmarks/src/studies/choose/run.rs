@@ -1,5 +1,6 @@
 //! What the choice answers, and the order in which it asks.
 
+use super::detail::Details;
 use super::level::Level;
 use super::pilot::Window;
 use super::plan::{Candidate, Prepared};
@@ -99,6 +100,8 @@ pub struct Choice {
     pub window: Window,
     /// In which ways the scene lies outside of what the choice has been checked on.
     pub outside: Vec<String>,
+    /// What elastic gears are made of, and what all models are held against.
+    pub details: Details,
 }
 
 /// Parts of an estimated error.

@@ -6,11 +6,12 @@
 //! tolerance with a margin counts. On a window that is not the whole scene the next shorter step must keep it as well:
 //! one that is right by chance there may not be so later.
 
+use super::detail::Detail;
 use super::level::Level;
 use super::pilot::Window;
 use super::plan::{Candidate, Fixed, Prepared};
 use super::problem::Problem;
-use super::refinement::Refinement;
+use super::refinement::{RefinedLevel, Refinement};
 use super::requirement::Requirement;
 use super::run::{Choice, ChooseError, LevelTried, Parts, Tried};
 use super::trial::{Outcome, Trial};
@@ -84,6 +85,48 @@ impl Selector<'_, '_> {
         })
     }
 
+    /// Holds elastic gears that were run against the top level.
+    fn elastic(&self, refined: &RefinedLevel, prepared: &Prepared) -> Standing {
+        let distance = refined.outcome.error(self.requirement.metric, self.top);
+        let error = self.error(distance);
+        let detail = refined.candidate.level.detail();
+        let detail_s = detail.map_or(0.0, |d| prepared.details.setup_s(d));
+        Standing {
+            tried: LevelTried {
+                level: refined.candidate.level.clone(),
+                method: refined.candidate.method,
+                distance,
+                step_up: refined.step_up,
+                error,
+                adequate: self.adequate(error),
+                cheapest: None,
+                setup_s: detail_s + refined.setup_s,
+                failure: None,
+            },
+            fine: Some(refined.outcome.clone()),
+        }
+    }
+
+    /// What the contact of the scene itself is off, with the modes of the top level, where another has taken its place. It
+    /// is told, not taken: half-spaces cost no more.
+    fn as_given(&mut self, prepared: &Prepared) -> Result<Option<Standing>, ChooseError> {
+        let given = &self.problem.flexible;
+        let top = self.refinement.levels.last();
+        let Some(modes) = top.and_then(|l| l.candidate.level.modes()) else {
+            return Ok(None);
+        };
+        if prepared.details.lead.detail == given.detail {
+            return Ok(None);
+        }
+        (self.progress)(&format!(
+            "{} on the window",
+            Level::elastic(modes, given.detail).name()
+        ));
+        let what = (self.problem, prepared, self.window);
+        let run = self.refinement.further(what, given, modes)?;
+        Ok(run.ok().map(|level| self.elastic(&level, prepared)))
+    }
+
     /// Predicted cost over the whole scene of a candidate that takes `cost` on the window: a method that flies pays for
     /// contact only.
     fn whole_cost(&self, candidate: &Candidate, cost: f64) -> f64 {
@@ -99,6 +142,7 @@ impl Selector<'_, '_> {
     fn look(
         &mut self,
         level: &mut LevelTried,
+        fine: Option<&RefinedLevel>,
         all: &[Candidate],
         tried: &mut Vec<Tried>,
     ) -> Result<(), ChooseError> {
@@ -108,8 +152,7 @@ impl Selector<'_, '_> {
         let own: Vec<Candidate> = (all.iter().filter(|c| c.level == level.level))
             .cloned()
             .collect();
-        let refined = (self.refinement.levels.iter()).find(|l| l.candidate.level == level.level);
-        let fine = refined.map(|l| (&l.candidate, l.outcome.row.highest_hz.unwrap_or(0.0)));
+        let fine = fine.map(|l| (&l.candidate, l.outcome.row.highest_hz.unwrap_or(0.0)));
         level.cheapest = self.search(&own, fine, tried)?;
         Ok(())
     }
@@ -260,29 +303,47 @@ pub fn select(
             continue;
         }
         let mut standing = selector.stand(fixed, prepared.oscillator.contact_time())?;
-        selector.look(&mut standing.tried, &all, &mut tried)?;
+        selector.look(&mut standing.tried, None, &all, &mut tried)?;
         standings.push(standing);
     }
-    for refined in &refinement.levels {
-        let distance = refined.outcome.error(requirement.metric, &top.outcome);
-        let error = selector.error(distance);
-        let mut standing = Standing {
-            tried: LevelTried {
-                level: refined.candidate.level.clone(),
-                method: refined.candidate.method,
-                distance,
-                step_up: refined.step_up,
-                error,
-                adequate: selector.adequate(error),
-                cheapest: None,
-                setup_s: refined.setup_s,
-                failure: None,
-            },
-            fine: Some(refined.outcome.clone()),
-        };
-        selector.look(&mut standing.tried, &all, &mut tried)?;
+    let finer = refinement.finer.as_ref().ok();
+    for refined in refinement.levels.iter().chain(finer) {
+        let mut standing = selector.elastic(refined, prepared);
+        selector.look(&mut standing.tried, Some(refined), &all, &mut tried)?;
         standings.push(standing);
     }
+    // Where nothing on the mesh of the scene will do, fewer modes on the finer one may.
+    let found = standings.iter().any(|s| s.tried.cheapest.is_some());
+    let on_scene = (standings.iter())
+        .any(|s| s.tried.cheapest.is_some() && s.tried.level.detail() != Some(Detail::Finer));
+    if found
+        && !on_scene
+        && let Ok(of) = &prepared.details.finer
+    {
+        for modes in refinement.levels.split_last().map_or(&[][..], |x| x.1) {
+            let modes = modes.candidate.level.modes().unwrap_or(0);
+            (selector.progress)(&format!(
+                "{} on the window",
+                Level::elastic(modes, of.detail).name()
+            ));
+            let Ok(further) = refinement.further((problem, prepared, window), of, modes)? else {
+                continue;
+            };
+            let mut standing = selector.elastic(&further, prepared);
+            selector.look(&mut standing.tried, Some(&further), &all, &mut tried)?;
+            standings.push(standing);
+        }
+    }
+    if let Some(standing) = selector.as_given(prepared)? {
+        standings.push(standing);
+    }
+    // By mesh and contact, of each by modes.
+    standings.sort_by_key(|s| {
+        (
+            s.tried.level.detail().map(Detail::rank),
+            s.tried.level.modes(),
+        )
+    });
     let best = (standings.iter().enumerate())
         .filter_map(|(i, s)| s.tried.cheapest.clone().map(|(c, cost)| (i, c, cost)))
         .min_by(|a, b| a.2.total_cmp(&b.2))
@@ -311,6 +372,7 @@ pub fn select(
         tried,
         window: window.clone(),
         outside: Vec::new(),
+        details: prepared.details.clone(),
     };
     if let Some((i, candidate, cost)) = best {
         let standing = &standings[i];

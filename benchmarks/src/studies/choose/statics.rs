@@ -7,7 +7,7 @@
 //! touches on a patch that grows. Pairs carry what they do beside their neighbours, so the sum over the pairs in
 //! contact is the mesh stiffness of the elastic gears at every position, coupling through the bodies included.
 
-use super::problem::Problem;
+use super::problem::{Flexible, Problem};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart, Reason};
 use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
@@ -136,9 +136,14 @@ impl MeshOscillator {
         })
     }
 
+    /// Inverse of its angular frequency, `sqrt(m/k)` [s].
+    pub fn lag(&self) -> f64 {
+        (self.mass / self.stiffness).sqrt()
+    }
+
     /// Half a period: how long a tooth pair touches in an impact [s].
     pub fn contact_time(&self) -> f64 {
-        std::f64::consts::PI * (self.mass / self.stiffness).sqrt()
+        std::f64::consts::PI * self.lag()
     }
 }
 
@@ -192,12 +197,16 @@ fn table(s: Vec<f64>, k: Vec<f64>) -> PairStiffness {
     }
 }
 
-/// Solves the elastic gears of a problem without modes at an approach of the flanks that the scene will see [m].
+/// Solves elastic gears without modes at an approach of the flanks that the scene will see [m].
 ///
 /// # Errors
 /// [`StaticsError`]: more than one mesh, no equilibrium, or no pair that presses on the path.
-pub fn calibrate(problem: &Problem, approach: f64) -> Result<Calibrated, StaticsError> {
-    let modelling = super::plan::elastic(problem, 0, None);
+pub fn calibrate(
+    problem: &Problem,
+    of: &Flexible,
+    approach: f64,
+) -> Result<Calibrated, StaticsError> {
+    let modelling = super::plan::elastic(of, 0, None);
     let mut pair = LoadedPair::new(&problem.scene, &modelling, problem.models)?;
     let (pitch, base, path) = {
         let l = pair.layout();

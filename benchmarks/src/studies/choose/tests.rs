@@ -1,8 +1,9 @@
 //! Static calibration, candidates and domain on a coarse pair that reduces in a fraction of a second.
 
+use super::detail::Detail;
 use super::domain;
 use super::level::{Level, Stiffness};
-use super::plan::{Candidate, Prepared, candidates, elastic};
+use super::plan::{Candidate, Prepared, elastic};
 use super::problem::Problem;
 use super::statics::calibrate;
 use crate::studies::test_scene::coarse;
@@ -26,7 +27,10 @@ fn static_solves_make_rigid_gears_as_stiff_as_elastic_ones() {
     let rigid = p.best_rigid();
     assert_eq!(rigid.level, Level::Rigid(Stiffness::Static));
     let pair = |m| LoadedPair::new(&s.scene, m, s.models).expect("a pair");
-    let (mut one, mut two) = (pair(&rigid.modelling), pair(&elastic(&s, 0, None)));
+    let (mut one, mut two) = (
+        pair(&rigid.modelling),
+        pair(&elastic(p.details.judge(), 0, None)),
+    );
     let l = two.layout();
     let (pitch, base) = (l.pitch_point, l.base_pitch);
     let mut ratio = |part: f64| {
@@ -49,7 +53,7 @@ fn gears_that_do_not_touch_have_no_static_stiffness() {
     for c in &mut s.flexible.contacts {
         c.points.as_mut().expect("points").surface = SurfaceKind::Faceted;
     }
-    let found = calibrate(&s, 1e-9);
+    let found = calibrate(&s, &s.flexible, 1e-9);
     assert!(
         matches!(found, Err(StaticsError::NoContact { .. })),
         "{found:?}"
@@ -63,26 +67,26 @@ fn dampers_of_rigid_gears_follow_the_flanks() {
     let mut s = problem();
     let lag = 2e9 / 2e15;
     let (k, force) = (8e7, 300.0);
-    let both = s.relaxation(0, k, force);
+    let both = s.relaxation(&s.flexible, 0, k, force);
     for p in &mut s.flexible.gears {
         p.damping_ratio = None;
     }
-    let flanks = s.relaxation(0, k, force);
+    let flanks = s.relaxation(&s.flexible, 0, k, force);
     assert!(flanks > 0.0 && flanks < lag && both > flanks);
     // More force, larger patch, stiffer: less of the lag is seen; the cube root of the force.
-    let more = s.relaxation(0, k, 8.0 * force);
+    let more = s.relaxation(&s.flexible, 0, k, 8.0 * force);
     assert!((flanks / more - 2.0).abs() < 1e-9);
-    assert!(s.relaxation(0, 1e12, force) == lag);
+    assert!(s.relaxation(&s.flexible, 0, 1e12, force) == lag);
 }
 
 #[test]
 fn candidates_are_distinct_and_go_from_cheap_to_dear() {
     let s = problem();
-    let all = candidates(&s).expect("candidates");
+    let all = Prepared::of(&s).expect("a scene that runs").candidates(&s);
     let names: BTreeSet<String> = all.iter().map(Candidate::name).collect();
     assert_eq!(names.len(), all.len());
     assert!(matches!(all[0].level, Level::Rigid(_)));
-    assert_eq!(all[all.len() - 1].level, Level::Elastic { modes: 300 });
+    assert_eq!(all[all.len() - 1].level, Level::elastic(300, Detail::Finer));
     for pair in all.windows(2) {
         let steps = [&pair[0], &pair[1]].map(|c| match c.method.resolution {
             Resolution::Step(h) => Some(h),

@@ -17,6 +17,9 @@ pub fn tables(choices: &[ValidatedChoice]) -> Vec<CsvTable> {
             ("tolerance", &|s| s.tolerance.to_string()),
             ("reference", &|s| s.reference.clone()),
             ("reference_error", &|s| number(s.reference_error)),
+            ("mesh_error", &|s| number(s.mesh_error)),
+            ("given_error", &|s| number(s.given_error)),
+            ("full_error", &|s| number(s.full_error)),
             ("densest_error", &|s| number(s.densest_error)),
             ("rejected", &|s| s.rejected.to_string()),
             ("candidates", &|s| s.candidates.to_string()),
@@ -34,6 +37,7 @@ pub fn tables(choices: &[ValidatedChoice]) -> Vec<CsvTable> {
             ("cost_ratio", &|s| number(s.cost_ratio())),
             ("least_error", &|s| number(s.least_error)),
             ("choosing_s", &|s| number(s.choosing_s)),
+            ("refining_s", &|s| number(s.refining_s)),
             ("note", &|s| text(&s.note)),
         ],
     )]

@@ -80,7 +80,16 @@ pub struct ValidatedChoice {
     /// What the reference itself may be off: the larger of what twice the step and fewer modes change [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_error: Option<f64>,
-    /// Error of the densest elastic model, where the reference is another [-].
+    /// What the mesh of the scene is off the reference with as many modes and the same contact [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_error: Option<f64>,
+    /// What mesh and contact of the scene are off the reference with as many modes [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub given_error: Option<f64>,
+    /// Error of the choice against full finite elements on a finer mesh, where they were run as well [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub full_error: Option<f64>,
+    /// Error of the densest elastic model against full finite elements, where they were run [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub densest_error: Option<f64>,
     /// Samples that were not sound before this scene.
@@ -124,6 +133,9 @@ pub struct ValidatedChoice {
     /// Time that choosing took \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub choosing_s: Option<f64>,
+    /// Time of it that setting up the finer mesh took, caches as they were \[s\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refining_s: Option<f64>,
     /// In which ways the choice says that the scene lies outside of what it has been checked on.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<String>,

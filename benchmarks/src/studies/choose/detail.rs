@@ -1,0 +1,242 @@
+//! What lies beyond the mesh of a scene: levels of contact and of elements, beside those of modes.
+//!
+//! A scene gives its elastic gears a mesh and a contact, but neither is what gears are: a coarse mesh that touches with its
+//! elements is too soft or too stiff by several per cent, and ripples. So there are three **details**:
+//!
+//! | detail | flanks touch | elements |
+//! |---|---|---|
+//! | [`Detail::Given`] | as the scene says | as the scene says |
+//! | [`Detail::HalfSpaces`] | on half-spaces, as Hertz has it | as the scene says |
+//! | [`Detail::Finer`] | on half-spaces, where they may | twice as many in the section; over the width too where contact varies there, else two |
+//!
+//! The **lead** is the first two's better one: on it modes are refined. All models are held against the finer one, whose
+//! distance from the lead tells what it is still off itself. Half-spaces are out of question where flank points have
+//! dashpots, which are a mesh's own, and where the assembly refuses them; a mesh from elsewhere cannot be refined.
+
+use super::plan::elastic;
+use super::problem::{Flexible, Problem};
+use gearbench_models::law::Damping;
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{Body, LocalContact, PointContact};
+use gearbench_reference::reduction::ElasticParameters;
+use gearbench_reference::{MeshParameters, REFERENCES};
+use std::time::Instant;
+
+/// Elements of the finer mesh over those of the scene.
+const FACTOR: usize = 2;
+/// Elements over the width of which more change nothing where contact lies evenly over it: of the FZG C gears the stiffness
+/// of a pair is 12.31, 12.46 and 12.46 N/(mm um) with one, two and four.
+const WIDTH: usize = 2;
+
+/// How gears are meshed and touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detail {
+    /// As the scene says.
+    #[default]
+    Given,
+    /// On half-spaces, with the mesh of the scene.
+    HalfSpaces,
+    /// With a finer mesh, on half-spaces where they may.
+    Finer,
+}
+
+impl Detail {
+    /// Its place in tables.
+    pub fn rank(self) -> u8 {
+        match self {
+            Detail::Given => 0,
+            Detail::HalfSpaces => 1,
+            Detail::Finer => 2,
+        }
+    }
+
+    /// What stands behind the name of a level.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Detail::Given => "",
+            Detail::HalfSpaces => ", half-spaces",
+            Detail::Finer => ", finer mesh",
+        }
+    }
+}
+
+/// The details of a problem.
+#[derive(Clone, Debug)]
+pub struct Details {
+    /// What modes are refined on: half-spaces on the mesh of the scene, else what the scene says.
+    pub lead: Flexible,
+    /// Why flanks do not touch on half-spaces, if so.
+    pub no_half_spaces: Option<String>,
+    /// The finer mesh, or why there is none.
+    pub finer: Result<Flexible, String>,
+    /// Time in which the gears of the lead and of the finer mesh were set up without modes, caches as they were [s].
+    setup_s: [f64; 2],
+}
+
+impl Details {
+    /// Finds them: sets the gears up without modes, since what is refused is refused there.
+    pub fn of(problem: &Problem) -> Details {
+        let given = &problem.flexible;
+        let begin = Instant::now();
+        let (lead, no_half_spaces) = match half_spaces(problem) {
+            Ok(Some(lead)) => (lead, None),
+            Ok(None) => (given.clone(), None),
+            Err(why) => (given.clone(), Some(why)),
+        };
+        let of_lead = begin.elapsed().as_secs_f64();
+        let finer = finer(problem, &lead);
+        Details {
+            lead,
+            no_half_spaces,
+            finer,
+            setup_s: [of_lead, begin.elapsed().as_secs_f64() - of_lead],
+        }
+    }
+
+    /// Time in which the gears of a detail were set up without modes, caches as they were [s].
+    pub fn setup_s(&self, detail: Detail) -> f64 {
+        self.setup_s[usize::from(detail == Detail::Finer)]
+    }
+
+    /// What all models are held against.
+    pub fn judge(&self) -> &Flexible {
+        self.finer.as_ref().unwrap_or(&self.lead)
+    }
+
+    /// What a level's gears are made of.
+    pub fn flexible<'a>(&'a self, problem: &'a Problem, detail: Detail) -> &'a Flexible {
+        match &self.finer {
+            Ok(finer) if detail == Detail::Finer => finer,
+            _ if detail == self.lead.detail => &self.lead,
+            _ => &problem.flexible,
+        }
+    }
+
+    /// Flanks touch on half-spaces.
+    pub fn on_half_spaces(&self) -> bool {
+        touches_on_half_spaces(&self.lead)
+    }
+}
+
+/// All contacts are those of half-spaces.
+fn touches_on_half_spaces(flexible: &Flexible) -> bool {
+    let is = |p: PointContact| p.local == LocalContact::HalfSpace;
+    (flexible.contacts.iter()).all(|c| c.points.is_some_and(is))
+}
+
+/// The gears of the scene on half-spaces; nothing where they touch so anyway.
+///
+/// # Errors
+/// Why they cannot.
+fn half_spaces(problem: &Problem) -> Result<Option<Flexible>, String> {
+    let given = &problem.flexible;
+    if touches_on_half_spaces(given) {
+        return Ok(None);
+    }
+    let mut lead = Flexible {
+        detail: Detail::HalfSpaces,
+        ..given.clone()
+    };
+    for c in &mut lead.contacts {
+        if c.points.is_some_and(|p| p.damping > 0.0) {
+            return Err("flank points have dashpots, which half-spaces do not know".into());
+        }
+        if !matches!(c.damping, Damping::None | Damping::RatioAtLoad { .. }) {
+            return Err(format!("half-spaces do not know `{}`", c.damping.id()));
+        }
+        c.points = Some(PointContact::half_space());
+        c.exponent = 1.0;
+    }
+    match Scene::build(&problem.scene, &elastic(&lead, 0, None), problem.models) {
+        Ok(_) => Ok(Some(lead)),
+        Err(e) => Err(e.to_string()),
+    }
+}
+
+/// Gears of a finer mesh.
+///
+/// # Errors
+/// Why there are none.
+fn finer(problem: &Problem, lead: &Flexible) -> Result<Flexible, String> {
+    let mut finer = Flexible {
+        detail: Detail::Finer,
+        ..lead.clone()
+    };
+    for (i, gear) in finer.gears.iter_mut().enumerate() {
+        if let Some(path) = &gear.reduction {
+            let name = &problem.scene.gears[i].name;
+            return Err(format!("`{name}` is a stored reduction, {path}"));
+        }
+        gear.mesh = refined(problem, &gear.mesh, i)?;
+    }
+    match Scene::build(&problem.scene, &elastic(&finer, 0, None), problem.models) {
+        Ok(_) => Ok(finer),
+        Err(e) => Err(e.to_string()),
+    }
+}
+
+/// The parameters of a mesh with more elements: generated ones have their counts multiplied, those of stored references
+/// become generated ones of the same gear.
+fn refined(
+    problem: &Problem,
+    given: &MeshParameters,
+    gear: usize,
+) -> Result<MeshParameters, String> {
+    let even = even_over_width(&problem.scene.gears[gear].body);
+    let more = |of: &MeshParameters| {
+        let [.., width] = of.counted();
+        let finer = of.times(FACTOR);
+        MeshParameters {
+            width_elements: match even {
+                true => Some(width.max(WIDTH)),
+                false => finer.width_elements,
+            },
+            ..finer
+        }
+    };
+    match given.mesh.as_deref().unwrap_or("generated") {
+        "generated" => Ok(more(given)),
+        stored if REFERENCES.iter().any(|r| r.id == stored) => {
+            let modelling = elastic(&problem.flexible, 0, None);
+            let scene = Scene::build(&problem.scene, &modelling, problem.models)
+                .map_err(|e| e.to_string())?;
+            let grid = (scene.gears()[gear].model.flanks())
+                .and_then(|f| f.grids().first().map(|g| [g.rows - 1, g.columns - 1]));
+            let [flank, width] = grid.ok_or("a mesh without flanks")?;
+            let counts = MeshParameters {
+                flank_elements: Some(flank),
+                width_elements: Some(width),
+                ..MeshParameters::default()
+            };
+            Ok(more(&counts))
+        }
+        path => Err(format!(
+            "the mesh of `{}` is from {path}",
+            problem.scene.gears[gear].name
+        )),
+    }
+}
+
+/// Contact lies evenly over the face width.
+fn even_over_width(body: &Body) -> bool {
+    match body {
+        Body::Gear(g) => {
+            let p = g.params();
+            p.helix_angle == 0.0 && p.modifications.lead_crowning == 0.0
+        }
+        Body::Rack(r) => r.params().helix_angle == 0.0,
+    }
+}
+
+/// Elements of a mesh in words.
+pub fn elements(of: &ElasticParameters) -> String {
+    let m = &of.mesh;
+    match (&m.mesh, &of.reduction) {
+        (_, Some(path)) => path.clone(),
+        (Some(mesh), _) if mesh != "generated" => mesh.clone(),
+        _ => {
+            let [flank, _, _, _, width] = m.counted();
+            format!("{flank} elements along a flank, {width} over the width")
+        }
+    }
+}
