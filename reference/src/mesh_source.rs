@@ -347,3 +347,24 @@ fn stored(
     }
     Ok(gear)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::MeshParameters;
+
+    /// Given counts and those by default are multiplied alike, and what was asked for beside stays.
+    #[test]
+    fn counts_are_multiplied() {
+        let given = MeshParameters {
+            element: Some("C3D8".into()),
+            flank_elements: Some(5),
+            width_elements: Some(1),
+            ..MeshParameters::default()
+        };
+        let [_, fillet, across, rim, _] = MeshParameters::default().counted();
+        assert_eq!(given.counted(), [5, fillet, across, rim, 1]);
+        let twice = given.times(2);
+        assert_eq!(twice.counted(), [10, 2 * fillet, 2 * across, 2 * rim, 2]);
+        assert_eq!((twice.element, twice.mesh), (given.element, None));
+    }
+}

@@ -44,10 +44,8 @@ pub fn check(
     let all: Vec<usize> = (first..=last).collect();
     let rows = Mutex::new(BTreeMap::new());
     in_parallel(plan.threads, &all, |number| {
-        let row: ValidatedChoice = runner.piece(plan.key(*number), || {
-            let scene = sample(&plan.set, *number)?;
-            Ok::<_, ValidationError>(validate(&scene))
-        })?;
+        let row: ValidatedChoice =
+            runner.piece(plan.key(*number), || validate(&sample(&plan.set, *number)?))?;
         let mut rows = lock(&rows);
         progress(&row, rows.len() + 1);
         rows.insert(*number, row);

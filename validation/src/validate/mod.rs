@@ -12,12 +12,13 @@ mod reference;
 mod tests;
 
 use crate::sampling::{Sample, SampleError};
+use gearbench::experiment::interruption;
 use gearbench::experiment::journal::JournalError;
 use gearbench::experiment::machine::cpu_time;
 use gearbench::experiment::run::{NO_BOUND, RunError};
-use gearbench::studies::choose::detail::Detail;
+use gearbench::studies::choose::detail::{Detail, Details};
 use gearbench::studies::choose::level::Level;
-use gearbench::studies::choose::plan::{Candidate, Prepared, densest};
+use gearbench::studies::choose::plan::{Candidate, DENSEST, Prepared, densest};
 use gearbench::studies::choose::problem::Problem;
 use gearbench::studies::choose::requirement::Requirement;
 use gearbench::studies::choose::run::{ChooseError, choose};
@@ -35,6 +36,8 @@ use std::time::{Duration, Instant};
 const DEARER: f64 = 3.0;
 /// Cost over that of the cheapest adequate candidate up to which errors are looked at: first times are rough.
 const NEAR: f64 = 1.3;
+/// Part of the tolerance that the mesh of a scene may be off so that candidates on the finer one are left out.
+const OF_MESH: f64 = 0.25;
 /// Bounds of a timed run: while nothing is adequate, and over the cheapest adequate one.
 const LONGEST: Duration = Duration::from_secs(20);
 /// See [`LONGEST`]; and what the clock of a busy machine may be off [s].
@@ -103,7 +106,10 @@ pub fn against_full(sample: &Sample, chosen: Option<&str>) -> Result<AgainstFull
 }
 
 /// Validates the choice for a sampled scene.
-pub fn validate(sample: &Sample) -> ValidatedChoice {
+///
+/// # Errors
+/// An interruption: that is no finding.
+pub fn validate(sample: &Sample) -> Result<ValidatedChoice, ValidationError> {
     let mut row = ValidatedChoice {
         scene: sample.scene.name.clone(),
         number: sample.number,
@@ -117,10 +123,13 @@ pub fn validate(sample: &Sample) -> ValidatedChoice {
         ..ValidatedChoice::default()
     };
     if let Err(e) = validate_into(&mut row, sample) {
+        if interruption::requested() {
+            return Err(e);
+        }
         row.outcome = Outcome::NotValidated;
         row.note = Some(e.to_string());
     }
-    row
+    Ok(row)
 }
 
 fn gears(sample: &Sample) -> String {
@@ -153,6 +162,10 @@ fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), Valid
         metric,
         tolerance: sample.tolerance,
     };
+    // All modes at once: the choice and the candidates take theirs of these. What the finer mesh costs is told.
+    let details = Details::of(&problem, DENSEST);
+    row.refining_s = Some(details.setup_s(Detail::Finer));
+    let prepared = Prepared::with(&problem, details)?;
     let (begin, start) = (Instant::now(), cpu_time());
     let choice = choose(&problem, &requirement, |_| {});
     row.choosing_s = match (start, cpu_time()) {
@@ -167,15 +180,43 @@ fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), Valid
             None
         }
     };
-    row.refining_s = (choice.as_ref()).map(|c| c.details.setup_s(Detail::Finer));
 
-    let prepared = Prepared::of(&problem)?;
-    let truth = reference::reference((&problem, &prepared), metric, &times)?;
+    // What the choice had to do without candidates and judge do without as well.
+    let judged = choice.as_ref().map(|c| c.details.clone());
+    let prepared = match judged {
+        Some(details) => Prepared::with(&problem, details)?,
+        None => prepared,
+    };
+    let truth = match reference::reference((&problem, &prepared), metric, &times) {
+        Err(ValidationError::Reference { why, .. })
+            if prepared.details.lead.detail == Detail::HalfSpaces =>
+        {
+            row.reference = reference::MESH_NAME.into();
+            let given = Details::as_given(&problem, why);
+            let given = Prepared::with(&problem, given)?;
+            reference::reference((&problem, &given), metric, &times)?
+        }
+        other => other?,
+    };
+    if prepared.details.lead.detail == Detail::Given {
+        row.reference = reference::MESH_NAME.into();
+    }
     row.reference_error = truth.own_error;
     row.mesh_error = truth.mesh_error;
     row.given_error = truth.given_error;
 
     let mut all = prepared.candidates(&problem);
+    let chosen = choice.as_ref().and_then(|c| c.candidate.as_ref());
+    // A step on the finer mesh costs what one on the scene's does: where that is near enough, no candidate on the finer
+    // one is the cheapest.
+    let finer = |c: &Candidate| c.level.detail() == Some(Detail::Finer);
+    if truth
+        .mesh_error
+        .is_some_and(|e| e < OF_MESH * sample.tolerance)
+        && !chosen.is_some_and(finer)
+    {
+        all.retain(|c| !finer(c));
+    }
     all.sort_by(|a, b| effort(a).total_cmp(&effort(b)));
     row.candidates = all.len();
     let mut best: Option<Best> = None;
@@ -200,7 +241,6 @@ fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), Valid
         .filter_map(|t| t.error)
         .min_by(f64::total_cmp);
 
-    let chosen = choice.as_ref().and_then(|c| c.candidate.as_ref());
     if let Some(c) = &choice {
         row.predicted_error = Some(c.predicted_error).filter(|e| e.is_finite());
         row.outside.clone_from(&c.outside);

@@ -27,6 +27,8 @@ const FINE: (usize, f64) = (3, 10.0);
 const FINER: [f64; 2] = [1.0, 0.25];
 /// What it is called.
 pub const NAME: &str = "refined elastic model";
+/// The same where no run on half-spaces is sound.
+pub const MESH_NAME: &str = "refined elastic model, contact of the scene";
 
 pub struct Reference {
     pub run: Outcome,
@@ -87,23 +89,30 @@ pub fn reference(
     let dense = densest(problem, prepared, judge);
     let methods = FINER.map(|part| scaled(&dense.method, part));
     let (fine, method) = first(problem, &dense.modelling, &methods, grid)?;
-    let step = method.resolution.step();
-    // What does not reach the end says nothing of the one that does.
-    let off = |modelling: &Modelling, method: &Scheme| {
-        let run = ended(problem, modelling, method, grid).ok();
-        run.and_then(|o| error(&o, metric, &fine))
+    // What is told beside is run at twice the step, and held against the same model there. What does not reach the end
+    // says nothing of the one that does.
+    let twice = scaled(method, 2.0);
+    let step = twice.resolution.step();
+    let at_twice =
+        |of: &Flexible, modes: usize| ended(problem, &elastic(of, modes, step), &twice, grid).ok();
+    let coarse = at_twice(judge, DENSEST);
+    let off = |of: &Flexible, modes: usize| {
+        let (run, coarse) = (at_twice(of, modes)?, coarse.as_ref()?);
+        error(&run, metric, coarse)
     };
     let own = [
-        off(&dense.modelling, &scaled(method, 2.0)),
-        off(&elastic(judge, FEWER, step), method),
+        coarse.as_ref().and_then(|o| error(o, metric, &fine)),
+        off(judge, FEWER),
     ];
     let of = |other: &Flexible| {
-        (other.detail != judge.detail).then(|| off(&elastic(other, DENSEST, step), method))
+        (other.detail != judge.detail)
+            .then(|| off(other, DENSEST))
+            .flatten()
     };
     Ok(Reference {
         own_error: own.into_iter().flatten().reduce(f64::max),
-        mesh_error: of(&details.lead).flatten(),
-        given_error: of(&problem.flexible).flatten(),
+        mesh_error: of(&details.lead),
+        given_error: of(&problem.flexible),
         run: fine,
     })
 }

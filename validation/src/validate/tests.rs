@@ -9,7 +9,7 @@ fn choices_are_judged() {
     // Single impacts: without a cache on disk most of the time goes into the modes of four gears.
     for number in [5, 33] {
         let sample = sampling::sample(&set, number).unwrap();
-        let row = validate(&sample);
+        let row = validate(&sample).unwrap();
         let place = format!("{row:?}");
         assert_ne!(row.outcome, Outcome::NotValidated, "{place}");
         assert!(row.outcome.is_met(), "{}: {}", row.scene, row.why_missed());

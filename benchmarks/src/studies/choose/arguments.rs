@@ -12,7 +12,8 @@ Examples:
   gearbench choose my_scene.toml --metric peak --tolerance 0.1 --out out/peak
 
 No finite-element transient runs: a hierarchy of models is refined on a short part of the scene, and differences between
-its levels estimate the errors. The folder holds chosen.toml, the scene with the choice written in:
+its levels estimate the errors. Modes, contact and mesh are levels of it: flanks touch on half-spaces where they may, and
+all models are held against elastic gears of twice the elements. The folder holds chosen.toml, the scene with the choice written in:
 `gearbench compare out/SCENE/choose/chosen.toml` runs it. Exit code 1 says that nothing is adequate.";
 
 /// Arguments of `choose`.

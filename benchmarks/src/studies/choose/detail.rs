@@ -11,7 +11,8 @@
 //!
 //! The **lead** is the first two's better one: on it modes are refined. All models are held against the finer one, whose
 //! distance from the lead tells what it is still off itself. Half-spaces are out of question where flank points have
-//! dashpots, which are a mesh's own, and where the assembly refuses them; a mesh from elsewhere cannot be refined.
+//! dashpots, which are a mesh's own, where the assembly refuses them, and where no run on them is sound; a mesh from
+//! elsewhere cannot be refined.
 
 use super::plan::elastic;
 use super::problem::{Flexible, Problem};
@@ -69,22 +70,42 @@ pub struct Details {
     pub no_half_spaces: Option<String>,
     /// The finer mesh, or why there is none.
     pub finer: Result<Flexible, String>,
-    /// Time in which the gears of the lead and of the finer mesh were set up without modes, caches as they were [s].
+    /// Time in which the gears of the lead and of the finer mesh were set up first, caches as they were [s].
     setup_s: [f64; 2],
 }
 
 impl Details {
-    /// Finds them: sets the gears up without modes, since what is refused is refused there.
-    pub fn of(problem: &Problem) -> Details {
+    /// Finds them: sets the gears up with some modes, since what is refused is refused there; with none where it is not
+    /// known how many are to come.
+    pub fn of(problem: &Problem, modes: usize) -> Details {
         let given = &problem.flexible;
         let begin = Instant::now();
-        let (lead, no_half_spaces) = match half_spaces(problem) {
+        let (lead, no_half_spaces) = match half_spaces(problem, modes) {
             Ok(Some(lead)) => (lead, None),
             Ok(None) => (given.clone(), None),
             Err(why) => (given.clone(), Some(why)),
         };
+        Details::led_by((problem, modes), lead, no_half_spaces, begin)
+    }
+
+    /// Those with the contact of the scene, for a reason.
+    pub fn as_given(problem: &Problem, why: String) -> Details {
+        Details::led_by(
+            (problem, 0),
+            problem.flexible.clone(),
+            Some(why),
+            Instant::now(),
+        )
+    }
+
+    fn led_by(
+        (problem, modes): (&Problem, usize),
+        lead: Flexible,
+        no_half_spaces: Option<String>,
+        begin: Instant,
+    ) -> Details {
         let of_lead = begin.elapsed().as_secs_f64();
-        let finer = finer(problem, &lead);
+        let finer = finer(problem, &lead, modes);
         Details {
             lead,
             no_half_spaces,
@@ -93,7 +114,7 @@ impl Details {
         }
     }
 
-    /// Time in which the gears of a detail were set up without modes, caches as they were [s].
+    /// Time in which the gears of a detail were set up first, caches as they were [s].
     pub fn setup_s(&self, detail: Detail) -> f64 {
         self.setup_s[usize::from(detail == Detail::Finer)]
     }
@@ -128,7 +149,7 @@ fn touches_on_half_spaces(flexible: &Flexible) -> bool {
 ///
 /// # Errors
 /// Why they cannot.
-fn half_spaces(problem: &Problem) -> Result<Option<Flexible>, String> {
+fn half_spaces(problem: &Problem, modes: usize) -> Result<Option<Flexible>, String> {
     let given = &problem.flexible;
     if touches_on_half_spaces(given) {
         return Ok(None);
@@ -147,7 +168,7 @@ fn half_spaces(problem: &Problem) -> Result<Option<Flexible>, String> {
         c.points = Some(PointContact::half_space());
         c.exponent = 1.0;
     }
-    match Scene::build(&problem.scene, &elastic(&lead, 0, None), problem.models) {
+    match Scene::build(&problem.scene, &elastic(&lead, modes, None), problem.models) {
         Ok(_) => Ok(Some(lead)),
         Err(e) => Err(e.to_string()),
     }
@@ -157,7 +178,7 @@ fn half_spaces(problem: &Problem) -> Result<Option<Flexible>, String> {
 ///
 /// # Errors
 /// Why there are none.
-fn finer(problem: &Problem, lead: &Flexible) -> Result<Flexible, String> {
+fn finer(problem: &Problem, lead: &Flexible, modes: usize) -> Result<Flexible, String> {
     let mut finer = Flexible {
         detail: Detail::Finer,
         ..lead.clone()
@@ -169,7 +190,11 @@ fn finer(problem: &Problem, lead: &Flexible) -> Result<Flexible, String> {
         }
         gear.mesh = refined(problem, &gear.mesh, i)?;
     }
-    match Scene::build(&problem.scene, &elastic(&finer, 0, None), problem.models) {
+    match Scene::build(
+        &problem.scene,
+        &elastic(&finer, modes, None),
+        problem.models,
+    ) {
         Ok(_) => Ok(finer),
         Err(e) => Err(e.to_string()),
     }

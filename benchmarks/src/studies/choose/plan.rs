@@ -164,8 +164,12 @@ pub struct Prepared {
 impl Prepared {
     /// Sizes up a scene: its contact time, a rigid run that tells how deep flanks go into each other, static solves.
     pub fn of(problem: &Problem) -> Result<Prepared, ChooseError> {
+        Prepared::with(problem, Details::of(problem, 0))
+    }
+
+    /// The same with elastic gears that are meshed and touch in a way that was found.
+    pub fn with(problem: &Problem, details: Details) -> Result<Prepared, ChooseError> {
         let oscillator = MeshOscillator::of(&problem.scene)?;
-        let details = Details::of(problem);
         let scene = Arc::new(problem.scene.clone());
         // Dampers belong to a force, which the first run tells; a ratio would need a linear law.
         let relaxation =

@@ -30,7 +30,7 @@ pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinemen
         .top()
         .map_or(String::new(), |l| l.candidate.level.name());
     said.push(format!(
-        "On the window ({}) the hierarchy of elastic gears {} `{top}`, which is estimated to be {} off in the {metric}.",
+        "On the window ({}) the hierarchy of elastic gears {} `{top}`, which is estimated to be {} off in the {metric} by its modes.",
         choice.window.describe(),
         if refinement.settled { "settles at" } else { "ends unsettled at" },
         per_cent(refinement.remaining)
@@ -115,8 +115,9 @@ fn beyond_the_mesh(choice: &Choice, metric: &str, refinement: &Refinement) -> Ve
     }
     match (&refinement.finer, refinement.of_mesh()) {
         (Ok(finer), Some(distance)) => said.push(format!(
-            "All models are held against twice the elements, from which the mesh of the scene is {} away; that took {} of set-up and {} of running.",
+            "All models are held against twice the elements, from which the mesh of the scene is {} away and which are estimated to be {} off themselves; that took {} of set-up and {} of running.",
             per_cent(distance),
+            per_cent(choice.parts.mesh.unwrap_or(f64::NAN)),
             seconds(choice.details.setup_s(Detail::Finer) + finer.setup_s),
             seconds(finer.outcome.row.wall_s)
         )),

@@ -8,7 +8,8 @@
 //!
 //! The distance of the [finer mesh](super::detail) with the modes of the top level is the error of the mesh. What the finer
 //! one is still off itself follows from the order at which errors fall with the size of the elements: the second where
-//! flanks touch on half-spaces, the first where they touch with their elements (`q` = 1/4 and 1/2). Both remainders add.
+//! flanks touch on half-spaces, the first where they touch with their elements (`q` = 1/4 and 1/2). That is told, and a
+//! warning where it is more than was asked; it is no part of the estimates, which are errors against the finer mesh.
 
 use super::level::Level;
 use super::pilot::Window;
@@ -52,8 +53,10 @@ pub struct Refinement {
     pub levels: Vec<RefinedLevel>,
     /// As many modes as the last of them on a finer mesh, or why there is none.
     pub finer: Result<RefinedLevel, String>,
-    /// What the top one is estimated to be off on the window.
+    /// What the top one is estimated to be off on the window by its modes.
     pub remaining: f64,
+    /// The same by its mesh, where there is a finer one.
+    pub of_finer: Option<f64>,
     /// Factor by which errors grow from the window to the scene.
     pub growth: f64,
     /// The differences became small.
@@ -176,6 +179,7 @@ pub fn refine(
         finer: Err(String::new()),
         levels: Vec::new(),
         remaining: modes.max(floor),
+        of_finer: None,
         growth,
         settled,
         steps,
@@ -195,7 +199,7 @@ pub fn refine(
         let distance = last.outcome.error(requirement.metric, &finer.outcome);
         last.step_up = Some(distance);
         let q = OF_MESHES[usize::from(!prepared.details.on_half_spaces())];
-        refinement.remaining += distance * q / (1.0 - q);
+        refinement.of_finer = Some(distance * q / (1.0 - q));
     }
     refinement.levels = levels;
     Ok(refinement)

@@ -1,6 +1,6 @@
 //! What the choice answers, and the order in which it asks.
 
-use super::detail::Details;
+use super::detail::{Detail, Details};
 use super::level::Level;
 use super::pilot::Window;
 use super::plan::{Candidate, Prepared};
@@ -81,7 +81,7 @@ pub struct Tried {
 pub struct Choice {
     /// What to run; `None` when nothing is adequate.
     pub candidate: Option<Candidate>,
-    /// Estimated error of it over the whole scene, or the least there is.
+    /// Estimated error of it over the whole scene against the finer mesh, or the least there is.
     pub predicted_error: f64,
     /// Parts of it: the model against the top level, the integrator against the model's own fine solution, what the top
     /// level is off, and the factor from the window to the whole scene.
@@ -111,8 +111,10 @@ pub struct Parts {
     pub model: f64,
     /// Method against the level's own fine solution.
     pub integration: f64,
-    /// Top level against the limit of the hierarchy.
+    /// Top level against the limit of the hierarchy of modes.
     pub top: f64,
+    /// Top level against the limit of finer and finer meshes, where it is known; no part of the estimate.
+    pub mesh: Option<f64>,
     /// Factor by which errors grow from the window to the whole scene.
     pub growth: f64,
 }
@@ -128,6 +130,25 @@ pub fn choose(
 ) -> Result<Choice, ChooseError> {
     progress("static solves");
     let prepared = Prepared::of(problem)?;
+    let on_half_spaces = prepared.details.lead.detail == Detail::HalfSpaces;
+    match choose_among(problem, prepared, requirement, &mut progress) {
+        Err(ChooseError::Hierarchy(why)) if on_half_spaces => {
+            progress("static solves");
+            let why = format!("no run on half-spaces is sound ({why})");
+            let prepared = Prepared::with(problem, Details::as_given(problem, why))?;
+            choose_among(problem, prepared, requirement, &mut progress)
+        }
+        other => other,
+    }
+}
+
+/// Chooses with elastic gears that are meshed and touch in a way that was found.
+fn choose_among(
+    problem: &Problem,
+    prepared: Prepared,
+    requirement: &Requirement,
+    progress: &mut impl FnMut(&str),
+) -> Result<Choice, ChooseError> {
     progress("rigid run through the scene");
     let pilot_level = prepared.best_rigid();
     let window = pilot::window(
@@ -143,21 +164,14 @@ pub fn choose(
         &prepared.oscillator,
         requirement.metric,
     )?;
-    let hierarchy: Refinement = refine(
-        problem,
-        &prepared,
-        &window,
-        requirement,
-        growth,
-        &mut progress,
-    )?;
+    let hierarchy: Refinement = refine(problem, &prepared, &window, requirement, growth, progress)?;
     let selected = selection::select(
         problem,
         &prepared,
         &window,
         requirement,
         hierarchy,
-        &mut progress,
+        progress,
     )?;
     Ok(Choice {
         outside: domain::outside(problem, &prepared),

@@ -362,6 +362,7 @@ pub fn select(
             .fold(f64::INFINITY, f64::min),
         parts: Parts {
             top: refinement.remaining,
+            mesh: refinement.of_finer.map(|e| refinement.growth * e),
             growth: refinement.growth,
             ..Parts::default()
         },

@@ -5,6 +5,15 @@ use super::requirement::Requirement;
 use super::run::Choice;
 use crate::cli::terminal::say;
 
+/// What is to be said where the finer mesh itself is off by more than was asked.
+pub(super) fn doubt(choice: &Choice, requirement: &Requirement) -> Option<String> {
+    let off = choice.parts.mesh.filter(|e| *e > requirement.tolerance)?;
+    Some(format!(
+        "twice the elements, which all models are held against, may be {} off themselves: this scene amplifies what a mesh is off; elastic gears with more elements (`flank_elements`, `rim_elements`) are judged by finer ones",
+        per_cent(off)
+    ))
+}
+
 /// The answer in plain words.
 pub(super) fn summarise(choice: &Choice, requirement: &Requirement) {
     let wanted = format!(
@@ -34,6 +43,9 @@ pub(super) fn summarise(choice: &Choice, requirement: &Requirement) {
         say(&format!(
             "warning: not checked on scenes like this: {sentence}"
         ));
+    }
+    if let Some(doubt) = doubt(choice, requirement) {
+        say(&format!("warning: {doubt}"));
     }
     say(&format!(
         "{:<34} {:>9} {:>9}  {}",
