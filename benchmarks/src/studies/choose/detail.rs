@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | [`Detail::Given`] | as the scene says | as the scene says |
 //! | [`Detail::HalfSpaces`] | on half-spaces, as Hertz has it | as the scene says |
-//! | [`Detail::Finer`] | on half-spaces, where they may | twice as many in the section; over the width too where contact varies there, else two |
+//! | [`Detail::Finer`] | on half-spaces, where they may | twice as many in the section; over the width too where contact varies or is sliced there, else two |
 //!
 //! The **lead** is the first two's better one: on it modes are refined. All models are held against the finer one, whose
 //! distance from the lead tells what it is still off itself. Half-spaces are out of question where flank points have
@@ -207,13 +207,13 @@ fn refined(
     given: &MeshParameters,
     gear: usize,
 ) -> Result<MeshParameters, String> {
-    let even = even_over_width(&problem.scene.gears[gear].body);
+    let sliced = (problem.flexible.contacts.iter()).any(|c| c.slices.is_some());
+    let even = !sliced && even_over_width(&problem.scene.gears[gear].body);
     let more = |of: &MeshParameters| {
-        let [.., width] = of.counted();
         let finer = of.times(FACTOR);
         MeshParameters {
             width_elements: match even {
-                true => Some(width.max(WIDTH)),
+                true => Some(WIDTH),
                 false => finer.width_elements,
             },
             ..finer
