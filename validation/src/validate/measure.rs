@@ -1,10 +1,14 @@
 //! What is measured on whole scenes: the times of histories, errors, the time of a run without observers.
 
+use super::ValidationError;
 use gearbench::experiment::machine::cpu_time;
+use gearbench::experiment::run::NO_BOUND;
+use gearbench::studies::choose::problem::Problem;
 use gearbench::studies::choose::trial::{Outcome, Trial};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::{AcceptedStep, Control, Sink, TimePlan, Work};
+use gearbench_models::spec::Modelling;
 use gearbench_reports::Metric;
 use std::time::{Duration, Instant};
 
@@ -45,6 +49,21 @@ impl Sink for Guard {
         self.lost = true;
         Control::Stop
     }
+}
+
+/// A run of a problem's scene with models of one's own, whatever its end, however long it takes: what is told of it must
+/// not depend on how busy the machine is.
+///
+/// # Errors
+/// [`ValidationError`]: the run cannot start.
+pub fn outcome(
+    problem: &Problem,
+    modelling: &Modelling,
+    method: &Scheme,
+    times: &[f64],
+) -> Result<Outcome, ValidationError> {
+    let mut trial = Trial::new(problem, &problem.scene, modelling)?;
+    Ok(trial.observe(method, (problem.duration, times), false, NO_BOUND)?)
 }
 
 /// Error of a run against a reference; `None` where one of the two failed or has not the quantity.

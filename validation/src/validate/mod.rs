@@ -6,30 +6,31 @@
 //! three times that, the same integrator with shorter steps, or with more modes, is not run at all. At the end the
 //! choice and the cheapest are timed in turn.
 
+mod full_order;
 mod measure;
 mod reference;
 #[cfg(test)]
 mod tests;
 
 use crate::sampling::{Sample, SampleError};
+pub use full_order::against_full;
 use gearbench::experiment::interruption;
 use gearbench::experiment::journal::JournalError;
 use gearbench::experiment::machine::cpu_time;
-use gearbench::experiment::run::{NO_BOUND, RunError};
+use gearbench::experiment::run::RunError;
 use gearbench::studies::choose::detail::{Detail, Details};
 use gearbench::studies::choose::level::Level;
-use gearbench::studies::choose::plan::{Candidate, DENSEST, Prepared, densest};
+use gearbench::studies::choose::plan::{Candidate, DENSEST, Prepared};
 use gearbench::studies::choose::problem::Problem;
 use gearbench::studies::choose::requirement::Requirement;
 use gearbench::studies::choose::run::{ChooseError, choose};
 use gearbench::studies::choose::trial::{Outcome as Seen, Trial};
-use gearbench_integrators::{Resolution, Scheme};
-use gearbench_models::spec::{Body, Modelling};
+use gearbench_integrators::Resolution;
+use gearbench_models::spec::Body;
 use gearbench_reports::choice_check::{Outcome, TriedCandidate, ValidatedChoice};
 use gearbench_reports::record::Status;
-pub use measure::grid;
 use measure::{error, side_by_side, time};
-use serde::{Deserialize, Serialize};
+pub use measure::{grid, outcome};
 use std::time::{Duration, Instant};
 
 /// Cost over that of the cheapest adequate candidate beyond which dearer kin of a candidate is not run.
@@ -58,51 +59,6 @@ pub enum ValidationError {
     Reference { method: String, why: String },
     #[error(transparent)]
     Journal(#[from] JournalError),
-}
-
-/// A run of a problem's scene with models of one's own, whatever its end, however long it takes: what is told of it must
-/// not depend on how busy the machine is.
-///
-/// # Errors
-/// [`ValidationError`]: the run cannot start.
-pub fn outcome(
-    problem: &Problem,
-    modelling: &Modelling,
-    method: &Scheme,
-    times: &[f64],
-) -> Result<Seen, ValidationError> {
-    let mut trial = Trial::new(problem, &problem.scene, modelling)?;
-    Ok(trial.observe(method, (problem.duration, times), false, NO_BOUND)?)
-}
-
-/// Errors against full finite elements on a finer mesh: of the choice, and of what it was validated against.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct AgainstFull {
-    pub chosen: Option<f64>,
-    pub refined: Option<f64>,
-}
-
-/// Holds a validated choice, by its name, against full finite elements as well; nothing where none was chosen.
-///
-/// # Errors
-/// [`ValidationError::Reference`]: these do not reach the end.
-pub fn against_full(sample: &Sample, chosen: Option<&str>) -> Result<AgainstFull, ValidationError> {
-    let problem = Problem::of(&sample.scene);
-    let times = grid(problem.duration, sample.contact_time);
-    let prepared = Prepared::of(&problem)?;
-    let full = reference::finite_elements(&problem, (&times, sample.contact_time))?;
-    let against = |candidate: &Candidate| -> Result<Option<f64>, ValidationError> {
-        let mut trial = Trial::new(&problem, &candidate.scene, &candidate.modelling)?;
-        let whole = (problem.duration, &times[..]);
-        let seen = trial.observe(&candidate.method, whole, false, LONGEST)?;
-        Ok(error(&seen, sample.metric, &full))
-    };
-    let all = prepared.candidates(&problem);
-    let chosen = all.iter().find(|c| Some(c.name().as_str()) == chosen);
-    Ok(AgainstFull {
-        chosen: chosen.map(&against).transpose()?.flatten(),
-        refined: against(&densest(&problem, &prepared, prepared.details.judge()))?,
-    })
 }
 
 /// Validates the choice for a sampled scene.

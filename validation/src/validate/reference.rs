@@ -1,28 +1,22 @@
 //! What choices are held against: the densest elastic model on the refined mesh, with the contact of half-spaces where the
-//! scene allows it; and full finite elements on a mesh of their own, three times as fine along the flanks as the scene's,
-//! which touch with their elements.
+//! scene allows it.
 //!
-//! Beside the first stands what it may be off itself (twice the step, fewer modes), and what the mesh and the contact of
+//! Beside it stands what it may be off itself (twice the step, fewer modes), and what the mesh and the contact of
 //! the scene are off it, with as many modes.
 
 use super::ValidationError;
 use super::measure::{PATIENCE, error};
-use gearbench::studies::choose::plan::{DENSEST, Prepared, densest, elastic, full};
+use gearbench::studies::choose::plan::{DENSEST, Prepared, densest, elastic};
 use gearbench::studies::choose::problem::{Flexible, Problem};
 use gearbench::studies::choose::trial::{Outcome, Trial};
 use gearbench_integrators::Resolution;
-use gearbench_integrators::table::{HHT_ALPHA, NEWMARK};
-use gearbench_integrators::{MethodSpec, Scheme};
-use gearbench_models::spec::{Modelling, PointContact};
+use gearbench_integrators::Scheme;
+use gearbench_models::spec::Modelling;
 use gearbench_reports::Metric;
 
 /// Modes of the model whose distance tells what the densest is off by cutting modes.
 const FEWER: usize = 200;
 const _: () = assert!(FEWER < DENSEST);
-/// Methods of full finite elements and their steps per contact time, in the order in which they are tried.
-const FULL: [(MethodSpec, f64); 2] = [(NEWMARK, 250.0), (HHT_ALPHA.with_value(0.05), 250.0)];
-/// Elements of theirs along a flank over those of the scene, penalty over that of the scene.
-const FINE: (usize, f64) = (3, 10.0);
 /// Parts of its step that the densest elastic model is given, in the order in which they are tried.
 const FINER: [f64; 2] = [1.0, 0.25];
 /// What it is called.
@@ -59,7 +53,7 @@ fn ended(
 }
 
 /// The first of some methods that reaches the end, and its run.
-fn first<'m>(
+pub fn first<'m>(
     problem: &Problem,
     modelling: &Modelling,
     methods: &'m [Scheme],
@@ -115,30 +109,6 @@ pub fn reference(
         given_error: of(&problem.flexible),
         run: fine,
     })
-}
-
-/// Full finite elements on a mesh that is finer along the flanks, without half-spaces.
-///
-/// # Errors
-/// [`ValidationError::Reference`]: no method reaches the end.
-pub fn finite_elements(
-    problem: &Problem,
-    (grid, contact_time): (&[f64], f64),
-) -> Result<Outcome, ValidationError> {
-    let (along, penalty) = FINE;
-    let mut fine = problem.flexible.clone();
-    for gear in &mut fine.gears {
-        let [flank, ..] = gear.mesh.counted();
-        gear.mesh.flank_elements = Some(along * flank);
-    }
-    for contact in &mut fine.contacts {
-        contact.points = contact.points.map(|p| PointContact {
-            penalty: penalty * p.penalty,
-            ..p
-        });
-    }
-    let methods = FULL.map(|(method, steps)| method.at_step(contact_time / steps));
-    Ok(first(problem, &full(&fine), &methods, grid)?.0)
 }
 
 /// A method at another step, or at a tolerance that is as much larger in decades as twice the step is one.

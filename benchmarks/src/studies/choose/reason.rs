@@ -103,8 +103,12 @@ fn beyond_the_mesh(choice: &Choice, metric: &str, refinement: &Refinement) -> Ve
         .find(|l| l.level.detail() == Some(Detail::Given))
         .filter(|_| choice.details.lead.detail == Detail::HalfSpaces);
     if let Some(given) = given {
+        let contact = match &choice.details.lead.label {
+            Some(label) => format!("the elements and the contact of `{label}`"),
+            None => "the elements of such a mesh and a penalty".into(),
+        };
         said.push(format!(
-            "Flanks touch on half-spaces (local = \"half-space\"): with the elements and the contact of the scene the {metric} would be {} off.",
+            "Flanks touch on half-spaces (local = \"half-space\"): with {contact} the {metric} would be {} off.",
             per_cent(given.distance)
         ));
     }

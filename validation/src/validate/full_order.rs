@@ -1,0 +1,72 @@
+//! Choices held against full finite elements as well, on a mesh three times as fine along the flanks as the scene's, which
+//! touch with their elements and a penalty: nothing of them is a half-space's. They take minutes a scene.
+
+use super::measure::{error, grid};
+use super::reference::first;
+use super::{LONGEST, ValidationError};
+use crate::sampling::Sample;
+use gearbench::studies::choose::plan::{Candidate, Prepared, densest, full};
+use gearbench::studies::choose::problem::Problem;
+use gearbench::studies::choose::trial::{Outcome, Trial};
+use gearbench_integrators::MethodSpec;
+use gearbench_integrators::table::{HHT_ALPHA, NEWMARK};
+use gearbench_models::spec::PointContact;
+use serde::{Deserialize, Serialize};
+
+/// Methods of full finite elements and their steps per contact time, in the order in which they are tried.
+const FULL: [(MethodSpec, f64); 2] = [(NEWMARK, 250.0), (HHT_ALPHA.with_value(0.05), 250.0)];
+/// Elements of theirs along a flank over those of the scene, penalty over that of the scene.
+const FINE: (usize, f64) = (3, 10.0);
+/// Errors against full finite elements on a finer mesh: of the choice, and of what it was validated against.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct AgainstFull {
+    pub chosen: Option<f64>,
+    pub refined: Option<f64>,
+}
+
+/// Holds a validated choice, by its name, against full finite elements as well; nothing where none was chosen.
+///
+/// # Errors
+/// [`ValidationError::Reference`]: they do not reach the end.
+pub fn against_full(sample: &Sample, chosen: Option<&str>) -> Result<AgainstFull, ValidationError> {
+    let problem = Problem::of(&sample.scene);
+    let times = grid(problem.duration, sample.contact_time);
+    let prepared = Prepared::of(&problem)?;
+    let full = finite_elements(&problem, (&times, sample.contact_time))?;
+    let against = |candidate: &Candidate| -> Result<Option<f64>, ValidationError> {
+        let mut trial = Trial::new(&problem, &candidate.scene, &candidate.modelling)?;
+        let whole = (problem.duration, &times[..]);
+        let seen = trial.observe(&candidate.method, whole, false, LONGEST)?;
+        Ok(error(&seen, sample.metric, &full))
+    };
+    let all = prepared.candidates(&problem);
+    let chosen = all.iter().find(|c| Some(c.name().as_str()) == chosen);
+    Ok(AgainstFull {
+        chosen: chosen.map(&against).transpose()?.flatten(),
+        refined: against(&densest(&problem, &prepared, prepared.details.judge()))?,
+    })
+}
+
+/// Full finite elements on a mesh that is finer along the flanks, without half-spaces.
+///
+/// # Errors
+/// [`ValidationError::Reference`]: no method reaches the end.
+fn finite_elements(
+    problem: &Problem,
+    (grid, contact_time): (&[f64], f64),
+) -> Result<Outcome, ValidationError> {
+    let (along, penalty) = FINE;
+    let mut fine = problem.flexible.clone();
+    for gear in &mut fine.gears {
+        let [flank, ..] = gear.mesh.counted();
+        gear.mesh.flank_elements = Some(along * flank);
+    }
+    for contact in &mut fine.contacts {
+        contact.points = contact.points.map(|p| PointContact {
+            penalty: penalty * p.penalty,
+            ..p
+        });
+    }
+    let methods = FULL.map(|(method, steps)| method.at_step(contact_time / steps));
+    Ok(first(problem, &full(&fine), &methods, grid)?.0)
+}
