@@ -107,6 +107,10 @@ fn choice_check() -> Results {
         predicted_error: Some(0.02),
         error: Some(0.01),
         reference_error: Some(0.001),
+        mesh_error: Some(0.01),
+        given_error: Some(0.08),
+        full_error: (number < 3).then_some(0.03),
+        densest_error: (number < 3).then_some(0.02),
         cost_s: Some(2.0),
         cheapest_cost_s: Some(1.0),
         ..ValidatedChoice::default()

@@ -33,7 +33,6 @@ pub fn finding(choices: &[ValidatedChoice]) -> Vec<Markup> {
             (significant(low, 2)) " and " (significant(high, 2)) ")."
         });
     }
-    sentences.extend(beyond_the_mesh(choices));
     sentences
 }
 
@@ -108,6 +107,10 @@ pub fn tables(choices: &[ValidatedChoice]) -> Markup {
         .result();
     html! {
         (glance("How choices came out", html! { (table) (remark) }))
+        @let beyond = beyond_the_mesh(choices);
+        @if !beyond.is_empty() {
+            (section("Beyond the mesh of a scene", html! { @for sentence in beyond { p { (sentence) } } }))
+        }
         @if !missed.is_empty() { (section("Misses", misses)) }
     }
 }
