@@ -7,7 +7,7 @@ use gearbench_integrators::{
 use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::GearParams;
 use gearbench_models::law::Damping;
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{OfGear, OfMesh, Scene};
 use gearbench_models::spec::{
     ContactSpec, Load, ModelSpec, Modelling, Parameters, Profile, SceneSpec, Value,
     effective_radius, mesh_layout,
@@ -67,10 +67,15 @@ struct Watch {
     out: Outputs,
 }
 
+/// A quantity of a gear of a pair.
+fn of_gear(out: &Outputs, gear: usize, what: OfGear) -> f64 {
+    out.channels[OfMesh::ALL.len() + OfGear::ALL.len() * gear + what as usize]
+}
+
 /// Transmission error of a pair along the line of action [m].
 fn transmission_error(spec: &SceneSpec, out: &Outputs) -> f64 {
     let r = [0, 1].map(|i| effective_radius(&spec.gears[i].body));
-    let at = |i: usize| out.channels[6 + 7 * i + 2];
+    let at = |i: usize| of_gear(out, i, OfGear::Displacement);
     r[0] * at(0) + r[1] * at(1)
 }
 
@@ -99,7 +104,7 @@ impl Sink for Running<'_> {
             });
             w.time += h;
             for i in 0..2 {
-                w.torques[i] += h * w.out.channels[6 + 7 * i + 3];
+                w.torques[i] += h * of_gear(&w.out, i, OfGear::ContactTorque);
             }
         }
         Control::Continue
