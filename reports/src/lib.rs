@@ -33,6 +33,7 @@ pub use store::{RECORD, ReportError, load_results, report_from, write_results};
 pub use studies::choose::{ChoiceRecord, ChooseRecord, LevelRecord, TriedRecord};
 pub use studies::stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
 pub use studies::{
-    StudyReport, choice_check, compare as comparison, precision, stability, sweep, truncation,
+    StudyReport, check, choice_check, compare as comparison, precision, stability, sweep,
+    truncation,
 };
 pub use view::metric_against;

@@ -162,8 +162,10 @@ fn render(results: &Results) -> Result<Vec<File<'static>>, ReportError> {
         .charts
         .iter()
         .map(|c| (c.file.clone(), c.svg.clone()));
+    let texts = report.texts.iter().cloned();
     Ok(tables
         .chain(charts)
+        .chain(texts)
         .chain([(PAGE.to_owned(), page(results, &report))])
         .map(|(name, text)| (name, Content::Text(text)))
         .collect())

@@ -45,7 +45,7 @@ impl Exit {
         match self {
             Exit::Done => "done",
             Exit::FellShort => {
-                "a run is inaccurate (beyond the scene's tolerance), or nothing is adequate"
+                "a run is inaccurate (beyond the scene's tolerance), nothing is adequate, or a check moved"
             }
             Exit::BadInput => "bad input: file, line, what was expected, a way out",
             Exit::FailedRun => "a run failed to finish, or a model could not be solved",

@@ -10,6 +10,7 @@ pub mod study_folder;
 pub mod terminal;
 pub(crate) mod values;
 
+use crate::studies::check::{self, arguments::Check};
 use crate::studies::choose::{self, arguments::Choose};
 use crate::studies::compare::{self, arguments::Compare};
 use crate::studies::identify::{self, arguments::Identify};
@@ -102,6 +103,8 @@ pub(crate) enum Command {
     Penalty(Penalty),
     /// Run under load at speed after speed: transmission error, bearing forces, spectra, resonances
     Sweep(Sweep),
+    /// Hold results, work and runtime of chosen runs against a stored baseline, for CI
+    Check(Check),
     /// Mesh the gears of a scene with hexahedra, as a deck for CalculiX or Abaqus and for ParaView
     Mesh(Mesh),
     /// Reduce gears of a deck or a scene to modes and static compliance, stored for the elastic model and for numpy
@@ -134,6 +137,7 @@ impl Command {
             ))),
             Command::Penalty(args) => penalty::command::run(&args, told),
             Command::Sweep(args) => sweep::command::run(&args, told),
+            Command::Check(args) => check::command::run(&args, told),
             Command::Mesh(args) => mesh::run(&args, told),
             Command::Reduce(args) => reduce::run(&args),
             Command::List => list::run(),

@@ -47,11 +47,18 @@ pub fn machine() -> Machine {
 }
 
 /// Time that this thread has spent on a processor [s], where the system tells it: other work on the machine does not
-/// count. It advances in ticks of some milliseconds.
+/// count.
+#[cfg(unix)]
 pub fn cpu_time() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    let nanoseconds: u64 = text.split_whitespace().next()?.parse().ok()?;
-    Some(1e-9 * nanoseconds as f64)
+    use rustix::time::{ClockId, clock_gettime};
+    let spent = clock_gettime(ClockId::ThreadCPUTime);
+    Some(spent.tv_sec as f64 + 1e-9 * spent.tv_nsec as f64)
+}
+
+/// The system does not tell it.
+#[cfg(not(unix))]
+pub fn cpu_time() -> Option<f64> {
+    None
 }
 
 /// Now, in UTC, as RFC 3339 to the second.

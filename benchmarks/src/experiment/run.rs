@@ -309,6 +309,16 @@ fn timed_from(
     })
 }
 
+/// One integration of a job without observers and from the start, as often as it is called: for timings.
+pub fn bare<'j>(job: &'j Job<'_>, scene: &'j mut Scene) -> impl FnMut() + 'j {
+    let mut method = job.method.method.build();
+    let start = scene.initial();
+    move || {
+        let (mut state, mut work) = (start.clone(), Work::default());
+        let _ = method.run(scene, &mut state, &job.plan(), &mut NullSink, &mut work);
+    }
+}
+
 /// Integrates without timing or judging and returns the force at the grid times: for fits.
 pub fn force_on_grid(
     scene: &mut Scene,

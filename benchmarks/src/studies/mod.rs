@@ -2,6 +2,7 @@
 //!
 //! | room | study |
 //! |---|---|
+//! | `check` | results, work and runtime of chosen runs against a stored baseline |
 //! | [`choose`] | the cheapest adequate model, integrator and step for a scene, without finite elements |
 //! | [`compare`] | all models and integrators of a scene against its references |
 //! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
@@ -12,6 +13,7 @@
 //! | `sweep` | running under load at speed after speed: transmission error, bearing forces, spectra |
 //! | `truncation` | error of the elastic model over the number of modes, against full finite elements |
 
+pub(crate) mod check;
 pub mod choose;
 pub mod compare;
 pub mod identify;

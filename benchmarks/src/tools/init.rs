@@ -1,4 +1,4 @@
-//! `gearbench init`: a scene file to start from.
+//! `gearbench init`: a scene file to start from, or the files of a check.
 
 use crate::cli::answer::Answer;
 use crate::cli::terminal::{Refusal, absolute, say};
@@ -11,7 +11,9 @@ const EXAMPLES: &str = "\
 Examples:
   gearbench init                                two gears under load, pair.toml
   gearbench init train --out gearbox.toml       three gears
-  gearbench init spur_impact                    a shipped scene as it is, with its fitted constants";
+  gearbench init spur_impact                    a shipped scene as it is, with its fitted constants
+  gearbench init check                          check.toml, for `gearbench check`
+  gearbench init workflow                       workflow.yml, which runs that check for every pull request";
 
 /// Scenes to start from beside the shipped ones.
 const TEMPLATES: [(&str, &str); 3] = [
@@ -20,11 +22,27 @@ const TEMPLATES: [(&str, &str); 3] = [
     ("train", include_str!("../../templates/train.toml")),
 ];
 
+/// Other files to start from: name, ending, content, what to do with it.
+const OTHERS: [(&str, &str, &str, &str); 2] = [
+    (
+        "check",
+        "toml",
+        include_str!("../../templates/check.toml"),
+        "store its baseline: gearbench check FILE --update",
+    ),
+    (
+        "workflow",
+        "yml",
+        include_str!("../../templates/workflow.yml"),
+        "its first lines say what it needs",
+    ),
+];
+
 /// Arguments of `init`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Init {
-    /// pair, rack, train, or the name of a shipped scene
+    /// pair, rack, train, the name of a shipped scene, check or workflow
     #[arg(value_name = "WHAT", default_value = TEMPLATES[0].0)]
     pub what: String,
     /// File to write [default: WHAT.toml]
@@ -37,8 +55,12 @@ pub struct Init {
 
 /// Writes the scene.
 pub fn run(args: &Init) -> Result<Answer, Refusal> {
-    let text = text(&args.what)?;
-    let path = (args.out.clone()).unwrap_or_else(|| format!("{}.toml", args.what).into());
+    let other = OTHERS.iter().find(|(name, ..)| *name == args.what);
+    let (text, ending, next) = match other {
+        Some((_, ending, text, next)) => ((*text).to_owned(), *ending, *next),
+        None => (text(&args.what)?, "toml", "run it: gearbench compare FILE"),
+    };
+    let path = (args.out.clone()).unwrap_or_else(|| format!("{}.{ending}", args.what).into());
     let mut options = std::fs::File::options();
     match args.force {
         true => options.write(true).create(true).truncate(true),
@@ -55,7 +77,7 @@ pub fn run(args: &Init) -> Result<Answer, Refusal> {
     })?;
     let path = absolute(path);
     say(&format!("written: {}", path.display()));
-    say(&format!("run it: gearbench compare {}", path.display()));
+    say(&next.replace("FILE", &path.display().to_string()));
     Ok(Answer::done().with("written", path))
 }
 
@@ -69,6 +91,7 @@ fn text(what: &str) -> Result<String, SceneError> {
         None => {
             let names = (TEMPLATES.iter().map(|(name, _)| *name))
                 .chain(SHIPPED.iter().map(|s| s.name))
+                .chain(OTHERS.iter().map(|o| o.0))
                 .collect::<Vec<_>>();
             Err(SceneError::plain(
                 format!("there is no scene `{what}` to start from"),

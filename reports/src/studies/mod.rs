@@ -2,6 +2,7 @@
 //!
 //! A new study is a module, and its lines in [`Study`], [`Part`] and [`report`] below.
 
+pub mod check;
 pub mod choice_check;
 pub mod choose;
 pub mod compare;
@@ -35,6 +36,8 @@ words! {
         Choose = "choose",
         /// Choices validated on random scenes.
         ChoiceCheck = "choice-check",
+        /// Results, work and runtime against a stored baseline.
+        Check = "check",
         /// Error over the number of modes that a reduction keeps.
         Truncation = "truncation",
         /// Force and transmission error over the penalty of the contact.
@@ -58,6 +61,8 @@ pub enum Part {
     Choose(Box<choose::ChooseRecord>),
     /// See [`Study::ChoiceCheck`].
     ChoiceCheck(choice_check::CheckRecord),
+    /// See [`Study::Check`].
+    Check(check::CheckRecord),
     /// See [`Study::Truncation`].
     Truncation,
     /// See [`Study::Penalty`].
@@ -81,6 +86,7 @@ impl Part {
             Part::Stability(_) => Study::Stability,
             Part::Choose(_) => Study::Choose,
             Part::ChoiceCheck(_) => Study::ChoiceCheck,
+            Part::Check(_) => Study::Check,
             Part::Truncation => Study::Truncation,
             Part::Penalty => Study::Penalty,
             Part::Sweep(_) => Study::Sweep,
@@ -116,6 +122,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Stability(part) => stability::report(part),
         Part::Choose(part) => choose::report(&part.choice),
         Part::ChoiceCheck(part) => choice_check::report(&part.choices),
+        Part::Check(part) => check::report(part),
         Part::Truncation => truncation::report(view),
         Part::Penalty => penalty::report(view),
         Part::Sweep(part) => sweep::report(view, &part.statics),
@@ -135,6 +142,8 @@ pub struct StudyReport {
     pub details: Markup,
     /// Tables in files of their own.
     pub csv: Vec<CsvTable>,
+    /// Texts in files of their own, for other programs: name and content.
+    pub texts: Vec<(String, String)>,
 }
 
 /// What the study of mode counts was called in records.

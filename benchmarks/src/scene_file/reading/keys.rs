@@ -5,7 +5,7 @@ use super::super::{
     calibrated, contact, contact_points, deviations, gear, mesh, model, profile, stiffness,
     study_plan,
 };
-use crate::studies::{precision, stability, sweep};
+use crate::studies::{check, precision, stability, sweep};
 
 /// The keys of a table and what they mean, unit and example included.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +58,10 @@ pub(in super::super) fn tables() -> impl Iterator<Item = &'static Table> {
         &stability::scene::StabilityKeys::TABLE,
         &stability::scene::SpanKeys::TABLE,
         &stability::scene::AxisKeys::TABLE,
+        &check::file::CheckKeys::TABLE,
+        &check::file::RuntimeKeys::TABLE,
+        &check::file::DifferenceKeys::TABLE,
+        &check::file::CaseKeys::TABLE,
     ]
     .into_iter()
     .chain(profile::TABLES)

@@ -22,5 +22,4 @@ mod place;
 pub(super) mod suggest;
 pub(crate) mod values;
 
-pub(super) use place::Document;
-pub(crate) use place::Place;
+pub(crate) use place::{Document, Place};

@@ -11,7 +11,7 @@ use toml::de::{DeTable, DeValue};
 
 /// A file: its text, and where its values stand by path, such as `meshes[0].start.gap_m`.
 #[derive(Clone, Debug)]
-pub(in super::super) struct Document {
+pub(crate) struct Document {
     source: Source,
     spans: BTreeMap<String, Range<usize>>,
 }
@@ -29,7 +29,7 @@ impl Document {
     ///
     /// # Errors
     /// [`SceneError`] with line and a way out.
-    pub(in super::super) fn read<T: for<'d> Deserialize<'d>>(
+    pub(crate) fn read<T: for<'d> Deserialize<'d>>(
         name: &str,
         text: &str,
         known: impl FnOnce(&DeTable<'_>) -> Vec<(&'static str, Vec<String>)>,
@@ -55,7 +55,7 @@ impl Document {
     }
 
     /// The place of a path.
-    pub(in super::super) fn at(&self, path: impl Into<String>) -> Place<'_> {
+    pub(crate) fn at(&self, path: impl Into<String>) -> Place<'_> {
         Place {
             document: self,
             path: path.into(),

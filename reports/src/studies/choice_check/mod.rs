@@ -294,6 +294,7 @@ pub(super) fn report(choices: &[ValidatedChoice]) -> Result<StudyReport, DrawErr
         charts: chart::choice_check(choices)?,
         details: tables::scenes(choices),
         csv: csv::tables(choices),
+        ..StudyReport::default()
     })
 }
 

@@ -189,5 +189,6 @@ pub(super) fn report(choice: &ChoiceRecord) -> Result<StudyReport, DrawError> {
         charts: chart::choose(choice)?.into_iter().collect(),
         details: Markup::default(),
         csv: csv::tables(choice),
+        ..StudyReport::default()
     })
 }

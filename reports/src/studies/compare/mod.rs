@@ -39,5 +39,6 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         charts: charts.into_iter().flatten().collect(),
         details: runs::all(view),
         csv: Vec::new(),
+        ..StudyReport::default()
     })
 }

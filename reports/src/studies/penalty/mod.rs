@@ -20,5 +20,6 @@ pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
         charts,
         details: runs::all(view),
         csv: csv::tables(view.results),
+        ..StudyReport::default()
     })
 }

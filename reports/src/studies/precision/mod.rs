@@ -343,5 +343,6 @@ pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
         charts: charts::precision(view)?,
         details: tables::runs(view),
         csv: csv::tables(view.results),
+        ..StudyReport::default()
     })
 }

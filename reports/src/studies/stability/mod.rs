@@ -264,5 +264,6 @@ pub(super) fn report(part: &StabilityRecord) -> Result<StudyReport, DrawError> {
         charts: charts::stability(&part.maps)?,
         details: Markup::default(),
         csv: csv::tables(&part.maps),
+        ..StudyReport::default()
     })
 }

@@ -92,5 +92,6 @@ pub(super) fn report(view: &View<'_>, statics: &[StaticCycle]) -> Result<StudyRe
         charts: charts::sweep(&all, statics, &two)?,
         details: html! { (tables::speeds(&all)) (runs::failures(view)) },
         csv: csv::tables(view.results, statics),
+        ..StudyReport::default()
     })
 }

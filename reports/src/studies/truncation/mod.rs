@@ -104,6 +104,7 @@ pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
         charts,
         details: runs::all(view),
         csv: csv::tables(view.results),
+        ..StudyReport::default()
     })
 }
 

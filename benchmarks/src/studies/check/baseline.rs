@@ -1,0 +1,217 @@
+//! Stored baselines: one line of JSON for each entry, a whole set of lines for each baseline, the newest last. A file of
+//! lines goes well with version control: an update adds lines and changes none.
+
+use crate::cli::terminal::Refusal;
+use gearbench_reports::check::{Measured, Stored, Trend};
+use serde::{Deserialize, Serialize};
+use std::io::{ErrorKind, Write};
+use std::path::Path;
+
+/// A line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Line {
+    #[serde(flatten)]
+    stored: Stored,
+    #[serde(flatten)]
+    measured: Measured,
+}
+
+/// A baseline.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Baseline {
+    /// Its number, where and when it was stored.
+    pub(super) stored: Stored,
+    /// Its entries.
+    pub(super) entries: Vec<Measured>,
+}
+
+/// All baselines of a file, ascending.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Baselines(Vec<Baseline>);
+
+/// Largest file that is read [bytes].
+const MOST_BYTES: u64 = 200 << 20;
+
+impl Baselines {
+    /// Reads a file; none where there is no file.
+    ///
+    /// # Errors
+    /// [`Refusal::Input`] with the line that is no entry.
+    pub(super) fn read(path: &Path) -> Result<Self, Refusal> {
+        let bad = |what: String, help: &str| {
+            Refusal::Input(miette::miette!(
+                help = help.to_owned(),
+                "{}: {what}",
+                path.display()
+            ))
+        };
+        let text = match std::fs::metadata(path) {
+            Ok(m) if m.len() > MOST_BYTES => {
+                let what = format!("{} bytes are more than a file of baselines has", m.len());
+                return Err(bad(what, "`baseline` names a file that --update writes"));
+            }
+            _ => match std::fs::read_to_string(path) {
+                Ok(text) => text,
+                Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Baselines::default()),
+                Err(e) => return Err(bad(e.to_string(), "expected a file that --update wrote")),
+            },
+        };
+        Self::parse(&text).map_err(|(line, what)| {
+            let help = "restore the line from version control, or remove the file and store a baseline with --update";
+            bad(format!("line {line}: expected a stored entry, found: {what}"), help)
+        })
+    }
+
+    fn parse(text: &str) -> Result<Self, (usize, String)> {
+        let mut all: Vec<Baseline> = Vec::new();
+        for (i, line) in text
+            .lines()
+            .enumerate()
+            .filter(|(_, l)| !l.trim().is_empty())
+        {
+            let Line { stored, measured } =
+                serde_json::from_str(line).map_err(|e| (i + 1, e.to_string()))?;
+            match all.last_mut() {
+                Some(last) if last.stored.baseline == stored.baseline => {
+                    last.entries.push(measured);
+                }
+                Some(last) if last.stored.baseline > stored.baseline => {
+                    let what = format!(
+                        "baseline {} after {}",
+                        stored.baseline, last.stored.baseline
+                    );
+                    return Err((i + 1, what));
+                }
+                _ => all.push(Baseline {
+                    stored,
+                    entries: vec![measured],
+                }),
+            }
+        }
+        Ok(Baselines(all))
+    }
+
+    /// The one that counts.
+    pub(super) fn newest(&self) -> Option<&Baseline> {
+        self.0.last()
+    }
+
+    /// With a further one.
+    pub(super) fn add(&mut self, stored: Stored, entries: Vec<Measured>) {
+        let baseline = self.newest().map_or(1, |b| b.stored.baseline + 1);
+        self.0.push(Baseline {
+            stored: Stored { baseline, ..stored },
+            entries,
+        });
+    }
+
+    /// Writes the file, whole or not at all.
+    ///
+    /// # Errors
+    /// [`Refusal::Files`] when it cannot be written.
+    pub(super) fn write(&self, path: &Path) -> Result<(), Refusal> {
+        let fail = |e: std::io::Error| Refusal::Files(format!("{}: {e}", path.display()));
+        let staged = path.with_extension("part");
+        let mut file = std::io::BufWriter::new(std::fs::File::create(&staged).map_err(fail)?);
+        for Baseline { stored, entries } in &self.0 {
+            for measured in entries {
+                let line = Line {
+                    stored: stored.clone(),
+                    measured: measured.clone(),
+                };
+                let text = serde_json::to_string(&line).map_err(|e| fail(e.into()))?;
+                writeln!(file, "{text}").map_err(fail)?;
+            }
+        }
+        file.flush().map_err(fail)?;
+        drop(file);
+        std::fs::rename(&staged, path).map_err(fail)
+    }
+
+    /// A quantity of every entry over the baselines, with the present run last.
+    pub(super) fn history(&self, quantity: &str, now: &[Measured]) -> Vec<Trend> {
+        let value = |m: &Measured| match quantity {
+            "runtime" => m.runtime,
+            key => (m.metrics.get(key).copied()).or_else(|| Some(*m.work.get(key)? as f64)),
+        };
+        let next = self.newest().map_or(1, |b| b.stored.baseline + 1);
+        let stored = (self.0.iter()).flat_map(|b| b.entries.iter().map(|m| (b.stored.baseline, m)));
+        let all = stored.chain(now.iter().map(|m| (next, m)));
+        let mut trends: Vec<Trend> = Vec::new();
+        for (number, measured) in all {
+            let (entry, Some(value)) = (measured.name(), value(measured)) else {
+                continue;
+            };
+            match trends.iter_mut().find(|t| t.entry == entry) {
+                Some(trend) => trend.points.push((number, value)),
+                None => trends.push(Trend {
+                    entry,
+                    points: vec![(number, value)],
+                }),
+            }
+        }
+        trends
+    }
+
+    /// Quantities that some baseline has.
+    pub(super) fn quantities(&self) -> Vec<&str> {
+        let entries = || self.0.iter().flat_map(|b| &b.entries);
+        let metrics = entries().flat_map(|e| e.metrics.keys());
+        let work = entries().flat_map(|e| e.work.keys());
+        let mut all: Vec<&str> = metrics.chain(work).map(String::as_str).collect();
+        all.push("runtime");
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measured(peak: f64) -> Measured {
+        Measured {
+            case: "a".into(),
+            model: "rigid".into(),
+            method: "rk4@1e-6".into(),
+            metrics: [("peak_force_n".to_owned(), peak)].into(),
+            work: [("steps".to_owned(), 160)].into(),
+            runtime: Some(0.1),
+            ..Measured::default()
+        }
+    }
+
+    /// Every bit of every number comes back, and an update changes no line.
+    #[test]
+    fn baselines_come_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("check.baseline.jsonl");
+        let mut all = Baselines::read(&path).unwrap();
+        assert!(all.newest().is_none());
+        all.add(
+            Stored::default(),
+            vec![measured(0.1 + 0.2), measured(1.0 / 3.0)],
+        );
+        all.write(&path).unwrap();
+        let first = std::fs::read_to_string(&path).unwrap();
+        all.add(Stored::default(), vec![measured(2.0)]);
+        all.write(&path).unwrap();
+        assert!(std::fs::read_to_string(&path).unwrap().starts_with(&first));
+        let again = Baselines::read(&path).unwrap();
+        assert_eq!(again, all);
+        assert_eq!(again.newest().map(|b| b.stored.baseline), Some(2));
+        let history = again.history("peak_force_n", &[measured(4.0)]);
+        let last: Vec<(u32, f64)> = history[0].points[2..].to_vec();
+        assert_eq!(last, [(2, 2.0), (3, 4.0)]);
+        assert!(again.quantities().contains(&"steps"));
+    }
+
+    #[test]
+    fn a_line_that_is_no_entry_is_named() {
+        let (line, _) = Baselines::parse("\n{\"baseline\":1}\n{oops\n").unwrap_err();
+        assert_eq!(line, 3);
+        let later = "{\"baseline\":2}\n{\"baseline\":1}\n";
+        assert!(Baselines::parse(later).unwrap_err().1.contains("1 after 2"));
+    }
+}

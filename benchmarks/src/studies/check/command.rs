@@ -1,0 +1,196 @@
+//! `gearbench check FILE`.
+
+use super::arguments::Check;
+use super::baseline::{Baseline, Baselines};
+use super::file::{Case, CheckFile};
+use super::judge::{gone, judge, slow_from};
+use super::measure::{Entry, Loaded, load};
+use super::summary::summarise;
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
+use crate::experiment::interruption;
+use crate::experiment::machine;
+use crate::experiment::run::RunError;
+use crate::experiment::runner::Runner;
+use gearbench_reports::check::{CheckRecord, Checked, Measured, Stored};
+use gearbench_reports::record::{Part, Results};
+
+/// Quantity whose history the page of a check draws.
+const USUAL_HISTORY: &str = "runtime";
+
+/// Moments at which runtimes are measured, most.
+const PASSES: usize = 4;
+
+/// Runs the check and writes its folder.
+pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
+    let file = CheckFile::read(&args.file)?;
+    let mut baselines = Baselines::read(&file.baseline)?;
+    let stem = args.file.file_stem().unwrap_or_default().to_string_lossy();
+    let name = stem.into_owned();
+    let record = CheckRecord {
+        file: args.file.display().to_string(),
+        stored: baselines.newest().map(|b| b.stored.clone()),
+        quantity: args.history.clone().unwrap_or_else(|| USUAL_HISTORY.into()),
+        ..CheckRecord::default()
+    };
+    let results = |record: CheckRecord| Results {
+        header: machine::header(&name, &file.title, command),
+        part: Part::Check(record),
+        ..Results::default()
+    };
+    if args.history.is_some() {
+        let known = baselines.quantities();
+        if !known.contains(&record.quantity.as_str()) {
+            return Err(Refusal::Input(miette::miette!(
+                help = format!("they have {}", known.join(", ")),
+                "the stored baselines have no quantity `{}`",
+                record.quantity
+            )));
+        }
+        let history = baselines.history(&record.quantity, &[]);
+        let folder = StudyFolder::open(&args.output, &name, "history")?;
+        let drawn = results(CheckRecord { history, ..record });
+        return folder.finish(drawn, |_| Exit::Done, |_| {});
+    }
+    if baselines.newest().is_none() && !args.update {
+        return Err(Refusal::Input(miette::miette!(
+            help = "`--update` runs the check and stores what it measures; commit the file",
+            "{}: there is no baseline to hold the runs against",
+            file.baseline.display()
+        )));
+    }
+    let cases = file.select(&args.cases, args.quick)?;
+    let loaded = cases.iter().map(|case| load(&file, case));
+    let loaded = loaded.collect::<Result<Vec<_>, _>>()?;
+    let mut folder = StudyFolder::open(&args.output, &name, "check")?;
+    let newest = baselines.newest().cloned().unwrap_or_default();
+    let total = loaded.iter().map(Loaded::len).sum();
+    let made = folder.run(total, |runner| -> Result<_, RunError> {
+        let mut entries = measure(&loaded, (runner, total))?;
+        if !args.no_runtime {
+            // What is stored is measured as often as what looks slow.
+            let slow = |e: &Entry<'_>| args.update || is_slow(e, &newest);
+            time(&mut entries, slow, runner)?;
+        }
+        Ok(entries)
+    });
+    let entries = made.map_err(|e| folder.refuse(refuse_run(e)))?;
+    if interruption::requested() {
+        return Err(Refusal::Interrupted);
+    }
+    let here = machine::machine();
+    let same = here.cpu == newest.stored.cpu;
+    let mut checked: Vec<Checked> = Vec::new();
+    for entry in &entries {
+        let (now, rules) = (entry.measured.clone(), &entry.case().rules);
+        let before = newest.entries.iter().find(|b| b.is(&now));
+        checked.push(judge(now, before, rules, same));
+    }
+    let now: Vec<Measured> = checked.iter().map(|c| c.measured.clone()).collect();
+    let left = left_out(&newest, &file, &cases, &now);
+    checked.extend(left.gone.iter().map(gone));
+    let record = CheckRecord {
+        entries: checked,
+        history: baselines.history(&record.quantity, &now),
+        ..record
+    };
+    let holds = record.holds();
+    let stored = match args.update {
+        false => None,
+        // What was not run stays as it is.
+        true if !holds || newest.entries.is_empty() => {
+            let entries = now.into_iter().chain(left.kept).collect();
+            let stored = Stored {
+                commit: machine::COMMIT.into(),
+                created: machine::now(),
+                cpu: here.cpu,
+                ..Stored::default()
+            };
+            baselines.add(stored, entries);
+            baselines.write(&file.baseline)?;
+            Some(absolute(file.baseline.clone()))
+        }
+        true => None,
+    };
+    let exit = match holds || args.update {
+        true => Exit::Done,
+        false => Exit::FellShort,
+    };
+    let answer = folder.finish(results(record.clone()), |_| exit, |_| summarise(&record))?;
+    if args.update {
+        say(&match &stored {
+            Some(path) => format!("stored: {}", path.display()),
+            None => "nothing moved: the baseline stays as it is".into(),
+        });
+    }
+    Ok(match stored {
+        Some(path) => answer.with("stored", path),
+        None => answer,
+    })
+}
+
+/// Runs all cases.
+fn measure<'l>(
+    loaded: &'l [Loaded<'l>],
+    (runner, total): (&Runner<'_>, usize),
+) -> Result<Vec<Entry<'l>>, RunError> {
+    let mut all = Vec::new();
+    let mut done = 0;
+    for one in loaded {
+        all.extend(one.measure(runner, (done, total))?);
+        done += one.len();
+    }
+    Ok(all)
+}
+
+/// Measures runtimes: of all entries once, and of those that look slow at other moments again.
+fn time(
+    entries: &mut [Entry<'_>],
+    again: impl Fn(&Entry<'_>) -> bool,
+    runner: &Runner<'_>,
+) -> Result<(), RunError> {
+    let total = entries.len();
+    for pass in 0..PASSES {
+        for (i, entry) in entries.iter_mut().enumerate() {
+            if interruption::requested() {
+                return Err(RunError::Interrupted);
+            }
+            if pass == 0 || again(entry) {
+                runner.tell(i, total, &format!("runtime of {}", entry.measured.name()));
+                entry.time()?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether an entry takes longer than its baseline allows.
+fn is_slow(entry: &Entry<'_>, newest: &Baseline) -> bool {
+    let before = newest.entries.iter().find(|b| b.is(&entry.measured));
+    let from = slow_from(before, &entry.case().rules);
+    let now = entry.measured.runtime;
+    now.zip(from).is_some_and(|(now, from)| now > from)
+}
+
+/// Entries of a baseline that were not run.
+struct LeftOut {
+    /// Their case was not asked for.
+    kept: Vec<Measured>,
+    /// The check does not have them any more.
+    gone: Vec<Measured>,
+}
+
+fn left_out(newest: &Baseline, file: &CheckFile, cases: &[&Case], now: &[Measured]) -> LeftOut {
+    let missing = newest
+        .entries
+        .iter()
+        .filter(|b| !now.iter().any(|n| n.is(b)));
+    let asked = |b: &&Measured| {
+        let known = file.cases.iter().any(|c| c.name == b.case);
+        !known || cases.iter().any(|c| c.name == b.case)
+    };
+    let (gone, kept) = missing.cloned().partition(|b| asked(&b));
+    LeftOut { kept, gone }
+}

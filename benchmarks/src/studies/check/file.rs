@@ -1,0 +1,406 @@
+//! The file that says what is checked: scenes x models x methods, what is looked at, and what it may differ.
+
+use super::quantity::{Quantity, USUAL};
+use crate::scene_file::SceneError;
+use crate::scene_file::reading::keys::keys;
+use crate::scene_file::reading::values::{Factor, InOrder, NotNegative, Positive};
+use crate::scene_file::reading::{Document, Place};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+keys! {
+    pub(crate) struct CheckKeys {
+        /// version of the format, 1
+        schema: CheckSchema,
+        /// one line for the report
+        #[serde(default)]
+        title: String,
+        /// file of the stored baselines, from the folder of this file, default its name with .baseline.jsonl
+        baseline: Option<String>,
+        /// counts of work (steps, Newton iterations, ...), "exact" (default) or "report"
+        #[serde(default)]
+        work: Work,
+        /// runtime in units of the kernel, { factor, gate }
+        #[serde(default)]
+        runtime: RuntimeKeys,
+        /// what quantities may differ, by key: tolerances.peak_force_n = { relative, absolute, most }
+        #[serde(default)]
+        tolerances: InOrder<DifferenceKeys>,
+        /// tables [[cases]]
+        cases: Vec<CaseKeys>,
+    }
+
+    #[derive(Default)]
+    pub(crate) struct RuntimeKeys {
+        /// ratio to the baseline from which on a run is slower, default 1.35
+        factor: Option<Factor>,
+        /// whether a slower run fails the check (on the processor of the baseline), default true
+        gate: Option<bool>,
+    }
+
+    #[derive(Copy)]
+    pub(crate) struct DifferenceKeys {
+        /// greatest difference over the baseline, default 1e-6
+        relative: Option<NotNegative>,
+        /// greatest difference in the unit of the quantity; the larger of the two counts
+        absolute: Option<NotNegative>,
+        /// greatest magnitude, whatever the baseline
+        most: Option<Positive>,
+    }
+
+    pub(crate) struct CaseKeys {
+        /// name in the report, default that of the scene
+        name: Option<String>,
+        /// name of a shipped scene, or path of a scene file from the folder of this file
+        scene: String,
+        /// labels of models of the scene, default those of its study
+        models: Option<Vec<String>>,
+        /// methods as on the command line, such as ["rk4@1us", "dopri5@1e-8"], default those of the scene
+        integrators: Option<Vec<String>>,
+        /// quantities, default peak force, impulse, last speeds, energy drift, force and transmission error (root mean square), error against references
+        metrics: Option<Vec<String>>,
+        /// as above, for this case
+        #[serde(default)]
+        tolerances: InOrder<DifferenceKeys>,
+        /// left out by --quick
+        #[serde(default)]
+        slow: bool,
+    }
+}
+
+/// The version of the format.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(try_from = "u32")]
+struct CheckSchema;
+
+impl TryFrom<u32> for CheckSchema {
+    type Error = String;
+
+    fn try_from(schema: u32) -> Result<Self, String> {
+        (schema == 1).then_some(CheckSchema).ok_or_else(|| {
+            format!(
+                "the check has schema {schema}, expected 1: a newer file needs a newer gearbench"
+            )
+        })
+    }
+}
+
+/// What a different count of work comes to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Work {
+    /// It fails the check.
+    #[default]
+    Exact,
+    /// It is said.
+    Report,
+}
+
+/// Relative difference when a check does not say.
+const RELATIVE: f64 = 1e-6;
+/// Absolute difference of ratios (errors, drifts), and of all else: rounding of another machine.
+const ABSOLUTE_RATIO: f64 = 1e-8;
+const ABSOLUTE: f64 = 1e-12;
+/// Ratio of runtimes from which on a run is slower.
+const FACTOR: f64 = 1.35;
+
+/// What a quantity may differ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Tolerance {
+    /// Over the baseline [-].
+    pub(super) relative: f64,
+    /// In the unit of the quantity.
+    pub(super) absolute: f64,
+    /// Greatest magnitude.
+    pub(super) most: Option<f64>,
+}
+
+/// What a case holds its entries to.
+#[derive(Clone, Debug)]
+pub(super) struct Rules {
+    pub(super) work: Work,
+    /// Ratio from which on a run is slower.
+    pub(super) factor: f64,
+    /// Whether a slower run fails the check.
+    pub(super) gate: bool,
+    tolerances: Vec<(Quantity, DifferenceKeys)>,
+}
+
+impl Rules {
+    /// The tolerance of a quantity by its key in baselines. What is said last counts.
+    pub(super) fn tolerance(&self, key: &str) -> Tolerance {
+        let quantity = Quantity::of_key(key);
+        let given = || {
+            let all = self.tolerances.iter().rev();
+            all.filter(|(q, _)| Some(*q) == quantity).map(|(_, t)| t)
+        };
+        let ratio = quantity.is_some_and(Quantity::is_ratio);
+        let absolute = if ratio { ABSOLUTE_RATIO } else { ABSOLUTE };
+        Tolerance {
+            relative: given()
+                .find_map(|t| Some(t.relative?.0))
+                .unwrap_or(RELATIVE),
+            absolute: given()
+                .find_map(|t| Some(t.absolute?.0))
+                .unwrap_or(absolute),
+            most: given().find_map(|t| Some(t.most?.0)),
+        }
+    }
+}
+
+/// A case of a check.
+#[derive(Clone, Debug)]
+pub(super) struct Case {
+    pub(super) name: String,
+    /// Name of a shipped scene, or path.
+    pub(super) scene: String,
+    /// Labels between commas.
+    pub(super) models: Option<String>,
+    /// Methods between commas.
+    pub(super) integrators: Option<String>,
+    pub(super) metrics: Vec<Quantity>,
+    pub(super) rules: Rules,
+    pub(super) slow: bool,
+    /// Where it stands in the file.
+    index: usize,
+}
+
+/// A check file that was read.
+#[derive(Clone, Debug)]
+pub(super) struct CheckFile {
+    pub(super) title: String,
+    /// File of the baselines.
+    pub(super) baseline: PathBuf,
+    pub(super) cases: Vec<Case>,
+    document: Document,
+}
+
+impl CheckFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`SceneError`] with line and a way out.
+    pub(super) fn read(path: &Path) -> Result<Self, SceneError> {
+        let text = std::fs::read_to_string(path).map_err(|e| {
+            SceneError::plain(
+                format!("{}: {e}", path.display()),
+                "expected a readable TOML file that says what is checked; `gearbench init check` writes one",
+            )
+        })?;
+        Self::parse(path, &text)
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<Self, SceneError> {
+        let name = path.display().to_string();
+        let (document, keys): (_, CheckKeys) = Document::read(&name, text, |_| Vec::new())?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let root = document.at("");
+        let CheckKeys {
+            schema: CheckSchema,
+            ..
+        } = keys;
+        let all = tolerances(keys.tolerances, &root.key("tolerances"))?;
+        let rules = Rules {
+            work: keys.work,
+            factor: keys.runtime.factor.map_or(FACTOR, f64::from),
+            gate: keys.runtime.gate.unwrap_or(true),
+            tolerances: all,
+        };
+        if rules.factor <= 1.0 {
+            return root.key("runtime").key("factor").refuse(
+                format!("a factor of {} calls every run slow", rules.factor),
+                "expected more than 1",
+                "1.35 is told from noise on a busy machine",
+            );
+        }
+        let mut cases: Vec<Case> = Vec::new();
+        for (index, keys) in keys.cases.into_iter().enumerate() {
+            let at = root.key("cases").member(index);
+            let case = case(index, keys, (&rules, folder), &at)?;
+            if cases.iter().any(|c| c.name == case.name) {
+                return at.first(&["name", "scene"]).refuse(
+                    format!("two cases are called `{}`", case.name),
+                    "again",
+                    "give one of them another `name`",
+                );
+            }
+            cases.push(case);
+        }
+        let baseline = match keys.baseline {
+            Some(name) => folder.join(name),
+            None => path.with_extension("baseline.jsonl"),
+        };
+        Ok(CheckFile {
+            title: keys.title.trim().to_owned(),
+            baseline,
+            cases,
+            document,
+        })
+    }
+
+    /// An error about a case.
+    pub(super) fn about(&self, case: &Case, message: String, help: &str) -> SceneError {
+        let at = self.document.at("").key("cases").member(case.index);
+        at.first(&["scene"]).error(message, "of this case", help)
+    }
+
+    /// The cases that are asked for: by name, and without slow ones where `quick`.
+    ///
+    /// # Errors
+    /// [`SceneError`] for a name that is none.
+    pub(super) fn select(&self, names: &[String], quick: bool) -> Result<Vec<&Case>, SceneError> {
+        for name in names {
+            if !self.cases.iter().any(|c| c.name == *name) {
+                let known: Vec<&str> = self.cases.iter().map(|c| c.name.as_str()).collect();
+                return Err(SceneError::plain(
+                    format!("the check has no case `{name}`"),
+                    format!("it has {}", known.join(", ")),
+                ));
+            }
+        }
+        let asked = |c: &&Case| names.is_empty() || names.contains(&c.name);
+        let kept = |c: &&Case| !(quick && c.slow);
+        Ok(self.cases.iter().filter(asked).filter(kept).collect())
+    }
+}
+
+fn case(
+    index: usize,
+    keys: CaseKeys,
+    (rules, folder): (&Rules, &Path),
+    at: &Place<'_>,
+) -> Result<Case, SceneError> {
+    let own = tolerances(keys.tolerances, &at.key("tolerances"))?;
+    let metrics = match keys.metrics {
+        None => USUAL.to_vec(),
+        Some(words) => (words.iter().enumerate())
+            .map(|(i, word)| quantity(word, &at.key("metrics").member(i)))
+            .collect::<Result<_, _>>()?,
+    };
+    let is_path = keys.scene.ends_with(".toml") || keys.scene.contains('/');
+    let name = (keys.name).unwrap_or_else(|| {
+        let stem = Path::new(&keys.scene).file_stem();
+        stem.unwrap_or_default().to_string_lossy().into_owned()
+    });
+    Ok(Case {
+        name,
+        scene: match is_path {
+            true => folder.join(&keys.scene).display().to_string(),
+            false => keys.scene,
+        },
+        models: keys.models.map(|m| m.join(",")),
+        integrators: keys.integrators.map(|m| m.join(",")),
+        metrics,
+        rules: Rules {
+            tolerances: [rules.tolerances.clone(), own].concat(),
+            ..rules.clone()
+        },
+        slow: keys.slow,
+        index,
+    })
+}
+
+fn tolerances(
+    keys: InOrder<DifferenceKeys>,
+    at: &Place<'_>,
+) -> Result<Vec<(Quantity, DifferenceKeys)>, SceneError> {
+    let all = keys.0.into_iter();
+    all.map(|(key, t)| Ok((quantity(&key, &at.key(&key))?, t)))
+        .collect()
+}
+
+fn quantity(word: &str, at: &Place<'_>) -> Result<Quantity, SceneError> {
+    let known: Vec<&str> = Quantity::all().map(Quantity::key).collect();
+    word.parse().map_err(|_| {
+        let near = crate::scene_file::did_you_mean(word, &known);
+        at.error(
+            format!("there is no quantity `{word}`"),
+            "not known",
+            format!("{near}there are {}", known.join(", ")),
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<CheckFile, SceneError> {
+        CheckFile::parse(Path::new("ci/check.toml"), text)
+    }
+
+    #[test]
+    fn what_a_case_says_counts_more() {
+        let file = parse(
+            "schema = 1\ntolerances.peak_force_n = { relative = 0.01, most = 4e3 }\n\
+             [[cases]]\nscene = \"mine.toml\"\ntolerances.peak_force_n.relative = 0.02\n\
+             [[cases]]\nscene = \"spur_impact\"\nslow = true\nmodels = [\"rigid\", \"fe\"]\n",
+        )
+        .unwrap();
+        assert_eq!(file.baseline, Path::new("ci/check.baseline.jsonl"));
+        let [own, shipped] = file.cases.as_slice() else {
+            panic!("{:?}", file.cases)
+        };
+        assert_eq!(
+            (own.name.as_str(), own.scene.as_str()),
+            ("mine", "ci/mine.toml")
+        );
+        let peak = own.rules.tolerance("peak_force_n");
+        assert_eq!((peak.relative, peak.most), (0.02, Some(4e3)));
+        assert_eq!(shipped.rules.tolerance("peak_force_n").relative, 0.01);
+        assert_eq!(shipped.rules.tolerance("force_l2@calculix").absolute, 1e-8);
+        assert_eq!(shipped.models.as_deref(), Some("rigid,fe"));
+        assert_eq!(file.select(&[], true).unwrap().len(), 1);
+        assert!(file.select(&["other".into()], false).is_err());
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_line() {
+        let case = "[[cases]]\nscene = \"spur_impact\"\n";
+        for (text, line, part) in [
+            (format!("schema = 2\n{case}"), 1, "schema 2"),
+            (format!("schema = 1\nwork = \"some\"\n{case}"), 2, "some"),
+            (
+                format!("schema = 1\nruntime = {{ factor = 0.9 }}\n{case}"),
+                2,
+                "calls every run slow",
+            ),
+            (
+                format!("schema = 1\n{case}metrics = [\"peek\"]\n"),
+                4,
+                "peek",
+            ),
+            (
+                format!("schema = 1\n{case}{case}"),
+                5,
+                "called `spur_impact`",
+            ),
+            (format!("schema = 1\n{case}modls = []\n"), 4, "modls"),
+            (
+                format!("schema = 1\ntolerances.peak = 3\n{case}"),
+                2,
+                "peak",
+            ),
+        ] {
+            let e = parse(&text).unwrap_err();
+            assert!(e.message().contains(part), "{}", e.told());
+            assert_eq!(e.line(), Some(line), "{}", e.told());
+            assert!(e.help_text().is_some(), "{}", e.told());
+        }
+    }
+}
+
+/// Rules for tests of others.
+#[cfg(test)]
+pub(super) mod tests_support {
+    use super::*;
+
+    /// Those of a check with such a line.
+    pub(in super::super) fn rules(line: &str) -> Rules {
+        let text = format!("schema = 1\n{line}\n[[cases]]\nscene = \"spur_impact\"\n");
+        let file = CheckFile::parse(Path::new("check.toml"), &text);
+        file.unwrap_or_else(|e| panic!("{}", e.told())).cases[0]
+            .rules
+            .clone()
+    }
+}

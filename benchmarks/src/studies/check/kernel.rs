@@ -1,0 +1,138 @@
+//! Runtime of an integration in units of a fixed kernel, so that machines and their load matter little.
+//!
+//! Both are measured as processor time of the thread, alternately and for about as long, so that what slows one slows the
+//! other: each measurement of the integration is divided by the mean of the kernel's before and after it. The median of such
+//! ratios counts, which a few that were disturbed do not move. The kernel is made of what integrations are made of: short
+//! right-hand sides with a branch (an oscillator with backlash under RK4), products of a dense matrix that lies in the cache,
+//! and memory read out of order.
+
+use crate::experiment::machine::cpu_time;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Steps of the oscillator, products and reads in one kernel: some milliseconds.
+const STEPS: usize = 20_000;
+const PRODUCTS: usize = 100;
+const READS: usize = 150_000;
+/// Size of the matrix, and of the memory that is read [numbers].
+const SIZE: usize = 128;
+const MEMORY: usize = 1 << 16;
+/// Shortest measurement [s]: shorter integrations are repeated within one.
+const LEAST: f64 = 5e-3;
+/// Measurements in a row, and of integrations that take long [s].
+const ROUNDS: usize = 7;
+const FEW: usize = 3;
+const LONG: f64 = 0.3;
+
+/// One kernel; its value keeps it from being optimised away.
+fn kernel(matrix: &[f64], memory: &[u32], x: &mut [f64; SIZE]) -> f64 {
+    let (mut q, mut v) = (0.0_f64, 1.0_f64);
+    let force = |q: f64, v: f64, t: f64| {
+        let gap = if q > 0.1 { q - 0.1 } else { (q + 0.1).min(0.0) };
+        0.3 * t.sqrt() - gap - 0.05 * v
+    };
+    let h = 1e-3;
+    for i in 0..STEPS {
+        let t = i as f64 * h;
+        let a1 = force(q, v, t);
+        let a2 = force(q + 0.5 * h * v, v + 0.5 * h * a1, t + 0.5 * h);
+        let a3 = force(
+            q + 0.5 * h * v + 0.25 * h * h * a1,
+            v + 0.5 * h * a2,
+            t + 0.5 * h,
+        );
+        let a4 = force(q + h * v + 0.5 * h * h * a2, v + h * a3, t + h);
+        q += h * v + h * h / 6.0 * (a1 + a2 + a3);
+        v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+    }
+    for _ in 0..PRODUCTS {
+        let mut y = [0.0; SIZE];
+        for (y, row) in y.iter_mut().zip(matrix.chunks_exact(SIZE)) {
+            *y = row.iter().zip(x.iter()).map(|(a, b)| a * b).sum::<f64>();
+        }
+        *x = y;
+    }
+    let (mut at, mut sum) = (0_usize, 0_u64);
+    for _ in 0..READS {
+        let next = memory[at];
+        sum = sum.wrapping_add(u64::from(next));
+        at = (next as usize).wrapping_add(sum as usize) % memory.len();
+    }
+    q + v + x[0] + sum as f64
+}
+
+/// Processor time of some work [s]; wall time where the system does not tell it.
+fn spent(work: impl FnOnce()) -> f64 {
+    let (wall, start) = (Instant::now(), cpu_time());
+    work();
+    match (start, cpu_time()) {
+        (Some(start), Some(end)) => end - start,
+        _ => wall.elapsed().as_secs_f64(),
+    }
+}
+
+/// Times of one integration over those of the kernel.
+pub(super) fn ratios(mut integrate: impl FnMut()) -> Vec<f64> {
+    // Rows sum to a little less than one: the product neither grows nor vanishes into denormal numbers here.
+    let matrix: Vec<f64> = (0..SIZE * SIZE)
+        .map(|i| (1.0 + ((i * 7) % 13) as f64 / 13.0) / (1.5 * SIZE as f64))
+        .collect();
+    let memory: Vec<u32> = (0..MEMORY as u32)
+        .map(|i| i.wrapping_mul(2_654_435_761))
+        .collect();
+    let mut x = [1.0; SIZE];
+    let mut time_kernel = || {
+        spent(|| {
+            black_box(kernel(&matrix, &memory, black_box(&mut x)));
+            x = x.map(|x| x.clamp(0.5, 2.0));
+        })
+    };
+    // The first of each warms caches, and says how often it has to be repeated.
+    let (one_kernel, one) = (time_kernel(), spent(&mut integrate));
+    let sample = one.max(LEAST);
+    let repeats = (sample / one.max(1e-9)).ceil().clamp(1.0, 1e5) as usize;
+    let kernels = (sample / one_kernel.max(1e-6)).round().clamp(1.0, 1e3) as usize;
+    let mut time_kernels = || (0..kernels).map(|_| time_kernel()).sum::<f64>() / kernels as f64;
+    let mut before = time_kernels();
+    let ratio = |_| {
+        let work = spent(|| (0..repeats).for_each(|_| integrate()));
+        let after = time_kernels();
+        let mean = 0.5 * (std::mem::replace(&mut before, after) + after);
+        work / repeats as f64 / mean
+    };
+    let rounds = if one > LONG { FEW } else { ROUNDS };
+    (0..rounds).map(ratio).collect()
+}
+
+/// The median of ratios; none of none.
+pub(super) fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twice_the_work_is_measured_as_often() {
+        let work = |n: u64| (0..n).fold(0, |a, b| black_box(a ^ b));
+        for n in [10, 30_000_000] {
+            let found = ratios(|| {
+                black_box(work(n));
+            });
+            assert_eq!(found.len(), ROUNDS);
+            assert!(median(&found).is_some_and(|r| r.is_finite() && r >= 0.0));
+        }
+        assert_eq!(median(&[3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(&[]), None);
+    }
+
+    #[test]
+    fn the_kernel_stays_finite() {
+        let matrix = vec![0.9 / SIZE as f64; SIZE * SIZE];
+        let mut x = [1.0; SIZE];
+        assert!(kernel(&matrix, &[1, 0], &mut x).is_finite());
+    }
+}

@@ -1,0 +1,210 @@
+//! Runs of a case.
+
+use super::file::{Case, CheckFile};
+use super::kernel;
+use super::quantity::{forgotten, values};
+use crate::cli::arguments::Insist;
+use crate::cli::terminal::{Refusal, stored_reference};
+use crate::experiment::conditions::Conditions;
+use crate::experiment::configuration::Configuration;
+use crate::experiment::external::external;
+use crate::experiment::key::Key;
+use crate::experiment::run::{Job, RunError, bare, run_in};
+use crate::experiment::runner::Runner;
+use crate::scene_file::{self, Selection};
+use gearbench_integrators::{Resolution, Scheme};
+use gearbench_models::scene::Scene;
+use gearbench_reports::check::Measured;
+use gearbench_reports::record::{ReferenceSeries, Run};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// A case with its scene.
+pub(super) struct Loaded<'a> {
+    pub(super) case: &'a Case,
+    conditions: Conditions<'static>,
+    configurations: Vec<Configuration>,
+    methods: Vec<Scheme>,
+    references: Vec<ReferenceSeries>,
+}
+
+/// Loads the scene of a case and builds its models.
+///
+/// # Errors
+/// Those of the scene; what the case says of it.
+pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<Loaded<'a>, Refusal> {
+    let labels = case.models.as_deref();
+    let mut scene = scene_file::load_for(&case.scene, Selection::Labels(labels))?;
+    let reference = stored_reference(&mut scene, &Insist::default())?;
+    let choices = scene.select(labels)?;
+    let mut configurations: Vec<Configuration> = choices
+        .iter()
+        .map(|c| Configuration::of(&scene, c))
+        .collect();
+    let mut methods = scene.study.integrators.clone();
+    if let Some(text) = &case.integrators {
+        methods = Scheme::list(text, &methods).map_err(|e| {
+            file.about(
+                case,
+                e.to_string(),
+                "`gearbench list` names the integrators",
+            )
+        })?;
+        scene.check_steps(&methods)?;
+        configurations.iter_mut().for_each(|c| c.methods = None);
+    }
+    Ok(Loaded {
+        case,
+        conditions: Conditions {
+            events: scene.study.events,
+            ..Conditions::of(&scene)
+        },
+        configurations,
+        methods,
+        references: reference.iter().map(external).collect(),
+    })
+}
+
+/// A method as it is asked for.
+fn written(scheme: &Scheme) -> String {
+    // `500ns` and `5e-7s` are one step, whose last bit differs.
+    let plain = |x: f64| format!("{x:.12e}").parse().unwrap_or(x);
+    match scheme.resolution {
+        Resolution::Step(h) => format!("{}@{:e}s", scheme.method, plain(h)),
+        Resolution::Tolerance(r) => format!("{}@{:e}", scheme.method, plain(r)),
+    }
+}
+
+fn work(run: &Run) -> BTreeMap<String, u64> {
+    [
+        ("steps", run.steps),
+        ("rejected", run.rejected),
+        ("force_evaluations", run.force_evaluations),
+        ("newton_iterations", run.newton_iterations),
+        ("factorisations", run.factorisations),
+        ("events", run.events),
+    ]
+    .map(|(key, n)| (key.to_owned(), n))
+    .into()
+}
+
+impl Loaded<'_> {
+    /// Number of runs.
+    pub(super) fn len(&self) -> usize {
+        self.configurations
+            .iter()
+            .map(|c| self.methods_of(c).len())
+            .sum()
+    }
+
+    fn methods_of<'s>(&'s self, c: &'s Configuration) -> &'s [Scheme] {
+        c.methods.as_deref().unwrap_or(&self.methods)
+    }
+
+    /// Runs every entry.
+    ///
+    /// # Errors
+    /// [`RunError`] when a model cannot be built, or the user ended it.
+    pub(super) fn measure(
+        &self,
+        runner: &Runner<'_>,
+        (mut done, total): (usize, usize),
+    ) -> Result<Vec<Entry<'_>>, RunError> {
+        let grid = self.conditions.grid();
+        let ids: Vec<&str> = self.references.iter().map(|r| r.id.as_str()).collect();
+        let mut all = Vec::new();
+        for configuration in &self.configurations {
+            let mut built = None;
+            for method in self.methods_of(configuration) {
+                let mut found = Measured {
+                    case: self.case.name.clone(),
+                    scene: self.conditions.name.clone(),
+                    model: configuration.label.clone(),
+                    method: written(method),
+                    ..Measured::default()
+                };
+                runner.tell(done, total, &found.name());
+                done += 1;
+                let job = self.job(configuration, method, &grid);
+                let key = (Key::new("check").and(&job.key())).and(&(&ids, &self.case.metrics));
+                let made = runner.row_with(key, method, || {
+                    let (scene, setup) = match &mut built {
+                        Some(built) => built,
+                        none => {
+                            let started = Instant::now();
+                            let scene = Scene::build(job.scene, job.modelling, job.models)?;
+                            none.insert((scene, started.elapsed()))
+                        }
+                    };
+                    let mut run = run_in(&job, scene, *setup)?;
+                    let metrics = values(&run, &self.case.metrics, &self.references);
+                    forgotten(&mut run);
+                    Ok::<_, RunError>((run, metrics))
+                });
+                let (run, metrics) = match made {
+                    // Not every method is for every model: the pair is no entry.
+                    Err(e) if e.leaves_out() => continue,
+                    other => other?,
+                };
+                found.metrics = metrics;
+                found.work = work(&run);
+                found.status = run.status;
+                found.message = run.message.filter(|_| run.status.is_failure());
+                found.parameters = run.parameters;
+                all.push(Entry {
+                    of: self,
+                    configuration,
+                    method: *method,
+                    measured: found,
+                    ratios: Vec::new(),
+                });
+            }
+        }
+        Ok(all)
+    }
+
+    fn job<'j>(
+        &'j self,
+        configuration: &'j Configuration,
+        method: &'j Scheme,
+        grid: &'j [f64],
+    ) -> Job<'j> {
+        let of = (&configuration.scene, &configuration.modelling);
+        Job {
+            repeats: 0,
+            ..self.conditions.job(of, method, grid)
+        }
+    }
+}
+
+/// An entry that was run, and how long it takes.
+pub(super) struct Entry<'l> {
+    of: &'l Loaded<'l>,
+    configuration: &'l Configuration,
+    method: Scheme,
+    pub(super) measured: Measured,
+    /// Times over those of the kernel.
+    ratios: Vec<f64>,
+}
+
+impl Entry<'_> {
+    /// Its case.
+    pub(super) fn case(&self) -> &Case {
+        self.of.case
+    }
+
+    /// Measures its runtime, beside what was measured before: at another moment the machine is busy with other things.
+    ///
+    /// # Errors
+    /// [`RunError`] when its model cannot be built.
+    pub(super) fn time(&mut self) -> Result<(), RunError> {
+        if self.measured.status.is_failure() {
+            return Ok(());
+        }
+        let job = self.of.job(self.configuration, &self.method, &[]);
+        let mut scene = Scene::build(job.scene, job.modelling, job.models)?;
+        self.ratios.extend(kernel::ratios(bare(&job, &mut scene)));
+        self.measured.runtime = kernel::median(&self.ratios);
+        Ok(())
+    }
+}

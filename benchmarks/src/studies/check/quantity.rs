@@ -1,0 +1,164 @@
+//! What a check looks at in a run.
+
+use gearbench_reports::Metric;
+use gearbench_reports::metrics::{TRANSMISSION_ERROR, compare};
+use gearbench_reports::record::{ReferenceSeries, Run, SELF};
+use gearbench_reports::series::TimeSeries;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+
+/// A quantity of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Quantity {
+    /// A metric; errors are against every reference of the scene.
+    Metric(Metric),
+    /// Root mean square of the contact force over the samples of the history [N].
+    ForceRms,
+    /// Root mean square of the transmission error, likewise [m].
+    TransmissionErrorRms,
+}
+
+const FORCE_RMS: &str = "force_rms_n";
+const TRANSMISSION_ERROR_RMS: &str = "transmission_error_rms_m";
+
+/// What is looked at when a check does not say.
+pub(crate) const USUAL: [Quantity; 8] = [
+    Quantity::Metric(Metric::PeakForce),
+    Quantity::Metric(Metric::Impulse),
+    Quantity::Metric(Metric::Omega1End),
+    Quantity::Metric(Metric::Omega2End),
+    Quantity::Metric(Metric::EnergyDrift),
+    Quantity::Metric(Metric::ForceL2Aligned),
+    Quantity::ForceRms,
+    Quantity::TransmissionErrorRms,
+];
+
+impl Quantity {
+    /// All.
+    pub(crate) fn all() -> impl Iterator<Item = Quantity> {
+        let own = [Quantity::ForceRms, Quantity::TransmissionErrorRms];
+        Metric::ALL.into_iter().map(Quantity::Metric).chain(own)
+    }
+
+    /// Its key, without the reference.
+    pub(crate) fn key(self) -> &'static str {
+        match self {
+            Quantity::Metric(m) => m.key(),
+            Quantity::ForceRms => FORCE_RMS,
+            Quantity::TransmissionErrorRms => TRANSMISSION_ERROR_RMS,
+        }
+    }
+
+    /// The quantity of a key of a baseline, `force_l2@calculix` as `force_l2`.
+    pub(crate) fn of_key(key: &str) -> Option<Quantity> {
+        let key = key.split_once('@').map_or(key, |(key, _)| key);
+        Self::all().find(|q| q.key() == key)
+    }
+
+    /// Whether it needs a reference: errors do; the drift of a run's own energy does not.
+    fn needs_reference(self) -> bool {
+        match self {
+            Quantity::Metric(Metric::EnergyDrift) => false,
+            Quantity::Metric(Metric::TimeShift) => true,
+            Quantity::Metric(m) => m.is_error(),
+            _ => false,
+        }
+    }
+
+    /// Whether it is small by nature, so that a relative tolerance alone says nothing of it.
+    pub(crate) fn is_ratio(self) -> bool {
+        matches!(self, Quantity::Metric(m) if m.is_error())
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.key())
+    }
+}
+
+impl FromStr for Quantity {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if let Ok(metric) = text.parse() {
+            return Ok(Quantity::Metric(metric));
+        }
+        Self::all().find(|q| q.key() == text).ok_or_else(|| {
+            let keys: Vec<&str> = Self::all().map(Self::key).collect();
+            format!(
+                "there is no quantity `{text}`; there are {}",
+                keys.join(", ")
+            )
+        })
+    }
+}
+
+/// The quantities of a run by key; none of one that did not reach its end.
+pub(super) fn values(
+    run: &Run,
+    wanted: &[Quantity],
+    references: &[ReferenceSeries],
+) -> BTreeMap<String, f64> {
+    let mut found = BTreeMap::new();
+    let (Ok(finished), Some(series)) = (run.finished(), &run.series) else {
+        return found;
+    };
+    let own = compare(finished, series, SELF);
+    let against: Vec<_> = (references.iter())
+        .map(|r| (r, compare(finished, &r.series, &r.id)))
+        .collect();
+    for quantity in wanted {
+        let key = quantity.key();
+        match quantity {
+            Quantity::Metric(m) if quantity.needs_reference() => {
+                let errors = against.iter().map(|(r, of)| (r, of.get(*m)));
+                found.extend(errors.filter_map(|(r, x)| Some((format!("{key}@{}", r.id), x?))));
+            }
+            Quantity::Metric(m) => found.extend(own.get(*m).map(|x| (key.to_owned(), x))),
+            Quantity::ForceRms => {
+                found.extend(root_mean_square(&series.contact_force_n).map(|x| (key.to_owned(), x)))
+            }
+            Quantity::TransmissionErrorRms => {
+                let column = series.columns.iter().find(|c| c.name == TRANSMISSION_ERROR);
+                let rms = column.and_then(|c| root_mean_square(&c.values));
+                found.extend(rms.map(|x| (key.to_owned(), x)));
+            }
+        }
+    }
+    found.retain(|_, x| x.is_finite());
+    found
+}
+
+fn root_mean_square(values: &[f64]) -> Option<f64> {
+    let finite = || values.iter().filter(|x| x.is_finite());
+    let n = finite().count();
+    (n > 0).then(|| (finite().map(|x| x * x).sum::<f64>() / n as f64).sqrt())
+}
+
+/// The history without what only metrics need: a row of the journal.
+pub(super) fn forgotten(run: &mut Run) {
+    run.series = None::<TimeSeries>;
+    run.histories = None;
+    run.contacts = None;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_lead_back() {
+        for q in Quantity::all() {
+            assert_eq!(q.key().parse(), Ok(q));
+            assert_eq!(Quantity::of_key(&format!("{q}@calculix")), Some(q));
+        }
+        assert!("peak".parse::<Quantity>().is_ok());
+        let e = "speed".parse::<Quantity>().unwrap_err();
+        assert!(
+            e.contains("force_rms_n") && e.contains("peak_force_n"),
+            "{e}"
+        );
+    }
+}

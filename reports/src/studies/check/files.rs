@@ -1,0 +1,131 @@
+//! A check for other programs: a summary in Markdown for a pull request, JUnit XML for a CI server, CSV.
+
+use super::{CheckRecord, Checked, Finding, Verdict};
+use crate::csv_table::{CsvTable, number};
+use maud::{PreEscaped, html};
+
+/// Findings that the summary shows at most; the page has all.
+const MOST: usize = 40;
+
+/// A cell of a table in Markdown.
+fn cell(text: &str) -> String {
+    let kept = text.chars().filter(|c| !c.is_control());
+    kept.collect::<String>().replace('|', "\\|")
+}
+
+/// The summary in Markdown.
+pub fn markdown(record: &CheckRecord) -> String {
+    let mark = if record.holds() { "holds" } else { "moved" };
+    let mut text = format!("### gearbench check: {mark}\n\n{}.\n", record.verdict());
+    let of = |verdict: Verdict| {
+        (record.entries.iter()).flat_map(move |e| {
+            let findings = e.findings.iter().filter(move |f| f.verdict == verdict);
+            findings.map(move |f| (e, f))
+        })
+    };
+    for (heading, verdict) in [
+        ("Moved", Verdict::Moved),
+        ("Reported alone", Verdict::Reported),
+    ] {
+        let found: Vec<(&Checked, &Finding)> = of(verdict).collect();
+        if found.is_empty() {
+            continue;
+        }
+        text.push_str(&format!(
+            "\n**{heading}**\n\n| entry | quantity | now | baseline | change | allowed |\n|---|---|---|---|---|---|\n"
+        ));
+        for (e, f) in found.iter().take(MOST) {
+            let change = f.change.map_or(String::new(), |c| {
+                format!("{} %", crate::numbers::deviation(c, 3))
+            });
+            let cells = [
+                &e.measured.name(),
+                &f.what,
+                &f.now,
+                &f.before,
+                &change,
+                &f.allowed,
+            ];
+            let cells = cells.map(|c| cell(c));
+            text.push_str(&format!("| {} |\n", cells.join(" | ")));
+        }
+        if found.len() > MOST {
+            text.push_str(&format!("\n{} more: see the page.\n", found.len() - MOST));
+        }
+    }
+    text
+}
+
+/// JUnit XML: a suite for each case, a test for each quantity of an entry.
+pub fn junit(record: &CheckRecord) -> String {
+    let mut cases: Vec<&str> = Vec::new();
+    for e in &record.entries {
+        if !cases.contains(&e.measured.case.as_str()) {
+            cases.push(&e.measured.case);
+        }
+    }
+    let of = |case: &str| {
+        let entries = record.entries.iter();
+        let entries: Vec<&Checked> = entries.filter(|e| e.measured.case == case).collect();
+        entries
+    };
+    let count = |entries: &[&Checked]| entries.iter().map(|e| e.findings.len()).sum::<usize>();
+    let failed = |entries: &[&Checked]| entries.iter().map(|e| e.moved().count()).sum::<usize>();
+    let every: Vec<&Checked> = record.entries.iter().collect();
+    let xml = html! {
+        testsuites name="gearbench check" tests=(count(&every)) failures=(failed(&every)) {
+            @for case in &cases {
+                @let entries = of(case);
+                testsuite name=(case) tests=(count(&entries)) failures=(failed(&entries)) errors="0" skipped="0" {
+                    @for e in &entries { @for f in &e.findings {
+                        testcase classname=(format!("{}.{}.{}", case, e.measured.model, e.measured.method))
+                            name=(format!("{} {}", f.kind, f.what)) {
+                            @if f.verdict == Verdict::Moved {
+                                failure message=(f.told()) type=(f.kind) { (e.measured.name()) ": " (f.told()) }
+                            }
+                        }
+                    } }
+                }
+            }
+        }
+    };
+    let lines = xml
+        .0
+        .replace("<testsuite ", "\n<testsuite ")
+        .replace("<testcase", "\n<testcase");
+    let text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{}\n",
+        PreEscaped(lines).0
+    );
+    // XML has no place for control characters.
+    text.chars()
+        .filter(|c| *c == '\n' || !c.is_control())
+        .collect()
+}
+
+/// Every quantity as a line.
+pub fn tables(record: &CheckRecord) -> Vec<CsvTable> {
+    let rows = record
+        .entries
+        .iter()
+        .flat_map(|e| e.findings.iter().map(move |f| (e, f)));
+    vec![CsvTable::new(
+        "check.csv",
+        rows,
+        &[
+            ("case", &|(e, _): &(&Checked, &Finding)| {
+                e.measured.case.clone()
+            }),
+            ("scene", &|(e, _)| e.measured.scene.clone()),
+            ("model", &|(e, _)| e.measured.model.clone()),
+            ("method", &|(e, _)| e.measured.method.clone()),
+            ("kind", &|(_, f)| f.kind.to_string()),
+            ("quantity", &|(_, f)| f.what.clone()),
+            ("now", &|(_, f)| f.now.clone()),
+            ("baseline", &|(_, f)| f.before.clone()),
+            ("change", &|(_, f)| number(f.change)),
+            ("allowed", &|(_, f)| f.allowed.clone()),
+            ("verdict", &|(_, f)| f.verdict.to_string()),
+        ],
+    )]
+}

@@ -1,0 +1,250 @@
+//! The regression check: what was measured, what of it differs from a stored baseline, and by how much it may.
+//!
+//! An **entry** is one scene under one model and one method. A **finding** is one quantity of an entry beside its baseline:
+//! metrics and counts of work gate; runtime, in units of a kernel that is timed beside it, gates where the check says so;
+//! parameters never gate and name what was changed. The verdict of the whole is that of its worst finding.
+
+mod chart;
+mod files;
+mod page;
+
+pub use files::{junit, markdown};
+
+use crate::drawing::canvas::DrawError;
+use crate::record::Status;
+use crate::studies::StudyReport;
+use crate::words::words;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+words! {
+    /// What kind of quantity a finding is about.
+    pub enum Kind {
+        /// How the run ended.
+        #[default]
+        Status = "status",
+        /// A result.
+        Metric = "metric",
+        /// A bound on a result, whatever the baseline.
+        Limit = "limit",
+        /// A count of work.
+        Work = "work",
+        /// Runtime in units of the kernel.
+        Runtime = "runtime",
+        /// A constant that the model was built with.
+        Parameter = "parameter",
+        /// Whether the entry is there.
+        Entry = "entry",
+    }
+}
+
+words! {
+    /// What a finding comes to.
+    pub enum Verdict {
+        /// Within its tolerance.
+        #[default]
+        Held = "held",
+        /// Different, and no matter: reported alone.
+        Reported = "reported",
+        /// Beyond its tolerance.
+        Moved = "moved",
+    }
+}
+
+/// One entry as it was measured, and as baselines keep it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Measured {
+    /// Name of the case.
+    pub case: String,
+    /// Scene of the case.
+    pub scene: String,
+    /// Label of the model.
+    pub model: String,
+    /// Method with its step or tolerance, such as `dopri5@1e-6`.
+    pub method: String,
+    /// How the run ended.
+    pub status: Status,
+    /// Why it did not converge, where it did not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
+    /// Results by key, in SI units; errors against references as `force_l2@calculix`.
+    pub metrics: BTreeMap<String, f64>,
+    /// Counts of work by key.
+    pub work: BTreeMap<String, u64>,
+    /// Processor time of one integration over that of the kernel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub runtime: Option<f64>,
+    /// Constants of the models by gear or mesh and key, as [`crate::record::Run::parameters`].
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, BTreeMap<String, serde_json::Value>>,
+}
+
+impl Measured {
+    /// What it is called in messages; unique in a check.
+    pub fn name(&self) -> String {
+        format!("{} / {} / {}", self.case, self.model, self.method)
+    }
+
+    /// Whether two are the same entry.
+    pub fn is(&self, other: &Measured) -> bool {
+        (&self.case, &self.model, &self.method) == (&other.case, &other.model, &other.method)
+    }
+}
+
+/// One quantity beside its baseline.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Finding {
+    /// What kind of quantity it is.
+    pub kind: Kind,
+    /// Its key.
+    pub what: String,
+    /// Now, as text for people where it is no number.
+    pub now: String,
+    /// In the baseline.
+    pub before: String,
+    /// Number now.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// Change over the baseline [-], where both are numbers and the baseline is not zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub change: Option<f64>,
+    /// What it may differ, in words.
+    pub allowed: String,
+    /// What it comes to.
+    pub verdict: Verdict,
+}
+
+impl Finding {
+    /// In one line: `peak_force_n 3612.3, baseline 3599.1 (+0.37 %, allowed 1e-6 of it)`.
+    pub fn told(&self) -> String {
+        let change = self.change.map_or(String::new(), |c| {
+            format!("{}\u{a0}%, ", crate::numbers::deviation(c, 3))
+        });
+        let before = match self.before.as_str() {
+            "" => String::new(),
+            before => format!(", baseline {before}"),
+        };
+        let allowed = match self.allowed.as_str() {
+            "" => "reported".to_owned(),
+            allowed => format!("allowed {allowed}"),
+        };
+        format!("{} {}{before} ({change}{allowed})", self.what, self.now)
+    }
+}
+
+/// An entry with its findings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Checked {
+    /// What was measured; of an entry that only the baseline has, that.
+    #[serde(flatten)]
+    pub measured: Measured,
+    /// All quantities.
+    pub findings: Vec<Finding>,
+}
+
+impl Checked {
+    /// What differs beyond its tolerance.
+    pub fn moved(&self) -> impl Iterator<Item = &Finding> {
+        self.of(Verdict::Moved)
+    }
+
+    /// What differs and is reported alone.
+    pub fn reported(&self) -> impl Iterator<Item = &Finding> {
+        self.of(Verdict::Reported)
+    }
+
+    fn of(&self, verdict: Verdict) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(move |f| f.verdict == verdict)
+    }
+}
+
+/// Where and when a baseline was stored.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Stored {
+    /// Its number, from 1.
+    pub baseline: u32,
+    /// Commit of gearbench.
+    pub commit: String,
+    /// When (RFC 3339).
+    pub created: String,
+    /// Processor that its runtimes were measured on.
+    pub cpu: String,
+}
+
+/// A quantity of an entry over all baselines, the present run last.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Trend {
+    /// The entry.
+    pub entry: String,
+    /// Number of the baseline (of the present run the next one) and value.
+    pub points: Vec<(u32, f64)>,
+}
+
+/// What the record of a check holds beside its header.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CheckRecord {
+    /// The file that says what is checked.
+    pub file: String,
+    /// The baseline that it was held against.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stored: Option<Stored>,
+    /// Every entry.
+    pub entries: Vec<Checked>,
+    /// Quantity whose history is drawn.
+    pub quantity: String,
+    /// Its history.
+    pub history: Vec<Trend>,
+}
+
+impl CheckRecord {
+    /// Entries in which something moved.
+    pub fn moved(&self) -> impl Iterator<Item = &Checked> {
+        self.entries.iter().filter(|e| e.moved().next().is_some())
+    }
+
+    /// Whether nothing moved.
+    pub fn holds(&self) -> bool {
+        self.moved().next().is_none()
+    }
+
+    /// The verdict in one line, the same in terminal, page and summary.
+    pub fn verdict(&self) -> String {
+        use crate::numbers::counted;
+        let entries = counted(self.entries.len(), "entry", "entries");
+        let quantities: usize = self.entries.iter().map(|e| e.findings.len()).sum();
+        let quantities = counted(quantities, "quantity", "quantities");
+        let (moved, all) = (self.moved().count(), self.entries.len());
+        let Some(stored) = &self.stored else {
+            return format!("{entries} measured, there was no baseline before");
+        };
+        let against = format!("baseline {} of {}", stored.baseline, stored.created);
+        match (all, moved) {
+            (0, _) => format!("nothing was run; the newest is {against}"),
+            (_, 0) => format!("{entries} hold {quantities} against {against}"),
+            _ => format!("{moved} of {entries} moved against {against}"),
+        }
+    }
+}
+
+/// What the study says of a record.
+pub(super) fn report(record: &CheckRecord) -> Result<StudyReport, DrawError> {
+    Ok(StudyReport {
+        finding: page::finding(record),
+        tables: page::moved(record),
+        charts: chart::history(record)?,
+        details: page::all(record),
+        csv: files::tables(record),
+        texts: vec![
+            ("summary.md".into(), markdown(record)),
+            ("junit.xml".into(), junit(record)),
+        ],
+    })
+}
+
+#[cfg(test)]
+mod tests;

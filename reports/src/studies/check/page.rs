@@ -1,0 +1,81 @@
+//! The page of a check: what moved, then every quantity.
+
+use super::{CheckRecord, Checked, Finding, Kind, Verdict};
+use crate::markup::table::Table;
+use crate::markup::{glance, note, section};
+use crate::view::capital;
+use maud::{Markup, html};
+
+/// A finding with the entry that it is of, and that one's place.
+type Row<'a> = (usize, &'a Checked, &'a Finding);
+
+fn rows(record: &CheckRecord, keep: impl Fn(&Finding) -> bool) -> Vec<Row<'_>> {
+    let entries = record.entries.iter().enumerate();
+    let findings = entries.flat_map(|(i, e)| e.findings.iter().map(move |f| (i, e, f)));
+    findings.filter(|(_, _, f)| keep(f)).collect()
+}
+
+/// The verdict, and what was changed where that is known.
+pub fn finding(record: &CheckRecord) -> Vec<Markup> {
+    let mut all = vec![html! { b { (capital(&record.verdict())) "." } }];
+    let mut changed: Vec<String> = rows(record, |f| f.kind == Kind::Parameter)
+        .iter()
+        .map(|(_, _, f)| format!("{} from {} to {}", f.what, f.before, f.now))
+        .collect();
+    changed.sort();
+    changed.dedup();
+    if !changed.is_empty() {
+        let more = changed.len().saturating_sub(3);
+        changed.truncate(3);
+        let more = match more {
+            0 => String::new(),
+            n => format!(" and {n} more"),
+        };
+        all.push(html! { "The models were built with other constants: " (changed.join("; ")) (more) "." });
+    }
+    all
+}
+
+fn table(rows: &[Row<'_>]) -> Markup {
+    let table = Table::of(rows)
+        .grouped(|(i, e, _)| (e.measured.name(), *i))
+        .classed(|(_, _, f)| {
+            if f.verdict == Verdict::Moved {
+                "failed"
+            } else {
+                ""
+            }
+        })
+        .text("Quantity", |(_, _, f)| f.what.clone())
+        .text("Kind", |(_, _, f)| f.kind.to_string())
+        .written("Now", "", |(_, _, f)| f.now.clone())
+        .result()
+        .written("Baseline", "", |(_, _, f)| f.before.clone())
+        .result()
+        .deviations("Change", |(_, _, f)| f.change)
+        .result()
+        .text("Allowed", |(_, _, f)| f.allowed.clone())
+        .text("Verdict", |(_, _, f)| f.verdict.to_string());
+    html! { (table) }
+}
+
+/// What moved or is reported, at a glance.
+pub fn moved(record: &CheckRecord) -> Markup {
+    let moved = rows(record, |f| f.verdict == Verdict::Moved);
+    let reported = rows(record, |f| f.verdict == Verdict::Reported);
+    let remark = "Errors and results in SI units; runtime is the processor time of one integration over that of a fixed kernel \
+                  timed beside it.";
+    html! {
+        @if !moved.is_empty() { (glance("What moved", html! { (table(&moved)) (note(remark)) })) }
+        @if !reported.is_empty() { (glance("Different, and reported alone", table(&reported))) }
+    }
+}
+
+/// Every quantity.
+pub fn all(record: &CheckRecord) -> Markup {
+    let all = rows(record, |_| true);
+    if all.is_empty() {
+        return Markup::default();
+    }
+    section("Every quantity", table(&all))
+}
