@@ -61,6 +61,10 @@ fn table(rows: &[Row<'_>]) -> Markup {
 
 /// What moved or is reported, at a glance.
 pub fn moved(record: &CheckRecord) -> Markup {
+    // Against nothing everything is new.
+    if record.stored.is_none() {
+        return Markup::default();
+    }
     let moved = rows(record, |f| f.verdict == Verdict::Moved);
     let reported = rows(record, |f| f.verdict == Verdict::Reported);
     let remark = "Errors and results in SI units; runtime is the processor time of one integration over that of a fixed kernel \
