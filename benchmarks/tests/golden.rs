@@ -23,8 +23,8 @@ fn runs() -> Vec<Run> {
     // Models with integrators of their own are finite elements: other tests hold those.
     let labels = Some("rigid,movable-teeth,rigid-iso6336");
     let scene = scene_file::load_for("spur_impact", scene_file::Selection::Labels(labels));
-    let scene = scene.unwrap_or_else(|e| panic!("{e:?}"));
-    let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
+    let mut scene = scene.unwrap_or_else(|e| panic!("{e:?}"));
+    let references = scene.held_of_the_scene(false).unwrap();
     let choices = scene.select(labels).unwrap();
     let plan = Plan {
         conditions: Conditions {
@@ -33,7 +33,7 @@ fn runs() -> Vec<Run> {
             ..Conditions::of(&scene)
         },
         tolerance: None,
-        ..Plan::of(&scene, &choices, Some(&reference))
+        ..Plan::of(&scene, &choices, &references)
     };
     compare(&plan, &Runner::default()).unwrap().runs
 }

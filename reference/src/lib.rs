@@ -10,6 +10,7 @@
 //! | [`statics`] | loaded tooth contact: load sharing, mesh stiffness, transmission error |
 //! | `mesh_source` | where a model of finite elements takes its mesh from: its parameters |
 //! | [`full_order`] | the gear model `fe`: all nodal displacements, in the same scenes as every other model |
+//! | [`data`] | references as data: histories whatever their origin, and the reader of tables |
 //! | [`stored`] | references of other programs, embedded in this one: what they carry, and how they are read |
 //! | `vector` | sums and turns of vectors that several modules need |
 //! | [`Refused`] | why a file is refused, a deck or a stored reduction |
@@ -20,6 +21,7 @@
 //! Everything is in SI units; the conventions of a case stand in its `SOURCE.md`.
 
 pub mod assembly;
+pub mod data;
 pub mod deck;
 mod element;
 pub mod full_order;

@@ -1,6 +1,6 @@
 //! Time series: what a run or a reference recorded over time, in SI units.
 //!
-//! Owns [`TimeSeries`] with its invariants (all columns as long as the time axis, time not
+//! Owns [`TimeSeries`] with its invariants (all columns as long as the time axis or absent, time not
 //! decreasing), linear interpolation, and thinning that keeps the extrema.
 
 use crate::force::ForceHistory;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// Sampled histories over a common time axis.
 ///
-/// Every column is as long as `time_s`; the time does not decrease (two samples at one time mark a
+/// Every column is as long as `time_s`, or empty where a reference does not have it; the time does not decrease (two samples at one time mark a
 /// jump). `omega*_rad_s` are momentum means, angular momentum over inertia, so that rigid and
 /// elastic bodies compare.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -16,7 +16,8 @@ use serde::{Deserialize, Serialize};
 pub struct TimeSeries {
     /// Time \[s\].
     pub time_s: Vec<f64>,
-    /// Contact force, the magnitude of the vector sum over the tooth pairs \[N\].
+    /// Contact force, the magnitude in space of the vector sum over the tooth pairs: on helical gears the force normal to
+    /// the flanks, not its transverse part \[N\].
     pub contact_force_n: Vec<f64>,
     /// Angular velocity of gear 1 [rad/s].
     pub omega1_rad_s: Vec<f64>,
@@ -100,7 +101,7 @@ impl TimeSeries {
         }
     }
 
-    /// The columns beside time with their names, standard ones first.
+    /// The columns beside time with their names, standard ones first; without those that a reference does not have.
     pub fn named_columns(&self) -> impl Iterator<Item = (&str, &[f64])> {
         [
             ("contact_force_n", self.contact_force_n.as_slice()),
@@ -113,6 +114,7 @@ impl TimeSeries {
                 .iter()
                 .map(|c| (c.name.as_str(), c.values.as_slice())),
         )
+        .filter(|(_, column)| self.is_empty() || !column.is_empty())
     }
 
     /// The samples before the first that is not finite in any column: what a run that blew up left
@@ -186,7 +188,10 @@ impl TimeSeries {
     }
 
     fn select(&self, rows: &[usize]) -> Self {
-        let pick = |c: &[f64]| -> Vec<f64> { rows.iter().map(|&i| c[i]).collect() };
+        let pick = |c: &[f64]| -> Vec<f64> {
+            let rows = if c.is_empty() { &[] } else { rows };
+            rows.iter().map(|&i| c[i]).collect()
+        };
         Self {
             time_s: pick(&self.time_s),
             contact_force_n: pick(&self.contact_force_n),

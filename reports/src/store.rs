@@ -178,10 +178,12 @@ fn histories<'a>(results: &'a Results) -> Vec<File<'a>> {
         files.push((name, Content::Table(table)));
     };
     for (i, r) in results.references.iter().enumerate() {
-        add(
-            reference_name(i, r),
-            Box::new(|| series_table(&r.series.finite_prefix())),
-        );
+        for (k, series) in r.all_series().into_iter().enumerate() {
+            add(
+                reference_name(i, r, k),
+                Box::new(|| series_table(&series.finite_prefix())),
+            );
+        }
     }
     for (i, r) in results.runs.iter().enumerate() {
         let stem = r.file_stem(i);
@@ -213,12 +215,17 @@ fn history_names(results: &Results) -> impl Iterator<Item = String> {
         .enumerate()
         .filter(|(_, r)| r.series.is_some());
     references
-        .map(|(i, r)| reference_name(i, r))
+        .flat_map(|(i, r)| (0..=r.further.len()).map(move |k| reference_name(i, r, k)))
         .chain(runs.flat_map(|(i, r)| ENDINGS.map(|ending| format!("{}{ending}", r.file_stem(i)))))
 }
 
-fn reference_name(i: usize, reference: &ReferenceSeries) -> String {
-    format!("reference{:02}-{}.csv", i + 1, slug(&reference.id))
+/// The name of the file of a reference, and of its histories at other times.
+fn reference_name(i: usize, reference: &ReferenceSeries, k: usize) -> String {
+    let more = match k {
+        0 => String::new(),
+        k => format!("-{}", k + 1),
+    };
+    format!("reference{:02}-{}{more}.csv", i + 1, slug(&reference.id))
 }
 
 fn series_table(series: &TimeSeries) -> CsvTable {

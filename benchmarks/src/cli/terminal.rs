@@ -9,7 +9,7 @@ use super::arguments::Insist;
 use super::exit::Exit;
 pub use super::refusal::{Refusal, refuse_run, refuse_study};
 use crate::scene_file::SceneFile;
-use gearbench_reference::ExternalReference;
+use gearbench_reference::data::Reference;
 use miette::Report;
 use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
@@ -147,13 +147,10 @@ pub fn absolute(path: PathBuf) -> PathBuf {
     path.canonicalize().unwrap_or(path)
 }
 
-/// The stored reference of a scene, which has to be of its gears unless the user insists.
-pub fn stored_reference(
-    scene: &mut SceneFile,
-    insist: &Insist,
-) -> Result<Option<ExternalReference>, Refusal> {
+/// What the models of a scene are held against, which has to be of its gears unless the user insists.
+pub fn references_of(scene: &mut SceneFile, insist: &Insist) -> Result<Vec<Reference>, Refusal> {
     let known = scene.odd.len();
-    let reference = scene.held_reference(insist.any_reference)?;
+    let references = scene.held_of_the_scene(insist.any_reference)?;
     (scene.odd[known..].iter()).for_each(|odd| warn(&odd.told()));
-    Ok(reference)
+    Ok(references)
 }

@@ -64,6 +64,6 @@ impl Configuration {
 fn fitted_to(scene: &SceneFile, choice: &ModelChoice) -> Option<String> {
     let calibration = choice.calibration.as_ref()?;
     let here = calibration.fitted_to().to_history() && calibration.scene == scene.name;
-    let id = scene.reference.as_deref().filter(|_| here)?;
-    Some(id.split('/').next().unwrap_or(id).to_owned())
+    let reference = scene.reference().filter(|_| here)?;
+    Some(reference.name.clone())
 }

@@ -7,7 +7,6 @@
 //! | [`configuration`] | what is run: a model of a scene |
 //! | `converged` | the converged solution of a model |
 //! | [`error`] | why a study ends before its end |
-//! | `external` | stored references as records keep them |
 //! | `force` | the force of a run between events, for metrics |
 //! | `history` | channels of a run over time |
 //! | [`interruption`] | Ctrl-C and SIGTERM |
@@ -16,6 +15,7 @@
 //! | [`machine`] | where and when a record was made |
 //! | [`parallel`] | pieces of work on several threads |
 //! | `record` | what a record keeps of a run |
+//! | `referenced` | references as records keep them |
 //! | [`run`] | one model under one integrator: a row of the record, failed or not |
 //! | `parameters` | parameters of a run for its record |
 //! | [`runner`] | how a study does its work: piece by piece, kept when finished |
@@ -28,7 +28,6 @@ pub mod configuration;
 pub(crate) mod contact_log;
 pub(crate) mod converged;
 pub mod error;
-pub(crate) mod external;
 pub(crate) mod force;
 pub(crate) mod history;
 pub mod interruption;
@@ -38,6 +37,7 @@ pub mod machine;
 pub mod parallel;
 pub(crate) mod parameters;
 pub(crate) mod record;
+pub(crate) mod referenced;
 pub mod run;
 pub mod runner;
 pub(crate) mod settings;

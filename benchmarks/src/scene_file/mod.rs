@@ -12,7 +12,7 @@
 //! | `plausible`, `usual` | what no solid can be, and what is only odd |
 //! | `selection` | models by their labels |
 //! | `formulas` | where a scene leaves the range of a stiffness formula |
-//! | `referenced` | a stored reference against the gears of the scene |
+//! | [`references`] | what models are held against and fitted to: stored, or tables of the user |
 //! | `locate` | the line that an error of the assembly is about |
 //! | [`shipped`] | the scenes in the program |
 //!
@@ -35,7 +35,7 @@ mod model;
 mod plausible;
 mod profile;
 pub(crate) mod reading;
-mod referenced;
+pub mod references;
 mod selection;
 pub mod shipped;
 pub mod source;
@@ -52,6 +52,7 @@ pub(crate) use formulas::formula_limits;
 pub use load::{Selection, load, load_for, load_unbuilt, load_uncalibrated};
 pub use model::ModelChoice;
 pub(crate) use reading::suggest::did_you_mean;
+pub use references::{Held, NamedReference, ReferenceConditions};
 pub use shipped::{SHIPPED, Shipped};
 pub use study_plan::Study;
 
@@ -59,11 +60,11 @@ use crate::models::models as model_table;
 use gearbench_integrators::Scheme;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{GearSpec, SceneSpec};
-use gearbench_reference::REFERENCES;
 use gearbench_reports::record::Tolerance;
 use reading::Document;
 use reading::keys::keys;
-use reading::values::{InOrder, Positive, ReferenceId};
+use reading::values::{InOrder, Positive};
+use references::{ReferenceChoice, ReferenceKeys};
 use serde::Deserialize;
 use std::path::PathBuf;
 use toml::de::{DeTable, DeValue};
@@ -82,8 +83,10 @@ keys! {
         description: String,
         /// simulated time in seconds, for example 0.00025
         duration_s: Positive,
-        /// id of a stored reference, for example "calculix/case-a-fine"
-        reference: Option<ReferenceId>,
+        /// what models are held against: id of a stored reference, as "calculix/case-a-fine", or { csv = "press.csv" }
+        reference: Option<ReferenceChoice>,
+        /// tables [[references]] of further ones, also at other speeds and loads
+        references: Option<Vec<ReferenceKeys>>,
         /// greatest error that is accurate enough, 0.05 or { metric, limit, against, except }
         tolerance: Option<study_plan::ToleranceChoice>,
         /// tables [gears.NAME]
@@ -159,8 +162,8 @@ pub struct SceneFile {
     pub description: String,
     /// Simulated time [s].
     pub duration: f64,
-    /// Id of the stored reference.
-    pub reference: Option<String>,
+    /// What models are held against and fitted to, in the order of the file; their data are read when a study asks.
+    pub references: Vec<NamedReference>,
     /// What counts as accurate enough.
     pub tolerance: Option<Tolerance>,
     /// Gears and meshes.
@@ -239,28 +242,37 @@ impl SceneFile {
         }
         let labels: Vec<&str> = models.iter().map(|m| m.label.as_str()).collect();
         let study = study_plan::study(keys.study, &labels, &root.key("study"))?;
-        let reference = keys.reference.map(|r| r.0);
+        let folder = context.folder;
+        let gears = drafts.iter().map(|draft| GearSpec {
+            position: draft.position.unwrap_or_default(),
+            ..draft.spec.clone()
+        });
+        let spec = SceneSpec {
+            gears: gears.collect(),
+            meshes,
+        };
+        let beside = references::Beside {
+            spec: &spec,
+            labels: &labels,
+            folder,
+            duration: keys.duration_s.0,
+        };
+        let several = keys.references.unwrap_or_default();
+        let references = references::references(keys.reference, several, &beside, &root)?;
         let reference_model = study.reference_model.as_deref();
         let tolerance = keys.tolerance.map(|choice| {
             let at = root.key("tolerance");
-            study_plan::tolerance(choice, &models, reference.as_deref(), reference_model, &at)
+            study_plan::tolerance(choice, &models, &references, reference_model, &at)
         });
         let tolerance = tolerance.transpose()?;
-        let gears = drafts.into_iter().map(|draft| GearSpec {
-            position: draft.position.unwrap_or_default(),
-            ..draft.spec
-        });
         let mut file = SceneFile {
             name,
             title: keys.title.trim().to_owned(),
             description: keys.description.trim().to_owned(),
             duration: keys.duration_s.0,
-            reference,
+            references,
             tolerance,
-            spec: SceneSpec {
-                gears: gears.collect(),
-                meshes,
-            },
+            spec,
             models,
             study,
             origin,
@@ -338,7 +350,7 @@ impl SceneFile {
     }
 }
 
-/// Words that a scene introduces itself, and those of the tables of models and references.
+/// Words that a scene introduces itself, and those of the table of models.
 fn known_words(scene: &DeTable<'_>) -> Vec<(&'static str, Vec<String>)> {
     let table = |key: &str| scene.get(key).and_then(|v| v.get_ref().as_table());
     let gears = table("gears").into_iter().flatten();
@@ -350,7 +362,6 @@ fn known_words(scene: &DeTable<'_>) -> Vec<(&'static str, Vec<String>)> {
     };
     let labels = (list.into_iter().flat_map(|l| l.iter())).filter_map(|m| label(m.get_ref()));
     let ids = model_table().iter().map(|m| m.id.to_owned());
-    let references = REFERENCES.iter().map(|r| r.id.to_owned());
     vec![
         (
             "<gear>",
@@ -358,7 +369,6 @@ fn known_words(scene: &DeTable<'_>) -> Vec<(&'static str, Vec<String>)> {
         ),
         ("<model>", labels.collect()),
         ("<gear model>", ids.collect()),
-        ("<reference>", references.collect()),
         (
             "<calibration>",
             calibration::NAMES.map(str::to_owned).to_vec(),

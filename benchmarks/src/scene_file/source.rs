@@ -68,7 +68,10 @@ impl SceneFile {
                 set.insert(used.label.clone(), constants.clone());
             }
         }
+        let tables = self.references.iter().filter_map(|r| r.file());
+        let tables = tables.map(|path| path.display().to_string());
         let read = self.models.iter().flat_map(|m| files(&m.modelling));
+        let read = read.map(str::to_owned).chain(tables);
         Source {
             version: env!("CARGO_PKG_VERSION").into(),
             name: match &self.origin {
@@ -79,11 +82,12 @@ impl SceneFile {
             calibrations: (calibrations.into_iter())
                 .map(|(scene, c)| (scene, c.to_toml()))
                 .collect(),
-            files: (read.map(str::to_owned))
+            files: read
                 .filter_map(|path| Some((path.clone(), hash_of(&path)?)))
                 .collect(),
-            references: (self.reference.iter())
-                .filter_map(|id| Some((id.clone(), hash_of_reference(id)?)))
+            references: (self.references.iter())
+                .filter_map(|r| r.stored())
+                .filter_map(|id| Some((id.to_owned(), hash_of_reference(id)?)))
                 .collect(),
         }
     }

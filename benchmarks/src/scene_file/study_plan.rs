@@ -5,9 +5,11 @@ use super::error::SceneError;
 use super::model::ModelChoice;
 use super::reading::Place;
 use super::reading::keys::keys;
+use super::reading::suggest::there_are;
 use super::reading::values::{
     Count, Distinct, Label, Method, MetricKey, OneOrMany, Positive, Share,
 };
+use super::references::NamedReference;
 use crate::models::models;
 use crate::studies::precision::scene::{Precision, PrecisionKeys};
 use crate::studies::stability::scene::{StabilityKeys, StabilitySet};
@@ -62,8 +64,8 @@ keys! {
         metric: Option<MetricKey>,
         /// greatest magnitude that is accurate enough, for example 0.05
         limit: Positive,
-        /// "reference", "model" (the study's `reference_model`) or "self", the model's own converged solution
-        against: Option<Against>,
+        /// "reference" (the scene's first), the name of one, "model" (the study's `reference_model`) or "self", the model's own converged solution
+        against: Option<String>,
         /// labels of models that are shown for their error: beyond the limit they leave the exit code at 0
         except: Option<Distinct<Label>>,
     }
@@ -76,15 +78,6 @@ pub(super) enum ToleranceChoice {
     Limit(Positive),
     #[serde(rename = "<table>")]
     Full(ToleranceKeys),
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Against {
-    Reference,
-    Model,
-    #[serde(rename = "self")]
-    Itself,
 }
 
 /// Samples of the histories when a scene does not say.
@@ -242,32 +235,55 @@ fn metric_against(id: &str) -> Metric {
 pub(super) fn tolerance(
     choice: ToleranceChoice,
     models: &[ModelChoice],
-    reference: Option<&str>,
+    references: &[NamedReference],
     reference_model: Option<&str>,
     at: &Place<'_>,
 ) -> Result<Tolerance, SceneError> {
-    // Records call a reference by its program.
-    let external = reference.map(|id| id.split('/').next().unwrap_or(id));
+    // Models are held against references of the scene's own conditions.
+    let own = || references.iter().filter(|r| r.is_of_the_scene());
+    let external = own().next().map(|r| r.name.as_str());
     let (metric, limit, against, except) = match choice {
         ToleranceChoice::Limit(limit) => (None, limit, None, None),
         ToleranceChoice::Full(keys) => (keys.metric, keys.limit, keys.against, keys.except),
     };
-    let against = match (against, external, reference_model) {
-        (None | Some(Against::Reference), Some(program), _) => program,
-        (None | Some(Against::Itself), ..) => SELF,
-        (Some(Against::Model), _, Some(label)) => label,
-        (Some(Against::Reference), None, _) => {
+    let against = match (against.as_deref(), external, reference_model) {
+        (None | Some("reference"), Some(name), _) => name,
+        (None | Some(SELF), ..) => SELF,
+        (Some("model"), _, Some(label)) => label,
+        (Some("reference"), None, _) => {
             return at.key("against").refuse(
                 "the scene has no reference",
                 "nothing to refer to",
                 "write \"self\", or give the scene a `reference`",
             );
         }
-        (Some(Against::Model), _, None) => {
+        (Some(name), ..) if own().any(|r| r.name == name) => name,
+        (Some("model"), _, None) => {
             return at.key("against").refuse(
                 "the tolerance is against a model, but the study names none",
                 "against nothing",
                 "add `reference_model = \"LABEL\"` to [study]",
+            );
+        }
+        (Some(name), ..) => {
+            let words = ["reference", "model", SELF].map(str::to_owned);
+            let names = own().map(|r| r.name.clone());
+            let known: Vec<String> = words.into_iter().chain(names).collect();
+            let place = at.key("against");
+            if let Some(other) = references.iter().find(|r| r.name == name) {
+                return place.refuse(
+                    format!(
+                        "the reference \"{}\" is of other conditions than the scene",
+                        other.name
+                    ),
+                    "models are not run there",
+                    "it serves identification; name one of the scene's own speeds and loads",
+                );
+            }
+            return place.refuse(
+                format!("`against` is \"{name}\", which is not known"),
+                "not known",
+                there_are(name, &known),
             );
         }
     };

@@ -5,6 +5,7 @@
 //! Owns the reading of the stored files: a CSV whose header carries SI units, and two JSON files, what the
 //! deck was made from (`params.json`) and figures computed from the results (`summary.json`).
 
+mod data;
 mod format;
 mod history;
 mod parameters;

@@ -187,6 +187,7 @@ fn setting(view: &View<'_>) -> Markup {
                     ("source", &reference.source),
                     ("note", &reference.note),
                     ("samples", &count(reference.series.len() as u64)),
+                    ("read as", &reference.processing.join("; ")),
                     ("cost", &reference.cpu_s.map_or(String::new(), |t| {
                         format!("{} of processor time", quantity(t, "s", 3))
                     })),

@@ -12,7 +12,8 @@
 //! transmission_error_l2 = sqrt( int (e - e_r)^2 dt / int e_r^2 dt ) over the times at which f_r acts
 //! ```
 //!
-//! with the transmission error e as the column [`TRANSMISSION_ERROR`], zero at first touch of rigid flanks.
+//! with the transmission error e as the column [`TRANSMISSION_ERROR`], zero at first touch of rigid flanks. A metric of what a
+//! reference does not have is absent; without a force the transmission error is compared at all its times.
 //!
 //! **Integrals.** Forces of runs are polynomials between located events, with both sides of every jump
 //! ([`ForceHistory`](crate::force::ForceHistory)). Where run and reference are runs, integrals go by Gauss over the union of
@@ -97,7 +98,10 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
     let Finished { series, ledger } = run;
     let target = Target::of(reference);
     // What a run does after its reference ends cannot be compared with it.
-    let window = target.end();
+    let window = match reference.contact_force_n.is_empty() {
+        true => reference.time_s.last().copied().unwrap_or(f64::INFINITY),
+        false => target.end(),
+    };
     let history = force_of(series);
     let run = Force::until(&history, window);
     let known = series.time_s.partition_point(|&t| t <= window);
@@ -138,6 +142,25 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
     metrics
 }
 
+/// Compares a run with a reference whose histories have several axes of time, the contact force on the first: each metric
+/// is that of the histories it is about, and the rebound the largest over all of them.
+pub fn compare_all(run: Finished<'_>, all: &[&TimeSeries], against: &str) -> Metrics {
+    let mut all = all.iter().map(|series| compare(run, series, against));
+    let mut whole = all.next().unwrap_or_else(|| Metrics {
+        against: against.to_owned(),
+        ..Metrics::default()
+    });
+    for more in all {
+        let larger = match (whole.rebound_rel, more.rebound_rel) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        };
+        whole.rebound_rel = larger;
+        whole.transmission_error_l2 = whole.transmission_error_l2.or(more.transmission_error_l2);
+    }
+    whole
+}
+
 /// Speeds that change by less than this part of the fastest gear's change belong to a held gear.
 const HELD: f64 = 1e-6;
 
@@ -176,7 +199,10 @@ fn transmission_error(series: &TimeSeries, reference: &TimeSeries, peak: f64) ->
     };
     let (own, wanted) = (column(series)?, column(reference)?);
     let n = reference.finite_len();
-    let acts = |&i: &usize| reference.contact_force_n[i] > CONTACT_THRESHOLD * peak;
+    // Without a force nothing says when it acts: then all times count.
+    let acts = |&i: &usize| {
+        (reference.contact_force_n.get(i)).is_none_or(|f| *f > CONTACT_THRESHOLD * peak)
+    };
     let mut common: Vec<usize> = Vec::new();
     let mut next = 0;
     for (i, t) in reference.time_s[..n].iter().enumerate() {

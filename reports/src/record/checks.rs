@@ -15,8 +15,9 @@ impl Results {
         }
         self.part.validate()?;
         for reference in &self.references {
-            (reference.series.validate())
-                .map_err(|e| format!("reference {}: {e}", reference.id))?;
+            for series in reference.all_series() {
+                (series.validate()).map_err(|e| format!("reference {}: {e}", reference.id))?;
+            }
         }
         for (i, run) in self.runs.iter().enumerate() {
             let name = || format!("run {} ({}, {})", i + 1, run.model_label(), run.integrator);
@@ -56,6 +57,7 @@ impl Results {
         clean.tolerance = clean.tolerance.filter(|t| t.limit.is_finite());
         for reference in &mut clean.references {
             reference.series = ten_digits(&reference.series);
+            reference.further = reference.further.iter().map(ten_digits).collect();
         }
         clean.part.keep_finite();
         for run in &mut clean.runs {

@@ -180,8 +180,21 @@ pub struct ReferenceSeries {
     /// Processor time it cost \[s\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub cpu_s: Option<f64>,
-    /// The data.
+    /// What was done to the data between their file and here, a line each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub processing: Vec<String>,
+    /// The data: the contact force and what has its times. A column that the reference does not have is empty.
     pub series: TimeSeries,
+    /// Data at other times.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub further: Vec<TimeSeries>,
+}
+
+impl ReferenceSeries {
+    /// All its data, those with the contact force first.
+    pub fn all_series(&self) -> Vec<&TimeSeries> {
+        std::iter::once(&self.series).chain(&self.further).collect()
+    }
 }
 
 /// Lower-case letters, digits, single hyphens.

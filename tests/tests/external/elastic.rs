@@ -47,7 +47,11 @@ fn run(
         },
         tolerance: None,
         reference_model: None,
-        ..Plan::of(scene, &[scene.model(label).unwrap()], Some(external))
+        ..Plan::of(
+            scene,
+            &[scene.model(label).unwrap()],
+            &[external.data([0, 1])],
+        )
     };
     change(&mut plan.entries[0].modelling, other);
     if let Some((text, step)) = method {

@@ -22,7 +22,7 @@ use std::sync::LazyLock;
 pub(crate) fn load(name: &str, labels: &str) -> (SceneFile, ExternalReference) {
     let wanted = scene_file::Selection::Labels(Some(labels));
     let scene = scene_file::load_for(name, wanted).unwrap_or_else(|e| panic!("{e:?}"));
-    let external = reference(scene.reference.as_deref().unwrap()).unwrap();
+    let external = crate::stored(&scene);
     (scene, external)
 }
 
@@ -38,7 +38,11 @@ fn run(
             ..Conditions::of(scene)
         },
         tolerance: None,
-        ..Plan::of(scene, &[scene.model(label).unwrap()], Some(external))
+        ..Plan::of(
+            scene,
+            &[scene.model(label).unwrap()],
+            &[external.data([0, 1])],
+        )
     };
     for contact in &mut plan.entries[0].modelling.contacts {
         if let (Some(points), Some(rule)) = (&mut contact.points, rule) {
@@ -267,7 +271,11 @@ fn explicit_and_implicit_agree_on_the_same_masses() {
             ..Conditions::of(scene)
         },
         tolerance: None,
-        ..Plan::of(scene, &[scene.model("fe").unwrap()], Some(external))
+        ..Plan::of(
+            scene,
+            &[scene.model("fe").unwrap()],
+            &[external.data([0, 1])],
+        )
     };
     let plan = plan.with_methods(vec![
         gearbench_integrators::table::VELOCITY_VERLET.at_step(2.5e-8),

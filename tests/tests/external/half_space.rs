@@ -30,7 +30,11 @@ fn errors(what: &str, other: Other<'_>, half_spaces: bool) -> Metrics {
         },
         tolerance: None,
         reference_model: None,
-        ..Plan::of(&scene, &[scene.model("elastic").unwrap()], Some(&external))
+        ..Plan::of(
+            &scene,
+            &[scene.model("elastic").unwrap()],
+            &[external.data([0, 1])],
+        )
     };
     let modelling = &mut plan.entries[0].modelling;
     for gear in &mut modelling.gears {

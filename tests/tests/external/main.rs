@@ -18,13 +18,8 @@ use gearbench_reference::{ExternalReference, reference};
 use gearbench_reports::record::Metrics;
 
 fn stored(scene: &scene_file::SceneFile) -> ExternalReference {
-    reference(
-        scene
-            .reference
-            .as_deref()
-            .expect("the scene names a reference"),
-    )
-    .expect("it is stored")
+    let named = scene.reference().expect("the scene names a reference");
+    reference(named.stored().expect("it is stored")).expect("it is known")
 }
 
 /// Metrics of each model of a scene against its reference, by label, under a tight adaptive method.
@@ -42,7 +37,7 @@ fn against_reference(name: &str) -> (Vec<(String, Metrics)>, ExternalReference) 
             ..Conditions::of(&scene)
         },
         tolerance: None,
-        ..Plan::of(&scene, &choices, Some(&external))
+        ..Plan::of(&scene, &choices, &[external.data([0, 1])])
     }
     .with_methods(vec![DOPRI5.at_tolerance(1e-8)]);
     let record = compare(&plan, &Runner::default()).unwrap();

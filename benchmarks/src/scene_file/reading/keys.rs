@@ -2,8 +2,8 @@
 
 use super::super::SceneKeys;
 use super::super::{
-    calibrated, contact, contact_points, deviations, gear, mesh, model, profile, stiffness,
-    study_plan,
+    calibrated, contact, contact_points, deviations, gear, mesh, model, profile, references,
+    stiffness, study_plan,
 };
 use crate::studies::{check, precision, stability, sweep};
 
@@ -38,6 +38,10 @@ pub(in super::super) fn tables() -> impl Iterator<Item = &'static Table> {
         &mesh::StartKeys::TABLE,
         &model::ModelKeys::TABLE,
         &model::OfGearKeys::TABLE,
+        &references::ReferenceKeys::TABLE,
+        &references::columns::ColumnKeys::TABLE,
+        &references::columns::UnitKeys::TABLE,
+        &references::conditions::GearConditionKeys::TABLE,
         &calibrated::CalibrationKeys::TABLE,
         &contact::ContactKeys::TABLE,
         &contact_points::PointKeys::TABLE,

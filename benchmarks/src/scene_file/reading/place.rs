@@ -105,6 +105,11 @@ impl<'d> Place<'d> {
         self.document.at("")
     }
 
+    /// The place of a path of the document.
+    pub(crate) fn at(&self, path: &str) -> Place<'d> {
+        self.document.at(path)
+    }
+
     /// The place of one of its keys.
     pub(crate) fn key(&self, key: &str) -> Place<'d> {
         let dot = if self.path.is_empty() { "" } else { "." };

@@ -91,8 +91,6 @@ words_of_the_scene! {
     Label, "<model>";
     /// Id of a gear model.
     ModelId, "<gear model>";
-    /// Id of a stored reference.
-    ReferenceId, "<reference>";
     /// Name of a calibration.
     CalibrationName, "<calibration>";
 }

@@ -67,8 +67,8 @@ fn enough_methods() {
 fn impacts_are_those_of_their_references() {
     for name in ["spur_impact", "spur_impact_large"] {
         let scene = load(name).unwrap();
-        let reference =
-            gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
+        let id = scene.reference().unwrap().stored().unwrap();
+        let reference = gearbench_reference::reference(id).unwrap();
         let p = &reference.parameters;
         assert_eq!(scene.tolerance.as_ref().unwrap().against, "calculix");
         for (i, (gear, data)) in scene.spec.gears.iter().zip(&p.gears).enumerate() {

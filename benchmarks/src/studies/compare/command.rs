@@ -6,7 +6,7 @@ use super::{Plan, compare};
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, refuse_run, stored_reference};
+use crate::cli::terminal::{Refusal, references_of, refuse_run};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
@@ -17,7 +17,7 @@ use gearbench_reports::Study;
 /// Runs the comparison and writes its folder.
 pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
     let mut scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
-    let reference = stored_reference(&mut scene, &args.insist)?;
+    let references = references_of(&mut scene, &args.insist)?;
     let choices = scene.select(args.models.as_deref())?;
     let plan = Plan {
         conditions: Conditions {
@@ -28,7 +28,7 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
             timeout: args.run.bounded.timeout(),
             ..Conditions::of(&scene)
         },
-        ..Plan::of(&scene, &choices, reference.as_ref())
+        ..Plan::of(&scene, &choices, &references)
     };
     let plan = match &args.integrators {
         // What the command line asks for goes for all models.

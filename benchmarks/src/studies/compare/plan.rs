@@ -2,10 +2,10 @@
 
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::external::external;
+use crate::experiment::referenced::recorded;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Scheme;
-use gearbench_reference::ExternalReference;
+use gearbench_reference::data::Reference;
 use gearbench_reports::record::{ReferenceSeries, Tolerance};
 
 /// What to compare.
@@ -17,8 +17,8 @@ pub struct Plan<'a> {
     pub entries: Vec<Configuration>,
     /// Integrators.
     pub methods: Vec<Scheme>,
-    /// External reference.
-    pub reference: Option<ReferenceSeries>,
+    /// What all models are held against: measured, or computed elsewhere.
+    pub references: Vec<ReferenceSeries>,
     /// Label of an entry whose first run is a further reference.
     pub reference_model: Option<String>,
     /// Source of published times.
@@ -32,7 +32,7 @@ impl Plan<'_> {
     pub fn of(
         scene: &SceneFile,
         choices: &[&ModelChoice],
-        reference: Option<&ExternalReference>,
+        references: &[Reference],
     ) -> Plan<'static> {
         Plan {
             conditions: Conditions::of(scene),
@@ -41,7 +41,9 @@ impl Plan<'_> {
                 .map(|c| Configuration::of(scene, c))
                 .collect(),
             methods: scene.study.integrators.clone(),
-            reference: reference.map(external),
+            references: (references.iter())
+                .map(|r| recorded(r, &scene.spec))
+                .collect(),
             reference_model: scene.study.reference_model.clone(),
             published: scene.study.published.clone(),
             tolerance: scene.tolerance.clone(),

@@ -9,7 +9,7 @@ use crate::experiment::runner::Runner;
 use crate::experiment::status::{against_contact, against_itself, against_tolerance};
 use crate::experiment::thin::thin_row;
 use gearbench_reports::comparison::CompareRecord;
-use gearbench_reports::metrics::compare as measure;
+use gearbench_reports::metrics::{compare as measure, compare_all};
 use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run};
 use gearbench_reports::series::TimeSeries;
 use std::fmt::Display;
@@ -27,7 +27,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
     let mut runs = Vec::with_capacity(plan.len());
     let mut left_out = Vec::new();
     let mut refused = None;
-    let mut references: Vec<ReferenceSeries> = plan.reference.iter().cloned().collect();
+    let mut references: Vec<ReferenceSeries> = plan.references.clone();
     // The model that is a reference runs first, and keeps its place in the record.
     let is_reference =
         |e: &Configuration| plan.reference_model.as_deref() == Some(e.label.as_str());
@@ -139,7 +139,7 @@ fn measure_against(
 ) {
     let Ok(run) = row.finished() else { return };
     let mut metrics: Vec<Metrics> = (references.iter())
-        .map(|r| measure(run, &r.series, &r.id))
+        .map(|r| compare_all(run, &r.all_series(), &r.id))
         .collect();
     metrics.extend(converged.map(|own| measure(run, own, "self")));
     row.metrics.extend(metrics);
@@ -165,7 +165,7 @@ mod tests {
         let scene = coarse("modes = 4, spin_terms = \"full\"");
         let choices: Vec<_> = scene.models.iter().collect();
         let methods = vec![TRIGONOMETRIC.at_step(1e-6), DOPRI5.at_tolerance(1e-5)];
-        let plan = Plan::of(&scene, &choices, None).with_methods(methods);
+        let plan = Plan::of(&scene, &choices, &[]).with_methods(methods);
         let results = compare(&plan, &Runner::default()).unwrap();
         assert_eq!(results.runs.len(), 1);
         let own = results.runs[0].against("self").and_then(|m| m.force_l2);

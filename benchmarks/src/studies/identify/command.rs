@@ -6,7 +6,7 @@ use super::{Identification, IdentifyError, StaticTarget, Target, identify};
 use crate::cli::answer::Answer;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, refuse_study, say, stored_reference};
+use crate::cli::terminal::{Refusal, absolute, references_of, refuse_study, say};
 use crate::experiment::conditions::silent;
 use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
@@ -16,7 +16,7 @@ use crate::scene_file::calibration::{Constants, FittedTo};
 use crate::scene_file::{self, Calibration, SceneFile, Selection};
 use gearbench_models::gear::table::properties_of;
 use gearbench_models::spec::mesh_layout;
-use gearbench_reference::ExternalReference;
+use gearbench_reference::data::Reference;
 use std::path::PathBuf;
 
 /// Positions of a mesh cycle that statics are fitted at.
@@ -34,12 +34,15 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
         false => None,
     };
     // Beyond the scene's duration the reference may lack what the scene has, as the other flanks.
-    let history = reference.as_ref().map(|r| {
-        let history = &r.history;
-        let n = history.time.partition_point(|&t| t <= scene.duration);
-        (&history.time[..n], &history.contact_force[..n])
+    let history = reference.as_ref().and_then(Reference::force);
+    let history = history.map(|(time, force)| {
+        let n = time.partition_point(|&t| t <= scene.duration);
+        (&time[..n], &force[..n])
     });
-    let mut names: Vec<String> = reference.iter().map(|r| r.id.to_owned()).collect();
+    let named = scene.reference().filter(|_| reference.is_some());
+    let mut names: Vec<String> = (named.iter())
+        .map(|r| r.stored().unwrap_or(&r.name).to_owned())
+        .collect();
     let statics = match args.to.to_statics() {
         true => {
             let (label, target) = statics_of(&scene, args)?;
@@ -117,8 +120,9 @@ fn calibrated(choice: &scene_file::ModelChoice) -> bool {
 }
 
 /// The reference whose history is fitted.
-fn history_of(scene: &mut SceneFile, args: &Identify) -> Result<ExternalReference, Refusal> {
-    if let Some(reference) = stored_reference(scene, &args.insist)? {
+fn history_of(scene: &mut SceneFile, args: &Identify) -> Result<Reference, Refusal> {
+    let references = references_of(scene, &args.insist)?;
+    if let Some(reference) = references.into_iter().find(|r| r.force().is_some()) {
         return Ok(reference);
     }
     let way_out = match scene.fitting() {

@@ -6,7 +6,7 @@ use super::{Plan, study};
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, refuse_run, stored_reference};
+use crate::cli::terminal::{Refusal, references_of, refuse_run};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, SceneError, Selection};
@@ -27,9 +27,9 @@ pub fn run(args: &Precision, command: &str) -> Result<Answer, Refusal> {
     };
     let mut scene =
         scene_file::load_for(&args.scene, Selection::Precision(args.models.as_deref()))?;
-    let reference = stored_reference(&mut scene, &args.insist)?;
+    let references = references_of(&mut scene, &args.insist)?;
     let choices = scene.select_precision(args.models.as_deref())?;
-    let plan = Plan::of(&scene, &choices, reference.as_ref(), &args.asked).map_err(refused)?;
+    let plan = Plan::of(&scene, &choices, &references, &args.asked).map_err(refused)?;
     // What was simulated stands first, then what it was held against.
     let mut told = settings(&scene, &choices, false);
     told.retain(|(what, _)| {

@@ -5,12 +5,12 @@ use super::references::{held_against, references};
 use super::resolutions::Resolutions;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::external::external;
+use crate::experiment::referenced::recorded;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::scheme::SchemeRequest;
 use gearbench_integrators::{MethodError, Scheme};
 use gearbench_models::gear::parameters::ModelParameters;
-use gearbench_reference::ExternalReference;
+use gearbench_reference::data::Reference;
 use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::Metric;
@@ -67,7 +67,8 @@ pub struct Plan<'a> {
     /// Models with their series.
     pub variants: Vec<Variant>,
     pub fulls: Vec<Full>,
-    pub external: Option<ReferenceSeries>,
+    /// References from elsewhere.
+    pub external: Vec<ReferenceSeries>,
     /// The metrics, the first above all.
     pub metrics: Vec<Metric>,
     /// Short runs are repeated until their times together reach this.
@@ -82,19 +83,20 @@ impl Plan<'_> {
     pub fn of(
         scene: &SceneFile,
         choices: &[&ModelChoice],
-        reference: Option<&ExternalReference>,
+        elsewhere: &[Reference],
         asked: &Asked,
     ) -> Result<Plan<'static>, String> {
         let own = &scene.study.precision;
-        let external = reference.map(external);
+        let recorded = elsewhere.iter().map(|r| recorded(r, &scene.spec));
+        let external: Vec<ReferenceSeries> = recorded.collect();
         let mut variants = Vec::new();
         for choice in choices {
             variants.extend(variants_of(scene, choice, asked)?);
         }
-        let fulls = references(scene, choices, &variants, external.as_ref(), asked)?;
+        let fulls = references(scene, choices, &variants, &external, asked)?;
         let mut settings = Vec::new();
         for variant in &mut variants {
-            let akin = held_against(scene, variant, &fulls, external.as_ref());
+            let akin = held_against(scene, variant, &fulls, &external);
             let stored = external.iter().map(|e| e.id.as_str());
             if variant
                 .entry
@@ -132,7 +134,8 @@ impl Plan<'_> {
                 },
             ));
         }
-        let external = external.filter(|e| variants.iter().any(|v| v.against.contains(&e.id)));
+        let held = |e: &ReferenceSeries| variants.iter().any(|v| v.against.contains(&e.id));
+        let external = external.into_iter().filter(held).collect();
         Ok(Plan {
             conditions: Conditions {
                 duration: own.duration.unwrap_or(scene.duration),

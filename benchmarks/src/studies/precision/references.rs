@@ -28,7 +28,7 @@ pub(super) fn references(
     scene: &SceneFile,
     choices: &[&ModelChoice],
     variants: &[Variant],
-    external: Option<&ReferenceSeries>,
+    external: &[ReferenceSeries],
     asked: &Asked,
 ) -> Result<Vec<Full>, String> {
     let densest = |label: Option<&str>| {
@@ -51,14 +51,14 @@ pub(super) fn references(
             .filter(|m| is_full(m))
             .map(|m| full(scene, m))
             .collect();
-        if fulls.is_empty() && external.is_none() {
+        if fulls.is_empty() && external.is_empty() {
             fulls.extend(densest(None));
         }
         return Ok(fulls);
     }
     let mut fulls = Vec::new();
     for id in &asked.against {
-        if external.is_some_and(|e| e.id == *id) {
+        if external.iter().any(|e| e.id == *id) {
             continue;
         }
         let found = match scene.model(id) {
@@ -72,9 +72,8 @@ pub(super) fn references(
                 .filter(|m| is_full(m))
                 .map(|m| m.label.as_str());
             let elastic = variants.iter().filter(|v| v.modes.is_some());
-            let mut known: Vec<&str> = external
+            let mut known: Vec<&str> = (external.iter())
                 .map(|e| e.id.as_str())
-                .into_iter()
                 .chain(full)
                 .collect();
             known.extend(elastic.map(|v| v.entry.label.as_str()));
@@ -149,7 +148,7 @@ pub(super) fn held_against(
     scene: &SceneFile,
     variant: &Variant,
     fulls: &[Full],
-    external: Option<&ReferenceSeries>,
+    external: &[ReferenceSeries],
 ) -> Vec<String> {
     let own = points(&variant.entry);
     let per_area = |c: &PointContact| c.rule != PointRule::EachNode;
@@ -159,8 +158,14 @@ pub(super) fn held_against(
         _ => true,
     };
     let mut ids = Vec::new();
-    if let Some(e) = external {
-        // The stored reference has the contact of the scene's full model with a penalty per area, if it has one.
+    let stored = |id: &str| (scene.references.iter()).any(|r| r.name == id && r.stored().is_some());
+    for e in external {
+        // What was measured has the contact of nature: all models are held against it.
+        if !stored(&e.id) {
+            ids.push(e.id.clone());
+            continue;
+        }
+        // A stored reference has the contact of the scene's full model with a penalty per area, if it has one.
         let full = |m: &&ModelChoice| m.model == FULL;
         let entries: Vec<Configuration> = (scene.models.iter().filter(full))
             .map(|m| Configuration::of(scene, m))

@@ -9,7 +9,7 @@ use crate::experiment::thin::thin;
 use gearbench_integrators::Resolution;
 use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::{Modelling, SceneSpec};
-use gearbench_reports::metrics::compare as measure;
+use gearbench_reports::metrics::{compare as measure, compare_all};
 use gearbench_reports::precision::PrecisionRecord;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run, SELF, Status};
 use gearbench_reports::series::TimeSeries;
@@ -66,9 +66,9 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
         }
         computed.push((record, series));
     }
-    let mut references: Vec<(&str, &TimeSeries)> = Vec::new();
-    references.extend((plan.external.iter()).map(|e| (e.id.as_str(), &e.series)));
-    references.extend((computed.iter()).map(|(r, s)| (r.id.as_str(), s)));
+    let mut references: Vec<(&str, Vec<&TimeSeries>)> = Vec::new();
+    references.extend((plan.external.iter()).map(|e| (e.id.as_str(), e.all_series())));
+    references.extend((computed.iter()).map(|(r, s)| (r.id.as_str(), vec![s])));
 
     let full_names: Vec<String> = plan.fulls.iter().map(|f| format!("{f:?}")).collect();
     let mut runs: Vec<Run> = Vec::with_capacity(plan.len());
@@ -195,13 +195,13 @@ fn fill(row: &mut Run, variant: &Variant) {
 fn measure_against(
     row: &mut Run,
     variant: &Variant,
-    references: &[(&str, &TimeSeries)],
+    references: &[(&str, Vec<&TimeSeries>)],
     own: Option<&TimeSeries>,
 ) {
     let mut metrics = Vec::new();
     if let Ok(run) = row.finished() {
         let held = (references.iter()).filter(|(id, _)| variant.against.iter().any(|a| a == id));
-        metrics.extend(held.map(|(id, reference)| measure(run, reference, id)));
+        metrics.extend(held.map(|(id, all)| compare_all(run, all, id)));
         metrics.extend(own.map(|own| measure(run, own, SELF)));
     }
     row.metrics.extend(metrics);
@@ -313,7 +313,7 @@ impl Study<'_> {
         &self,
         variant: &Variant,
         row: &Run,
-        references: &[(&str, &TimeSeries)],
+        references: &[(&str, Vec<&TimeSeries>)],
     ) -> Result<(Option<TimeSeries>, Option<f64>), RunError> {
         let entry = &variant.entry;
         // A model that is a reference has its converged solution already.
@@ -323,7 +323,8 @@ impl Study<'_> {
         });
         if let Some(full) = reference {
             let found = references.iter().find(|(id, _)| *id == full.id);
-            return Ok((found.map(|(_, held)| (*held).clone()), None));
+            let whole = found.and_then(|(_, all)| all.first());
+            return Ok((whole.map(|series| (*series).clone()), None));
         }
         if row.modes.is_some() {
             let of = (&entry.scene, &entry.modelling);

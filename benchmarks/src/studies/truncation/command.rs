@@ -7,9 +7,9 @@ use super::summary::summarise;
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, refuse_run, stored_reference};
+use crate::cli::terminal::{Refusal, references_of, refuse_run};
 use crate::experiment::conditions::Conditions;
-use crate::experiment::external::external;
+use crate::experiment::referenced::recorded;
 use crate::experiment::settings::settings;
 use crate::scene_file;
 use gearbench_reports::Study;
@@ -17,7 +17,7 @@ use gearbench_reports::Study;
 /// Runs the study and writes its folder.
 pub fn run(args: &Truncation, command: &str) -> Result<Answer, Refusal> {
     let mut scene = scene_file::load(&args.scene)?;
-    let reference = stored_reference(&mut scene, &args.insist)?;
+    let references = references_of(&mut scene, &args.insist)?;
     let (elastic, full) = sides(&scene, args)?;
     let conditions = Conditions {
         command: command.to_string(),
@@ -28,7 +28,9 @@ pub fn run(args: &Truncation, command: &str) -> Result<Answer, Refusal> {
         ..Conditions::of(&scene)
     };
     let plan = Plan {
-        external: reference.as_ref().map(external),
+        external: (references.iter())
+            .map(|r| recorded(r, &scene.spec))
+            .collect(),
         ..Plan::of(&scene, (elastic, full), args, conditions)?
     };
     let output = &args.run.bounded.output;

@@ -87,7 +87,8 @@ pub(super) struct Plan<'a> {
     pub counts: Vec<usize>,
     /// Halve the distance to the fewest modes.
     pub refine: bool,
-    pub external: Option<ReferenceSeries>,
+    /// References from elsewhere.
+    pub external: Vec<ReferenceSeries>,
 }
 
 /// What a run keeps.
@@ -138,7 +139,7 @@ impl Plan<'_> {
             full_method: full_method(scene, full, args)?,
             counts,
             refine: !args.no_refine,
-            external: None,
+            external: Vec::new(),
         })
     }
 

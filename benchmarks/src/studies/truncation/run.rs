@@ -4,7 +4,7 @@ use super::plan::{Case, FULL, Kept, Plan, WAYS};
 use crate::experiment::run::{Job, RunError, run};
 use crate::experiment::runner::Runner;
 use crate::experiment::thin::thin_row;
-use gearbench_reports::metrics::compare as measure;
+use gearbench_reports::metrics::compare_all;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
 use gearbench_reports::truncation::{LIMITS, ways};
 
@@ -41,8 +41,9 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
             reference.message.as_deref().unwrap_or("no reason given")
         )));
     };
-    if let Some(external) = &plan.external {
-        let metrics = (reference.finished()).map(|r| measure(r, &external.series, &external.id));
+    for external in &plan.external {
+        let metrics = reference.finished();
+        let metrics = metrics.map(|r| compare_all(r, &external.all_series(), &external.id));
         reference.metrics.extend(metrics);
     }
     let mut references = vec![ReferenceSeries {
@@ -75,7 +76,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
         let mut row = runner.row(job.key().and(&held), &method, || {
             let mut row = run(&job)?;
             for r in &results.references {
-                let metrics = row.finished().map(|run| measure(run, &r.series, &r.id));
+                let metrics = (row.finished()).map(|run| compare_all(run, &r.all_series(), &r.id));
                 row.metrics.extend(metrics);
             }
             row.contacts = None;

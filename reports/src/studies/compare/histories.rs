@@ -1,5 +1,6 @@
 //! Contact force and angular velocities over time: one run per model, with the reference.
 
+use super::window::{TimeAxis, busy_window, contact_window, peak_of, time_axis};
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
@@ -21,6 +22,8 @@ struct Drawn<'a> {
 pub(super) struct History<'a> {
     pub label: String,
     pub series: &'a TimeSeries,
+    /// Of a reference, its histories at other times.
+    pub further: &'a [TimeSeries],
     pub stroke: Stroke,
     /// Place of its model; none of a reference.
     pub style: Option<usize>,
@@ -37,6 +40,17 @@ pub(super) struct Histories<'a> {
     pub zoom: Option<TimeAxis>,
 }
 
+impl<'a> History<'a> {
+    /// Its histories, of a reference also those at other times.
+    pub fn all_series(&self) -> impl Iterator<Item = &'a TimeSeries> {
+        std::iter::once(self.series).chain(self.further)
+    }
+
+    fn has_force(&self) -> bool {
+        !self.series.contact_force_n.is_empty()
+    }
+}
+
 impl<'a> Histories<'a> {
     pub fn of(view: &View<'a>) -> Option<Self> {
         let reference = view.reference();
@@ -44,6 +58,7 @@ impl<'a> Histories<'a> {
             .map(|r| History {
                 label: view.reference_name(&r.id),
                 series: &r.series,
+                further: &r.further,
                 stroke: reference_stroke(),
                 style: None,
             })
@@ -55,6 +70,7 @@ impl<'a> Histories<'a> {
         curves.extend(others.map(|r| History {
             label: view.reference_name(&r.id),
             series: &r.series,
+            further: &r.further,
             stroke: Stroke::dashed(Ink::GREY, 1.3, &[1.5, 2.0]),
             style: None,
         }));
@@ -84,13 +100,16 @@ impl<'a> Histories<'a> {
             curves.push(History {
                 label,
                 series,
+                further: &[],
                 stroke: model_stroke(group.style),
                 style: Some(group.style),
             });
         }
         let all: Vec<&TimeSeries> = curves.iter().map(|c| c.series).collect();
         let time = time_axis(contact_window(&all));
-        let zoom = busy_window(all.first()?).map(time_axis);
+        // A reference may lack a force.
+        let busiest = curves.iter().find(|c| c.has_force());
+        let zoom = busy_window(busiest.map_or(*all.first()?, |c| c.series)).map(time_axis);
         Some(Self {
             reference,
             runs,
@@ -100,7 +119,7 @@ impl<'a> Histories<'a> {
         })
     }
 
-    fn legend(&self) -> Vec<Entry> {
+    pub fn legend(&self) -> Vec<Entry> {
         let entry = |c: &History<'_>| Entry::history(&c.label, c.stroke, c.style);
         self.curves.iter().map(entry).collect()
     }
@@ -118,12 +137,14 @@ impl<'a> Histories<'a> {
     ) -> Vec<Curve> {
         let overview = self.zoom.is_some() && *time == self.time;
         let line = |c: &History<'_>| {
-            let values = column(c.series)?;
+            // A column that a reference does not have is no line at zero.
+            let mut all = c.all_series().filter_map(|s| Some((s, column(s)?)));
+            let (series, values) = all.find(|(_, values)| !values.is_empty())?;
             let stroke = match overview {
                 true => Stroke::new(c.stroke.ink, 0.9),
                 false => c.stroke,
             };
-            let x = scaled(&c.series.time_s, time.factor);
+            let x = scaled(&series.time_s, time.factor);
             let y = scaled(values, factor);
             let curve = Curve::history(stroke, &time.axis, &x, &y);
             Some(curve.along(c.style.filter(|_| !overview)))
@@ -138,73 +159,6 @@ fn is_run(id: &str, run: &Run) -> bool {
         None => run.model == id,
         Some(v) => id == v || id == format!("{}-{v}", run.model),
     }
-}
-
-/// Time axis: window \[s\], prefix, name.
-#[derive(PartialEq)]
-pub(super) struct TimeAxis {
-    pub axis: Axis,
-    factor: f64,
-    pub name: String,
-}
-
-fn time_axis(window: (f64, f64)) -> TimeAxis {
-    let prefix = Prefix::of(window.1.abs().max(window.0.abs()), 1.0);
-    TimeAxis {
-        axis: Axis::linear(window.0 * prefix.factor, window.1 * prefix.factor),
-        factor: prefix.factor,
-        name: format!("time [{}s]", prefix.symbol),
-    }
-}
-
-/// The time in which something happens: all contact with a margin, or everything.
-fn contact_window(all: &[&TimeSeries]) -> (f64, f64) {
-    let mut whole = (f64::INFINITY, f64::NEG_INFINITY);
-    let mut contact = whole;
-    let peak = peak_of(all);
-    for s in all {
-        for (&t, &f) in s.time_s.iter().zip(&s.contact_force_n) {
-            whole = (whole.0.min(t), whole.1.max(t));
-            if f > 1e-3 * peak {
-                contact = (contact.0.min(t), contact.1.max(t));
-            }
-        }
-    }
-    let span = contact.1 - contact.0;
-    if span > 0.0 && span < 0.75 * (whole.1 - whole.0) {
-        let margin = 0.12 * span;
-        (
-            whole.0.max(contact.0 - margin),
-            whole.1.min(contact.1 + margin),
-        )
-    } else {
-        whole
-    }
-}
-
-fn peak_of(all: &[&TimeSeries]) -> f64 {
-    (all.iter().flat_map(|s| &s.contact_force_n)).fold(0.0_f64, |a, &f| a.max(f))
-}
-
-/// A window around the highest peak when the history is too busy to read as a whole: five
-/// contacts, or about eight oscillations about the mean.
-fn busy_window(s: &TimeSeries) -> Option<(f64, f64)> {
-    let f = &s.contact_force_n;
-    let n = f.len().min(s.time_s.len());
-    let peak_at = (0..n).max_by(|&a, &b| f[a].total_cmp(&f[b]))?;
-    let mean = f[..n].iter().sum::<f64>() / n as f64;
-    let rises: Vec<usize> = (1..n)
-        .filter(|&i| f[i - 1] <= mean && f[i] > mean)
-        .collect();
-    if rises.len() < 12 {
-        return None;
-    }
-    let here = rises.partition_point(|&i| i <= peak_at);
-    let from = rises[here.saturating_sub(3).min(rises.len() - 1)];
-    let to = rises[(here + 2).min(rises.len() - 1)];
-    let (a, b) = (s.time_s[from], s.time_s[to]);
-    let margin = 0.08 * (b - a);
-    (b > a).then_some((a - margin, b + margin))
 }
 
 fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
@@ -225,15 +179,16 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             .close()
     };
     let mut caption =
-        "Contact force of one run per model, the one with the least error.".to_owned();
+        "Normal contact force of one run per model, the one with the least error.".to_owned();
     let mut panels = Vec::new();
     match &h.zoom {
         None => panels.push(panel(&h.time, 240.0)),
         Some(zoom) => {
             let top = Axis::from_zero(h.peak() * unit.factor);
             let lines = h.lines(|s| Some(&s.contact_force_n), unit.factor, &h.time);
-            let last = h.curves.len() - 1;
-            for (i, (line, curve)) in lines.into_iter().zip(&h.curves).enumerate() {
+            let forces = h.curves.iter().filter(|c| c.has_force());
+            let last = lines.len().saturating_sub(1);
+            for (i, (line, curve)) in lines.into_iter().zip(forces).enumerate() {
                 let name = format!("force [{}N]", unit.symbol);
                 panels.push(Panel {
                     y: Some(top.clone()),
@@ -250,7 +205,8 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             );
         }
     }
-    if let Some(reference) = h.reference {
+    let with_force = |r: &&ReferenceSeries| !r.series.contact_force_n.is_empty();
+    if let Some(reference) = h.reference.filter(with_force) {
         panels.push(residual(
             &h,
             reference,
@@ -331,7 +287,8 @@ pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         return Ok(None);
     };
     let mut names: Vec<&str> = Vec::new();
-    for (name, _) in h.curves.iter().flat_map(|c| c.series.named_columns()) {
+    let all = h.curves.iter().flat_map(History::all_series);
+    for (name, _) in all.flat_map(TimeSeries::named_columns) {
         if let Some(name) = name.strip_suffix(SPEED)
             && !names.contains(&name)
         {

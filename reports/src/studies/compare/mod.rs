@@ -1,5 +1,6 @@
 //! The study that compares models and integrators of a scene; other studies borrow its charts of histories.
 
+mod channels;
 mod cost;
 mod finding;
 mod glance;
@@ -7,6 +8,7 @@ pub(super) mod histories;
 mod mesh;
 mod pressure;
 mod timing;
+mod window;
 
 use crate::drawing::canvas::DrawError;
 use crate::markup::runs;
@@ -29,6 +31,7 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         histories::force(view)?,
         pressure::pressure(view)?,
         histories::speeds(view)?,
+        channels::channels(view)?,
         mesh::mesh(view)?,
         cost::runtime(view)?,
         cost::accuracy(view)?,

@@ -267,6 +267,7 @@ pub fn impact_results() -> Results {
             command: Some("ccx AF8_d05".into()),
             cpu_s: Some(243.0),
             series: reference,
+            ..ReferenceSeries::default()
         }],
         runs,
         ..Results::default()

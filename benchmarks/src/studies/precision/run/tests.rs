@@ -13,9 +13,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 fn plan(scene: &str, labels: &str, stored: bool, asked: &Asked) -> Result<Plan<'static>, String> {
     let scene = load_for(scene, Selection::None).unwrap();
     let choices = scene.select(Some(labels)).unwrap();
-    let id = scene.reference.as_deref().filter(|_| stored);
-    let reference = id.map(|id| gearbench_reference::reference(id).unwrap());
-    Plan::of(&scene, &choices, reference.as_ref(), asked)
+    let references = match stored {
+        true => scene.clone().held_of_the_scene(true).unwrap(),
+        false => Vec::new(),
+    };
+    Plan::of(&scene, &choices, &references, asked)
 }
 
 /// The rigid gears of the impact, a few resolutions.
@@ -161,7 +163,7 @@ fn references_go_with_their_contact() {
         plan("rack_pinion", all, true, &asked)
     };
     let fe = named("fe").unwrap();
-    assert!(fe.variants.iter().all(|v| v.against == ["fe"]) && fe.external.is_none());
+    assert!(fe.variants.iter().all(|v| v.against == ["fe"]) && fe.external.is_empty());
     for (label, said) in [("elastic", "fe"), ("elastic-nodes", "fe (another contact)")] {
         let row = (format!("model {label} is held against"), said.to_owned());
         assert!(fe.conditions.settings.contains(&row), "{row:?}");
@@ -174,7 +176,7 @@ fn references_go_with_their_contact() {
 fn without_finite_elements_the_densest_elastic_model_is_the_reference() {
     let scene = load_for("hammer", Selection::None).unwrap();
     let choices = scene.select(None).unwrap();
-    let plan_of = |choices: &[_]| Plan::of(&scene, choices, None, &Asked::default()).unwrap();
+    let plan_of = |choices: &[_]| Plan::of(&scene, choices, &[], &Asked::default()).unwrap();
     let plan = plan_of(&choices);
     let ids: Vec<_> = plan.fulls.iter().map(|f| f.id.as_str()).collect();
     assert_eq!(ids, ["elastic"]);
@@ -196,7 +198,7 @@ fn references_that_run_out_of_time_say_so() {
     };
     let scene = load_for("hammer", Selection::None).unwrap();
     let choices = scene.select(Some("elastic")).unwrap();
-    let mut plan = Plan::of(&scene, &choices, None, &asked).unwrap();
+    let mut plan = Plan::of(&scene, &choices, &[], &asked).unwrap();
     plan.conditions.timeout = Duration::from_nanos(1);
     let e = study(&plan, &Runner::default()).unwrap_err().to_string();
     for said in ["elastic", "--timeout", "duration_s", "--against"] {

@@ -1,10 +1,10 @@
 //! A stored reference against the gears of a scene: errors against a run of other gears, speeds or loads say nothing
 //! of a model.
 
-use super::{SceneError, SceneFile};
+use super::super::SceneFile;
 use gearbench_models::spec::{Body, GearSpec, Mount, mesh_layout};
 use gearbench_reference::stored::{GearData, ImpactParameters};
-use gearbench_reference::{ExternalReference, REFERENCES, reference};
+use gearbench_reference::{REFERENCES, reference};
 use gearbench_reports::numbers::{digits_apart, short};
 
 /// Relative deviation of a length, angle or speed that is still the same one.
@@ -33,43 +33,6 @@ impl Differs {
 }
 
 impl SceneFile {
-    /// The stored reference of the scene. One of other gears is refused, unless the user insists (`any`); then the
-    /// difference is among what is odd about the scene.
-    ///
-    /// # Errors
-    /// [`SceneError`] at the line of `reference`, with both values of all that differs.
-    pub fn held_reference(&mut self, any: bool) -> Result<Option<ExternalReference>, SceneError> {
-        let Some(id) = self.reference.clone() else {
-            return Ok(None);
-        };
-        let place = self.document.at("").key("reference");
-        // Ids that are not known are refused when the scene is read.
-        let found = reference(&id).map_err(|e| {
-            place.error(
-                e.to_string(),
-                "cannot be read",
-                "`gearbench list` names the references",
-            )
-        })?;
-        let differs = self.differs_from(&found.parameters);
-        if differs.is_empty() {
-            return Ok(Some(found));
-        }
-        let error = place.error(
-            format!("the reference is of another run than the scene: {}", differs.join(", ")),
-            "not of these gears",
-            match self.fitting() {
-                Some(fitting) => format!("write `{fitting}`; --any-reference insists"),
-                None => "no stored reference is of these gears, speeds and loads: leave it out; --any-reference insists".into(),
-            },
-        );
-        if !any {
-            return Err(error);
-        }
-        self.odd.push(error);
-        Ok(Some(found))
-    }
-
     /// The lines of a scene with each reference that is of its gears, speeds and loads; `None` where none is.
     pub fn fitting(&self) -> Option<String> {
         let fits =
@@ -80,7 +43,7 @@ impl SceneFile {
     }
 
     /// All in which the scene differs from what a reference was computed from.
-    fn differs_from(&self, of: &ImpactParameters) -> Vec<String> {
+    pub(super) fn differs_from(&self, of: &ImpactParameters) -> Vec<String> {
         let mut differs = Differs(Vec::new());
         let ([a, b], [mesh]) = (self.spec.gears.as_slice(), self.spec.meshes.as_slice()) else {
             let count = format!("{} gears", self.spec.gears.len());

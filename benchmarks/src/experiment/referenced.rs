@@ -1,0 +1,78 @@
+//! References as records keep them.
+//!
+//! A record has one series over the times of the contact force, else of the first history, and a further series for the
+//! histories on each other axis of times. A column that the reference does not have is empty.
+
+use crate::scene_file::references::subjects;
+use gearbench_models::scene::{Channel, OfGear, OfMesh};
+use gearbench_models::spec::SceneSpec;
+use gearbench_reference::data::{self, Quantity, Reference};
+use gearbench_reports::metrics::TRANSMISSION_ERROR;
+use gearbench_reports::record::ReferenceSeries;
+use gearbench_reports::series::{Column, TimeSeries};
+
+/// A reference as records of a scene keep it.
+pub fn recorded(r: &Reference, scene: &SceneSpec) -> ReferenceSeries {
+    let mut all: Vec<TimeSeries> = Vec::new();
+    // The contact force first: its times are those of the series that stands in all records.
+    let is_force = |c: &&data::Channel| c.quantity == Quantity::Force(0);
+    let first = r.channels.iter().filter(is_force);
+    for channel in first.chain(r.channels.iter().filter(|c| !is_force(c))) {
+        let place = all.iter().position(|s| s.time_s == channel.time);
+        let index = place.unwrap_or_else(|| {
+            all.push(TimeSeries {
+                time_s: channel.time.clone(),
+                ..TimeSeries::default()
+            });
+            all.len() - 1
+        });
+        put(&mut all[index], channel, scene);
+    }
+    let mut all = all.into_iter();
+    ReferenceSeries {
+        id: r.id.clone(),
+        title: r.title.clone(),
+        source: r.source.clone(),
+        note: r.note.clone(),
+        command: r.command.clone(),
+        cpu_s: r.cpu_s,
+        processing: r.processing.clone(),
+        series: all.next().unwrap_or_default(),
+        further: all.collect(),
+    }
+}
+
+/// Puts a history into the series of its times.
+fn put(series: &mut TimeSeries, channel: &data::Channel, scene: &SceneSpec) {
+    let values = channel.value.clone();
+    let name = match channel.quantity {
+        Quantity::Force(0) => {
+            series.contact_force_n = values;
+            return;
+        }
+        // The first two gears have columns of their own, a rack as its mate would turn.
+        Quantity::Speed(g) if g < 2 => {
+            let radius = subjects(scene).gears.get(g).and_then(|g| g.slides);
+            let turning = values.iter().map(|v| v / radius.unwrap_or(1.0)).collect();
+            let column = match g {
+                0 => &mut series.omega1_rad_s,
+                _ => &mut series.omega2_rad_s,
+            };
+            *column = turning;
+            return;
+        }
+        Quantity::TransmissionError(0) => TRANSMISSION_ERROR.to_owned(),
+        Quantity::TransmissionError(m) => match scene.meshes.get(m) {
+            Some(mesh) => {
+                let [a, b] = mesh.gears.map(|i| scene.gears[i].name.as_str());
+                format!("transmission_error_{a}_{b}_m")
+            }
+            None => return,
+        },
+        Quantity::Force(m) => Channel::Mesh(m, OfMesh::Force).column(scene),
+        Quantity::Speed(g) => Channel::Gear(g, OfGear::Speed).column(scene),
+        Quantity::Angle(g) => Channel::Gear(g, OfGear::Displacement).column(scene),
+        Quantity::Torque(g) => Channel::Gear(g, OfGear::ContactTorque).column(scene),
+    };
+    series.columns.push(Column { name, values });
+}

@@ -1,0 +1,199 @@
+//! Columns and units of a table by gear and mesh.
+
+use super::super::SceneError;
+use super::super::reading::Place;
+use super::super::reading::keys::keys;
+use super::super::reading::suggest::there_are;
+use super::super::reading::values::InOrder;
+use super::subjects;
+use gearbench_models::spec::SceneSpec;
+use gearbench_reference::data::{Quantity, factor};
+use serde::Deserialize;
+
+keys! {
+    pub(in super::super) struct ColumnKeys {
+        /// column of time
+        time: Option<String>,
+        /// column of the contact force of the first mesh, or { pinion-wheel = "Fn [kN]" } by mesh
+        force: Option<OneOrNamed>,
+        /// column of the transmission error of the first mesh, or by mesh
+        transmission_error: Option<OneOrNamed>,
+        /// columns of speeds by gear: speed.pinion = "n1 [1/min]"
+        speed: Option<InOrder<String>>,
+        /// columns of angles by gear
+        angle: Option<InOrder<String>>,
+        /// columns of torques of the contact forces by gear
+        torque: Option<InOrder<String>>,
+    }
+
+    pub(in super::super) struct UnitKeys {
+        /// unit of time, for example "ms"
+        time: Option<String>,
+        /// unit of contact forces, for example "kN"
+        force: Option<String>,
+        /// unit of transmission errors, for example "um"
+        transmission_error: Option<String>,
+        /// unit of speeds, for example "1/min", or by gear
+        speed: Option<OneOrNamed>,
+        /// unit of angles, for example "deg", or by gear
+        angle: Option<OneOrNamed>,
+        /// unit of torques, for example "N m", or by gear
+        torque: Option<OneOrNamed>,
+    }
+}
+
+/// One for all, or one for each name.
+#[derive(Clone, Debug, Deserialize)]
+pub(in super::super) enum OneOrNamed {
+    #[serde(rename = "<text>")]
+    One(String),
+    #[serde(rename = "<table>")]
+    Named(InOrder<String>),
+}
+
+type Found = (Option<String>, Vec<(Quantity, String)>);
+type Kind = fn(usize) -> Quantity;
+
+/// Names of the meshes: both gears, joined as users join them.
+fn mesh_of(spec: &SceneSpec, name: &str) -> Option<usize> {
+    let named = |i: usize| spec.gears[i].name.as_str();
+    spec.meshes.iter().position(|m| {
+        let [a, b] = m.gears.map(named);
+        [format!("{a}-{b}"), format!("{a}_{b}")].contains(&name.to_owned())
+    })
+}
+
+fn gear_of(spec: &SceneSpec, name: &str) -> Option<usize> {
+    spec.gears.iter().position(|g| g.name == name)
+}
+
+/// The entries of a table by names, each the quantity of its gear or mesh.
+fn by_name(
+    list: &InOrder<String>,
+    of: Kind,
+    find: impl Fn(&str) -> Option<usize>,
+    known: &[String],
+    at: &Place<'_>,
+) -> Result<Vec<(Quantity, String)>, SceneError> {
+    let one = |(name, text): &(String, String)| match find(name) {
+        Some(i) => Ok((of(i), text.clone())),
+        None => at.key(name).refuse(
+            format!("there is nothing called `{name}` in the scene"),
+            "not known",
+            there_are(name, known),
+        ),
+    };
+    list.0.iter().map(one).collect()
+}
+
+fn gears(spec: &SceneSpec) -> Vec<String> {
+    spec.gears.iter().map(|g| g.name.clone()).collect()
+}
+
+fn meshes(spec: &SceneSpec) -> Vec<String> {
+    let named = |i: usize| spec.gears[i].name.as_str();
+    let names = spec.meshes.iter().map(|m| m.gears.map(named));
+    names.map(|[a, b]| format!("{a}-{b}")).collect()
+}
+
+/// Column of time, and columns of quantities.
+pub(super) fn columns(
+    keys: Option<&ColumnKeys>,
+    spec: &SceneSpec,
+    at: &Place<'_>,
+) -> Result<Found, SceneError> {
+    let Some(keys) = keys else {
+        return Ok(Found::default());
+    };
+    let mut all = Vec::new();
+    let of_meshes: [(&str, &Option<OneOrNamed>, Kind); 2] = [
+        ("force", &keys.force, Quantity::Force),
+        (
+            "transmission_error",
+            &keys.transmission_error,
+            Quantity::TransmissionError,
+        ),
+    ];
+    for (key, choice, of) in of_meshes {
+        match choice {
+            None => {}
+            Some(OneOrNamed::One(name)) => all.push((of(0), name.clone())),
+            Some(OneOrNamed::Named(list)) => {
+                let find = |name: &str| mesh_of(spec, name);
+                all.extend(by_name(list, of, find, &meshes(spec), &at.key(key))?);
+            }
+        }
+    }
+    let of_gears: [(&str, &Option<InOrder<String>>, Kind); 3] = [
+        ("speed", &keys.speed, Quantity::Speed),
+        ("angle", &keys.angle, Quantity::Angle),
+        ("torque", &keys.torque, Quantity::Torque),
+    ];
+    for (key, list, of) in of_gears {
+        if let Some(list) = list {
+            let find = |name: &str| gear_of(spec, name);
+            all.extend(by_name(list, of, find, &gears(spec), &at.key(key))?);
+        }
+    }
+    Ok((keys.time.clone(), all))
+}
+
+/// Unit of time, and units of quantities, each of which has to be one.
+pub(super) fn units(
+    keys: Option<&UnitKeys>,
+    spec: &SceneSpec,
+    at: &Place<'_>,
+) -> Result<Found, SceneError> {
+    let Some(keys) = keys else {
+        return Ok(Found::default());
+    };
+    let subjects = subjects(spec);
+    let mut all = Vec::new();
+    let of_meshes: [(&Option<String>, Kind); 2] = [
+        (&keys.force, Quantity::Force),
+        (&keys.transmission_error, Quantity::TransmissionError),
+    ];
+    for (unit, of) in of_meshes {
+        let every = unit
+            .iter()
+            .flat_map(|u| (0..spec.meshes.len()).map(move |m| (of(m), u.clone())));
+        all.extend(every);
+    }
+    let of_gears: [(&str, &Option<OneOrNamed>, Kind); 3] = [
+        ("speed", &keys.speed, Quantity::Speed),
+        ("angle", &keys.angle, Quantity::Angle),
+        ("torque", &keys.torque, Quantity::Torque),
+    ];
+    for (key, choice, of) in of_gears {
+        match choice {
+            None => {}
+            Some(OneOrNamed::One(unit)) => {
+                all.extend((0..spec.gears.len()).map(|g| (of(g), unit.clone())));
+            }
+            Some(OneOrNamed::Named(list)) => {
+                let find = |name: &str| gear_of(spec, name);
+                all.extend(by_name(list, of, find, &gears(spec), &at.key(key))?);
+            }
+        }
+    }
+    // Units of a rack may be those of its mate, which the reader knows: here only what is a unit of nothing is refused.
+    let known = |text: &str| {
+        use gearbench_reference::data::Dimension::{
+            Angle, Force, Length, Time, Torque, Turning, Velocity,
+        };
+        let all = [Time, Force, Torque, Length, Angle, Turning, Velocity];
+        all.into_iter().any(|d| factor(text, d).is_some())
+    };
+    let time = keys.time.iter().map(|u| ("time".to_owned(), u.clone()));
+    let of_quantities = all.iter().map(|(q, u)| (subjects.told(*q), u.clone()));
+    for (what, unit) in time.chain(of_quantities) {
+        if !known(&unit) {
+            return at.refuse(
+                format!("the unit \"{unit}\" of {what} is not known"),
+                "here",
+                "units are written as s, ms, us; N, kN; m, mm, um; rad, deg; rad/s, 1/min; N m; m/s",
+            );
+        }
+    }
+    Ok((keys.time.clone(), all))
+}

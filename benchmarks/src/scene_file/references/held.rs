@@ -1,0 +1,172 @@
+//! The data of references, and what they state of themselves against the scene.
+
+use super::super::error::Source;
+use super::super::{SceneError, SceneFile};
+use super::conditions::stated;
+use super::{DataOrigin, NamedReference, Role, subjects};
+use gearbench_reference::data::{self, Reference, Request};
+use gearbench_reference::reference;
+use std::path::Path;
+
+/// Relative deviation of a condition that is still the same one.
+const SAME: f64 = 1e-4;
+/// Size of a file that is read at most [bytes].
+const LARGEST: u64 = 1 << 30;
+
+/// A reference with its data.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Held {
+    /// What the scene says of it.
+    pub named: NamedReference,
+    /// Its histories.
+    pub data: Reference,
+}
+
+impl SceneFile {
+    /// All references of the scene with their data, in the order of the file: those of its own conditions and those of
+    /// others ([`NamedReference::is_of_the_scene`]). One that was not computed or measured with the gears, speeds and
+    /// loads of the scene (as of that reference) is refused, unless the user insists (`any`); then the difference is among what is odd
+    /// about the scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] at the line of the scene, or of the file with the data.
+    pub fn held(&mut self, any: bool) -> Result<Vec<Held>, SceneError> {
+        let named = self.references.clone();
+        named.into_iter().map(|r| self.hold(r, any)).collect()
+    }
+
+    /// The references that models of the scene are held against: those of its own conditions.
+    ///
+    /// # Errors
+    /// As [`SceneFile::held`]; those of other conditions are not read.
+    pub fn held_of_the_scene(&mut self, any: bool) -> Result<Vec<Reference>, SceneError> {
+        let own = |r: &&NamedReference| r.is_of_the_scene();
+        let named: Vec<_> = self.references.iter().filter(own).cloned().collect();
+        let held = named.into_iter().map(|r| self.hold(r, any));
+        held.map(|h| h.map(|h| h.data)).collect()
+    }
+
+    fn hold(&mut self, named: NamedReference, any: bool) -> Result<Held, SceneError> {
+        let scene = self.under(&named);
+        let (mut data, differs) = match &named.origin {
+            DataOrigin::Stored(id) => {
+                let place = self.document.at(&*named.at);
+                // Ids that are not known are refused when the scene is read.
+                let found = reference(id).map_err(|e| {
+                    place.error(
+                        e.to_string(),
+                        "cannot be read",
+                        "`gearbench list` names the references",
+                    )
+                })?;
+                let gears = scene.spec.meshes.first().map_or([0, 1], |m| m.gears);
+                let differs = scene.differs_from(&found.parameters);
+                (found.data(gears), differs)
+            }
+            DataOrigin::Csv { path, request } => {
+                let data = self.table(&named, path, request)?;
+                let differs = scene.differs_from_stated(&data.stated);
+                (data, differs)
+            }
+        };
+        data.id.clone_from(&named.name);
+        if let Some(title) = &named.title {
+            data.title.clone_from(title);
+        }
+        if let Some(source) = &named.source {
+            data.source.clone_from(source);
+        }
+        if !differs.is_empty() {
+            let place = self.document.at(&*named.at);
+            let error = place.error(
+                format!(
+                    "the reference is of another run than the scene: {}",
+                    differs.join(", ")
+                ),
+                "not of these gears",
+                match (self.fitting(), named.stored()) {
+                    (Some(fitting), _) => format!("write `{fitting}`; --any-reference insists"),
+                    (None, Some(_)) => "no stored reference is of these gears, speeds and loads: leave it out; --any-reference insists".into(),
+                    (None, None) => "what differs may stand beside the reference, as gears.pinion.speed_rad_s, duration_s, gap_m; `gearbench reference` makes it again; --any-reference insists".into(),
+                },
+            );
+            if !any {
+                return Err(error);
+            }
+            self.odd.push(error);
+        }
+        Ok(Held { named, data })
+    }
+
+    /// The data of a table.
+    fn table(
+        &self,
+        named: &NamedReference,
+        path: &Path,
+        request: &Request,
+    ) -> Result<Reference, SceneError> {
+        let name = path.display().to_string();
+        let place = self.document.at(&*named.at);
+        let place = place.first(&["csv"]);
+        let refuse = |why: String, help: &str| place.error(why, "this file", help);
+        let size = std::fs::metadata(path).map_err(|e| {
+            refuse(
+                format!("{name}: {e}"),
+                "paths count from the folder of the scene file; expected a readable CSV file",
+            )
+        })?;
+        if !size.is_file() {
+            let help = "expected a CSV file with a line of names";
+            return Err(refuse(format!("{name} is no file"), help));
+        }
+        if size.len() > LARGEST {
+            let help = "keep every n-th row, or the columns needed";
+            let why = format!(
+                "{name} has {} bytes, at most {LARGEST} are read",
+                size.len()
+            );
+            return Err(refuse(why, help));
+        }
+        let bytes = std::fs::read(path)
+            .map_err(|e| refuse(format!("{name}: {e}"), "expected a readable CSV file"))?;
+        let (text, latin) =
+            data::decode(&bytes).map_err(|e| refuse(format!("{name}: {e}"), &e.help))?;
+        let mut data = data::read(&text, request, &subjects(&self.spec)).map_err(|e| {
+            let message = format!("reference \"{}\": {e}", named.name);
+            Source::new(&name, &text).error(e.at.clone(), message, "here", e.help.clone())
+        })?;
+        if latin {
+            data.processing
+                .insert(0, "read as Latin-1, since it is not UTF-8".into());
+        }
+        let told = |key: &str| {
+            let lines = text.lines().map_while(|l| l.trim().strip_prefix('#'));
+            let mut found = lines.filter_map(|l| l.trim().strip_prefix(key)?.strip_prefix(": "));
+            found.next().map(str::to_owned)
+        };
+        data.title = told("title").unwrap_or_else(|| named.name.clone());
+        data.source = told("source").unwrap_or_else(|| name.clone());
+        data.note = told("note").unwrap_or_default();
+        data.command = told("command");
+        Ok(data)
+    }
+
+    /// What the data state of themselves and the scene has otherwise.
+    fn differs_from_stated(&self, of: &[(String, f64)]) -> Vec<String> {
+        let own = stated(&self.spec);
+        let differs = |(key, theirs): &(String, f64)| {
+            let (_, ours) = own.iter().find(|(k, _)| k == key)?;
+            let scale = ours.abs().max(theirs.abs());
+            let same = (ours - theirs).abs() <= SAME * scale;
+            (!same).then(|| format!("`{key}` {ours} (reference: {theirs})"))
+        };
+        of.iter().filter_map(differs).collect()
+    }
+}
+
+impl Held {
+    /// Whether constants are fitted to it, or it is held out.
+    pub fn is_held_out(&self) -> bool {
+        self.named.role == Role::Validate
+    }
+}

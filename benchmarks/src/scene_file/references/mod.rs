@@ -1,0 +1,353 @@
+//! `reference = ..` and `[[references]]`: what the models of a scene are held against, and fitted to.
+//!
+//! | module | owns |
+//! |---|---|
+//! | `columns` | columns and units of a table by gear and mesh |
+//! | [`conditions`] | what differs from the scene: a scene as of a reference |
+//! | [`held`] | the data of references, and what they state of themselves against the scene |
+//! | `stored` | a stored reference against the gears of the scene |
+//! | `table` | how a table is read, and what its columns may be of |
+//!
+//! A reference of the scene's own conditions is what studies hold models against; one of other conditions (speeds, loads,
+//! distances) serves identification, with the scene [`SceneFile::under`] it.
+
+pub(super) mod columns;
+pub mod conditions;
+pub mod held;
+mod stored;
+mod table;
+
+pub use conditions::{ConditionsOfGear, ReferenceConditions};
+pub use held::Held;
+pub use table::subjects;
+
+use super::reading::Place;
+use super::reading::keys::keys;
+use super::reading::suggest::there_are;
+use super::reading::values::{InOrder, Positive};
+use super::{SceneError, SceneFile};
+use columns::{ColumnKeys, UnitKeys};
+use conditions::GearConditionKeys;
+use gearbench_models::spec::SceneSpec;
+use gearbench_reference::REFERENCES;
+use gearbench_reference::data::Request;
+use gearbench_reports::record::SELF;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+keys! {
+    #[derive(Default)]
+    pub(super) struct ReferenceKeys {
+        /// what records and `tolerance` call it, default the program of a stored one, else the name of the file
+        name: Option<String>,
+        /// id of a stored reference, for example "calculix/case-a-fine"
+        stored: Option<String>,
+        /// CSV file with a line of names, its path from the folder of the scene, for example "press.csv"
+        csv: Option<String>,
+        /// name for legends, default `name`
+        title: Option<String>,
+        /// where the data come from, one line
+        source: Option<String>,
+        /// names of columns: { time = "t [ms]", force = "Fn [kN]", speed.pinion = "n1 [1/min]" }, default those that are known by their names
+        columns: Option<ColumnKeys>,
+        /// units where the header has none or another: { time = "ms", force = "kN", speed = "1/min" }
+        units: Option<UnitKeys>,
+        /// "normal" (default) or "transverse", the part of the contact force in the plane of rotation
+        force_kind: Option<ForceKindWord>,
+        /// "comma", "semicolon" or "tab" between columns, default what the line of names has
+        delimiter: Option<DelimiterWord>,
+        /// "point" or "comma" in numbers, default what they have
+        decimal: Option<DecimalWord>,
+        /// added to all times in seconds, default 0; the scene begins at 0
+        #[serde(default)]
+        offset_s: f64,
+        /// first time that is used in seconds, after the offset, default 0
+        from_s: Option<f64>,
+        /// last time that is used in seconds, default the end of the scene
+        to_s: Option<Positive>,
+        /// width of a centred moving average of the reference in seconds, default none
+        moving_average_s: Option<Positive>,
+        /// step of even times in seconds to which the reference is interpolated, default its own times
+        resample_s: Option<Positive>,
+        /// "fit" (default) or "validate": held out of identification, and told there
+        role: Option<Role>,
+        /// simulated time of this reference in seconds, default the scene's
+        duration_s: Option<Positive>,
+        /// gap at the start of this reference in metres, default the scene's
+        gap_m: Option<f64>,
+        /// path coordinate at its start in metres, default the scene's
+        path_coordinate_m: Option<f64>,
+        /// centre distance of this reference in metres, default the scene's
+        centre_distance_m: Option<Positive>,
+        /// what differs at gears: { pinion = { speed_rad_s = 40.0, torque_nm = 20.0 } }
+        #[serde(default)]
+        gears: InOrder<GearConditionKeys>,
+    }
+}
+
+/// One reference in short, or its table.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) enum ReferenceChoice {
+    #[serde(rename = "<text>")]
+    Text(String),
+    #[serde(rename = "<table>")]
+    Table(Box<ReferenceKeys>),
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum ForceKindWord {
+    Normal,
+    Transverse,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum DelimiterWord {
+    Comma,
+    Semicolon,
+    Tab,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum DecimalWord {
+    Point,
+    Comma,
+}
+
+/// What an identification does with a reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// Constants are fitted to it.
+    #[default]
+    Fit,
+    /// It is held out: what is fitted to others is held against it.
+    Validate,
+}
+
+/// Where the data of a reference are.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DataOrigin {
+    /// A stored reference, by its id.
+    Stored(String),
+    /// A table of the user, or one that `gearbench reference` wrote.
+    Csv {
+        /// The file.
+        path: PathBuf,
+        /// How it is read.
+        request: Box<Request>,
+    },
+}
+
+/// A reference that a scene names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedReference {
+    /// Its id in records, metrics and tolerances.
+    pub name: String,
+    /// Name for legends, where the scene gives one.
+    pub title: Option<String>,
+    /// Where the data come from, where the scene says so.
+    pub source: Option<String>,
+    /// Where the data are.
+    pub origin: DataOrigin,
+    /// What an identification does with it.
+    pub role: Role,
+    /// What differs from the scene.
+    pub conditions: ReferenceConditions,
+    /// Where it stands in the scene file.
+    pub(super) at: String,
+}
+
+impl NamedReference {
+    /// The id of a stored reference.
+    pub fn stored(&self) -> Option<&str> {
+        match &self.origin {
+            DataOrigin::Stored(id) => Some(id),
+            DataOrigin::Csv { .. } => None,
+        }
+    }
+
+    /// The file of a table.
+    pub fn file(&self) -> Option<&Path> {
+        match &self.origin {
+            DataOrigin::Stored(_) => None,
+            DataOrigin::Csv { path, .. } => Some(path),
+        }
+    }
+
+    /// Whether it is of the conditions of the scene itself.
+    pub fn is_of_the_scene(&self) -> bool {
+        self.conditions == ReferenceConditions::default()
+    }
+}
+
+/// What references are read beside.
+pub(super) struct Beside<'a> {
+    pub spec: &'a SceneSpec,
+    pub labels: &'a [&'a str],
+    pub folder: Option<&'a Path>,
+    pub duration: f64,
+}
+
+/// Checks all references of a scene; their data are read when a study asks for them.
+pub(super) fn references(
+    one: Option<ReferenceChoice>,
+    several: Vec<ReferenceKeys>,
+    beside: &Beside<'_>,
+    root: &Place<'_>,
+) -> Result<Vec<NamedReference>, SceneError> {
+    let mut all: Vec<NamedReference> = Vec::new();
+    let one = one.map(|choice| match choice {
+        ReferenceChoice::Table(keys) => (*keys, "reference".to_owned()),
+        ReferenceChoice::Text(text) => (short(text), "reference".to_owned()),
+    });
+    let several = (several.into_iter().enumerate()).map(|(i, k)| (k, format!("references[{i}]")));
+    for (keys, at) in one.into_iter().chain(several) {
+        let place = root.at(&at);
+        let found = named(keys, beside, &place, at)?;
+        let own = ["name", "stored", "csv"];
+        if let Some(other) = all.iter().find(|other| other.name == found.name) {
+            return Err(place.first(&own).against(
+                (&root.at(&other.at).first(&own), "first here"),
+                format!("two references are called \"{}\"", found.name),
+                "again here",
+                "give one of them a `name` of its own",
+            ));
+        }
+        if found.name == SELF || beside.labels.contains(&found.name.as_str()) {
+            return place.first(&own).refuse(
+                format!(
+                    "the reference is called \"{}\", as a model or its own solution is",
+                    found.name
+                ),
+                "not a name of its own",
+                "give it another `name`",
+            );
+        }
+        all.push(found);
+    }
+    Ok(all)
+}
+
+/// A reference as one word: a file, or the id of a stored one.
+fn short(text: String) -> ReferenceKeys {
+    let is_file = Path::new(&text).extension().is_some_and(|e| {
+        ["csv", "tsv", "txt", "dat"]
+            .iter()
+            .any(|known| e.eq_ignore_ascii_case(known))
+    });
+    match is_file {
+        true => ReferenceKeys {
+            csv: Some(text),
+            ..ReferenceKeys::default()
+        },
+        false => ReferenceKeys {
+            stored: Some(text),
+            ..ReferenceKeys::default()
+        },
+    }
+}
+
+fn named(
+    keys: ReferenceKeys,
+    beside: &Beside<'_>,
+    at: &Place<'_>,
+    path: String,
+) -> Result<NamedReference, SceneError> {
+    let conditions = conditions::read(&keys, beside, at)?;
+    let (origin, name) = match (&keys.stored, &keys.csv) {
+        (Some(id), None) => {
+            if !REFERENCES.iter().any(|r| r.id == id) {
+                let known: Vec<String> = REFERENCES.iter().map(|r| r.id.to_owned()).collect();
+                return at.first(&["stored"]).refuse(
+                    format!("there is no reference `{}`", id),
+                    "not known",
+                    format!(
+                        "{}; a file of your own is reference = {{ csv = \"press.csv\" }}",
+                        there_are(id, &known)
+                    ),
+                );
+            }
+            let of_tables = [
+                "columns",
+                "units",
+                "force_kind",
+                "delimiter",
+                "decimal",
+                "offset_s",
+                "from_s",
+                "to_s",
+                "moving_average_s",
+                "resample_s",
+            ];
+            if let Some(key) = of_tables.into_iter().find(|key| at.has(key)) {
+                return at.key(key).refuse(
+                    format!("`{key}` is about a table, and the reference is a stored one"),
+                    "of no effect",
+                    "remove it",
+                );
+            }
+            let program = id.split('/').next().unwrap_or(id);
+            (DataOrigin::Stored(id.clone()), program.to_owned())
+        }
+        (None, Some(file)) => {
+            let path = located(file, beside.folder);
+            let stem = Path::new(file)
+                .file_stem()
+                .map(|s| s.to_string_lossy().into_owned());
+            let request = Box::new(table::request(&keys, &conditions, beside, at)?);
+            (DataOrigin::Csv { path, request }, stem.unwrap_or_default())
+        }
+        (Some(_), Some(_)) => {
+            return Err(at.key("csv").against(
+                (&at.key("stored"), "this"),
+                "a stored reference and a file are both given",
+                "and this",
+                "remove one, or give each its own [[references]]",
+            ));
+        }
+        (None, None) => {
+            return at.refuse(
+                "the reference says not where its data are",
+                "here",
+                "add `csv = \"press.csv\"`, or `stored = \"calculix/case-a-fine\"` (`gearbench list`)",
+            );
+        }
+    };
+    let name = keys.name.unwrap_or(name).trim().to_owned();
+    if name.is_empty() || name.chars().count() > 60 || name.chars().any(char::is_control) {
+        return at.first(&["name", "csv"]).refuse(
+            "the name of a reference is a short text in one line",
+            "cannot be a name",
+            "give it a `name`, for example \"press\"",
+        );
+    }
+    let line = |text: Option<String>| text.map(|t| t.trim().to_owned()).filter(|t| !t.is_empty());
+    Ok(NamedReference {
+        name,
+        title: line(keys.title),
+        source: line(keys.source),
+        origin,
+        role: keys.role.unwrap_or_default(),
+        conditions,
+        at: path,
+    })
+}
+
+/// Paths count from the folder of the scene file, else from where the command runs.
+fn located(file: &str, folder: Option<&Path>) -> PathBuf {
+    let beside = folder.map(|folder| folder.join(file));
+    match beside {
+        Some(beside) if beside.exists() || !Path::new(file).exists() => beside,
+        _ => PathBuf::from(file),
+    }
+}
+
+impl SceneFile {
+    /// The first reference of the conditions of the scene itself: what models are held against above all.
+    pub fn reference(&self) -> Option<&NamedReference> {
+        self.references.iter().find(|r| r.is_of_the_scene())
+    }
+}

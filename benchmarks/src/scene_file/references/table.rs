@@ -1,0 +1,88 @@
+//! How the table of a reference is read, and what its columns may be of.
+
+use super::super::SceneError;
+use super::super::reading::Place;
+use super::{
+    Beside, DecimalWord, DelimiterWord, ForceKindWord, ReferenceConditions, ReferenceKeys, columns,
+};
+use gearbench_models::spec::{Body, SceneSpec};
+use gearbench_reference::data::{
+    Delimiter, ForceKind, GearSubject, MeshSubject, Processing, Request, Subjects,
+};
+
+/// How the table of a reference is read.
+pub(super) fn request(
+    keys: &ReferenceKeys,
+    conditions: &ReferenceConditions,
+    beside: &Beside<'_>,
+    at: &Place<'_>,
+) -> Result<Request, SceneError> {
+    let end = conditions.duration.unwrap_or(beside.duration);
+    let from = keys.from_s.unwrap_or(0.0).max(0.0);
+    let to = keys.to_s.map_or(end, |t| t.0.min(end));
+    if from >= to {
+        return at.first(&["from_s", "to_s"]).refuse(
+            format!("nothing lies between {from:e} s and {to:e} s"),
+            "no window of time",
+            format!("the scene lasts {end:e} s: give `from_s` below `to_s` within it"),
+        );
+    }
+    let (time, columns) = columns::columns(keys.columns.as_ref(), beside.spec, &at.key("columns"))?;
+    let (time_unit, units) = columns::units(keys.units.as_ref(), beside.spec, &at.key("units"))?;
+    Ok(Request {
+        time,
+        columns,
+        time_unit,
+        units,
+        force_kind: keys.force_kind.map(|kind| match kind {
+            ForceKindWord::Normal => ForceKind::Normal,
+            ForceKindWord::Transverse => ForceKind::Transverse,
+        }),
+        delimiter: keys.delimiter.map(|d| match d {
+            DelimiterWord::Comma => Delimiter::Comma,
+            DelimiterWord::Semicolon => Delimiter::Semicolon,
+            DelimiterWord::Tab => Delimiter::Tab,
+        }),
+        decimal_comma: keys.decimal.map(|d| matches!(d, DecimalWord::Comma)),
+        processing: Processing {
+            offset: keys.offset_s,
+            moving_average: keys.moving_average_s.map(f64::from),
+            from,
+            to: Some(to),
+            resample: keys.resample_s.map(f64::from),
+        },
+    })
+}
+
+/// Gears and meshes of a scene, as far as columns are about them.
+pub fn subjects(spec: &SceneSpec) -> Subjects {
+    let mate = |gear: usize| {
+        let other = spec.meshes.iter().find_map(|m| match m.gears {
+            [a, b] if a == gear => Some(b),
+            [a, b] if b == gear => Some(a),
+            _ => None,
+        })?;
+        match &spec.gears.get(other)?.body {
+            Body::Gear(mate) => Some(mate.r_reference()),
+            Body::Rack(_) => None,
+        }
+    };
+    let gears = spec.gears.iter().enumerate();
+    Subjects {
+        gears: gears
+            .map(|(i, g)| GearSubject {
+                name: g.name.clone(),
+                slides: match g.body {
+                    Body::Gear(_) => None,
+                    Body::Rack(_) => Some(mate(i).unwrap_or(1.0)),
+                },
+            })
+            .collect(),
+        meshes: (spec.meshes.iter())
+            .map(|m| MeshSubject {
+                gears: m.gears.map(|i| spec.gears[i].name.clone()),
+                base_helix: spec.gears[m.gears[0]].body.base_helix_angle(),
+            })
+            .collect(),
+    }
+}

@@ -1,0 +1,308 @@
+//! Tables as people have them, and what is refused.
+
+use super::*;
+use std::f64::consts::PI;
+
+/// A helical pinion and a wheel; a rack where it is asked for.
+fn subjects(base_helix: f64, rack: Option<f64>) -> Subjects {
+    let gear = |name: &str, slides| GearSubject {
+        name: name.into(),
+        slides,
+    };
+    Subjects {
+        gears: vec![gear("pinion", None), gear("wheel", rack)],
+        meshes: vec![MeshSubject {
+            gears: ["pinion", "wheel"].map(Into::into),
+            base_helix,
+        }],
+    }
+}
+
+fn spur(text: &str, request: &Request) -> Result<Reference, TableError> {
+    read(text, request, &subjects(0.0, None))
+}
+
+fn plain(text: &str) -> Result<Reference, TableError> {
+    spur(text, &Request::default())
+}
+
+fn values(r: &Reference, quantity: Quantity) -> (&[f64], &[f64]) {
+    let found = r.channel(quantity).unwrap();
+    (&found.time, &found.value)
+}
+
+fn near(found: &[f64], wanted: &[f64]) {
+    assert_eq!(found.len(), wanted.len(), "{found:?}");
+    let off = |(a, b): (&f64, &f64)| (a - b).abs() > 1e-12 * b.abs();
+    assert!(!found.iter().zip(wanted).any(off), "{found:?} {wanted:?}");
+}
+
+/// The table of the issue: units from the header, columns by their names.
+#[test]
+fn a_measured_press() {
+    let text = "# rig 7\n\nt [ms];Fn [kN];n1 [1/min];note\n0,0;0;190,9859317;a\n0,5;1,5;180;b\n\n1,0;0;170;c\n";
+    let request = Request {
+        time: Some("t [ms]".into()),
+        columns: vec![
+            (Quantity::Force(0), "Fn [kN]".into()),
+            (Quantity::Speed(0), "n1".into()),
+        ],
+        ..Request::default()
+    };
+    let found = spur(text, &request).unwrap();
+    let (time, force) = values(&found, Quantity::Force(0));
+    near(time, &[0.0, 5e-4, 1e-3]);
+    near(force, &[0.0, 1500.0, 0.0]);
+    let (_, speed) = values(&found, Quantity::Speed(0));
+    assert!((speed[0] - 20.0).abs() < 1e-8, "{speed:?}");
+    let told = found.processing.join("\n");
+    for word in [
+        "3 rows",
+        "semicolon",
+        "decimal commas",
+        "kN",
+        "normal force",
+        "`note`",
+    ] {
+        assert!(told.contains(word), "{word}\n{told}");
+    }
+}
+
+/// What gearbench writes itself, and what other programs write: without a word about columns.
+#[test]
+fn columns_are_known_by_their_names() {
+    let own = "time_s,contact_force_n,omega1_rad_s,omega2_rad_s,hub_angle_pinion_rad,transmission_error_m\n\
+        0,1,20,0,0,1e-6\n1,2,19,0,0.5,2e-6\n2,3,18,0,0.6,3e-6\n";
+    let found = plain(own).unwrap();
+    let all: Vec<Quantity> = found.channels.iter().map(|c| c.quantity).collect();
+    use Quantity::{Angle, Force, Speed, TransmissionError};
+    assert_eq!(
+        all,
+        [Force(0), TransmissionError(0), Speed(0), Angle(0), Speed(1)]
+    );
+    let units_below = "t\tforce\tspeed pinion\nms\tkN\trpm\n0\t1\t30\n1\t2\t60\n2\t3\t90\n";
+    let found = plain(units_below).unwrap();
+    near(values(&found, Speed(0)).1, &[PI, 2.0 * PI, 3.0 * PI]);
+    near(values(&found, Force(0)).0, &[0.0, 1e-3, 2e-3]);
+    let excel = "sep=;\r\n\"t (us)\";\"force (N)\"\r\n0;1\r\n1;2\r\n2;3\r\n";
+    near(
+        values(&plain(excel).unwrap(), Force(0)).0,
+        &[0.0, 1e-6, 2e-6],
+    );
+    let (text, latin) = decode(b"t [\xb5s],force [N]\n0,1\n1,2\n2,3\n").unwrap();
+    assert!(latin);
+    near(
+        values(&plain(&text).unwrap(), Force(0)).0,
+        &[0.0, 1e-6, 2e-6],
+    );
+    let (text, latin) = decode("\u{feff}t [µs],force [N]\n0,1\n1,2\n2,3\n".as_bytes()).unwrap();
+    assert!(!latin);
+    near(
+        values(&plain(&text).unwrap(), Force(0)).0,
+        &[0.0, 1e-6, 2e-6],
+    );
+}
+
+/// A transverse force becomes the normal one by the base helix angle, whether the user or the header says so; a normal one
+/// stays.
+#[test]
+fn transverse_forces_become_normal_ones() {
+    let beta = 16.9_f64.to_radians();
+    let read_as = |header: &str, kind| {
+        let text = format!("t [s],{header}\n0,1\n1,2\n2,3\n");
+        let request = Request {
+            force_kind: kind,
+            ..Request::default()
+        };
+        let found = read(&text, &request, &subjects(beta, None)).unwrap();
+        let told = found.processing.join("\n");
+        (values(&found, Quantity::Force(0)).1[2], told)
+    };
+    let (force, told) = read_as("force [N]", Some(ForceKind::Transverse));
+    assert!((force - 3.0 / beta.cos()).abs() < 1e-12 && told.contains("cos(beta_b)"));
+    assert_eq!(read_as("contact_force_transverse_n", None).0, force);
+    let (force, told) = read_as("force [N]", None);
+    assert!(
+        force == 3.0 && told.contains("taken as the normal force"),
+        "{told}"
+    );
+}
+
+/// A rack's speed may be told as its mate would turn.
+#[test]
+fn angular_velocities_of_racks() {
+    let read_as = |header: &str| {
+        let text = format!("t [s],{header}\n0,1\n1,2\n2,3\n");
+        let found = read(&text, &Request::default(), &subjects(0.0, Some(0.02))).unwrap();
+        values(&found, Quantity::Speed(1)).1[2]
+    };
+    assert_eq!(read_as("speed_wheel [mm/s]"), 3e-3);
+    assert_eq!(read_as("speed_wheel_m_s"), 3.0);
+    assert!((read_as("omega2_rad_s") - 0.06).abs() < 1e-15);
+}
+
+/// Cells that are empty are samples that a history does not have.
+#[test]
+fn columns_have_times_of_their_own() {
+    let found = plain("t [s],force [N],speed1 [rad/s]\n0,1,\n1,,5\n2,3,6\n3,4,7\n").unwrap();
+    near(values(&found, Quantity::Force(0)).0, &[0.0, 2.0, 3.0]);
+    near(values(&found, Quantity::Speed(0)).0, &[1.0, 2.0, 3.0]);
+    assert_eq!(found.end(), 3.0);
+}
+
+/// Line, column, what was expected and found.
+#[test]
+fn refusals_say_where_and_what() {
+    let head = "t [ms],force [N]\n0,1\n1,2\n";
+    for (text, line, words) in [
+        (String::new(), 1, "a table|nothing"),
+        ("# only a comment\n".into(), 2, "a table|nothing"),
+        ("0,1\n1,2\n2,3\n".into(), 1, "a line of names|numbers alone"),
+        (
+            "a,b\n0,1\n1,2\n2,3\n".into(),
+            1,
+            "a column of time|`a`, `b`",
+        ),
+        ("t [s],b\n0,1\n1,2\n2,3\n".into(), 1, "a contact force"),
+        (
+            "t,force [N]\n0,1\n1,2\n2,3\n".into(),
+            1,
+            "column 1 `t`|a unit of time: s, ms|none in",
+        ),
+        ("t [h],force [N]\n0,1\n".into(), 1, "a unit of time|`h`"),
+        (
+            "t [s],force [kg]\n0,1\n".into(),
+            1,
+            "a unit of contact force: N, kN|`kg`",
+        ),
+        (
+            format!("{head}2,x\n"),
+            4,
+            "column 2 `force [N]`|a number|`x`",
+        ),
+        (
+            format!("# a\n{head}\n# b\n2,nan\n"),
+            7,
+            "a finite number|`nan`",
+        ),
+        (format!("{head}2,1e999\n"), 4, "a finite number|`1e999`"),
+        (format!("{head},5\n"), 4, "column 1|a time|an empty cell"),
+        (
+            format!("{head}1,5\n"),
+            4,
+            "column 1|after|the same time again",
+        ),
+        (
+            format!("{head}0.5,5\n"),
+            4,
+            "column 1|after|an earlier time",
+        ),
+        (format!("{head}2,5,6\n"), 4, "2, as there are names|3 cells"),
+        (head.into(), 1, "at least 3 samples|2"),
+        (format!("{head}\"2\n3,4\n"), 4, "cells in one line"),
+        ("t [ms];force [N]\n0;1\n1;1.234,5\n".into(), 3, "thousands"),
+        (
+            "t [ms];force [N]\n0;1,5\n1;1.5\n".into(),
+            3,
+            "a comma, as those before",
+        ),
+    ] {
+        let e = plain(&text).unwrap_err();
+        let told = e.to_string();
+        assert_eq!(e.line, line, "{text}\n{told}");
+        for word in words.split('|') {
+            assert!(told.contains(word), "{word}\n{told}");
+        }
+        assert!(e.at.end <= text.len() && e.at.start <= e.at.end, "{text}");
+        assert!(!e.help.is_empty(), "{told}");
+    }
+    for (bytes, word) in [
+        (&b"\xff\xfet\0"[..], "UTF-16"),
+        (b"PK\x03\x04\0\0", "binary"),
+    ] {
+        assert!(decode(bytes).unwrap_err().to_string().contains(word));
+    }
+    let missing = Request {
+        columns: vec![(Quantity::Force(0), "Fn".into())],
+        ..Request::default()
+    };
+    let e = spur(head, &missing).unwrap_err();
+    assert!(e.to_string().contains("one column called `Fn`") && e.help.contains("`force [N]`"));
+    let twice = Request {
+        columns: vec![(Quantity::Force(0), "t".into())],
+        ..Request::default()
+    };
+    assert!(spur(head, &twice).is_err());
+}
+
+/// The cell that is at fault is the one that is pointed to.
+#[test]
+fn refusals_point_to_the_cell() {
+    let text = "t [ms],force [N]\r\n0,1\r\n1,2\r\n\r\n2,bad\r\n";
+    let e = plain(text).unwrap_err();
+    assert_eq!((e.line, &text[e.at.clone()]), (5, "bad"));
+}
+
+/// Conditions that a file states of itself, as `gearbench reference` writes them.
+#[test]
+fn files_state_their_conditions() {
+    let text = "# command: gearbench reference\n# gears.pinion.speed_rad_s = 60\n# remark = 3\n# gears.x = nan\nt [s],force [N]\n0,1\n1,2\n2,3\n";
+    let found = plain(text).unwrap();
+    assert_eq!(
+        found.stated,
+        [("gears.pinion.speed_rad_s".to_owned(), 60.0)]
+    );
+}
+
+/// Whatever the bytes, reading ends with data or a refusal that has a place in the text: what the fuzz target holds, over
+/// its corpus and what is near it.
+#[test]
+fn nothing_panics() {
+    let folder = format!("{}/fuzz/corpus/table", env!("CARGO_MANIFEST_DIR"));
+    let mut seeds: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|f| f.unwrap().path())
+        .collect();
+    seeds.sort();
+    assert!(seeds.len() >= 20, "{}", seeds.len());
+    for seed in seeds {
+        let bytes = std::fs::read(&seed).unwrap();
+        survives(&bytes);
+        for cut in 0..bytes.len() {
+            survives(&bytes[..cut]);
+            let mut changed = bytes.clone();
+            for with in [b',', b';', b'"', b'\n', b'#', 0xb5, b'-', b'e'] {
+                changed[cut] = with;
+                survives(&changed);
+            }
+        }
+    }
+}
+
+/// As the fuzz target does.
+fn survives(bytes: &[u8]) {
+    let Ok((text, _)) = decode(bytes) else { return };
+    let processed = Request {
+        processing: Processing {
+            offset: -1e-4,
+            moving_average: Some(1e-5),
+            from: 0.0,
+            to: Some(1.0),
+            resample: Some(1e-3),
+        },
+        ..Request::default()
+    };
+    for request in [Request::default(), processed] {
+        match read(&text, &request, &subjects(0.3, Some(0.02))) {
+            Ok(found) => {
+                assert!(!found.channels.is_empty());
+                for c in &found.channels {
+                    assert!(c.time.len() >= 3 && c.time.len() == c.value.len());
+                    assert!(c.time.windows(2).all(|w| w[0] < w[1]), "{text}");
+                    assert!(c.value.iter().all(|x| x.is_finite()), "{text}");
+                }
+            }
+            Err(e) => assert!(text.get(e.at.clone()).is_some(), "{e}\n{text}"),
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Histories that a reference from a table has beside contact force and speeds: transmission error, angles, torques,
+//! forces of further meshes.
+
+use super::histories::Histories;
+use crate::drawing::Chart;
+use crate::drawing::canvas::DrawError;
+use crate::drawing::panel::{Panel, chart};
+use crate::metrics::TRANSMISSION_ERROR;
+use crate::numbers::Prefix;
+use crate::series::TimeSeries;
+use crate::view::View;
+
+/// Endings of names of columns, and the unit that they are.
+const UNITS: [(&str, &str); 5] = [
+    ("_rad", "rad"),
+    ("_m_s", "m/s"),
+    ("_nm", "N m"),
+    ("_n", "N"),
+    ("_m", "m"),
+];
+
+fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
+    let found = series.columns.iter().find(|c| c.name == name)?;
+    Some(&found.values)
+}
+
+/// A panel for each further history of the references that come from tables, with the runs that have it.
+pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
+    let tables = (view.results.references.iter()).filter(|r| !r.processing.is_empty());
+    let mut names: Vec<&str> = Vec::new();
+    for series in tables.flat_map(|r| r.all_series()) {
+        for c in &series.columns {
+            // Speeds have a chart of their own.
+            if !c.name.ends_with("_rad_s") && !names.contains(&c.name.as_str()) {
+                names.push(&c.name);
+            }
+        }
+    }
+    let Some(h) = Histories::of(view).filter(|_| !names.is_empty()) else {
+        return Ok(None);
+    };
+    names.sort_by_key(|n| *n != TRANSMISSION_ERROR);
+    let time = h.zoom.as_ref().unwrap_or(&h.time);
+    let panels: Vec<Panel> = (names.iter().enumerate())
+        .map(|(i, name)| {
+            let all = h.curves.iter().flat_map(|c| c.all_series());
+            let values = all.filter_map(|s| column(s, name)).flatten();
+            let largest = values.fold(0.0_f64, |most, x| most.max(x.abs()));
+            let prefix = Prefix::of(largest, 1.0);
+            let ending = UNITS.iter().find(|(ending, _)| name.ends_with(ending));
+            let (stem, unit) = ending.map_or((*name, ""), |(ending, unit)| {
+                (name.strip_suffix(ending).unwrap_or(name), *unit)
+            });
+            let label = format!("{} [{}{unit}]", stem.replace('_', " "), prefix.symbol);
+            Panel {
+                x_name: (i + 1 == names.len()).then(|| time.name.clone()),
+                ..Panel::new(130.0, &time.axis, &label)
+                    .curves(h.lines(|s| column(s, name), prefix.factor, time))
+                    .close()
+            }
+        })
+        .collect();
+    let title = "Further histories of the references";
+    let caption = "What references have beside contact force and speeds, with the runs that have it. Torques of runs stand in \
+                   their CSV files alone.";
+    chart("channels.svg", title, caption, &h.legend(), &panels).map(Some)
+}
