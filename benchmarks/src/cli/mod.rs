@@ -23,6 +23,7 @@ use crate::studies::truncation::{self, arguments::Truncation};
 use crate::tools::completions::{self, Completions};
 use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
+use crate::tools::reference::{self, arguments::Reference};
 use crate::tools::rerun::{self, Rerun};
 use crate::tools::{init, init::Init, list, report, report::Report};
 use answer::Answer;
@@ -44,6 +45,7 @@ Examples:
   gearbench compare hammer --models rigid      one model of a shipped scene
   gearbench compare my_scene.toml --out out/a  a scene of your own
   gearbench init                               a commented scene to start from
+  gearbench reference my_scene.toml --model fe --out fe.csv --add
   gearbench list                               scenes, models, integrators, references
 
 Results (--out DIR, default out/SCENE/STUDY/, printed at the end):
@@ -109,6 +111,8 @@ pub(crate) enum Command {
     Mesh(Mesh),
     /// Reduce gears of a deck or a scene to modes and static compliance, stored for the elastic model and for numpy
     Reduce(Reduce),
+    /// Run a model as a reference for others: a CSV file, and the lines of the scene that name it
+    Reference(Reference),
     /// List shipped scenes, gear models with their parameters, integrators and references
     List,
     /// Write the report of a results folder again
@@ -140,6 +144,7 @@ impl Command {
             Command::Check(args) => check::command::run(&args, told),
             Command::Mesh(args) => mesh::run(&args, told),
             Command::Reduce(args) => reduce::run(&args),
+            Command::Reference(args) => reference::run(&args, told),
             Command::List => list::run(),
             Command::Report(args) => report::run(&args),
             Command::Rerun(args) => again(&args),

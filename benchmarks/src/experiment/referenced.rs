@@ -1,6 +1,6 @@
 //! References as records keep them.
 //!
-//! A record has one series over the times of the contact force, else of the first history, and a further series for the
+//! A record has one series over the times of the contact force, else of the longest history, and a further series for the
 //! histories on each other axis of times. A column that the reference does not have is empty.
 
 use crate::scene_file::references::subjects;
@@ -10,14 +10,15 @@ use gearbench_reference::data::{self, Quantity, Reference};
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
 use gearbench_reports::record::ReferenceSeries;
 use gearbench_reports::series::{Column, TimeSeries};
+use std::cmp::Reverse;
 
 /// A reference as records of a scene keep it.
 pub fn recorded(r: &Reference, scene: &SceneSpec) -> ReferenceSeries {
     let mut all: Vec<TimeSeries> = Vec::new();
-    // The contact force first: its times are those of the series that stands in all records.
-    let is_force = |c: &&data::Channel| c.quantity == Quantity::Force(0);
-    let first = r.channels.iter().filter(is_force);
-    for channel in first.chain(r.channels.iter().filter(|c| !is_force(c))) {
+    // The contact force first, then what has most samples: their times are those of the series that stands in all records.
+    let mut channels: Vec<&data::Channel> = r.channels.iter().collect();
+    channels.sort_by_key(|c| (c.quantity != Quantity::Force(0), Reverse(c.time.len())));
+    for channel in channels {
         let place = all.iter().position(|s| s.time_s == channel.time);
         let index = place.unwrap_or_else(|| {
             all.push(TimeSeries {

@@ -118,4 +118,7 @@ fn print(scenes: &[SceneFile]) {
     for r in REFERENCES {
         say(&format!("  {:<24} {}", r.id, r.title));
     }
+    say(
+        "  a table of your own: reference = { csv = \"press.csv\" }; a run of a model: gearbench reference",
+    );
 }

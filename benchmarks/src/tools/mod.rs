@@ -5,5 +5,6 @@ pub mod init;
 pub mod list;
 pub mod mesh;
 pub mod reduce;
+pub mod reference;
 pub mod report;
 pub mod rerun;

@@ -9,6 +9,7 @@ mod malformed;
 mod mesh;
 mod precision;
 mod reduce;
+mod reference;
 mod stiffness;
 mod terminal;
 

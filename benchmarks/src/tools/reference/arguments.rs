@@ -1,0 +1,82 @@
+//! Arguments of `reference`.
+
+use crate::cli::values::{DEFAULT_MEMORY, gigabytes, number, positive};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Wall-clock bound of one integration [s]: references take their time.
+const PATIENT: f64 = 3600.0;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench reference my_scene.toml --model fe --out fe.csv --add
+  gearbench reference my_scene.toml --model fe --method hht-alpha@5e-7 --speed pinion=60 --duration 1e-4 --out fe_60.csv --add
+  gearbench reference loaded_mesh --model elastic --load wheel=-40 --out loaded.csv
+
+Runs one model of a scene once, and once more at half its step (a tenth of its tolerance), and writes contact force, speeds,
+angles and transmission error as a CSV file: SI units in the header, and in its comments the command, the commit, the
+conditions and the error of its own. The lines of the scene that name it are printed, and with --add written to the scene:
+models are then held against it (compare, precision, truncation) and fitted to it (identify). At other speeds, loads,
+distances or durations than the scene's it serves identify.";
+
+/// A gear and a number, as in `pinion=60`.
+fn of_gear(text: &str) -> Result<(String, f64), String> {
+    let expected = "expected GEAR=NUMBER, as in pinion=60";
+    let (gear, x) = text.split_once('=').ok_or(expected)?;
+    Ok((
+        gear.trim().to_owned(),
+        number(x, |x| x.is_finite(), expected)?,
+    ))
+}
+
+/// A length that is not endless.
+fn length(text: &str) -> Result<f64, String> {
+    number(text, |x| x.abs() < 1e3, "expected a number of metres")
+}
+
+/// Arguments of `reference`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Reference {
+    /// Name of a shipped scene, or path of a scene file (.toml)
+    pub scene: String,
+    /// Model to run, by its label in the scene
+    #[arg(long, value_name = "LABEL")]
+    pub model: String,
+    /// Integrator with step or tolerance, such as hht-alpha@5e-7 [default: the first of the model, else dopri5@1e-10]
+    #[arg(long, value_name = "METHOD")]
+    pub method: Option<String>,
+    /// Speed of a gear in rad/s (rack: m/s) in place of the scene's: initial, or the constant one of a driven gear
+    #[arg(long, value_name = "GEAR=SPEED", value_parser = of_gear, allow_hyphen_values = true)]
+    pub speed: Vec<(String, f64)>,
+    /// Constant torque on a gear in N m (rack: force in N) in place of its loads
+    #[arg(long, value_name = "GEAR=LOAD", value_parser = of_gear, allow_hyphen_values = true)]
+    pub load: Vec<(String, f64)>,
+    /// Gap at the start of the first mesh in metres
+    #[arg(long, value_name = "M", value_parser = length, allow_hyphen_values = true)]
+    pub gap: Option<f64>,
+    /// Centre distance of the only mesh in metres
+    #[arg(long, value_name = "M", value_parser = length)]
+    pub distance: Option<f64>,
+    /// Simulated time in seconds
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub duration: Option<f64>,
+    /// CSV file to write
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Name of the reference in the scene [default: the name of the file]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+    /// Append the lines that name it to the scene file
+    #[arg(long)]
+    pub add: bool,
+    /// Hold it out of identification (role = "validate")
+    #[arg(long)]
+    pub validate: bool,
+    /// Wall-clock bound of one integration in seconds
+    #[arg(long, value_name = "S", default_value_t = PATIENT, value_parser = positive)]
+    pub timeout: f64,
+    /// Refuse what would take more memory than this [GB]
+    #[arg(long, value_name = "GB", default_value_t = DEFAULT_MEMORY, value_parser = gigabytes)]
+    pub memory: f64,
+}

@@ -1,0 +1,370 @@
+//! `gearbench reference SCENE --model LABEL`: a run of a model as a reference for the others.
+
+pub(crate) mod arguments;
+mod file;
+
+use crate::cli::answer::Answer;
+use crate::cli::progress::Display;
+use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
+use crate::experiment::conditions::Conditions;
+use crate::experiment::interruption;
+use crate::experiment::run::{Job, RunError, run as integrate};
+use crate::scene_file::references::{ConditionsOfGear, ReferenceConditions};
+use crate::scene_file::{
+    self, ModelChoice, Origin, SceneError, SceneFile, Selection, did_you_mean,
+};
+use arguments::Reference;
+use file::Header;
+use gearbench_integrators::table::DOPRI5;
+use gearbench_integrators::{Resolution, Scheme};
+use gearbench_reference::limits;
+use gearbench_reports::metrics::compare;
+use gearbench_reports::numbers::per_cent;
+use gearbench_reports::record::{Metrics, Run};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Tolerance where neither the user nor the model says one.
+const RTOL: f64 = 1e-10;
+/// What the second run is finer by: half the step, a tenth of the tolerance.
+const FINER: [f64; 2] = [0.5, 0.1];
+
+/// Runs the model, writes the file and tells the lines of the scene.
+pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
+    let scene = scene_file::load_for(&args.scene, Selection::Labels(Some(&args.model)))?;
+    let choices = scene.select(Some(&args.model))?;
+    let [choice] = choices.as_slice() else {
+        return Err(bad(
+            "several models are named",
+            "a reference is the run of one model",
+        ));
+    };
+    let choice = (*choice).clone();
+    let conditions = conditions(args, &scene)?;
+    let lines = lines(args, &scene, &conditions)?;
+    let other = scene.with(&conditions);
+    // What would be refused when it is added is refused before it is computed.
+    if !named(args, &scene) {
+        with_lines(&scene, &lines)?;
+    }
+    if args.add {
+        scene_path(&scene)?;
+    }
+    let method = method(args, &other, &choice)?;
+    can_be_written(&args.out)?;
+    limits::set_memory(args.memory * 1e9);
+    interruption::catch().map_err(|e| Refusal::Files(e.to_string()))?;
+    let display = Display::new(2);
+    display.tell(0, 2, &format!("{} under {}", choice.label, told(&method)));
+    let row = row(args, &other, &choice, &method)?;
+    if row.status.is_failure() {
+        return Err(Refusal::Failed(format!(
+            "{} under {} did not reach the end: {}",
+            choice.label,
+            told(&method),
+            row.message.as_deref().unwrap_or("no reason given")
+        )));
+    }
+    let finer = finer(&method);
+    display.tell(1, 2, &format!("its own error, {}", told(&finer)));
+    let check = self::row(args, &other, &choice, &finer)?;
+    drop(display);
+    let own = own_error(&row, &check);
+    let note = match &own {
+        Some(m) => format!(
+            "own error, beside {}: {}",
+            told(&finer),
+            [
+                ("force history", m.force_l2),
+                ("peak force", m.peak_force_rel),
+                ("impulse", m.impulse_rel),
+                ("transmission error", m.transmission_error_l2),
+            ]
+            .into_iter()
+            .filter_map(|(what, e)| Some(format!(
+                "{what} {}",
+                per_cent(e?.abs(), 2).replace('\u{a0}', " ")
+            )))
+            .collect::<Vec<_>>()
+            .join(", ")
+        ),
+        None => format!(
+            "own error unknown: the run under {} did not reach the end",
+            told(&finer)
+        ),
+    };
+    let title = format!("{} ({})", choice.label, told(&method));
+    let spec = other.spec_for(&choice);
+    let series = row.series.clone().unwrap_or_default();
+    let header = Header {
+        title: &title,
+        command,
+        note: &note,
+        scene: &scene.name,
+    };
+    // What the scene says is stated, a gap that the model brings along is its own.
+    let text = file::text(&header, &spec, &series);
+    let fail = |path: &Path| {
+        let path = path.display().to_string();
+        move |e: std::io::Error| Refusal::Files(format!("{path}: {e}"))
+    };
+    write_whole(&args.out, &text).map_err(fail(&args.out))?;
+    say(&format!("{title}: {note}"));
+    say(&format!(
+        "written: {}",
+        absolute(args.out.clone()).display()
+    ));
+    let answer = Answer::done()
+        .with("written", absolute(args.out.clone()))
+        .with("model", &choice.label)
+        .with("method", told(&method))
+        .with("scene_lines", &lines)
+        .with("own_error", own.map(|m| json!({
+            "force_l2": m.force_l2, "peak_force_rel": m.peak_force_rel, "impulse_rel": m.impulse_rel,
+            "transmission_error_l2": m.transmission_error_l2,
+        })));
+    if !args.add {
+        say("in the scene, or with --add:");
+        say(&lines);
+        return Ok(answer);
+    }
+    let path = add(&scene, &lines)?;
+    say(&format!("added to {}:\n{lines}", path.display()));
+    Ok(answer.with("added_to", absolute(path)))
+}
+
+fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
+    SceneError::plain(why, help).into()
+}
+
+/// What the command line asks for beside the scene.
+fn conditions(args: &Reference, scene: &SceneFile) -> Result<ReferenceConditions, Refusal> {
+    let mut found = ReferenceConditions {
+        duration: args.duration,
+        gap: args.gap,
+        path_coordinate: None,
+        centre_distance: args.distance,
+        gears: Vec::new(),
+    };
+    let asked = (args.speed.iter().map(|s| (s, true))).chain(args.load.iter().map(|l| (l, false)));
+    for ((name, x), is_speed) in asked {
+        let Some(gear) = scene.spec.gears.iter().position(|g| g.name == *name) else {
+            let names: Vec<&str> = scene.spec.gears.iter().map(|g| g.name.as_str()).collect();
+            return Err(bad(
+                format!("there is no gear `{name}` in the scene `{}`", scene.name),
+                format!("{}it has {}", did_you_mean(name, &names), names.join(", ")),
+            ));
+        };
+        let place = found.gears.iter().position(|g| g.gear == gear);
+        let place = place.unwrap_or_else(|| {
+            found.gears.push(ConditionsOfGear {
+                gear,
+                ..ConditionsOfGear::default()
+            });
+            found.gears.len() - 1
+        });
+        let own = &mut found.gears[place];
+        *(if is_speed {
+            &mut own.speed
+        } else {
+            &mut own.load
+        }) = Some(*x);
+    }
+    let mut spec = scene.spec.clone();
+    found
+        .apply(&mut spec)
+        .map_err(|(_, why, help)| bad(why, help))?;
+    Ok(found)
+}
+
+/// What the scene is to call the reference.
+fn name(args: &Reference) -> String {
+    let stem = args
+        .out
+        .file_stem()
+        .map(|s| s.to_string_lossy().into_owned());
+    args.name.clone().or(stem).unwrap_or_default()
+}
+
+/// Whether the scene has a reference of that name.
+fn named(args: &Reference, scene: &SceneFile) -> bool {
+    let name = name(args);
+    scene.references.iter().any(|r| r.name == name)
+}
+
+/// The lines of the scene that name the reference.
+fn lines(
+    args: &Reference,
+    scene: &SceneFile,
+    conditions: &ReferenceConditions,
+) -> Result<String, Refusal> {
+    let name = name(args);
+    if args.add && named(args, scene) {
+        return Err(bad(
+            format!("the scene has a reference called \"{name}\" already"),
+            "give another --name, or leave out --add: the file is then written anew",
+        ));
+    }
+    let text = |text: &str| toml::Value::String(text.to_owned()).to_string();
+    let mut lines = vec![
+        "[[references]]".to_owned(),
+        format!("name = {}", text(&name)),
+    ];
+    lines.push(format!("csv = {}", text(&beside(&args.out, scene))));
+    lines.extend(conditions.lines(&scene.spec));
+    if args.validate {
+        lines.push("role = \"validate\"".into());
+    }
+    Ok(lines.join("\n"))
+}
+
+/// The path of a file from the folder of the scene.
+fn beside(file: &Path, scene: &SceneFile) -> String {
+    let whole = |path: &Path| {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+        folder.unwrap_or(Path::new(".")).canonicalize().ok()
+    };
+    let found = match &scene.origin {
+        Origin::Shipped => None,
+        Origin::File(path) => whole(path).zip(whole(file)),
+    };
+    let name = file.file_name().map(PathBuf::from).unwrap_or_default();
+    let path = found.map(|(scene, folder)| match folder.strip_prefix(&scene) {
+        Ok(inner) => inner.join(&name),
+        Err(_) => folder.join(&name),
+    });
+    path.unwrap_or_else(|| file.to_owned())
+        .display()
+        .to_string()
+}
+
+fn method(args: &Reference, scene: &SceneFile, choice: &ModelChoice) -> Result<Scheme, Refusal> {
+    let own = choice
+        .integrators
+        .as_deref()
+        .unwrap_or(&scene.study.integrators);
+    let Some(text) = &args.method else {
+        let own = choice.integrators.as_ref().and_then(|m| m.first());
+        let found = own.copied().unwrap_or_else(|| DOPRI5.at_tolerance(RTOL));
+        scene.check_steps(&[found])?;
+        return Ok(found);
+    };
+    let found = Scheme::list(text, own)
+        .map_err(RunError::from)
+        .map_err(refuse_run)?;
+    scene.check_steps(&found)?;
+    match found.as_slice() {
+        [one] => Ok(*one),
+        _ => Err(bad(
+            "several methods are named",
+            "a reference is one run: name one method",
+        )),
+    }
+}
+
+/// The method at half its step, or a tenth of its tolerance.
+fn finer(method: &Scheme) -> Scheme {
+    method.method.at(match method.resolution {
+        Resolution::Step(h) => Resolution::Step(FINER[0] * h),
+        Resolution::Tolerance(rtol) => {
+            // A tenth, without the digits of a product.
+            let tenth = format!("{:.6e}", FINER[1] * rtol).parse().unwrap_or(rtol);
+            Resolution::Tolerance(f64::max(tenth, 1e-14))
+        }
+    })
+}
+
+fn told(method: &Scheme) -> String {
+    match method.resolution {
+        Resolution::Step(h) => format!("{}@{h:e}s", method.method),
+        Resolution::Tolerance(rtol) => format!("{}@{rtol:e}", method.method),
+    }
+}
+
+fn row(
+    args: &Reference,
+    scene: &SceneFile,
+    choice: &ModelChoice,
+    method: &Scheme,
+) -> Result<Run, Refusal> {
+    let conditions = Conditions {
+        timeout: Duration::from_secs_f64(args.timeout),
+        repeats: 0,
+        ..Conditions::of(scene)
+    };
+    let (spec, grid) = (scene.spec_for(choice), conditions.grid());
+    let job = Job {
+        histories: false,
+        ..conditions.job((&spec, &choice.modelling), method, &grid)
+    };
+    let row = integrate(&job).map_err(refuse_run)?;
+    match interruption::requested() {
+        true => Err(Refusal::Interrupted),
+        false => Ok(row),
+    }
+}
+
+/// How far a run is from one on a finer step.
+fn own_error(row: &Run, finer: &Run) -> Option<Metrics> {
+    let series = finer
+        .series
+        .as_ref()
+        .filter(|_| !finer.status.is_failure())?;
+    Some(compare(row.finished().ok()?, series, "finer"))
+}
+
+/// Refuses a file that cannot be written before anything is computed.
+fn can_be_written(path: &Path) -> Result<(), Refusal> {
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
+    if path.is_dir() || parent.is_some_and(|p| !p.is_dir()) {
+        return Err(bad(
+            format!("{} cannot be written", path.display()),
+            "--out names a file in a folder that is there, such as --out ref.csv",
+        ));
+    }
+    Ok(())
+}
+
+/// A file is written whole or not at all.
+fn write_whole(path: &Path, text: &str) -> std::io::Result<()> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".part");
+    let staged = path.with_file_name(name);
+    std::fs::write(&staged, text)?;
+    std::fs::rename(&staged, path)
+}
+
+/// The file of a scene, which a shipped one has not.
+fn scene_path(scene: &SceneFile) -> Result<PathBuf, Refusal> {
+    match &scene.origin {
+        Origin::File(path) => Ok(path.clone()),
+        Origin::Shipped => Err(bad(
+            "a shipped scene is part of the program",
+            format!(
+                "`gearbench init {}` writes it as a file of your own",
+                scene.name
+            ),
+        )),
+    }
+}
+
+/// The scene with the lines: its text, and what it reads as.
+fn with_lines(scene: &SceneFile, lines: &str) -> Result<(String, SceneFile), Refusal> {
+    let text = format!("{}\n\n{lines}\n", scene.text().trim_end());
+    let name = match &scene.origin {
+        Origin::File(path) => path.display().to_string(),
+        Origin::Shipped => format!("{}.toml", scene.name),
+    };
+    let whole = SceneFile::unbuilt(&name, &text, scene.origin.clone(), false)?;
+    Ok((text, whole))
+}
+
+/// Appends the lines to the scene file, whose own lines stay as they are; the whole is read before it is written.
+fn add(scene: &SceneFile, lines: &str) -> Result<PathBuf, Refusal> {
+    let path = scene_path(scene)?;
+    let (text, mut whole) = with_lines(scene, lines)?;
+    whole.held(false)?;
+    write_whole(&path, &text).map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
+    Ok(path)
+}
