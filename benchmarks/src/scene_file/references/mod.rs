@@ -177,6 +177,12 @@ impl NamedReference {
         }
     }
 
+    /// Its place among `[[references]]`; `None` of `reference`.
+    pub fn index(&self) -> Option<usize> {
+        let inner = self.at.strip_prefix("references[")?;
+        inner.strip_suffix(']')?.parse().ok()
+    }
+
     /// Whether it is of the conditions of the scene itself.
     pub fn is_of_the_scene(&self) -> bool {
         self.conditions == ReferenceConditions::default()

@@ -10,6 +10,7 @@ Examples:
   gearbench choose spur_impact --metric force-aligned --tolerance 0.05
   gearbench choose hammer --metric impulse --tolerance 0.02
   gearbench choose my_scene.toml --metric peak --tolerance 0.1 --out out/peak
+  gearbench choose my_scene.toml --references      and hold what was chosen against what was measured
 
 No finite-element transient runs: a hierarchy of models is refined on a short part of the scene, and differences between
 its levels estimate the errors. Modes, contact and mesh are levels of it: flanks touch on half-spaces where they may, and
@@ -28,6 +29,9 @@ pub struct Choose {
     /// Largest relative error in it that is accurate enough, 0.05 for 5 %
     #[arg(long, value_name = "T", default_value_t = 0.05, value_parser = tolerance)]
     pub tolerance: f64,
+    /// Also run the choice over the whole scene once, and hold it against the scene's references
+    #[arg(long)]
+    pub references: bool,
     /// Where results go.
     #[command(flatten)]
     pub output: Output,

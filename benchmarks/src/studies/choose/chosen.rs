@@ -8,7 +8,7 @@ use gearbench_models::spec::{ContactSpec, LocalContact, PointContact, PointRule}
 use gearbench_models::stiffness::{Foundation, Hertz, PairStiffness};
 use serde::Serialize;
 use serde_json::{Value as Json, json};
-use toml_edit::{DocumentMut, TomlError};
+use toml_edit::{DocumentMut, Item, TableLike, TomlError};
 
 /// Tables and keys that a choice replaces. The tolerance may refer to a model that is gone.
 const REPLACED: [&str; 3] = ["models", "study", "tolerance"];
@@ -32,17 +32,52 @@ pub fn text(
 
 /// The scene with a choice.
 fn written(file: &SceneFile, candidate: &Candidate) -> Result<String, SceneError> {
-    let kept = kept(file.text())?;
+    let kept = placed(&kept(file.text())?, file)?;
     let (model, study) = (model(file, candidate), study(file, candidate));
     Ok(format!("{}\n\n{model}{study}", kept.trim_end()))
 }
 
-/// A scene without what a choice replaces, and without the comments right above that.
-fn kept(text: &str) -> Result<String, SceneError> {
-    let mut document: DocumentMut = text.parse().map_err(|e: TomlError| {
+fn parsed(text: &str) -> Result<DocumentMut, SceneError> {
+    text.parse().map_err(|e: TomlError| {
         let help = "a choice is written into a scene that is TOML";
         SceneError::plain(e.to_string(), help)
-    })?;
+    })
+}
+
+/// A scene whose tables of references are found from any folder.
+fn placed(text: &str, file: &SceneFile) -> Result<String, SceneError> {
+    let mut document = parsed(text)?;
+    for r in &file.references {
+        let Some(path) = r.file().and_then(|p| std::path::absolute(p).ok()) else {
+            continue;
+        };
+        let path = toml_edit::value(path.display().to_string());
+        let table = match r.index() {
+            None => match document.get_mut("reference") {
+                Some(word) if word.is_str() => {
+                    *word = path;
+                    continue;
+                }
+                other => other.and_then(Item::as_table_like_mut),
+            },
+            Some(i) => (document.get_mut("references")).and_then(|all| match all {
+                Item::ArrayOfTables(all) => all.get_mut(i).map(|t| t as &mut dyn TableLike),
+                all => {
+                    let inline = all.as_array_mut()?.get_mut(i)?.as_inline_table_mut()?;
+                    Some(inline as &mut dyn TableLike)
+                }
+            }),
+        };
+        if let Some(table) = table {
+            table.insert("csv", path);
+        }
+    }
+    Ok(document.to_string())
+}
+
+/// A scene without what a choice replaces, and without the comments right above that.
+fn kept(text: &str) -> Result<String, SceneError> {
+    let mut document = parsed(text)?;
     for key in REPLACED {
         document.remove(key);
     }
@@ -272,6 +307,35 @@ mod tests {
         );
         let quoted = "description = \"\"\"\n[[models]]\nof words\"\"\"\n[gears.a]";
         assert_eq!(kept(quoted).unwrap().trim_end(), quoted);
+    }
+
+    /// The folder of the choice is another one: tables of references are found from there too.
+    #[test]
+    fn tables_of_references_are_found_from_elsewhere() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("s.toml");
+        let base = load_for("hammer", Selection::None).unwrap();
+        for (one, several) in [
+            ("reference = \"a.csv\"", ""),
+            (
+                "reference = { csv = \"a.csv\" }",
+                "\n[[references]]\ncsv = \"b.csv\"\n",
+            ),
+            (
+                "references = [{ csv = \"a.csv\" }, { csv = \"b.csv\" }]",
+                "",
+            ),
+        ] {
+            let text = format!("{one}\n{}{several}", base.text());
+            let origin = Origin::File(path.clone());
+            let file = SceneFile::unbuilt("s.toml", &text, origin, true).unwrap();
+            let text = placed(file.text(), &file).unwrap();
+            let read = SceneFile::unbuilt("c.toml", &text, Origin::Shipped, true).unwrap();
+            assert_eq!(read.references.len(), file.references.len(), "{text}");
+            for r in &read.references {
+                assert!(r.file().unwrap().starts_with(folder.path()), "{text}");
+            }
+        }
     }
 
     /// Models of all kinds, written and read, are written alike again.

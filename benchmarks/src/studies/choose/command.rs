@@ -6,12 +6,13 @@ use super::reason::{per_cent, seconds};
 use super::requirement::Requirement;
 use super::run::{Choice, ChooseError, choose};
 use super::summary::summarise;
-use super::{chosen, record};
+use super::{chosen, held, record};
 use crate::cli::answer::Answer;
+use crate::cli::arguments::Insist;
 use crate::cli::exit::Exit;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
+use crate::cli::terminal::{Refusal, absolute, references_of, refuse_run, say};
 use crate::experiment::conditions::silent;
 use crate::experiment::interruption;
 use crate::experiment::run::RunError;
@@ -22,7 +23,18 @@ use std::sync::Arc;
 /// Runs the study and writes its folder.
 pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     // Models are built when they are tried: many a scene has full finite elements beside.
-    let scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
+    let mut scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
+    let references = match args.references {
+        true => references_of(&mut scene, &Insist::default())?,
+        false => Vec::new(),
+    };
+    if args.references && references.is_empty() {
+        return Err(Refusal::Input(miette::miette!(
+            help = "give it a line `reference = ..`, or leave out --references",
+            "the scene `{}` has no reference of its own speeds and loads",
+            scene.name
+        )));
+    }
     let mut folder = StudyFolder::of(&args.output, &scene, Study::Choose.as_str())?;
     let problem = Problem {
         runner: Arc::new(folder.runner(&silent)),
@@ -39,7 +51,7 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
         return Err(Refusal::Interrupted);
     }
     let choice = choice.map_err(|e| folder.refuse(refuse(&scene, &problem, e)))?;
-    let results = record::results(&problem, (&scene.title, command), &requirement, &choice);
+    let mut results = record::results(&problem, (&scene.title, command), &requirement, &choice);
     let dir = folder.path().to_owned();
     let io = |e: std::io::Error| Refusal::Files(format!("{}: {e}", dir.display()));
     if let Some(candidate) = &choice.candidate {
@@ -47,11 +59,27 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
         let text = chosen::text(&scene, candidate, &remarks)?;
         std::fs::write(dir.join("chosen.toml"), text).map_err(io)?;
     }
+    if let Some(candidate) = choice.candidate.as_ref().filter(|_| !references.is_empty()) {
+        let found = held::against(&scene, candidate, &references).map_err(refuse_run)?;
+        results.settings.extend(found);
+    }
+    let held: Vec<(String, String)> = (results.settings.iter())
+        .filter(|(what, _)| what.starts_with(held::AGAINST))
+        .cloned()
+        .collect();
     let exit = match choice.candidate {
         Some(_) => Exit::Done,
         None => Exit::FellShort,
     };
-    let answer = folder.finish(results, |_| exit, |_| summarise(&choice, &requirement))?;
+    let answer = folder.finish(
+        results,
+        |_| exit,
+        |_| {
+            summarise(&choice, &requirement);
+            held.iter()
+                .for_each(|(what, found)| say(&format!("{what}: {found}")));
+        },
+    )?;
     if choice.candidate.is_some() {
         let path = absolute(dir.join("chosen.toml"));
         say(&format!("scene:  {}", path.display()));

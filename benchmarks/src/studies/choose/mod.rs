@@ -24,13 +24,15 @@
 //! | [`run`] | the answer |
 //! | `record`, `summary` | the answer as a record and on the terminal |
 //! | `chosen` | the scene file with the choice written in |
+//! | `held` | what was chosen against the references of the scene |
 
 pub(crate) mod arguments;
 mod chosen;
 pub(crate) mod command;
 pub mod detail;
 mod domain;
-pub mod level;
+pub mod held;
+mod level;
 mod pilot;
 pub mod plan;
 pub mod problem;
