@@ -4,11 +4,11 @@ use super::file::{Case, CheckFile};
 use super::kernel;
 use super::quantity::{forgotten, values};
 use crate::cli::arguments::Insist;
-use crate::cli::terminal::{Refusal, stored_reference};
+use crate::cli::terminal::{Refusal, references_of};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::external::external;
 use crate::experiment::key::Key;
+use crate::experiment::referenced::recorded;
 use crate::experiment::run::{Job, RunError, bare, run_in};
 use crate::experiment::runner::Runner;
 use crate::scene_file::{self, Selection};
@@ -35,7 +35,7 @@ pub(super) struct Loaded<'a> {
 pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<Loaded<'a>, Refusal> {
     let labels = case.models.as_deref();
     let mut scene = scene_file::load_for(&case.scene, Selection::Labels(labels))?;
-    let reference = stored_reference(&mut scene, &Insist::default())?;
+    let references = references_of(&mut scene, &Insist::default())?;
     let choices = scene.select(labels)?;
     let mut configurations: Vec<Configuration> = choices
         .iter()
@@ -61,7 +61,7 @@ pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<Loaded<'a>, R
         },
         configurations,
         methods,
-        references: reference.iter().map(external).collect(),
+        references: references.iter().map(|r| recorded(r, &scene.spec)).collect(),
     })
 }
 

@@ -1,7 +1,7 @@
 //! What a check looks at in a run.
 
 use gearbench_reports::Metric;
-use gearbench_reports::metrics::{TRANSMISSION_ERROR, compare};
+use gearbench_reports::metrics::{TRANSMISSION_ERROR, compare, compare_all};
 use gearbench_reports::record::{ReferenceSeries, Run, SELF};
 use gearbench_reports::series::TimeSeries;
 use std::collections::BTreeMap;
@@ -107,7 +107,7 @@ pub(super) fn values(
     };
     let own = compare(finished, series, SELF);
     let against: Vec<_> = (references.iter())
-        .map(|r| (r, compare(finished, &r.series, &r.id)))
+        .map(|r| (r, compare_all(finished, &r.all_series(), &r.id)))
         .collect();
     for quantity in wanted {
         let key = quantity.key();

@@ -32,7 +32,7 @@ pub(crate) mod command;
 pub mod detail;
 mod domain;
 pub mod held;
-mod level;
+pub mod level;
 mod pilot;
 pub mod plan;
 pub mod problem;
