@@ -201,7 +201,7 @@ impl Source {
         let element = match &given.element {
             None => None,
             Some(name) => Some(ElementKind::from_name(name).ok_or_else(|| {
-                let known: Vec<&str> = ElementKind::ALL.iter().map(|k| k.name()).collect();
+                let known = ElementKind::ALL.map(ElementKind::name);
                 reader.error(
                     "element",
                     (
@@ -330,20 +330,26 @@ fn stored(
         })?
         .mesh;
     if let Some(kind) = element {
-        if kind.nodes() != gear.mesh.kind.nodes() {
+        let same = |k: ElementKind| (k.shape(), k.nodes()) == (kind.shape(), kind.nodes());
+        if !gear.mesh.blocks.iter().any(|b| same(b.kind)) {
             return Err(reader.error(
                 "element",
                 (
                     format!(
-                        "the elements of \"{source}\" are {} with {} nodes",
-                        gear.mesh.kind.name(),
-                        gear.mesh.kind.nodes()
+                        "the elements of \"{source}\" are {}",
+                        gear.mesh.kind_names()
                     ),
-                    format!("{} has {}", kind.name(), kind.nodes()),
+                    format!(
+                        "none of them has the nodes of {}: {}",
+                        kind.name(),
+                        kind.nodes()
+                    ),
                 ),
             ));
         }
-        gear.mesh.kind = kind;
+        for block in gear.mesh.blocks.iter_mut().filter(|b| same(b.kind)) {
+            block.kind = kind;
+        }
     }
     Ok(gear)
 }

@@ -19,13 +19,15 @@ impl Pattern {
         let nodes = mesh.nodes.len();
         // Elements of each node, then its neighbours from them.
         let mut first = vec![0u32; nodes + 1];
-        for &node in &mesh.connectivity {
+        let mut count = 0;
+        for node in mesh.connectivity() {
             first[node as usize + 1] += 1;
+            count += 1;
         }
         for i in 0..nodes {
             first[i + 1] += first[i];
         }
-        let mut of_node = vec![0u32; mesh.connectivity.len()];
+        let mut of_node = vec![0u32; count];
         let mut next = first.clone();
         for (e, element) in mesh.elements().enumerate() {
             for &node in element {

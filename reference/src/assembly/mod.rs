@@ -28,8 +28,8 @@ pub struct Assembly {
     pub stiffness: BlockMatrix,
     /// Consistent mass [kg], times the unit matrix of three axes.
     pub mass: ScalarMatrix,
-    /// Lumped mass per node [kg]: row sums for eight-node elements, the scaled diagonal (E. Hinton, T. Rock,
-    /// O. C. Zienkiewicz, *Earthquake Eng. Struct. Dyn.* 4 (1976) 245) for twenty-node ones.
+    /// Lumped mass per node [kg]: row sums for linear elements, the scaled diagonal (E. Hinton, T. Rock,
+    /// O. C. Zienkiewicz, *Earthquake Eng. Struct. Dyn.* 4 (1976) 245) for quadratic ones.
     pub lumped: Vec<f64>,
 }
 
@@ -44,31 +44,35 @@ pub fn assemble(mesh: &Mesh, material: &Material) -> Result<Assembly, ElementErr
     let nodes = mesh.nodes.len();
     let what = format!("the matrices of {} unknowns", 3 * nodes);
     limits::check(what, NODE_BYTES * nodes as f64, "use fewer elements")?;
-    let n = mesh.kind.nodes();
-    let integrator = Integrator::new(mesh.kind);
     let pattern = Arc::new(Pattern::of(mesh));
     let mut stiffness = BlockMatrix::zeros(pattern.clone());
     let mut mass = ScalarMatrix::zeros(pattern);
     let mut lumped = vec![0.0; mesh.nodes.len()];
-    let (mut k, mut m) = (vec![0.0; 9 * n * n], vec![0.0; n * n]);
-    let mut x = Vec::with_capacity(n);
-    for (e, nodes) in mesh.elements().enumerate() {
-        x.clear();
-        x.extend(nodes.iter().map(|&node| mesh.nodes[node as usize]));
-        integrator.matrices(e, &x, material, &mut k, &mut m)?;
-        stiffness.add(nodes, &k);
-        mass.add(nodes, &m);
-        if n == 8 {
-            for (a, &node) in nodes.iter().enumerate() {
-                lumped[node as usize] += m[a * n..][..n].iter().sum::<f64>();
-            }
-        } else {
-            let total: f64 = m.iter().sum();
-            let trace: f64 = (0..n).map(|a| m[a * n + a]).sum();
-            for (a, &node) in nodes.iter().enumerate() {
-                lumped[node as usize] += m[a * n + a] * total / trace;
+    let mut before = 0;
+    for block in &mesh.blocks {
+        let n = block.kind.nodes();
+        let integrator = Integrator::new(block.kind);
+        let (mut k, mut m) = (vec![0.0; 9 * n * n], vec![0.0; n * n]);
+        let mut x = Vec::with_capacity(n);
+        for (e, nodes) in block.elements().enumerate() {
+            x.clear();
+            x.extend(nodes.iter().map(|&node| mesh.nodes[node as usize]));
+            integrator.matrices(before + e, &x, material, &mut k, &mut m)?;
+            stiffness.add(nodes, &k);
+            mass.add(nodes, &m);
+            if block.kind.is_quadratic() {
+                let total: f64 = m.iter().sum();
+                let trace: f64 = (0..n).map(|a| m[a * n + a]).sum();
+                for (a, &node) in nodes.iter().enumerate() {
+                    lumped[node as usize] += m[a * n + a] * total / trace;
+                }
+            } else {
+                for (a, &node) in nodes.iter().enumerate() {
+                    lumped[node as usize] += m[a * n..][..n].iter().sum::<f64>();
+                }
             }
         }
+        before += block.element_count();
     }
     Ok(Assembly {
         stiffness,

@@ -99,19 +99,19 @@ impl Numbered<'_> {
             let [a, b, c] = [x.x, x.y, x.z].map(|v| position(v, label));
             writeln!(out, "{label}, {}, {}, {}", a?, b?, c?)?;
         }
-        writeln!(
-            out,
-            "*ELEMENT, TYPE={}, ELSET=gear{suffix}",
-            mesh.kind.name()
-        )?;
-        for (label, nodes) in (self.first_element..).zip(mesh.elements()) {
-            write!(out, "{label}")?;
-            for (i, n) in nodes.iter().enumerate() {
-                // A line may have 16 entries; one that ends with a comma goes on.
-                let gap = if i == 10 { ",\n" } else { ", " };
-                write!(out, "{gap}{}", n + self.first_node)?;
+        let mut labels = self.first_element..;
+        for block in &mesh.blocks {
+            let kind = block.kind.name();
+            writeln!(out, "*ELEMENT, TYPE={kind}, ELSET=gear{suffix}")?;
+            for (nodes, label) in block.elements().zip(&mut labels) {
+                write!(out, "{label}")?;
+                for (i, n) in nodes.iter().enumerate() {
+                    // A line may have 16 entries; one that ends with a comma goes on.
+                    let gap = if i == 10 { ",\n" } else { ", " };
+                    write!(out, "{gap}{}", n + self.first_node)?;
+                }
+                writeln!(out)?;
             }
-            writeln!(out)?;
         }
         writeln!(out, "*NSET, NSET=bore{suffix}")?;
         self.list(out, &self.gear.bore)?;

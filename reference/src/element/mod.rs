@@ -1,4 +1,4 @@
-//! Hexahedral elements: stiffness and mass of one element, isotropic linear elasticity.
+//! Solid elements: stiffness and mass of one element, isotropic linear elasticity.
 //!
 //! `K = sum_q w_q det J B^T D B`, `M = sum_q w_q rho det J N^T N` (scalar, times the unit matrix of three axes).
 //!
@@ -8,6 +8,10 @@
 //! | C3D8I | C3D8 and three incompatible modes `1 - xi_i^2`, condensed statically | as C3D8 |
 //! | C3D20 | 3x3x3 | consistent, 3x3x3 |
 //! | C3D20R | 2x2x2 | consistent, 2x2x2 |
+//! | C3D4 | 1 | consistent, 1 |
+//! | C3D10 | 4 | consistent, 4 |
+//! | C3D6 | 2, on the axis of the wedge | consistent, 2 |
+//! | C3D15 | 3 over the triangle x 3 | consistent, 3x3 |
 //!
 //! The incompatible modes take the Jacobian at the centre, scaled by `det J_0 / det J`, so that constant
 //! strains stay exact on distorted elements (R. L. Taylor, P. J. Beresford, E. L. Wilson, *Int. J. Numer.
@@ -17,11 +21,13 @@
 //! eigenfrequencies to all printed digits (a C3D20R mass by 3x3x3 points would differ in the sixth). Only its C3D8I
 //! is another element: CalculiX keeps the internal displacements in the mass. The mass of one C3D20R has rank 8
 //! of 20, and that of every stored mesh of them is singular: good for modes and for implicit steps, but what
-//! divides by the mass wants the lumped one. A single column of C3D20R has motions without strain energy that
-//! pass from element to element; two columns beside each other have none.
+//! divides by the mass wants the lumped one. So are the masses of tetrahedra and wedges: one C3D4 has rank 1 of 4,
+//! one C3D10 4 of 10, one C3D6 2 of 6, one C3D15 9 of 15. A single column of C3D20R has motions without strain energy that
+//! pass from element to element; two columns beside each other have none. One C3D6 has a single such motion.
 //!
 //! Text: T. J. R. Hughes, *The Finite Element Method* (1987), ch. 3 and 4.
 
+mod rules;
 mod shape;
 
 #[cfg(test)]
@@ -31,7 +37,8 @@ use crate::mesh::ElementKind;
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use nalgebra::Matrix3;
-pub use shape::{MAX_NODES, gradients, natural_corner, values};
+pub(crate) use rules::{solid_rule, stiffness_rule};
+pub use shape::{MAX_NODES, gradients, natural, values};
 
 /// An element that cannot be integrated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -49,25 +56,6 @@ pub enum ElementError {
     Density { density: f64 },
     #[error(transparent)]
     TooLarge(#[from] crate::limits::TooMuchMemory),
-}
-
-/// Gauss-Legendre points and weights on [-1, 1].
-pub(crate) const TWO: [(f64, f64); 2] = [
-    (-0.577_350_269_189_625_8, 1.0),
-    (0.577_350_269_189_625_8, 1.0),
-];
-pub(crate) const THREE: [(f64, f64); 3] = [
-    (-0.774_596_669_241_483_4, 5.0 / 9.0),
-    (0.0, 8.0 / 9.0),
-    (0.774_596_669_241_483_4, 5.0 / 9.0),
-];
-
-/// Points of a product rule with their weights.
-pub(crate) fn rule(line: &[(f64, f64)]) -> impl Iterator<Item = ([f64; 3], f64)> + '_ {
-    line.iter().flat_map(move |&(z, wz)| {
-        line.iter()
-            .flat_map(move |&(y, wy)| line.iter().map(move |&(x, wx)| ([x, y, z], wx * wy * wz)))
-    })
 }
 
 /// Most functions whose gradients meet in a stiffness: 20 nodes, or 8 and three incompatible modes.
@@ -107,12 +95,8 @@ pub struct Integrator {
 impl Integrator {
     /// Prepares the rule of a kind.
     pub fn new(kind: ElementKind) -> Self {
-        let line: &[_] = if kind == ElementKind::C3D20 {
-            &THREE
-        } else {
-            &TWO
-        };
-        let points = rule(line).map(|(xi, weight)| Point::new(kind, xi, weight));
+        let points = stiffness_rule(kind).into_iter();
+        let points = points.map(|(xi, weight)| Point::new(kind, xi, weight));
         let points = points.collect();
         let centre = Point::new(kind, [0.0; 3], 0.0).gradients;
         Integrator {

@@ -1,13 +1,13 @@
-use super::{Integrator, MAX_NODES, gradients, natural_corner, values};
-use crate::mesh::ElementKind;
+use super::{Integrator, MAX_NODES, gradients, natural, values};
+use crate::mesh::{ElementKind, Mesh, quality};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 
 /// A distorted element: corners moved, edges straight.
 fn distorted(kind: ElementKind) -> Vec<Vec3> {
-    let corners: Vec<Vec3> = (0..8)
+    let corners: Vec<Vec3> = (0..kind.corners())
         .map(|a| {
-            let [x, y, z] = natural_corner(a);
+            let [x, y, z] = natural(kind, a);
             let s = |k: f64| 0.15 * (k * (a as f64 + 1.0)).sin();
             Vec3::new(
                 1e-3 * (x + s(1.3)),
@@ -16,13 +16,11 @@ fn distorted(kind: ElementKind) -> Vec<Vec3> {
             )
         })
         .collect();
-    let mut shape = [0.0; MAX_NODES];
-    (0..kind.nodes())
-        .map(|a| {
-            values(ElementKind::C3D8, natural_corner(a), &mut shape);
-            (0..8).map(|b| shape[b] * corners[b]).sum()
-        })
-        .collect()
+    let middles = kind.edges().iter().take(kind.nodes() - kind.corners());
+    let middles: Vec<Vec3> = middles
+        .map(|&[a, b]| 0.5 * (corners[a] + corners[b]))
+        .collect();
+    corners.into_iter().chain(middles).collect()
 }
 
 fn of(kind: ElementKind) -> (Vec<Vec3>, Vec<f64>, Vec<f64>) {
@@ -41,7 +39,7 @@ fn shape_functions_are_one_at_their_node_and_gradients_are_their_slopes() {
         let n = kind.nodes();
         let mut f = [0.0; MAX_NODES];
         for a in 0..n {
-            values(kind, natural_corner(a), &mut f);
+            values(kind, natural(kind, a), &mut f);
             for (b, value) in f[..n].iter().enumerate() {
                 assert!((value - f64::from(u8::from(a == b))).abs() < 1e-15);
             }
@@ -85,11 +83,17 @@ fn rigid_motions_need_no_force_and_mass_is_volume_times_density() {
                 assert!(f.abs() < 1e-12 * size, "{kind:?} {f:e} {size:e}");
             }
         }
-        // All corners keep straight edges, so the volume is that of the eight-node brick.
+        // All edges are straight, so the volume is that of the linear element.
         let volume: f64 = m.iter().sum::<f64>() / Material::STEEL.density;
-        let (_, _, m8) = of(ElementKind::C3D8);
-        let expected: f64 = m8.iter().sum::<f64>() / Material::STEEL.density;
-        assert!((volume / expected - 1.0).abs() < 1e-12);
+        let mesh = Mesh::new(kind, x, (0..n as u32).collect());
+        let expected = quality(&mesh).volume;
+        // The axis of a wedge sees no more than its mean section.
+        let bound = if kind == ElementKind::C3D6 {
+            0.01
+        } else {
+            1e-12
+        };
+        assert!((volume / expected - 1.0).abs() < bound, "{kind:?}");
     }
 }
 
@@ -162,5 +166,46 @@ fn an_inverted_element_and_a_bad_material_are_named() {
         let refused = Integrator::new(kind).matrices(element, x, &material, &mut k, &mut m);
         let message = refused.unwrap_err().to_string();
         assert!(message.contains(words), "{message}");
+    }
+}
+
+#[test]
+fn the_linear_tetrahedron_has_its_textbook_stiffness() {
+    // Constant strain: K = V B^T D B with the gradients of the volume coordinates.
+    let x = [
+        Vec3::new(0.1, 0.0, 0.2),
+        Vec3::new(1.2, 0.1, 0.0),
+        Vec3::new(0.3, 1.1, 0.1),
+        Vec3::new(0.2, 0.2, 0.9),
+    ];
+    let edges = nalgebra::Matrix3::from_columns(&[x[1] - x[0], x[2] - x[0], x[3] - x[0]]);
+    let volume = edges.determinant() / 6.0;
+    let inverse = edges.try_inverse().unwrap();
+    let slope = |a: usize| -> Vec3 {
+        match a {
+            0 => -(0..3).map(|i| inverse.row(i).transpose()).sum::<Vec3>(),
+            a => inverse.row(a - 1).transpose(),
+        }
+    };
+    let material = Material::STEEL;
+    let (e, nu) = (material.young, material.poisson);
+    let (lambda, mu) = (
+        e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)),
+        e / (2.0 * (1.0 + nu)),
+    );
+    let (mut k, mut m) = ([0.0; 144], [0.0; 16]);
+    Integrator::new(ElementKind::C3D4)
+        .matrices(0, &x, &material, &mut k, &mut m)
+        .unwrap();
+    for (a, b) in (0..16).map(|i| (i / 4, i % 4)) {
+        let (ga, gb) = (slope(a), slope(b));
+        for (i, j) in (0..9).map(|i| (i / 3, i % 3)) {
+            let same = if i == j { mu * ga.dot(&gb) } else { 0.0 };
+            let exact = volume * (lambda * ga[i] * gb[j] + mu * ga[j] * gb[i] + same);
+            let found = k[(3 * a + i) * 12 + 3 * b + j];
+            assert!((found - exact).abs() < 1e-13 * e, "{found} {exact}");
+        }
+        let exact = material.density * volume / 16.0;
+        assert!((m[4 * a + b] / exact - 1.0).abs() < 1e-13);
     }
 }

@@ -60,13 +60,13 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     if let Toothing::Gear(gear) = context.body {
         mesh.deviate(gear);
     }
-    if mesh.mesh.kind.nodes() != 8 {
+    if mesh.mesh.kind().is_none_or(|k| k.nodes() != 8) {
         return Err(reader.error(
             "element",
             (
                 format!(
-                    "flanks touch on faces with four nodes, those of {} have eight",
-                    mesh.mesh.kind.name()
+                    "flanks touch on faces with four nodes, on elements with eight; the elements are {}",
+                    mesh.mesh.kind_names()
                 ),
                 "take C3D8 or C3D8I",
             ),

@@ -135,11 +135,9 @@ impl Assembly {
         self.connectivity.shrink_to_fit();
         GearMesh {
             mesh: Mesh {
-                nodes: self.nodes,
-                kind: plan.params.kind,
-                connectivity: self.connectivity,
                 node_sets: self.node_sets,
                 face_sets: self.face_sets,
+                ..Mesh::new(plan.params.kind, self.nodes, self.connectivity)
             },
             teeth: plan.all_teeth,
             bore: self.bore,

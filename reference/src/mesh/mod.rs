@@ -1,10 +1,10 @@
-//! Hexahedral meshes: nodes, elements, named sets, and what makes a mesh a gear.
+//! Meshes of solid elements: nodes, elements, named sets, and what makes a mesh a gear.
 //!
 //! Conventions, stated once:
 //!
 //! - Nodes and elements are numbered from 0 inside the program; labels of a deck are its own affair.
-//! - Element nodes and faces follow Abaqus and CalculiX: nodes 0-3 on the lower face, 4-7 above them, then the
-//!   mid-side nodes; faces `S1` to `S6` are 0 to 5 here ([`Face`]).
+//! - Element nodes and faces follow Abaqus and CalculiX ([`ElementKind`]); faces `S1` to `S6` are 0 to 5 here
+//!   ([`Face`]).
 //! - A [`GearMesh`] stands in its own frame: axis z through the origin, tooth 0 centred on +x, tooth `k` follows
 //!   counter-clockwise. A rack as in [`gearbench_models::geometry`]: reference line on y, teeth pointing to -x,
 //!   tooth 0 centred on y = 0, tooth `k` follows towards +y, `Left` is the side that meets left flanks of gears.
@@ -16,7 +16,9 @@ mod body_tests;
 mod build;
 mod checks;
 mod error;
+mod faces;
 mod grading;
+mod kind;
 mod params;
 mod profile;
 mod quality;
@@ -28,82 +30,14 @@ mod width;
 
 pub use build::{gear, rack, sector};
 pub use error::{MeshError, Part};
+pub use faces::{FaceCorners, boundary};
+pub use kind::{ElementKind, Shape};
 pub use params::{FineTeeth, Focus, GearMeshParams, Tooth, Web};
 pub use quality::{ElementQuality, Quality, element_qualities, quality};
 
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
 use std::collections::BTreeMap;
-
-/// Kind of a hexahedral element, by the name it has in decks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum ElementKind {
-    /// 8 nodes, 2x2x2 integration.
-    C3D8,
-    /// 8 nodes with statically condensed incompatible modes.
-    C3D8I,
-    /// 20 nodes, 3x3x3 integration.
-    C3D20,
-    /// 20 nodes, 2x2x2 integration of the stiffness.
-    C3D20R,
-}
-
-impl ElementKind {
-    /// All kinds.
-    pub const ALL: [Self; 4] = [Self::C3D8, Self::C3D8I, Self::C3D20, Self::C3D20R];
-
-    /// Name in decks.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::C3D8 => "C3D8",
-            Self::C3D8I => "C3D8I",
-            Self::C3D20 => "C3D20",
-            Self::C3D20R => "C3D20R",
-        }
-    }
-
-    /// Finds a kind by its name, whatever the case.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL
-            .into_iter()
-            .find(|k| k.name().eq_ignore_ascii_case(name))
-    }
-
-    /// Nodes of an element.
-    pub fn nodes(self) -> usize {
-        match self {
-            Self::C3D8 | Self::C3D8I => 8,
-            Self::C3D20 | Self::C3D20R => 20,
-        }
-    }
-}
-
-/// Corner nodes of the faces S1 to S6, outward normal by the right-hand rule reversed as in the manuals
-/// (S1 looks inwards): use the geometry, not the order, for a direction.
-pub const FACE_CORNERS: [[usize; 4]; 6] = [
-    [0, 1, 2, 3],
-    [4, 7, 6, 5],
-    [0, 4, 5, 1],
-    [1, 5, 6, 2],
-    [2, 6, 7, 3],
-    [3, 7, 4, 0],
-];
-
-/// Corner nodes of the twelve edges, in the order of the mid-side nodes 8 to 19.
-pub const EDGES: [[usize; 2]; 12] = [
-    [0, 1],
-    [1, 2],
-    [2, 3],
-    [3, 0],
-    [4, 5],
-    [5, 6],
-    [6, 7],
-    [7, 4],
-    [0, 4],
-    [1, 5],
-    [2, 6],
-    [3, 7],
-];
 
 /// Name of the node set of a flank; with an `s` in front, of its set of faces.
 pub(crate) fn flank_set(tooth: u32, side: Side) -> String {
@@ -123,19 +57,49 @@ pub(crate) fn letter(side: Side) -> char {
 pub struct Face {
     /// Element.
     pub element: u32,
-    /// Face 0 to 5, `S1` to `S6` in decks.
+    /// Face from 0, `S1` and on in decks; see [`ElementKind::face`].
     pub face: u8,
 }
 
-/// A mesh of one kind of element.
+/// Elements of one kind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Kind of the elements.
+    pub kind: ElementKind,
+    /// Their nodes, [`ElementKind::nodes`] each.
+    pub connectivity: Vec<u32>,
+}
+
+impl Block {
+    /// Number of elements.
+    pub fn element_count(&self) -> usize {
+        self.connectivity.len() / self.kind.nodes()
+    }
+
+    /// The elements in order.
+    pub fn elements(&self) -> std::slice::ChunksExact<'_, u32> {
+        self.connectivity.chunks_exact(self.kind.nodes())
+    }
+}
+
+/// Adds elements at the end: to the last block if that is of their kind.
+pub fn push(blocks: &mut Vec<Block>, kind: ElementKind, nodes: impl IntoIterator<Item = u32>) {
+    match blocks.last_mut() {
+        Some(block) if block.kind == kind => block.connectivity.extend(nodes),
+        _ => blocks.push(Block {
+            kind,
+            connectivity: nodes.into_iter().collect(),
+        }),
+    }
+}
+
+/// A mesh of solid elements, in blocks of one kind each. Elements are counted through the blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     /// Positions [m].
     pub nodes: Vec<Vec3>,
-    /// Kind of all elements.
-    pub kind: ElementKind,
-    /// Nodes of the elements, [`ElementKind::nodes`] each.
-    pub connectivity: Vec<u32>,
+    /// Elements.
+    pub blocks: Vec<Block>,
     /// Named node sets.
     pub node_sets: BTreeMap<String, Vec<u32>>,
     /// Named sets of faces.
@@ -143,12 +107,11 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh without sets.
+    /// A mesh of one kind of element without sets.
     pub fn new(kind: ElementKind, nodes: Vec<Vec3>, connectivity: Vec<u32>) -> Self {
         Mesh {
             nodes,
-            kind,
-            connectivity,
+            blocks: vec![Block { kind, connectivity }],
             node_sets: BTreeMap::new(),
             face_sets: BTreeMap::new(),
         }
@@ -156,24 +119,72 @@ impl Mesh {
 
     /// Number of elements.
     pub fn element_count(&self) -> usize {
-        self.connectivity.len() / self.kind.nodes()
+        self.blocks.iter().map(Block::element_count).sum()
+    }
+
+    /// Kind and nodes of an element.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    pub fn element_of(&self, element: usize) -> (ElementKind, &[u32]) {
+        let mut at = element;
+        for block in &self.blocks {
+            let count = block.element_count();
+            if at < count {
+                let n = block.kind.nodes();
+                return (block.kind, &block.connectivity[at * n..][..n]);
+            }
+            at -= count;
+        }
+        panic!("element {element} of a mesh with {}", self.element_count())
     }
 
     /// Nodes of an element.
+    ///
+    /// # Panics
+    /// If there is no such element.
     pub fn element(&self, element: usize) -> &[u32] {
-        let n = self.kind.nodes();
-        &self.connectivity[element * n..][..n]
+        self.element_of(element).1
     }
 
     /// All elements in order.
-    pub fn elements(&self) -> impl ExactSizeIterator<Item = &[u32]> {
-        self.connectivity.chunks_exact(self.kind.nodes())
+    pub fn elements(&self) -> impl Iterator<Item = &[u32]> {
+        self.blocks.iter().flat_map(Block::elements)
+    }
+
+    /// Nodes of all elements, one element after the other.
+    pub fn connectivity(&self) -> impl Iterator<Item = u32> + '_ {
+        let blocks = self.blocks.iter();
+        blocks.flat_map(|b| b.connectivity.iter().copied())
+    }
+
+    /// The kind of all elements; nothing of a mesh of several kinds.
+    pub fn kind(&self) -> Option<ElementKind> {
+        let (first, others) = self.blocks.split_first()?;
+        let same = others.iter().all(|b| b.kind == first.kind);
+        same.then_some(first.kind)
+    }
+
+    /// Names of the kinds of elements, each once, as `C3D8, C3D6`.
+    pub fn kind_names(&self) -> String {
+        let mut names: Vec<&str> = Vec::new();
+        for block in &self.blocks {
+            if !names.contains(&block.kind.name()) {
+                names.push(block.kind.name());
+            }
+        }
+        names.join(", ")
     }
 
     /// Corner nodes of a face.
-    pub fn face_corners(&self, face: Face) -> [u32; 4] {
-        let nodes = self.element(face.element as usize);
-        FACE_CORNERS[face.face as usize].map(|i| nodes[i])
+    pub fn face_corners(&self, face: Face) -> FaceCorners {
+        let (kind, nodes) = self.element_of(face.element as usize);
+        FaceCorners::of(kind, face.face as usize, nodes)
+    }
+
+    /// Faces that belong to one element only, in the order of the elements: the surface.
+    pub fn boundary(&self) -> Vec<Face> {
+        faces::boundary(&self.blocks)
     }
 }
 

@@ -33,12 +33,11 @@ pub(super) fn assert_conforming(mesh: &Mesh) -> usize {
             used[n as usize] = true;
         }
         for face in 0..6 {
-            let mut c = mesh.face_corners(Face {
+            let c = mesh.face_corners(Face {
                 element: e as u32,
                 face,
             });
-            c.sort_unstable();
-            *faces.entry(c).or_insert(0) += 1;
+            *faces.entry(c.key()).or_insert(0) += 1;
         }
     }
     assert!(used.iter().all(|&u| u), "a node without an element");
@@ -129,10 +128,8 @@ fn flank_grids_run_from_root_to_tip_and_from_low_to_high_z() {
             for (k, &face) in faces.iter().enumerate() {
                 let (row, column) = (k / 2, k % 2);
                 let mut expected = [0, 1, 3, 4].map(|d| f.nodes[row * 3 + column + d]);
-                let mut found = m.mesh.face_corners(face);
                 expected.sort_unstable();
-                found.sort_unstable();
-                assert_eq!(found, expected);
+                assert_eq!(m.mesh.face_corners(face).key(), expected);
             }
         }
     }

@@ -4,14 +4,24 @@
 //! array behind the number of its bytes as `UInt64`. Nodes of quadratic hexahedra have the order of decks.
 //! Written here, not by a library: the format is one page, and what exists reads and writes all of VTK.
 
-use super::Mesh;
+use super::{ElementKind, Mesh, Shape};
 use gearbench_models::Vec3;
 use std::io::{self, Write};
 
-/// VTK's number of a hexahedron with 8 nodes.
-const HEXAHEDRON: u8 = 12;
-/// With 20 nodes.
-const QUADRATIC_HEXAHEDRON: u8 = 25;
+/// VTK's number of a kind of cell.
+fn cell_type(kind: ElementKind) -> u8 {
+    match (kind.shape(), kind.is_quadratic()) {
+        (Shape::Tetrahedron, false) => 10,
+        (Shape::Hexahedron, false) => 12,
+        (Shape::Wedge, false) => 13,
+        (Shape::Tetrahedron, true) => 24,
+        (Shape::Hexahedron, true) => 25,
+        (Shape::Wedge, true) => 26,
+    }
+}
+
+/// A linear wedge of VTK has its first triangle the other way round.
+const LINEAR_WEDGE: [usize; 6] = [0, 2, 1, 3, 5, 4];
 
 /// Values of a field, one per node or per element.
 #[derive(Clone, Copy, Debug)]
@@ -106,20 +116,24 @@ pub fn write(
         },
     )?;
     writeln!(out, "</Points>\n<Cells>")?;
-    let size = mesh.kind.nodes();
-    let kind = if size == 8 {
-        HEXAHEDRON
-    } else {
-        QUADRATIC_HEXAHEDRON
+    let elements = || {
+        let blocks = mesh.blocks.iter();
+        blocks.flat_map(|b| b.elements().map(move |nodes| (b.kind, nodes)))
     };
-    let connectivity = mesh
-        .connectivity
-        .iter()
-        .map(|&n| i64::from(n).to_le_bytes());
+    let connectivity = elements().flat_map(|(kind, nodes)| {
+        (0..nodes.len()).map(move |i| match kind {
+            ElementKind::C3D6 => i64::from(nodes[LINEAR_WEDGE[i]]).to_le_bytes(),
+            _ => i64::from(nodes[i]).to_le_bytes(),
+        })
+    });
     array(out, "connectivity", "Int64", 1, connectivity)?;
-    let offsets = (1..=cells).map(|i| ((i * size) as i64).to_le_bytes());
+    let offsets = elements().scan(0, |end, (_, nodes)| {
+        *end += nodes.len() as i64;
+        Some(end.to_le_bytes())
+    });
     array(out, "offsets", "Int64", 1, offsets)?;
-    array(out, "types", "UInt8", 1, (0..cells).map(|_| [kind]))?;
+    let types = elements().map(|(kind, _)| [cell_type(kind)]);
+    array(out, "types", "UInt8", 1, types)?;
     writeln!(out, "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>")?;
     Ok(())
 }
@@ -297,7 +311,7 @@ mod tests {
                 each.map(|b| i64::from_le_bytes(b.try_into().unwrap()) as u32)
                     .collect()
             };
-            assert_eq!(whole("connectivity"), mesh.connectivity);
+            assert_eq!(whole("connectivity"), mesh.blocks[0].connectivity);
             let n = kind.nodes() as u32;
             let ends: Vec<u32> = (1..=mesh.element_count() as u32).map(|i| i * n).collect();
             assert_eq!(whole("offsets"), ends);
@@ -313,6 +327,24 @@ mod tests {
                 assert_eq!((f == 1, f == -1), (on("flank_1l"), on("flank_1r")));
             }
         }
+    }
+
+    #[test]
+    fn cells_of_mixed_kinds_have_their_own_lengths() {
+        let mut mesh = Mesh::new(ElementKind::C3D4, vec![Vec3::zeros(); 7], vec![0, 1, 2, 3]);
+        crate::mesh::push(&mut mesh.blocks, ElementKind::C3D6, 1..7);
+        let mut out = Vec::new();
+        write(&mut out, &mesh, &[], &[]).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        let whole = |name| -> Vec<u64> {
+            let bytes = read(&text, name);
+            let each = bytes.chunks_exact(8);
+            each.map(|b| u64::from_le_bytes(b.try_into().unwrap()))
+                .collect()
+        };
+        assert_eq!(whole("connectivity"), [0, 1, 2, 3, 1, 3, 2, 4, 6, 5]);
+        assert_eq!(whole("offsets"), [4, 10]);
+        assert_eq!(read(&text, "types"), [10, 13]);
     }
 
     #[test]

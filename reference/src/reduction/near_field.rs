@@ -44,9 +44,9 @@ pub fn of_flanks(
     gear: &GearMesh,
     material: &Material,
 ) -> Result<Option<Vec<Vec<f64>>>, ElementError> {
-    if gear.mesh.kind.nodes() != 8 {
+    let Some(kind) = gear.mesh.kind().filter(|k| k.nodes() == 8) else {
         return Ok(None);
-    }
+    };
     let mut patches = BTreeMap::new();
     let mut order: Vec<&FlankGrid> = gear.flanks.iter().collect();
     order.sort_by_key(|g| (g.tooth, g.side));
@@ -64,7 +64,7 @@ pub fn of_flanks(
         let kernels = (0..grid.rows)
             .map(|r| {
                 let aspect = mean(r, &|f| f[1]) / lengths[r];
-                between(aspect, gear.mesh.kind, material.poisson, &mut patches)
+                between(aspect, kind, material.poisson, &mut patches)
             })
             .collect::<Result<Vec<_>, _>>()?;
         let positions: Vec<f64> = std::iter::once(0.0)

@@ -33,10 +33,13 @@ impl Request<'_> {
     pub fn mesh_hash(&self) -> Hash {
         let gear = self.mesh;
         let mut h = Hash::START;
-        h.text(gear.mesh.kind.name());
+        h.text(&gear.mesh.kind_names());
         h.count(gear.mesh.nodes.len());
         gear.mesh.nodes.iter().for_each(|x| h.vector(x));
-        h.numbers(&gear.mesh.connectivity);
+        gear.mesh
+            .blocks
+            .iter()
+            .for_each(|b| h.numbers(&b.connectivity));
         h.count(gear.teeth as usize);
         h.numbers(&gear.bore);
         h.count(gear.flanks.len());

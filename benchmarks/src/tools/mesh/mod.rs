@@ -34,7 +34,7 @@ impl Meshed {
         json!({
             "gear": self.name,
             "teeth": self.mesh.teeth,
-            "element": m.kind.name(),
+            "element": m.kind_names(),
             "nodes": m.nodes.len(),
             "elements": m.element_count(),
             "unknowns": 3 * m.nodes.len(),
@@ -206,8 +206,10 @@ fn from_scene(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
 fn params(args: &Arguments) -> Result<GearMeshParams, Refusal> {
     let mut p = GearMeshParams::default();
     if let Some(name) = &args.element {
-        p.kind = ElementKind::from_name(name).ok_or_else(|| {
-            let known: Vec<&str> = ElementKind::ALL.iter().map(|k| k.name()).collect();
+        let kind = ElementKind::from_name(name);
+        let kind = kind.filter(|k| ElementKind::HEXAHEDRA.contains(k));
+        p.kind = kind.ok_or_else(|| {
+            let known: Vec<&str> = ElementKind::HEXAHEDRA.iter().map(|k| k.name()).collect();
             Refusal::Input(miette::miette!(
                 help = format!("there are {}", known.join(", ")),
                 "there is no element `{name}`"
@@ -277,7 +279,7 @@ fn table(gears: &[Meshed]) {
             "{:<width$}  {:>5}  {:>7}  {:>8}  {:>8}  {:>8}  {:>7.3} {:>7.3}  {:>8.1}  {:>9.1}",
             g.name,
             g.mesh.teeth,
-            m.kind.name(),
+            m.kind_names(),
             m.nodes.len(),
             m.element_count(),
             3 * m.nodes.len(),

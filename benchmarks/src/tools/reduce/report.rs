@@ -70,7 +70,7 @@ pub(super) fn told(job: &Job, done: &Done) -> Value {
         "notes": job.notes,
         "nodes": job.mesh.mesh.nodes.len(),
         "elements": job.mesh.mesh.element_count(),
-        "element": job.mesh.mesh.kind.name(),
+        "element": job.mesh.mesh.kind_names(),
         "teeth": meta.teeth,
         "module_m": shown.module,
         "face_width_m": shown.width,
@@ -102,7 +102,7 @@ fn of_mesh(job: &Job) -> String {
         "{of}{}, {}, {}, scaled Jacobian {:.3} or more",
         some(mesh.nodes.len(), "node"),
         some(mesh.element_count(), "element"),
-        mesh.kind.name(),
+        mesh.kind_names(),
         q.min_scaled_jacobian
     )
 }

@@ -2,7 +2,7 @@
 
 use crate::assembly::assemble;
 use crate::element::Integrator;
-use crate::mesh::{EDGES, ElementKind, Mesh};
+use crate::mesh::{ElementKind, Mesh};
 use crate::test_support::{brick, largest};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
@@ -21,14 +21,15 @@ fn distort(mesh: &mut Mesh, cells: usize, side: f64, curved: bool) {
     for x in &mut mesh.nodes {
         *x = moved(x);
     }
-    if curved || mesh.kind.nodes() == 8 {
+    let kind = mesh.kind().unwrap();
+    if curved || !kind.is_quadratic() {
         return;
     }
     for e in 0..mesh.element_count() {
         let nodes: Vec<u32> = mesh.element(e).to_vec();
-        for (middle, edge) in EDGES.iter().enumerate() {
+        for (middle, edge) in kind.edges().iter().enumerate() {
             let ends = edge.map(|i| moved(&straight[nodes[i] as usize]));
-            mesh.nodes[nodes[8 + middle] as usize] = 0.5 * (ends[0] + ends[1]);
+            mesh.nodes[nodes[kind.corners() + middle] as usize] = 0.5 * (ends[0] + ends[1]);
         }
     }
 }
@@ -79,6 +80,11 @@ fn null_spaces_are_those_of_the_integration_rules() {
         (ElementKind::C3D20, 6),
         // 8 points of 6 strains each bear 48 of 60 coordinates; six of the twelve others are no rigid motion.
         (ElementKind::C3D20R, 12),
+        (ElementKind::C3D4, 6),
+        (ElementKind::C3D10, 6),
+        // Two points of 6 strains each, not all of them independent: one motion is no rigid one.
+        (ElementKind::C3D6, 7),
+        (ElementKind::C3D15, 6),
     ] {
         let mesh = brick(kind, [1; 3], [1.0, 0.7, 1.2]);
         let n = kind.nodes();

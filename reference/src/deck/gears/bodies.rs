@@ -7,7 +7,7 @@ use super::names::{flank_name, is_bore_name};
 use super::patch::{Quad, boundary};
 use crate::deck::data::Deck;
 use crate::deck::error::{DeckError, DeckErrorKind};
-use crate::mesh::{FACE_CORNERS, Face};
+use crate::mesh::{self, Block, Face};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
@@ -132,23 +132,9 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                 "name the nodes that the hub holds",
             ));
         };
-        let kind = deck.block(first).kind;
-        let mut connectivity = Vec::with_capacity(elements.len() * kind.nodes());
+        let mut blocks: Vec<Block> = Vec::new();
         let material = materials[first as usize];
         for &e in &elements {
-            if deck.block(e).kind != kind {
-                return Err(decline(
-                    deck,
-                    bore_set,
-                    format!("one kind of element in a body, {}", kind.name()),
-                    format!(
-                        "element {} of kind {}",
-                        deck.element_labels[e as usize],
-                        deck.block(e).kind.name()
-                    ),
-                    "mesh a gear with one kind",
-                ));
-            }
             if materials[e as usize] != material {
                 return Err(decline(
                     deck,
@@ -158,7 +144,8 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                     "gears are homogeneous",
                 ));
             }
-            connectivity.extend(deck.element(e).iter().map(|&n| local[n as usize]));
+            let nodes = deck.element(e).iter().map(|&n| local[n as usize]);
+            mesh::push(&mut blocks, deck.block(e).kind, nodes);
         }
         let positions: Vec<Vec3> = nodes.iter().map(|&n| deck.nodes[n as usize]).collect();
         let mut body = Body {
@@ -167,7 +154,6 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                 .set
                 .clone()
                 .unwrap_or_else(|| format!("gear{}", i + 1)),
-            kind,
             material: full_material(deck, bore_set, material, other)?,
             bore_set: bore_set.to_owned(),
             bore: deck.node_sets[bore_set]
@@ -178,11 +164,11 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
             nodes,
             elements,
             positions,
-            connectivity,
+            blocks,
             flanks: Vec::new(),
         };
         if !flank_sets[i].is_empty() {
-            let faces = boundary(&body.connectivity, kind.nodes());
+            let faces = boundary(&body.blocks);
             let corner = body.corner_nodes();
             let mut inside = vec![false; body.positions.len()];
             for &(set, label, side) in &flank_sets[i] {
@@ -217,17 +203,17 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
         for &(set, label, side) in &surfaces[i] {
             let quads = deck.surfaces[set]
                 .iter()
-                .map(|f| {
+                .filter_map(|f| {
                     // The elements of a body ascend in the deck's numbers.
                     let element = body.elements.partition_point(|&e| e < f.element);
-                    let nodes = deck.element(f.element);
-                    Quad {
-                        face: Face {
-                            element: element as u32,
-                            face: f.face,
-                        },
-                        corners: FACE_CORNERS[f.face as usize].map(|c| local[nodes[c] as usize]),
-                    }
+                    let nodes: Vec<u32> = (deck.element(f.element).iter())
+                        .map(|&n| local[n as usize])
+                        .collect();
+                    let face = Face {
+                        element: element as u32,
+                        face: f.face,
+                    };
+                    Quad::of(face, deck.block(f.element).kind, &nodes)
                 })
                 .collect();
             let set = set.to_owned();

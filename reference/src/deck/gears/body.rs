@@ -4,7 +4,7 @@ use super::patch::{Grid, Quad};
 use super::{BodyShape, DeckGear, circle, decline, rack, spur};
 use crate::deck::data::Deck;
 use crate::deck::error::DeckError;
-use crate::mesh::{ElementKind, GearMesh, Mesh, flank_set};
+use crate::mesh::{Block, GearMesh, Mesh, flank_set};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
 use gearbench_models::stiffness::Material;
@@ -41,11 +41,10 @@ pub(super) struct Placement {
 /// A connected body in local numbers, where the deck has it.
 pub(super) struct Body {
     pub(super) name: String,
-    pub(super) kind: ElementKind,
     pub(super) nodes: Vec<u32>,
     pub(super) elements: Vec<u32>,
     pub(super) positions: Vec<Vec3>,
-    pub(super) connectivity: Vec<u32>,
+    pub(super) blocks: Vec<Block>,
     pub(super) bore_set: String,
     pub(super) bore: Vec<u32>,
     pub(super) flanks: Vec<NamedFlank>,
@@ -54,18 +53,18 @@ pub(super) struct Body {
 }
 
 impl Body {
-    /// Corner nodes of an element.
-    pub(super) fn corners(&self, element: usize) -> &[u32] {
-        &self.connectivity[element * self.kind.nodes()..][..8]
+    /// Corner nodes of the elements, element by element.
+    pub(super) fn corners(&self) -> impl Iterator<Item = &[u32]> {
+        let corners = |b: &Block| b.kind.corners();
+        let blocks = self.blocks.iter();
+        blocks.flat_map(move |b| b.elements().map(move |e| &e[..corners(b)]))
     }
 
     /// Which nodes are corners of elements.
     pub(super) fn corner_nodes(&self) -> Vec<bool> {
         let mut corner = vec![false; self.positions.len()];
-        for e in 0..self.elements.len() {
-            for &n in self.corners(e) {
-                corner[n as usize] = true;
-            }
+        for &n in self.corners().flatten() {
+            corner[n as usize] = true;
         }
         corner
     }
@@ -144,8 +143,7 @@ impl Body {
             mesh: GearMesh {
                 mesh: Mesh {
                     nodes: placement.positions,
-                    kind: self.kind,
-                    connectivity: self.connectivity,
+                    blocks: self.blocks,
                     node_sets,
                     face_sets,
                 },

@@ -72,7 +72,7 @@ pub(super) fn placed(shape: BodyShape, centre: Vec3, phase: f64, x: Vec3) -> Vec
 
 /// Faces at the surface of a mesh, by their corner nodes in ascending order.
 pub(super) fn surface_faces(mesh: &Mesh) -> HashMap<[u32; 4], Face> {
-    let quads = patch::boundary(&mesh.connectivity, mesh.kind.nodes());
+    let quads = patch::boundary(&mesh.blocks);
     let sorted = |mut corners: [u32; 4]| {
         corners.sort_unstable();
         corners
@@ -90,7 +90,9 @@ pub(super) fn bore_axis(deck: &Deck, set: &str) -> Option<char> {
     let mut corner = vec![false; deck.nodes.len()];
     for block in &deck.blocks {
         for element in block.connectivity.chunks_exact(block.kind.nodes()) {
-            element[..8].iter().for_each(|&n| corner[n as usize] = true);
+            element[..block.kind.corners()]
+                .iter()
+                .for_each(|&n| corner[n as usize] = true);
         }
     }
     let members = deck.node_sets.get(set)?.iter();
@@ -133,7 +135,7 @@ pub fn gears_with(deck: &Deck, other: Option<Material>) -> Result<Vec<DeckGear>,
             "",
             "at least one element",
             "none",
-            "the deck needs *ELEMENT with hexahedra",
+            "the deck needs *ELEMENT with solid elements",
         ));
     }
     bodies.into_iter().map(|b| b.into_gear(deck)).collect()

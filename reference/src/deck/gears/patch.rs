@@ -3,7 +3,7 @@
 use super::decline;
 use crate::deck::data::Deck;
 use crate::deck::error::{DeckError, DeckErrorKind};
-use crate::mesh::{FACE_CORNERS, Face};
+use crate::mesh::{self, Block, ElementKind, Face, FaceCorners};
 use std::collections::HashMap;
 
 /// A face with its corner nodes, in local numbers.
@@ -11,6 +11,15 @@ use std::collections::HashMap;
 pub(super) struct Quad {
     pub(super) face: Face,
     pub(super) corners: [u32; 4],
+}
+
+impl Quad {
+    /// A face of an element with these nodes, if it has four corners.
+    pub(super) fn of(face: Face, kind: ElementKind, nodes: &[u32]) -> Option<Self> {
+        let corners = FaceCorners::of(kind, usize::from(face.face), nodes);
+        let corners: [u32; 4] = (*corners).try_into().ok()?;
+        Some(Quad { face, corners })
+    }
 }
 
 /// A structured patch: rows from the root to the tip, columns from -z to +z.
@@ -28,30 +37,22 @@ pub(super) struct Grid {
     pub(super) members: Option<Vec<u32>>,
 }
 
-/// Faces that belong to one element only.
-pub(super) fn boundary(connectivity: &[u32], nodes_per_element: usize) -> Vec<Quad> {
-    let mut seen: HashMap<[u32; 4], u32> = HashMap::new();
-    let key = |corners: [u32; 4]| {
-        let mut key = corners;
-        key.sort_unstable();
-        key
+/// Quadrilaterals that belong to one element only.
+pub(super) fn boundary(blocks: &[Block]) -> Vec<Quad> {
+    let surface = mesh::boundary(blocks);
+    let (mut block, mut before) = (0, 0);
+    let quad = |face: Face| {
+        // Faces ascend with the elements.
+        let mut at = face.element as usize - before;
+        while at >= blocks[block].element_count() {
+            before += blocks[block].element_count();
+            block += 1;
+            at = face.element as usize - before;
+        }
+        let Block { kind, connectivity } = &blocks[block];
+        Quad::of(face, *kind, &connectivity[at * kind.nodes()..])
     };
-    let quads = || {
-        let elements = connectivity.chunks_exact(nodes_per_element);
-        elements.enumerate().flat_map(|(e, nodes)| {
-            (0..6u8).map(move |f| Quad {
-                face: Face {
-                    element: e as u32,
-                    face: f,
-                },
-                corners: FACE_CORNERS[f as usize].map(|c| nodes[c]),
-            })
-        })
-    };
-    for q in quads() {
-        *seen.entry(key(q.corners)).or_default() += 1;
-    }
-    quads().filter(|q| seen[&key(q.corners)] == 1).collect()
+    surface.into_iter().filter_map(quad).collect()
 }
 
 /// Lays faces out as a grid; `members` is the node set it came from and how many corners of elements it has. `height` grows from the root to the tip, `z` over the width.

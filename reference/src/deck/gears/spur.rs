@@ -17,8 +17,9 @@ const LEVELS: usize = 32;
 /// Nodes of each tooth: what stays apart above a height. The count that holds over most heights is taken, and
 /// the teeth at the middle of those heights.
 pub(super) fn teeth(body: &Body, height: &dyn Fn(u32) -> f64) -> Option<Vec<Vec<u32>>> {
-    let heights: Vec<f64> = (0..body.elements.len())
-        .map(|e| body.corners(e).iter().map(|&n| height(n)).sum::<f64>() / 8.0)
+    let elements: Vec<&[u32]> = body.corners().collect();
+    let heights: Vec<f64> = (elements.iter())
+        .map(|corners| corners.iter().map(|&n| height(n)).sum::<f64>() / corners.len() as f64)
         .collect();
     let low = heights.iter().copied().fold(f64::MAX, f64::min);
     let high = heights.iter().copied().fold(f64::MIN, f64::max);
@@ -26,9 +27,9 @@ pub(super) fn teeth(body: &Body, height: &dyn Fn(u32) -> f64) -> Option<Vec<Vec<
         let limit = low + (high - low) * (level as f64 + 0.5) / LEVELS as f64;
         let mut groups = Groups::new(body.positions.len());
         let mut taken = vec![false; body.positions.len()];
-        for e in (0..body.elements.len()).filter(|&e| heights[e] > limit) {
-            let corners = body.corners(e);
-            for &n in corners {
+        let all = elements.iter().zip(&heights);
+        for (corners, _) in all.filter(|(_, height)| **height > limit) {
+            for &n in *corners {
                 taken[n as usize] = true;
                 groups.join(corners[0], n);
             }

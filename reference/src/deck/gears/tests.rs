@@ -188,8 +188,8 @@ fn modal_and_static_decks_become_gears() {
         let deck = calculix(&format!("modal/{name}.inp.gz"));
         let g = gears(&deck).unwrap().swap_remove(0);
         assert_eq!(
-            (g.mesh.teeth, g.mesh.mesh.kind, g.phase),
-            (teeth, kind, 0.0),
+            (g.mesh.teeth, g.mesh.mesh.kind(), g.phase),
+            (teeth, Some(kind), 0.0),
             "{name}"
         );
         assert_eq!(g.centre, Vec3::zeros(), "{name}");

@@ -36,19 +36,30 @@ impl Reader<'_> {
                 }
             };
             let text = field(&data, 0);
+            let deck = &self.deck;
             let mut add = |element| {
+                let kind = deck.block(element).kind;
+                if usize::from(face) >= kind.faces().len() {
+                    return Err(data.syntax(
+                        k,
+                        format!("a face S1 to S{} of {}", kind.faces().len(), kind.name()),
+                        quote(field(&data, 1)),
+                        "",
+                    ));
+                }
                 let face = Face { element, face };
                 if seen.insert(face) {
                     faces.push(face);
                 }
+                Ok(())
             };
             if text.starts_with(|c: char| c.is_ascii_digit()) {
-                add(self.element_at(k, &data, text)?);
+                add(self.element_at(k, &data, text)?)?;
             } else {
                 let set = text.to_ascii_lowercase();
                 let sets = &self.deck.element_sets;
                 known(&data.place, &k.text, "element set", &set, sets)?;
-                sets[&set].iter().copied().for_each(add);
+                sets[&set].iter().copied().try_for_each(add)?;
             }
         }
         self.deck

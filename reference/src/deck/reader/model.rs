@@ -61,9 +61,12 @@ impl Reader<'_> {
         let name = named(k, "TYPE", kind)?;
         let Some(kind) = ElementKind::from_name(&name) else {
             return Err(k.unsupported(
-                "an element C3D8, C3D8I, C3D20 or C3D20R",
+                format!(
+                    "an element among {}",
+                    ElementKind::ALL.map(ElementKind::name).join(", ")
+                ),
                 quote(&name.to_ascii_uppercase()),
-                "mesh the gear with these hexahedra",
+                "mesh the gear with these solids",
             ));
         };
         let set = set.map(|s| named(k, "ELSET", Some(s))).transpose()?;

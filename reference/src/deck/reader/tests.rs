@@ -191,8 +191,8 @@ fn refusals_say_where_what_and_how() {
             "expected at most 4 values in the line, found 5",
         ),
         (
-            "*ELEMENT, TYPE=C3D4\n",
-            "a.inp:1: *ELEMENT, TYPE=C3D4: expected an element C3D8, C3D8I, C3D20 or C3D20R, found `C3D4`; mesh",
+            "*ELEMENT, TYPE=C3D5\n",
+            "a.inp:1: *ELEMENT, TYPE=C3D5: expected an element among C3D8, C3D8I, C3D20, C3D20R, C3D4, C3D10, C3D6, C3D15, found `C3D5`; mesh",
         ),
         ("*ELEMENT\n", "expected TYPE=name"),
         (

@@ -42,7 +42,9 @@ fn ring(kind: ElementKind, teeth: u32, pitches: u32, bands: usize, layers: usize
             for layer in 0..layers {
                 for up in 0..2 {
                     for (r, c) in [(0, 0), (1, 0), (1, 1), (0, 1)] {
-                        mesh.connectivity.push(index(step + c, row + r, layer + up));
+                        mesh.blocks[0]
+                            .connectivity
+                            .push(index(step + c, row + r, layer + up));
                     }
                 }
             }
@@ -50,7 +52,8 @@ fn ring(kind: ElementKind, teeth: u32, pitches: u32, bands: usize, layers: usize
     }
     // Nodes without an element, beside the teeth, go.
     let mut used = vec![false; mesh.nodes.len()];
-    mesh.connectivity
+    mesh.blocks[0]
+        .connectivity
         .iter()
         .for_each(|&n| used[n as usize] = true);
     let mut new = vec![u32::MAX; mesh.nodes.len()];
@@ -71,7 +74,8 @@ fn ring(kind: ElementKind, teeth: u32, pitches: u32, bands: usize, layers: usize
         mesh.node_sets.insert("cut_low".into(), cut(0));
         mesh.node_sets.insert("cut_high".into(), cut(steps));
     }
-    mesh.connectivity
+    mesh.blocks[0]
+        .connectivity
         .iter_mut()
         .for_each(|n| *n = new[*n as usize]);
     mesh.nodes = nodes;

@@ -118,9 +118,9 @@ fn the_key_tells_all_apart_that_the_basis_depends_on() {
     let mut moved = mesh.clone();
     moved.mesh.nodes[17].x += f64::EPSILON;
     let mut other_element = mesh.clone();
-    other_element.mesh.kind = ElementKind::C3D8;
+    other_element.mesh.blocks[0].kind = ElementKind::C3D8;
     let mut joined = mesh.clone();
-    joined.mesh.connectivity.swap(0, 1);
+    joined.mesh.blocks[0].connectivity.swap(0, 1);
     let mut bore = mesh.clone();
     bore.bore.pop();
     let mut flanks = mesh.clone();
@@ -175,11 +175,12 @@ fn the_key_depends_on_nothing_else() {
     let node = |x: u32| Vec3::new(f64::from(x), 0.5, -0.25);
     let mesh = GearMesh {
         mesh: mesh::Mesh {
-            nodes: (0..8).map(node).collect(),
-            kind: ElementKind::C3D8,
-            connectivity: (0..8).collect(),
             node_sets: [("cut_low".to_owned(), vec![1, 2])].into(),
-            face_sets: [].into(),
+            ..mesh::Mesh::new(
+                ElementKind::C3D8,
+                (0..8).map(node).collect(),
+                (0..8).collect(),
+            )
         },
         teeth: 3,
         bore: vec![0, 1],

@@ -220,15 +220,12 @@ fn disc(teeth: u32, around: usize, across: usize) -> GearMesh {
     };
     GearMesh {
         mesh: Mesh {
-            nodes,
-            kind: ElementKind::C3D8I,
-            connectivity,
             node_sets: [
                 ("cut_low".to_string(), cut(0)),
                 ("cut_high".to_string(), cut(around)),
             ]
             .into(),
-            face_sets: Default::default(),
+            ..Mesh::new(ElementKind::C3D8I, nodes, connectivity)
         },
         teeth,
         bore: (0..=around)

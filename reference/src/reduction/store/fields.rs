@@ -9,7 +9,6 @@ use super::names::{
     UNBALANCE, YOUNG, sign,
 };
 use super::{Meta, Motion, Stored, checks, inertia};
-use crate::mesh::ElementKind;
 use crate::reduction::Basis;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
@@ -125,7 +124,6 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
             _ => None,
         },
     };
-    let elements = ElementKind::ALL.map(|k| (k.name(), k));
     let meta = Meta {
         program: entries.text("program")?,
         source: entries.text("source")?,
@@ -140,7 +138,7 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
             poisson: r.number(POISSON)?,
             density: r.number(DENSITY)?,
         },
-        element: entries.word("element", &elements)?,
+        element: entries.kinds("element")?,
         teeth: teeth as u32,
         nodes: entries.count("nodes")?,
         elements: entries.count("elements")?,

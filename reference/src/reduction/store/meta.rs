@@ -4,6 +4,7 @@ use super::error::{StoreError, StoreErrorKind, refused, unusable, value};
 use super::names::{META, MOST};
 use super::{Meta, Motion, SCHEMA};
 use crate::hash::Hash;
+use crate::mesh::ElementKind;
 use crate::reduction::Basis;
 use serde_json::{Value, json};
 
@@ -24,7 +25,7 @@ pub(super) fn text(b: &Basis, meta: &Meta) -> String {
             Motion::Turn => "turn",
             Motion::Slide => "slide",
         },
-        "element": meta.element.name(),
+        "element": meta.element,
         "teeth": meta.teeth,
         "nodes": meta.nodes,
         "elements": meta.elements,
@@ -106,6 +107,18 @@ impl Entries {
         self.get(name, &format!("one of {}", known.join(", ")), |v| {
             let text = v.as_str()?;
             words.iter().find(|w| w.0 == text).map(|w| w.1)
+        })
+    }
+
+    /// Names of kinds of elements.
+    pub(super) fn kinds(&self, name: &str) -> Result<String, StoreError> {
+        let known = ElementKind::ALL.map(ElementKind::name).join(", ");
+        self.get(name, &format!("some of {known}"), |v| {
+            let text = v.as_str()?;
+            let all = text
+                .split(", ")
+                .all(|k| ElementKind::from_name(k).is_some());
+            all.then(|| text.to_owned())
         })
     }
 

@@ -23,7 +23,6 @@ pub use error::{StoreError, StoreErrorKind};
 use super::{Basis, Request, Wanted};
 use crate::assembly::tie::HubMotion;
 use crate::hash::Hash;
-use crate::mesh::ElementKind;
 use archive::Reader;
 use error::unusable_file;
 use gearbench_models::stiffness::Material;
@@ -72,8 +71,8 @@ pub struct Meta {
     pub motion: Motion,
     /// Material.
     pub material: Material,
-    /// Kind of the elements.
-    pub element: ElementKind,
+    /// Kinds of the elements, as [`Mesh::kind_names`](crate::mesh::Mesh::kind_names) has them.
+    pub element: String,
     /// Teeth of the whole gear.
     pub teeth: u32,
     /// Nodes of the mesh.
@@ -96,7 +95,7 @@ impl Meta {
             key: request.key(),
             motion: request.mounting.motion.into(),
             material: request.material,
-            element: mesh.kind,
+            element: mesh.kind_names(),
             teeth: request.mesh.teeth,
             nodes: mesh.nodes.len(),
             elements: mesh.element_count(),

@@ -97,7 +97,7 @@ pub(in crate::reduction) fn example(teeth: u32, modes: usize, cyclic: bool) -> (
         key: Hash::START,
         motion: Motion::Turn,
         material: Material::STEEL,
-        element: ElementKind::C3D8I,
+        element: "C3D8I".into(),
         teeth,
         nodes: 100,
         elements: 50,
