@@ -10,7 +10,9 @@ fuzz_target!(|data: &[u8]| {
     // `part` includes the second half, everything else is missing.
     let mut resolver = |name: &str| match name {
         "part" => {
-            let middle = (0..=text.len() / 2).rev().find(|&i| text.is_char_boundary(i));
+            let middle = (0..=text.len() / 2)
+                .rev()
+                .find(|&i| text.is_char_boundary(i));
             Ok(text[middle.unwrap_or(0)..].to_owned())
         }
         "all" => Ok(text.clone().into_owned()),

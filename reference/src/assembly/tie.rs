@@ -63,6 +63,42 @@ pub struct Reduced {
     pub mass: SparseColMat<usize, f64>,
 }
 
+impl Reduced {
+    /// The same with some coordinates held at zero: their rows and columns are struck out.
+    ///
+    /// # Panics
+    /// If `held` has fewer values than there are coordinates.
+    pub fn held(&self, held: &[bool]) -> Self {
+        let mut place = vec![usize::MAX; held.len()];
+        let free: Vec<usize> = (0..held.len()).filter(|&i| !held[i]).collect();
+        for (new, &old) in free.iter().enumerate() {
+            place[old] = new;
+        }
+        let strike = |a: &SparseColMat<usize, f64>| {
+            let mut starts = vec![0];
+            let (mut rows, mut values) = (Vec::new(), Vec::new());
+            for &column in &free {
+                for (row, value) in a.row_idx_of_col(column).zip(a.val_of_col(column)) {
+                    if !held[row] {
+                        rows.push(place[row]);
+                        values.push(*value);
+                    }
+                }
+                starts.push(rows.len());
+            }
+            let n = free.len();
+            SparseColMat::new(
+                SymbolicSparseColMat::new_checked(n, n, starts, None, rows),
+                values,
+            )
+        };
+        Reduced {
+            stiffness: strike(&self.stiffness),
+            mass: strike(&self.mass),
+        }
+    }
+}
+
 impl Tie {
     /// Marks a node that the hub holds.
     pub const HELD: u32 = u32::MAX;

@@ -6,13 +6,32 @@
 )]
 
 use super::error::Place;
-use crate::mesh::{ElementKind, Face};
+use super::reader::Others;
+use super::units::Units;
+use crate::mesh::{ElementKind, Face, Mesh};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use std::collections::BTreeMap;
 
+/// Label of a node or an element. Instances of an assembly count their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Label {
+    /// Instance, its place in [`Deck::instances`] from 1; 0 outside instances.
+    pub instance: u32,
+    pub number: u32,
+}
+
+impl From<u32> for Label {
+    fn from(number: u32) -> Self {
+        Label {
+            instance: 0,
+            number,
+        }
+    }
+}
+
 /// Labels of a deck; their place is their dense number.
-pub type Labels = indexmap::IndexSet<u32>;
+pub type Labels = indexmap::IndexSet<Label>;
 
 /// Elements of one `*ELEMENT` block.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +46,16 @@ pub struct ElementBlock {
     pub place: Place,
 }
 
+/// What a deck says of a material that is more than isotropic linear elasticity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Beyond {
+    /// The keyword line.
+    pub keyword: String,
+    /// Why it changes the body.
+    pub reason: String,
+    pub place: Place,
+}
+
 /// A material; what the deck left out is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeckMaterial {
@@ -34,6 +63,8 @@ pub struct DeckMaterial {
     pub elastic: Option<(f64, f64)>,
     /// Density [kg/m^3].
     pub density: Option<f64>,
+    /// What goes beyond; a body of such a material is declined.
+    pub beyond: Option<Beyond>,
     pub place: Place,
 }
 
@@ -70,6 +101,8 @@ pub struct Boundary {
     pub directions: [u8; 2],
     /// Displacement [m] (of a rotation node [rad]).
     pub value: f64,
+    /// Some of the nodes have axes of their own (`*TRANSFORM`), which the directions count in.
+    pub own_axes: bool,
 }
 
 /// A line of `*INITIAL CONDITIONS, TYPE=VELOCITY`.
@@ -86,6 +119,8 @@ pub struct InitialVelocity {
 pub struct Interaction {
     /// Slope of a linear pressure over overclosure [Pa/m].
     pub stiffness: Option<f64>,
+    /// Keywords that say more, such as friction: passed over, for they change no body.
+    pub more: Vec<String>,
     pub place: Place,
 }
 
@@ -96,6 +131,8 @@ pub enum ContactKind {
     SurfaceToSurface,
     /// Nodes of the slave surface.
     NodeToSurface,
+    /// Another way, or one that programs differ in where it is not said.
+    Other,
 }
 
 /// `*CONTACT PAIR`.
@@ -128,16 +165,30 @@ pub enum Procedure {
     },
     /// `*FREQUENCY`.
     Frequency { modes: u32 },
+    /// Another one, or none.
+    Other,
+}
+
+impl Procedure {
+    pub(super) fn scale_times(&mut self, by: f64) {
+        if let Procedure::Static { times, .. } | Procedure::Dynamic { times, .. } = self {
+            *times = times.map(|t| t.map(|t| t * by));
+        }
+    }
 }
 
 /// `*STEP` to `*END STEP`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     pub nlgeom: bool,
+    /// About the state that the steps before led to.
+    pub perturbation: bool,
     /// Greatest number of increments, if given.
     pub increments: Option<u32>,
     pub procedure: Procedure,
     pub boundaries: Vec<Boundary>,
+    /// Conditions of the steps before end here.
+    pub boundaries_anew: bool,
     /// Output requests: recognised, and no part of the model.
     pub requests: Vec<String>,
     pub place: Place,
@@ -150,6 +201,18 @@ pub struct Deck {
     pub name: String,
     /// Text of `*HEADING`.
     pub heading: Vec<String>,
+    /// Units of the deck; everything here is in SI units.
+    pub units: Units,
+    /// How they were found, in words.
+    pub units_from: String,
+    /// Names of the instances of its assembly.
+    pub instances: Vec<String>,
+    /// Keywords that change no body and were passed over, with how often they occur.
+    pub passed_over: BTreeMap<String, u32>,
+    /// What else a user should know of how it was read.
+    pub notes: Vec<String>,
+    /// Elements that are no solids, by their labels: while the deck is read, see `reader/others.rs`.
+    pub(crate) others: Others,
     /// Positions [m].
     pub nodes: Vec<Vec3>,
     /// Labels of the nodes.
@@ -175,6 +238,63 @@ pub struct Deck {
 }
 
 impl Deck {
+    /// What a user should know of how the deck was read, a line each: units, what was passed over, and what was
+    /// taken for something else.
+    pub fn told(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if !self.units_from.is_empty() {
+            lines.push(format!("units {}: {}", self.units.name, self.units_from));
+        }
+        if !self.passed_over.is_empty() {
+            let each = self.passed_over.iter().map(|(k, n)| match n {
+                1 => k.clone(),
+                n => format!("{n} {k}"),
+            });
+            lines.push(format!(
+                "passed over what changes no body: {}",
+                each.collect::<Vec<_>>().join(", ")
+            ));
+        }
+        lines.extend(self.notes.iter().cloned());
+        lines
+    }
+
+    /// A label as the deck writes it: of an instance with its name in front.
+    fn written(&self, label: Label) -> String {
+        match (label.instance as usize)
+            .checked_sub(1)
+            .and_then(|i| self.instances.get(i))
+        {
+            Some(instance) => format!("{instance}.{}", label.number),
+            None => label.number.to_string(),
+        }
+    }
+
+    /// Label of a node, as the deck writes it.
+    pub fn node_name(&self, node: u32) -> String {
+        self.written(self.node_labels[node as usize])
+    }
+
+    /// Label of an element, as the deck writes it.
+    pub fn element_name(&self, element: u32) -> String {
+        self.written(self.element_labels[element as usize])
+    }
+
+    /// The whole deck as one mesh, with its node sets and the surfaces as sets of faces.
+    pub fn mesh(&self) -> Mesh {
+        let mut mesh = Mesh {
+            nodes: self.nodes.clone(),
+            blocks: Vec::new(),
+            node_sets: self.node_sets.clone(),
+            face_sets: self.surfaces.clone(),
+        };
+        for block in &self.blocks {
+            let nodes = block.connectivity.iter().copied();
+            crate::mesh::push(&mut mesh.blocks, block.kind, nodes);
+        }
+        mesh
+    }
+
     pub fn element_count(&self) -> usize {
         self.element_labels.len()
     }

@@ -145,6 +145,14 @@ impl Check<'_> {
 
     /// Sizes and materials that no gear in SI units has.
     fn units(&mut self) {
+        if self.deck.units != super::Units::SI {
+            self.find(
+                GtmRequirement::Units,
+                None,
+                format!("{} ({})", self.deck.units.name, self.deck.units_from),
+                "nothing to do here, for they are converted; other programs want m-kg-s",
+            );
+        }
         let used = self.deck.blocks.iter().flat_map(|b| &b.connectivity);
         let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
         for &n in used {

@@ -1,4 +1,4 @@
-//! Abaqus and CalculiX decks (`.inp`): reading, checking, writing.
+//! Abaqus and CalculiX decks (`.inp`) and meshes of Gmsh (`.msh`): reading, checking, writing.
 //!
 //! | part | owns |
 //! |---|---|
@@ -7,44 +7,68 @@
 //! | [`check_gtm`] | what a deck lacks for the preprocessing of elastic gears |
 //! | [`write`](write()), [`write_impact`] | a gear, or two in contact, as a deck that CalculiX runs |
 //!
-//! The subset is that of gears in contact: hexahedra, sets, surfaces, one isotropic material per gear, rigid
-//! bores, linear penalty contact, initial velocities, static, dynamic and frequency steps. Syntax after the
-//! manuals of Abaqus (keywords) and CalculiX CrunchiX 2.20 (input deck format).
+//! What is read is what makes a body: solid elements, parts and their instances, sets, surfaces, isotropic materials;
+//! and what an impact of gears needs: rigid bores, linear penalty contact, initial velocities, static, dynamic and
+//! frequency steps. What changes no body is passed over and counted, what would change it is declined with its line
+//! ([`Deck::told`]). Syntax after the manuals of Abaqus (keywords) and CalculiX CrunchiX 2.20 (input deck format).
 
 mod data;
 mod error;
 mod gears;
 mod gtm;
 mod lexer;
+mod msh;
 mod reader;
+mod units;
 mod writer;
 
 pub use data::{
-    Boundary, ContactKind, ContactPair, Deck, DeckMaterial, ElementBlock, InitialVelocity,
-    Interaction, Labels, Procedure, RigidBody, Section, Step, Target,
+    Beyond, Boundary, ContactKind, ContactPair, Deck, DeckMaterial, ElementBlock, InitialVelocity,
+    Interaction, Label, Labels, Procedure, RigidBody, Section, Step, Target,
 };
 pub use error::{DeckError, DeckErrorKind, Place};
 pub use gears::{BodyShape, DeckGear, gears, gears_with};
 pub use gtm::{Finding, GtmRequirement, check_gtm};
 pub use lexer::{MAX_DECK_BYTES, MAX_INCLUDE_DEPTH, Resolver};
 
+pub use units::Units;
 pub use writer::{GearDeck, Hub, Impact, ImpactGear, WriteError, write, write_impact};
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Reads a deck from a file, `.inp` or gzip `.inp.gz`; includes count from the folder of the including file.
+/// Reads a deck from a file, `.inp` or a mesh of Gmsh `.msh`, told apart by what they begin with, both perhaps
+/// packed by gzip; includes count from the folder of the including file.
+/// Everything is converted to SI units, from those that are found ([`Deck::units_from`]).
 pub fn read(path: impl AsRef<Path>) -> Result<Deck, DeckError> {
+    read_in(path, None)
+}
+
+/// As [`read`], from these units.
+pub fn read_in(path: impl AsRef<Path>, units: Option<Units>) -> Result<Deck, DeckError> {
     let name = path.as_ref().to_string_lossy().into_owned();
     let text = text_of(&name).map_err(|e| unreadable(&name, "a readable deck", &e))?;
-    read_str(&name, &text, &mut text_of)
+    read_str_in(&name, &text, units, &mut text_of)
 }
 
 /// Reads a deck from its text. `resolver` is asked for the text of included files, by their names joined with
 /// the folder of the including file's name.
 pub fn read_str(name: &str, text: &str, resolver: &mut Resolver<'_>) -> Result<Deck, DeckError> {
-    reader::read(name, text, resolver)
+    read_str_in(name, text, None, resolver)
+}
+
+/// As [`read_str`], from these units.
+pub fn read_str_in(
+    name: &str,
+    text: &str,
+    units: Option<Units>,
+    resolver: &mut Resolver<'_>,
+) -> Result<Deck, DeckError> {
+    match msh::is_msh(text) {
+        true => msh::read(name, text, units),
+        false => reader::read(name, text, units, resolver),
+    }
 }
 
 /// Reads an embedded deck, gzip or not; it may not include files.

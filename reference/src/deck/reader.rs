@@ -1,22 +1,41 @@
 //! From lines to a [`Deck`]: one function per keyword, in `model.rs`, `properties.rs`, `contact.rs` and `step.rs`.
 //!
-//! A keyword or option that is not known here is declined with its line: passing it over would read a
-//! different model than the deck describes.
+//! | what | owns |
+//! |---|---|
+//! | `assembly` | parts, instances and where they stand |
+//! | `others` | elements that are no solids, and their sets |
+//! | `passed` | keywords that change no body, and those that do |
+//! | `finish` | what can only be checked at the end of the deck |
+//!
+//! A keyword that is not known here is declined with its line: passing it over might read a different body than
+//! the deck describes. Those that are known to change no body are passed over and counted.
 
+mod assembly;
 mod contact;
+mod finish;
 mod model;
+mod others;
+mod passed;
 mod properties;
 mod step;
 #[cfg(test)]
 mod tests;
 
-use super::data::{Deck, Step, Target};
+pub(crate) use others::{MARK, Others};
+
+use super::data::{Deck, Label, Step, Target};
 use super::error::{DeckError, DeckErrorKind, Place, quote};
 use super::lexer::{Data, Keyword, Lexer, Line, Resolver};
-use std::collections::BTreeMap;
+use super::units::{self, Units};
+use std::collections::{BTreeMap, HashSet};
 
-/// Reads a deck; includes are asked from the resolver.
-pub(crate) fn read(name: &str, text: &str, resolver: &mut Resolver<'_>) -> Result<Deck, DeckError> {
+/// Reads a deck; includes are asked from the resolver. Without `units` they are found.
+pub(crate) fn read(
+    name: &str,
+    text: &str,
+    units: Option<Units>,
+    resolver: &mut Resolver<'_>,
+) -> Result<Deck, DeckError> {
     let mut reader = Reader {
         lexer: Lexer::new(name, text, resolver)?,
         deck: Deck {
@@ -26,10 +45,25 @@ pub(crate) fn read(name: &str, text: &str, resolver: &mut Resolver<'_>) -> Resul
         material: None,
         interaction: None,
         step: None,
+        parts: BTreeMap::new(),
+        scope: None,
+        transforms: Vec::new(),
+        passed_surfaces: HashSet::new(),
     };
     reader.all()?;
     reader.finish()?;
-    Ok(reader.deck)
+    Ok(in_si(reader.deck, units))
+}
+
+/// The deck in SI units, from those that are given or found.
+pub(crate) fn in_si(mut deck: Deck, units: Option<Units>) -> Deck {
+    let (units, from) = match units {
+        Some(units) => (units, "as given".to_owned()),
+        None => units::found(&deck),
+    };
+    deck.units_from = from;
+    units::convert(&mut deck, units);
+    deck
 }
 
 /// A step that is being read.
@@ -47,6 +81,14 @@ struct Reader<'a> {
     /// Name of the interaction that `*SURFACE BEHAVIOR` belongs to.
     interaction: Option<String>,
     step: Option<OpenStep>,
+    /// Parts by their names.
+    parts: BTreeMap<String, Deck>,
+    /// The part or instance that is being read: `deck` is its own then.
+    scope: Option<assembly::Scope>,
+    /// Node sets with axes of their own for conditions.
+    transforms: Vec<String>,
+    /// Surfaces that are no faces of solids.
+    passed_surfaces: HashSet<String>,
 }
 
 impl Reader<'_> {
@@ -69,8 +111,15 @@ impl Reader<'_> {
     }
 
     fn keyword(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        self.in_scope(k)?;
         match k.key.as_str() {
-            "HEADING" => self.heading(k),
+            "HEADING" => self.heading(),
+            "PART" => self.part(k),
+            "ENDPART" => self.end_part(k),
+            "ASSEMBLY" => self.assembly(k),
+            "ENDASSEMBLY" => Ok(()),
+            "INSTANCE" => self.instance(k),
+            "ENDINSTANCE" => self.end_instance(k),
             "NODE" => self.node(k),
             "ELEMENT" => self.element(k),
             "NSET" => self.nset(k),
@@ -81,9 +130,11 @@ impl Reader<'_> {
             "DENSITY" => self.density(k),
             "SOLIDSECTION" => self.solid_section(k),
             "RIGIDBODY" => self.rigid_body(k),
+            "TRANSFORM" => self.transform(k),
             "BOUNDARY" => self.boundary(k),
             "SURFACEINTERACTION" => self.surface_interaction(k),
             "SURFACEBEHAVIOR" => self.surface_behavior(k),
+            "FRICTION" | "CONTACTDAMPING" => self.more_of_interaction(k),
             "CONTACTPAIR" => self.contact_pair(k),
             "INITIALCONDITIONS" => self.initial_conditions(k),
             "STEP" => self.begin_step(k),
@@ -92,44 +143,8 @@ impl Reader<'_> {
             "DYNAMIC" => self.dynamic(k),
             "FREQUENCY" => self.frequency(k),
             key if step::REQUESTS.contains(&key) => self.request(k),
-            _ => Err(k.unsupported(
-                "a keyword that gears need",
-                "one that is not read here",
-                "take it out of the deck if the gear does not depend on it",
-            )),
+            _ => self.other_keyword(k),
         }
-    }
-
-    /// Checks what could only be resolved at the end.
-    fn finish(&mut self) -> Result<(), DeckError> {
-        if let Some(open) = &self.step {
-            return Err(open.step.place.error(
-                DeckErrorKind::Syntax,
-                "*STEP",
-                "*END STEP",
-                format!("the end of the deck after line {}", self.lexer.place().line),
-                "close the step",
-            ));
-        }
-        let deck = &self.deck;
-        for s in &deck.sections {
-            let context = "*SOLID SECTION";
-            known(&s.place, context, "element set", &s.set, &deck.element_sets)?;
-            known(&s.place, context, "material", &s.material, &deck.materials)?;
-        }
-        for p in &deck.contact_pairs {
-            let context = "*CONTACT PAIR";
-            known(&p.place, context, "surface", &p.slave, &deck.surfaces)?;
-            known(&p.place, context, "surface", &p.master, &deck.surfaces)?;
-            known(
-                &p.place,
-                context,
-                "surface interaction",
-                &p.interaction,
-                &deck.interactions,
-            )?;
-        }
-        Ok(())
     }
 
     fn outside_step(&self, k: &Keyword) -> Result<(), DeckError> {
@@ -154,7 +169,7 @@ impl Reader<'_> {
     /// A node by its label or a node set by its name.
     fn target(&self, k: &Keyword, data: &Data) -> Result<Target, DeckError> {
         let field = data.fields.first().map_or("", String::as_str);
-        if field.starts_with(|c: char| c.is_ascii_digit()) {
+        if self.is_label(field) {
             return Ok(Target::Node(self.node_at(k, data, field)?));
         }
         let name = field.to_ascii_lowercase();
@@ -168,27 +183,74 @@ impl Reader<'_> {
         Ok(Target::Set(name))
     }
 
+    /// Whether a field is a label, perhaps of an instance as `pinion-1.5`, and not a name.
+    fn is_label(&self, field: &str) -> bool {
+        if field.starts_with(|c: char| c.is_ascii_digit()) && !field.contains('.') {
+            return true;
+        }
+        match field.rsplit_once('.') {
+            Some((instance, number)) => {
+                number.parse::<u32>().is_ok() && self.instance_number(instance).is_some()
+            }
+            None => false,
+        }
+    }
+
+    /// A label in a field, of an instance if that is given or named in front.
+    fn label_at(
+        &self,
+        k: &Keyword,
+        data: &Data,
+        field: &str,
+        instance: u32,
+    ) -> Result<Label, DeckError> {
+        if let Some((name, number)) = field.rsplit_once('.')
+            && let Some(instance) = self.instance_number(name)
+        {
+            let number = label(k, data, number)?;
+            return Ok(Label { instance, number });
+        }
+        let number = label(k, data, field)?;
+        Ok(Label { instance, number })
+    }
+
     fn node_at(&self, k: &Keyword, data: &Data, field: &str) -> Result<u32, DeckError> {
-        let label = label(k, data, field)?;
+        self.node_in(k, data, field, 0)
+    }
+
+    fn node_in(
+        &self,
+        k: &Keyword,
+        data: &Data,
+        field: &str,
+        instance: u32,
+    ) -> Result<u32, DeckError> {
+        let label = self.label_at(k, data, field, instance)?;
         let place = self.deck.node_labels.get_index_of(&label);
         place.map(|n| n as u32).ok_or_else(|| {
             data.reference(
                 k,
                 "a node defined above",
-                format!("label {label}"),
+                format!("label {}", quote(field).trim_matches('`')),
                 "put *NODE with this label in front",
             )
         })
     }
 
-    fn element_at(&self, k: &Keyword, data: &Data, field: &str) -> Result<u32, DeckError> {
-        let label = label(k, data, field)?;
-        let place = self.deck.element_labels.get_index_of(&label);
-        place.map(|e| e as u32).ok_or_else(|| {
+    /// Number of an element; of one that is no solid with [`others::MARK`].
+    fn element_in(
+        &self,
+        k: &Keyword,
+        data: &Data,
+        field: &str,
+        instance: u32,
+    ) -> Result<u32, DeckError> {
+        let label = self.label_at(k, data, field, instance)?;
+        self.deck.any_element(label).ok_or_else(|| {
             data.reference(
                 k,
                 "an element defined above",
-                format!("label {label}"),
+                format!("label {}", quote(field).trim_matches('`')),
                 "put *ELEMENT with this label in front",
             )
         })

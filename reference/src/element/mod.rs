@@ -27,6 +27,7 @@
 //!
 //! Text: T. J. R. Hughes, *The Finite Element Method* (1987), ch. 3 and 4.
 
+mod inside;
 mod rules;
 mod shape;
 
@@ -36,6 +37,7 @@ mod tests;
 use crate::mesh::ElementKind;
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
+pub(crate) use inside::Inside;
 use nalgebra::Matrix3;
 pub(crate) use rules::{solid_rule, stiffness_rule};
 pub use shape::{MAX_NODES, gradients, natural, values};

@@ -126,3 +126,19 @@ fn turning_the_whole_body_with_its_hub_stores_no_energy() {
     let f = product(&reduced.stiffness, &r);
     assert!(largest(&f) < 1e-13 * size, "{} {size}", largest(&f));
 }
+
+#[test]
+fn held_coordinates_are_those_of_clamped_nodes() {
+    let (mesh, a) = assembled(3);
+    let bore: Vec<u32> = (0..4).collect();
+    let clamped = Tie::new(&mesh.nodes, &bore, &[]).reduce(&a, &[], MassKind::Consistent);
+    let free = Tie::new(&mesh.nodes, &[], &[]).reduce(&a, &[], MassKind::Consistent);
+    let held: Vec<bool> = (0..3 * mesh.nodes.len()).map(|i| i < 12).collect();
+    let held = free.held(&held);
+    let x = crate::test_support::noise(held.stiffness.ncols(), 1.0);
+    assert_eq!(
+        product(&held.stiffness, &x),
+        product(&clamped.stiffness, &x)
+    );
+    assert_eq!(product(&held.mass, &x), product(&clamped.mass, &x));
+}

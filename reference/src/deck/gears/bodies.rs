@@ -27,7 +27,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                 deck,
                 "",
                 format!("coordinates within {GREATEST:e} m"),
-                format!("node {} beyond", deck.node_labels[n as usize]),
+                format!("node {} beyond", deck.node_name(n)),
                 "give coordinates in metres",
             ));
         }
@@ -78,7 +78,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                 deck,
                 set,
                 "nodes of one body",
-                format!("node {} of another", deck.node_labels[n as usize]),
+                format!("node {} of another", deck.node_name(n)),
                 "give each gear sets of its own, such as `bore1` and `bore2`",
             )),
             None => Ok(body),
@@ -125,10 +125,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                 deck,
                 "",
                 "a node set `bore` (or `bore1`, ...) on each body",
-                format!(
-                    "none on the body of element {}",
-                    deck.element_labels[first as usize]
-                ),
+                format!("none on the body of element {}", deck.element_name(first)),
                 "name the nodes that the hub holds",
             ));
         };
@@ -140,7 +137,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                     deck,
                     bore_set,
                     "one material in a body",
-                    format!("another at element {}", deck.element_labels[e as usize]),
+                    format!("another at element {}", deck.element_name(e)),
                     "gears are homogeneous",
                 ));
             }

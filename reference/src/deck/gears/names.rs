@@ -1,10 +1,15 @@
-//! Names of sets that make a body a gear.
+//! Names of sets that make a body a gear; those of an instance have its name in front, `pinion-1.bore`.
 
 use gearbench_models::geometry::Side;
 
+/// The name without that of an instance.
+fn own(name: &str) -> &str {
+    name.rsplit_once('.').map_or(name, |(_, own)| own)
+}
+
 /// Parts of a flank's name: `flank_3l`, `flank1_3l`, `flank2_m1r` (tooth -1). `None` for other names.
 pub(in crate::deck) fn flank_name(name: &str) -> Option<(i64, Side)> {
-    let rest = name.strip_prefix("flank")?;
+    let rest = own(name).strip_prefix("flank")?;
     let (gear, tooth) = rest.split_once('_')?;
     if !gear.bytes().all(|b| b.is_ascii_digit()) {
         return None;
@@ -28,6 +33,7 @@ pub(in crate::deck) fn flank_name(name: &str) -> Option<(i64, Side)> {
 
 /// True for `bore`, `bore1`, `bore2`, ...
 pub(in crate::deck) fn is_bore_name(name: &str) -> bool {
-    name.strip_prefix("bore")
+    own(name)
+        .strip_prefix("bore")
         .is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
 }

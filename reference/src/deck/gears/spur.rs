@@ -185,10 +185,7 @@ pub(super) fn place(
                 deck,
                 &body.bore_set,
                 "the rigid body's reference node on the axis",
-                format!(
-                    "node {} {off:.3e} m off it",
-                    deck.node_labels[r.reference as usize]
-                ),
+                format!("node {} {off:.3e} m off it", deck.node_name(r.reference)),
                 "the hub turns about its reference node: put it on the axis of the bore",
             ));
         }

@@ -1,29 +1,26 @@
 //! Surfaces, interactions and contact pairs.
 
 use super::model::{field, twice};
-use super::{Reader, at_most, known, named, number, options};
+use super::others::MARK;
+use super::{Reader, known, named, number};
 use crate::deck::data::{ContactKind, ContactPair, Interaction};
 use crate::deck::error::{DeckError, quote};
-use crate::deck::lexer::Keyword;
+use crate::deck::lexer::{Keyword, KeywordOption};
 use crate::mesh::Face;
 use std::collections::HashSet;
 
 impl Reader<'_> {
     pub(super) fn surface(&mut self, k: &Keyword) -> Result<(), DeckError> {
         self.outside_step(k)?;
-        let [name, kind] = options(k, ["NAME", "TYPE"], &["INTERNAL"])?;
+        let (name, kind) = (option(k, "NAME"), option(k, "TYPE"));
         let name = named(k, "NAME", name)?;
-        if kind.is_some_and(|t| !t.eq_ignore_ascii_case("ELEMENT")) {
-            return Err(k.unsupported(
-                "TYPE=ELEMENT",
-                quote(kind.unwrap_or("")),
-                "name the surface by element faces",
-            ));
+        let own = |o: &KeywordOption| ["NAME", "TYPE", "INTERNAL"].contains(&o.key.as_str());
+        if kind.is_some_and(|t| !t.eq_ignore_ascii_case("ELEMENT")) || !k.options.iter().all(own) {
+            return self.pass_surface(k, name);
         }
         let mut faces = Vec::new();
         let mut seen = HashSet::new();
         while let Some(data) = self.lexer.data()? {
-            at_most(k, &data, 2)?;
             let face = match field(&data, 1).to_ascii_uppercase().as_str() {
                 "S1" => 0,
                 "S2" => 1,
@@ -31,13 +28,18 @@ impl Reader<'_> {
                 "S4" => 3,
                 "S5" => 4,
                 "S6" => 5,
-                other => {
+                other if other.starts_with('S') && other.len() == 2 => {
                     return Err(data.syntax(k, "a face S1 to S6", quote(other), ""));
                 }
+                // Free faces of a set, edges, and sides of shells.
+                _ => return self.pass_surface(k, name),
             };
             let text = field(&data, 0);
             let deck = &self.deck;
             let mut add = |element| {
+                if element & MARK != 0 {
+                    return Ok(());
+                }
                 let kind = deck.block(element).kind;
                 if usize::from(face) >= kind.faces().len() {
                     return Err(data.syntax(
@@ -53,8 +55,8 @@ impl Reader<'_> {
                 }
                 Ok(())
             };
-            if text.starts_with(|c: char| c.is_ascii_digit()) {
-                add(self.element_at(k, &data, text)?)?;
+            if self.is_label(text) {
+                add(self.element_in(k, &data, text, 0)?)?;
             } else {
                 let set = text.to_ascii_lowercase();
                 let sets = &self.deck.element_sets;
@@ -74,10 +76,10 @@ impl Reader<'_> {
 
     pub(super) fn surface_interaction(&mut self, k: &Keyword) -> Result<(), DeckError> {
         self.outside_step(k)?;
-        let [name] = options(k, ["NAME"], &[])?;
-        let name = named(k, "NAME", name)?;
+        let name = named(k, "NAME", option(k, "NAME"))?;
         let interaction = Interaction {
             stiffness: None,
+            more: Vec::new(),
             place: k.place.clone(),
         };
         if self
@@ -89,25 +91,26 @@ impl Reader<'_> {
             return Err(twice(k, "surface interaction", &name));
         }
         self.interaction = Some(name);
+        // Abaqus has the thickness out of the plane below it.
+        while self.lexer.data()?.is_some() {}
         Ok(())
     }
 
     pub(super) fn surface_behavior(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        self.outside_step(k)?;
-        let [kind] = options(k, ["PRESSURE-OVERCLOSURE"], &[])?;
+        // In a step it changes what the model says of it.
+        if self.step.is_some() {
+            return self.pass_over(k);
+        }
+        let kind = option(k, "PRESSURE-OVERCLOSURE");
         if !kind.is_some_and(|t| t.eq_ignore_ascii_case("LINEAR")) {
-            return Err(k.unsupported(
-                "PRESSURE-OVERCLOSURE=LINEAR",
-                quote(kind.unwrap_or("none")),
-                "give the contact a linear penalty",
-            ));
+            return self.more_of_interaction(k);
         }
         let data = self.need_data(k, "the pressure over overclosure [Pa/m]")?;
-        at_most(k, &data, 1)?;
         let stiffness = number(k, &data, field(&data, 0))?;
         if stiffness <= 0.0 {
             return Err(data.syntax(k, "a stiffness above 0", stiffness.to_string(), ""));
         }
+        while self.lexer.data()?.is_some() {}
         let interaction = self
             .interaction
             .as_ref()
@@ -121,11 +124,31 @@ impl Reader<'_> {
         }
     }
 
+    /// What an interaction says beyond a linear penalty: passed over, and remembered.
+    pub(super) fn more_of_interaction(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        let interaction = self
+            .interaction
+            .as_ref()
+            .and_then(|name| self.deck.interactions.get_mut(name));
+        if let Some(interaction) = interaction {
+            interaction.more.push(k.text.clone());
+        }
+        self.pass_over(k)
+    }
+
+    /// A surface that is no set of faces.
+    fn pass_surface(&mut self, k: &Keyword, name: String) -> Result<(), DeckError> {
+        self.passed_surfaces.insert(name);
+        self.pass_over(k)
+    }
+
     pub(super) fn contact_pair(&mut self, k: &Keyword) -> Result<(), DeckError> {
         self.outside_step(k)?;
-        let [interaction, kind] = options(k, ["INTERACTION", "TYPE"], &[])?;
-        let interaction = named(k, "INTERACTION", interaction)?;
-        let kind: String = kind
+        let Some(interaction) = option(k, "INTERACTION") else {
+            return self.pass_over(k);
+        };
+        let interaction = interaction.to_ascii_lowercase();
+        let kind: String = option(k, "TYPE")
             .unwrap_or("")
             .chars()
             .filter(|c| !c.is_whitespace())
@@ -134,16 +157,9 @@ impl Reader<'_> {
         let kind = match kind.as_str() {
             "SURFACETOSURFACE" => ContactKind::SurfaceToSurface,
             "NODETOSURFACE" => ContactKind::NodeToSurface,
-            other => {
-                return Err(k.unsupported(
-                    "TYPE=SURFACE TO SURFACE or NODE TO SURFACE",
-                    quote(other),
-                    "programs differ in what they take without it, so say which",
-                ));
-            }
+            _ => ContactKind::Other,
         };
         while let Some(data) = self.lexer.data()? {
-            at_most(k, &data, 2)?;
             let pair = ContactPair {
                 slave: field(&data, 0).to_ascii_lowercase(),
                 master: field(&data, 1).to_ascii_lowercase(),
@@ -155,4 +171,10 @@ impl Reader<'_> {
         }
         Ok(())
     }
+}
+
+/// The value of an option, if it has one.
+fn option<'k>(k: &'k Keyword, name: &str) -> Option<&'k str> {
+    let option = k.options.iter().find(|o| o.key == name)?;
+    option.value.as_deref()
 }

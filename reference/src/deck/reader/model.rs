@@ -1,7 +1,8 @@
 //! Nodes, elements and sets.
 
+use super::others;
 use super::{Reader, at_most, known, label, named, number_or_zero, options, whole};
-use crate::deck::data::ElementBlock;
+use crate::deck::data::{ElementBlock, Label};
 use crate::deck::error::{DeckError, quote};
 use crate::deck::lexer::{Data, Keyword};
 use crate::mesh::ElementKind;
@@ -16,8 +17,7 @@ enum Of {
 }
 
 impl Reader<'_> {
-    pub(super) fn heading(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        options(k, [], &[])?;
+    pub(super) fn heading(&mut self) -> Result<(), DeckError> {
         while let Some(data) = self.lexer.data()? {
             self.deck.heading.push(data.fields.join(", "));
         }
@@ -30,14 +30,15 @@ impl Reader<'_> {
         let set = set.map(|s| named(k, "NSET", Some(s))).transpose()?;
         let mut new = Vec::new();
         while let Some(data) = self.lexer.data()? {
-            at_most(k, &data, 4)?;
+            // Three more are the normal of a shell.
+            at_most(k, &data, 7)?;
             let label = label(k, &data, field(&data, 0))?;
             let x = Vec3::new(
                 number_or_zero(k, &data, 1)?,
                 number_or_zero(k, &data, 2)?,
                 number_or_zero(k, &data, 3)?,
             );
-            let (dense, new_label) = self.deck.node_labels.insert_full(label);
+            let (dense, new_label) = self.deck.node_labels.insert_full(label.into());
             if !new_label {
                 return Err(data.reference(
                     k,
@@ -58,121 +59,202 @@ impl Reader<'_> {
     pub(super) fn element(&mut self, k: &Keyword) -> Result<(), DeckError> {
         self.outside_step(k)?;
         let [kind, set] = options(k, ["TYPE", "ELSET"], &[])?;
-        let name = named(k, "TYPE", kind)?;
-        let Some(kind) = ElementKind::from_name(&name) else {
-            return Err(k.unsupported(
-                format!(
-                    "an element among {}",
-                    ElementKind::ALL.map(ElementKind::name).join(", ")
-                ),
-                quote(&name.to_ascii_uppercase()),
-                "mesh the gear with these solids",
-            ));
-        };
+        let name = named(k, "TYPE", kind)?.to_ascii_uppercase();
         let set = set.map(|s| named(k, "ELSET", Some(s))).transpose()?;
-        let first = self.deck.element_labels.len() as u32;
-        let mut block = ElementBlock {
-            kind,
-            set: set.clone(),
-            first,
-            connectivity: Vec::new(),
-            place: k.place.clone(),
+        let members = match (others::solid(&name), others::nodes_of_other(&name)) {
+            (Some(kind), _) => self.solids(k, &name, kind, set.clone())?,
+            (None, Some(nodes)) => self.other_elements(k, &name, nodes)?,
+            (None, None) => {
+                let known = ElementKind::ALL.map(ElementKind::name).join(", ");
+                return Err(k.unsupported(
+                    format!("an element among {known}"),
+                    quote(&name),
+                    "mesh the gear with these solids",
+                ));
+            }
         };
-        let mut sorted: Vec<u32> = Vec::new();
-        while let Some(mut data) = self.lexer.data()? {
-            let label = label(k, &data, field(&data, 0))?;
-            if !self.deck.element_labels.insert(label) {
-                return Err(data.reference(
-                    k,
-                    "each element once",
-                    format!("label {label} again"),
-                    "renumber one of them",
-                ));
-            }
-            let start = block.connectivity.len();
-            let mut skip = 1;
-            loop {
-                for text in &data.fields[skip.min(data.fields.len())..] {
-                    let node = self.node_at(k, &data, text)?;
-                    block.connectivity.push(node);
-                }
-                let count = block.connectivity.len() - start;
-                if count == kind.nodes() {
-                    break;
-                }
-                let more = if count < kind.nodes() {
-                    self.lexer.data()?
-                } else {
-                    None
-                };
-                let Some(more) = more else {
-                    return Err(data.syntax(
-                        k,
-                        format!("{} nodes of element {label}", kind.nodes()),
-                        count.to_string(),
-                        if count < kind.nodes() {
-                            "an element goes on in the next line until it has its nodes"
-                        } else {
-                            "is it an element of another type?"
-                        },
-                    ));
-                };
-                (data, skip) = (more, 0);
-            }
-            sorted.clear();
-            sorted.extend_from_slice(&block.connectivity[start..]);
-            sorted.sort_unstable();
-            if sorted.windows(2).any(|w| w[0] == w[1]) {
-                return Err(data.unsupported(
-                    k,
-                    format!("{} different nodes of element {label}", kind.nodes()),
-                    "one of them twice",
-                    "a collapsed hexahedron is a wedge; mesh with hexahedra only",
-                ));
-            }
-        }
-        let end = self.deck.element_labels.len() as u32;
         if let Some(set) = set {
-            self.extend(k, Of::Elements, set, (first..end).collect());
-        }
-        if end > first {
-            self.deck.blocks.push(block);
+            self.extend(k, Of::Elements, set, members);
         }
         Ok(())
     }
 
+    /// The elements of a solid kind, as a block; gives their numbers.
+    fn solids(
+        &mut self,
+        k: &Keyword,
+        name: &str,
+        kind: ElementKind,
+        set: Option<String>,
+    ) -> Result<Vec<u32>, DeckError> {
+        let first = self.deck.element_labels.len() as u32;
+        let mut block = ElementBlock {
+            kind,
+            set,
+            first,
+            connectivity: Vec::new(),
+            place: k.place.clone(),
+        };
+        let mut beyond = 0;
+        while let Some(data) = self.lexer.data()? {
+            let label = self.new_label(k, &data)?;
+            self.deck.element_labels.insert(label);
+            beyond += self.nodes_of(k, data, kind.nodes(), &mut block.connectivity)?;
+        }
+        let end = self.deck.element_labels.len() as u32;
+        if end > first {
+            self.deck.blocks.push(block);
+        }
+        if name != kind.name() && end > first {
+            let words = format!("{name} is taken as {}", kind.name());
+            *self.deck.others.taken.entry(words).or_default() += end - first;
+        }
+        if beyond > 0 {
+            let words = format!(
+                "values after the {} nodes of {name} are passed over",
+                kind.nodes()
+            );
+            *self.deck.others.taken.entry(words).or_default() += beyond;
+        }
+        Ok((first..end).collect())
+    }
+
+    /// The label of an element, which has to be a new one.
+    pub(super) fn new_label(&self, k: &Keyword, data: &Data) -> Result<Label, DeckError> {
+        let number = label(k, data, field(data, 0))?;
+        match self.deck.any_element(number.into()) {
+            None => Ok(number.into()),
+            Some(_) => Err(data.reference(
+                k,
+                "each element once",
+                format!("label {number} again"),
+                "renumber one of them",
+            )),
+        }
+    }
+
+    /// Nodes of an element, over as many lines as it takes; gives 1 when the last line has further values, which
+    /// programs pass over.
+    fn nodes_of(
+        &mut self,
+        k: &Keyword,
+        mut data: Data,
+        count: usize,
+        out: &mut Vec<u32>,
+    ) -> Result<u32, DeckError> {
+        let label = field(&data, 0).to_owned();
+        let start = out.len();
+        let mut skip = 1;
+        loop {
+            let fields = data.fields.get(skip..).unwrap_or_default();
+            let missing = count - (out.len() - start);
+            for text in fields.iter().take(missing) {
+                let node = self.node_at(k, &data, text)?;
+                out.push(node);
+            }
+            let found = out.len() - start;
+            if found == count {
+                let own = &mut out[start..].to_vec();
+                own.sort_unstable();
+                if own.windows(2).any(|w| w[0] == w[1]) {
+                    return Err(data.unsupported(
+                        k,
+                        format!("{count} different nodes of element {label}"),
+                        "one of them twice",
+                        "a collapsed hexahedron is a wedge: write it as C3D6 or C3D15",
+                    ));
+                }
+                return Ok(u32::from(fields.len() > missing));
+            }
+            let Some(more) = self.lexer.data()? else {
+                return Err(data.syntax(
+                    k,
+                    format!("{count} nodes of element {label}"),
+                    found.to_string(),
+                    "an element goes on in the next line until it has its nodes",
+                ));
+            };
+            (data, skip) = (more, 0);
+        }
+    }
+
     pub(super) fn nset(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        let [set, generate, _] = options(k, ["NSET", "GENERATE", "UNSORTED"], &["INTERNAL"])?;
+        let [set, generate, instance, elements] = options(
+            k,
+            ["NSET", "GENERATE", "INSTANCE", "ELSET"],
+            // The last is an option of output requests: CalculiX passes it over here.
+            &["INTERNAL", "UNSORTED", "FREQUENCY"],
+        )?;
         let set = named(k, "NSET", set)?;
-        let members = self.members(k, Of::Nodes, generate.is_some())?;
+        let instance = self.named_instance(k, instance)?;
+        if let Some(elements) = elements {
+            self.outside_step(k)?;
+            let name = self.of_instance(instance, elements);
+            known(
+                &k.place,
+                &k.text,
+                "element set",
+                &name,
+                &self.deck.element_sets,
+            )?;
+            let of = self.deck.element_sets[&name].iter();
+            let nodes = of.flat_map(|&e| self.deck.nodes_of_any(e)).copied();
+            let nodes: Vec<u32> = nodes.collect();
+            self.extend(k, Of::Nodes, set, nodes);
+            return Ok(());
+        }
+        let members = self.members(k, Of::Nodes, generate.is_some(), instance)?;
         self.extend(k, Of::Nodes, set, members);
         Ok(())
     }
 
     pub(super) fn elset(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        let [set, generate, _] = options(k, ["ELSET", "GENERATE", "UNSORTED"], &["INTERNAL"])?;
+        let [set, generate, instance] = options(
+            k,
+            ["ELSET", "GENERATE", "INSTANCE"],
+            &["INTERNAL", "UNSORTED"],
+        )?;
         let set = named(k, "ELSET", set)?;
-        let members = self.members(k, Of::Elements, generate.is_some())?;
+        let instance = self.named_instance(k, instance)?;
+        let members = self.members(k, Of::Elements, generate.is_some(), instance)?;
         self.extend(k, Of::Elements, set, members);
         Ok(())
     }
 
+    /// The name of a set, within an instance if one is given.
+    pub(super) fn of_instance(&self, instance: u32, name: &str) -> String {
+        let name = name.to_ascii_lowercase();
+        match (instance as usize).checked_sub(1) {
+            Some(i) => format!("{}.{name}", self.deck.instances[i]),
+            None => name,
+        }
+    }
+
     /// The data lines of a set: labels, names of sets, or ranges.
-    fn members(&mut self, k: &Keyword, of: Of, generate: bool) -> Result<Vec<u32>, DeckError> {
+    fn members(
+        &mut self,
+        k: &Keyword,
+        of: Of,
+        generate: bool,
+        instance: u32,
+    ) -> Result<Vec<u32>, DeckError> {
         self.outside_step(k)?;
         let mut members = Vec::new();
         let mut taken: HashSet<String> = HashSet::new();
         while let Some(data) = self.lexer.data()? {
             if generate {
-                self.range(k, of, &data, &mut members)?;
+                self.range(k, of, &data, instance, &mut members)?;
                 continue;
             }
             for text in &data.fields {
-                if text.starts_with(|c: char| c.is_ascii_digit()) {
-                    members.push(self.member(k, of, &data, text)?);
+                if text.is_empty() {
                     continue;
                 }
-                let name = text.to_ascii_lowercase();
+                if self.is_label(text) {
+                    members.push(self.member(k, of, &data, text, instance)?);
+                    continue;
+                }
+                let name = self.of_instance(instance, text);
                 let (what, sets) = match of {
                     Of::Nodes => ("node set", &self.deck.node_sets),
                     Of::Elements => ("element set", &self.deck.element_sets),
@@ -188,10 +270,17 @@ impl Reader<'_> {
         Ok(members)
     }
 
-    fn member(&self, k: &Keyword, of: Of, data: &Data, text: &str) -> Result<u32, DeckError> {
+    fn member(
+        &self,
+        k: &Keyword,
+        of: Of,
+        data: &Data,
+        text: &str,
+        instance: u32,
+    ) -> Result<u32, DeckError> {
         match of {
-            Of::Nodes => self.node_at(k, data, text),
-            Of::Elements => self.element_at(k, data, text),
+            Of::Nodes => self.node_in(k, data, text, instance),
+            Of::Elements => self.element_in(k, data, text, instance),
         }
     }
 
@@ -201,18 +290,18 @@ impl Reader<'_> {
         k: &Keyword,
         of: Of,
         data: &Data,
+        instance: u32,
         members: &mut Vec<u32>,
     ) -> Result<(), DeckError> {
         at_most(k, data, 3)?;
         let first = label(k, data, field(data, 0))?;
-        let last = label(k, data, field(data, 1))?;
+        let last = match field(data, 1) {
+            "" => first,
+            text => label(k, data, text)?,
+        };
         let step = match data.fields.get(2) {
             Some(text) => whole(k, data, text, "an increment from 1")?,
             None => 1,
-        };
-        let labels = match of {
-            Of::Nodes => &self.deck.node_labels,
-            Of::Elements => &self.deck.element_labels,
         };
         if last < first {
             return Err(data.syntax(
@@ -222,23 +311,44 @@ impl Reader<'_> {
                 "put the smaller label first",
             ));
         }
-        let mut label = first;
-        loop {
-            // The first undefined label ends the loop, so that it never runs longer than the deck has labels.
-            let Some(dense) = labels.get_index_of(&label) else {
-                return Err(data.reference(
-                    k,
-                    format!("all of {first} to {last} by {step} defined above"),
-                    format!("none with label {label}"),
-                    "generate existing labels only",
-                ));
-            };
-            members.push(dense as u32);
-            match label.checked_add(step) {
-                Some(next) if next <= last => label = next,
-                _ => return Ok(()),
+        let place = |number: u32| {
+            let label = Label { instance, number };
+            match of {
+                Of::Nodes => self.deck.node_labels.get_index_of(&label).map(|n| n as u32),
+                Of::Elements => self.deck.any_element(label),
             }
+        };
+        // Ranges may have gaps. Never more steps than the deck has labels.
+        let known = match of {
+            Of::Nodes => self.deck.node_labels.len(),
+            Of::Elements => self.deck.element_labels.len() + self.deck.others.elements.len(),
+        };
+        let before = members.len();
+        let steps = (last - first) / step;
+        if steps as usize <= 4 * known {
+            let labels = (0..=steps).map(|i| first + i * step);
+            members.extend(labels.filter_map(place));
+        } else {
+            let labels = match of {
+                Of::Nodes => &self.deck.node_labels,
+                Of::Elements => &self.deck.element_labels,
+            };
+            let within = |l: &&Label| {
+                l.instance == instance
+                    && (first..=last).contains(&l.number)
+                    && (l.number - first).is_multiple_of(step)
+            };
+            members.extend(labels.iter().filter(within).filter_map(|l| place(l.number)));
         }
+        if members.len() > before {
+            return Ok(());
+        }
+        Err(data.reference(
+            k,
+            format!("some of {first} to {last} by {step} defined above"),
+            "none of them",
+            "generate existing labels",
+        ))
     }
 
     /// Adds to a set, each member once.

@@ -1,19 +1,24 @@
 //! Materials, sections, rigid bodies, boundary and initial conditions.
 
 use super::model::{field, twice};
-use super::{Reader, at_most, direction, known, named, number, number_or_zero, options};
+use super::{Reader, at_most, known, named, number, number_or_zero, options, whole};
 use crate::deck::data::{Boundary, DeckMaterial, InitialVelocity, RigidBody, Section};
-use crate::deck::error::{DeckError, quote};
+use crate::deck::error::DeckError;
 use crate::deck::lexer::{Data, Keyword};
 
 impl Reader<'_> {
     pub(super) fn material(&mut self, k: &Keyword) -> Result<(), DeckError> {
         self.outside_step(k)?;
-        let [name] = options(k, ["NAME"], &[])?;
+        let [name] = options(
+            k,
+            ["NAME"],
+            &["RTOL", "SRATEFACTOR", "STRAINRATEREGULARIZATION"],
+        )?;
         let name = named(k, "NAME", name)?;
         let material = DeckMaterial {
             elastic: None,
             density: None,
+            beyond: None,
             place: k.place.clone(),
         };
         if self.deck.materials.insert(name.clone(), material).is_some() {
@@ -24,45 +29,59 @@ impl Reader<'_> {
     }
 
     /// The material a property belongs to.
-    fn open_material(&mut self, k: &Keyword) -> Result<&mut DeckMaterial, DeckError> {
+    pub(super) fn open_material(&mut self, k: &Keyword) -> Result<&mut DeckMaterial, DeckError> {
         self.material
             .as_ref()
             .and_then(|name| self.deck.materials.get_mut(name))
             .ok_or_else(|| k.syntax("*MATERIAL before it", "none", ""))
     }
 
-    /// One line of numbers; a second would make them depend on temperature.
-    fn one_line(&mut self, k: &Keyword, what: &str, count: usize) -> Result<Vec<f64>, DeckError> {
+    /// A line of numbers, perhaps with the temperature they hold at behind them. Nothing when further lines make
+    /// them depend on it.
+    fn one_line(
+        &mut self,
+        k: &Keyword,
+        what: &str,
+        count: usize,
+    ) -> Result<Option<Vec<f64>>, DeckError> {
         let data = self.need_data(k, what)?;
-        if data.fields.len() != count {
+        if !(count..=count + 1).contains(&data.fields.len()) {
             return Err(data.unsupported(
                 k,
                 format!("one line with {what}"),
                 format!("{} values", data.fields.len()),
-                "the material is isotropic and does not depend on temperature",
+                "the material is isotropic",
             ));
         }
-        let values = data.fields.iter().map(|f| number(k, &data, f)).collect();
-        if let Some(more) = self.lexer.data()? {
-            return Err(more.unsupported(
-                k,
-                format!("one line with {what}"),
-                "a second line",
-                "the material does not depend on temperature",
-            ));
+        let fields = data.fields.iter().take(count);
+        let values: Vec<f64> = fields
+            .map(|f| number(k, &data, f))
+            .collect::<Result<_, _>>()?;
+        let mut constant = true;
+        while let Some(more) = self.lexer.data()? {
+            for (field, value) in more.fields.iter().zip(&values) {
+                constant &= number(k, &more, field)? == *value;
+            }
         }
-        values
+        Ok(constant.then_some(values))
     }
 
     pub(super) fn elastic(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        let [kind] = options(k, ["TYPE"], &[])?;
+        let [kind] = options(
+            k,
+            ["TYPE"],
+            &["MODULI", "DEPENDENCIES", "COMPRESSION", "NOCOMPRESSION"],
+        )?;
+        self.open_material(k)?;
         if kind
             .is_some_and(|t| !t.eq_ignore_ascii_case("ISO") && !t.eq_ignore_ascii_case("ISOTROPIC"))
         {
-            return Err(k.unsupported("an isotropic material", quote(kind.unwrap_or("")), ""));
+            return self.beyond(k, "the material is isotropic");
         }
-        self.open_material(k)?;
         let values = self.one_line(k, "Young's modulus [Pa] and Poisson's ratio", 2)?;
+        let Some(values) = values else {
+            return self.beyond(k, "the material does not depend on temperature");
+        };
         let (young, poisson) = (values[0], values[1]);
         if young <= 0.0 || poisson <= -1.0 || poisson >= 0.5 {
             return Err(k.syntax(
@@ -76,9 +95,12 @@ impl Reader<'_> {
     }
 
     pub(super) fn density(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        options(k, [], &[])?;
+        options(k, [], &["DEPENDENCIES"])?;
         self.open_material(k)?;
-        let density = self.one_line(k, "the density [kg/m^3]", 1)?[0];
+        let Some(values) = self.one_line(k, "the density [kg/m^3]", 1)? else {
+            return self.beyond(k, "the density does not depend on temperature");
+        };
+        let density = values[0];
         if density <= 0.0 {
             return Err(k.syntax("a density above 0", density.to_string(), ""));
         }
@@ -88,30 +110,44 @@ impl Reader<'_> {
 
     pub(super) fn solid_section(&mut self, k: &Keyword) -> Result<(), DeckError> {
         self.outside_step(k)?;
-        let [set, material] = options(k, ["ELSET", "MATERIAL"], &[])?;
+        // An orientation turns nothing of an isotropic material, controls are of other programs' elements.
+        let other = [
+            "ORIENTATION",
+            "CONTROLS",
+            "STACKDIRECTION",
+            "SYMMETRIC",
+            "ORDER",
+            "LAYUP",
+        ];
+        let [set, material] = options(k, ["ELSET", "MATERIAL"], &other)?;
         self.deck.sections.push(Section {
             set: named(k, "ELSET", set)?,
             material: named(k, "MATERIAL", material)?,
             place: k.place.clone(),
         });
-        // Abaqus writes an empty or a lone "1." line of section data for solids.
-        while let Some(data) = self.lexer.data()? {
-            at_most(k, &data, 1)?;
-            if number_or_zero(k, &data, 0)? != 1.0 && !field(&data, 0).is_empty() {
-                return Err(data.unsupported(
-                    k,
-                    "no section data of a solid",
-                    quote(field(&data, 0)),
-                    "",
-                ));
-            }
-        }
+        // Thicknesses are those of plane elements: solids have none.
+        while self.lexer.data()?.is_some() {}
         Ok(())
+    }
+
+    /// Axes for the conditions of some nodes: checked at the end against those.
+    pub(super) fn transform(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        let [set, _] = options(k, ["NSET", "TYPE"], &[])?;
+        let set = named(k, "NSET", set)?;
+        if self.scope.is_none() {
+            self.transforms.push(set);
+        }
+        self.pass_over(k)
     }
 
     pub(super) fn rigid_body(&mut self, k: &Keyword) -> Result<(), DeckError> {
         self.outside_step(k)?;
-        let [set, reference, rotation] = options(k, ["NSET", "REFNODE", "ROTNODE"], &[])?;
+        // A body of elements, or one whose tie or pins are told apart, is no bore on its hub.
+        let own = ["NSET", "REFNODE", "ROTNODE"];
+        if k.options.iter().any(|o| !own.contains(&o.key.as_str())) {
+            return self.pass_over(k);
+        }
+        let [set, reference, rotation] = options(k, own, &[])?;
         let set = named(k, "NSET", set)?;
         known(&k.place, &k.text, "node set", &set, &self.deck.node_sets)?;
         // The options are labels: checked as those of data lines are.
@@ -131,31 +167,79 @@ impl Reader<'_> {
     }
 
     pub(super) fn boundary(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        options(k, [], &[])?;
+        // What another model or a program says is no value of the deck's.
+        let elsewhere = [
+            "SUBMODEL",
+            "USER",
+            "BASEMOTION",
+            "MASSFLOW",
+            "REGIONTYPE",
+            "TYPE",
+        ];
+        if k.options
+            .iter()
+            .any(|o| elsewhere.contains(&o.key.as_str()))
+        {
+            return self.pass_over(k);
+        }
+        if let Some(open) = &mut self.step {
+            let new = |o: &crate::deck::lexer::KeywordOption| {
+                o.key == "OP"
+                    && o.value
+                        .as_ref()
+                        .is_some_and(|v| v.eq_ignore_ascii_case("NEW"))
+            };
+            open.step.boundaries_anew |= k.options.iter().any(new);
+        }
         while let Some(data) = self.lexer.data()? {
-            at_most(k, &data, 4)?;
             let target = self.target(k, &data)?;
-            let first = direction(k, &data, field(&data, 1))?;
-            let last = match field(&data, 2) {
-                "" => first,
-                text => direction(k, &data, text)?,
+            let spans: Vec<[u8; 2]> = match named_directions(field(&data, 1)) {
+                Some(spans) => spans.to_vec(),
+                None => {
+                    at_most(k, &data, 5)?;
+                    let what = "a direction from 1 on";
+                    // CalculiX has temperatures in direction 0 too.
+                    let first = match field(&data, 1) {
+                        "0" => 11,
+                        text => whole(k, &data, text, what)?,
+                    };
+                    let last = match field(&data, 2) {
+                        "" | "0" => first,
+                        text => whole(k, &data, text, what)?,
+                    };
+                    if last < first {
+                        return Err(data.syntax(
+                            k,
+                            "node, first direction, last direction, value",
+                            format!("directions {first} to {last}"),
+                            "",
+                        ));
+                    }
+                    // Rotations, temperatures and potentials are no motions of solids.
+                    match first {
+                        1..=3 => vec![[first as u8, last.min(3) as u8]],
+                        _ => {
+                            self.count_passed("*BOUNDARY of directions beyond 3".to_owned());
+                            Vec::new()
+                        }
+                    }
+                }
             };
-            if last < first {
-                return Err(data.syntax(
-                    k,
-                    "node, first direction, last direction, value",
-                    format!("directions {first} to {last}"),
-                    "",
-                ));
-            }
-            let boundary = Boundary {
-                target,
-                directions: [first, last],
-                value: number_or_zero(k, &data, 3)?,
+            let value = match spans.len() {
+                1 => number_or_zero(k, &data, 3)?,
+                _ => 0.0,
             };
-            match &mut self.step {
-                Some(open) => open.step.boundaries.push(boundary),
-                None => self.deck.boundaries.push(boundary),
+            for directions in spans {
+                let boundary = Boundary {
+                    target: target.clone(),
+                    directions,
+                    value,
+                    own_axes: false,
+                };
+                match &mut self.step {
+                    Some(open) => open.step.boundaries.push(boundary),
+                    None => self.deck.boundaries.push(boundary),
+                }
             }
         }
         Ok(())
@@ -163,19 +247,35 @@ impl Reader<'_> {
 
     pub(super) fn initial_conditions(&mut self, k: &Keyword) -> Result<(), DeckError> {
         self.outside_step(k)?;
-        let [kind] = options(k, ["TYPE"], &[])?;
+        let kind = k.options.iter().find(|o| o.key == "TYPE");
+        let kind = kind.and_then(|o| o.value.as_deref());
+        // Temperatures and stresses at first change nothing of a linear body.
         if !kind.is_some_and(|t| t.eq_ignore_ascii_case("VELOCITY")) {
-            return Err(k.unsupported("TYPE=VELOCITY", quote(kind.unwrap_or("no type")), ""));
+            return self.pass_over(k);
         }
         while let Some(data) = self.lexer.data()? {
             at_most(k, &data, 3)?;
             let condition = InitialVelocity {
                 target: self.target(k, &data)?,
-                direction: direction(k, &data, field(&data, 1))?,
+                direction: super::direction(k, &data, field(&data, 1))?,
                 value: number(k, &data, field(&data, 2))?,
             };
             self.deck.initial_velocities.push(condition);
         }
         Ok(())
     }
+}
+
+/// Directions that go by a name.
+fn named_directions(name: &str) -> Option<&'static [[u8; 2]]> {
+    Some(match name.to_ascii_uppercase().as_str() {
+        "ENCASTRE" | "PINNED" => &[[1, 3]],
+        "XSYMM" => &[[1, 1]],
+        "YSYMM" => &[[2, 2]],
+        "ZSYMM" => &[[3, 3]],
+        "XASYMM" => &[[2, 3]],
+        "YASYMM" => &[[1, 1], [3, 3]],
+        "ZASYMM" => &[[1, 2]],
+        _ => return None,
+    })
 }

@@ -1,10 +1,29 @@
 //! Steps: the procedures that the references use; output requests are recognised and passed over.
 
 use super::model::field;
-use super::{OpenStep, Reader, at_most, number, options, whole};
+use super::{OpenStep, Reader, number, options, whole};
 use crate::deck::data::{Procedure, Step};
 use crate::deck::error::{DeckError, quote};
 use crate::deck::lexer::{Data, Keyword};
+
+/// Options of *STEP that change nothing that is read.
+const STEP_OPTIONS: &[&str] = &[
+    "NAME",
+    "AMPLITUDE",
+    "UNSYMM",
+    "CONVERTSDI",
+    "EXTRAPOLATION",
+    "SOLVER",
+    "THERMALEXPANSION",
+    "ADIABATIC",
+    "DIRECT",
+    "STEADYSTATE",
+    "TURBULENCEMODEL",
+    "SHOCKSMOOTHING",
+    "COMPRESSIBLE",
+    "INCF",
+    "INCFRAC",
+];
 
 /// Keywords that only ask for output: they change no model.
 pub(super) const REQUESTS: [&str; 15] = [
@@ -29,7 +48,7 @@ impl Reader<'_> {
     pub(super) fn begin_step(&mut self, k: &Keyword) -> Result<(), DeckError> {
         self.outside_step(k)?;
         let [nlgeom, increments, perturbation] =
-            options(k, ["NLGEOM", "INC", "PERTURBATION"], &["NAME"])?;
+            options(k, ["NLGEOM", "INC", "PERTURBATION"], STEP_OPTIONS)?;
         let nlgeom = match nlgeom {
             None => false,
             Some(v) if v.is_empty() || v.eq_ignore_ascii_case("YES") => true,
@@ -38,22 +57,17 @@ impl Reader<'_> {
                 return Err(k.syntax("NLGEOM, NLGEOM=YES or NLGEOM=NO", quote(v), ""));
             }
         };
-        if perturbation.is_some() && !self.deck.steps.is_empty() {
-            return Err(k.unsupported(
-                "a perturbation of the undeformed state, in the first step",
-                "one after another step",
-                "",
-            ));
-        }
         let increments = increments
             .map(|text| whole(k, &as_data(k, text), text, "a number of increments"))
             .transpose()?;
         self.step = Some(OpenStep {
             step: Step {
                 nlgeom,
+                perturbation: perturbation.is_some(),
                 increments,
-                procedure: Procedure::Frequency { modes: 0 },
+                procedure: Procedure::Other,
                 boundaries: Vec::new(),
+                boundaries_anew: false,
                 requests: Vec::new(),
                 place: k.place.clone(),
             },
@@ -67,15 +81,10 @@ impl Reader<'_> {
     pub(super) fn end_step(&mut self, k: &Keyword) -> Result<(), DeckError> {
         options(k, [], &[])?;
         match self.step.take() {
-            Some(open) if open.procedure => {
+            Some(open) => {
                 self.deck.steps.push(open.step);
                 Ok(())
             }
-            Some(_) => Err(k.syntax(
-                "*STATIC, *DYNAMIC or *FREQUENCY in the step",
-                "none of them",
-                "",
-            )),
             None => Err(outside(k)),
         }
     }
@@ -101,33 +110,47 @@ impl Reader<'_> {
         let Some(data) = self.lexer.data()? else {
             return Ok(None);
         };
-        at_most(k, &data, 5)?;
         let mut times = [1.0; 2];
-        for (i, text) in data.fields.iter().enumerate() {
-            let value = if text.is_empty() {
-                1.0
-            } else {
-                number(k, &data, text)?
-            };
-            if value <= 0.0 && i < 2 {
+        for (time, text) in times.iter_mut().zip(&data.fields) {
+            if !text.is_empty() {
+                *time = number(k, &data, text)?;
+            }
+            if *time <= 0.0 {
                 return Err(data.syntax(k, "an increment and a period above 0", quote(text), ""));
             }
-            if i < 2 {
-                times[i] = value;
-            }
         }
+        while self.lexer.data()?.is_some() {}
         Ok(Some(times))
     }
 
     pub(super) fn static_(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        let [direct] = options(k, ["DIRECT"], &["SOLVER"])?;
+        let direct = k.options.iter().find(|o| o.key == "DIRECT");
         let times = self.times(k)?;
         let direct = direct.is_some();
         self.procedure(k, Procedure::Static { direct, times })
     }
 
     pub(super) fn dynamic(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        let [direct, explicit, alpha] = options(k, ["DIRECT", "EXPLICIT", "ALPHA"], &["SOLVER"])?;
+        let [direct, explicit, alpha] = options(
+            k,
+            ["DIRECT", "EXPLICIT", "ALPHA"],
+            &[
+                "SOLVER",
+                "RELATIVETOABSOLUTE",
+                "APPLICATION",
+                "INITIAL",
+                "HAFTOL",
+                "HALFINCSCALEFACTOR",
+                "NOHAF",
+                "TIMEINTEGRATOR",
+                "SCALEFACTOR",
+                "IMPROVEDDTMETHOD",
+                "ELEMENTBYELEMENT",
+                "FIXEDTIMEINCREMENTATION",
+                "DIRECTUSERCONTROL",
+                "ADIABATIC",
+            ],
+        )?;
         let alpha = alpha
             .map(|text| number(k, &as_data(k, text), text))
             .transpose()?;
@@ -145,19 +168,21 @@ impl Reader<'_> {
     }
 
     pub(super) fn frequency(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        options(k, [], &["SOLVER", "STORAGE"])?;
         let data = self.need_data(k, "the number of modes")?;
-        let modes = whole(k, &data, field(&data, 0), "a number of modes")?;
+        // Abaqus may ask for all modes in a range of frequencies instead.
+        let modes = match field(&data, 0) {
+            "" => 0,
+            text => whole(k, &data, text, "a number of modes")?,
+        };
+        while self.lexer.data()?.is_some() {}
         self.procedure(k, Procedure::Frequency { modes })
     }
 
     pub(super) fn request(&mut self, k: &Keyword) -> Result<(), DeckError> {
-        while self.lexer.data()?.is_some() {}
-        match &mut self.step {
-            Some(open) => open.step.requests.push(k.text.clone()),
-            None => return Err(outside(k)),
+        if let Some(open) = &mut self.step {
+            open.step.requests.push(k.text.clone());
         }
-        Ok(())
+        self.pass_over(k)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The impact that a deck describes, so that it can be computed here or written again.
 
 use super::{Hub, Impact, ImpactGear};
-use crate::deck::data::{Deck, Procedure, Target};
+use crate::deck::data::{ContactKind, Deck, Procedure, Target};
 use crate::deck::error::{DeckError, DeckErrorKind};
 use crate::deck::gears::DeckGear;
 use crate::mesh::{Face, flank_set};
@@ -56,7 +56,15 @@ impl<'a> Impact<'a> {
             if a.1 != b.1 || *side.get_or_insert(a.1) != a.1 {
                 return Err(wrong("flanks of one side", "both sides".into()));
             }
-            let stiffness = deck.interactions[&pair.interaction].stiffness;
+            if pair.kind == ContactKind::Other {
+                let expected = "TYPE=SURFACE TO SURFACE or NODE TO SURFACE";
+                return Err(wrong(expected, "another or none".into()));
+            }
+            let interaction = &deck.interactions[&pair.interaction];
+            if let Some(more) = interaction.more.first() {
+                return Err(wrong("a linear penalty alone", more.clone()));
+            }
+            let stiffness = interaction.stiffness;
             let Some(k) = stiffness else {
                 return Err(wrong("a *SURFACE BEHAVIOR", "none".into()));
             };

@@ -1,11 +1,14 @@
 use crate::deck::{
-    ContactKind, Deck, DeckErrorKind, MAX_INCLUDE_DEPTH, Procedure, Target, gears, read_bytes,
-    read_str,
+    ContactKind, Deck, DeckErrorKind, Label, MAX_INCLUDE_DEPTH, Procedure, Target, gears,
+    read_bytes, read_str,
 };
 use crate::mesh::{ElementKind, Face};
 use crate::test_support::parsed;
 use gearbench_models::Vec3;
 use std::io;
+
+mod parts;
+mod passed;
 
 fn read(text: &str) -> Deck {
     parsed("a.inp", text)
@@ -33,8 +36,8 @@ fn free_format_is_read() {
     );
     assert_eq!(deck.heading, ["two, words"]);
     assert_eq!(deck.nodes, [Vec3::new(1.5e-3, -0.5, 2.0), Vec3::zeros()]);
-    assert_eq!(deck.node_labels.get_index_of(&7), Some(0));
-    assert_eq!(deck.node_labels[1], 3);
+    assert_eq!(deck.node_labels.get_index_of(&Label::from(7)), Some(0));
+    assert_eq!(deck.node_name(1), "3");
     assert_eq!(deck.node_sets["my set"], [0, 1]);
     assert_eq!(deck.node_sets["other"], [0, 1]);
 }
@@ -49,7 +52,7 @@ fn elements_sets_and_surfaces() {
     assert_eq!(deck.element_count(), 2);
     assert_eq!(deck.blocks[1].kind, ElementKind::C3D8);
     assert_eq!(deck.element(1), [4, 5, 6, 7, 8, 9, 10, 11]);
-    assert_eq!(deck.element_labels.get_index_of(&40), Some(1));
+    assert_eq!(deck.element_labels.get_index_of(&Label::from(40)), Some(1));
     assert_eq!(deck.element_sets["both"], [0, 1]);
     assert_eq!(deck.node_sets["odd"], [0, 2, 4, 6, 8, 10]);
     assert_eq!(deck.node_sets["two"], [0, 1]);
@@ -187,8 +190,8 @@ fn refusals_say_where_what_and_how() {
         ("*NODE\n1, 1e999\n", "expected a finite number"),
         ("*NODE\n1\n1\n", "a.inp:3: *NODE: expected each node once"),
         (
-            "*NODE\n1, 0, 0, 0, 0\n",
-            "expected at most 4 values in the line, found 5",
+            "*NODE\n1, 0, 0, 0, 0, 0, 1, 0\n",
+            "expected at most 7 values in the line, found 8",
         ),
         (
             "*ELEMENT, TYPE=C3D5\n",
@@ -206,8 +209,8 @@ fn refusals_say_where_what_and_how() {
         ),
         ("*NODE, NSET=q\n1\n*NSET, NSET=a\nb\n", "there are `q`"),
         (
-            "*NODE\n1\n*NSET, NSET=a, GENERATE\n1, 4000000000\n",
-            "none with label 2",
+            "*NODE\n1\n*NSET, NSET=a, GENERATE\n2, 4000000000\n",
+            "expected some of 2 to 4000000000 by 1 defined above, found none of them",
         ),
         (
             "*NODE\n1\n*NSET, NSET=a, GENERATE\n2, 1\n",
@@ -216,10 +219,6 @@ fn refusals_say_where_what_and_how() {
         (
             "*NODE\n1\n*NSET, NSET=a, GENERATE\n1, 1, 0\n",
             "an increment from 1",
-        ),
-        (
-            "*SURFACE, NAME=a, TYPE=NODE\n",
-            "expected TYPE=ELEMENT, found `NODE`",
         ),
         (
             "*SURFACE, NAME=a\n1, S7\n",
@@ -234,19 +233,12 @@ fn refusals_say_where_what_and_how() {
             "*MATERIAL, NAME=m\n*ELASTIC\n",
             "a data line with Young's modulus",
         ),
-        (
-            "*MATERIAL, NAME=m\n*ELASTIC\n2e11, .3\n1e11, .3\n",
-            "a.inp:4: *ELASTIC: expected one line",
-        ),
         ("*MATERIAL, NAME=m\n*ELASTIC\n2e11, .5\n", "-1 < nu < 0.5"),
-        (
-            "*MATERIAL, NAME=m\n*ELASTIC, TYPE=ORTHO\n1\n",
-            "expected an isotropic material, found `ORTHO`",
-        ),
         ("*MATERIAL, NAME=m\n*DENSITY\n-1\n", "a density above 0"),
+        ("*PLASTIC\n1\n", "expected *MATERIAL before it"),
         (
-            "*MATERIAL, NAME=m\n*PLASTIC\n1\n",
-            "a.inp:2: *PLASTIC: expected a keyword that gears need",
+            "*HUMIDITY\n1\n",
+            "a.inp:1: *HUMIDITY: expected a keyword that is known to change the body or not to",
         ),
         (
             "*SOLID SECTION, ELSET=e, MATERIAL=m\n",
@@ -261,23 +253,14 @@ fn refusals_say_where_what_and_how() {
             "found label 5",
         ),
         (
-            "*NODE\n1\n*BOUNDARY\n1, 4\n",
-            "expected a direction 1, 2 or 3, found `4`",
+            "*NODE\n1\n*BOUNDARY\n1, x\n",
+            "expected a direction from 1 on, found `x`",
         ),
         ("*NODE\n1\n*BOUNDARY\n1, 2, 1\n", "directions 2 to 1"),
-        (
-            "*INITIAL CONDITIONS, TYPE=STRESS\n",
-            "expected TYPE=VELOCITY, found `STRESS`",
-        ),
-        (
-            "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n",
-            "found `HARD`",
-        ),
         (
             "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1\n",
             "*SURFACE INTERACTION before it",
         ),
-        ("*CONTACT PAIR, INTERACTION=i\n", "programs differ"),
         (
             "*CONTACT PAIR, INTERACTION=i, TYPE=NODE TO SURFACE\na, b\n",
             "a.inp:2: *CONTACT PAIR: expected a defined surface, found `a`",
@@ -285,10 +268,6 @@ fn refusals_say_where_what_and_how() {
         (
             "*STEP\n*STATIC\n",
             "a.inp:1: *STEP: expected *END STEP, found the end of the deck after line 2",
-        ),
-        (
-            "*STEP\n*END STEP\n",
-            "expected *STATIC, *DYNAMIC or *FREQUENCY in the step",
         ),
         ("*STEP\n*STATIC\n*STATIC\n", "one procedure in a step"),
         ("*STEP\n*STEP\n", "a.inp:2: *STEP: expected"),
@@ -300,7 +279,6 @@ fn refusals_say_where_what_and_how() {
         ),
         ("*STEP\n*DYNAMIC, ALPHA=1\n", "between -1/3 and 0"),
         ("*STEP\n*FREQUENCY\n0\n", "a number of modes"),
-        ("*NODE PRINT, NSET=a\nU\n", "found it outside a step"),
         ("*STATIC\n", "found it outside a step"),
         ("*END STEP\n", "found it outside a step"),
         ("*INCLUDE\n", "expected *INCLUDE, INPUT=file"),
@@ -380,5 +358,13 @@ fn fuzz_seeds_are_read_or_declined() {
         of("include.inp").as_ref().unwrap_err().kind,
         DeckErrorKind::Limit
     );
-    assert!(of("generate.inp").is_err() && of("options.inp").is_err());
+    for name in [
+        "cae.inp",
+        "gmsh_tet10.inp",
+        "gmsh_wedge15.inp",
+        "gmsh_hex20.inp",
+    ] {
+        assert!(of(name).is_ok(), "{:?}", of(name));
+    }
+    assert!(of("generate.inp").is_ok() && of("options.inp").is_err());
 }

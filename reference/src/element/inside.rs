@@ -1,0 +1,24 @@
+//! Is an element turned inside out at one of its integration points?
+
+use super::{Point, jacobian, stiffness_rule};
+use crate::mesh::ElementKind;
+use gearbench_models::Vec3;
+
+/// The integration points of a kind.
+pub(crate) struct Inside(Vec<Point>);
+
+impl Inside {
+    /// Prepares the points.
+    pub(crate) fn new(kind: ElementKind) -> Self {
+        let rule = stiffness_rule(kind).into_iter();
+        Inside(rule.map(|(xi, w)| Point::new(kind, xi, w)).collect())
+    }
+
+    /// The first Jacobian that is not positive, of an element with these nodes.
+    pub(crate) fn wrong(&self, x: &[Vec3]) -> Option<f64> {
+        let determinants = self.0.iter();
+        let mut determinants = determinants.map(|p| jacobian(x, &p.gradients).determinant());
+        // Written so that a NaN is wrong too.
+        determinants.find(|d| d.is_nan() || *d <= 0.0)
+    }
+}
