@@ -2,7 +2,7 @@
 //!
 //!     apt-get install calculix-ccx-test
 //!     cargo run --release -p gearbench-reference --example ccx_examples -- \
-//!         /usr/share/doc/calculix-ccx-test/examples/test reference/calculix/examples.csv
+//!         /usr/share/doc/calculix-ccx-test/examples/test reference/calculix/examples/table.csv
 //!
 //! Per deck: is its body a linear isotropic solid, was it read, and why not. That is judged from the text alone, by
 //! [`judged`]. Frequencies are compared where the deck was read, its material is whole, and the first step that

@@ -2,8 +2,8 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`mesh`] | structured hexahedral meshes of gears and racks, their quality, VTU |
-//! | [`deck`] | Abaqus and CalculiX decks: reading, checking, writing |
+//! | [`mesh`] | meshes of solid elements, structured ones of gears and racks, their quality, VTU |
+//! | [`deck`] | Abaqus and CalculiX decks and meshes of Gmsh: reading, checking, writing |
 //! | `element`, [`assembly`] | element matrices, sparse stiffness and mass, the bore tied to the hub |
 //! | [`solve`], [`modes`] | sparse Cholesky; eigenmodes by Lanczos and by cyclic symmetry |
 //! | [`reduction`] | modes, static compliance and their reduction to the data of the elastic gear |

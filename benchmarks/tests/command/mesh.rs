@@ -16,7 +16,7 @@ fn meshes_are_written_as_decks_and_for_paraview() {
         let gears = gearbench_reference::deck::gears(&deck).unwrap();
         let mesh = &gears[0].mesh;
         assert_eq!((gears.len(), mesh.teeth), (1, teeth));
-        assert_eq!(mesh.mesh.kind.name(), "C3D20R");
+        assert_eq!(mesh.mesh.kind_names(), "C3D20R");
         assert!(mesh.flanks.iter().all(|f| (f.rows, f.columns) == (6, 2)));
         let (nodes, elements) = (mesh.mesh.nodes.len(), mesh.mesh.element_count());
         has(&said, &[&format!("{nodes}  {elements:>8}")]);

@@ -6,10 +6,10 @@
 //! gear is coupled; a structured mesh on the flanks. [`read`](super::read()) itself needs less: decks with
 //! several gears are read and split by [`gears`].
 
-use super::data::Deck;
+use super::data::{Deck, ElementBlock};
 use super::error::{DeckErrorKind, Place};
 use super::gears::{BodyShape, DeckGear, bodies_of, bore_axis, flank_name, gears, is_bore_name};
-use crate::mesh::flank_set;
+use crate::mesh::{Shape, flank_set};
 use gearbench_models::geometry::Side;
 use std::fmt;
 
@@ -93,6 +93,7 @@ pub fn check_gtm(deck: &Deck) -> Vec<Finding> {
         );
     }
     check.units();
+    check.kinds();
     let axis = check.bore();
     check.flank_names(bodies == 1);
     // Without a bore about z there are no teeth to count and no flanks to lay out.
@@ -141,6 +142,19 @@ impl Check<'_> {
             found,
             way_out: way_out.to_owned(),
         });
+    }
+
+    /// Elements that are no hexahedra.
+    fn kinds(&mut self) {
+        let other = |b: &&ElementBlock| b.kind.shape() != Shape::Hexahedron;
+        if let Some(block) = self.deck.blocks.iter().find(other) {
+            self.find(
+                GtmRequirement::Hexahedra,
+                Some(block.place.clone()),
+                block.kind.name().to_owned(),
+                "nothing to do here; the GTM preprocessing wants C3D8, C3D8I, C3D20 or C3D20R",
+            );
+        }
     }
 
     /// Sizes and materials that no gear in SI units has.

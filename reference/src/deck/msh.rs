@@ -5,54 +5,22 @@
 //! Gmsh numbers the mid-side nodes of solids in another order than decks. Format: Gmsh reference manual 4.13, chapter
 //! *File formats*, sections *MSH* and *Node ordering*.
 
+mod kinds;
+mod lines;
+#[cfg(test)]
+mod tests;
+
 use super::data::{Deck, ElementBlock, Label};
-use super::error::{DeckError, DeckErrorKind, Place, quote};
+use super::error::{DeckError, DeckErrorKind, quote};
 use super::reader::{MARK, in_si};
 use super::units::Units;
-use crate::mesh::ElementKind;
 use gearbench_models::Vec3;
+use kinds::{other, solid};
+use lines::{Lines, Row};
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::str::SplitWhitespace;
-use std::sync::Arc;
 
 /// Names of entities by their dimension.
 const DIMENSIONS: [&str; 4] = ["point", "line", "surface", "volume"];
-
-/// For each node of a deck its place in Gmsh's order.
-const C3D10: &[usize] = &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
-const C3D15: &[usize] = &[0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11];
-const C3D20: &[usize] = &[
-    0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15,
-];
-const SAME: &[usize] = &[0, 1, 2, 3, 4, 5, 6, 7];
-
-/// Solid kind of one of Gmsh's types, with its order. Hexahedra get the kinds that bend well.
-fn solid(kind: u32) -> Option<(ElementKind, &'static [usize])> {
-    Some(match kind {
-        4 => (ElementKind::C3D4, SAME),
-        5 => (ElementKind::C3D8I, SAME),
-        6 => (ElementKind::C3D6, SAME),
-        11 => (ElementKind::C3D10, C3D10),
-        17 => (ElementKind::C3D20, C3D20),
-        18 => (ElementKind::C3D15, C3D15),
-        _ => return None,
-    })
-}
-
-/// Name and number of nodes of a type that is no solid.
-fn other(kind: u32) -> Option<(&'static str, usize)> {
-    Some(match kind {
-        1 => ("lines", 2),
-        2 => ("triangles", 3),
-        3 => ("quadrilaterals", 4),
-        8 => ("quadratic lines", 3),
-        9 => ("quadratic triangles", 6),
-        10 => ("quadrilaterals of 9 nodes", 9),
-        15 => ("points", 1),
-        16 => ("quadratic quadrilaterals", 8),
-        _ => return None,
-    })
-}
 
 /// Whether a text is such a mesh.
 pub(super) fn is_msh(text: &str) -> bool {
@@ -64,11 +32,7 @@ pub(super) fn is_msh(text: &str) -> bool {
 /// Reads a mesh from its text.
 pub(super) fn read(name: &str, text: &str, units: Option<Units>) -> Result<Deck, DeckError> {
     let mut reader = Reader {
-        lines: Lines {
-            file: name.into(),
-            lines: text.lines(),
-            at: 0,
-        },
+        lines: Lines::new(name, text),
         deck: Deck {
             name: name.into(),
             ..Deck::default()
@@ -81,108 +45,6 @@ pub(super) fn read(name: &str, text: &str, units: Option<Units>) -> Result<Deck,
     };
     reader.all()?;
     Ok(in_si(reader.deck, units))
-}
-
-/// The lines of the file, blank ones left out.
-struct Lines<'a> {
-    file: Arc<str>,
-    lines: std::str::Lines<'a>,
-    at: usize,
-}
-
-/// A line with what is left of it.
-struct Row<'a> {
-    place: Place,
-    section: &'static str,
-    words: SplitWhitespace<'a>,
-}
-
-impl<'a> Lines<'a> {
-    fn next(&mut self) -> Option<&'a str> {
-        loop {
-            self.at += 1;
-            let line = self.lines.next()?.trim();
-            if !line.is_empty() {
-                return Some(line);
-            }
-        }
-    }
-
-    fn place(&self) -> Place {
-        Place {
-            file: self.file.clone(),
-            line: self.at,
-        }
-    }
-
-    /// The next line of a section.
-    fn row(&mut self, section: &'static str, what: &str) -> Result<Row<'a>, DeckError> {
-        match self.next() {
-            Some(line) if !line.starts_with('$') => Ok(Row {
-                place: self.place(),
-                section,
-                words: line.split_whitespace(),
-            }),
-            found => {
-                let kind = DeckErrorKind::Syntax;
-                let found = found.map_or("the end of the file".to_owned(), quote);
-                Err((self.place()).error(kind, section, what, found, "is the file whole?"))
-            }
-        }
-    }
-}
-
-impl Row<'_> {
-    fn error(&self, kind: DeckErrorKind, expected: &str, found: String, help: &str) -> DeckError {
-        self.place.error(kind, self.section, expected, found, help)
-    }
-
-    fn parsed<T: std::str::FromStr>(&mut self, what: &str) -> Result<T, DeckError> {
-        let word = self.words.next().unwrap_or_default();
-        let value = word.parse();
-        value.map_err(|_| self.error(DeckErrorKind::Syntax, what, quote(word), ""))
-    }
-
-    fn count(&mut self, what: &str) -> Result<usize, DeckError> {
-        self.parsed(what)
-    }
-
-    /// A tag: a whole number from 1 on.
-    fn tag(&mut self, what: &str) -> Result<u32, DeckError> {
-        match self.parsed::<u32>(what)? {
-            0 => Err(self.error(DeckErrorKind::Syntax, what, "0".into(), "")),
-            tag => Ok(tag),
-        }
-    }
-
-    /// A tag of an entity or a group, which may be negative where only its direction counts.
-    fn signed(&mut self, what: &str) -> Result<u32, DeckError> {
-        Ok(self.parsed::<i32>(what)?.unsigned_abs())
-    }
-
-    fn dimension(&mut self) -> Result<usize, DeckError> {
-        match self.parsed::<usize>("a dimension from 0 to 3")? {
-            d @ 0..=3 => Ok(d),
-            d => Err(self.error(
-                DeckErrorKind::Syntax,
-                "a dimension from 0 to 3",
-                d.to_string(),
-                "",
-            )),
-        }
-    }
-
-    fn position(&mut self) -> Result<Vec3, DeckError> {
-        let mut x = Vec3::zeros();
-        for k in 0..3 {
-            x[k] = self.parsed("a finite number")?;
-            if !x[k].is_finite() {
-                let found = x[k].to_string();
-                return Err(self.error(DeckErrorKind::Syntax, "a finite number", found, ""));
-            }
-        }
-        Ok(x)
-    }
 }
 
 struct Reader<'a> {
@@ -523,6 +385,3 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 }
-
-#[cfg(test)]
-mod tests;

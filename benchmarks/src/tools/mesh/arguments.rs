@@ -1,6 +1,7 @@
 //! Arguments of `mesh`.
 
 use clap::Args;
+use gearbench_reference::deck::Units;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -19,7 +20,7 @@ of one is node i of the other turned by a pitch. Several gears make several file
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Mesh {
-    /// Name of a shipped scene, path of a scene file (.toml) or of a deck (.inp, .inp.gz)
+    /// Name of a shipped scene, path of a scene file (.toml), of a deck (.inp) or a mesh of Gmsh (.msh), also .gz
     #[arg(value_name = "SCENE|DECK")]
     pub input: String,
     /// Write a deck
@@ -31,6 +32,9 @@ pub struct Mesh {
     /// Only this gear [default: all]
     #[arg(long, value_name = "NAME")]
     pub gear: Option<String>,
+    /// Units of a deck, one of m-kg-s, mm-t-s, mm-kg-s, mm-kg-ms, mm-g-ms [default: found from material or size]
+    #[arg(long, value_name = "UNITS", value_parser = units)]
+    pub units: Option<Units>,
     /// Kind of element: C3D8, C3D8I, C3D20 or C3D20R [default: C3D8I]
     #[arg(long, value_name = "KIND")]
     pub element: Option<String>,
@@ -61,4 +65,12 @@ pub struct Mesh {
     /// Only these teeth as fine as asked for, the others coarse; numbers from 1, between commas
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     pub fine_teeth: Vec<u32>,
+}
+
+/// Units by their name.
+pub(in crate::tools) fn units(text: &str) -> Result<Units, String> {
+    Units::from_name(text).ok_or_else(|| {
+        let known = Units::ALL.map(|u| u.name);
+        format!("expected one of {}", known.join(", "))
+    })
 }

@@ -98,7 +98,8 @@ fn ends_in(option: &str, path: Option<&Path>, ending: &str) -> Result<(), Refusa
 
 pub(super) fn is_deck(input: &str) -> bool {
     let name = input.to_ascii_lowercase();
-    name.ends_with(".inp") || name.ends_with(".inp.gz")
+    let ends = [".inp", ".inp.gz", ".msh", ".msh.gz"];
+    ends.iter().any(|end| name.ends_with(end))
 }
 
 /// `F.inp` of one gear among several is `F-NAME.inp`.
@@ -156,7 +157,8 @@ fn from_deck(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
     }
     let start = Instant::now();
     let refuse = |e: deck::DeckError| Refusal::Input(miette::miette!("{e}"));
-    let deck = deck::read(&args.input).map_err(refuse)?;
+    let deck = deck::read_in(&args.input, args.units).map_err(refuse)?;
+    deck.told().iter().for_each(|line| say(line));
     let gears = deck::gears(&deck).map_err(refuse)?;
     let seconds = start.elapsed().as_secs_f64() / gears.len().max(1) as f64;
     let gears = chosen(gears, args.gear.as_deref(), &args.input, |g| g.name.clone())?;
@@ -172,6 +174,12 @@ fn from_deck(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
 }
 
 fn from_scene(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
+    if args.units.is_some() {
+        return Err(Refusal::Input(miette::miette!(
+            help = "leave it out",
+            "--units is for decks: scenes are in SI units"
+        )));
+    }
     let scene = scene_file::load_unbuilt(&args.input)?;
     let params = params(args)?;
     let gears = chosen(scene.spec.gears, args.gear.as_deref(), &args.input, |g| {

@@ -1,7 +1,9 @@
 //! Arguments of `reduce`.
 
 use crate::cli::values::{number, positive_load};
+use crate::tools::mesh::arguments::units;
 use clap::Args;
+use gearbench_reference::deck::Units;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -12,8 +14,8 @@ Examples:
   gearbench reduce a.inp b.inp --modes 100 --out reduced/      one file each: reduced/a.npz, reduced/b.npz
   gearbench reduce spur_impact --modes 200 --out spur.npz      spur-pinion.npz, spur-wheel.npz
 
-A deck from elsewhere needs hexahedra, SI units, a node set `bore` and node sets of the flanks that may touch,
-`flank_1l`, `flank_1r`, ... (l: the counter-clockwise flank). Of a scene the meshes of its elastic model are taken,
+A deck from elsewhere needs solid elements, a node set `bore` and node sets of the flanks that may touch,
+`flank_1l`, `flank_1r`, ... (l: the counter-clockwise flank); its units are found and said, and --units overrides. Of a scene the meshes of its elastic model are taken,
 with the mounts and added inertias of its gears.
 
 What the file holds: flank nodes with normals, frequencies and mode shapes there, static compliance between the flank
@@ -26,7 +28,7 @@ What was computed before comes from a cache ($GEARBENCH_CACHE, else the user's c
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Reduce {
-    /// Decks (.inp, .inp.gz); or the name of a shipped scene, or the path of a scene file (.toml)
+    /// Decks (.inp) or meshes of Gmsh (.msh), also .gz; or the name of a shipped scene, or the path of a scene file (.toml)
     #[arg(value_name = "SCENE|DECK", required = true)]
     pub inputs: Vec<String>,
     /// Write to this file, or into this folder [default: nothing is written]
@@ -44,6 +46,9 @@ pub struct Reduce {
     /// Only this gear [default: all]
     #[arg(long, value_name = "NAME")]
     pub gear: Option<String>,
+    /// Units of a deck, one of m-kg-s, mm-t-s, mm-kg-s, mm-kg-ms, mm-g-ms [default: found from material or size]
+    #[arg(long, value_name = "UNITS", value_parser = units)]
+    pub units: Option<Units>,
     /// Label of the scene's elastic model whose meshes are taken [default: its first]
     #[arg(long, value_name = "LABEL")]
     pub model: Option<String>,

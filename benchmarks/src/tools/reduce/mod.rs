@@ -99,11 +99,9 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
         ));
     }
     let bad = |e: deck::DeckError| Refusal::Input(miette::miette!("{e}"));
-    let deck = deck::read(input).map_err(bad)?;
-    let mut notes: Vec<String> = deck::check_gtm(&deck)
-        .iter()
-        .map(ToString::to_string)
-        .collect();
+    let deck = deck::read_in(input, args.units).map_err(bad)?;
+    let mut notes = deck.told();
+    notes.extend(deck::check_gtm(&deck).iter().map(ToString::to_string));
     if deck::gears(&deck).is_err() {
         notes.push("what the deck does not say of the material is taken from steel".to_owned());
     }
@@ -141,7 +139,8 @@ fn stem(input: &str) -> String {
     let name = Path::new(input).file_name().unwrap_or_default();
     let name = name.to_string_lossy();
     let lower = name.to_ascii_lowercase();
-    let end = [".inp.gz", ".inp"].iter().find(|e| lower.ends_with(*e));
+    let ends = [".inp.gz", ".inp", ".msh.gz", ".msh"];
+    let end = ends.iter().find(|e| lower.ends_with(*e));
     name[..name.len() - end.map_or(0, |e| e.len())].to_owned()
 }
 
@@ -158,6 +157,12 @@ fn material(args: &Arguments, of: Material) -> Result<Material, Refusal> {
 }
 
 fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
+    if args.units.is_some() {
+        return Err(refuse(
+            "--units is for decks: scenes are in SI units",
+            "leave it out",
+        ));
+    }
     let scene = scene_file::load_unbuilt(input)?;
     // The configuration whose gears are elastic: it says where meshes come from.
     let mut elastic = scene.models.iter().filter(|m| {

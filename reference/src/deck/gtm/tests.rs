@@ -154,3 +154,23 @@ fn a_flank_with_holes_is_no_grid() {
     assert_eq!(all[0].requirement, GtmRequirement::Structured);
     assert!(all[0].to_string().contains("set `flank_3l`"), "{}", all[0]);
 }
+
+#[test]
+fn millimetres_and_tetrahedra_are_told() {
+    let good = seed("gear.inp")
+        .replace("2.1e11", "2.1e5")
+        .replace("7850.", "7.85e-9");
+    let mm = moved(&good, |x| x.map(|v| 1e3 * v));
+    only(
+        &mm,
+        GtmRequirement::Units,
+        &["found mm-t-s (from E = 2.1e5", "they are converted"],
+    );
+    let found =
+        findings("*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n");
+    let shown = found[0].to_string();
+    assert!(
+        shown.contains("g.inp:6: ") && shown.contains("found C3D4"),
+        "{shown}"
+    );
+}

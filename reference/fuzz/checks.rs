@@ -1,0 +1,84 @@
+//! What has to hold whatever the bytes are, for the fuzz targets and for `examples/fuzz_readers.rs`.
+
+use gearbench_reference::{deck, mesh};
+
+/// A deck is read or declined, its gears are found or declined, and nothing panics, hangs or takes memory out of
+/// proportion. Includes come from the same bytes.
+pub fn deck(data: &[u8]) {
+    let text = String::from_utf8_lossy(data);
+    // `part` includes the second half, everything else is missing.
+    let mut resolver = |name: &str| match name {
+        "part" => {
+            let middle = (0..=text.len() / 2)
+                .rev()
+                .find(|&i| text.is_char_boundary(i));
+            Ok(text[middle.unwrap_or(0)..].to_owned())
+        }
+        "all" => Ok(text.clone().into_owned()),
+        other => Err(std::io::Error::other(format!("no file {other}"))),
+    };
+    match deck::read_str("fuzz.inp", &text, &mut resolver) {
+        Ok(deck) => {
+            assert!(deck.told().iter().all(|line| !line.is_empty()));
+            hangs_together(&deck);
+            for finding in deck::check_gtm(&deck) {
+                assert!(!finding.to_string().is_empty());
+            }
+            match deck::gears(&deck) {
+                Ok(gears) => {
+                    for g in &gears {
+                        assert!(g.phase.is_finite() && g.centre.iter().all(|x| x.is_finite()));
+                        for f in &g.mesh.flanks {
+                            assert_eq!(f.nodes.len(), f.rows * f.columns);
+                            assert!(f.tooth < g.mesh.teeth);
+                        }
+                    }
+                }
+                Err(e) => assert!(!e.to_string().is_empty()),
+            }
+        }
+        Err(e) => assert!(e.line > 0 || !e.found.is_empty()),
+    }
+}
+
+/// A mesh of Gmsh is read or declined, and what is read hangs together.
+pub fn msh(data: &[u8]) {
+    let text = String::from_utf8_lossy(data);
+    // What does not begin as such a mesh is a deck: that is the other target's.
+    let text = match text.starts_with("$MeshFormat") {
+        true => text.into_owned(),
+        false => format!("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n{text}"),
+    };
+    let mut none = |name: &str| Err(std::io::Error::other(format!("no file {name}")));
+    match deck::read_str("fuzz.msh", &text, &mut none) {
+        Ok(deck) => {
+            hangs_together(&deck);
+            assert!(deck.told().iter().all(|line| !line.is_empty()));
+            let _ = deck::gears(&deck).map_err(|e| assert!(!e.to_string().is_empty()));
+        }
+        Err(e) => assert!(e.line > 0 || !e.found.is_empty()),
+    }
+}
+
+fn hangs_together(deck: &deck::Deck) {
+    let mesh = deck.mesh();
+    assert_eq!(mesh.element_count(), deck.element_count());
+    let nodes = mesh.nodes.len();
+    assert!(mesh.connectivity().all(|n| (n as usize) < nodes));
+    assert!(
+        mesh.node_sets
+            .values()
+            .flatten()
+            .all(|&n| (n as usize) < nodes)
+    );
+    let sets = deck.element_sets.values().flatten();
+    assert!(sets.copied().all(|e| (e as usize) < mesh.element_count()));
+    for &face in mesh
+        .boundary()
+        .iter()
+        .chain(mesh.face_sets.values().flatten())
+    {
+        assert!(mesh.face_corners(face).len() >= 3);
+    }
+    assert!(mesh::element_qualities(&mesh).count() == mesh.element_count());
+}
