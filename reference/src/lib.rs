@@ -13,6 +13,7 @@
 //! | [`data`] | references as data: histories whatever their origin, and the reader of tables |
 //! | [`stored`] | references of other programs, embedded in this one: what they carry, and how they are read |
 //! | `vector` | sums and turns of vectors that several modules need |
+//! | [`recognise`] | a gear from its surface alone: axis, bore, teeth, flanks, involute |
 //! | [`Refused`] | why a file is refused, a deck or a stored reduction |
 //! | [`hash`] | the hash that names stored results |
 //!
@@ -25,12 +26,14 @@ pub mod data;
 pub mod deck;
 mod element;
 pub mod full_order;
+mod groups;
 pub mod hash;
 pub mod limits;
 pub mod mesh;
 mod mesh_source;
 pub mod modes;
 pub mod reduction;
+pub mod recognise;
 mod refusal;
 pub mod solve;
 pub mod statics;

@@ -302,7 +302,8 @@ fn stored(
         }
     };
     let gears = deck
-        .and_then(|d| deck::gears(&d))
+        // A mesh without a material is as good: the scene has its own.
+        .and_then(|d| deck::gears_with(&d, Some(context.material)))
         .map_err(|e| reader.error("mesh", e.to_string()))?;
     let (teeth, rack) = match context.body {
         Toothing::Gear(g) => (g.teeth(), false),
@@ -313,7 +314,7 @@ fn stored(
         .map(|g| format!("{} with {} teeth", g.name, g.mesh.teeth))
         .collect();
     let distance = |g: &deck::DeckGear| (g.centre - context.hub.centre).xy().norm();
-    let mut gear = gears
+    let gear = gears
         .into_iter()
         .filter(|g| rack == matches!(g.shape, deck::BodyShape::Rack { .. }))
         .filter(|g| rack || g.mesh.teeth == teeth)
@@ -327,8 +328,20 @@ fn stored(
                     found.join(", ")
                 ),
             )
-        })?
-        .mesh;
+        })?;
+    if let Some((what, shown, said)) = disagreement(&gear, context.body) {
+        return Err(reader.error(
+            "mesh",
+            (
+                format!(
+                    "the {what} of gear `{}` is {said}, but the flanks of \"{source}\" show {shown}",
+                    context.name
+                ),
+                "give the scene the data of the mesh (`gearbench reduce` tells them), or the mesh of this gear",
+            ),
+        ));
+    }
+    let mut gear = gear.mesh;
     if let Some(kind) = element {
         let same = |k: ElementKind| (k.shape(), k.nodes()) == (kind.shape(), kind.nodes());
         if !gear.mesh.blocks.iter().any(|b| same(b.kind)) {
@@ -352,6 +365,35 @@ fn stored(
         }
     }
     Ok(gear)
+}
+
+/// How far base and tip radius of a scene's gear may be from those of its mesh, over the transverse module.
+const NEAR: f64 = 0.1;
+/// How far its base helix may be [rad].
+const NEAR_HELIX: f64 = 0.01;
+
+/// What a recognised gear has otherwise than the scene says, with the mesh's value and the scene's. Small differences are
+/// left to the scene: contact is between the flanks of the mesh, loads and mesh layout are those of its gear.
+fn disagreement(gear: &deck::DeckGear, body: &Toothing) -> Option<(&'static str, String, String)> {
+    let (found, Toothing::Gear(said)) = (gear.found.as_ref()?, body) else {
+        return None;
+    };
+    let fit = &found.fit;
+    let mm = |x: f64| format!("{:.4} mm", 1e3 * x);
+    let lengths = [
+        ("base radius", fit.base_radius, said.r_base()),
+        ("tip radius", found.tip.radius, said.r_tip()),
+        ("face width", found.width, said.face_width()),
+    ];
+    for (what, shown, said_so) in lengths {
+        if (shown - said_so).abs() > NEAR * said.transverse_module() {
+            return Some((what, mm(shown), mm(said_so)));
+        }
+    }
+    let degrees = |x: f64| format!("{:.3} degrees", x.to_degrees());
+    let (shown, expected) = (fit.base_helix_angle(), said.base_helix_angle());
+    let off = (shown - expected).abs() > NEAR_HELIX;
+    off.then(|| ("base helix angle", degrees(shown), degrees(expected)))
 }
 
 #[cfg(test)]

@@ -60,6 +60,15 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     if let Toothing::Gear(gear) = context.body {
         mesh.deviate(gear);
     }
+    if !mesh.tied.is_empty() {
+        return Err(reader.error(
+            "mesh",
+            (
+                "the faces of its flanks are no grids of quadrilaterals, on whose nodes this model touches",
+                "take the model `elastic`, whose flanks may be of any faces",
+            ),
+        ));
+    }
     if mesh.mesh.kind().is_none_or(|k| k.nodes() != 8) {
         return Err(reader.error(
             "element",

@@ -142,6 +142,7 @@ impl Assembly {
             teeth: plan.all_teeth,
             bore: self.bore,
             flanks: self.flanks,
+            tied: Vec::new(),
         }
     }
 }

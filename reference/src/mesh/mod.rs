@@ -23,6 +23,7 @@ mod params;
 mod profile;
 mod quality;
 mod section;
+mod split;
 #[cfg(test)]
 mod tests;
 pub mod vtu;
@@ -34,6 +35,7 @@ pub use faces::{FaceCorners, boundary};
 pub use kind::{ElementKind, Shape};
 pub use params::{FineTeeth, Focus, GearMeshParams, Tooth, Web};
 pub use quality::{ElementQuality, Quality, element_qualities, quality};
+pub use split::tetrahedra;
 
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
@@ -197,17 +199,36 @@ pub struct GearMesh {
     pub teeth: u32,
     /// Nodes that the hub holds rigidly: the bore, or the back of a rack.
     pub bore: Vec<u32>,
-    /// Flanks as structured grids; a foreign mesh may have fewer than two per tooth.
+    /// Flanks as structured grids; a foreign mesh may have fewer than two per tooth. Numbers from that of the nodes on
+    /// are those of tied points.
     pub flanks: Vec<FlankGrid>,
+    /// Points of flanks that are no nodes, where the mesh of the flanks is no grid.
+    pub tied: Vec<TiedPoint>,
 }
 
+/// A point of a flank that follows the nodes of the face it lies on: nodes with their weights, which add up to 1. Its
+/// displacement is the weighted sum of theirs, and a force on it goes to them by the same weights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TiedPoint(pub Vec<(u32, f64)>);
+
 impl GearMesh {
+    /// The nodes that a point of a flank follows, with their weights; a node follows itself.
+    pub fn follows(&self, point: u32) -> Vec<(u32, f64)> {
+        match (point as usize).checked_sub(self.mesh.nodes.len()) {
+            None => vec![(point, 1.0)],
+            Some(tied) => self.tied.get(tied).map_or(Vec::new(), |t| t.0.clone()),
+        }
+    }
+
     /// Moves the nodes of the flanks by the deviations of their teeth; those within follow the forces only.
     pub fn deviate(&mut self, gear: &gearbench_models::geometry::Gear) {
         for grid in &mut self.flanks {
             grid.deviate(gear);
             for (node, x) in grid.nodes.iter().zip(&grid.positions) {
-                self.mesh.nodes[*node as usize] = *x;
+                // Tied points move by themselves: the nodes within follow the forces only.
+                if let Some(node) = self.mesh.nodes.get_mut(*node as usize) {
+                    *node = *x;
+                }
             }
         }
     }

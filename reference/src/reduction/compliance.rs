@@ -123,27 +123,26 @@ pub fn of_assembly(
     let n = surface.directions.len();
     check_memory(n, 24.0 * (n as f64).powi(2))?;
     let tie = Tie::new(nodes, &gear.bore, &[]);
-    let columns = columns(surface, n, |node| {
-        let place = tie.place.get(node as usize).copied();
-        place.filter(|p| *p != Tie::HELD).map(|p| p as usize)
-    })?;
+    let columns = loads(surface, &tie)?;
     let stiffness = tie.reduce(assembly, &[], MassKind::Consistent).stiffness;
     let factor = Cholesky::new(stiffness.as_ref())?;
     drop(stiffness);
 
-    let solve = |block: &[(usize, Vec3)]| {
+    let solve = |block: &[Load]| {
         let mut x = Mat::<f64>::zeros(factor.unknowns(), block.len());
-        for (j, (place, normal)) in block.iter().enumerate() {
-            for axis in 0..3 {
-                x[(3 * place + axis, j)] = normal[axis];
+        for (j, load) in block.iter().enumerate() {
+            for (place, force) in load {
+                for axis in 0..3 {
+                    x[(3 * place + axis, j)] = force[axis];
+                }
             }
         }
         factor.solve_many(x.as_mut(), Par::Seq);
         let mut rows = vec![0.0; block.len() * n];
         for (j, row) in rows.chunks_exact_mut(n).enumerate() {
             let x = x.col(j);
-            for (c, (place, normal)) in row.iter_mut().zip(&columns) {
-                *c = (0..3).map(|axis| normal[axis] * x[3 * place + axis]).sum();
+            for (c, load) in row.iter_mut().zip(&columns) {
+                *c = work(load, |i| x[i]);
             }
         }
         rows
@@ -160,11 +159,7 @@ pub fn of_assembly(
     tie.gather(&image, &mut load);
     let mut response = Mat::from_fn(load.len(), 1, |i, _| load[i]);
     factor.solve_many(response.as_mut(), Par::Seq);
-    let along = |(place, normal): &(usize, Vec3)| -> f64 {
-        (0..3)
-            .map(|axis| normal[axis] * response[(3 * place + axis, 0)])
-            .sum()
-    };
+    let along = |load: &Load| work(load, |i| response[(i, 0)]);
     Ok(Held {
         flanks: FlankCompliance::Full(compliance),
         effective_radius: effective_radii(surface, mounting),
@@ -254,6 +249,36 @@ fn effective_radii(surface: &Surface, mounting: &Mounting) -> Vec<f64> {
     (positions.iter().zip(&surface.directions))
         .map(|(x, n)| mounting.motion.of(x).dot(n))
         .collect()
+}
+
+/// Forces at places among the free nodes, each place once.
+type Load = Vec<(usize, Vec3)>;
+
+/// The work of a load on displacements of the free nodes.
+fn work(load: &Load, u: impl Fn(usize) -> f64) -> f64 {
+    let of = |(place, force): &(usize, Vec3)| -> f64 {
+        (0..3).map(|axis| force[axis] * u(3 * place + axis)).sum()
+    };
+    load.iter().map(of).sum()
+}
+
+/// What a unit force along each direction is at the nodes; what the hub holds takes its part away.
+fn loads(surface: &Surface, tie: &Tie) -> Result<Vec<Load>, ReductionError> {
+    let place = |node: u32| {
+        let place = tie.place.get(node as usize).copied();
+        place.filter(|p| *p != Tie::HELD).map(|p| p as usize)
+    };
+    if surface.is_of_nodes() {
+        let columns = columns(surface, surface.directions.len(), place)?;
+        return Ok(columns.into_iter().map(|c| vec![c]).collect());
+    }
+    let load = |(k, direction): (usize, &Vec3)| {
+        let follows = surface.follows(k);
+        follows
+            .filter_map(|(node, weight)| Some((place(node)?, weight * direction)))
+            .collect()
+    };
+    Ok(surface.directions.iter().enumerate().map(load).collect())
 }
 
 /// Places among the free nodes and directions of the first `count` ones.

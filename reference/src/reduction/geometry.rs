@@ -1,31 +1,26 @@
 //! What the flanks of a mesh tell of its toothing: teeth, radii, module.
 //!
-//! A spur or helical involute has its normals tangent to the base cylinder, so that every flank node gives the base
-//! radius `r_b = |x n_y - y n_x| / sqrt(n_x^2 + n_y^2)`; their median is taken, for end reliefs and splines bend the
-//! outermost normals. `m = 2 r_b / (z cos alpha)` then leaves one unknown, the pressure angle. The flanks of a rack
-//! are planes whose normals stand at the pressure angle to its displacement, one pitch apart.
+//! The flanks of a gear carry an involute ([`crate::recognise::involute`]): base radius, base helix and base thickness by
+//! least squares over the flank nodes, end reliefs left out; module and pressure angle are those of
+//! [`crate::recognise::standard`]. The flanks of a rack are planes whose normals stand at the pressure angle to its
+//! displacement, one pitch apart.
 
 use super::Basis;
 use super::store::Motion;
+use crate::recognise::standard::{is_standard, readings};
+use crate::recognise::{FlankPoint, Given, Involute, Reading};
 use gearbench_models::Vec3;
-use gearbench_models::geometry::Side;
+use gearbench_models::geometry::{FlankGrid, Side};
 use std::f64::consts::PI;
 
-/// Pressure angles that are tried, the usual one first [deg].
-const ANGLES: [f64; 6] = [20.0, 14.5, 15.0, 22.5, 25.0, 17.5];
-
-/// Modules of ISO 54, both series [mm].
-const MODULES: [f64; 36] = [
-    1.0, 1.125, 1.25, 1.375, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5, 6.0,
-    6.5, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 14.0, 16.0, 18.0, 20.0, 22.0, 25.0, 28.0, 32.0, 36.0,
-    40.0, 45.0, 50.0,
-];
-
-/// How far a module may be from one of the standard.
+/// By which part the base pitch of a mesh may be off before a module counts as none of the standard.
 const NEAR: f64 = 2e-3;
 
+/// Nodes nearer to the involute than this part of the tip radius are on it.
+const FINE: f64 = 1e-7;
+
 /// A toothing as its flank nodes show it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Toothing {
     /// Largest radius of a flank node [m]; of a rack the height of its tips above the reference line.
     pub tip: f64,
@@ -35,14 +30,18 @@ pub struct Toothing {
     pub base: f64,
     /// Width of the flanks [m].
     pub width: f64,
-    /// Transverse module [m] at the pressure angle.
+    /// Normal module [m] at the pressure angle; of a rack the transverse one.
     pub module: f64,
-    /// Transverse pressure angle [rad]; of a gear the likeliest.
+    /// Normal pressure angle [rad], of a gear the likeliest; of a rack the transverse one.
     pub pressure_angle: f64,
     /// The module is one of ISO 54.
     pub standard: bool,
     /// Every flank runs parallel to z: spur toothing without crowning.
     pub straight: bool,
+    /// The involute through the flank nodes of a gear.
+    pub involute: Option<Involute>,
+    /// Tools that it may have been cut with, the likeliest first; dedendum factors count to the lowest flank node.
+    pub readings: Vec<Reading>,
 }
 
 impl Toothing {
@@ -73,14 +72,24 @@ impl Toothing {
             })
         });
         let pairs = || positions.iter().zip(&basis.normals);
+        let mut involute = None;
+        let mut tools = Vec::new();
         let (base, module, pressure_angle, standard) = match motion {
             Motion::Turn => {
+                let across = |n: &Vec3| n.x.hypot(n.y);
                 let base =
-                    median(pairs().map(|(x, n)| ((x.x * n.y - x.y * n.x) / n.x.hypot(n.y)).abs()));
-                let at = |angle: f64| 2.0 * base / (f64::from(teeth) * angle.to_radians().cos());
-                let likely = ANGLES.into_iter().find(|a| is_standard(at(*a)));
-                let angle = likely.unwrap_or(ANGLES[0]);
-                (base, at(angle), angle.to_radians(), likely.is_some())
+                    median(pairs().map(|(x, n)| ((x.x * n.y - x.y * n.x) / across(n)).abs()));
+                let twist = median(pairs().map(|(x, n)| -n.z / (x.x * n.y - x.y * n.x)));
+                let points: Vec<FlankPoint> = grids.iter().flat_map(points).collect();
+                involute = Involute::guess(teeth, base, twist).fitted_to_most(&points, FINE * tip);
+                tools = involute.as_ref().map_or(Vec::new(), |fit| {
+                    readings(fit, [tip, low], NEAR, Given::default())
+                });
+                let base = involute.map_or(base, |fit| fit.base_radius);
+                match tools.first() {
+                    Some(tool) => (base, tool.module, tool.pressure_angle, tool.standard),
+                    None => (base, f64::NAN, f64::NAN, false),
+                }
             }
             Motion::Slide => {
                 let angle = median(pairs().map(|(_, n)| n.x.abs().atan2(n.y.abs())));
@@ -89,7 +98,7 @@ impl Toothing {
                     module * angle.cos() / 2.0,
                     module,
                     angle,
-                    is_standard(module),
+                    is_standard(module, NEAR),
                 )
             }
         };
@@ -102,14 +111,21 @@ impl Toothing {
             pressure_angle,
             standard,
             straight,
+            involute,
+            readings: tools,
         }
     }
 }
 
-fn is_standard(module: f64) -> bool {
-    MODULES
-        .iter()
-        .any(|m| (1e3 * module / m - 1.0).abs() < NEAR)
+/// The nodes of a flank about the axis.
+fn points(grid: &FlankGrid) -> impl Iterator<Item = FlankPoint> + '_ {
+    grid.positions.iter().map(|x| FlankPoint {
+        radius: x.x.hypot(x.y),
+        angle: x.y.atan2(x.x),
+        height: x.z,
+        tooth: grid.tooth,
+        side: grid.side,
+    })
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {

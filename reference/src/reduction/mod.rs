@@ -47,6 +47,8 @@ mod request;
 mod shared;
 pub mod store;
 mod surface;
+#[cfg(test)]
+mod tied_tests;
 pub(crate) mod table;
 mod truncation;
 

@@ -44,7 +44,8 @@ pub fn of_flanks(
     gear: &GearMesh,
     material: &Material,
 ) -> Result<Option<Vec<Vec<f64>>>, ElementError> {
-    let Some(kind) = gear.mesh.kind().filter(|k| k.nodes() == 8) else {
+    let kind = gear.mesh.kind().filter(|k| k.nodes() == 8);
+    let Some(kind) = kind.filter(|_| gear.tied.is_empty()) else {
         return Ok(None);
     };
     let mut patches = BTreeMap::new();

@@ -51,6 +51,12 @@ impl Request<'_> {
             h.numbers(&g.nodes);
             g.positions.iter().for_each(|x| h.vector(x));
         }
+        for point in &gear.tied {
+            for (node, weight) in &point.0 {
+                h.count(*node as usize);
+                h.number(*weight);
+            }
+        }
         // The cuts of a sector join it to its copies.
         for name in ["cut_low", "cut_high"] {
             match gear.mesh.node_sets.get(name) {

@@ -8,25 +8,51 @@
 //! ([`Surface::with_profile`]). Shapes and compliances then have two rows per node, first outwards.
 
 use super::error::ReductionError;
-use crate::mesh::GearMesh;
+use crate::mesh::{GearMesh, TiedPoint};
 use gearbench_models::Vec3;
 use gearbench_models::contact::points::{nodal_normals, reference_areas};
 use gearbench_models::geometry::{FlankGrid, Flanks, along_profile};
 use gearbench_models::spec::PointRule;
+
+/// A point follows a node by more than this weight where that node may not be held.
+const TOUCHES: f64 = 1e-9;
 
 /// The flank nodes of a gear.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// Flanks in the gear's own frame with the numbers of the flank nodes.
     pub flanks: Flanks,
-    /// Node of the mesh per flank node (of the sector, where the gear is made of copies of one).
+    /// Node of the mesh per flank node (of the sector, where the gear is made of copies of one); numbers from that of the
+    /// mesh's nodes on are tied points.
     pub mesh_nodes: Vec<u32>,
+    /// What tied points follow.
+    tied: Tied,
     /// Directions in which nodes move, own frame: the outward unit normals of the smooth undeformed flanks.
     pub directions: Vec<Vec3>,
     /// Each normal is followed by the direction along the profile; `mesh_nodes` come twice then.
     pub along_profile: bool,
     /// Area of the flank that each node stands for [m^2].
     pub areas: Vec<f64>,
+}
+
+/// Points of flanks that follow several nodes: their numbers go on after those of the nodes.
+#[derive(Clone, Debug, PartialEq)]
+struct Tied {
+    nodes: usize,
+    points: Vec<TiedPoint>,
+}
+
+impl Tied {
+    fn of(gear: &GearMesh) -> Self {
+        Tied {
+            nodes: gear.mesh.nodes.len(),
+            points: gear.tied.clone(),
+        }
+    }
+
+    fn get(&self, point: u32) -> Option<&TiedPoint> {
+        self.points.get((point as usize).checked_sub(self.nodes)?)
+    }
 }
 
 fn flank_error(text: String) -> ReductionError {
@@ -53,6 +79,15 @@ impl Surface {
         for &node in &gear.bore {
             held[node as usize] = true;
         }
+        let tied = Tied::of(gear);
+        let holds = |node: u32| match tied.get(node) {
+            Some(point) => {
+                let nodes = point.0.iter().filter(|(_, w)| w.abs() > TOUCHES);
+                (nodes.map(|(n, _)| held.get(*n as usize).copied()))
+                    .try_fold(false, |any, held| Some(any || held?))
+            }
+            None => held.get(node as usize).copied(),
+        };
         let (mut mesh_nodes, mut grids) = (Vec::new(), Vec::with_capacity(order.len()));
         for g in order {
             let n = g.rows * g.columns;
@@ -67,7 +102,7 @@ impl Surface {
                 )));
             }
             for &node in &g.nodes {
-                match held.get(node as usize) {
+                match holds(node) {
                     Some(false) => {}
                     Some(true) => {
                         return Err(flank_error(format!(
@@ -109,6 +144,7 @@ impl Surface {
         Ok(Surface {
             flanks,
             mesh_nodes,
+            tied,
             directions: normals,
             along_profile: false,
             areas,
@@ -142,6 +178,7 @@ impl Surface {
         Ok(Surface {
             flanks: Flanks::new(grids),
             mesh_nodes: own.mesh_nodes.repeat(teeth as usize),
+            tied: own.tied,
             directions: normals,
             along_profile: false,
             areas: own.areas.repeat(teeth as usize),
@@ -186,10 +223,31 @@ impl Surface {
 
     /// `out_k = d_k . u(node of k)` for displacements of the mesh, three per node; nodes of a whole mesh only.
     pub fn along_directions(&self, u: &[f64], out: &mut [f64]) {
-        for ((out, n), &node) in out.iter_mut().zip(&self.directions).zip(&self.mesh_nodes) {
+        let along = |n: &Vec3, node: u32| {
             let u = &u[3 * node as usize..][..3];
-            *out = n.x * u[0] + n.y * u[1] + n.z * u[2];
+            n.x * u[0] + n.y * u[1] + n.z * u[2]
+        };
+        for ((out, n), &node) in out.iter_mut().zip(&self.directions).zip(&self.mesh_nodes) {
+            *out = match self.tied.get(node) {
+                None => along(n, node),
+                Some(point) => point.0.iter().map(|&(node, w)| w * along(n, node)).sum(),
+            };
         }
+    }
+
+    /// Nodes of the mesh that move a flank node, given by its place in `mesh_nodes`, each with its weight: itself, or
+    /// those of the face that it lies on.
+    pub fn follows(&self, place: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let node = self.mesh_nodes[place];
+        let tied = self.tied.get(node);
+        let own = tied.is_none().then_some((node, 1.0));
+        own.into_iter()
+            .chain(tied.into_iter().flat_map(|p| p.0.iter().copied()))
+    }
+
+    /// Every flank node is a node of the mesh.
+    pub fn is_of_nodes(&self) -> bool {
+        self.tied.points.is_empty()
     }
 }
 

@@ -120,15 +120,8 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
     for (i, elements) in elements.into_iter().enumerate() {
         let nodes = std::mem::take(&mut nodes[i]);
         let first = elements[0];
-        let Some(bore_set) = bores[i] else {
-            return Err(decline(
-                deck,
-                "",
-                "a node set `bore` (or `bore1`, ...) on each body",
-                format!("none on the body of element {}", deck.element_name(first)),
-                "name the nodes that the hub holds",
-            ));
-        };
+        // Without a set the bore is looked for.
+        let bore_set = bores[i].unwrap_or_default();
         let mut blocks: Vec<Block> = Vec::new();
         let material = materials[first as usize];
         for &e in &elements {
@@ -153,8 +146,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                 .unwrap_or_else(|| format!("gear{}", i + 1)),
             material: full_material(deck, bore_set, material, other)?,
             bore_set: bore_set.to_owned(),
-            bore: deck.node_sets[bore_set]
-                .iter()
+            bore: (deck.node_sets.get(bore_set).into_iter().flatten())
                 .map(|&n| local[n as usize])
                 .collect(),
             rigid_body: deck.rigid_bodies.iter().position(|r| r.set == bore_set),

@@ -1,10 +1,11 @@
 //! A connected body of a deck, and the mesh of a gear that it becomes.
 
 use super::patch::{Grid, Quad};
-use super::{BodyShape, DeckGear, circle, decline, rack, spur};
+use super::{BodyShape, DeckGear, circle, decline, found, rack, spur};
 use crate::deck::data::Deck;
 use crate::deck::error::DeckError;
 use crate::mesh::{Block, GearMesh, Mesh, flank_set};
+use crate::recognise::{Axis, Skin, recognise};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
 use gearbench_models::stiffness::Material;
@@ -83,23 +84,54 @@ impl Body {
         super::snapped(0.5 * (low + high), high - low)
     }
 
-    /// The mesh in its own frame.
-    pub(super) fn into_gear(self, deck: &Deck) -> Result<DeckGear, DeckError> {
-        let bore: Vec<Vec3> = self
-            .bore_corners()
-            .iter()
-            .map(|&n| self.positions[n as usize])
-            .collect();
-        let mut placement = match circle::shape(&bore) {
+    /// What the bore's nodes lie on, seen along z.
+    fn bore_shape(&self) -> circle::Shape {
+        let bore = self.bore_corners().into_iter();
+        let bore: Vec<Vec3> = bore.map(|n| self.positions[n as usize]).collect();
+        circle::shape(&bore)
+    }
+
+    /// The mesh in its own frame. What no set names is recognised: the bore, the flanks, an axis that is not z.
+    pub(super) fn into_gear(mut self, deck: &Deck) -> Result<DeckGear, DeckError> {
+        let mut axis = Axis {
+            direction: Vec3::z(),
+            point: Vec3::zeros(),
+        };
+        let shape = self.bore_shape();
+        let along_z = matches!(shape, circle::Shape::Circle { .. });
+        let plane = matches!(shape, circle::Shape::Plane { .. });
+        if !plane && (self.flanks.is_empty() || !along_z) {
+            let positions = std::mem::take(&mut self.positions);
+            let skin = Skin::of(&positions, &self.blocks);
+            let known = recognise(&skin, None);
+            self.positions = positions.clone();
+            match known {
+                Ok(known) => {
+                    if self.bore.is_empty() {
+                        self.bore.clone_from(&known.bore_nodes);
+                    }
+                    if self.flanks.is_empty() {
+                        return Ok(found::gear(self, deck, &skin, &known));
+                    }
+                    // Sets name flanks: they are taken as they are, in the frame where the axis is z.
+                    axis.direction = known.axis.direction;
+                    self.positions = positions.iter().map(|x| axis.seen(x)).collect();
+                }
+                // A bore about z without flanks is a body without contact.
+                Err(_) if along_z => {}
+                Err(why) => return Err(self.unknown(deck, &why)),
+            }
+        }
+        let mut placement = match self.bore_shape() {
             circle::Shape::Circle { centre, radius } => spur::place(&self, deck, centre, radius)?,
             circle::Shape::Plane { normal } => rack::place(&self, deck, normal)?,
             circle::Shape::Neither => {
                 return Err(decline(
                     deck,
                     &self.bore_set,
-                    "nodes on a circle about z (a gear) or in a plane parallel to z (a rack)",
+                    "nodes on a circle about the axis of rotation (a gear) or in a plane parallel to z (a rack)",
                     "neither",
-                    "z is the axis of rotation: turn the model if it is not",
+                    "put the nodes of the bore, and no others, into the set",
                 ));
             }
         };
@@ -150,13 +182,30 @@ impl Body {
                 teeth: placement.teeth,
                 bore: self.bore,
                 flanks,
+                tied: Vec::new(),
             },
             material: self.material,
-            centre: placement.centre,
+            centre: axis.turned_back(&placement.centre),
+            axis: axis.direction,
             phase: placement.phase,
             nodes: self.nodes,
             elements: self.elements,
             rigid_body: self.rigid_body,
+            found: None,
         })
+    }
+
+    /// Declines a body that is no gear by its sets nor by its surface.
+    fn unknown(&self, deck: &Deck, why: &str) -> DeckError {
+        let first = deck.element_name(self.elements[0]);
+        decline(
+            deck,
+            &self.bore_set,
+            "a gear: teeth with involute flanks and a bore about one axis, or a node set `bore` (or `bore1`, ...) and sets \
+             such as `flank_1l`",
+            format!("{why}, on the body of element {first}"),
+            "name the nodes that the hub holds `bore`; of a rack, which is known by its sets alone, those of its back, and \
+             its flanks `flank_1l`, `flank_1r`",
+        )
     }
 }

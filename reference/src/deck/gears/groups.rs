@@ -2,28 +2,7 @@
 
 use crate::deck::data::Deck;
 
-/// Groups of nodes that elements join.
-pub(super) struct Groups(Vec<u32>);
-
-impl Groups {
-    pub(super) fn new(n: usize) -> Self {
-        Groups((0..n as u32).collect())
-    }
-
-    pub(super) fn find(&mut self, mut i: u32) -> u32 {
-        while self.0[i as usize] != i {
-            self.0[i as usize] = self.0[self.0[i as usize] as usize];
-            i = self.0[i as usize];
-        }
-        i
-    }
-
-    /// Joins two groups; the smaller number leads.
-    pub(super) fn join(&mut self, i: u32, j: u32) {
-        let (i, j) = (self.find(i), self.find(j));
-        self.0[i.max(j) as usize] = i.min(j);
-    }
-}
+pub(super) use crate::groups::Groups;
 
 /// Nodes that elements join.
 pub(super) fn joined(deck: &Deck) -> Groups {

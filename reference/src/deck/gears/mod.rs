@@ -2,6 +2,8 @@
 //!
 //! - A body is what elements with common nodes make up. Its bore is the node set `bore` or `bore1`, `bore2`, ...
 //!   on it: nodes on a circle about z make a gear, nodes in a plane parallel to z a rack.
+//! - What no set names is recognised from the surface ([`crate::recognise`]): the axis, whatever its direction, the bore,
+//!   the flanks. Flanks whose faces are no structured grid touch at points tied to them. Racks need their sets.
 //! - Flanks are the node sets `flank_3l` or `flank1_3l` (gear 1, tooth 3, left), or surfaces of these names with
 //!   an `s` in front. Their grids are found from the faces, whatever the labels. Teeth are numbered by where they
 //!   stand, counter-clockwise from the tooth called 1; sides have to be called what they are.
@@ -12,6 +14,7 @@
 mod bodies;
 mod body;
 mod circle;
+mod found;
 mod groups;
 mod names;
 mod patch;
@@ -21,6 +24,7 @@ mod spur;
 use super::data::Deck;
 use super::error::{DeckError, DeckErrorKind};
 use crate::mesh::{Face, GearMesh, Mesh};
+use crate::recognise::Recognised;
 use crate::vector::turned;
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
@@ -49,6 +53,9 @@ pub struct DeckGear {
     pub mesh: GearMesh,
     /// Material.
     pub material: Material,
+    /// Direction of the axis in the deck; its own z axis. The own x axis, before it is turned by `phase`, is the first of
+    /// [`Axis::across`](crate::recognise::Axis::across): x of the deck where this is z.
+    pub axis: Vec3,
     /// Where the axis stands at half the width [m]; of a rack the point of its reference line next to the
     /// deck's origin.
     pub centre: Vec3,
@@ -60,6 +67,8 @@ pub struct DeckGear {
     pub elements: Vec<u32>,
     /// Which of the deck's rigid bodies holds the bore.
     pub rigid_body: Option<usize>,
+    /// What was recognised of it, where no sets name its flanks.
+    pub found: Option<Box<Recognised>>,
 }
 
 /// Where a point of a body's own frame stands.

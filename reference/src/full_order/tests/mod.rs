@@ -49,6 +49,7 @@ fn ring(around: usize) -> GearMesh {
         teeth: around as u32,
         bore,
         flanks: Vec::new(),
+        tied: Vec::new(),
     }
 }
 

@@ -84,6 +84,7 @@ fn ring(kind: ElementKind, teeth: u32, pitches: u32, bands: usize, layers: usize
         teeth,
         bore,
         flanks: Vec::new(),
+        tied: Vec::new(),
     }
 }
 

@@ -192,6 +192,7 @@ fn the_key_depends_on_nothing_else() {
             nodes: vec![4, 5, 6, 7],
             positions: (4..8).map(node).collect(),
         }],
+        tied: Vec::new(),
     };
     let key = request(&mesh).key();
     assert_eq!(key.to_string(), "1510076885f0e8a362f5e5779a4f62ee");

@@ -50,8 +50,8 @@ fn a_gear_is_found_again_from_its_flank_nodes() {
         (34, 3e-3, 14.5, 0.0, 0.0, true),
         (25, 2.5e-3, 25.0, 0.1, 0.0, true),
         (23, 2.1e-3, 20.0, 0.0, 0.0, false),
-        // The transverse module of a helical gear is none of the standard, and its angle is not 20 degrees.
-        (24, 3e-3, 20.0, 0.0, 20.0, false),
+        (24, 3e-3, 20.0, 0.0, 20.0, true),
+        (24, 3e-3, 20.0, 0.2, -25.0, true),
     ] {
         let gear = test_support::gear(teeth, module, |p| {
             p.pressure_angle = f64::to_radians(angle);
@@ -64,12 +64,14 @@ fn a_gear_is_found_again_from_its_flank_nodes() {
         let basis = bare(&mesh::gear(&gear, &counted(6, 1, 2)).unwrap());
         let found = Toothing::of(&basis, Motion::Turn, teeth);
         close(found.tip, gear.r_tip(), 1e-9);
-        close(found.base, gear.r_base(), 1e-3);
+        close(found.base, gear.r_base(), 1e-9);
         close(found.width, gear.face_width(), 1e-9);
         assert_eq!(found.straight, helix == 0.0);
         assert_eq!(found.standard, standard, "{found:?}");
         if standard {
-            close(found.module, module, 1e-3);
+            close(found.module, module, 1e-9);
+            assert!((found.readings[0].profile_shift - shift).abs() < 1e-7);
+            assert!((found.readings[0].helix_angle - f64::to_radians(helix)).abs() < 1e-9);
             close(found.pressure_angle, f64::to_radians(angle), 1e-12);
         }
     }

@@ -232,6 +232,7 @@ fn disc(teeth: u32, around: usize, across: usize) -> GearMesh {
             .flat_map(|c| [at(c, 0, 0), at(c, 0, 1)])
             .collect(),
         flanks: vec![flank],
+        tied: Vec::new(),
     }
 }
 

@@ -1,0 +1,156 @@
+//! Flanks whose nodes no set names, and those that are no grid: modes and compliance of the same body.
+
+use crate::deck::{self, Deck, ElementBlock, Place};
+use crate::mesh::{self, ElementKind, GearMesh, Mesh};
+use crate::recognise::tests::strange;
+use crate::reduction::surface::Surface;
+use crate::reduction::{Basis, Mounting, Request, Wanted};
+use crate::test_support::{coarse, stub};
+use gearbench_models::Vec3;
+use gearbench_models::stiffness::Material;
+
+/// A deck without sets.
+fn bare(mesh: &Mesh) -> Deck {
+    let kind = mesh.kind().unwrap();
+    Deck {
+        name: "bare.inp".to_owned(),
+        nodes: mesh.nodes.clone(),
+        node_labels: (1..=mesh.nodes.len() as u32).map(Into::into).collect(),
+        blocks: vec![ElementBlock {
+            kind,
+            set: None,
+            first: 0,
+            connectivity: mesh.connectivity().collect(),
+            place: Place {
+                file: "bare.inp".into(),
+                line: 1,
+            },
+        }],
+        element_labels: (1..=mesh.element_count() as u32).map(Into::into).collect(),
+        ..Deck::default()
+    }
+}
+
+fn found(mesh: &Mesh) -> GearMesh {
+    let mut gears = deck::gears_with(&bare(mesh), Some(Material::STEEL)).unwrap();
+    gears.swap_remove(0).mesh
+}
+
+fn basis(mesh: &GearMesh) -> Basis {
+    let request = Request {
+        along_profile: false,
+        mesh,
+        sector: false,
+        material: Material::STEEL,
+        mounting: Mounting::gear(true, 0.0),
+        wanted: Wanted::Count(20),
+    };
+    request.compute().unwrap()
+}
+
+/// Flank node of a basis next to a place.
+fn next_to(basis: &Basis, x: &Vec3) -> (f64, u32) {
+    let grids = basis.flanks.grids().iter();
+    let all = grids.flat_map(|g| g.positions.iter().zip(&g.nodes));
+    let near = all.min_by(|a, b| (a.0 - x).norm().total_cmp(&(b.0 - x).norm()));
+    let (p, node) = near.unwrap();
+    ((p - x).norm(), *node)
+}
+
+#[test]
+fn hexahedra_without_sets_are_the_same_gear() {
+    let own = mesh::gear(&stub(8, 0.2), &coarse(2, 2)).unwrap();
+    let strange = strange(
+        &own.mesh,
+        Vec3::new(0.4, 1.3, -2.0),
+        Vec3::new(0.3, 0.2, 0.1),
+    );
+    let again = found(&strange);
+    assert!(again.tied.is_empty());
+    assert_eq!((again.teeth, again.flanks.len()), (8, 16));
+    let (a, b) = (basis(&own), basis(&again));
+    assert_eq!(a.normals.len(), b.normals.len());
+    for (a, b) in a.omega.iter().zip(&b.omega) {
+        assert!((a / b - 1.0).abs() < 1e-8, "{a} {b}");
+    }
+    // The teeth may be numbered from another: one turn serves all.
+    let first = a.flanks.grids()[0].positions[0];
+    let pitch = std::f64::consts::TAU / 8.0;
+    let shift = (0..8)
+        .map(|k| pitch * f64::from(k))
+        .find(|t| next_to(&b, &crate::vector::turned(first, *t)).0 < 1e-9)
+        .unwrap();
+    for g in a.flanks.grids().iter().take(4) {
+        for (x, &n) in g.positions.iter().zip(&g.nodes) {
+            let (off, m) = next_to(&b, &crate::vector::turned(*x, shift));
+            assert!(off < 1e-9);
+            let (p, q) = (a.compliance_between(n, n), b.compliance_between(m, m));
+            assert!((p / q - 1.0).abs() < 1e-7, "{p} {q}");
+        }
+    }
+}
+
+/// Points tied to tetrahedra: rigid motion, resultants and moments are kept, and modes and compliance are those of the
+/// hexahedra that they are cut from, as far as meshes so coarse agree.
+#[test]
+fn points_tied_to_tetrahedra_are_the_same_flank() {
+    let gear = stub(8, 0.0);
+    let params = mesh::GearMeshParams {
+        kind: ElementKind::C3D20,
+        ..coarse(2, 2)
+    };
+    let own = mesh::gear(&gear, &params).unwrap();
+    let tets = found(&mesh::tetrahedra(&own.mesh).unwrap());
+    assert!(!tets.tied.is_empty());
+    let surface = Surface::new(&tets).unwrap();
+    assert!(!surface.is_of_nodes());
+    let positions = surface.positions();
+    // A linear field with a turn, a shift and strain.
+    let field = |x: &Vec3| {
+        Vec3::new(0.1, -0.2, 0.3)
+            + Vec3::new(0.5, 0.1, -0.7).cross(x)
+            + Vec3::new(0.3 * x.x - 0.1 * x.z, 0.2 * x.y, 0.4 * x.x + 0.1 * x.y)
+    };
+    let u: Vec<f64> = (tets.mesh.nodes.iter())
+        .flat_map(|x| -> [f64; 3] { field(x).into() })
+        .collect();
+    let mut along = vec![0.0; surface.directions.len()];
+    surface.along_directions(&u, &mut along);
+    for (k, (n, found)) in surface.directions.iter().zip(&along).enumerate() {
+        let foot = surface
+            .follows(k)
+            .map(|(node, w)| w * tets.mesh.nodes[node as usize]);
+        let foot = foot.sum::<Vec3>();
+        // Exact at the foot on the face, which the point leaves by what a face is not an involute.
+        assert!((n.dot(&field(&foot)) - found).abs() < 1e-14);
+        let off = positions[k] - foot;
+        assert!(off.norm() < 3e-5, "{}", off.norm());
+        // That is along the normal: a force there keeps its moment.
+        assert!(off.cross(n).norm() < 0.02 * off.norm() + 1e-9);
+        let weights = surface.follows(k).map(|(_, w)| w).sum::<f64>();
+        assert!((weights - 1.0).abs() < 1e-12);
+    }
+    let (a, b) = (basis(&own), basis(&tets));
+    for (a, b) in a.omega.iter().zip(&b.omega).take(10) {
+        assert!((a / b - 1.0).abs() < 0.02, "{a} {b}");
+    }
+    assert!((a.inertia / b.inertia - 1.0).abs() < 1e-4);
+    // The mean displacement of a flank under a force that all its points share: that of one point depends on the mesh
+    // about it.
+    let mean = |basis: &Basis, nodes: &[u32]| {
+        let pairs = nodes
+            .iter()
+            .flat_map(|&i| nodes.iter().map(move |&j| (i, j)));
+        let sum: f64 = pairs.map(|(i, j)| basis.compliance_between(i, j)).sum();
+        sum / (nodes.len() as f64).powi(2)
+    };
+    for g in a.flanks.grids() {
+        let (off, m) = next_to(&b, &g.positions[0]);
+        assert!(off < 1e-5, "{off}");
+        let mut others = b.flanks.grids().iter();
+        let other = others.find(|o| o.nodes.contains(&m)).unwrap();
+        assert_eq!((other.rows, other.columns), (g.rows, g.columns));
+        let (p, q) = (mean(&a, &g.nodes), mean(&b, &other.nodes));
+        assert!((p / q - 1.0).abs() < 0.04, "{p} {q}");
+    }
+}
