@@ -17,6 +17,7 @@ use gearbench_models::spec::{Body, GearSpec, Parameters};
 use gearbench_models::stiffness::Material;
 use gearbench_reference::deck::{self, BodyShape};
 use gearbench_reference::mesh::GearMesh;
+use gearbench_reference::recognise::Recognised;
 use gearbench_reference::reduction::choose::{self, Choice, Criterion};
 use gearbench_reference::reduction::store::{self, Meta, Motion};
 use gearbench_reference::reduction::{
@@ -42,6 +43,8 @@ struct Job {
     sector: bool,
     material: Material,
     mounting: Mounting,
+    /// What was recognised of it, where no sets name its flanks.
+    found: Option<Box<Recognised>>,
     /// What a reader should know of the input.
     notes: Vec<String>,
 }
@@ -126,6 +129,7 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
                 BodyShape::Rack { .. } => Mounting::rack(free, added),
             },
             material: material(args, g.material)?,
+            found: g.found,
             mesh: g.mesh,
             sector: false,
             notes: std::mem::take(&mut notes),
@@ -254,6 +258,7 @@ fn of_scene(
                 .map_or(of.mounting.free, |m| m == "free"),
             ..of.mounting
         },
+        found: None,
         notes: Vec::new(),
     })
 }

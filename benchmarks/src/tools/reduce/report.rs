@@ -4,6 +4,7 @@ use super::{Done, Job, hub};
 use crate::cli::terminal::say;
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
 use gearbench_reference::mesh;
+use gearbench_reference::recognise::{Involute, Reading, Recognised};
 use gearbench_reference::reduction::store::Motion;
 use gearbench_reference::reduction::{Basis, Toothing};
 use serde_json::{Value, json};
@@ -40,7 +41,16 @@ pub(super) fn tell(job: &Job, done: &Done) {
         "geometry",
         &of_toothing(&shown, meta.motion, meta.teeth),
     ));
-    say(&line("contact", &of_flanks(basis, &shown)));
+    if let Some(fit) = &shown.involute {
+        say(&line("involute", &of_involute(fit)));
+        if let Some(tool) = shown.readings.first() {
+            say(&line("tool", &of_tools(tool, &shown.readings[1..])));
+        }
+    }
+    if let Some(found) = &job.found {
+        say(&line("found", &of_found(found)));
+    }
+    say(&line("contact", &of_flanks(job, basis, &shown)));
     say(&line("bore", &of_bore(job, meta.motion, basis)));
     say(&line("inertia", &of_inertia(job, meta.motion, basis)));
     let m = &job.material;
@@ -73,6 +83,29 @@ pub(super) fn told(job: &Job, done: &Done) -> Value {
         "element": job.mesh.mesh.kind_names(),
         "teeth": meta.teeth,
         "module_m": shown.module,
+        "involute": shown.involute.map(|fit| json!({
+            "base_radius_m": fit.base_radius,
+            "base_pitch_m": fit.base_pitch(),
+            "base_helix_deg": fit.base_helix_angle().to_degrees(),
+            "base_thickness_m": fit.base_thickness(),
+            "residual_rms_m": fit.residual[0],
+            "residual_most_m": fit.residual[1],
+            "nodes": fit.nodes,
+        })),
+        "tools": shown.readings.iter().map(|t| json!({
+            "module_m": t.module,
+            "pressure_angle_deg": t.pressure_angle.to_degrees(),
+            "helix_deg": t.helix_angle.to_degrees(),
+            "profile_shift": t.profile_shift,
+            "standard": t.standard,
+        })).collect::<Vec<_>>(),
+        "found": job.found.as_ref().map(|f| json!({
+            "axis": [f.axis.direction.x, f.axis.direction.y, f.axis.direction.z],
+            "centre_m": [f.axis.point.x, f.axis.point.y, f.axis.point.z],
+            "tip_radius_m": f.tip.radius,
+            "root_radius_m": f.root.radius,
+            "bore_radius_m": f.bore.radius,
+        })),
         "face_width_m": shown.width,
         "inertia": basis.inertia,
         "unknowns": basis.unknowns,
@@ -129,7 +162,80 @@ fn of_toothing(t: &Toothing, motion: Motion, teeth: u32) -> String {
     }
 }
 
-fn of_flanks(basis: &Basis, t: &Toothing) -> String {
+/// Base pitch, base helix and base thickness with what the nodes stand off them.
+fn of_involute(fit: &Involute) -> String {
+    let helix = fit.base_helix_angle().to_degrees();
+    let helix = match helix {
+        h if h.abs() < 1e-6 => "spur".to_owned(),
+        h => format!(
+            "base helix {:.5} degrees {}",
+            h.abs(),
+            if h > 0.0 { "right" } else { "left" }
+        ),
+    };
+    format!(
+        "base pitch {:.6} mm, {helix}, base thickness {:.6} mm; {} stand off it by {:.1e} mm rms, {:.1e} mm at most",
+        1e3 * fit.base_pitch(),
+        1e3 * fit.base_thickness(),
+        some(fit.nodes, "node"),
+        1e3 * fit.residual[0],
+        1e3 * fit.residual[1]
+    )
+}
+
+/// The likeliest tool, and what else would give the same flanks.
+fn of_tools(tool: &Reading, others: &[Reading]) -> String {
+    let pair = |t: &Reading| {
+        format!(
+            "normal module {:.4} mm at {:.1} degrees with x = {:.4}",
+            1e3 * t.module,
+            t.pressure_angle.to_degrees(),
+            t.profile_shift
+        )
+    };
+    let helix = match tool.helix_angle.to_degrees() {
+        h if h.abs() < 1e-6 => String::new(),
+        h => format!(", helix {h:.4} degrees"),
+    };
+    let of = match tool.standard {
+        true => "ISO 54",
+        false => "none of ISO 54 at a usual angle",
+    };
+    let also: Vec<String> = others.iter().map(pair).collect();
+    let also = match also.is_empty() {
+        true => String::new(),
+        false => format!("; the same flanks have {}", also.join(", or ")),
+    };
+    format!("{}{helix} ({of}){also}", pair(tool))
+}
+
+/// What no set names.
+fn of_found(f: &Recognised) -> String {
+    let triple = |x: [f64; 3], unit: &str| {
+        let [x, y, z] = x.map(|v| if v == 0.0 { 0.0 } else { v });
+        format!("({x:.6}, {y:.6}, {z:.6}){unit}")
+    };
+    let mm = |x: f64| 1e3 * x;
+    let at = f.axis.point.map(mm);
+    format!(
+        "no sets name its flanks: axis along {} through {}, {} from {:.4} to {:.4} mm, tips at {:.4} mm, roots at {:.4} mm, \
+         bore {:.4} mm",
+        triple(f.axis.direction.into(), ""),
+        triple(at.into(), " mm"),
+        some(f.flanks.len(), "flank"),
+        mm(f.active[0]),
+        mm(f.active[1]),
+        mm(f.tip.radius),
+        mm(f.root.radius),
+        mm(f.bore.radius)
+    )
+}
+
+fn of_flanks(job: &Job, basis: &Basis, t: &Toothing) -> String {
+    let points = match job.mesh.tied.is_empty() {
+        true => "nodes",
+        false => "points tied to faces",
+    };
     let grids = basis.flanks.grids();
     let faces: usize = grids.iter().map(|g| (g.rows - 1) * (g.columns - 1)).sum();
     let ends = |of: &dyn Fn(usize) -> usize| {
@@ -140,7 +246,7 @@ fn of_flanks(basis: &Basis, t: &Toothing) -> String {
         }
     };
     format!(
-        "{} with {} and {}: {} nodes along the profile, {} over {:.3} mm of width{}",
+        "{} with {} and {}: {} {points} along the profile, {} over {:.3} mm of width{}",
         some(grids.len(), "flank"),
         some(basis.normals.len(), "node"),
         some(faces, "face"),
