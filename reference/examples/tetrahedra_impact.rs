@@ -186,7 +186,7 @@ fn run(mesh: &str, folder: &Path) -> Result<Vec<f64>, Failed> {
     let mut state = scene.initial();
     let plan = TimePlan::new(TIMES[1], Resolution::Step(TIMES[0]));
     let mut history = History::default();
-    let mut method = gearbench_integrators::method("trigonometric").ok_or("no such method")?;
+    let mut method = gearbench_integrators::method("trigonometric")?;
     let mut work = Work::default();
     method.run(&mut scene, &mut state, &plan, &mut history, &mut work)?;
     Ok(history.force)

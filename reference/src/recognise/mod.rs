@@ -38,7 +38,7 @@ const CORE: [f64; 2] = [0.45, 0.75];
 const ACROSS: f64 = 0.3;
 
 /// Nodes nearer to the involute than this part of the tooth's height are on it: digits of decks.
-const FINE: f64 = 1e-6;
+const FINE: f64 = 1e-5;
 
 /// What the tip's relief may take away, over the tooth's height.
 const RELIEF: f64 = 0.02;

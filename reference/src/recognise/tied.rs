@@ -18,6 +18,9 @@ use gearbench_models::geometry::Side;
 /// Fewest rows and columns of a grid.
 const FEWEST: usize = 3;
 
+/// Nodes nearer to a column than this part of the width are on it.
+const LEVEL: f64 = 1e-4;
+
 /// How far outside its face a point may lie, in natural coordinates, before the face next to it is tried.
 const SLACK: f64 = 1e-7;
 
@@ -110,13 +113,13 @@ impl Unrolled<'_> {
         self.corners.iter().map(extent).sum::<f64>() / self.corners.len() as f64
     }
 
-    /// Range of rolls that the faces cover at a height.
-    fn covered(&self, height: f64) -> Option<[f64; 2]> {
+    /// Range of rolls that the faces cover at a height; nodes nearer to it than `slack` [m] are on it, for end faces are
+    /// no planes to the last digit.
+    fn covered(&self, height: f64, slack: f64) -> Option<[f64; 2]> {
         let mut range: Option<[f64; 2]> = None;
         for corners in &self.corners {
             let next = corners.iter().cycle().skip(1);
             for (p, q) in corners.iter().zip(next) {
-                let slack = 1e-9 * (p[1].abs() + q[1].abs());
                 if p[1].min(q[1]) - slack > height || p[1].max(q[1]) + slack < height {
                     continue;
                 }
@@ -225,7 +228,7 @@ pub fn lay(skin: &Skin<'_>, gear: &Recognised, patch: &Patch, own: &[Vec3]) -> O
     let at = |c: usize| back + (front - back) * c as f64 / (columns - 1) as f64;
     let mut range = [0.0, f64::MAX];
     for c in 0..columns {
-        let [low, high] = unrolled.covered(at(c))?;
+        let [low, high] = unrolled.covered(at(c), LEVEL * (front - back))?;
         range = [range[0].max(low), range[1].min(high)];
     }
     let squares = range.map(|l| l * l);
