@@ -16,7 +16,7 @@ pub struct Source {
     /// Constants that models took from calibrations: text of a calibration file by the scene that they were fitted in.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub calibrations: BTreeMap<String, String>,
-    /// Hash (FNV-1a, 128 bits) of every file that models read, by path: decks, meshes, stored reductions.
+    /// Hash (FNV-1a, 128 bits) of every file that was read, by path: decks, meshes, stored reductions, tables of references.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub files: BTreeMap<String, String>,
     /// The same of the stored reference, by id.

@@ -4,8 +4,9 @@ use super::super::error::Source;
 use super::super::{SceneError, SceneFile};
 use super::conditions::stated;
 use super::{DataOrigin, NamedReference, Role, subjects};
-use gearbench_reference::data::{self, Reference, Request};
+use gearbench_reference::data::{self, Quantity, Reference, Request};
 use gearbench_reference::reference;
+use gearbench_reports::Metric;
 use std::path::Path;
 
 /// Relative deviation of a condition that is still the same one.
@@ -76,6 +77,7 @@ impl SceneFile {
         if let Some(source) = &named.source {
             data.source.clone_from(source);
         }
+        self.can_be_told(&data)?;
         if !differs.is_empty() {
             let place = self.document.at(&*named.at);
             let error = place.error(
@@ -96,6 +98,51 @@ impl SceneFile {
             self.odd.push(error);
         }
         Ok(Held { named, data })
+    }
+
+    /// Refuses a tolerance in a metric of what its reference does not have.
+    fn can_be_told(&self, data: &Reference) -> Result<(), SceneError> {
+        let Some(tolerance) = self.tolerance.as_ref().filter(|t| t.against == data.id) else {
+            return Ok(());
+        };
+        let has = |quantity| data.channel(quantity).is_some();
+        let force = has(Quantity::Force(0));
+        let speeds = has(Quantity::Speed(0)) || has(Quantity::Speed(1));
+        let error = has(Quantity::TransmissionError(0));
+        let (told, lacking) = match tolerance.metric {
+            Metric::ForceL1
+            | Metric::ForceL2
+            | Metric::ForceL2Aligned
+            | Metric::TimeShift
+            | Metric::PeakForceRel
+            | Metric::ImpulseRel => (force, "contact force"),
+            Metric::Rebound => (speeds, "speed of the first two gears"),
+            Metric::TransmissionError => (error, "transmission error"),
+            _ => return Ok(()),
+        };
+        if told {
+            return Ok(());
+        }
+        let others = [
+            (force, Metric::ForceL2Aligned),
+            (speeds, Metric::Rebound),
+            (error, Metric::TransmissionError),
+        ];
+        let others: Vec<&str> = others.iter().filter(|o| o.0).map(|o| o.1.key()).collect();
+        self.document.at("tolerance").refuse(
+            format!(
+                "the tolerance limits {} against \"{}\", which has no {lacking}",
+                tolerance.metric, data.id
+            ),
+            "cannot be told",
+            match others.is_empty() {
+                true => "write `against = \"self\"`, or leave the tolerance out".into(),
+                false => format!(
+                    "write `metric` {}, or `against = \"self\"`",
+                    others.join(" or ")
+                ),
+            },
+        )
     }
 
     /// The data of a table.

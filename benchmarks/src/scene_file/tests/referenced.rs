@@ -246,6 +246,10 @@ fn tables_that_are_none_are_refused_at_their_line() {
             "at least 3 samples|offset_s",
         ),
         ("", "press.csv:1:|a table"),
+        (
+            "t [us];speed1 [1/min]\n0;0\n1;1\n2;2\n",
+            "test.toml:6:|no contact force|`metric` rebound_rel",
+        ),
     ] {
         let (_folder, scene) = beside("reference = \"press.csv\"", table);
         let shown = render(&scene.unwrap().held(false).unwrap_err());

@@ -64,7 +64,7 @@ pub struct Reference {
     /// CSV file to write
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Name of the reference in the scene [default: the name of the file]
+    /// Name of the reference in the scene [default: the name of the file, with -reference where a model is called so]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
     /// Append the lines that name it to the scene file

@@ -178,18 +178,23 @@ fn conditions(args: &Reference, scene: &SceneFile) -> Result<ReferenceConditions
     Ok(found)
 }
 
-/// What the scene is to call the reference.
-fn name(args: &Reference) -> String {
+/// What the scene is to call the reference: a model has its label already.
+fn name(args: &Reference, scene: &SceneFile) -> String {
     let stem = args
         .out
         .file_stem()
         .map(|s| s.to_string_lossy().into_owned());
-    args.name.clone().or(stem).unwrap_or_default()
+    let stem = stem.unwrap_or_default();
+    let usual = match scene.model(&stem) {
+        Some(_) => format!("{stem}-reference"),
+        None => stem,
+    };
+    args.name.clone().unwrap_or(usual)
 }
 
 /// Whether the scene has a reference of that name.
 fn named(args: &Reference, scene: &SceneFile) -> bool {
-    let name = name(args);
+    let name = name(args, scene);
     scene.references.iter().any(|r| r.name == name)
 }
 
@@ -199,7 +204,7 @@ fn lines(
     scene: &SceneFile,
     conditions: &ReferenceConditions,
 ) -> Result<String, Refusal> {
-    let name = name(args);
+    let name = name(args, scene);
     if args.add && named(args, scene) {
         return Err(bad(
             format!("the scene has a reference called \"{name}\" already"),
