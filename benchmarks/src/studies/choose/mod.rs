@@ -31,7 +31,7 @@ mod chosen;
 pub(crate) mod command;
 pub mod detail;
 mod domain;
-pub mod held;
+mod held;
 pub mod level;
 mod pilot;
 pub mod plan;

@@ -94,7 +94,8 @@ pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
             told(&finer)
         ),
     };
-    let title = format!("{} ({})", choice.label, told(&method));
+    // Legends are narrow: the command beside it has the step.
+    let title = format!("{}, {}", choice.label, method.method.id());
     let spec = other.spec_for(&choice);
     let series = row.series.clone().unwrap_or_default();
     let header = Header {
@@ -110,7 +111,7 @@ pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
         move |e: std::io::Error| Refusal::Files(format!("{path}: {e}"))
     };
     write_whole(&args.out, &text).map_err(fail(&args.out))?;
-    say(&format!("{title}: {note}"));
+    say(&format!("{} under {}: {note}", choice.label, told(&method)));
     say(&format!(
         "written: {}",
         absolute(args.out.clone()).display()

@@ -51,10 +51,11 @@ pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             let (stem, unit) = ending.map_or((*name, ""), |(ending, unit)| {
                 (name.strip_suffix(ending).unwrap_or(name), *unit)
             });
-            let label = format!("{} [{}{unit}]", stem.replace('_', " "), prefix.symbol);
+            let label = format!("[{}{unit}]", prefix.symbol);
             Panel {
                 x_name: (i + 1 == names.len()).then(|| time.name.clone()),
                 ..Panel::new(130.0, &time.axis, &label)
+                    .remark(stem.replace('_', " "))
                     .curves(h.lines(|s| column(s, name), prefix.factor, time))
                     .close()
             }
