@@ -1,6 +1,9 @@
 //! Throws mutated decks and meshes at the readers, where there is no nightly compiler for libFuzzer.
 //!
-//!     cargo run --release -p gearbench-reference --example fuzz_readers -- deck|msh SECONDS [SEED]
+//!     cargo run --release -p gearbench-reference --example fuzz_readers \
+//!         --config profile.release.package.gearbench-reference.overflow-checks=true \
+//!         --config profile.release.package.gearbench-reference.debug-assertions=true \
+//!         -- deck|msh SECONDS [SEED]
 //!
 //! Inputs come from `fuzz/corpus` and words from `fuzz/*.dict`. An input that is answered in a way not seen before,
 //! digits aside, joins the pool: a coarse stand-in for coverage. What panics is written to `crash-TARGET.txt`.
@@ -17,6 +20,8 @@ use std::time::{Duration, Instant};
 
 /// Longest input [bytes].
 const LONGEST: usize = 8192;
+/// Most inputs in the pool.
+const LARGEST: usize = 20_000;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -54,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             return Err(format!("run {runs} panicked; the input is crash-{target}.txt").into());
         }
         slowest = slowest.max(begun.elapsed());
-        if answers.insert(answer(&input)) {
+        if pool.len() < LARGEST && answers.insert(answer(&input)) {
             pool.push(input);
         }
         runs += 1;
@@ -67,23 +72,26 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// How an input is answered, without digits and names.
+/// How an input is answered, without what it says itself: digits, and names in quotes.
 fn answer(input: &[u8]) -> String {
     let text = String::from_utf8_lossy(input);
-    match deck::read_str("fuzz", &text, &mut |_| {
-        Err(std::io::Error::other("no file"))
-    }) {
+    let plain = |words: &str| -> String {
+        let outside = words.split('`').step_by(2);
+        let letters = outside.flat_map(str::chars);
+        letters.filter(|c| !c.is_ascii_digit()).collect()
+    };
+    let none = &mut |_: &str| Err(std::io::Error::other("no file"));
+    match deck::read_str("fuzz", &text, none) {
         Ok(deck) => {
-            let gears = deck::gears(&deck)
-                .map_or_else(|e| e.expected.to_string(), |g| format!("{} gears", g.len()));
-            format!(
-                "{} {} {:?} {gears}",
-                deck.mesh().kind_names(),
-                deck.instances.len(),
-                deck.units.name
-            )
+            let gears = match deck::gears(&deck) {
+                Ok(gears) => format!("{} gears", gears.len().min(3)),
+                Err(e) => plain(&e.expected),
+            };
+            let (kinds, instances) = (deck.mesh().kind_names(), deck.instances.len().min(3));
+            let passed: Vec<&String> = deck.passed_over.keys().collect();
+            format!("{kinds} {instances} {} {gears} {passed:?}", deck.units.name)
         }
-        Err(e) => e.expected.chars().filter(|c| !c.is_ascii_digit()).collect(),
+        Err(e) => format!("{:?} {} {}", e.kind, plain(&e.expected), plain(&e.help)),
     }
 }
 

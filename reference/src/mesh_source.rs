@@ -22,7 +22,7 @@ pub const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo
 pub const PARAMETERS: [ParameterInfo; 7] = [
     optional(
         "mesh",
-        "\"generated\" (default), a stored reference such as \"calculix/case-a-fine\", or a path of a deck (.inp, .inp.gz)",
+        "\"generated\" (default), a stored reference such as \"calculix/case-a-fine\", or a path of a deck (.inp) or a mesh of Gmsh (.msh), also .gz",
     ),
     optional(
         "element",

@@ -231,9 +231,8 @@ fn model(
 /// The path of a deck or a reduction that lies beside the scene file; other texts as they are.
 fn from_folder(text: &str, folder: Option<&Path>) -> String {
     let name = text.to_ascii_lowercase();
-    let is_path = [".inp", ".inp.gz", ".npz"]
-        .iter()
-        .any(|e| name.ends_with(e));
+    let ends = [".inp", ".inp.gz", ".msh", ".msh.gz", ".npz"];
+    let is_path = ends.iter().any(|e| name.ends_with(e));
     let beside = folder.filter(|_| is_path).map(|f| f.join(text));
     match beside.filter(|p| p.is_file()) {
         Some(path) => path.to_string_lossy().into_owned(),

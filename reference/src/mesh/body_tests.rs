@@ -236,6 +236,10 @@ fn bad_input_is_refused_with_a_way_out() {
     };
     let cases = [
         (
+            with(&|p| p.kind = ElementKind::C3D10),
+            "built of hexahedra, not of C3D10: take C3D8, C3D8I, C3D20, C3D20R",
+        ),
+        (
             with(&|p| p.tooth.across = 2),
             "elements across the tooth is 2; expected 3 to 1000",
         ),

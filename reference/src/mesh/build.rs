@@ -2,7 +2,7 @@
 //! along the helix.
 
 use super::assembly::Assembly;
-use super::checks::{check_counts, check_ratios, check_web};
+use super::checks::{check_counts, check_kind, check_ratios, check_web};
 use super::error::MeshError;
 use super::params::{GearMeshParams, Tooth};
 use super::profile::{Body, Plane};
@@ -38,6 +38,7 @@ pub fn rack(rack: &Rack, params: &GearMeshParams) -> Result<GearMesh, MeshError>
 
 /// Checks what is asked for.
 fn plan<'a>(body: Body<'a>, p: &'a GearMeshParams) -> Result<Plan<'a>, MeshError> {
+    check_kind(p.kind)?;
     let layers = check_counts(p)?;
     check_ratios(p)?;
     let (teeth, all_teeth, first_turn, face_width) = match body {

@@ -1,5 +1,6 @@
 //! Refuses counts, ratios and webs that no mesh can have.
 
+use super::ElementKind;
 use super::error::MeshError;
 use super::params::{GearMeshParams, Tooth, Web};
 use gearbench_models::geometry::Gear;
@@ -34,6 +35,17 @@ fn check_tooth(tooth: Tooth) -> Result<(), MeshError> {
         3,
         "3 to 1000: a skin on both sides and a core",
     )
+}
+
+/// Checks that the elements are hexahedra.
+pub(super) fn check_kind(kind: ElementKind) -> Result<(), MeshError> {
+    if ElementKind::HEXAHEDRA.contains(&kind) {
+        return Ok(());
+    }
+    Err(MeshError::NoHexahedron {
+        kind: kind.name(),
+        known: ElementKind::HEXAHEDRA.map(ElementKind::name).join(", "),
+    })
 }
 
 /// Checks all counts and gives the layers of the skin that every tooth has room for.

@@ -68,6 +68,8 @@ pub enum MeshError {
         high: f64,
         width: f64,
     },
+    #[error("meshes of gears and racks are built of hexahedra, not of {kind}: take {known}")]
+    NoHexahedron { kind: &'static str, known: String },
     #[error("fine tooth {tooth} does not exist: the teeth are 0 to {last}")]
     NoSuchTooth { tooth: u32, last: u32 },
     #[error(
