@@ -15,7 +15,13 @@ fn bytes(m: &GearMesh) -> usize {
         .map(|f| 4 * f.nodes.capacity() + 24 * f.positions.capacity())
         .sum();
     24 * m.mesh.nodes.capacity()
-        + 4 * (m.mesh.blocks.iter().map(|b| b.connectivity.capacity()).sum::<usize>() + m.bore.capacity())
+        + 4 * (m
+            .mesh
+            .blocks
+            .iter()
+            .map(|b| b.connectivity.capacity())
+            .sum::<usize>()
+            + m.bore.capacity())
         + sets
         + faces
         + flanks

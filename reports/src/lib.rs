@@ -33,7 +33,7 @@ pub use store::{RECORD, ReportError, load_results, report_from, write_results};
 pub use studies::choose::{ChoiceRecord, ChooseRecord, LevelRecord, TriedRecord};
 pub use studies::stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
 pub use studies::{
-    StudyReport, check, choice_check, compare as comparison, precision, stability, sweep,
+    StudyReport, check, choice_check, compare as comparison, identify, precision, stability, sweep,
     truncation,
 };
 pub use view::metric_against;

@@ -9,6 +9,8 @@ Examples:
   gearbench-validation run tuning --scenes 1..12        choices beside all candidates, tried one by one
   gearbench-validation reduction reduction              elastic gears beside full finite elements
   gearbench-validation run held-out --threads 2         on the set that no rule was made on
+  gearbench-validation coverage --model movable-teeth   do the intervals of identified constants hold the truth?
+  gearbench-validation identification                   identified constants against finite elements at other speeds
 
 Exit code 1 says that fewer than 95 % are right, or that the median choice costs more than twice the cheapest.";
 
@@ -37,6 +39,41 @@ pub enum Command {
     Run(Run),
     /// Hold elastic gears against full finite elements on a set of random scenes
     Reduction(Reduction),
+    /// Check that 95 % intervals of identified constants hold what made data were made with
+    Coverage(Coverage),
+    /// Hold identified constants against finite elements at other speeds, and beside other stiffnesses
+    Identification(Identification),
+}
+
+/// Arguments of `coverage`.
+#[derive(Args, Clone, Debug)]
+pub struct Coverage {
+    /// A shipped scene with a stored reference
+    #[arg(default_value = "spur_impact")]
+    pub scene: String,
+    /// A model with a calibration
+    #[arg(long, value_name = "LABEL", default_value = "movable-teeth")]
+    pub model: String,
+    /// Sets of data
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub sets: u32,
+    /// Seed of noise and offsets
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Table to write
+    #[arg(long, value_name = "FILE", default_value = "coverage.csv")]
+    pub out: PathBuf,
+}
+
+/// Arguments of `identification`.
+#[derive(Args, Clone, Debug)]
+pub struct Identification {
+    /// Shipped scenes with finite elements
+    #[arg(default_values = ["spur_impact", "rack_pinion"])]
+    pub scenes: Vec<String>,
+    /// Tables to write, in Markdown
+    #[arg(long, value_name = "FILE", default_value = "identification.md")]
+    pub out: PathBuf,
 }
 
 /// Arguments of `reduction`.

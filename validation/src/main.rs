@@ -7,9 +7,13 @@
 //! | [`validate`] | one scene: its reference, all candidates, the choice |
 //! | [`campaign`] | a set of scenes, in parallel, with a journal |
 //! | [`reduction`] | elastic gears against full finite elements on the same scenes |
+//! | [`coverage`] | whether the intervals of identified constants hold the truth |
+//! | [`identification`] | identified constants against finite elements at other speeds |
 
 mod arguments;
 mod campaign;
+mod coverage;
+mod identification;
 mod reduction;
 mod sampling;
 mod validate;
@@ -40,6 +44,9 @@ use validate::ValidationError;
 /// Share of scenes that choices are to meet, and cost ratio that their median is to keep.
 const ASKED: (f64, f64) = (0.95, 2.0);
 
+/// Parts of made data in which a 95 % interval may hold the truth.
+const COVERAGE: [f64; 2] = [0.90, 0.99];
+
 fn main() -> ExitCode {
     cache::choose(Cache::standard());
     let told = terminal::told("gearbench-validation");
@@ -47,6 +54,8 @@ fn main() -> ExitCode {
         Command::Sample { scene } => print(&scene.0, scene.1),
         Command::Run(args) => validate(&args, &told),
         Command::Reduction(args) => reduce(&args),
+        Command::Coverage(args) => cover(&args),
+        Command::Identification(args) => carry(&args, &told),
     };
     terminal::end(&told, done)
 }
@@ -113,6 +122,54 @@ fn reduce(args: &arguments::Reduction) -> Result<Answer, Refusal> {
     ));
     let enough = within as f64 >= ASKED.0 * rows.len() as f64 && ended == rows.len();
     Ok(Answer::done().ending(if enough { Exit::Done } else { Exit::FellShort }))
+}
+
+/// Checks intervals on made data and writes a table.
+fn cover(args: &arguments::Coverage) -> Result<Answer, Refusal> {
+    let plan = coverage::Plan {
+        scene: args.scene.clone(),
+        model: args.model.clone(),
+        sets: args.sets as usize,
+        seed: args.seed,
+    };
+    let display = Display::new(plan.sets);
+    let rows = coverage::check(&plan, |done| display.tell(done, plan.sets, "fitted"));
+    drop(display);
+    let rows = rows.map_err(refuse)?;
+    write_to(&args.out, &coverage::csv(&plan, &rows))?;
+    let found = coverage::coverage(&rows);
+    for (key, part, open) in &found {
+        say(&format!(
+            "{key}: the 95 % interval holds the truth in {:.1} % of {} sets; {open} times not identifiable",
+            100.0 * part,
+            plan.sets
+        ));
+    }
+    let [low, high] = COVERAGE;
+    let good = found.iter().all(|(_, part, _)| (low..=high).contains(part));
+    Ok(Answer::done().ending(if good { Exit::Done } else { Exit::FellShort }))
+}
+
+/// Fits models to finite elements, holds them against these at other speeds, and writes the tables.
+fn carry(args: &arguments::Identification, command: &str) -> Result<Answer, Refusal> {
+    let kept = args.out.with_extension(JOURNAL);
+    let journal = Journal::open(&kept, false).map_err(|e| Refusal::Files(e.to_string()))?;
+    let runner = Runner::new(journal, &silent);
+    let mut all = Vec::new();
+    for scene in &args.scenes {
+        all.push(identification::carry(scene, &runner, &say).map_err(refuse)?);
+    }
+    let text = identification::markdown(&all, command);
+    put(&text);
+    write_to(&args.out, &text)?;
+    std::fs::remove_file(&kept).map_err(|e| Refusal::Files(format!("{}: {e}", kept.display())))?;
+    let movable = |f: &&identification::Fitted| f.name != "rigid";
+    let good = (all.iter()).all(|c| c.fits.iter().filter(movable).any(identification::keeps));
+    Ok(Answer::done().ending(if good { Exit::Done } else { Exit::FellShort }))
+}
+
+fn write_to(path: &std::path::Path, text: &str) -> Result<(), Refusal> {
+    std::fs::write(path, text).map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))
 }
 
 /// Validates choices on a set of random scenes and writes the folder.

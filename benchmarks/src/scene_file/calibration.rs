@@ -7,6 +7,7 @@
 //! ```toml
 //! [impact.movable-teeth]
 //! stiffness_n_per_m2 = 3.6e10      # of the contact, per face width
+//! damping_ns_per_m = 40            # of the contact, a linear dashpot; most calibrations have none
 //! gap_m = 3.1e-6                   # gap at the start
 //! tooth_stiffness_n_per_m = 5.3e8  # any further key: a parameter of the gear model
 //! ```
@@ -17,6 +18,7 @@
 use super::error::SceneError;
 use super::reading::values::InOrder;
 use super::reading::{Document, Place, suggest};
+use gearbench_models::law::Damping;
 use gearbench_models::spec::{Modelling, Value};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use std::collections::BTreeMap;
@@ -88,6 +90,8 @@ pub(super) const NAMES: [&str; 3] = [
 pub struct Constants {
     /// Stiffness of a tooth pair per face width [N/m per m].
     pub stiffness: Option<f64>,
+    /// Linear dashpot of the contact [N s/m].
+    pub damping: Option<f64>,
     /// Gap at the start of the first mesh [m].
     pub gap: Option<f64>,
     /// Parameters of the gear model by key, in SI units.
@@ -96,8 +100,13 @@ pub struct Constants {
 
 /// Key of [`Constants::stiffness`].
 pub const STIFFNESS: &str = "stiffness_n_per_m2";
+/// Key of [`Constants::damping`].
+pub const DAMPING: &str = "damping_ns_per_m";
 /// Key of [`Constants::gap`].
 pub const GAP: &str = "gap_m";
+
+/// The end of the keys of dampers.
+const DAMPER: &str = "_ns_per_m";
 
 impl Constants {
     /// Constants by their keys.
@@ -106,6 +115,7 @@ impl Constants {
         for (key, x) in values {
             match key {
                 STIFFNESS => constants.stiffness = Some(x),
+                DAMPING => constants.damping = Some(x),
                 GAP => constants.gap = Some(x),
                 other => {
                     constants.parameters.insert(other.to_owned(), x);
@@ -113,6 +123,20 @@ impl Constants {
             }
         }
         constants
+    }
+
+    /// All by their keys.
+    pub fn by_key(&self) -> Vec<(String, f64)> {
+        let own = [
+            (STIFFNESS, self.stiffness),
+            (DAMPING, self.damping),
+            (GAP, self.gap),
+        ];
+        let own = own
+            .into_iter()
+            .filter_map(|(k, x)| Some((k.to_owned(), x?)));
+        let parameters = self.parameters.iter().map(|(k, x)| (k.clone(), *x));
+        own.chain(parameters).collect()
     }
 
     /// Puts them in place of what a scene gives its contacts and the gears that take a model; the gap is the scene's.
@@ -127,6 +151,11 @@ impl Constants {
                 contact.stiffness = PairStiffness::Constant { per_width, of };
             }
         }
+        if let Some(c) = self.damping {
+            for contact in &mut modelling.contacts {
+                contact.damping = Damping::KelvinVoigt { c };
+            }
+        }
         for gear in modelling.gears.iter_mut().filter(|g| g.id == model) {
             for (key, value) in &self.parameters {
                 gear.parameters.insert(key.clone(), Value::Number(*value));
@@ -138,9 +167,6 @@ impl Constants {
 /// The content of a calibration file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Calibration {
-    /// Comment lines at the top: the command that wrote the file and the figures of the fit. Written, not
-    /// read.
-    pub header: Vec<String>,
     /// Constants by calibration name and model label.
     pub sets: BTreeMap<String, BTreeMap<String, Constants>>,
 }
@@ -176,7 +202,11 @@ impl Calibration {
             for (label, values) in labels.0 {
                 let at = at.key(&set).key(&label);
                 let values = values.0;
-                if let Some((key, x)) = values.iter().find(|(key, x)| *key != GAP && *x <= 0.0) {
+                // A gap may have any sign, a damper be none.
+                let wrong = |key: &str, x: f64| {
+                    key != GAP && (x < 0.0 || x == 0.0 && !key.ends_with(DAMPER))
+                };
+                if let Some((key, x)) = values.iter().find(|(key, x)| wrong(key, *x)) {
                     return at.key(key).refuse(
                         format!("`{key}` is {x}"),
                         "expected more than zero",
@@ -196,32 +226,20 @@ impl Calibration {
         self.sets.get(name)?.get(label)
     }
 
-    /// The text of the file; numbers keep every digit.
+    /// Its tables as TOML; numbers keep every digit.
     pub fn to_toml(&self) -> String {
+        let key = |name: &str| toml_edit::Key::new(name).display_repr().into_owned();
         let mut text = String::new();
-        for line in &self.header {
-            text.push_str(format!("# {}", line.replace(['\n', '\r'], " ")).trim_end());
-            text.push('\n');
-        }
         for (name, labels) in &self.sets {
             for (label, constants) in labels {
                 let _ = writeln!(text, "\n[{}.{}]", key(name), key(label));
-                let own = [(STIFFNESS, constants.stiffness), (GAP, constants.gap)];
-                for (name, x) in own.into_iter().filter_map(|(k, x)| x.map(|x| (k, x))) {
-                    let _ = writeln!(text, "{name} = {x:e}");
-                }
-                for (name, x) in &constants.parameters {
-                    let _ = writeln!(text, "{} = {x:e}", key(name));
+                for (name, x) in constants.by_key() {
+                    let _ = writeln!(text, "{} = {x:e}", key(&name));
                 }
             }
         }
         text
     }
-}
-
-/// A TOML key, quoted where it has to be.
-fn key(name: &str) -> String {
-    toml_edit::Key::new(name).display_repr().into_owned()
 }
 
 #[cfg(test)]
@@ -230,27 +248,21 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read() {
-        let constants = Constants {
-            stiffness: Some(1.0 / 3.0 * 1e10),
-            gap: Some(-3.1e-6),
-            parameters: [
-                ("tooth_mass_kg".to_owned(), 4.8e-3),
-                ("tooth_stiffness_n_per_m".to_owned(), 5.3e8),
-            ]
-            .into(),
-        };
+        let constants = Constants::of([
+            (STIFFNESS, 1.0 / 3.0 * 1e10),
+            (DAMPING, 0.0),
+            (GAP, -3.1e-6),
+            ("tooth_mass_kg", 4.8e-3),
+        ]);
         let labels = [
             ("movable-teeth".to_owned(), constants.clone()),
             ("odd \"label\" \\ é".to_owned(), constants),
         ];
         let calibration = Calibration {
-            header: vec!["written by gearbench identify".into(), String::new()],
             sets: [("impact".to_owned(), labels.into())].into(),
         };
-        let text = calibration.to_toml();
-        assert!(text.starts_with("# written by gearbench identify\n#\n"));
-        let read = Calibration::parse("x.toml", &text).unwrap();
-        assert_eq!(read.sets, calibration.sets);
+        let read = Calibration::parse("x.toml", &calibration.to_toml()).unwrap();
+        assert_eq!(read, calibration);
         assert!(read.get("impact", "movable-teeth").is_some());
         assert!(read.get("static", "movable-teeth").is_none());
     }

@@ -47,9 +47,9 @@ mod request;
 mod shared;
 pub mod store;
 mod surface;
+pub(crate) mod table;
 #[cfg(test)]
 mod tied_tests;
-pub(crate) mod table;
 mod truncation;
 
 pub use error::ReductionError;

@@ -6,6 +6,7 @@ pub mod check;
 pub mod choice_check;
 pub mod choose;
 pub mod compare;
+pub mod identify;
 pub mod penalty;
 pub mod precision;
 pub mod stability;
@@ -44,6 +45,8 @@ words! {
         Penalty = "penalty",
         /// Running under load at speed after speed.
         Sweep = "sweep",
+        /// Constants of models fitted to references.
+        Identify = "identify",
     }
 }
 
@@ -69,6 +72,8 @@ pub enum Part {
     Penalty,
     /// See [`Study::Sweep`].
     Sweep(sweep::SweepRecord),
+    /// See [`Study::Identify`].
+    Identify(identify::IdentifyRecord),
 }
 
 impl Default for Part {
@@ -90,6 +95,7 @@ impl Part {
             Part::Truncation => Study::Truncation,
             Part::Penalty => Study::Penalty,
             Part::Sweep(_) => Study::Sweep,
+            Part::Identify(_) => Study::Identify,
         }
     }
 
@@ -104,8 +110,12 @@ impl Part {
 
     /// Takes out what is not finite.
     pub(crate) fn keep_finite(&mut self) {
-        if let Part::Sweep(part) = self {
-            part.statics.retain(sweep::StaticCycle::is_finite);
+        match self {
+            Part::Sweep(part) => part.statics.retain(sweep::StaticCycle::is_finite),
+            Part::Identify(part) => {
+                (part.fits.iter_mut()).for_each(identify::FitRecord::keep_finite);
+            }
+            _ => {}
         }
     }
 }
@@ -126,6 +136,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Truncation => truncation::report(view),
         Part::Penalty => penalty::report(view),
         Part::Sweep(part) => sweep::report(view, &part.statics),
+        Part::Identify(part) => identify::report(&part.fits),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the pages of studies find in records whose answer is known.
 
-use crate::{contents, finding, holds, made_up, written};
+use crate::{contents, finding, has_only_numbers, holds, made_up, written};
 use gearbench_reports::store::PAGE;
 use gearbench_reports::{load_results, write_results};
 
@@ -97,4 +97,41 @@ fn a_study_of_penalties_comes_to_hard_contact() {
         files["penalty.svg"].contains("failed") && files["penalty.svg"].contains("hard contact")
     );
     assert_eq!(files["penalty.csv"].lines().count(), 1 + 10);
+}
+
+#[test]
+fn an_identification_says_what_the_data_do_not_tell() {
+    let files = written(&made_up::identify_results());
+    holds(
+        &files,
+        &[
+            "identify.svg",
+            "identify_profiles.svg",
+            "identify.csv",
+            "identify_data.csv",
+            "identify_residuals.csv",
+            "identify_profiles.csv",
+        ],
+    );
+    has_only_numbers(&files);
+    let finding = finding(&files[PAGE]);
+    assert!(
+        finding.contains("tooth mass is not determined"),
+        "{finding}"
+    );
+    assert!(finding.contains("of what was not fitted"), "{finding}");
+    assert!(files[PAGE].contains("not identifiable") && files[PAGE].contains("at bound"));
+    assert!(files[PAGE].contains("parameters 1 and 3"));
+    assert!(files["identify.svg"].contains("not fitted"));
+    // An open end is empty.
+    let parameters = &files["identify.csv"];
+    assert!(
+        parameters
+            .lines()
+            .nth(1)
+            .unwrap()
+            .contains(",2.430000000e10,,7.5"),
+        "{parameters}"
+    );
+    assert_eq!(files["identify_residuals.csv"].lines().count(), 1 + 3 * 60);
 }

@@ -104,7 +104,7 @@ const PARTS: &[Part] = &[
     part(
         "identify",
         "impact",
-        "identify impact.toml --any-reference --write",
+        "identify impact.toml --any-reference --write --out OUT",
     ),
     part(
         "stiffness",

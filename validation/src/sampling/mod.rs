@@ -16,7 +16,7 @@
 //! follows. A scene that is not sound is sampled again from the next stream of random numbers, and that is counted.
 
 mod distributions;
-mod random;
+pub mod random;
 mod rigid;
 mod sets;
 #[cfg(test)]

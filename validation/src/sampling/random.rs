@@ -47,6 +47,12 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
+    /// A number of the normal distribution (G. E. P. Box, M. E. Muller, *Ann. Math. Stat.* 29 (1958) 610).
+    pub fn normal(&mut self) -> f64 {
+        let (u, v) = (1.0 - self.unit(), self.unit());
+        (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+    }
+
     /// From `[low, high)`, evenly in the logarithm.
     pub fn decades(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.unit())

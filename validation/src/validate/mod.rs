@@ -59,6 +59,9 @@ pub enum ValidationError {
     Reference { method: String, why: String },
     #[error(transparent)]
     Journal(#[from] JournalError),
+    /// What is to be checked is not there, or a fit failed.
+    #[error("{0}")]
+    Other(String),
 }
 
 /// Validates the choice for a sampled scene.

@@ -61,7 +61,10 @@ pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<Loaded<'a>, R
         },
         configurations,
         methods,
-        references: references.iter().map(|r| recorded(r, &scene.spec)).collect(),
+        references: references
+            .iter()
+            .map(|r| recorded(r, &scene.spec))
+            .collect(),
     })
 }
 

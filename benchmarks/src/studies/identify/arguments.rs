@@ -8,8 +8,10 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 const EXAMPLES: &str = "\
 Examples:
-  gearbench identify spur_impact                    fit and print, with 95 % confidence intervals
+  gearbench identify spur_impact                    fit and report, with 95 % confidence intervals
   gearbench identify spur_impact --model rigid
+  gearbench identify spur_impact --model movable-teeth --fit stiffness_n_per_m2,tooth_stiffness_n_per_m,gap_m \\
+      --hold tooth_mass_kg=5e-3                     choose what is fitted, hold what is known
   gearbench identify spur_impact --write            also write the calibration file
   gearbench identify spur_impact --to running --load 27 --write
                                                     fitted to the impact and to finite elements at rest at once
@@ -18,12 +20,38 @@ A calibration holds for what it was fitted to: `impact` for single impacts, `sta
 load, `running` for both. `impact` and `running` need a reference of the scene, `static` and `running` a model of finite
 elements (--against). With --write the constants go to the calibration file that models with
 `calibration = \"impact\"` read: NAME.calibration.toml beside a scene file, and for a shipped scene
-benchmarks/calibrations/NAME.toml (run it in the repository and build again: it is embedded).";
+benchmarks/calibrations/NAME.toml (run it in the repository and build again: it is embedded).
+
+What can be fitted: stiffness_n_per_m2 and damping_ns_per_m of the contact, gap_m, clock_s (the offset of the data's clock,
+which is never written), and the springs, masses and dampers of the gear model. What the data do not determine is said to
+be so and is not written, unless --force.";
 
 /// What to fit to, by its name.
 fn fitted_to() -> impl TypedValueParser<Value = FittedTo> {
     let words = PossibleValuesParser::new(FittedTo::ALL.map(FittedTo::as_str));
     words.map(|word| FittedTo::named(&word).unwrap_or_default())
+}
+
+/// A key with a value.
+fn assigned(text: &str) -> Result<(String, f64), String> {
+    let parts = text.split_once('=');
+    match parts.map(|(key, x)| (key.trim(), x.trim().parse::<f64>())) {
+        Some((key, Ok(x))) if !key.is_empty() && x.is_finite() => Ok((key.into(), x)),
+        _ => Err("expected KEY=VALUE in SI units, for example tooth_mass_kg=5e-3".into()),
+    }
+}
+
+/// A key with two values.
+fn bounded(text: &str) -> Result<(String, [f64; 2]), String> {
+    let parts = text.split_once('=').and_then(|(key, ends)| {
+        let (low, high) = ends.split_once(':')?;
+        let ends = [low.trim().parse().ok()?, high.trim().parse().ok()?];
+        Some((key.trim().to_owned(), ends))
+    });
+    match parts {
+        Some((key, [low, high])) if !key.is_empty() && low < high => Ok((key, [low, high])),
+        _ => Err("expected KEY=LOW:HIGH in SI units, for example tooth_mass_kg=1e-3:1e-2".into()),
+    }
 }
 
 /// Arguments of `identify`.
@@ -38,19 +66,64 @@ pub struct Identify {
     /// What to fit to: impact, static or running (both at once)
     #[arg(long, value_name = "WHAT", default_value = "impact", value_parser = fitted_to())]
     pub to: FittedTo,
+    /// Parameters to fit, by their keys [default: those of the model that the data may tell]
+    #[arg(long, value_name = "KEYS", value_delimiter = ',')]
+    pub fit: Option<Vec<String>>,
+    /// Hold parameters at values, for example tooth_mass_kg=5e-3
+    #[arg(long, value_name = "KEY=VALUE", value_delimiter = ',', value_parser = assigned)]
+    pub hold: Vec<(String, f64)>,
+    /// Start parameters from values [default: usual ones for steel]
+    #[arg(long, value_name = "KEY=VALUE", value_delimiter = ',', value_parser = assigned)]
+    pub start: Vec<(String, f64)>,
+    /// Keep parameters between bounds, for example gap_m=0:1e-5
+    #[arg(long, value_name = "KEY=LOW:HIGH", value_delimiter = ',', value_parser = bounded)]
+    pub bounds: Vec<(String, [f64; 2])>,
+    /// Further starting points, scattered about the usual ones by a factor of two
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1000))]
+    pub starts: u16,
+    /// Profiles of all parameters [default: of those over whose interval the problem is not linear]
+    #[arg(long)]
+    pub profiles: bool,
     /// Model at rest whose compliance is fitted [default: the first of finite elements]
     #[arg(long, value_name = "LABEL")]
     pub against: Option<String>,
     /// Load at rest over the common face width [N/mm]
     #[arg(long, value_name = "N/MM", default_value_t = 100.0, value_parser = positive_load)]
     pub load: f64,
+    /// Weight of what is at rest beside histories; each counts over its own size
+    #[arg(long, value_name = "W", default_value_t = 1.0, value_parser = positive_load)]
+    pub static_weight: f64,
     /// Write the calibration file of the scene
     #[arg(long)]
     pub write: bool,
-    /// Where an interrupted start keeps what it has finished.
+    /// Write what the data do not determine as well
+    #[arg(long, requires = "write")]
+    pub force: bool,
+    /// Where the record and the report go.
     #[command(flatten)]
     pub output: Output,
     /// Whether a reference of other gears will do.
     #[command(flatten)]
     pub insist: Insist,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_with_values() {
+        assert_eq!(assigned("gap_m = 2e-6"), Ok(("gap_m".into(), 2e-6)));
+        assert_eq!(bounded("gap_m=0:1e-5"), Ok(("gap_m".into(), [0.0, 1e-5])));
+        assert!(
+            ["gap_m", "=1", "gap_m=x", "gap_m=nan"]
+                .iter()
+                .all(|t| assigned(t).is_err())
+        );
+        assert!(
+            ["gap_m=1", "gap_m=2:1", "=1:2"]
+                .iter()
+                .all(|t| bounded(t).is_err())
+        );
+    }
 }

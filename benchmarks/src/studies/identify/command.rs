@@ -1,23 +1,28 @@
-//! `gearbench identify SCENE`: constants fitted to the scene's reference, printed and, on request, written.
+//! `gearbench identify SCENE`: constants fitted to the scene's references, reported and, on request, written.
 
 use super::arguments::Identify;
+use super::parameters::Wishes;
 use super::summary::summarise;
-use super::{Identification, IdentifyError, StaticTarget, Target, identify};
+use super::write::write;
+use super::{DataSet, FitPlan, Identification, IdentifyError, StaticTarget, identify};
 use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, references_of, refuse_study, say};
-use crate::experiment::conditions::silent;
+use crate::cli::terminal::{Refusal, absolute, refuse_study, say, warn};
+use crate::experiment::conditions::{Conditions, silent};
 use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
-use crate::experiment::machine;
+use crate::experiment::settings::settings;
 use crate::models::models;
-use crate::scene_file::calibration::{Constants, FittedTo};
-use crate::scene_file::{self, Calibration, SceneFile, Selection};
+use crate::scene_file::references::Held;
+use crate::scene_file::{self, ModelChoice, SceneFile, Selection};
 use gearbench_models::gear::table::properties_of;
-use gearbench_models::spec::mesh_layout;
-use gearbench_reference::data::Reference;
-use std::path::PathBuf;
+use gearbench_models::spec::{SceneSpec, mesh_layout};
+use gearbench_reports::Study;
+use gearbench_reports::identify::IdentifyRecord;
+use gearbench_reports::record::Part;
+use serde_json::json;
 
 /// Positions of a mesh cycle that statics are fitted at.
 const POSITIONS: usize = 24;
@@ -29,34 +34,16 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
         true => scene_file::load_uncalibrated(&args.scene, Selection::None)?,
         false => scene_file::load_for(&args.scene, Selection::None)?,
     };
-    let reference = match args.to.to_history() {
-        true => Some(history_of(&mut scene, args)?),
-        false => None,
+    let references = match args.to.to_history() {
+        true => histories_of(&mut scene, args)?,
+        false => Vec::new(),
     };
-    // Beyond the scene's duration the reference may lack what the scene has, as the other flanks.
-    let history = reference.as_ref().and_then(Reference::force);
-    let history = history.map(|(time, force)| {
-        let n = time.partition_point(|&t| t <= scene.duration);
-        (&time[..n], &force[..n])
-    });
-    let named = scene.reference().filter(|_| reference.is_some());
-    let mut names: Vec<String> = (named.iter())
-        .map(|r| r.stored().unwrap_or(&r.name).to_owned())
-        .collect();
     let statics = match args.to.to_statics() {
-        true => {
-            let (label, target) = statics_of(&scene, args)?;
-            names.push(format!("`{label}` at rest under {} N/mm", args.load));
-            Some(target)
-        }
+        true => Some(statics_of(&scene, args)?),
         false => None,
     };
-    let target = Target { history, statics };
-    let id = names.join(" and ");
-
     let choices = scene.select(args.model.as_deref())?;
-    let fitted: Vec<_> = choices
-        .into_iter()
+    let fitted: Vec<&ModelChoice> = (choices.into_iter())
         .filter(|c| {
             args.model.is_some()
                 || (properties_of(models(), &c.model).fit.is_some() && calibrated(c))
@@ -69,61 +56,141 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
             scene.name
         )));
     }
-    let mut folder = StudyFolder::of(&args.output, &scene, "identify")?;
+    let mut folder = StudyFolder::of(&args.output, &scene, Study::Identify.as_str())?;
     let runner = folder.runner(&silent);
-    let mut found: Vec<(String, Identification)> = Vec::new();
-    for choice in fitted {
+    let mut found: Vec<Identification> = Vec::new();
+    let mut names = String::new();
+    for choice in &fitted {
+        let plan = plan(&scene, choice, (&references, &statics), args);
+        let all: Vec<&str> = plan.data.iter().map(|d| d.name.as_str()).collect();
+        names = all.join(" and ");
         let display = Display::new(0);
-        let result = identify(
-            &scene.spec_for(choice),
-            &choice.modelling,
-            models(),
-            &target,
-            &runner,
-            |n, error| {
-                display.message(&format!(
-                    "{}: {n} integrations, force error {:.3} %",
-                    choice.label,
-                    100.0 * error
-                ));
-            },
-        );
+        let result = identify(&plan, &runner, |n, error| {
+            display.message(&format!(
+                "{}: {n} trials, error {:.3} %",
+                choice.label,
+                100.0 * error
+            ));
+        });
         drop(display);
         if interruption::requested() {
             return Err(Refusal::Interrupted);
         }
-        let result = result.map_err(|e| match e {
-            IdentifyError::Build(e) => Refusal::from(scene.locate_in(&choice.label, &e)),
-            IdentifyError::Model(..) => Refusal::Input(miette::miette!("{e}")),
-            other => Refusal::Failed(other.to_string()),
-        })?;
-        summarise(&choice.label, &id, &result);
-        found.push((choice.label.clone(), result));
+        found.push(result.map_err(|e| folder.refuse(refuse(&scene, choice, e)))?);
     }
-    folder.close();
-    let models: Vec<_> = found.iter().map(|(label, r)| r.told(label)).collect();
-    let answer = (Answer::done().with("reference", &id)).with("models", models);
+    drop(runner);
+    let conditions = Conditions {
+        command: command.to_owned(),
+        settings: settings(&scene, &fitted, false),
+        ..Conditions::of(&scene)
+    };
+    let fits: Vec<_> = found.iter().map(|f| f.record.clone()).collect();
+    let told: Vec<_> = fits.iter().map(told).collect();
+    let results = conditions.record(Part::Identify(IdentifyRecord { fits }));
+    let answer = folder.finish(results, |_| Exit::Done, summarise)?;
+    let answer = answer.with("reference", &names).with("models", told);
     if args.write {
-        let path = absolute(write(&scene, (args.to, &id), &found, command)?);
+        let path = write(&scene, (args.to, &names), &found, command, args.force)?;
+        let path = absolute(path);
         say(&format!("written: {}", path.display()));
         return Ok(answer.with("written", path));
     }
     say(&format!(
-        "nothing was written; `--write` stores the constants for `calibration = \"{}\"`",
+        "no calibration was written; `--write` stores the constants for `calibration = \"{}\"`",
         args.to.as_str()
     ));
     Ok(answer)
 }
 
-fn calibrated(choice: &scene_file::ModelChoice) -> bool {
+/// A fit for programs.
+fn told(fit: &gearbench_reports::identify::FitRecord) -> serde_json::Value {
+    let data = |d: &gearbench_reports::identify::DataRecord| {
+        json!({
+            "name": d.name, "kind": d.kind, "validation": d.validation, "l2": d.l2,
+            "peak_rel": d.peak_rel, "impulse_rel": d.impulse_rel,
+        })
+    };
+    json!({
+        "model": fit.label,
+        "evaluations": fit.evaluations,
+        "parameters": fit.parameters,
+        "undetermined": fit.undetermined,
+        "data": fit.data.iter().map(data).collect::<Vec<_>>(),
+    })
+}
+
+fn calibrated(choice: &ModelChoice) -> bool {
     (choice.calibration.as_ref()).is_some_and(|c| c.label == choice.label)
 }
 
-/// The reference whose history is fitted.
-fn history_of(scene: &mut SceneFile, args: &Identify) -> Result<Reference, Refusal> {
-    let references = references_of(scene, &args.insist)?;
-    if let Some(reference) = references.into_iter().find(|r| r.force().is_some()) {
-        return Ok(reference);
+/// What a model is fitted to, and what it is held against.
+fn plan<'a>(
+    scene: &SceneFile,
+    choice: &ModelChoice,
+    (references, statics): (&[Held], &Option<(String, StaticTarget)>),
+    args: &Identify,
+) -> FitPlan<'a> {
+    let spec: SceneSpec = scene.spec_for(choice);
+    let gap = |scene: &SceneFile| scene.spec.meshes.first().map_or(0.0, |m| m.start.gap);
+    let of_reference = |held: &&Held| {
+        let (time, force) = held.data.force()?;
+        let own = scene.under(&held.named);
+        // Beyond the scene's duration the reference may lack what the scene has, as the other flanks.
+        let n = time.partition_point(|&t| t <= own.duration);
+        let name = held.named.stored().unwrap_or(&held.named.name);
+        Some(DataSet {
+            further_gap: gap(&own) - gap(scene),
+            ..DataSet::history(name, &own.spec_for(choice), &time[..n], &force[..n])
+        })
+    };
+    let (held_out, fitted): (Vec<&Held>, Vec<&Held>) =
+        references.iter().partition(|held| held.is_held_out());
+    let statics = statics.as_ref().map(|(label, target)| DataSet {
+        weight: args.static_weight,
+        ..DataSet::statics(
+            &format!("`{label}` at rest under {} N/mm", args.load),
+            &spec,
+            target.clone(),
+        )
+    });
+    FitPlan {
+        label: choice.label.clone(),
+        modelling: choice.modelling.clone(),
+        models: models(),
+        data: (fitted.iter().filter_map(of_reference))
+            .chain(statics)
+            .collect(),
+        held_out: held_out.iter().filter_map(of_reference).collect(),
+        wishes: Wishes {
+            fit: args.fit.clone(),
+            held: args.hold.clone(),
+            starts: args.start.clone(),
+            bounds: args.bounds.clone(),
+            scattered: args.starts.into(),
+            profiles: args.profiles,
+        },
+    }
+}
+
+fn refuse(scene: &SceneFile, choice: &ModelChoice, e: IdentifyError) -> Refusal {
+    match e {
+        IdentifyError::Build(e) => Refusal::from(scene.locate_in(&choice.label, &e)),
+        IdentifyError::Journal(e) => e.into(),
+        e @ (IdentifyError::Model(..) | IdentifyError::Key(..) | IdentifyError::Value(..)) => {
+            Refusal::Input(miette::miette!("{e}"))
+        }
+        other => Refusal::Failed(other.to_string()),
+    }
+}
+
+/// The references whose histories are fitted or held out, at least one to fit.
+fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<Held>, Refusal> {
+    let known = scene.odd.len();
+    let mut references = scene.held(args.insist.any_reference)?;
+    (scene.odd[known..].iter()).for_each(|odd| warn(&odd.told()));
+    references.retain(|held| held.data.force().is_some());
+    if references.iter().any(|held| !held.is_held_out()) {
+        return Ok(references);
     }
     let way_out = match scene.fitting() {
         Some(fitting) => format!("give it a line `{fitting}`"),
@@ -156,80 +223,4 @@ fn statics_of(scene: &SceneFile, args: &Identify) -> Result<(String, StaticTarge
     let target = StaticTarget::of((&spec, &choice.modelling), models(), force, POSITIONS);
     let fail = |e| refuse_study(scene, StudyError::Statics(choice.label.clone(), e));
     Ok((choice.label.clone(), target.map_err(fail)?))
-}
-
-fn write(
-    scene: &SceneFile,
-    (to, reference): (FittedTo, &str),
-    found: &[(String, Identification)],
-    command: &str,
-) -> Result<PathBuf, Refusal> {
-    let path = scene.calibration_path();
-    let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
-    // Calibrations of other names or labels stay as they are.
-    let mut calibration = match std::fs::read_to_string(&path) {
-        Ok(text) => {
-            let mut calibration = Calibration::parse(&path.display().to_string(), &text)?;
-            let comments = text.lines().map_while(|l| l.strip_prefix('#'));
-            calibration.header = comments.map(|l| l.trim().to_owned()).collect();
-            calibration
-        }
-        Err(_) => Calibration::default(),
-    };
-    // Every line of the header says which calibration it is of.
-    let own = |line: String| format!("{}: {line}", to.as_str());
-    let tag = own(String::new());
-    calibration
-        .header
-        .retain(|l| !l.starts_with(tag.trim_end()));
-    calibration.header.extend([
-        own(format!("written by {command}")),
-        own(format!("fitted to {reference}; for {}", to.holds_for())),
-        own(format!("commit {}, {}", machine::COMMIT, machine::now())),
-    ]);
-    for (label, r) in found {
-        let intervals: Vec<String> = r
-            .parameters
-            .iter()
-            .map(|p| format!("{} {:.1} %", p.key, 100.0 * p.relative_95))
-            .collect();
-        let errors = [
-            ("force history", r.force_l2),
-            ("static compliance", r.static_l2),
-        ];
-        let errors = errors
-            .into_iter()
-            .filter_map(|(what, e)| Some(format!("{what} {:.4}", e?)));
-        calibration.header.push(own(format!(
-            "{label}: relative L2 error of the {}; 95 % intervals: {}",
-            errors.collect::<Vec<_>>().join(", of the "),
-            intervals.join(", ")
-        )));
-        let mut constants = Constants::of(r.parameters.iter().map(|p| (p.key, p.value)));
-        // What was not fitted stays as the calibration that the model asks for has it.
-        let before = scene
-            .model(label)
-            .and_then(|c| c.calibration.as_ref()?.constants.clone());
-        for (key, x) in before.map(|b| b.parameters).unwrap_or_default() {
-            constants.parameters.entry(key).or_insert(x);
-        }
-        calibration
-            .sets
-            .entry(to.as_str().into())
-            .or_default()
-            .insert(label.clone(), constants);
-    }
-    let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
-    if let Some(parent) = parent
-        && !parent.is_dir()
-    {
-        return Err(Refusal::Files(format!(
-            "{}: the folder does not exist; run this from the root of the repository for a shipped scene",
-            parent.display()
-        )));
-    }
-    let staged = path.with_extension("toml.part");
-    std::fs::write(&staged, calibration.to_toml()).map_err(|e| fail(&e))?;
-    std::fs::rename(&staged, &path).map_err(|e| fail(&e))?;
-    Ok(path)
 }

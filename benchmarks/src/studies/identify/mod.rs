@@ -1,13 +1,25 @@
-//! Identification: stiffness, tooth mass and touch time fitted to the force history of a reference impact.
+//! Identification: constants of models fitted to references.
 //!
-//! The residuals are the differences of the contact force on the reference's own time grid, so the fit
-//! minimises the relative L2 error that reports show. The touch time is fitted as the initial gap: a
-//! faceted finite-element flank touches later than the exact involute. What is fitted:
+//! | module | owns |
+//! |---|---|
+//! | [`plan`] | data, and what a fit is asked for |
+//! | [`parameters`] | what can be fitted, from where, between which bounds |
+//! | [`estimate`] | the mathematics: fit, intervals under correlated errors, what is not determined |
+//! | [`run`] | the model on the data, and the record of the fit |
+//! | [`explain`] | what cannot be told apart, in words |
+//! | [`write`] | the calibration file |
+//!
+//! Residuals are the differences of the contact force on the data's own times over the size of the data, so that the fit
+//! minimises the relative L2 error that reports show, and of the static compliance over a mesh cycle likewise. Several
+//! data sets are fitted at once, each under its own speeds and loads. By default are fitted:
 //!
 //! | model | parameters |
 //! |---|---|
 //! | `rigid` | stiffness of a tooth pair per width, gap |
 //! | `movable-teeth` | stiffness of a tooth pair per width, tooth stiffness, tooth mass, gap |
+//!
+//! The gap is the touch time: a faceted finite-element flank touches later than the exact involute. Where the clock of
+//! data is not that of the scene its offset can be fitted in the place of the gap.
 //!
 //! An impact is over before the bodies have given way, so that what fits it is too stiff for gears that run under load:
 //! there compliances of finite elements at rest are fitted in its place (the stiffness of a tooth pair, which is
@@ -15,10 +27,16 @@
 
 pub(crate) mod arguments;
 pub(crate) mod command;
-mod levenberg_marquardt;
+pub mod estimate;
+mod explain;
+mod parameters;
 mod plan;
 mod run;
 mod summary;
+#[cfg(test)]
+mod tests;
+mod write;
 
-pub use plan::{Identification, Identified, IdentifyError, StaticTarget, Target, apply};
-pub use run::identify;
+pub use parameters::{CLOCK, Chosen, Parameter, Wishes};
+pub use plan::{Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply};
+pub use run::{identify, modelled};

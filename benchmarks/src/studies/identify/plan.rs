@@ -1,30 +1,98 @@
-//! What is identified, and how it is put into a scene.
+//! What is identified from what.
 
+use super::parameters::{Chosen, Wishes};
+use crate::experiment::journal::JournalError;
 use crate::scene_file::calibration::Constants;
+use gearbench_integrators::StepError;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle, StaticsError};
-use serde_json::{Value, json};
+use gearbench_reports::identify::FitRecord;
 
-/// An identified parameter.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Identified {
-    /// Key as written in scenes.
-    pub key: &'static str,
-    /// Value in SI units.
-    pub value: f64,
-    /// Half width of the 95 % confidence interval, relative.
-    pub relative_95: f64,
+/// Data that a model is fitted to, or held against.
+#[derive(Clone, Debug)]
+pub struct DataSet {
+    /// Name.
+    pub name: String,
+    /// Gears, speeds and loads under which they were taken.
+    pub spec: SceneSpec,
+    /// What they say.
+    pub data: Data,
+    /// Weight of the residuals, which are taken over the size of the data.
+    pub weight: f64,
+    /// Its gap at the start over that of the scene, which is what is fitted [m].
+    pub further_gap: f64,
 }
 
-/// What constants are fitted to: one of them, or both at once, each weighted by its size.
-#[derive(Clone, Debug, Default)]
-pub struct Target<'a> {
-    /// Times [s] and contact force [N] of a reference impact.
-    pub history: Option<(&'a [f64], &'a [f64])>,
+/// What data say.
+#[derive(Clone, Debug)]
+pub enum Data {
+    /// The contact force over time.
+    History {
+        /// Times [s], ascending.
+        time: Vec<f64>,
+        /// Force [N].
+        force: Vec<f64>,
+    },
     /// A mesh cycle at rest.
-    pub statics: Option<StaticTarget>,
+    Statics(StaticTarget),
+}
+
+impl DataSet {
+    /// A history of a scene.
+    pub fn history(name: &str, spec: &SceneSpec, time: &[f64], force: &[f64]) -> Self {
+        DataSet {
+            name: name.into(),
+            spec: spec.clone(),
+            data: Data::History {
+                time: time.to_vec(),
+                force: force.to_vec(),
+            },
+            weight: 1.0,
+            further_gap: 0.0,
+        }
+    }
+
+    /// A mesh cycle of a scene at rest.
+    pub fn statics(name: &str, spec: &SceneSpec, target: StaticTarget) -> Self {
+        DataSet {
+            name: name.into(),
+            spec: spec.clone(),
+            data: Data::Statics(target),
+            weight: 1.0,
+            further_gap: 0.0,
+        }
+    }
+
+    /// The numbers that the residuals are about.
+    pub fn values(&self) -> &[f64] {
+        match &self.data {
+            Data::History { force, .. } => force,
+            Data::Statics(target) => &target.compliance,
+        }
+    }
+
+    /// Length of a history [s]; 0 of anything else.
+    pub fn duration(&self) -> f64 {
+        match &self.data {
+            Data::History { time, .. } => {
+                let ends = time.first().zip(time.last());
+                ends.map_or(0.0, |(a, b)| b - a)
+            }
+            Data::Statics(_) => 0.0,
+        }
+    }
+
+    /// Root of the sum of the squared values.
+    pub fn size(&self) -> f64 {
+        size(self.values())
+    }
+}
+
+/// Root of the sum of squares.
+pub fn size(y: &[f64]) -> f64 {
+    y.iter().map(|y| y * y).sum::<f64>().sqrt()
 }
 
 /// Compliances of the mesh under a load at even positions over one base pitch: tangents, as facets of finite-element
@@ -57,32 +125,45 @@ impl StaticTarget {
     }
 }
 
+/// A fit to be made.
+#[derive(Clone, Debug)]
+pub struct FitPlan<'a> {
+    /// Label of the model in its scene.
+    pub label: String,
+    /// Gears of all models, and the contacts; the model of the first is the one whose constants are fitted.
+    pub modelling: Modelling,
+    /// Table of models.
+    pub models: &'a [Model],
+    /// Data to fit, at least one.
+    pub data: Vec<DataSet>,
+    /// Data that the fitted model is held against.
+    pub held_out: Vec<DataSet>,
+    /// What is fitted.
+    pub wishes: Wishes,
+}
+
 /// The result of an identification.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Identification {
-    /// Parameters.
-    pub parameters: Vec<Identified>,
-    /// Relative L2 error of the force history with them, where it was fitted.
-    pub force_l2: Option<f64>,
-    /// Relative L2 error of the static compliance over a mesh cycle, where it was fitted.
-    pub static_l2: Option<f64>,
-    /// Integrations done.
-    pub evaluations: u32,
+    /// All that reports show.
+    pub record: FitRecord,
+    /// Values of all parameters at the minimum, those that are not identifiable included.
+    pub all: Constants,
+    /// The parameters.
+    pub chosen: Chosen,
 }
 
 impl Identification {
-    /// The same for programs.
-    pub fn told(&self, label: &str) -> Value {
-        let parameters: Vec<Value> = (self.parameters.iter())
-            .map(|p| json!({ "key": p.key, "value": p.value, "relative_95": p.relative_95 }))
-            .collect();
-        json!({
-            "model": label,
-            "force_l2": self.force_l2,
-            "static_l2": self.static_l2,
-            "evaluations": self.evaluations,
-            "parameters": parameters,
-        })
+    /// What the data determine.
+    pub fn constants(&self) -> Constants {
+        let known =
+            (self.record.parameters.iter().zip(&self.chosen.parameters)).filter_map(|(p, of)| {
+                match of {
+                    super::parameters::Parameter::Constant(key) => Some((key.as_str(), p.value?)),
+                    super::parameters::Parameter::Clock(_) => None,
+                }
+            });
+        Constants::of(known)
     }
 }
 
@@ -95,20 +176,34 @@ pub enum IdentifyError {
     /// There is no recipe for the model.
     #[error("there is nothing to identify for the model `{0}`; {known} have stiffness to fit", known = .1.join(" and "))]
     Model(String, Vec<&'static str>),
+    /// A key is none that can be fitted.
+    #[error("`{0}` cannot be fitted for the model `{1}`; there are {known}", known = .2.join(", "))]
+    Key(String, String, Vec<&'static str>),
+    /// A value cannot be one of the parameter.
+    #[error("`{0}` cannot be {1:e}")]
+    Value(String, f64),
     /// The model that statics are fitted to cannot be loaded.
     #[error(transparent)]
     Statics(#[from] StaticsError),
-    /// The reference has no force.
-    #[error("the reference has no contact force to fit to")]
-    NoForce,
+    /// The model cannot be integrated over the data.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// Finished pieces cannot be read or kept.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// The data have no force.
+    #[error("{0} has no contact force to fit to")]
+    NoForce(String),
+    /// The run of a trial does not reach the end of the data.
+    #[error("the run does not reach the end of {0}")]
+    Short(String),
     /// No start led to a fit.
     #[error("the fit failed from every start: {0}")]
     Failed(String),
 }
 
-/// Puts identified values into a scene and its models, as a calibration with them would be.
-pub fn apply(values: &[(&str, f64)], model: &str, spec: &mut SceneSpec, modelling: &mut Modelling) {
-    let constants = Constants::of(values.iter().copied());
+/// Puts constants into a scene and its models, as a calibration with them would be.
+pub fn apply(constants: &Constants, model: &str, spec: &mut SceneSpec, modelling: &mut Modelling) {
     constants.apply(model, modelling);
     if let Some(gap) = constants.gap {
         for m in &mut spec.meshes {
@@ -134,9 +229,9 @@ mod tests {
             of: PairOrMesh::Mesh,
         };
         let (mut fitted, mut spec) = (modelling.clone(), scene.spec.clone());
-        let values = [(STIFFNESS, 2e10), (GAP, 3e-6)];
+        let values = Constants::of([(STIFFNESS, 2e10), (GAP, 3e-6)]);
         apply(&values, "rigid", &mut spec, &mut fitted);
-        Constants::of(values).apply("rigid", &mut modelling);
+        values.apply("rigid", &mut modelling);
         let expected = PairStiffness::Constant {
             per_width: 2e10,
             of: PairOrMesh::Mesh,

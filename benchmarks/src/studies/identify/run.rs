@@ -1,146 +1,269 @@
-//! The fit.
+//! The fit of a model to its data.
 
-use super::levenberg_marquardt::{Fit, fit};
-use super::plan::{Identification, Identified, IdentifyError, StaticTarget, Target, apply};
+use super::estimate::{Estimate, Problem, estimate};
+use super::explain::undetermined;
+use super::parameters::{Chosen, choose};
+use super::plan::{
+    Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply, size,
+};
 use crate::experiment::key::Key;
 use crate::experiment::run::force_on_grid;
 use crate::experiment::runner::Runner;
-use crate::scene_file::calibration::{GAP, STIFFNESS};
+use crate::scene_file::calibration::Constants;
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::DOPRI5;
-use gearbench_models::gear::properties;
-use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reports::identify::{
+    DataKind, DataRecord, FitRecord, Outcome, ParameterRecord, ProfileRecord,
+};
 
-/// Tolerance of the integration inside the fit: well below what the fit can tell apart.
-const RTOL: f64 = 1e-6;
+/// Tolerance of the integration inside the fit: differences of two runs are to have three digits.
+const RTOL: f64 = 1e-8;
 /// Steps after which a trial is given up: parameters that need more are far from any tooth.
-const MAX_STEPS: u64 = 20_000;
-/// Stiffness of a tooth pair that fits start from [N/m per m].
-const PAIR: f64 = 1.5e10;
+const MAX_STEPS: u64 = 50_000;
+/// Sums of squares this close are one minimum.
+const SAME: f64 = 1e-3;
 
-/// Fits a model (its id in all gears of `modelling`) to a target.
+/// A model with constants on data: its own values at the places of the data.
 ///
-/// Statics alone cannot tell springs in series apart, nor masses and gaps: then only the stiffness of a tooth pair is
-/// fitted, and all other constants stay as they are.
+/// # Errors
+/// [`IdentifyError`] where it cannot be built, or does not reach the end.
+pub fn modelled(
+    plan: &FitPlan<'_>,
+    set: &DataSet,
+    constants: &Constants,
+    clock: f64,
+) -> Result<Vec<f64>, IdentifyError> {
+    let (mut spec, mut modelling) = (set.spec.clone(), plan.modelling.clone());
+    let model = plan.modelling.gears.first().map_or("", |g| g.id.as_str());
+    apply(constants, model, &mut spec, &mut modelling);
+    if constants.gap.is_some() {
+        (spec.meshes.iter_mut()).for_each(|m| m.start.gap += set.further_gap);
+    }
+    match &set.data {
+        Data::History { time, .. } => {
+            let shifted: Vec<f64> = time.iter().map(|t| t + clock).collect();
+            // Before its start a scene has no force.
+            let before = shifted.partition_point(|t| *t < 0.0);
+            let mut scene = Scene::build(&spec, &modelling, plan.models)?;
+            let mut dopri5 = DOPRI5.build();
+            let (tolerance, grid) = (Resolution::Tolerance(RTOL), &shifted[before..]);
+            let found = force_on_grid(&mut scene, dopri5.as_mut(), tolerance, MAX_STEPS, grid)?;
+            match found.len() == grid.len() {
+                true => Ok([vec![0.0; before], found].concat()),
+                false => Err(IdentifyError::Short(set.name.clone())),
+            }
+        }
+        Data::Statics(wanted) => {
+            let count = wanted.compliance.len();
+            let own = StaticTarget::of((&spec, &modelling), plan.models, wanted.force, count);
+            Ok(own?.compliance)
+        }
+    }
+}
+
+/// Fits a model to data. Every trial is a piece of the runner's, so that an interrupted fit goes on.
+///
+/// # Errors
+/// [`IdentifyError`].
 pub fn identify(
-    spec: &SceneSpec,
-    modelling: &Modelling,
-    models: &[Model],
-    target: &Target<'_>,
+    plan: &FitPlan<'_>,
     runner: &Runner<'_>,
     mut progress: impl FnMut(u32, f64),
 ) -> Result<Identification, IdentifyError> {
-    let size = |y: &[f64]| y.iter().map(|y| y * y).sum::<f64>().sqrt();
-    let (time, force) = target.history.unwrap_or_default();
-    let force_size = size(force);
-    if target.history.is_some() && !(force_size > 0.0 && force_size.is_finite()) {
-        return Err(IdentifyError::NoForce);
+    for set in plan.data.iter().chain(&plan.held_out) {
+        let size = set.size();
+        if !(size > 0.0 && size.is_finite()) {
+            return Err(IdentifyError::NoForce(set.name.clone()));
+        }
     }
-    let model = modelling.gears.first().map_or("", |g| g.id.as_str());
-    let fit_of = properties_of(models, model).fit.ok_or_else(|| {
-        let known = models.iter().filter(|m| m.properties.fit.is_some());
-        IdentifyError::Model(model.into(), known.map(|m| m.id).collect())
-    })?;
-    let keys: Vec<&'static str> = match target.history {
-        Some(_) => [&[STIFFNESS], fit_of.parameters, &[GAP]].concat(),
-        None => vec![STIFFNESS],
+    let Some(first) = plan.data.first() else {
+        return Err(IdentifyError::Failed("there are no data".into()));
     };
-
+    let scene = (&first.spec, &plan.modelling, plan.models);
+    let chosen = choose(scene, &plan.data, &plan.wishes)?;
     let mut count = 0;
     let mut why = String::new();
-    let mut residuals = |x: &[f64]| -> Option<Vec<f64>> {
-        let (mut spec, mut modelling) = (spec.clone(), modelling.clone());
-        let values: Vec<(&str, f64)> = keys.iter().copied().zip(x.iter().copied()).collect();
-        apply(&values, model, &mut spec, &mut modelling);
-        let key = Key::new("trial of a fit")
-            .and_scene(&spec, &modelling)
-            .and(&(time, &target.statics));
-        let run = runner.piece(key, || -> Result<Vec<f64>, String> {
-            let mut found = Vec::new();
-            if target.history.is_some() {
-                let mut scene =
-                    Scene::build(&spec, &modelling, models).map_err(|e| e.to_string())?;
-                let mut dopri5 = DOPRI5.build();
-                let resolution = Resolution::Tolerance(RTOL);
-                found = force_on_grid(&mut scene, dopri5.as_mut(), resolution, MAX_STEPS, time)
-                    .map_err(|e| e.to_string())?;
-                if found.len() != force.len() {
-                    return Err("the run does not reach the end of the reference".into());
+    let mut residuals = |z: &[f64]| -> Option<Vec<f64>> {
+        let values = super::estimate::coordinates::values(&chosen.coordinates, z);
+        let constants = chosen.constants(&values);
+        let mut all = Vec::new();
+        for (i, set) in plan.data.iter().enumerate() {
+            let clock = chosen.clock(&values, i);
+            let found = trial(plan, set, &constants, clock, runner);
+            match found {
+                Ok(found) => {
+                    let over = set.weight / set.size();
+                    let pairs = found.iter().zip(set.values());
+                    all.extend(pairs.map(|(a, b)| over * (a - b)));
                 }
-            }
-            if let Some(wanted) = &target.statics {
-                let count = wanted.compliance.len();
-                let own = StaticTarget::of((&spec, &modelling), models, wanted.force, count);
-                found.extend(own.map_err(|e| e.to_string())?.compliance);
-            }
-            Ok(found)
-        });
-        match run {
-            Ok(found) => {
-                let (f, e) = found.split_at(force.len().min(found.len()));
-                let mut r: Vec<f64> = (f.iter().zip(force))
-                    .map(|(a, b)| (a - b) / force_size)
-                    .collect();
-                if let Some(wanted) = &target.statics {
-                    let whole = size(&wanted.compliance);
-                    r.extend(
-                        e.iter()
-                            .zip(&wanted.compliance)
-                            .map(|(a, b)| (a - b) / whole),
-                    );
+                Err(e) => {
+                    why = e.to_string();
+                    return None;
                 }
-                count += 1;
-                progress(count, size(&r));
-                Some(r)
-            }
-            Err(e) => {
-                why = e;
-                None
             }
         }
+        count += 1;
+        progress(count, size(&all));
+        Some(all)
     };
-
-    let mut best: Option<Fit> = None;
-    for mut start in starts(spec, &fit_of) {
-        start.truncate(keys.len());
-        if let Some(f) = fit(&mut residuals, &start)
-            && best.as_ref().is_none_or(|b| f.sum < b.sum)
-        {
-            best = Some(f);
-        }
-    }
-    let left = best.as_ref().and_then(|best| residuals(&best.x));
-    let (Some(best), Some(left)) = (best, left) else {
+    let problem = Problem {
+        coordinates: chosen.coordinates.clone(),
+        free: chosen.free.clone(),
+        blocks: plan.data.iter().map(|d| d.values().len()).collect(),
+        starts: chosen.starts.clone(),
+        profiles: plan.wishes.profiles,
+    };
+    let Some(found) = estimate(&problem, &mut residuals) else {
         return Err(IdentifyError::Failed(why));
     };
-    let (f, e) = left.split_at(force.len());
-    let parameters = keys
-        .iter()
-        .zip(best.x.iter().zip(&best.relative_95))
-        .map(|(&key, (&value, &relative_95))| Identified {
-            key,
-            value,
-            relative_95,
-        })
-        .collect();
+    let values: Vec<f64> = found.values.iter().map(|v| v.0).collect();
+    let all = chosen.constants(&values);
+    let mut data = Vec::new();
+    let clock = |i: usize| chosen.clock(&values, i);
+    for (i, set) in plan.data.iter().enumerate() {
+        let model = trial(plan, set, &all, clock(i), runner)?;
+        let noise = found.known.noise.get(i).and_then(|n| n.as_ref());
+        data.push(DataRecord {
+            correlation_lag1: noise.map(|n| n.correlation(1)),
+            noise_order: noise.map(|n| n.a.len()),
+            ..against(set, model, false)
+        });
+    }
+    for set in &plan.held_out {
+        let model = trial(plan, set, &all, 0.0, runner)?;
+        data.push(against(set, model, true));
+    }
     Ok(Identification {
-        parameters,
-        force_l2: target.history.map(|_| size(f)),
-        static_l2: target.statics.as_ref().map(|_| size(e)),
-        evaluations: count,
+        record: record(plan, &chosen, &found, data),
+        all,
+        chosen,
     })
 }
 
-/// Starting points in the order of the keys: one pair of steel teeth has about 14 N/(um mm) whatever the module.
-fn starts(spec: &SceneSpec, fit: &properties::Fit) -> Vec<Vec<f64>> {
-    let gap = spec.meshes.first().map_or(1e-6, |m| m.start.gap.max(1e-7));
-    let Some(gear) = spec.gears.first() else {
-        return Vec::new();
+/// A trial, made now unless it is finished.
+fn trial(
+    plan: &FitPlan<'_>,
+    set: &DataSet,
+    constants: &Constants,
+    clock: f64,
+    runner: &Runner<'_>,
+) -> Result<Vec<f64>, IdentifyError> {
+    let places = match &set.data {
+        Data::History { time, .. } => (time.as_slice(), 0.0),
+        Data::Statics(target) => (&[][..], target.force),
     };
-    (fit.starts)(PAIR, gear)
-        .iter()
-        .map(|s| [&[s.contact], &s.parameters[..], &[gap]].concat())
-        .collect()
+    let key = Key::new("trial of a fit")
+        .and_scene(&set.spec, &plan.modelling)
+        .and(&(
+            constants,
+            clock,
+            places,
+            set.values().len(),
+            set.further_gap,
+        ));
+    runner.piece(key, || modelled(plan, set, constants, clock))
+}
+
+/// The model beside data: errors of the history, of its peak and its impulse.
+fn against(set: &DataSet, model: Vec<f64>, validation: bool) -> DataRecord {
+    let data = set.values();
+    let off: Vec<f64> = model.iter().zip(data).map(|(a, b)| a - b).collect();
+    let (kind, abscissa, of_force) = match &set.data {
+        Data::History { time, .. } => (DataKind::Force, time.clone(), true),
+        Data::Statics(_) => {
+            let n = data.len().max(1) as f64;
+            let places = (0..data.len()).map(|i| i as f64 / n).collect();
+            (DataKind::Compliance, places, false)
+        }
+    };
+    let peak = |y: &[f64]| y.iter().copied().fold(0.0, f64::max);
+    let impulse = |y: &[f64]| {
+        let steps = abscissa.windows(2).zip(y.windows(2));
+        steps
+            .map(|(t, y)| 0.5 * (t[1] - t[0]) * (y[0] + y[1]))
+            .sum::<f64>()
+    };
+    let relative = |of: &dyn Fn(&[f64]) -> f64| {
+        let (a, b) = (of(&model), of(data));
+        (of_force && b != 0.0).then(|| a / b - 1.0)
+    };
+    DataRecord {
+        name: set.name.clone(),
+        validation,
+        kind,
+        weight: set.weight,
+        l2: size(&off) / set.size(),
+        peak_rel: relative(&peak),
+        impulse_rel: relative(&impulse),
+        correlation_lag1: None,
+        noise_order: None,
+        abscissa: abscissa.clone(),
+        data: data.to_vec(),
+        model,
+    }
+}
+
+fn record(
+    plan: &FitPlan<'_>,
+    chosen: &Chosen,
+    found: &Estimate,
+    data: Vec<DataRecord>,
+) -> FitRecord {
+    let parameters = (chosen.parameters.iter().enumerate()).map(|(j, p)| {
+        let (value, [low, high]) = found.values[j];
+        let outcome = if !chosen.free[j] {
+            Outcome::Held
+        } else if found.minimum.at_bound[j] {
+            Outcome::AtBound
+        } else if found.unknown[j] {
+            Outcome::NotIdentifiable
+        } else {
+            Outcome::Identified
+        };
+        let identified = outcome == Outcome::Identified;
+        let end = |x: f64| Some(x).filter(|x| identified && x.is_finite());
+        ParameterRecord {
+            key: p.key(&plan.data),
+            name: p.name(&plan.data),
+            unit: p.unit(),
+            outcome,
+            value: Some(value).filter(|_| outcome != Outcome::NotIdentifiable),
+            low: end(low),
+            high: end(high),
+            freedom: end(found.known.freedom[j]),
+            by_profile: identified && found.profiles[j].as_ref().is_some_and(|p| p.bent),
+        }
+    });
+    let free: Vec<usize> = (0..chosen.free.len()).filter(|&j| chosen.free[j]).collect();
+    let correlation = (free.iter())
+        .map(|&i| {
+            let of = |&j: &usize| if i == j { 1.0 } else { found.correlation(i, j) };
+            free.iter().map(of).collect()
+        })
+        .collect();
+    let profiles = (found.profiles.iter().enumerate()).filter_map(|(j, profile)| {
+        let profile = profile.as_ref()?;
+        let c = chosen.coordinates[j];
+        Some(ProfileRecord {
+            key: chosen.parameters[j].key(&plan.data),
+            value: profile.z.iter().map(|&z| c.value(z)).collect(),
+            deviation: profile.deviation.clone(),
+            quantile: profile.quantile,
+        })
+    });
+    let reached = found.starts.iter().flatten();
+    let agreed = reached.filter(|s| **s <= found.minimum.sum * (1.0 + SAME) + f64::MIN_POSITIVE);
+    FitRecord {
+        label: plan.label.clone(),
+        parameters: parameters.collect(),
+        correlation,
+        condition: Some(found.condition()).filter(|c| c.is_finite()),
+        undetermined: undetermined(found, chosen, &plan.data),
+        data,
+        profiles: profiles.collect(),
+        evaluations: found.evaluations,
+        starts: found.starts.len(),
+        starts_agreed: agreed.count(),
+    }
 }

@@ -1,33 +1,60 @@
 //! What the terminal says of a fit.
 
-use super::plan::Identification;
 use crate::cli::terminal::say;
+use gearbench_reports::identify::{DataRecord, FitRecord, Outcome, ParameterRecord};
+use gearbench_reports::record::Results;
 
-/// The error that is left, and the parameters with their intervals.
-pub fn summarise(label: &str, reference: &str, r: &Identification) {
-    let part = |what: &str, error: Option<f64>| {
-        error.map(|e| format!("{what} within {:.3} % (relative L2)", 100.0 * e))
-    };
-    let parts = [
-        part("force history", r.force_l2),
-        part("static compliance", r.static_l2),
-    ];
+/// All fits of a record.
+pub fn summarise(results: &Results) {
+    results.fits().iter().for_each(one);
+}
+
+fn one(f: &FitRecord) {
     say(&format!(
-        "{label}: {} of {reference}, {} trials",
-        parts.into_iter().flatten().collect::<Vec<_>>().join(", "),
-        r.evaluations
+        "{}: {} trials, {} of {} starting points led here",
+        f.label, f.evaluations, f.starts_agreed, f.starts
     ));
-    for p in &r.parameters {
-        say(&format!(
-            "  {:<26} {:>12.5e}  +- {:.1} % (95 %)",
-            p.key,
-            p.value,
-            100.0 * p.relative_95
-        ));
-        if p.relative_95 > 0.5 {
-            say(
-                "    hardly identifiable: the force history does not tell this value apart from its neighbours",
-            );
+    for d in &f.data {
+        say(&format!("  {}", data(d)));
+    }
+    for p in &f.parameters {
+        say(&format!("  {:<26} {}", p.key, told(p)));
+    }
+    for text in &f.undetermined {
+        say(&format!("  {text}"));
+    }
+}
+
+fn data(d: &DataRecord) -> String {
+    let part = |what: &str, x: Option<f64>| {
+        x.map_or_else(String::new, |x| format!(", {what} {:+.2} %", 100.0 * x))
+    };
+    format!(
+        "{} of {} {} {:.3} % (relative L2){}{}",
+        d.kind,
+        d.name,
+        if d.validation {
+            "held against it within"
+        } else {
+            "fitted within"
+        },
+        100.0 * d.l2,
+        part("peak", d.peak_rel),
+        part("impulse", d.impulse_rel),
+    )
+}
+
+fn told(p: &ParameterRecord) -> String {
+    let value = p.value.map_or_else(String::new, |x| format!("{x:>12.5e}"));
+    match p.outcome {
+        Outcome::Identified => {
+            let end = |x: Option<f64>| x.map_or_else(|| "open".into(), |x| format!("{x:.4e}"));
+            let half = p.relative();
+            let half = half.map_or_else(String::new, |r| format!("  +- {:.1} %", 100.0 * r));
+            format!("{value}{half} (95 %: {} to {})", end(p.low), end(p.high))
         }
+        Outcome::AtBound => format!("{value}  at its bound: the data would have it beyond"),
+        Outcome::Held => format!("{value}  held"),
+        Outcome::NotIdentifiable => "not identifiable".into(),
     }
 }

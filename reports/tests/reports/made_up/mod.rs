@@ -10,7 +10,7 @@ use gearbench_reports::{
     ReferenceSeries, Results, Run, Status, StudyHeader, TimeSeries, Tolerance, compare,
 };
 use std::f64::consts::PI;
-pub use studies::{mode_results, penalty_results, sweep_results};
+pub use studies::{identify_results, mode_results, penalty_results, sweep_results};
 
 /// Metrics of a run that was to end where it does.
 fn metrics_of(

@@ -1,6 +1,9 @@
 //! Made-up records of the studies of mode counts, speeds and penalties.
 
 use super::{fail, impact, impact_results, metrics_of, reference, run, study};
+use gearbench_reports::identify::{
+    DataKind, DataRecord, FitRecord, IdentifyRecord, Outcome, ParameterRecord, ProfileRecord,
+};
 use gearbench_reports::sweep::{Bearing, ShaftOrders, StaticCycle, Steady, SweepRecord};
 use gearbench_reports::{Ledger, Part, Results, Run, Status};
 use std::f64::consts::PI;
@@ -199,5 +202,74 @@ pub fn penalty_results() -> Results {
         Part::Penalty,
         references,
         runs,
+    )
+}
+
+/// An identification: one parameter known, one on its bound, one that the data do not tell; data that were fitted and held
+/// out; a profile; and numbers that are none.
+pub fn identify_results() -> Results {
+    let parameter = |key: &str, outcome: Outcome, value: Option<f64>| ParameterRecord {
+        key: key.into(),
+        name: key.replace('_', " "),
+        unit: "N/m".into(),
+        outcome,
+        value,
+        low: value.map(|x| 0.9 * x),
+        high: Some(f64::INFINITY),
+        freedom: Some(7.5),
+        by_profile: outcome == Outcome::Identified,
+    };
+    let n = 60;
+    let data = |name: &str, validation: bool, kind: DataKind| DataRecord {
+        name: name.into(),
+        validation,
+        kind,
+        weight: 1.0,
+        l2: if validation { 0.05 } else { 0.03 },
+        peak_rel: Some(0.01),
+        impulse_rel: Some(f64::NAN),
+        correlation_lag1: Some(0.9),
+        noise_order: Some(3),
+        abscissa: (0..n).map(|i| f64::from(i) * 1e-6).collect(),
+        data: (0..n).map(|i| (f64::from(i) * PI / 60.0).sin()).collect(),
+        model: (0..n)
+            .map(|i| 1.03 * (f64::from(i) * PI / 60.0).sin())
+            .collect(),
+    };
+    let fit = FitRecord {
+        label: "movable-teeth".into(),
+        parameters: vec![
+            parameter("stiffness_n_per_m2", Outcome::Identified, Some(2.7e10)),
+            parameter("tooth_damping_ns_per_m", Outcome::AtBound, Some(0.0)),
+            parameter("tooth_mass_kg", Outcome::NotIdentifiable, None),
+        ],
+        correlation: vec![
+            vec![1.0, 0.2, 0.97],
+            vec![0.2, 1.0, 0.0],
+            vec![0.97, 0.0, 1.0],
+        ],
+        condition: Some(f64::INFINITY),
+        undetermined: vec!["tooth mass is not determined: made up".into()],
+        data: vec![
+            data("press", false, DataKind::Force),
+            data("at rest", false, DataKind::Compliance),
+            data("faster", true, DataKind::Force),
+        ],
+        profiles: vec![ProfileRecord {
+            key: "stiffness_n_per_m2".into(),
+            value: vec![2.4e10, 2.7e10, 3.2e10],
+            deviation: vec![-2.5, 0.0, 2.2],
+            quantile: 2.3,
+        }],
+        evaluations: 321,
+        starts: 4,
+        starts_agreed: 3,
+    };
+    let part = Part::Identify(IdentifyRecord { fits: vec![fit] });
+    study(
+        "gearbench identify spur_impact",
+        part,
+        Vec::new(),
+        Vec::new(),
     )
 }

@@ -1,0 +1,63 @@
+//! Coordinates of a fit: how a parameter is turned into a number of order one, and between which bounds it lies.
+//!
+//! Stiffnesses, masses and dampings are positive and known to a factor: their coordinate is the logarithm, so that steps
+//! are relative. Gaps and offsets of a clock may be zero: theirs is the value over a typical size. A coordinate that
+//! moves by one moves its parameter by as much as a prior guess may be off.
+
+/// How a parameter becomes a coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// The logarithm of a positive value.
+    Logarithm,
+    /// The value over a typical size of it.
+    Linear(f64),
+}
+
+/// A parameter of a fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coordinate {
+    /// Its scale.
+    pub scale: Scale,
+    /// Least and greatest value.
+    pub bounds: [f64; 2],
+}
+
+impl Coordinate {
+    /// A positive parameter without bounds.
+    pub const POSITIVE: Coordinate = Coordinate {
+        scale: Scale::Logarithm,
+        bounds: [0.0, f64::INFINITY],
+    };
+
+    /// Coordinate of a value.
+    pub fn of(&self, x: f64) -> f64 {
+        match self.scale {
+            Scale::Logarithm => x.ln(),
+            Scale::Linear(size) => x / size,
+        }
+    }
+
+    /// Value at a coordinate.
+    pub fn value(&self, z: f64) -> f64 {
+        match self.scale {
+            Scale::Logarithm => z.exp(),
+            Scale::Linear(size) => z * size,
+        }
+    }
+
+    /// Bounds of the coordinate.
+    pub fn range(&self) -> [f64; 2] {
+        self.bounds.map(|x| self.of(x))
+    }
+
+    /// A coordinate within the bounds.
+    pub fn clamp(&self, z: f64) -> f64 {
+        let [low, high] = self.range();
+        z.max(low).min(high)
+    }
+}
+
+/// Values at coordinates.
+pub fn values(all: &[Coordinate], z: &[f64]) -> Vec<f64> {
+    all.iter().zip(z).map(|(c, &z)| c.value(z)).collect()
+}

@@ -1,0 +1,82 @@
+//! Which combinations of parameters the data determine.
+//!
+//! Coordinates are scaled so that one is what a prior guess may be off by: a factor e, a typical gap, or the value itself
+//! where that is greater. A direction among them
+//! is not determined where the residuals do not change along it at all (a singular value of nothing), or where the 95 %
+//! interval along it reaches further than a factor of two: then the data say less than any guess, and a number would be
+//! an answer to another question. R. Brun, P. Reichert, H. R. Kuensch, *Water Resour. Res.* 37 (2001) 1015.
+
+use super::levenberg_marquardt::Minimum;
+use super::uncertainty::Uncertainty;
+use nalgebra::DMatrix;
+use std::f64::consts::LN_2;
+
+/// Part of a direction from which on a parameter belongs to it.
+const PART: f64 = 0.1;
+
+/// A combination of parameters that the data do not determine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weak {
+    /// Unit vector over the coordinates.
+    pub direction: Vec<f64>,
+    /// Half width of the 95 % interval along it in scaled coordinates; infinite where the data do not change along it.
+    pub half: f64,
+}
+
+impl Weak {
+    /// Coordinates that belong to it, those with the greatest part first.
+    pub fn members(&self) -> Vec<usize> {
+        let of = &self.direction;
+        let mut all: Vec<usize> = (0..of.len()).filter(|&j| of[j].abs() > PART).collect();
+        all.sort_by(|&a, &b| of[b].abs().total_cmp(&of[a].abs()));
+        all
+    }
+}
+
+/// What a coordinate may be off by: one, or itself where it counts from zero and is greater.
+fn sizes(minimum: &Minimum, known: &Uncertainty) -> Vec<f64> {
+    let linear = |j: usize| known.linear[j].then(|| minimum.z[j].abs());
+    (0..minimum.z.len())
+        .map(|j| linear(j).unwrap_or(1.0).max(1.0))
+        .collect()
+}
+
+/// The combinations that are not determined.
+pub fn weak(minimum: &Minimum, known: &Uncertainty) -> Vec<Weak> {
+    let empty = known.empty.iter().map(|direction| Weak {
+        direction: direction.clone(),
+        half: f64::INFINITY,
+    });
+    let mut all: Vec<Weak> = empty.collect();
+    let size = sizes(minimum, known);
+    let p = size.len();
+    let scaled = DMatrix::from_fn(p, p, |i, j| known.covariance[(i, j)] / (size[i] * size[j]));
+    let eigen = scaled.symmetric_eigen();
+    // Quantiles differ little between parameters: the widest serves.
+    let t = (known.moving.iter())
+        .map(|&j| known.half[j] / known.covariance[(j, j)].sqrt())
+        .filter(|t| t.is_finite())
+        .fold(0.0, f64::max);
+    for (i, &variance) in eigen.eigenvalues.iter().enumerate() {
+        let half = t * variance.max(0.0).sqrt();
+        if half > LN_2 {
+            let direction = eigen.eigenvectors.column(i).iter().copied().collect();
+            all.push(Weak { direction, half });
+        }
+    }
+    all
+}
+
+/// Coordinates whose value is no answer: members of a combination that is not determined, where the combination is
+/// nothing but undetermined or the coordinate's own interval is as wide.
+pub fn unknown(minimum: &Minimum, known: &Uncertainty, weak: &[Weak]) -> Vec<bool> {
+    let size = sizes(minimum, known);
+    (0..known.half.len())
+        .map(|j| {
+            weak.iter().any(|w| {
+                let member = w.direction[j].abs() > PART;
+                member && (w.half.is_infinite() || known.half[j] > LN_2 * size[j])
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,146 @@
+//! Estimation of a few parameters from data with correlated errors: the mathematics, without gears.
+//!
+//! | module | owns |
+//! |---|---|
+//! | [`coordinates`] | parameters as numbers of order one between bounds |
+//! | [`levenberg_marquardt`] | the fit |
+//! | [`noise`] | the process that the residuals are a part of |
+//! | [`uncertainty`] | covariance under that process, degrees of freedom |
+//! | [`identifiable`] | combinations that the data do not determine |
+//! | [`profile`] | intervals where the problem is not linear over them |
+//! | [`student`] | quantiles |
+
+pub mod coordinates;
+pub mod identifiable;
+pub mod levenberg_marquardt;
+pub mod noise;
+pub mod profile;
+mod student;
+#[cfg(test)]
+pub(super) mod tests;
+pub mod uncertainty;
+
+use coordinates::Coordinate;
+use identifiable::{Weak, unknown, weak};
+use levenberg_marquardt::{Effort, Minimum, Residuals, minimise};
+use profile::{Profile, Profiled};
+use uncertainty::{Uncertainty, uncertainty};
+
+/// Level of all intervals.
+pub const LEVEL: f64 = 0.95;
+
+/// What is estimated.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// Parameters.
+    pub coordinates: Vec<Coordinate>,
+    /// Those that are fitted; the others stay at their start.
+    pub free: Vec<bool>,
+    /// Residuals of each data set: correlated within, independent between.
+    pub blocks: Vec<usize>,
+    /// Starting points in coordinates.
+    pub starts: Vec<Vec<f64>>,
+    /// Profiles of all parameters in place of those that need them.
+    pub profiles: bool,
+}
+
+/// An estimate.
+#[derive(Clone, Debug)]
+pub struct Estimate {
+    /// The fit.
+    pub minimum: Minimum,
+    /// What is known of it.
+    pub known: Uncertainty,
+    /// Combinations that the data do not determine.
+    pub weak: Vec<Weak>,
+    /// Parameters whose value is no answer.
+    pub unknown: Vec<bool>,
+    /// Profiles, where they were taken.
+    pub profiles: Vec<Option<Profile>>,
+    /// Values and 95 % intervals; that of a parameter which was not fitted is its value alone.
+    pub values: Vec<(f64, [f64; 2])>,
+    /// Sums of squares that the starts led to; `None` where one could not be evaluated.
+    pub starts: Vec<Option<f64>>,
+    /// Evaluations of the residuals in all.
+    pub evaluations: u32,
+}
+
+impl Estimate {
+    /// Correlation of two parameters; 0 where one did not move.
+    pub fn correlation(&self, i: usize, j: usize) -> f64 {
+        let c = &self.known.covariance;
+        let size = (c[(i, i)] * c[(j, j)]).sqrt();
+        if size > 0.0 { c[(i, j)] / size } else { 0.0 }
+    }
+
+    /// Condition number of the Jacobian; infinite where a direction changes nothing.
+    pub fn condition(&self) -> f64 {
+        let s = &self.known.singular;
+        match (s.first(), s.last()) {
+            (Some(a), Some(b)) if *b > 0.0 => a / b,
+            (None, _) => 1.0,
+            _ => f64::INFINITY,
+        }
+    }
+}
+
+/// Estimates; `None` where no start can be evaluated.
+pub fn estimate(problem: &Problem, residuals: &mut Residuals<'_>) -> Option<Estimate> {
+    let Problem {
+        coordinates, free, ..
+    } = problem;
+    let mut evaluations = 0;
+    let mut best: Option<Minimum> = None;
+    let mut starts = Vec::new();
+    for start in &problem.starts {
+        let found = minimise(residuals, coordinates, free, start, Effort::SUM);
+        starts.push(found.as_ref().map(|m| m.sum));
+        let Some(found) = found else { continue };
+        evaluations += found.evaluations;
+        if best.as_ref().is_none_or(|b| found.sum < b.sum) {
+            best = Some(found);
+        }
+    }
+    // Valleys are told apart roughly; the deepest is gone down to its end.
+    let minimum = minimise(residuals, coordinates, free, &best?.z, Effort::WHOLE)?;
+    evaluations += minimum.evaluations;
+    let known = uncertainty(&minimum, (coordinates, free), &problem.blocks, LEVEL);
+    let weak = weak(&minimum, &known);
+    let unknown = unknown(&minimum, &known, &weak);
+    let mut counted = |z: &[f64]| {
+        evaluations += 1;
+        residuals(z)
+    };
+    let profiled = Profiled {
+        coordinates,
+        minimum: &minimum,
+        known: &known,
+    };
+    let profiles: Vec<Option<Profile>> = (0..coordinates.len())
+        .map(
+            |j| match known.empty.is_empty() && known.moving.contains(&j) {
+                true => profiled.of(&mut counted, j, problem.profiles),
+                false => None,
+            },
+        )
+        .collect();
+    let values = (0..coordinates.len())
+        .map(|j| {
+            let (c, z) = (&coordinates[j], minimum.z[j]);
+            let own = [z - known.half[j], z + known.half[j]];
+            let interval = profiles[j].as_ref().map_or(own, |p| p.interval);
+            let ends = interval.map(|z| c.value(z).clamp(c.bounds[0], c.bounds[1]));
+            (c.value(z), ends)
+        })
+        .collect();
+    Some(Estimate {
+        minimum,
+        known,
+        weak,
+        unknown,
+        profiles,
+        values,
+        starts,
+        evaluations,
+    })
+}

@@ -1,0 +1,61 @@
+//! What the data do not tell apart, in words.
+
+use super::estimate::Estimate;
+use super::estimate::identifiable::Weak;
+use super::parameters::{Chosen, Parameter};
+use super::plan::{Data, DataSet};
+use crate::scene_file::calibration::{DAMPING, GAP, STIFFNESS};
+
+/// Keys of the springs and dampers of teeth.
+const TOOTH_STIFFNESS: &str = "tooth_stiffness_n_per_m";
+const TOOTH_MASS: &str = "tooth_mass_kg";
+
+/// One sentence per combination that is not determined, without its full stop.
+pub fn undetermined(estimate: &Estimate, chosen: &Chosen, data: &[DataSet]) -> Vec<String> {
+    let told = |w: &Weak| {
+        let members: Vec<&Parameter> = (w.members().into_iter())
+            .map(|j| &chosen.parameters[j])
+            .collect();
+        let names: Vec<String> = members.iter().map(|p| p.name(data)).collect();
+        let has = |key: &str| members.iter().any(|p| p.is(key));
+        let only = |keys: &[&str]| members.len() == keys.len() && keys.iter().all(|k| has(k));
+        let clock = members.iter().any(|p| matches!(p, Parameter::Clock(_)));
+        let at_rest = data.iter().all(|d| matches!(d.data, Data::Statics(_)));
+        let why = if only(&[STIFFNESS, TOOTH_STIFFNESS]) {
+            "they act in series, only the sum of their compliances is determined"
+        } else if clock && has(GAP) {
+            "both shift the force in time alike"
+        } else if members.len() > 1 {
+            "the data determine only a combination of them"
+        } else if at_rest && !has(STIFFNESS) && !has(TOOTH_STIFFNESS) {
+            "gears at rest do not depend on it"
+        } else if has(TOOTH_MASS) {
+            "the force is too slow for a tooth to swing on its spring"
+        } else if has(GAP) {
+            "nothing in the data says when the flanks touch"
+        } else if has(DAMPING) {
+            "the data lose no energy that would tell it"
+        } else {
+            "the data hardly change with it"
+        };
+        let subject = match names.as_slice() {
+            [one] => format!("{one} is not determined"),
+            _ => format!("{} cannot be told apart", join(&names)),
+        };
+        let way_out = match names.as_slice() {
+            [_] => "hold it with --hold",
+            _ => "hold one with --hold",
+        };
+        format!("{subject}: {why}; {way_out}, or add data that tell")
+    };
+    let mut all: Vec<String> = estimate.weak.iter().map(told).collect();
+    all.dedup();
+    all
+}
+
+fn join(names: &[String]) -> String {
+    match names {
+        [rest @ .., last] if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => names.concat(),
+    }
+}

@@ -1,0 +1,313 @@
+//! What can be fitted: its key and unit, how it enters a scene, where a fit starts, between which bounds.
+//!
+//! | key | of | coordinate |
+//! |---|---|---|
+//! | `stiffness_n_per_m2` | contact: stiffness of a tooth pair per face width | logarithm |
+//! | `damping_ns_per_m` | contact: linear dashpot of Kelvin and Voigt | linear, at least 0 |
+//! | `gap_m` | gap at the start, which is the touch time of an impact | linear, at least 0 |
+//! | `clock_s` | offset of the clock of a history, one per history, never written | linear |
+//! | any positive parameter of the gear model | gears that take the model | logarithm; dampers linear |
+
+use super::estimate::coordinates::{Coordinate, Scale};
+use super::plan::{Data, DataSet, IdentifyError};
+use crate::scene_file::calibration::{Constants, DAMPING, GAP, STIFFNESS};
+use gearbench_models::gear::table::{Model, properties_of};
+use gearbench_models::spec::{Modelling, SceneSpec, Value};
+use std::f64::consts::PI;
+
+/// Key of the offset of a clock.
+pub const CLOCK: &str = "clock_s";
+/// Stiffness of a tooth pair that fits start from [N/m per m]: steel has about that whatever the module.
+const PAIR: f64 = 1.5e10;
+/// Gap from which on it is its own typical size [m].
+const LEAST_GAP: f64 = 1e-7;
+/// Damping of a contact and of a tooth to start from [N s/m].
+const DAMPER: f64 = 50.0;
+/// Typical offset of a clock over the duration of the data.
+const OFFSET: f64 = 0.02;
+/// Ratio by which further starting points differ from the model's, either way.
+const SCATTER: f64 = 2.0;
+
+/// A parameter of a fit.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Parameter {
+    /// A constant of a calibration, by its key.
+    Constant(String),
+    /// The offset of the clock of a data set.
+    Clock(usize),
+}
+
+/// What a fit is asked for beside the defaults.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wishes {
+    /// Keys to fit; `None` takes those of the model that the data may tell.
+    pub fit: Option<Vec<String>>,
+    /// Keys with the values that they are held at.
+    pub held: Vec<(String, f64)>,
+    /// Keys with the values that the fit starts from.
+    pub starts: Vec<(String, f64)>,
+    /// Keys with their least and greatest value.
+    pub bounds: Vec<(String, [f64; 2])>,
+    /// Further starting points, scattered about those of the model.
+    pub scattered: usize,
+    /// Profiles of all parameters.
+    pub profiles: bool,
+}
+
+/// The parameters of a fit.
+#[derive(Clone, Debug, Default)]
+pub struct Chosen {
+    /// Which.
+    pub parameters: Vec<Parameter>,
+    /// Their coordinates.
+    pub coordinates: Vec<Coordinate>,
+    /// Those that are fitted; the others are held at their start.
+    pub free: Vec<bool>,
+    /// Starting points in coordinates.
+    pub starts: Vec<Vec<f64>>,
+}
+
+impl Parameter {
+    /// Its key; that of a clock names the data.
+    pub fn key(&self, data: &[DataSet]) -> String {
+        match self {
+            Parameter::Constant(key) => key.clone(),
+            Parameter::Clock(i) if data.len() == 1 && *i == 0 => CLOCK.into(),
+            Parameter::Clock(i) => {
+                let name = data.get(*i).map_or("", |d| d.name.as_str());
+                format!("{CLOCK} of {name}")
+            }
+        }
+    }
+
+    /// Its name in words.
+    pub fn name(&self, data: &[DataSet]) -> String {
+        match self {
+            Parameter::Clock(_) if data.len() == 1 => "clock offset".into(),
+            Parameter::Clock(i) => format!(
+                "clock offset of {}",
+                data.get(*i).map_or("", |d| d.name.as_str())
+            ),
+            Parameter::Constant(key) => match key.as_str() {
+                STIFFNESS => "contact stiffness".into(),
+                DAMPING => "contact damping".into(),
+                GAP => "gap at the start".into(),
+                other => words(other).0,
+            },
+        }
+    }
+
+    /// Its unit.
+    pub fn unit(&self) -> String {
+        match self {
+            Parameter::Clock(_) => "s".into(),
+            Parameter::Constant(key) => words(key).1.into(),
+        }
+    }
+
+    /// Whether it is this constant.
+    pub fn is(&self, key: &str) -> bool {
+        matches!(self, Parameter::Constant(own) if own == key)
+    }
+}
+
+/// A key in words, and the unit at its end.
+fn words(key: &str) -> (String, &'static str) {
+    const UNITS: [(&str, &str); 8] = [
+        ("_n_per_m2", "N/m\u{b2}"),
+        ("_n_per_m", "N/m"),
+        ("_ns_per_m", "N\u{b7}s/m"),
+        ("_kgm2", "kg\u{b7}m\u{b2}"),
+        ("_kg", "kg"),
+        ("_rad_s", "rad/s"),
+        ("_m", "m"),
+        ("_s", "s"),
+    ];
+    let found = (UNITS.iter()).find_map(|(end, unit)| Some((key.strip_suffix(end)?, *unit)));
+    let (stem, unit) = found.unwrap_or((key, ""));
+    (stem.replace('_', " "), unit)
+}
+
+/// The keys that can be fitted in a model.
+fn keys(model: &Model) -> Vec<&'static str> {
+    let own = model.parameters.iter().map(|p| p.key);
+    let known = model.properties.fit.map_or(&[][..], |f| f.parameters);
+    let dampers = own.filter(|k| k.ends_with("_ns_per_m"));
+    let mut all = vec![STIFFNESS, DAMPING, GAP, CLOCK];
+    all.extend(known);
+    all.extend(dampers);
+    all
+}
+
+fn coordinate(key: &str, spec: &SceneSpec, duration: f64) -> Coordinate {
+    let (scale, bounds) = match key {
+        GAP => {
+            let gap = spec.meshes.first().map_or(0.0, |m| m.start.gap);
+            (Scale::Linear(gap.max(LEAST_GAP)), [0.0, f64::INFINITY])
+        }
+        CLOCK => (Scale::Linear(OFFSET * duration), [-duration, duration]),
+        k if k.ends_with("_ns_per_m") => (Scale::Linear(DAMPER), [0.0, f64::INFINITY]),
+        _ => (Scale::Logarithm, [0.0, f64::INFINITY]),
+    };
+    Coordinate { scale, bounds }
+}
+
+/// What is fitted of a model, and from where.
+///
+/// # Errors
+/// [`IdentifyError`] for a model without a recipe, a key that it has not, or a value that cannot be.
+pub fn choose(
+    (spec, modelling, models): (&SceneSpec, &Modelling, &[Model]),
+    data: &[DataSet],
+    wishes: &Wishes,
+) -> Result<Chosen, IdentifyError> {
+    let id = modelling.gears.first().map_or("", |g| g.id.as_str());
+    let recipe = properties_of(models, id).fit;
+    let (Some(recipe), Some(model)) = (recipe, models.iter().find(|m| m.id == id)) else {
+        let known = models.iter().filter(|m| m.properties.fit.is_some());
+        return Err(IdentifyError::Model(
+            id.into(),
+            known.map(|m| m.id).collect(),
+        ));
+    };
+    let histories: Vec<usize> = (data.iter().enumerate())
+        .filter(|(_, d)| matches!(d.data, Data::History { .. }))
+        .map(|(i, _)| i)
+        .collect();
+    // Statics alone cannot tell springs in series apart, nor masses and gaps.
+    let default: Vec<String> = match histories.is_empty() {
+        true => vec![STIFFNESS.into()],
+        false => ([&[STIFFNESS], recipe.parameters, &[GAP]]
+            .concat()
+            .into_iter())
+        .map(str::to_owned)
+        .collect(),
+    };
+    let mut wanted = wishes.fit.clone().unwrap_or(default);
+    for (key, _) in &wishes.held {
+        if !wanted.contains(key) {
+            wanted.push(key.clone());
+        }
+    }
+    let possible = keys(model);
+    let named = [&wishes.held, &wishes.starts];
+    let named = (named.into_iter().flatten().map(|(k, _)| k))
+        .chain(wishes.bounds.iter().map(|(k, _)| k))
+        .chain(&wanted);
+    for key in named {
+        if !possible.contains(&key.as_str()) {
+            return Err(IdentifyError::Key(key.clone(), id.into(), possible));
+        }
+    }
+    let gear = (spec.gears.iter().zip(&modelling.gears)).find(|(_, m)| m.id == id);
+    let of_model = gear.map_or_else(Vec::new, |(gear, _)| (recipe.starts)(PAIR, gear));
+
+    let mut chosen = Chosen::default();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for key in &wanted {
+        let given = |list: &[(String, f64)]| list.iter().find(|(k, _)| k == key).map(|(_, x)| *x);
+        let held = given(&wishes.held);
+        let duration = data.iter().map(DataSet::duration).fold(0.0, f64::max);
+        let mut coordinate = coordinate(key, spec, duration.max(f64::MIN_POSITIVE));
+        if let Some((_, bounds)) = wishes.bounds.iter().find(|(k, _)| k == key) {
+            coordinate.bounds = *bounds;
+        }
+        let place = recipe.parameters.iter().position(|k| k == key);
+        let present = present(key, spec, modelling, id);
+        // Springs and masses start as the model says, all else as the scene has it.
+        let start = |i: usize| {
+            held.or(given(&wishes.starts)).or_else(|| {
+                let of = of_model.get(i)?;
+                match (key.as_str(), place) {
+                    (STIFFNESS, _) => Some(of.contact),
+                    (_, Some(place)) if histories.is_empty() => {
+                        present.or(of.parameters.get(place).copied())
+                    }
+                    (_, Some(place)) => of.parameters.get(place).copied(),
+                    (CLOCK, _) => Some(0.0),
+                    _ => present.or(Some(DAMPER)),
+                }
+            })
+        };
+        let column: Vec<f64> = (0..of_model.len()).filter_map(start).collect();
+        let fits = |x: &f64| match coordinate.scale {
+            Scale::Logarithm => *x > 0.0 && x.is_finite(),
+            Scale::Linear(_) => x.is_finite(),
+        };
+        if let Some(x) = column.iter().find(|x| !fits(x)) {
+            return Err(IdentifyError::Value(key.clone(), *x));
+        }
+        let parameters: Vec<Parameter> = match key.as_str() {
+            CLOCK => histories.iter().map(|&i| Parameter::Clock(i)).collect(),
+            _ => vec![Parameter::Constant(key.clone())],
+        };
+        for parameter in parameters {
+            chosen.parameters.push(parameter);
+            chosen.coordinates.push(coordinate);
+            chosen.free.push(held.is_none());
+            columns.push(column.clone());
+        }
+    }
+    chosen.starts = (0..of_model.len())
+        .map(|i| {
+            (columns.iter().zip(&chosen.coordinates))
+                .map(|(column, c)| c.clamp(c.of(column[i])))
+                .collect()
+        })
+        .collect();
+    chosen.starts.dedup();
+    chosen.scatter(wishes.scattered);
+    Ok(chosen)
+}
+
+/// What a scene has now.
+fn present(key: &str, spec: &SceneSpec, modelling: &Modelling, id: &str) -> Option<f64> {
+    match key {
+        GAP => Some(spec.meshes.first()?.start.gap.max(LEAST_GAP)),
+        _ => {
+            let gear = modelling.gears.iter().find(|g| g.id == id)?;
+            match gear.parameters.get(key)? {
+                Value::Number(x) => Some(*x),
+                _ => None,
+            }
+        }
+    }
+}
+
+impl Chosen {
+    /// Adds starting points about the first, over even places of a cube that an irrational step fills (a Kronecker
+    /// sequence of `sqrt` of primes): the same each time, whatever the machine.
+    fn scatter(&mut self, count: usize) {
+        let Some(first) = self.starts.first().cloned() else {
+            return;
+        };
+        for n in 1..=count {
+            let point = first.iter().enumerate().map(|(j, z)| {
+                if !self.free[j] {
+                    return *z;
+                }
+                let step = (2.0 + PI * j as f64).sqrt().fract();
+                let place = (0.5 + step * n as f64).fract();
+                self.coordinates[j].clamp(z + (2.0 * place - 1.0) * SCATTER.ln())
+            });
+            let point = point.collect();
+            self.starts.push(point);
+        }
+    }
+
+    /// Values at coordinates as constants of a calibration; offsets of clocks are none.
+    pub fn constants(&self, values: &[f64]) -> Constants {
+        let named = self.parameters.iter().zip(values);
+        Constants::of(named.filter_map(|(p, &x)| match p {
+            Parameter::Constant(key) => Some((key.as_str(), x)),
+            Parameter::Clock(_) => None,
+        }))
+    }
+
+    /// Offset of the clock of a data set [s].
+    pub fn clock(&self, values: &[f64], set: usize) -> f64 {
+        let of = |p: &Parameter| *p == Parameter::Clock(set);
+        let place = self.parameters.iter().position(of);
+        place.and_then(|i| values.get(i)).copied().unwrap_or(0.0)
+    }
+}

@@ -1,0 +1,211 @@
+//! Data that were made with known constants: they are found again, and what cannot be told apart is said to be so.
+
+use super::*;
+use crate::experiment::conditions::even;
+use crate::experiment::runner::Runner;
+use crate::models::models;
+use crate::scene_file::calibration::{Constants, DAMPING, GAP, STIFFNESS};
+use crate::scene_file::{Selection, load_for};
+use gearbench_reports::identify::Outcome;
+
+const TOOTH_STIFFNESS: &str = "tooth_stiffness_n_per_m";
+const TOOTH_MASS: &str = "tooth_mass_kg";
+const TOOTH_DAMPING: &str = "tooth_damping_ns_per_m";
+/// Close to what `spur_impact` was calibrated to.
+const TRUTH: [(&str, f64); 4] = [
+    (STIFFNESS, 2.7e10),
+    (TOOTH_STIFFNESS, 7.8e8),
+    (TOOTH_MASS, 5.2e-3),
+    (GAP, 3e-6),
+];
+
+/// The shipped impact with its own constants, without data so far.
+fn plan(label: &str) -> (FitPlan<'static>, gearbench_models::spec::SceneSpec) {
+    let scene = load_for("spur_impact", Selection::Labels(Some(label))).unwrap();
+    let choice = scene.model(label).unwrap();
+    let plan = FitPlan {
+        label: label.into(),
+        modelling: choice.modelling.clone(),
+        models: models(),
+        data: Vec::new(),
+        held_out: Vec::new(),
+        wishes: Wishes::default(),
+    };
+    (plan, scene.spec_for(choice))
+}
+
+/// Data that the model itself makes with constants, with some noise over the root mean square.
+fn made(plan: &FitPlan<'_>, mut set: DataSet, truth: &Constants, noise: f64) -> DataSet {
+    let values = modelled(plan, &set, truth, 0.0).unwrap();
+    let rms = plan::size(&values) / (values.len() as f64).sqrt();
+    let mut random = estimate::tests::Draws::new(7);
+    let values: Vec<f64> = (values.iter())
+        .map(|x| x + noise * rms * random.normal())
+        .collect();
+    match &mut set.data {
+        Data::History { force, .. } => *force = values,
+        Data::Statics(target) => target.compliance = values,
+    }
+    set
+}
+
+/// An impact at a speed of the first gear.
+fn impact(spec: &gearbench_models::spec::SceneSpec, speed: f64, name: &str) -> DataSet {
+    let mut spec = spec.clone();
+    spec.gears[0].speed = speed;
+    let time = even(200, 1.4e-4);
+    DataSet::history(name, &spec, &time, &time)
+}
+
+/// A mesh cycle at rest.
+fn at_rest(spec: &gearbench_models::spec::SceneSpec) -> DataSet {
+    let target = StaticTarget {
+        force: 1000.0,
+        compliance: vec![1.0; 8],
+    };
+    DataSet::statics("at rest", spec, target)
+}
+
+fn keys(all: &[&str]) -> Option<Vec<String>> {
+    Some(all.iter().map(|k| (*k).to_owned()).collect())
+}
+
+fn fitted(plan: &FitPlan<'_>) -> Identification {
+    identify(plan, &Runner::default(), |_, _| {}).unwrap()
+}
+
+fn outcomes(found: &Identification) -> Vec<Outcome> {
+    found.record.parameters.iter().map(|p| p.outcome).collect()
+}
+
+/// Two speeds at once give the constants back that the data were made with, and a third one, which was not fitted, is met.
+#[test]
+fn constants_of_made_data_are_found_again() {
+    let (mut plan, spec) = plan("movable-teeth");
+    let truth = Constants::of(TRUTH);
+    for (speed, name) in [(20.0, "slow"), (60.0, "fast")] {
+        let set = made(&plan, impact(&spec, speed, name), &truth, 1e-3);
+        plan.data.push(set);
+    }
+    let held_out = made(&plan, impact(&spec, 40.0, "between"), &truth, 0.0);
+    plan.held_out.push(held_out);
+    let found = fitted(&plan);
+    assert_eq!(
+        outcomes(&found),
+        [Outcome::Identified; 4],
+        "{:?}",
+        found.record
+    );
+    assert!(found.record.undetermined.is_empty());
+    for (p, (key, x)) in found.record.parameters.iter().zip(TRUTH) {
+        assert_eq!(p.key, key);
+        let [low, high] = [p.low, p.high].map(Option::unwrap);
+        let wide = 1.5 * (high - low);
+        assert!(
+            (p.value.unwrap() - x).abs() < wide && wide < 0.1 * x,
+            "{p:?}"
+        );
+    }
+    let [slow, fast, between] = &found.record.data[..] else {
+        panic!("three data sets");
+    };
+    assert!(!slow.validation && !fast.validation && between.validation);
+    assert!(between.l2 < 2e-3, "{}", between.l2);
+    assert!(between.impulse_rel.unwrap().abs() < 1e-3);
+}
+
+/// Three set-ups that cannot tell, each said in words and answered with no number.
+#[test]
+fn what_the_data_do_not_tell_is_said_and_has_no_value() {
+    let truth = Constants::of(TRUTH);
+    let (plan, spec) = plan("movable-teeth");
+    let with = |set: DataSet, noise: f64, fit: &[&str]| {
+        let data = vec![made(&plan, set, &truth, noise)];
+        let wishes = Wishes {
+            fit: keys(fit),
+            ..Wishes::default()
+        };
+        fitted(&FitPlan {
+            data,
+            wishes,
+            ..plan.clone()
+        })
+    };
+    // Springs in series at rest, with and without noise.
+    for noise in [0.0, 1e-3] {
+        let found = with(at_rest(&spec), noise, &[STIFFNESS, TOOTH_STIFFNESS]);
+        assert_eq!(outcomes(&found), [Outcome::NotIdentifiable; 2]);
+        assert_eq!(found.record.undetermined.len(), 1, "{:?}", found.record);
+        let said = &found.record.undetermined[0];
+        assert!(said.contains("contact stiffness") && said.contains("tooth stiffness"));
+        assert!(said.contains("series"), "{said}");
+        assert_eq!(found.constants(), Constants::default());
+    }
+    // A damper and a mass at rest; the stiffness is known all the same.
+    for (key, name) in [(TOOTH_DAMPING, "tooth damping"), (TOOTH_MASS, "tooth mass")] {
+        let found = with(at_rest(&spec), 1e-3, &[STIFFNESS, key]);
+        assert_eq!(
+            outcomes(&found),
+            [Outcome::Identified, Outcome::NotIdentifiable]
+        );
+        let said = &found.record.undetermined[0];
+        let expected = format!("{name} is not determined: gears at rest do not depend on it");
+        assert!(said.starts_with(&expected), "{said}");
+    }
+    // A gap without a clock.
+    let found = with(
+        impact(&spec, 20.0, "impact"),
+        1e-3,
+        &[STIFFNESS, GAP, CLOCK],
+    );
+    use Outcome::{Identified, NotIdentifiable};
+    assert_eq!(
+        outcomes(&found),
+        [Identified, NotIdentifiable, NotIdentifiable]
+    );
+    let said = &found.record.undetermined[0];
+    assert!(said.contains("in time alike"), "{said}");
+    assert!(found.constants().gap.is_none() && found.constants().stiffness.is_some());
+}
+
+/// A damper that the data are without ends on its bound, and one that they have is found.
+#[test]
+fn dampers_are_found_or_end_on_their_bound() {
+    let (plan, spec) = plan("rigid");
+    for (c, outcome) in [(0.0, Outcome::AtBound), (80.0, Outcome::Identified)] {
+        let truth = Constants::of([(STIFFNESS, 1.5e10), (GAP, 3e-6), (DAMPING, c)]);
+        let data = vec![made(&plan, impact(&spec, 20.0, "impact"), &truth, 0.0)];
+        let wishes = Wishes {
+            fit: keys(&[STIFFNESS, GAP, DAMPING]),
+            ..Wishes::default()
+        };
+        let found = fitted(&FitPlan {
+            data,
+            wishes,
+            ..plan.clone()
+        });
+        let damper = &found.record.parameters[2];
+        if c > 0.0 {
+            assert_eq!(damper.outcome, outcome, "{damper:?}");
+        }
+        assert!((damper.value.unwrap() - c).abs() < 0.1, "{damper:?}");
+    }
+}
+
+#[test]
+fn keys_that_are_none_are_refused_with_those_that_are() {
+    let (mut plan, spec) = plan("rigid");
+    plan.data.push(made(
+        &plan,
+        at_rest(&spec),
+        &Constants::of([(STIFFNESS, 1e10)]),
+        0.0,
+    ));
+    plan.wishes.fit = keys(&[TOOTH_MASS]);
+    let e = identify(&plan, &Runner::default(), |_, _| {}).unwrap_err();
+    let said = e.to_string();
+    assert!(
+        said.contains(TOOTH_MASS) && said.contains(STIFFNESS),
+        "{said}"
+    );
+}

@@ -1,0 +1,163 @@
+//! The calibration file: constants and where they come from, beside all that stands there already.
+//!
+//! Comments at its head say by which command, from which data and how sure each calibration is, a tag in front of each
+//! line; those of other calibrations stay, and so do comments between the tables.
+
+use super::plan::Identification;
+use crate::cli::terminal::Refusal;
+use crate::experiment::machine;
+use crate::scene_file::calibration::{Constants, FittedTo};
+use crate::scene_file::{Calibration, SceneFile};
+use gearbench_reports::identify::{FitRecord, Outcome};
+use std::fmt::Display;
+use std::path::PathBuf;
+use toml_edit::{DocumentMut, Item, Table, Value};
+
+/// Writes what the data determine, with `force` all that was fitted.
+pub fn write(
+    scene: &SceneFile,
+    (to, data): (FittedTo, &str),
+    found: &[Identification],
+    command: &str,
+    force: bool,
+) -> Result<PathBuf, Refusal> {
+    let path = scene.calibration_path();
+    let fail = |e: &dyn Display| Refusal::Files(format!("{}: {e}", path.display()));
+    let before = std::fs::read_to_string(&path).unwrap_or_default();
+    Calibration::parse(&path.display().to_string(), &before)?;
+    let sets: Vec<(&FitRecord, Constants)> = (found.iter())
+        .map(|f| {
+            let mut constants = if force { f.all.clone() } else { f.constants() };
+            // What was not fitted stays as the calibration that the model asks for has it.
+            let old = scene.model(&f.record.label);
+            let old = old.and_then(|c| c.calibration.as_ref()?.constants.clone());
+            for (key, x) in old.map(|old| old.parameters).unwrap_or_default() {
+                constants.parameters.entry(key).or_insert(x);
+            }
+            (&f.record, constants)
+        })
+        .collect();
+    let by = format!("written by {command}");
+    let commit = format!("commit {}, {}", machine::COMMIT, machine::now());
+    let from = format!("fitted to {data}; for {}", to.holds_for());
+    let text = written(&before, to, &[by, from, commit], &sets).map_err(|e| fail(&e))?;
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
+    if let Some(parent) = parent
+        && !parent.is_dir()
+    {
+        return Err(Refusal::Files(format!(
+            "{}: the folder does not exist; run this from the root of the repository for a shipped scene",
+            parent.display()
+        )));
+    }
+    let staged = path.with_extension("toml.part");
+    std::fs::write(&staged, text).map_err(|e| fail(&e))?;
+    std::fs::rename(&staged, &path).map_err(|e| fail(&e))?;
+    Ok(path)
+}
+
+/// The text of the file after a fit.
+fn written(
+    before: &str,
+    to: FittedTo,
+    provenance: &[String],
+    sets: &[(&FitRecord, Constants)],
+) -> Result<String, toml_edit::TomlError> {
+    let comments = before.lines().take_while(|l| l.starts_with('#')).count();
+    let body: Vec<&str> = before.lines().skip(comments).collect();
+    let mut document: DocumentMut = body.join("\n").parse()?;
+    for (record, constants) in sets {
+        let calibration = document.entry(to.as_str()).or_insert_with(|| {
+            let mut table = Table::new();
+            table.set_implicit(true);
+            Item::Table(table)
+        });
+        let label = &mut calibration[&record.label];
+        if !label.is_table() {
+            *label = Item::Table(Table::new());
+        }
+        let all = constants.by_key();
+        if let Some(table) = label.as_table_mut() {
+            table.retain(|key, _| all.iter().any(|(k, _)| k == key));
+        }
+        for (key, x) in all {
+            let decor = label
+                .get(&key)
+                .and_then(|i| Some(i.as_value()?.decor().clone()));
+            // Written with all digits, as a power of ten.
+            let mut value: Value = format!("{x:e}").parse()?;
+            if let Some(decor) = decor {
+                *value.decor_mut() = decor;
+            }
+            label[&key] = Item::Value(value);
+        }
+    }
+    let tag = format!("# {}:", to.as_str());
+    let mut head: Vec<String> = (before.lines().take(comments))
+        .filter(|l| !l.starts_with(&tag))
+        .map(str::to_owned)
+        .collect();
+    let labels = sets.iter().map(|(record, _)| told(record));
+    let lines = provenance.iter().cloned().chain(labels);
+    head.extend(lines.map(|line| format!("{tag} {}", line.replace(['\n', '\r'], " "))));
+    let body = document.to_string();
+    Ok(format!("{}\n\n{}\n", head.join("\n"), body.trim()))
+}
+
+/// Errors and intervals of a fit in a line.
+fn told(record: &FitRecord) -> String {
+    let errors = record.data.iter().map(|d| {
+        let held = if d.validation { ", not fitted" } else { "" };
+        format!("{:.4} ({} of {}{held})", d.l2, d.kind, d.name)
+    });
+    let intervals = record.parameters.iter().map(|p| match p.outcome {
+        Outcome::Identified => {
+            let end = |x: Option<f64>| x.map_or_else(|| "open".into(), |x| format!("{x:.4e}"));
+            format!("{} {} to {}", p.key, end(p.low), end(p.high))
+        }
+        other => format!("{} {other}", p.key),
+    });
+    format!(
+        "{}: relative L2 errors {}; 95 % intervals: {}",
+        record.label,
+        errors.collect::<Vec<_>>().join(", "),
+        intervals.collect::<Vec<_>>().join(", ")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene_file::calibration::{GAP, STIFFNESS};
+
+    #[test]
+    fn other_calibrations_and_comments_stay() {
+        let before = "# impact: written long ago\n# static: older\n\n[impact.rigid]\n# measured\n\
+                      stiffness_n_per_m2 = 1e10 # here\ngap_m = 1e-6\n\n[static.rigid]\nstiffness_n_per_m2 = 2e10\n";
+        let record = FitRecord {
+            label: "odd \"label\" é".into(),
+            ..FitRecord::default()
+        };
+        let rigid = FitRecord {
+            label: "rigid".into(),
+            ..FitRecord::default()
+        };
+        let constants = Constants::of([(STIFFNESS, 1.0 / 3.0 * 1e10), (GAP, 2e-6)]);
+        let sets = [(&rigid, constants.clone()), (&record, constants.clone())];
+        let text = written(before, FittedTo::Impact, &["by hand".into()], &sets).unwrap();
+        assert!(text.starts_with("# static: older\n# impact: by hand\n# impact: rigid:"));
+        assert!(
+            text.contains("# measured\n") && text.contains("# here\n"),
+            "{text}"
+        );
+        assert!(!text.contains("long ago"));
+        let read = Calibration::parse("x.toml", &text).unwrap();
+        assert_eq!(read.get("impact", "rigid"), Some(&constants));
+        assert_eq!(read.get("impact", &record.label), Some(&constants));
+        assert!(read.get("static", "rigid").is_some());
+        // Into nothing as well.
+        let text = written("", FittedTo::Static, &[], &sets).unwrap();
+        let read = Calibration::parse("x.toml", &text).unwrap();
+        assert_eq!(read.get("static", "rigid"), Some(&constants));
+    }
+}

@@ -1,0 +1,23 @@
+//! The study of identification: estimates with their intervals, data beside the fitted model, what is not determined.
+
+mod charts;
+mod csv;
+mod record;
+mod tables;
+
+use crate::drawing::canvas::DrawError;
+use crate::studies::StudyReport;
+pub use record::{
+    DataKind, DataRecord, FitRecord, IdentifyRecord, Outcome, ParameterRecord, ProfileRecord,
+};
+
+/// What the study says of a record.
+pub(super) fn report(fits: &[FitRecord]) -> Result<StudyReport, DrawError> {
+    Ok(StudyReport {
+        finding: tables::finding(fits),
+        tables: tables::tables(fits),
+        charts: charts::charts(fits)?,
+        details: tables::details(fits),
+        csv: csv::tables(fits),
+    })
+}

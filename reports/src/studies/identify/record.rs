@@ -1,0 +1,187 @@
+//! Records of identification: what was fitted to what, how sure it is, and what the data do not tell.
+
+use crate::record::Results;
+use crate::studies::Part;
+use crate::words::words;
+use serde::{Deserialize, Serialize};
+
+/// What the record of this study has of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct IdentifyRecord {
+    /// Fits, one per model.
+    pub fits: Vec<FitRecord>,
+}
+
+impl Results {
+    /// Fits; none in records of other studies.
+    pub fn fits(&self) -> &[FitRecord] {
+        match &self.part {
+            Part::Identify(part) => &part.fits,
+            _ => &[],
+        }
+    }
+}
+
+words! {
+    /// What became of a parameter.
+    pub enum Outcome {
+        /// The data determine it.
+        #[default]
+        Identified = "identified",
+        /// The data would have it beyond a bound; its value is the bound.
+        AtBound = "at bound",
+        /// It was not fitted; its value is what was given.
+        Held = "held",
+        /// The data do not determine it; it has no value.
+        NotIdentifiable = "not identifiable",
+    }
+}
+
+words! {
+    /// What a data set says.
+    pub enum DataKind {
+        /// The contact force over time.
+        #[default]
+        Force = "force",
+        /// The compliance of the mesh at rest over positions in a mesh cycle.
+        Compliance = "compliance",
+    }
+}
+
+/// A model fitted to data.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FitRecord {
+    /// Label of the model in its scene.
+    pub label: String,
+    /// Its parameters.
+    pub parameters: Vec<ParameterRecord>,
+    /// Correlation of the parameters that were fitted, in their order, a row each.
+    pub correlation: Vec<Vec<f64>>,
+    /// Condition number of the sensitivities; absent where a combination changes nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub condition: Option<f64>,
+    /// Combinations of parameters that the data do not determine, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub undetermined: Vec<String>,
+    /// Data that were fitted, and data held out for validation.
+    pub data: Vec<DataRecord>,
+    /// Profiles.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub profiles: Vec<ProfileRecord>,
+    /// Evaluations of the model on all data.
+    pub evaluations: u32,
+    /// Starting points.
+    pub starts: usize,
+    /// Starting points that led to the same least sum of squares within 0.1 %.
+    pub starts_agreed: usize,
+}
+
+/// A parameter of a fit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ParameterRecord {
+    /// Key as written in scenes, with the unit at its end.
+    pub key: String,
+    /// Name in words.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// What became of it.
+    pub outcome: Outcome,
+    /// Value; absent where the data do not determine it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// Ends of the 95 % interval; an absent one is open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub low: Option<f64>,
+    /// See `low`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub high: Option<f64>,
+    /// Degrees of freedom of its variance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub freedom: Option<f64>,
+    /// Whether the interval is that of a profile, because the problem is not linear over it.
+    pub by_profile: bool,
+}
+
+impl ParameterRecord {
+    /// Half the interval over the value, where both ends are known.
+    pub fn relative(&self) -> Option<f64> {
+        let (low, high) = (self.low?, self.high?);
+        let x = self.value.filter(|x| *x != 0.0)?;
+        (self.outcome == Outcome::Identified).then_some(0.5 * (high - low) / x.abs())
+    }
+}
+
+/// Data and what the fitted model makes of them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct DataRecord {
+    /// Name.
+    pub name: String,
+    /// Whether it was held out.
+    pub validation: bool,
+    /// What it says.
+    pub kind: DataKind,
+    /// Weight of its residuals over their size.
+    pub weight: f64,
+    /// Relative L2 error.
+    pub l2: f64,
+    /// Error of the greatest force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peak_rel: Option<f64>,
+    /// Error of the impulse.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub impulse_rel: Option<f64>,
+    /// Autocorrelation of the residuals at lag 1, of the process that they are a part of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correlation_lag1: Option<f64>,
+    /// Order of that process.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_order: Option<usize>,
+    /// Times \[s\] of a force, positions in base pitches of a compliance.
+    pub abscissa: Vec<f64>,
+    /// The data \[N, m/N\].
+    pub data: Vec<f64>,
+    /// The model there.
+    pub model: Vec<f64>,
+}
+
+/// How much worse a fit gets with one parameter held beside its estimate.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ProfileRecord {
+    /// Key of the parameter.
+    pub key: String,
+    /// Held values.
+    pub value: Vec<f64>,
+    /// Signed root of the scaled rise of the sum of squares.
+    pub deviation: Vec<f64>,
+    /// Deviation at the ends of the 95 % interval.
+    pub quantile: f64,
+}
+
+impl FitRecord {
+    /// Takes out what is not finite.
+    pub fn keep_finite(&mut self) {
+        let finite = |x: Option<f64>| x.filter(|x| x.is_finite());
+        self.condition = finite(self.condition);
+        for p in &mut self.parameters {
+            p.value = finite(p.value);
+            p.low = finite(p.low);
+            p.high = finite(p.high);
+            p.freedom = finite(p.freedom);
+        }
+        for d in &mut self.data {
+            d.peak_rel = finite(d.peak_rel);
+            d.impulse_rel = finite(d.impulse_rel);
+            d.correlation_lag1 = finite(d.correlation_lag1);
+        }
+        let numbers = |all: &[f64]| all.iter().all(|x| x.is_finite());
+        self.data
+            .retain(|d| d.l2.is_finite() && numbers(&d.data) && numbers(&d.model));
+        self.profiles
+            .retain(|p| numbers(&p.value) && numbers(&p.deviation));
+    }
+}

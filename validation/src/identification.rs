@@ -1,0 +1,389 @@
+//! How far do identified constants carry? Rigid gears and movable teeth fitted to full finite elements at one speed, and
+//! held against them at a third and at three times that speed; and what stiffness the fits find beside what is published,
+//! normed, computed and at rest.
+//!
+//! Finite elements run as their scene says; their history is cut where the gears have parted, because at another speed
+//! they reach the other flanks at another time.
+
+use crate::validate::ValidationError;
+use gearbench::experiment::conditions::even;
+use gearbench::experiment::key::Key;
+use gearbench::experiment::run::force_on_grid;
+use gearbench::experiment::runner::Runner;
+use gearbench::models::models;
+use gearbench::scene_file::calibration::Constants;
+use gearbench::scene_file::{self, ModelChoice, SceneFile, Selection};
+use gearbench::studies::identify::{
+    DataSet, FitPlan, Identification, IdentifyError, Wishes, apply, identify,
+};
+use gearbench_models::gear::table::properties_of;
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{
+    ContactSpec, Modelling, Parameters, SceneSpec, effective_radius, mesh_layout,
+};
+use gearbench_models::stiffness::{Foundation, Hertz, IsoVariation, PairStiffness, ToothModel};
+use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
+use gearbench_reports::identify::DataRecord;
+use std::fmt::Display;
+use std::fmt::Write as _;
+
+/// Speeds over that of the scene; the first is fitted.
+const SPEEDS: [f64; 3] = [1.0, 1.0 / 3.0, 3.0];
+/// Times of a history over the scene's duration.
+const TIMES: usize = 320;
+/// Load at rest over the face width [N/m].
+const LOAD: f64 = 100e3;
+/// Positions of a mesh cycle at rest.
+const POSITIONS: usize = 24;
+/// Tooth stiffnesses of S. Ebrahimi, P. Eberhard, SIMPACK User Meeting 2006 [N/m].
+const PUBLISHED: [f64; 2] = [3.6e10, 5.6e10];
+/// A stiffness over the width of 1 N/(mm um) [N/m^2].
+const N_PER_MM_UM: f64 = 1e9;
+
+/// A model fitted to finite elements.
+pub struct Fitted {
+    /// What was fitted.
+    pub name: &'static str,
+    /// The fit, the held-out speeds included.
+    pub found: Identification,
+    /// The model without its constants.
+    modelling: Modelling,
+}
+
+/// A line of the table of stiffnesses.
+pub struct Stiffness {
+    /// Where it comes from.
+    pub source: String,
+    /// What its number means.
+    pub convention: &'static str,
+    /// The number in that convention, with its unit.
+    pub stated: String,
+    /// Largest stiffness of one pair along the line of action over the width, and mean of the mesh [N/m^2].
+    pub pair_and_mesh: Option<[f64; 2]>,
+}
+
+/// All of a scene.
+pub struct Carried {
+    /// Its name.
+    pub scene: String,
+    /// The fits.
+    pub fits: Vec<Fitted>,
+    /// The stiffnesses.
+    pub stiffnesses: Vec<Stiffness>,
+}
+
+fn other(e: &dyn Display) -> ValidationError {
+    ValidationError::Other(e.to_string())
+}
+
+/// Fits the models of a scene to its finite elements.
+///
+/// # Errors
+/// [`ValidationError`] where the scene has no finite elements, or a run or a fit fails.
+pub fn carry(
+    name: &str,
+    runner: &Runner<'_>,
+    say: &dyn Fn(&str),
+) -> Result<Carried, ValidationError> {
+    let scene =
+        scene_file::load_uncalibrated(name, Selection::None).map_err(|e| other(&e.told()))?;
+    let full = |c: &&ModelChoice| properties_of(models(), &c.model).full_order;
+    // Those of the plain name come first: others show what their contact does.
+    let named = scene.model("fe").filter(full);
+    let fe = named.or_else(|| scene.models.iter().find(full));
+    let rigid = scene.models.iter().find(|c| c.model == "rigid");
+    let (Some(fe), Some(rigid)) = (fe, rigid) else {
+        let why = format!("{name} lacks a model of finite elements or a rigid one");
+        return Err(ValidationError::Other(why));
+    };
+    let mut data = Vec::new();
+    for factor in SPEEDS {
+        let set = history(&scene, fe, factor, runner)?;
+        say(&format!("{name}: {}", set.name));
+        data.push(set);
+    }
+    let mut fits = Vec::new();
+    let damped = Some(vec![
+        "stiffness_n_per_m2",
+        "tooth_stiffness_n_per_m",
+        "tooth_mass_kg",
+        "tooth_damping_ns_per_m",
+        "gap_m",
+    ]);
+    for (label, model, fit) in [
+        ("rigid", "rigid", None),
+        ("movable teeth", "movable-teeth", None),
+        ("movable teeth, damped", "movable-teeth", damped),
+    ] {
+        let mut modelling = rigid.modelling.clone();
+        for gear in &mut modelling.gears {
+            gear.id = model.into();
+            gear.parameters = Parameters::new();
+        }
+        let fit = fit.map(|keys: Vec<&str>| keys.into_iter().map(str::to_owned).collect());
+        let plan = FitPlan {
+            label: label.into(),
+            modelling: modelling.clone(),
+            models: models(),
+            data: data[..1].to_vec(),
+            held_out: data[1..].to_vec(),
+            wishes: Wishes {
+                fit,
+                ..Wishes::default()
+            },
+        };
+        let found = identify(&plan, runner, |_, _| {}).map_err(|e: IdentifyError| other(&e))?;
+        say(&format!(
+            "{name}: {label} fitted, {} trials",
+            found.record.evaluations
+        ));
+        fits.push(Fitted {
+            name: label,
+            found,
+            modelling,
+        });
+    }
+    let stiffnesses = stiffnesses(&scene, fe, rigid, &fits)?;
+    Ok(Carried {
+        scene: name.into(),
+        fits,
+        stiffnesses,
+    })
+}
+
+/// The contact force of finite elements at a multiple of the scene's speed, up to where the gears have parted.
+fn history(
+    scene: &SceneFile,
+    fe: &ModelChoice,
+    factor: f64,
+    runner: &Runner<'_>,
+) -> Result<DataSet, ValidationError> {
+    let mut spec = scene.spec_for(fe);
+    let scheme = fe.integrators.as_ref().and_then(|all| all.first());
+    let scheme = scheme.or(scene.study.integrators.first());
+    let scheme = scheme.ok_or_else(|| other(&"the finite elements have no integrator"))?;
+    // A slower gear takes longer to touch; facets stand back about as far as the gap.
+    let approach: f64 = (spec.gears.iter())
+        .map(|g| (g.speed * effective_radius(&g.body)).abs())
+        .sum();
+    let gap = spec.meshes.first().map_or(0.0, |m| m.start.gap);
+    let later = 2.0 * gap / approach * (1.0 / factor - 1.0);
+    let time = even(TIMES, scene.duration + later.max(0.0));
+    for gear in &mut spec.gears {
+        gear.speed *= factor;
+    }
+    let key = Key::new("history of finite elements")
+        .and_scene(&spec, &fe.modelling)
+        .and(&(scheme, time.as_slice()));
+    let force = runner.piece(key, || -> Result<Vec<f64>, ValidationError> {
+        let mut built = Scene::build(&spec, &fe.modelling, models()).map_err(|e| other(&e))?;
+        let mut method = scheme.method.build();
+        force_on_grid(
+            &mut built,
+            method.as_mut(),
+            scheme.resolution,
+            u64::MAX,
+            &time,
+        )
+        .map_err(|e| other(&e))
+    })?;
+    // Parted is what stays apart for a fiftieth of the history.
+    let still = TIMES / 50;
+    let touched = force.iter().position(|f| *f > 0.0).unwrap_or(0);
+    let parted = (touched..force.len())
+        .find(|&i| force[i..].iter().take(still).all(|f| *f == 0.0))
+        .unwrap_or(force.len());
+    let n = (parted + still).min(force.len());
+    let mut set = DataSet::history(
+        &format!("`{}` at {:.4} times the speed", fe.label, factor),
+        &spec,
+        &time[..n],
+        &force[..n],
+    );
+    // The fitted models start with a gap of their own.
+    set.spec = spec;
+    Ok(set)
+}
+
+/// Stiffness of a pair and of the mesh at rest [N/m^2].
+fn at_rest(spec: &SceneSpec, modelling: &Modelling, force: f64) -> Option<[f64; 2]> {
+    let mut pair = LoadedPair::new(spec, modelling, models()).ok()?;
+    let cycle = MeshCycle::solve(&mut pair, Load::Force(force), POSITIONS, |_| {}).ok()?;
+    Some([cycle.single_stiffness(), cycle.mesh_stiffness()])
+}
+
+fn stiffnesses(
+    scene: &SceneFile,
+    fe: &ModelChoice,
+    rigid: &ModelChoice,
+    fits: &[Fitted],
+) -> Result<Vec<Stiffness>, ValidationError> {
+    let spec = scene.spec_for(rigid);
+    let [a, b] = spec.meshes[0].gears.map(|i| &spec.gears[i]);
+    let width = mesh_layout(a, b).map_err(|e| other(&e))?.face_width;
+    let force = LOAD * width;
+    let with = |stiffness: PairStiffness| {
+        let mut modelling = rigid.modelling.clone();
+        for contact in &mut modelling.contacts {
+            *contact = ContactSpec {
+                stiffness: stiffness.clone(),
+                ..contact.clone()
+            };
+        }
+        modelling
+    };
+    let iso = with(PairStiffness::Iso6336 {
+        variation: IsoVariation::default(),
+    });
+    let analytic = with(PairStiffness::Compliance {
+        tooth: ToothModel::WeberBanaschek,
+        foundation: Foundation::Ring,
+        hertz: Hertz::WeberBanaschek {
+            reference_load: None,
+        },
+    });
+    let per_width = |x: f64| format!("{:.2} N/(mm um)", x / N_PER_MM_UM);
+    let mut all = Vec::new();
+    for k in PUBLISHED {
+        let mut modelling = iso.clone();
+        for gear in &mut modelling.gears {
+            gear.id = "movable-teeth".into();
+        }
+        let constants = Constants::of([("tooth_stiffness_n_per_m", k), ("tooth_mass_kg", 1e-4)]);
+        constants.apply("movable-teeth", &mut modelling);
+        all.push(Stiffness {
+            source: "published (Ebrahimi, Eberhard 2006)".into(),
+            convention: "tangential spring of one tooth on the dedendum circle, whole width; contact of ISO 6336-1 in series",
+            stated: format!("{k:.1e} N/m"),
+            pair_and_mesh: at_rest(&spec, &modelling, force),
+        });
+    }
+    for (source, convention, modelling) in [
+        ("ISO 6336-1", "c' of a pair over the width, secant", iso),
+        (
+            "analytic (Weber, Banaschek; ring)",
+            "tooth, body and Hertz in series, secant at 100 N/mm",
+            analytic,
+        ),
+    ] {
+        let found = at_rest(&spec, &modelling, force);
+        all.push(Stiffness {
+            source: source.into(),
+            convention,
+            stated: found.map_or_else(|| "-".into(), |[pair, _]| per_width(pair)),
+            pair_and_mesh: found,
+        });
+    }
+    let found = at_rest(&scene.spec_for(fe), &fe.modelling, force);
+    all.push(Stiffness {
+        source: "finite elements at rest".into(),
+        convention: "force over approach at 100 N/mm, bodies included",
+        stated: found.map_or_else(|| "-".into(), |[pair, _]| per_width(pair)),
+        pair_and_mesh: found,
+    });
+    for fit in fits {
+        let model = fit.modelling.gears.first().map_or("", |g| g.id.as_str());
+        let (mut spec, mut modelling) = (spec.clone(), fit.modelling.clone());
+        apply(&fit.found.all, model, &mut spec, &mut modelling);
+        let told = fit.found.record.parameters.iter().filter_map(|p| {
+            let wanted = p.key.contains("stiffness");
+            Some(format!("{:.3e} {}", p.value.filter(|_| wanted)?, p.unit))
+        });
+        let told: Vec<String> = told.collect();
+        all.push(Stiffness {
+            source: format!("identified from one impact: {}", fit.name),
+            convention: match model {
+                "rigid" => "contact of a pair over the width",
+                _ => "contact of a pair over the width; tangential spring of one tooth on the dedendum circle",
+            },
+            stated: match told.is_empty() {
+                true => "not identifiable".into(),
+                false => told.join("; "),
+            },
+            pair_and_mesh: at_rest(&spec, &modelling, force),
+        });
+    }
+    Ok(all)
+}
+
+/// The bars that movable teeth are to keep: force, peak and impulse where they are fitted, force at the other speeds.
+pub const BARS: [f64; 4] = [0.04, 0.03, 0.005, 0.08];
+
+/// Whether a fit keeps the bars.
+pub fn keeps(fit: &Fitted) -> bool {
+    fit.found.record.data.iter().all(|d| {
+        let within = |x: Option<f64>, bar: f64| x.is_none_or(|x| x.abs() <= bar);
+        match d.validation {
+            true => d.l2 <= BARS[3],
+            false => {
+                d.l2 <= BARS[0] && within(d.peak_rel, BARS[1]) && within(d.impulse_rel, BARS[2])
+            }
+        }
+    })
+}
+
+/// The tables in Markdown.
+pub fn markdown(all: &[Carried], command: &str) -> String {
+    let mut out = format!("<!-- {command} -->\n");
+    let percent = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{:+.2} %", 100.0 * x));
+    for scene in all {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "\n## {}\n\n| model | data | force L2 | peak | impulse |\n|---|---|---|---|---|",
+            scene.scene
+        );
+        for fit in &scene.fits {
+            for d in &fit.found.record.data {
+                let DataRecord { name, l2, .. } = d;
+                let _ = writeln!(
+                    out,
+                    "| {} | {name}{} | {:.2} % | {} | {} |",
+                    fit.name,
+                    if d.validation { "" } else { ", fitted" },
+                    100.0 * l2,
+                    percent(d.peak_rel),
+                    percent(d.impulse_rel)
+                );
+            }
+        }
+        let _ = writeln!(
+            out,
+            "\n| stiffness | convention | as stated | of a pair on the line of action, N/(mm um) | of the mesh |\n|---|---|---|---|---|"
+        );
+        for s in &scene.stiffnesses {
+            let number = |i: usize| {
+                s.pair_and_mesh
+                    .map_or_else(|| "-".into(), |x| format!("{:.2}", x[i] / N_PER_MM_UM))
+            };
+            let _ = writeln!(
+                out,
+                "| {} | {} | {} | {} | {} |",
+                s.source,
+                s.convention,
+                s.stated,
+                number(0),
+                number(1)
+            );
+        }
+        let _ = writeln!(out);
+        for fit in &scene.fits {
+            for p in &fit.found.record.parameters {
+                let end = |x: Option<f64>| x.map_or_else(|| "open".into(), |x| format!("{x:.3e}"));
+                let value = p
+                    .value
+                    .map_or_else(String::new, |x| format!(" {x:.4e} {}", p.unit));
+                let _ = writeln!(
+                    out,
+                    "- {}: `{}`{value}, {} (95 %: {} to {})",
+                    fit.name,
+                    p.key,
+                    p.outcome,
+                    end(p.low),
+                    end(p.high)
+                );
+            }
+        }
+    }
+    out
+}
