@@ -19,5 +19,6 @@ pub(super) fn report(fits: &[FitRecord]) -> Result<StudyReport, DrawError> {
         charts: charts::charts(fits)?,
         details: tables::details(fits),
         csv: csv::tables(fits),
+        ..StudyReport::default()
     })
 }
