@@ -14,9 +14,9 @@ Examples:
   gearbench reduce a.inp b.inp --modes 100 --out reduced/      one file each: reduced/a.npz, reduced/b.npz
   gearbench reduce spur_impact --modes 200 --out spur.npz      spur-pinion.npz, spur-wheel.npz
 
-A deck from elsewhere needs solid elements, a node set `bore` and node sets of the flanks that may touch,
-`flank_1l`, `flank_1r`, ... (l: the counter-clockwise flank); its units are found and said, and --units overrides. Of a scene the meshes of its elastic model are taken,
-with the mounts and added inertias of its gears.
+A mesh from elsewhere needs solid elements. Axis, bore, teeth and flanks are found from its surface; node sets `bore`,
+`flank_1l`, `flank_1r`, ... (l: the counter-clockwise flank) say them where they are there. Units are found and said, and
+--units overrides. Of a scene the meshes of its elastic model are taken, with the mounts and added inertias of its gears.
 
 What the file holds: flank nodes with normals, frequencies and mode shapes there, static compliance between the flank
 nodes and towards the hub; docs/reduction-format.md describes it. The elastic model of a scene takes it by
