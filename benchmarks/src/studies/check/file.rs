@@ -376,11 +376,6 @@ mod tests {
                 "called `spur_impact`",
             ),
             (format!("schema = 1\n{case}modls = []\n"), 4, "modls"),
-            (
-                format!("schema = 1\ntolerances.peak = 3\n{case}"),
-                2,
-                "peak",
-            ),
         ] {
             let e = parse(&text).unwrap_err();
             assert!(e.message().contains(part), "{}", e.told());
