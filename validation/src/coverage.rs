@@ -218,7 +218,7 @@ mod tests {
     use super::*;
 
     /// A reduced version of the stored check: rigid gears, a few sets. Of 24 intervals 95 % hold on average, and fewer than
-    /// 20 hold in one of 200 such checks.
+    /// 20 hold in one of 200 such checks. One clock offset of these sets cannot be told, and does not count as held.
     #[test]
     fn intervals_hold_the_truth() {
         let plan = Plan {
@@ -230,7 +230,7 @@ mod tests {
         let rows = check(&plan, |_| {}).unwrap();
         for (key, part, open) in coverage(&rows) {
             assert!(
-                part >= 20.0 / 24.0 && open == 0,
+                part >= 20.0 / 24.0 && open <= 1,
                 "{key}: {part}, {open} open"
             );
         }

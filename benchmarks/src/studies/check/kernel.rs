@@ -11,9 +11,9 @@ use std::hint::black_box;
 use std::time::Instant;
 
 /// Steps of the oscillator, products and reads in one kernel: some milliseconds.
-const STEPS: usize = 20_000;
-const PRODUCTS: usize = 100;
-const READS: usize = 150_000;
+const STEPS: usize = 4_000;
+const PRODUCTS: usize = 300;
+const READS: usize = 30_000;
 /// Size of the matrix, and of the memory that is read [numbers].
 const SIZE: usize = 128;
 const MEMORY: usize = 1 << 16;
@@ -24,9 +24,16 @@ const ROUNDS: usize = 7;
 const FEW: usize = 3;
 const LONG: f64 = 0.3;
 
+/// Oscillators side by side, and running sums of a product: as many as keep a processor as busy as integrations do. One
+/// chain of dependent numbers alone would hardly notice a neighbour on the same core.
+const LANES: usize = 8;
+
 /// One kernel; its value keeps it from being optimised away.
 fn kernel(matrix: &[f64], memory: &[u32], x: &mut [f64; SIZE]) -> f64 {
-    let (mut q, mut v) = (0.0_f64, 1.0_f64);
+    let (mut q, mut v) = ([0.0_f64; LANES], [0.0_f64; LANES]);
+    for (i, v) in v.iter_mut().enumerate() {
+        *v = 1.0 + 0.1 * i as f64;
+    }
     let force = |q: f64, v: f64, t: f64| {
         let gap = if q > 0.1 { q - 0.1 } else { (q + 0.1).min(0.0) };
         0.3 * t.sqrt() - gap - 0.05 * v
@@ -34,31 +41,41 @@ fn kernel(matrix: &[f64], memory: &[u32], x: &mut [f64; SIZE]) -> f64 {
     let h = 1e-3;
     for i in 0..STEPS {
         let t = i as f64 * h;
-        let a1 = force(q, v, t);
-        let a2 = force(q + 0.5 * h * v, v + 0.5 * h * a1, t + 0.5 * h);
-        let a3 = force(
-            q + 0.5 * h * v + 0.25 * h * h * a1,
-            v + 0.5 * h * a2,
-            t + 0.5 * h,
-        );
-        let a4 = force(q + h * v + 0.5 * h * h * a2, v + h * a3, t + h);
-        q += h * v + h * h / 6.0 * (a1 + a2 + a3);
-        v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+        for (q, v) in q.iter_mut().zip(&mut v) {
+            let a1 = force(*q, *v, t);
+            let a2 = force(*q + 0.5 * h * *v, *v + 0.5 * h * a1, t + 0.5 * h);
+            let a3 = force(
+                *q + 0.5 * h * *v + 0.25 * h * h * a1,
+                *v + 0.5 * h * a2,
+                t + 0.5 * h,
+            );
+            let a4 = force(*q + h * *v + 0.5 * h * h * a2, *v + h * a3, t + h);
+            *q += h * *v + h * h / 6.0 * (a1 + a2 + a3);
+            *v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+        }
     }
     for _ in 0..PRODUCTS {
         let mut y = [0.0; SIZE];
         for (y, row) in y.iter_mut().zip(matrix.chunks_exact(SIZE)) {
-            *y = row.iter().zip(x.iter()).map(|(a, b)| a * b).sum::<f64>();
+            let mut sums = [0.0; LANES];
+            for (a, b) in row.chunks_exact(LANES).zip(x.chunks_exact(LANES)) {
+                for ((s, a), b) in sums.iter_mut().zip(a).zip(b) {
+                    *s += a * b;
+                }
+            }
+            *y = sums.iter().sum();
         }
         *x = y;
     }
-    let (mut at, mut sum) = (0_usize, 0_u64);
+    let (mut at, mut sum) = ([0_usize; LANES], 0_u64);
     for _ in 0..READS {
-        let next = memory[at];
-        sum = sum.wrapping_add(u64::from(next));
-        at = (next as usize).wrapping_add(sum as usize) % memory.len();
+        for (lane, at) in at.iter_mut().enumerate() {
+            let next = memory[*at];
+            sum = sum.wrapping_add(u64::from(next));
+            *at = (next as usize).wrapping_add(lane + sum as usize) % memory.len();
+        }
     }
-    q + v + x[0] + sum as f64
+    q.iter().chain(&v).sum::<f64>() + x[0] + sum as f64
 }
 
 /// Processor time of some work [s]; wall time where the system does not tell it.
