@@ -2,11 +2,11 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`plan`] | data, and what a fit is asked for |
-//! | [`parameters`] | what can be fitted, from where, between which bounds |
+//! | `plan` | data, and what a fit is asked for |
+//! | `parameters` | what can be fitted, from where, between which bounds |
 //! | [`estimate`] | the mathematics: fit, intervals under correlated errors, what is not determined |
-//! | [`run`] | the model on the data, and the record of the fit |
-//! | [`explain`] | what cannot be told apart, in words |
+//! | `run` | the model on the data, and the record of the fit |
+//! | `explain` | what cannot be told apart, in words |
 //! | [`write`] | the calibration file |
 //!
 //! Residuals are the differences of the contact force on the data's own times over the size of the data, so that the fit

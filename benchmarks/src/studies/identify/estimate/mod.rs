@@ -8,7 +8,7 @@
 //! | [`uncertainty`] | covariance under that process, degrees of freedom |
 //! | [`identifiable`] | combinations that the data do not determine |
 //! | [`profile`] | intervals where the problem is not linear over them |
-//! | [`student`] | quantiles |
+//! | `student` | quantiles |
 
 pub mod coordinates;
 pub mod identifiable;
