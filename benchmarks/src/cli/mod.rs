@@ -4,6 +4,7 @@
 pub mod answer;
 pub mod arguments;
 pub mod exit;
+pub(crate) mod files;
 pub mod progress;
 mod refusal;
 pub mod study_folder;

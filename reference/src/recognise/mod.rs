@@ -181,7 +181,9 @@ fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::MAX, f64::MIN], |e, v| [e[0].min(v), e[1].max(v)])
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
+/// The upper median of the finite ones among values.
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
 }
@@ -355,7 +357,7 @@ impl Flanks {
             best.into_iter().flatten().collect::<Vec<u32>>()
         };
         let highest = spaces(false);
-        let tops = highest.iter().map(|&n| polar[n as usize][0]).collect();
+        let tops = highest.iter().map(|&n| polar[n as usize][0]);
         let top = median(tops).unwrap_or(active[1]);
         let within = 1e-4 * (top - active[0]);
         let tip = nodes.iter().copied();

@@ -8,7 +8,7 @@
 use super::Basis;
 use super::store::Motion;
 use crate::recognise::standard::{is_standard, readings};
-use crate::recognise::{FlankPoint, Given, Involute, Reading};
+use crate::recognise::{self, FlankPoint, Given, Involute, Reading};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
 use std::f64::consts::PI;
@@ -128,10 +128,9 @@ fn points(grid: &FlankGrid) -> impl Iterator<Item = FlankPoint> + '_ {
     })
 }
 
+/// The median of values; not a number where there are none.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    recognise::median(values).unwrap_or(f64::NAN)
 }
 
 /// Least distance along the displacement of two flanks of one side.

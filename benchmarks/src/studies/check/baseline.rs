@@ -1,10 +1,11 @@
 //! Stored baselines: one line of JSON for each entry, a whole set of lines for each baseline, the newest last. A file of
 //! lines goes well with version control: an update adds lines and changes none.
 
+use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
 use gearbench_reports::check::{Measured, Stored, Trend};
 use serde::{Deserialize, Serialize};
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// A line.
@@ -111,21 +112,18 @@ impl Baselines {
     /// [`Refusal::Files`] when it cannot be written.
     pub(super) fn write(&self, path: &Path) -> Result<(), Refusal> {
         let fail = |e: std::io::Error| Refusal::Files(format!("{}: {e}", path.display()));
-        let staged = path.with_extension("part");
-        let mut file = std::io::BufWriter::new(std::fs::File::create(&staged).map_err(fail)?);
+        let mut text = String::new();
         for Baseline { stored, entries } in &self.0 {
             for measured in entries {
                 let line = Line {
                     stored: stored.clone(),
                     measured: measured.clone(),
                 };
-                let text = serde_json::to_string(&line).map_err(|e| fail(e.into()))?;
-                writeln!(file, "{text}").map_err(fail)?;
+                text.push_str(&serde_json::to_string(&line).map_err(|e| fail(e.into()))?);
+                text.push('\n');
             }
         }
-        file.flush().map_err(fail)?;
-        drop(file);
-        std::fs::rename(&staged, path).map_err(fail)
+        write_whole(path, &text).map_err(fail)
     }
 
     /// A quantity of every entry over the baselines, with the present run last.

@@ -4,6 +4,7 @@
 //! line; those of other calibrations stay, and so do comments between the tables.
 
 use super::plan::Identification;
+use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
 use crate::experiment::machine;
 use crate::scene_file::calibration::{Constants, FittedTo};
@@ -50,9 +51,7 @@ pub fn write(
             parent.display()
         )));
     }
-    let staged = path.with_extension("toml.part");
-    std::fs::write(&staged, text).map_err(|e| fail(&e))?;
-    std::fs::rename(&staged, &path).map_err(|e| fail(&e))?;
+    write_whole(&path, &text).map_err(|e| fail(&e))?;
     Ok(path)
 }
 

@@ -6,6 +6,7 @@ use super::plan::{Entry, formulas, includes};
 use super::run::{Row, solve};
 use super::summary::summarise;
 use crate::cli::answer::Answer;
+use crate::cli::files::write_whole;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, absolute, refuse_study, say};
@@ -124,9 +125,8 @@ fn write(dir: &Path, rows: &[Row], load: &str) -> Result<(), Refusal> {
         |path: &PathBuf, e: std::io::Error| Refusal::Files(format!("{}: {e}", path.display()));
     std::fs::create_dir_all(dir).map_err(|e| fail(&dir.to_path_buf(), e))?;
     for (name, text) in files {
-        let (path, staged) = (dir.join(&name), dir.join(format!("{name}.part")));
-        std::fs::write(&staged, text).map_err(|e| fail(&staged, e))?;
-        std::fs::rename(&staged, &path).map_err(|e| fail(&path, e))?;
+        let path = dir.join(&name);
+        write_whole(&path, &text).map_err(|e| fail(&path, e))?;
     }
     Ok(())
 }

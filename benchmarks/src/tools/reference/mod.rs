@@ -4,6 +4,7 @@ pub(crate) mod arguments;
 mod file;
 
 use crate::cli::answer::Answer;
+use crate::cli::files::write_whole;
 use crate::cli::progress::Display;
 use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
 use crate::experiment::conditions::Conditions;
@@ -330,15 +331,6 @@ fn can_be_written(path: &Path) -> Result<(), Refusal> {
         ));
     }
     Ok(())
-}
-
-/// A file is written whole or not at all.
-fn write_whole(path: &Path, text: &str) -> std::io::Result<()> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let staged = path.with_file_name(name);
-    std::fs::write(&staged, text)?;
-    std::fs::rename(&staged, path)
 }
 
 /// The file of a scene, which a shipped one has not.
