@@ -2,7 +2,9 @@
 //! hexahedra, quadratic tetrahedra cut from own ones, and meshes of other programs. Prints peak and impulse of the force
 //! and how far its history is from that of the first row, as a table.
 //!
-//!     cargo run --release -p gearbench-reference --example tetrahedra_impact -- MESH...
+//!     cargo run --release -p gearbench-reference --example tetrahedra_impact -- [half-spaces] MESH...
+//!
+//! Flanks touch on their elements, or on half-spaces where that stands first.
 //!
 //! A MESH is `hex:FLANK:WIDTH`, `tet:FLANK:WIDTH` (elements along a flank and over the width; tetrahedra are written as a
 //! deck without sets and read back) or `PINION,WHEEL`, two files.
@@ -141,7 +143,7 @@ fn write(path: &Path, gear: &Gear, flank: usize, width: usize) -> Result<(), Fai
     Ok(file.flush()?)
 }
 
-fn run(mesh: &str, folder: &Path) -> Result<Vec<f64>, Failed> {
+fn run(mesh: &str, points: PointContact, folder: &Path) -> Result<Vec<f64>, Failed> {
     let gear = |(i, gear)| GearSpec {
         name: format!("gear {}", i + 1),
         body: Body::Gear(gear),
@@ -176,10 +178,7 @@ fn run(mesh: &str, folder: &Path) -> Result<Vec<f64>, Failed> {
             damping: Damping::None,
             friction: None,
             slices: None,
-            points: Some(PointContact {
-                passes: Passes::First,
-                ..PointContact::new(1e15)
-            }),
+            points: Some(points),
         }],
     };
     let mut scene = Scene::build(&spec, &modelling, MODELS)?;
@@ -198,9 +197,19 @@ fn main() -> Result<(), Failed> {
     println!(
         "mesh, peak [N], impulse [mN s], from the first: peak %, impulse %, force L2 %, seconds"
     );
-    for mesh in std::env::args().skip(1) {
+    let mut meshes: Vec<String> = std::env::args().skip(1).collect();
+    let points = if meshes.first().is_some_and(|m| m == "half-spaces") {
+        meshes.remove(0);
+        PointContact::half_space()
+    } else {
+        PointContact {
+            passes: Passes::First,
+            ..PointContact::new(1e15)
+        }
+    };
+    for mesh in meshes {
         let start = std::time::Instant::now();
-        let force = run(&mesh, &folder)?;
+        let force = run(&mesh, points, &folder)?;
         let peak = |f: &[f64]| f.iter().copied().fold(0.0, f64::max);
         let impulse = |f: &[f64]| TIMES[0] * f.iter().sum::<f64>();
         let against = first.get_or_insert_with(|| force.clone());

@@ -53,22 +53,24 @@ impl Lines {
         strips: Strips,
     ) -> Result<Self, Reason> {
         let surface = Surface::new(mesh).map_err(|e| e.to_string())?;
-        let near_field = near_field_of_flanks(mesh, material).map_err(|e| e.to_string())?;
+        let near_field =
+            near_field_of_flanks(mesh, material, &surface).map_err(|e| e.to_string())?;
         let Some(near_field) = near_field else {
             return Err((
-                "contact on half-spaces is known to meshes of hexahedra with eight nodes",
-                "take C3D8 or C3D8I, or give the contact local = \"mesh\"",
+                "contact on half-spaces takes what the mesh does to a line load, which is not known of these flanks",
+                "take straight teeth or C3D8 or C3D8I, or give the contact local = \"mesh\"",
             )
                 .into());
         };
         let lines = LinesOfFlanks::new(&surface.flanks, &near_field, strips)?;
+        let surface = &surface;
         let of_node = |&(node, w): &(usize, f64)| {
-            let n = pose.turn(&surface.directions[node]);
-            (surface.mesh_nodes[node], (w * n).into())
+            let n = w * pose.turn(&surface.directions[node]);
+            (surface.follows(node)).map(move |(node, share)| (node, (share * n).into()))
         };
         Ok(Lines {
             sums: (lines.sums.iter())
-                .map(|sum| sum.iter().map(of_node).collect())
+                .map(|sum| sum.iter().flat_map(of_node).collect())
                 .collect(),
             flanks: lines.flanks,
             near_field: lines.near_field,

@@ -60,16 +60,18 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     if let Toothing::Gear(gear) = context.body {
         mesh.deviate(gear);
     }
-    if !mesh.tied.is_empty() {
+    // On half-spaces it is lines that touch, whatever the faces are.
+    let of_nodes = context.lines.is_none();
+    if of_nodes && !mesh.tied.is_empty() {
         return Err(reader.error(
             "mesh",
             (
                 "the faces of its flanks are no grids of quadrilaterals, on whose nodes this model touches",
-                "take the model `elastic`, whose flanks may be of any faces",
+                "give the contact local = \"half-space\", or take the model `elastic`: there flanks may be of any faces",
             ),
         ));
     }
-    if mesh.mesh.kind().is_none_or(|k| k.nodes() != 8) {
+    if of_nodes && mesh.mesh.kind().is_none_or(|k| k.nodes() != 8) {
         return Err(reader.error(
             "element",
             (
@@ -77,7 +79,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
                     "flanks touch on faces with four nodes, on elements with eight; the elements are {}",
                     mesh.mesh.kind_names()
                 ),
-                "take C3D8 or C3D8I",
+                "take C3D8 or C3D8I, or give the contact local = \"half-space\"",
             ),
         ));
     }

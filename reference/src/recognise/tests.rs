@@ -250,7 +250,7 @@ fn tetrahedra_are_found_with_grids_on_their_flanks() {
         let positions: Vec<Vec3> = mesh.nodes.iter().map(|x| found.own(x)).collect();
         for patch in &found.flanks {
             let grid = tied::lay(&skin, &found, patch, &positions).unwrap();
-            assert_eq!((grid.rows, grid.columns), (7, 3));
+            assert_eq!((grid.rows, grid.columns), (13, 3));
             for (x, point) in grid.positions.iter().zip(&grid.points) {
                 let weights = || point.0.iter();
                 assert!((weights().map(|p| p.1).sum::<f64>() - 1.0).abs() < 1e-12);

@@ -6,9 +6,9 @@
 //!
 //! with the shape functions `N_i` of the face (triangle of 3 or 6 nodes, quadrilateral of 4 or 8): forces go the way that
 //! displacements come, so that no work, resultant or moment is lost. Rows stand at equal steps of arc along the profile,
-//! columns at equal steps over the width, both about as far apart as the faces of the flank are long on average. A point stands on the fitted involute,
-//! as far off it as the corners of its face do: chords leave no facets in the contact. `xi_p` is the foot of its
-//! perpendicular on the face.
+//! columns at equal steps over the width, both about as far apart as the faces of the flank are long on average; rows half as
+//! far where the faces have nodes in the middle of their sides. A point stands on the fitted involute, as far off it as the
+//! corners of its face do: chords leave no facets in the contact. `xi_p` is the foot of its perpendicular on the face.
 
 use super::{Facet, FlankPoint, Patch, Recognised, Skin};
 use crate::mesh::TiedPoint;
@@ -237,7 +237,9 @@ pub fn lay(skin: &Skin<'_>, gear: &Recognised, patch: &Patch, own: &[Vec3]) -> O
         return None;
     }
     let arc_of = |c: [f64; 2]| c[0] * c[0] / (2.0 * fit.base_radius);
-    let rows = count(arc, unrolled.step(arc_of));
+    let quadratic = (patch.faces.iter()).all(|&f| !skin.facets[f as usize].mids().is_empty());
+    let per_face = if quadratic { 2.0 } else { 1.0 };
+    let rows = count(arc, unrolled.step(arc_of) / per_face);
     let mut grid = TiedGrid {
         rows,
         columns,

@@ -123,7 +123,7 @@ pub fn of_mesh(
         let modes = found.omega2.len() - skip;
         integrals::of_mesh(&mass, &mesh.mesh.nodes, modes, of_mode)
     };
-    let near_field = near_field::of_flanks(mesh, material)?;
+    let near_field = near_field::of_flanks(mesh, material, &nodes)?;
     let body = Body {
         inertia,
         unbalance,
@@ -172,7 +172,7 @@ pub fn of_sector(
         .collect();
     let residual = compliance::of_sector(sector, material, &nodes, mounting)?;
     let integrals = integrals::of_sector(&mass, &sector.mesh.nodes, &found, own);
-    let near_field = near_field::of_flanks(sector, material)?;
+    let near_field = near_field::of_flanks(sector, material, &nodes)?;
     // Equal teeth are balanced.
     let body = Body {
         inertia,

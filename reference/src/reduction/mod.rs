@@ -103,8 +103,8 @@ pub struct Basis {
     /// Compliance of the whole mesh: nothing is truncated yet.
     pub compliance: Residual,
     /// Displacement of rows of nodes by line loads, as in
-    /// [`Reduced`](gearbench_models::gear::elastic::reduced::Reduced); `None` where the elements are not hexahedra of eight
-    /// nodes.
+    /// [`Reduced`](gearbench_models::gear::elastic::reduced::Reduced); `None` where that
+    /// cannot be told: helical teeth of other elements than hexahedra of eight nodes.
     pub near_field: Option<Arc<Vec<Vec<f64>>>>,
     /// Inertia integrals of all modes; `None` where they are too many.
     pub integrals: Option<Arc<Integrals>>,

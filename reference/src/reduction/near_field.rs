@@ -11,8 +11,13 @@
 //! at the distance `r` and the angle `t` from the inward normal (K. L. Johnson, *Contact Mechanics* (1985), 2.2). On the
 //! surface of the half-space itself the displacement is `-A ln |x|`, which the elements have from a few rows on; the rows
 //! next to the load are theirs alone. With these, static compliance loses what is of the mesh alone and gains what is
-//! Hertz's: [`lines`](gearbench_models::gear::elastic::lines).
+//! Hertz's: [`lines`](gearbench_models::gear::elastic::lines). Elements that are no such lattice answer themselves, cut out
+//! of the body: `body`.
 
+mod body;
+
+use super::ReductionError;
+use super::surface::Surface;
 use crate::element::{ElementError, Integrator};
 use crate::mesh::{ElementKind, GearMesh, Mesh};
 use faer::linalg::solvers::Solve;
@@ -38,16 +43,31 @@ const PER_OCTAVE: f64 = 4.0;
 /// Displacement over `A` of rows, from the loaded one on, in units of the length of the elements.
 type Kernel = [f64; REACH + 1];
 
-/// Displacement over `A` of each row of nodes by a line load at each row, of lengths in m: per flank, `rows x rows`.
-/// Nothing where the elements are not hexahedra of eight nodes.
+/// Displacement over `A` of each row of nodes by a line load at each row, of lengths in m: per flank of the mesh, in the
+/// order of its surface, `rows x rows`. Nothing where that cannot be told.
+///
+/// # Errors
+/// Memory; elements that cannot be integrated.
 pub fn of_flanks(
     gear: &GearMesh,
     material: &Material,
-) -> Result<Option<Vec<Vec<f64>>>, ElementError> {
+    surface: &Surface,
+) -> Result<Option<Vec<Vec<f64>>>, ReductionError> {
     let kind = gear.mesh.kind().filter(|k| k.nodes() == 8);
-    let Some(kind) = kind.filter(|_| gear.tied.is_empty()) else {
-        return Ok(None);
-    };
+    if let Some(kind) = kind.filter(|_| gear.tied.is_empty())
+        && let Some(all) = of_lattices(gear, kind, material)?
+    {
+        return Ok(Some(all));
+    }
+    body::of_flanks(gear, material, surface)
+}
+
+/// Of flanks that are the surface of a lattice of hexahedra of eight nodes.
+fn of_lattices(
+    gear: &GearMesh,
+    kind: ElementKind,
+    material: &Material,
+) -> Result<Option<Vec<Vec<f64>>>, ElementError> {
     let mut patches = BTreeMap::new();
     let mut order: Vec<&FlankGrid> = gear.flanks.iter().collect();
     order.sort_by_key(|g| (g.tooth, g.side));

@@ -9,7 +9,7 @@ use gearbench_models::stiffness::Material;
 
 /// Version of the way a basis is computed from a request. Raise it with every change that moves a stored number by more
 /// than rounding: bases that older programs computed are then no longer taken from the cache.
-pub const ALGORITHM: u64 = 2;
+pub const ALGORITHM: u64 = 3;
 
 /// What a basis is computed from.
 #[derive(Clone, Copy, Debug)]

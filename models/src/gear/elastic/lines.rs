@@ -231,7 +231,7 @@ impl Reduced {
         let Some(near_field) = &self.near_field else {
             return Err((
                 "contact on half-spaces has to know what the mesh does to a line load, but the reduction does not say",
-                "make the reduction again, of a mesh of hexahedra with eight nodes: `gearbench reduce`",
+                "make the reduction again, `gearbench reduce`, of a mesh with straight teeth or of hexahedra with eight nodes",
             )
                 .into());
         };

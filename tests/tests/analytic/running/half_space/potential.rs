@@ -78,11 +78,18 @@ fn forces_are_the_slope_of_one_potential() {
 /// The same of full finite elements on an elastic gear, turned far: the nodes about the contact and the hubs.
 #[test]
 fn forces_of_finite_elements_are_the_slope_of_the_same_potential() {
+    of_finite_elements("C3D8I");
+    of_finite_elements("C3D20");
+}
+
+fn of_finite_elements(element: &str) {
     let spec = fzg(0.0, 0.0);
     let mut modelling = half_space(4.0, 1.0, 0.0);
     let full = &mut modelling.gears[0];
     full.id = "fe".into();
     full.parameters.remove("modes");
+    let element = Value::Text(element.into());
+    full.parameters.insert("element".into(), element);
     let mut scene = built(&spec, &modelling);
     let radius = effective_radius(&spec.gears[0].body);
     let pitch = mesh_layout(&spec.gears[0], &spec.gears[1])
