@@ -130,7 +130,6 @@ fn the_support_behind_half_spaces_does_not_depend_on_the_elements() {
         ("3 tetrahedra", 0.11, of(&tetrahedra, false)),
     ] {
         for ((r, a), b) in radii.iter().zip(&truth).zip(&found) {
-            println!("{name}, {:.1} mm: {a:.3}, {b:.3}", 1e3 * r);
             assert!((b - a).abs() < most, "{name} at {:.1} mm: {a} {b}", 1e3 * r);
         }
     }
