@@ -130,20 +130,39 @@ impl<'a> Runner<'a> {
             simulated_s: f64::NAN,
             ..Run::default()
         };
-        let interrupted = || {
-            let why = "not made: the study was interrupted";
-            Ok((not_made(Status::Interrupted, why.into()), X::default()))
-        };
+        self.guarded(key, make, |status, message| {
+            (not_made(status, message), X::default())
+        })
+    }
+
+    /// What becomes of a run, of whatever type, made now unless it is finished: after an interruption, and where the
+    /// program itself fails, what `not_made` says of it, which is not kept.
+    ///
+    /// # Errors
+    /// Those of the work, and [`JournalError`].
+    pub fn guarded<T, E>(
+        &self,
+        key: Key,
+        make: impl FnOnce() -> Result<T, E>,
+        not_made: impl FnOnce(Status, String) -> T,
+    ) -> Result<T, E>
+    where
+        T: Serialize + DeserializeOwned,
+        E: From<JournalError>,
+    {
+        const INTERRUPTED: &str = "not made: the study was interrupted";
         if let Some(found) = self.finished(key)? {
             return Ok(found);
         }
         if interruption::requested() {
-            return interrupted();
+            return Ok(not_made(Status::Interrupted, INTERRUPTED.into()));
         }
         match catch_unwind(AssertUnwindSafe(make)) {
-            Ok(Err(_)) if interruption::requested() => interrupted(),
+            Ok(Err(_)) if interruption::requested() => {
+                Ok(not_made(Status::Interrupted, INTERRUPTED.into()))
+            }
             Ok(row) => Ok(self.keep(key, row?)?),
-            Err(panic) => Ok((not_made(Status::Aborted, failure(&*panic)), X::default())),
+            Err(panic) => Ok(not_made(Status::Aborted, failure(&*panic))),
         }
     }
 }

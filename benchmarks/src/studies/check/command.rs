@@ -3,8 +3,8 @@
 use super::arguments::Check;
 use super::baseline::{Baseline, Baselines};
 use super::file::{Case, CheckFile};
-use super::judge::{gone, judge, slow_from};
-use super::measure::{Entry, Loaded, load};
+use super::judge::{LIKELY, gone, judge, program, slow_from};
+use super::measure::{Entry, Group, Loaded, load};
 use super::summary::summarise;
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
@@ -20,8 +20,11 @@ use gearbench_reports::record::{Part, Results};
 /// Quantity whose history the page of a check draws.
 const USUAL_HISTORY: &str = "runtime";
 
-/// Moments at which runtimes are measured, most.
+/// Moments at which runtimes are measured, most; those near the limit at further ones.
 const PASSES: usize = 4;
+const NEAR_PASSES: usize = 8;
+/// Distance from the limit at which a runtime is near it [-].
+const NEAR: f64 = 0.15;
 
 /// Runs the check and writes its folder.
 pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
@@ -68,13 +71,18 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
     let newest = baselines.newest().cloned().unwrap_or_default();
     let total = loaded.iter().map(Loaded::len).sum();
     let made = folder.run(total, |runner| -> Result<_, RunError> {
-        let mut entries = measure(&loaded, (runner, total))?;
+        let mut groups = measure(&loaded, (runner, total))?;
         if !args.no_runtime {
             // What is stored is measured as often as what looks slow.
-            let slow = |e: &Entry<'_>| args.update || is_slow(e, &newest);
-            time(&mut entries, slow, runner)?;
+            let again = |e: &Entry<'_>, pass: usize| {
+                (args.update && pass < PASSES) || is_doubtful(e, &newest, pass)
+            };
+            time(&mut groups, again, runner)?;
         }
-        Ok(entries)
+        Ok(groups
+            .into_iter()
+            .flat_map(|g| g.entries)
+            .collect::<Vec<_>>())
     });
     let entries = made.map_err(|e| folder.refuse(refuse_run(e)))?;
     if interruption::requested() {
@@ -84,11 +92,12 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
     let same = here.cpu == newest.stored.cpu;
     let mut checked: Vec<Checked> = Vec::new();
     for entry in &entries {
-        let (now, rules) = (entry.measured.clone(), &entry.case().rules);
+        let (now, rules) = (entry.measured.clone(), &entry.case.rules);
         let before = newest.entries.iter().find(|b| b.is(&now));
         checked.push(judge(now, before, rules, same));
     }
     let now: Vec<Measured> = checked.iter().map(|c| c.measured.clone()).collect();
+    checked.extend(program(&now, &newest.entries, &file.runtime, same));
     let left = left_out(&newest, &file, &cases, &now);
     checked.extend(left.gone.iter().map(gone));
     let record = CheckRecord {
@@ -135,7 +144,7 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
 fn measure<'l>(
     loaded: &'l [Loaded<'l>],
     (runner, total): (&Runner<'_>, usize),
-) -> Result<Vec<Entry<'l>>, RunError> {
+) -> Result<Vec<Group<'l>>, RunError> {
     let mut all = Vec::new();
     let mut done = 0;
     for one in loaded {
@@ -145,33 +154,50 @@ fn measure<'l>(
     Ok(all)
 }
 
-/// Measures runtimes: of all entries once, and of those that look slow at other moments again.
+/// Measures runtimes: of all entries once, and of those that ask for it at other moments again.
 fn time(
-    entries: &mut [Entry<'_>],
-    again: impl Fn(&Entry<'_>) -> bool,
+    groups: &mut [Group<'_>],
+    again: impl Fn(&Entry<'_>, usize) -> bool,
     runner: &Runner<'_>,
 ) -> Result<(), RunError> {
-    let total = entries.len();
-    for pass in 0..PASSES {
-        for (i, entry) in entries.iter_mut().enumerate() {
-            if interruption::requested() {
-                return Err(RunError::Interrupted);
-            }
-            if pass == 0 || again(entry) {
-                runner.tell(i, total, &format!("runtime of {}", entry.measured.name()));
-                entry.time()?;
+    let total = groups.iter().map(|g| g.entries.len()).sum();
+    for pass in 0..NEAR_PASSES {
+        let mut done = 0;
+        for group in &mut *groups {
+            for i in 0..group.entries.len() {
+                if interruption::requested() {
+                    return Err(RunError::Interrupted);
+                }
+                let entry = &group.entries[i];
+                if pass == 0 || again(entry, pass) {
+                    let what = format!("runtime of {}", entry.measured.name());
+                    runner.tell(done, total, &what);
+                    group.time(i)?;
+                }
+                done += 1;
             }
         }
     }
     Ok(())
 }
 
-/// Whether an entry takes longer than its baseline allows.
-fn is_slow(entry: &Entry<'_>, newest: &Baseline) -> bool {
+/// Whether the runtime of an entry is to be measured at another moment: it looks slow, or almost so, or is so near the limit
+/// that either verdict would be chance.
+fn is_doubtful(entry: &Entry<'_>, newest: &Baseline, pass: usize) -> bool {
     let before = newest.entries.iter().find(|b| b.is(&entry.measured));
-    let from = slow_from(before, &entry.case().rules);
-    let now = entry.measured.runtime;
-    now.zip(from).is_some_and(|(now, from)| now > from)
+    let from = slow_from(before, &entry.case.rules);
+    let Some(ratio) = entry
+        .measured
+        .runtime
+        .zip(from)
+        .map(|(now, from)| now / from)
+    else {
+        return false;
+    };
+    match pass < PASSES {
+        true => ratio > LIKELY,
+        false => (ratio - 1.0).abs() < NEAR,
+    }
 }
 
 /// Entries of a baseline that were not run.

@@ -1,12 +1,23 @@
-//! An entry beside its baseline.
+//! An entry beside its baseline, and the runtimes of all entries together.
+//!
+//! A program that became slower is slower in all of its entries at once, while what disturbs the timing of one entry does
+//! not disturb all others: the median of the ratios to the baseline over n entries scatters by about sqrt(pi / (2 n)) of
+//! what one of them does, and so tells a smaller slowdown with less chance of a false alarm.
 
-use super::file::{Rules, Work};
+use super::file::{Rules, Runtime, Work};
+use super::kernel::median;
 use gearbench_reports::check::{Checked, Finding, Kind, Measured, Verdict};
 use gearbench_reports::numbers::{digits_apart, short};
 use std::collections::BTreeSet;
 
 /// Key of the runtime among the findings.
 const RUNTIME: &str = "runtime";
+/// Key of the median of all.
+const ALL_RUNTIMES: &str = "median_runtime_ratio";
+/// Entries from which on their median is judged.
+const ENOUGH: usize = 8;
+/// Part of the ratio that is slow from which on an entry is measured again.
+pub(super) const LIKELY: f64 = 0.85;
 
 /// Two numbers with as many digits as tell them apart.
 fn apart(now: f64, before: f64) -> [String; 2] {
@@ -170,9 +181,8 @@ fn work(now: &Measured, before: &Measured, rules: &Rules) -> Vec<Finding> {
 
 fn runtime(now: &Measured, before: &Measured, rules: &Rules, same: bool) -> Option<Finding> {
     let (now, before) = (now.runtime?, before.runtime?);
-    let ratio = now / before;
     let [now_text, before_text] = [now, before].map(|x| short(x, 4));
-    let gate = rules.gate && same;
+    let (allowed, verdict) = slower(now / before, rules.runtime.factor, &rules.runtime, same);
     Some(Finding {
         kind: Kind::Runtime,
         what: RUNTIME.into(),
@@ -180,22 +190,62 @@ fn runtime(now: &Measured, before: &Measured, rules: &Rules, same: bool) -> Opti
         before: before_text,
         value: Some(now),
         change: change(now, before),
-        allowed: match (gate, rules.gate) {
-            (true, _) => format!("up to {} times", short(rules.factor, 4)),
-            (_, true) => "any, the baseline is of another processor".into(),
-            _ => "any, it does not gate".into(),
+        allowed,
+        verdict,
+    })
+}
+
+/// What a ratio of runtimes may be, and what it comes to.
+fn slower(ratio: f64, most: f64, rules: &Runtime, same: bool) -> (String, Verdict) {
+    let gate = rules.gate && same;
+    let allowed = match (gate, rules.gate) {
+        (true, _) => format!("up to {} times", short(most, 4)),
+        (_, true) => "any, the baseline is of another processor".into(),
+        _ => "any, it does not gate".into(),
+    };
+    let verdict = match ratio {
+        r if r > most && gate => Verdict::Moved,
+        r if r > most || r < 1.0 / most => Verdict::Reported,
+        _ => Verdict::Held,
+    };
+    (allowed, verdict)
+}
+
+/// The runtimes of all entries together: an entry of its own, where there are enough of them.
+pub(super) fn program(
+    now: &[Measured],
+    before: &[Measured],
+    rules: &Runtime,
+    same: bool,
+) -> Option<Checked> {
+    let ratio = |now: &Measured| {
+        let before = before.iter().find(|b| b.is(now))?;
+        Some(now.runtime? / before.runtime?)
+    };
+    let ratios: Vec<f64> = now.iter().filter_map(ratio).collect();
+    if ratios.len() < ENOUGH {
+        return None;
+    }
+    let middle = median(&ratios)?;
+    let (allowed, verdict) = slower(middle, rules.all, rules, same);
+    let finding = Finding {
+        kind: Kind::Runtime,
+        what: ALL_RUNTIMES.into(),
+        now: short(middle, 4),
+        before: "1".into(),
+        value: Some(middle),
+        change: change(middle, 1.0),
+        allowed,
+        verdict,
+    };
+    Some(Checked {
+        measured: Measured {
+            case: "all cases".into(),
+            model: "all models".into(),
+            method: format!("{} runtimes", ratios.len()),
+            ..Measured::default()
         },
-        verdict: if ratio > rules.factor {
-            if gate {
-                Verdict::Moved
-            } else {
-                Verdict::Reported
-            }
-        } else if ratio < 1.0 / rules.factor {
-            Verdict::Reported
-        } else {
-            Verdict::Held
-        },
+        findings: vec![finding],
     })
 }
 
@@ -239,7 +289,7 @@ fn parameters(now: &Measured, before: &Measured) -> Vec<Finding> {
 
 /// Runtime from which on an entry is slow, if it can be.
 pub(super) fn slow_from(before: Option<&Measured>, rules: &Rules) -> Option<f64> {
-    Some(rules.factor * before?.runtime?)
+    Some(rules.runtime.factor * before?.runtime?)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::file::{Case, CheckFile};
 use super::kernel;
-use super::quantity::{forgotten, values};
+use super::quantity::values;
 use crate::cli::arguments::Insist;
 use crate::cli::terminal::{Refusal, references_of};
 use crate::experiment::conditions::Conditions;
@@ -17,7 +17,7 @@ use gearbench_models::scene::Scene;
 use gearbench_reports::check::Measured;
 use gearbench_reports::record::{ReferenceSeries, Run};
 use std::collections::BTreeMap;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// A case with its scene.
 pub(super) struct Loaded<'a> {
@@ -112,14 +112,19 @@ impl Loaded<'_> {
         &self,
         runner: &Runner<'_>,
         (mut done, total): (usize, usize),
-    ) -> Result<Vec<Entry<'_>>, RunError> {
+    ) -> Result<Vec<Group<'_>>, RunError> {
         let grid = self.conditions.grid();
         let ids: Vec<&str> = self.references.iter().map(|r| r.id.as_str()).collect();
         let mut all = Vec::new();
         for configuration in &self.configurations {
-            let mut built = None;
+            let mut group = Group {
+                of: self,
+                configuration,
+                built: None,
+                entries: Vec::new(),
+            };
             for method in self.methods_of(configuration) {
-                let mut found = Measured {
+                let found = Measured {
                     case: self.case.name.clone(),
                     scene: self.conditions.name.clone(),
                     model: configuration.label.clone(),
@@ -129,41 +134,48 @@ impl Loaded<'_> {
                 runner.tell(done, total, &found.name());
                 done += 1;
                 let job = self.job(configuration, method, &grid);
-                let key = (Key::new("check").and(&job.key())).and(&(&ids, &self.case.metrics));
-                let made = runner.row_with(key, method, || {
-                    let (scene, setup) = match &mut built {
-                        Some(built) => built,
-                        none => {
-                            let started = Instant::now();
-                            let scene = Scene::build(job.scene, job.modelling, job.models)?;
-                            none.insert((scene, started.elapsed()))
-                        }
-                    };
-                    let mut run = run_in(&job, scene, *setup)?;
-                    let metrics = values(&run, &self.case.metrics, &self.references);
-                    forgotten(&mut run);
-                    Ok::<_, RunError>((run, metrics))
-                });
-                let (run, metrics) = match made {
+                let names = (&found.case, &found.model);
+                let key = (Key::new("check").and(&job.key()))
+                    .and(&(&ids, &self.case.metrics))
+                    .and(&names);
+                let not_made = |status, message| Measured {
+                    status,
+                    message: Some(message),
+                    ..found.clone()
+                };
+                let make = || {
+                    let (scene, setup) = built(&mut group.built, &job)?;
+                    let run = run_in(&job, scene, *setup)?;
+                    Ok::<_, RunError>(self.measured(found.clone(), run))
+                };
+                let measured = match runner.guarded(key, make, not_made) {
                     // Not every method is for every model: the pair is no entry.
                     Err(e) if e.leaves_out() => continue,
                     other => other?,
                 };
-                found.metrics = metrics;
-                found.work = work(&run);
-                found.status = run.status;
-                found.message = run.message.filter(|_| run.status.is_failure());
-                found.parameters = run.parameters;
-                all.push(Entry {
-                    of: self,
-                    configuration,
+                group.entries.push(Entry {
+                    case: self.case,
                     method: *method,
-                    measured: found,
+                    measured,
                     ratios: Vec::new(),
                 });
             }
+            all.push(group);
         }
         Ok(all)
+    }
+
+    /// What a check keeps of a run.
+    fn measured(&self, named: Measured, run: Run) -> Measured {
+        let failed = run.status.is_failure();
+        Measured {
+            metrics: values(&run, &self.case.metrics, &self.references),
+            work: work(&run),
+            status: run.status,
+            message: run.message.filter(|_| failed),
+            parameters: run.parameters,
+            ..named
+        }
     }
 
     fn job<'j>(
@@ -180,34 +192,54 @@ impl Loaded<'_> {
     }
 }
 
-/// An entry that was run, and how long it takes.
-pub(super) struct Entry<'l> {
+/// The scene of a job with the time that building it took, built at the first use.
+fn built<'s>(
+    kept: &'s mut Option<(Scene, Duration)>,
+    job: &Job<'_>,
+) -> Result<&'s mut (Scene, Duration), RunError> {
+    match kept {
+        Some(built) => Ok(built),
+        none => {
+            let started = Instant::now();
+            let scene = Scene::build(job.scene, job.modelling, job.models)?;
+            Ok(none.insert((scene, started.elapsed())))
+        }
+    }
+}
+
+/// The entries of a model: its scene is built once for all of their runs and timings.
+pub(super) struct Group<'l> {
     of: &'l Loaded<'l>,
     configuration: &'l Configuration,
+    built: Option<(Scene, Duration)>,
+    pub(super) entries: Vec<Entry<'l>>,
+}
+
+/// An entry that was run, and how long it takes.
+pub(super) struct Entry<'l> {
+    /// Its case.
+    pub(super) case: &'l Case,
     method: Scheme,
     pub(super) measured: Measured,
     /// Times over those of the kernel.
     ratios: Vec<f64>,
 }
 
-impl Entry<'_> {
-    /// Its case.
-    pub(super) fn case(&self) -> &Case {
-        self.of.case
-    }
-
-    /// Measures its runtime, beside what was measured before: at another moment the machine is busy with other things.
+impl Group<'_> {
+    /// Measures the runtime of an entry, beside what was measured before: at another moment the machine is busy with
+    /// other things.
     ///
     /// # Errors
     /// [`RunError`] when its model cannot be built.
-    pub(super) fn time(&mut self) -> Result<(), RunError> {
-        if self.measured.status.is_failure() {
+    pub(super) fn time(&mut self, entry: usize) -> Result<(), RunError> {
+        let entry = &mut self.entries[entry];
+        if entry.measured.status.is_failure() {
             return Ok(());
         }
-        let job = self.of.job(self.configuration, &self.method, &[]);
-        let mut scene = Scene::build(job.scene, job.modelling, job.models)?;
-        self.ratios.extend(kernel::ratios(bare(&job, &mut scene)));
-        self.measured.runtime = kernel::median(&self.ratios);
+        let job = self.of.job(self.configuration, &entry.method, &[]);
+        let (scene, _) = built(&mut self.built, &job)?;
+        entry.ratios.extend(kernel::ratios(bare(&job, scene)));
+        entry.measured.runtime = kernel::median(&entry.ratios);
         Ok(())
     }
 }

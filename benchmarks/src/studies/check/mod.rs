@@ -8,7 +8,7 @@
 //! | `baseline` | stored baselines, one line for each entry |
 //! | `measure` | runs of the cases |
 //! | `kernel` | runtime in units of a fixed kernel |
-//! | `judge` | an entry beside its baseline |
+//! | `judge` | an entry beside its baseline, the runtimes of all entries |
 //! | [`command`], `summary` | the study, and what the terminal says of it |
 
 pub mod arguments;

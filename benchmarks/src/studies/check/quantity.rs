@@ -3,7 +3,6 @@
 use gearbench_reports::Metric;
 use gearbench_reports::metrics::{TRANSMISSION_ERROR, compare, compare_all};
 use gearbench_reports::record::{ReferenceSeries, Run, SELF};
-use gearbench_reports::series::TimeSeries;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
@@ -135,13 +134,6 @@ fn root_mean_square(values: &[f64]) -> Option<f64> {
     let finite = || values.iter().filter(|x| x.is_finite());
     let n = finite().count();
     (n > 0).then(|| (finite().map(|x| x * x).sum::<f64>() / n as f64).sqrt())
-}
-
-/// The history without what only metrics need: a row of the journal.
-pub(super) fn forgotten(run: &mut Run) {
-    run.series = None::<TimeSeries>;
-    run.histories = None;
-    run.contacts = None;
 }
 
 #[cfg(test)]

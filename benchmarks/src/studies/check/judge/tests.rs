@@ -107,3 +107,29 @@ fn failures_limits_and_what_is_missing() {
     assert_eq!(new.moved().count(), 1);
     assert_eq!(gone(&measured()).moved().count(), 1);
 }
+
+/// A program that is slower by less than any entry may be is named as a whole; a few disturbed entries are not it, and few
+/// entries say nothing of a whole.
+#[test]
+fn a_program_that_is_slower_everywhere_is_named() {
+    let rules = rules("");
+    let entries = |ratio: fn(usize) -> f64, count: usize| -> Vec<Measured> {
+        let entry = |i| Measured {
+            method: format!("newmark@{i}s"),
+            runtime: Some(0.5 * ratio(i)),
+            ..measured()
+        };
+        (0..count).map(entry).collect()
+    };
+    let before = entries(|_| 1.0, 12);
+    let told = |now: Vec<Measured>, same| {
+        let found = program(&now, &before, &rules.runtime, same)?;
+        Some((found.moved().count(), found.reported().count()))
+    };
+    let slower = |i: usize| 1.25 + 0.01 * i as f64;
+    assert_eq!(told(entries(slower, 12), true), Some((1, 0)));
+    assert_eq!(told(entries(slower, 12), false), Some((0, 1)));
+    let disturbed = |i: usize| if i < 5 { 3.0 } else { 1.0 };
+    assert_eq!(told(entries(disturbed, 12), true), Some((0, 0)));
+    assert_eq!(told(entries(slower, 7), true), None);
+}
