@@ -9,6 +9,7 @@ use super::arguments::Insist;
 use super::exit::Exit;
 pub use super::refusal::{Refusal, refuse_run, refuse_study};
 use crate::scene_file::SceneFile;
+use crate::scene_file::references::Held;
 use gearbench_reference::data::Reference;
 use miette::Report;
 use std::io::{self, ErrorKind, Write};
@@ -147,7 +148,21 @@ pub fn absolute(path: PathBuf) -> PathBuf {
     path.canonicalize().unwrap_or(path)
 }
 
-/// What the models of a scene are held against, which has to be of its gears unless the user insists.
+/// All references of a scene, also those of other speeds and loads; each has to be of its gears unless the user insists.
+///
+/// # Errors
+/// A refusal at the line of the scene, or of the file with the data.
+pub fn all_references_of(scene: &mut SceneFile, insist: &Insist) -> Result<Vec<Held>, Refusal> {
+    let known = scene.odd.len();
+    let references = scene.held(insist.any_reference)?;
+    (scene.odd[known..].iter()).for_each(|odd| warn(&odd.told()));
+    Ok(references)
+}
+
+/// The references that models of the scene are held against, those of its own conditions.
+///
+/// # Errors
+/// As [`all_references_of`].
 pub fn references_of(scene: &mut SceneFile, insist: &Insist) -> Result<Vec<Reference>, Refusal> {
     let known = scene.odd.len();
     let references = scene.held_of_the_scene(insist.any_reference)?;

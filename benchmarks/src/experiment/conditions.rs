@@ -7,6 +7,7 @@ use crate::scene_file::SceneFile;
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reference::data::{Channel, Quantity, Reference};
 use gearbench_reports::record::{Part, Results};
 use std::time::Duration;
 
@@ -27,6 +28,8 @@ pub struct Conditions<'a> {
     pub duration: f64,
     /// Samples of the histories over the duration.
     pub samples: usize,
+    /// Record torques, and transmission errors of further meshes ([`Conditions::held_against`]).
+    pub torques: bool,
     /// Locate events.
     pub events: bool,
     /// Timed repeats.
@@ -60,6 +63,7 @@ impl Conditions<'static> {
             models: models(),
             duration: scene.duration,
             samples: scene.study.samples,
+            torques: false,
             events: scene.study.events,
             repeats: 1,
             timeout: NO_BOUND,
@@ -69,6 +73,19 @@ impl Conditions<'static> {
 }
 
 impl Conditions<'_> {
+    /// The same for runs that are held against references: what these have is recorded.
+    #[must_use]
+    pub fn held_against<'r>(mut self, references: impl IntoIterator<Item = &'r Reference>) -> Self {
+        let beside = |c: &Channel| match c.quantity {
+            Quantity::Torque(_) | Quantity::MountTorque(_) => true,
+            Quantity::TransmissionError(mesh) => mesh > 0,
+            _ => false,
+        };
+        let mut references = references.into_iter();
+        self.torques |= references.any(|r| r.channels.iter().any(beside));
+        self
+    }
+
     /// Even times of the histories [s].
     pub fn grid(&self) -> Vec<f64> {
         even(self.samples, self.duration)
@@ -90,6 +107,7 @@ impl Conditions<'_> {
             grid,
             also_steps: true,
             forces: false,
+            torques: self.torques,
             histories: false,
             events: self.events,
             repeats: self.repeats,

@@ -71,6 +71,10 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
             columns.extend(gears.clone().map(|g| column(Channel::Gear(g, bearing))));
         }
     }
+    if job.torques {
+        columns.extend(torques(spec, values));
+        columns.extend(further_errors(spec, |g| of_gear(g, OfGear::Displacement)));
+    }
     for m in meshes {
         if m > 0 {
             columns.push(column(Channel::Mesh(m, OfMesh::Force)));
@@ -92,9 +96,36 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
     series
 }
 
+/// Torques of a gear.
+const TORQUES: [OfGear; 2] = [OfGear::ContactTorque, OfGear::MountTorque];
+
+/// Torques of contacts and mounts, by the values of a channel.
+fn torques(spec: &SceneSpec, values: impl Fn(Channel) -> Vec<f64>) -> Vec<Column> {
+    let gears = 0..spec.gears.len();
+    let channels = gears.flat_map(|g| TORQUES.map(|what| Channel::Gear(g, what)));
+    let column = |channel: Channel| Column {
+        name: channel.column(spec),
+        values: values(channel),
+    };
+    channels.map(column).collect()
+}
+
+/// Transmission errors of all meshes but the first, by the way of each hub.
+fn further_errors(spec: &SceneSpec, of_hub: impl Fn(usize) -> Vec<f64>) -> Vec<Column> {
+    let column = |m: usize| {
+        let [a, b] = spec.meshes[m].gears.map(|i| spec.gears[i].name.as_str());
+        Some(Column {
+            name: format!("transmission_error_{a}_{b}_m"),
+            values: transmission_error(spec, m, &of_hub)?,
+        })
+    };
+    (1..spec.meshes.len()).filter_map(column).collect()
+}
+
 /// What the files of a run hold beyond its series: all components of forces, torques, speeds of hubs, transmission errors
 /// of further meshes, tooth pairs and events.
-pub fn histories(spec: &SceneSpec, scene: &Scene, history: &History) -> Histories {
+pub fn histories(job: &Job<'_>, scene: &Scene, history: &History) -> Histories {
+    let spec = job.scene;
     let rows = &history.on_grid;
     let values = |channel: Channel| -> Vec<f64> {
         (scene.channel(channel)).map_or_else(Vec::new, |c| {
@@ -121,16 +152,15 @@ pub fn histories(spec: &SceneSpec, scene: &Scene, history: &History) -> Historie
             OfGear::BearingY,
             OfGear::MountTorque,
         ] {
-            add(Channel::Gear(g, what));
+            // The series may have torques already.
+            if !(job.torques && TORQUES.contains(&what)) {
+                add(Channel::Gear(g, what));
+            }
         }
     }
-    for m in 1..spec.meshes.len() {
-        let [a, b] = spec.meshes[m].gears.map(|i| spec.gears[i].name.as_str());
-        let error = transmission_error(spec, m, |g| values(Channel::Gear(g, OfGear::Displacement)));
-        further.extend(error.map(|values| Column {
-            name: format!("transmission_error_{a}_{b}_m"),
-            values,
-        }));
+    if !job.torques {
+        let of_hubs = |g| values(Channel::Gear(g, OfGear::Displacement));
+        further.extend(further_errors(spec, of_hubs));
     }
     let (pairs, events) = (history.contacts.as_ref())
         .map_or_else(Default::default, |c| (c.pairs.clone(), c.events.clone()));

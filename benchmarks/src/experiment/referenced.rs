@@ -74,6 +74,7 @@ fn put(series: &mut TimeSeries, channel: &data::Channel, scene: &SceneSpec) {
         Quantity::Speed(g) => Channel::Gear(g, OfGear::Speed).column(scene),
         Quantity::Angle(g) => Channel::Gear(g, OfGear::Displacement).column(scene),
         Quantity::Torque(g) => Channel::Gear(g, OfGear::ContactTorque).column(scene),
+        Quantity::MountTorque(g) => Channel::Gear(g, OfGear::MountTorque).column(scene),
     };
     series.columns.push(Column { name, values });
 }

@@ -56,6 +56,8 @@ pub struct Job<'a> {
     pub also_steps: bool,
     /// Record the components of contact and bearing forces.
     pub forces: bool,
+    /// Record torques, and transmission errors of further meshes: what references may have beside forces and speeds.
+    pub torques: bool,
     /// Keep what the files of histories hold.
     pub histories: bool,
     /// Locate events.
@@ -74,7 +76,8 @@ impl Job<'_> {
         Key::new("run")
             .and_scene(self.scene, self.modelling)
             .and(&(self.method, self.t_end, self.grid, self.also_steps))
-            .and(&(self.forces, self.histories, self.events, self.repeats))
+            .and(&(self.forces, self.torques, self.histories))
+            .and(&(self.events, self.repeats))
             .and(&(self.timeout, self.max_steps))
     }
 
@@ -304,7 +307,7 @@ fn timed_from(
             .as_ref()
             .map(|s| snapshot(job.scene, scene, s)),
         series: Some(series),
-        histories: job.histories.then(|| histories(job.scene, scene, history)),
+        histories: job.histories.then(|| histories(job, scene, history)),
         ..reduction(scene, job.modelling)
     })
 }

@@ -287,6 +287,18 @@ pub(super) fn tolerance(
             );
         }
     };
+    let measured = own().any(|r| r.name == against);
+    if let Some(metric) = metric
+        .as_ref()
+        .map(|m| m.0)
+        .filter(|m| m.is_of_measurements() && !measured)
+    {
+        return at.key("metric").refuse(
+            format!("the tolerance limits {metric} against \"{against}\", a run of gearbench"),
+            "of references alone",
+            "write `against` the name of a reference that has angles or torques, or limit a force",
+        );
+    }
     Ok(Tolerance {
         metric: metric.map_or_else(|| metric_against(against), |m| m.0),
         limit: limit.0,

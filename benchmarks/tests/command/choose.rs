@@ -66,3 +66,68 @@ fn bad_requirements_and_scenes_are_refused() {
     folder.refuses("choose nowhere", &["there is no scene `nowhere`"]);
     assert!(!folder.at("out").exists());
 }
+
+/// What was chosen is held against every reference of the scene, at the speeds and loads of each; one that says otherwise has
+/// the last word.
+#[test]
+fn a_choice_is_held_against_references() {
+    let folder = Folder::new();
+    let plain = scene("1e-6");
+    folder.write("small.toml", &plain);
+    folder.refuses(
+        "choose small.toml --references --out o",
+        &["has no reference", "[[references]]"],
+    );
+    // Made by the chosen kind of model, so that the choice is near it; at another speed under conditions of its own.
+    let make = "reference small.toml --model elastic --method trigonometric@5e-7s";
+    folder.says(&format!("{make} --out own.csv --add"));
+    folder.says(&format!(
+        "{make} --speed a=40 --duration 8e-5 --out fast.csv --add"
+    ));
+    let with = folder.read("small.toml");
+    let choose = "choose small.toml --metric impulse --tolerance 0.2 --references";
+    let said = folder.says(&format!("{choose} --out o"));
+    has(
+        &said,
+        &[
+            "the choice against own: ",
+            "the choice against fast (at its own speeds and loads): ",
+            "so the impulse is within the 20",
+        ],
+    );
+    let record = gearbench_reports::load_results(&folder.at("o")).unwrap();
+    let settings: Vec<_> = (record.settings.iter())
+        .filter(|(what, _)| what.starts_with("the choice against"))
+        .collect();
+    assert_eq!(settings.len(), 2);
+    for (_, found) in &settings {
+        has(
+            found,
+            &[
+                "impulse error",
+                "rebound error",
+                "angle error",
+                "torque error",
+            ],
+        );
+    }
+    has(&folder.read("o/index.html"), &["the choice against fast"]);
+
+    // The same with a force half as large again: the choice is not adequate, whatever models say among each other.
+    let mut table = String::new();
+    for line in folder.read("own.csv").lines() {
+        let cells: Vec<&str> = line.split(',').collect();
+        match cells.get(1).and_then(|c| c.parse::<f64>().ok()) {
+            Some(force) => table.push_str(&format!("{},{:e}\n", cells[0], 1.5 * force)),
+            None if line.starts_with('#') => table.push_str(&format!("{line}\n")),
+            None => table.push_str("time_s,contact_force_n\n"),
+        }
+    }
+    folder.write("own.csv", &table);
+    folder.write("small.toml", &with);
+    let out = folder.ends(&format!("{choose} --out p"), 1);
+    has(
+        &stdout(&out),
+        &["the choice against own: ", "beyond the 20", "not adequate"],
+    );
+}

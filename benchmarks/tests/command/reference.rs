@@ -146,6 +146,115 @@ fn what_a_reference_lacks_is_absent() {
     );
 }
 
+/// Columns of a table in a folder, without comments.
+fn table(folder: &Folder, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let text = folder.read(name);
+    let mut lines = text.lines().filter(|l| !l.starts_with('#'));
+    let cells = |l: &str| l.split(',').map(str::to_owned).collect::<Vec<_>>();
+    (cells(lines.next().unwrap()), lines.map(cells).collect())
+}
+
+/// Angles, torques and transmission errors in what rigs write: zero error against the run itself, a known error for a
+/// known change, by compare and by precision.
+#[test]
+fn angles_and_torques_are_compared() {
+    let folder = Folder::new();
+    folder.write("s.toml", SCENE);
+    folder.says("reference s.toml --model rigid --method dopri5@1e-9 --out whole.csv");
+    let (names, rows) = table(&folder, "whole.csv");
+    let place = |name: &str| names.iter().position(|n| n == name).unwrap();
+    let [time, angle, torque] =
+        ["time_s", "hub_angle_pinion_rad", "contact_torque_wheel_nm"].map(place);
+    assert!(!names.iter().any(|n| n.starts_with("mount_torque")));
+    let write = |name: &str, turned: f64, factor: f64| {
+        let mut text = String::from("t [s],phi [deg],M [kN m]\n");
+        for row in &rows {
+            let x = |i: usize| row[i].parse::<f64>().unwrap();
+            let degrees = (x(angle) + turned).to_degrees();
+            let (t, m) = (&row[time], factor * 1e-3 * x(torque));
+            text.push_str(&format!("{t},{degrees:.12e},{m:.12e}\n"));
+        }
+        folder.write(name, &text);
+    };
+    let values = |i: usize| rows.iter().map(move |r| r[i].parse::<f64>().unwrap());
+    let span = |i: usize| values(i).fold(f64::MIN, f64::max) - values(i).fold(f64::MAX, f64::min);
+    write("same.csv", 0.0, 1.0);
+    write("other.csv", 0.01 * span(angle), 1.25);
+    let columns = "columns = { time = \"t [s]\", angle.pinion = \"phi\", torque.wheel = \"M\" }";
+    let mut scene = SCENE.to_owned();
+    for name in ["same", "other"] {
+        scene.push_str(&format!(
+            "\n[[references]]\ncsv = \"{name}.csv\"\n{columns}\n"
+        ));
+    }
+    folder.write("s.toml", &scene);
+    folder.ends(
+        "compare s.toml --models rigid --integrators dopri5@1e-9 --repeats 1 --out c",
+        0,
+    );
+    as_documented(&folder.at("c"));
+    let record: Results = gearbench_reports::load_results(&folder.at("c")).unwrap();
+    let errors = |id: &str| {
+        let m = record.runs[0].against(id).unwrap();
+        [m.angle_l2, m.torque_l2, m.torque_peak_rel].map(Option::unwrap)
+    };
+    let zero = errors("same");
+    assert!(zero.iter().all(|e| e.abs() < 1e-3), "{zero:?}");
+    let [angle_error, torque_error, peak] = errors("other");
+    assert!((angle_error - 0.01).abs() < 1e-4, "{angle_error}");
+    assert!(torque_error > 0.01 && torque_error < 0.2, "{torque_error}");
+    assert!((peak - (1.0 / 1.25 - 1.0)).abs() < 1e-3, "{peak}");
+    has(
+        &folder.read("c/reference01-same.csv"),
+        &["hub_angle_pinion_rad", "contact_torque_wheel_nm"],
+    );
+    has(
+        &folder.read("c/index.html"),
+        &["contact torque wheel", "Torque"],
+    );
+    // What the metric is of stands in the table of precision, and a tolerance in it is refused where nothing has it.
+    folder.ends(
+        "precision s.toml --models rigid --integrators dopri5 --rtols 1e-4,1e-6 --against other --metric torque \
+         --repeats 1 --out p",
+        0,
+    );
+    let (names, rows) = table(&folder, "p/precision.csv");
+    let [against, torque] =
+        ["against", "torque_l2"].map(|name| names.iter().position(|n| n == name).unwrap());
+    let told = rows.iter().filter(|r| r[against] == "other");
+    let told: Vec<f64> = told.map(|r| r[torque].parse().unwrap()).collect();
+    assert_eq!(told.len(), 2);
+    assert!(
+        told.iter().all(|e| (e - torque_error).abs() < 0.01),
+        "{told:?}"
+    );
+    let own = rows.iter().find(|r| r[against] == "self").unwrap();
+    assert_eq!(own[torque], "");
+    let limit = |metric: &str, against: &str| {
+        let old = "tolerance = { metric = \"force_l2\", limit = 0.05, against = \"self\" }";
+        assert!(scene.contains(old));
+        let new = format!(
+            "tolerance = {{ metric = \"{metric}\", limit = 0.3, against = \"{against}\" }}"
+        );
+        folder.write("t.toml", &scene.replace(old, &new));
+    };
+    limit("torque_l2", "self");
+    folder.refuses(
+        "compare t.toml --out d",
+        &["torque_l2", "a run of gearbench"],
+    );
+    limit("rebound_rel", "other");
+    folder.refuses(
+        "compare t.toml --out d",
+        &["speed", "angle_l2 or torque_l2"],
+    );
+    limit("torque_l2", "other");
+    folder.ends(
+        "compare t.toml --models rigid --integrators dopri5@1e-6 --repeats 1 --out d",
+        0,
+    );
+}
+
 #[test]
 fn references_are_refused_before_they_are_computed() {
     let folder = Folder::new();

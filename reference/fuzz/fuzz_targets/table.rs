@@ -17,6 +17,7 @@ fuzz_target!(|data: &[u8]| {
         meshes: vec![MeshSubject {
             gears: ["pinion", "wheel"].map(Into::into),
             base_helix: 0.3,
+            base_radius: Some(0.05),
         }],
     };
     let processed = Request {

@@ -92,6 +92,7 @@ fn names(role: Role, subjects: &Subjects) -> Vec<(String, ForceKind)> {
         Role::Of(Quantity::Torque(g)) => {
             normal(of_gear(g, &["contact_torque", "torque"], &["torque#"]))
         }
+        Role::Of(Quantity::MountTorque(g)) => normal(of_gear(g, &["mount_torque"], &[])),
     }
 }
 
@@ -124,7 +125,12 @@ fn known_as(
     // An angular velocity is a rack's speed too, over the reference radius of its mate.
     let dimensions = match dimension {
         Dimension::Velocity => vec![dimension, Dimension::Turning],
-        Dimension::Length if matches!(role, Role::Of(Quantity::Angle(_))) => {
+        Dimension::Length
+            if matches!(
+                role,
+                Role::Of(Quantity::Angle(_) | Quantity::TransmissionError(_))
+            ) =>
+        {
             vec![dimension, Dimension::Angle]
         }
         _ => vec![dimension],
@@ -136,7 +142,7 @@ fn known_as(
 }
 
 /// The factor of a unit of a column as written in its header or by the user; of a rack, angular velocities count by the
-/// radius of its mate.
+/// radius of its mate, of a transmission error angles by the base radius of the mesh's second gear.
 pub(super) fn factor(role: Role, unit: &str, subjects: &Subjects) -> Option<f64> {
     let dimension = role.dimension(subjects);
     let of = |dimension| match unit.strip_prefix('_') {
@@ -150,6 +156,7 @@ pub(super) fn factor(role: Role, unit: &str, subjects: &Subjects) -> Option<f64>
     };
     let radius = match role {
         Role::Of(Quantity::Speed(g) | Quantity::Angle(g)) => subjects.gears.get(g)?.slides,
+        Role::Of(Quantity::TransmissionError(m)) => subjects.meshes.get(m)?.base_radius,
         _ => None,
     };
     let turned = match dimension {

@@ -14,6 +14,9 @@
 //! **Force.** A transverse force F_t is the part of a normal force F in the plane of rotation: `F = F_t / cos(beta_b)`, with
 //! the base helix angle beta_b (ISO 21771). It is converted where it is read, and the lines of
 //! [`Reference::processing`] say so.
+//!
+//! **Transmission error.** In units of angle it is that of the second gear of its mesh, and `r_b2` times as much along the line
+//! of action, with that gear's base radius.
 
 mod columns;
 mod process;
@@ -41,6 +44,8 @@ pub enum Quantity {
     Angle(usize),
     /// Torque of the contact forces on a gear about its axis [N m], force along the slide of a rack [N].
     Torque(usize),
+    /// Torque of the mount that holds or drives a gear [N m], of a rack its force along the slide [N].
+    MountTorque(usize),
 }
 
 impl Quantity {
@@ -52,6 +57,7 @@ impl Quantity {
             Quantity::Speed(_) => "speed",
             Quantity::Angle(_) => "angle",
             Quantity::Torque(_) => "torque",
+            Quantity::MountTorque(_) => "mount torque",
         }
     }
 }
@@ -135,6 +141,9 @@ pub struct MeshSubject {
     pub gears: [String; 2],
     /// Base helix angle [rad].
     pub base_helix: f64,
+    /// Base radius of its second gear [m], over which a transmission error that is an angle of it becomes one along the
+    /// line of action; `None` of a rack.
+    pub base_radius: Option<f64>,
 }
 
 /// Gears and meshes of a scene, as far as columns are about them.
@@ -157,7 +166,10 @@ impl Subjects {
         let words = quantity.words();
         match quantity {
             Quantity::Force(m) | Quantity::TransmissionError(m) => format!("{words}{}", mesh(m)),
-            Quantity::Speed(g) | Quantity::Angle(g) | Quantity::Torque(g) => {
+            Quantity::Speed(g)
+            | Quantity::Angle(g)
+            | Quantity::Torque(g)
+            | Quantity::MountTorque(g) => {
                 format!("{words} of {}", gear(g))
             }
         }
@@ -173,8 +185,8 @@ impl Subjects {
             Quantity::Speed(_) => Dimension::Turning,
             Quantity::Angle(g) if slides(g) => Dimension::Length,
             Quantity::Angle(_) => Dimension::Angle,
-            Quantity::Torque(g) if slides(g) => Dimension::Force,
-            Quantity::Torque(_) => Dimension::Torque,
+            Quantity::Torque(g) | Quantity::MountTorque(g) if slides(g) => Dimension::Force,
+            Quantity::Torque(_) | Quantity::MountTorque(_) => Dimension::Torque,
         }
     }
 
@@ -183,8 +195,14 @@ impl Subjects {
         let meshes = 0..self.meshes.len();
         let gears = 0..self.gears.len();
         let of_meshes = meshes.flat_map(|m| [Quantity::Force(m), Quantity::TransmissionError(m)]);
-        let of_gears =
-            gears.flat_map(|g| [Quantity::Speed(g), Quantity::Angle(g), Quantity::Torque(g)]);
+        let of_gears = gears.flat_map(|g| {
+            [
+                Quantity::Speed(g),
+                Quantity::Angle(g),
+                Quantity::Torque(g),
+                Quantity::MountTorque(g),
+            ]
+        });
         of_meshes.chain(of_gears)
     }
 }

@@ -14,6 +14,7 @@ fn subjects(base_helix: f64, rack: Option<f64>) -> Subjects {
         meshes: vec![MeshSubject {
             gears: ["pinion", "wheel"].map(Into::into),
             base_helix,
+            base_radius: Some(0.05),
         }],
     }
 }
@@ -305,4 +306,23 @@ fn survives(bytes: &[u8]) {
             Err(e) => assert!(text.get(e.at.clone()).is_some(), "{e}\n{text}"),
         }
     }
+}
+
+/// Angles and torques in what rigs write; a transmission error as an angle counts at the second gear, by its base radius.
+#[test]
+fn angles_torques_and_transmission_errors() {
+    let text = "t [s],angle_pinion [deg],torque_wheel [kN m],mount_torque_pinion_nm,transmission_error [arcsec]\n\
+        0,0,0,1,0\n1,90,0.5,2,3600\n2,180,1,3,7200\n";
+    let found = plain(text).unwrap();
+    use Quantity::{Angle, MountTorque, Torque, TransmissionError};
+    near(values(&found, Angle(0)).1, &[0.0, 0.5 * PI, PI]);
+    near(values(&found, Torque(1)).1, &[0.0, 500.0, 1000.0]);
+    near(values(&found, MountTorque(0)).1, &[1.0, 2.0, 3.0]);
+    let degree = PI / 180.0;
+    let along = [0.0, 0.05 * degree, 0.1 * degree];
+    near(values(&found, TransmissionError(0)).1, &along);
+    let by_ending = plain("t_s,transmission_error_arcsec\n0,0\n1,3600\n2,7200\n").unwrap();
+    near(values(&by_ending, TransmissionError(0)).1, &along);
+    let e = plain("t [s],torque_wheel [deg]\n0,0\n1,1\n2,2\n").unwrap_err();
+    assert!(e.expected.contains("a unit of torque of wheel"), "{e}");
 }

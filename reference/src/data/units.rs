@@ -75,9 +75,18 @@ fn row(dimension: Dimension) -> Row {
                 ("urad", 1e-6),
                 ("deg", PI / 180.0),
                 ("°", PI / 180.0),
+                ("arcmin", PI / 10_800.0),
+                ("arcsec", PI / 648_000.0),
                 ("rev", TAU),
             ],
-            &[("_mrad", 1e-3), ("_rad", 1.0), ("_deg", PI / 180.0)],
+            &[
+                ("_mrad", 1e-3),
+                ("_urad", 1e-6),
+                ("_rad", 1.0),
+                ("_deg", PI / 180.0),
+                ("_arcmin", PI / 10_800.0),
+                ("_arcsec", PI / 648_000.0),
+            ],
         ),
         Dimension::Turning => (
             &[
@@ -172,6 +181,7 @@ mod tests {
         holds("MN", Dimension::Force, Some(1e6));
         holds("kg", Dimension::Force, None);
         holds("1/s", Dimension::Turning, None);
+        holds("arcsec", Dimension::Angle, Some(PI / 648_000.0));
         let found = ending("omega1_rad_s", Dimension::Turning);
         assert_eq!(found, Some(("omega1", "rad_s", 1.0)));
         assert_eq!(

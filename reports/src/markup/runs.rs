@@ -73,7 +73,9 @@ fn metrics(view: &View<'_>) -> Markup {
         for m in Metric::ALL.into_iter().filter(|m| m.is_error()) {
             let heading = capital(&m.short());
             table = match m {
-                Metric::PeakForceRel | Metric::ImpulseRel => table.deviations(&heading, get(m)),
+                Metric::PeakForceRel | Metric::ImpulseRel | Metric::TorquePeakRel => {
+                    table.deviations(&heading, get(m))
+                }
                 Metric::EnergyDrift => table.powers(&heading, "", get(m)),
                 _ => table.percents(&heading, 3, |row| get(m)(row).map(f64::abs)),
             };
@@ -95,7 +97,8 @@ fn metrics(view: &View<'_>) -> Markup {
                 (note(
                     "Force history: relative error of the contact force over time, as it is and after the best shift in time \
                      (the shift is added to the run's time). Peak force and impulse: deviations. Rebound: largest deviation of \
-                     a last speed. Time in contact: with more than 1e\u{2212}6 of the peak force. Energy drift: residual of \
+                     a last speed. Angles and torques: root mean square over the span of the reference's, the largest of all \
+                     gears. Time in contact: with more than 1e\u{2212}6 of the peak force. Energy drift: residual of \
                      the ledger over its largest entry."
                 ))
             }

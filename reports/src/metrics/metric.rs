@@ -43,6 +43,15 @@ words! {
         /// Relative L2 error of the transmission error.
         #[serde(alias = "transmission-error")]
         TransmissionError = "transmission_error_l2",
+        /// Largest error of an angle, over the span of that angle.
+        #[serde(alias = "angle")]
+        Angle = "angle_l2",
+        /// Largest error of a torque, over the span of that torque.
+        #[serde(alias = "torque")]
+        Torque = "torque_l2",
+        /// Largest deviation of the peak of a torque, over the reference.
+        #[serde(alias = "torque-peak")]
+        TorquePeakRel = "torque_peak_rel",
         /// Residual of the energy ledger over its largest entry.
         #[serde(alias = "energy")]
         EnergyDrift = "energy_drift_rel",
@@ -75,6 +84,9 @@ impl Metric {
             Self::Omega2End => ("last speed of gear 2", "rad/s", None),
             Self::Rebound => ("rebound error", "", Some("rebound")),
             Self::TransmissionError => ("transmission-error error", "", Some("transmission-error")),
+            Self::Angle => ("angle error", "", Some("angle")),
+            Self::Torque => ("torque error", "", Some("torque")),
+            Self::TorquePeakRel => ("torque-peak error", "", Some("torque-peak")),
             Self::EnergyDrift => ("energy drift", "", Some("energy")),
         }
     }
@@ -85,8 +97,15 @@ impl Metric {
     pub fn of_integration(self) -> Self {
         match self {
             Self::ForceL2 | Self::ForceL2Aligned => Self::ForceL1,
+            // Angles and torques are held against references from elsewhere alone; torques follow the force.
+            Self::Angle | Self::Torque | Self::TorquePeakRel => Self::ForceL1,
             other => other,
         }
+    }
+
+    /// Whether it can be told of references from elsewhere alone, not of a run against another of the same study.
+    pub fn is_of_measurements(self) -> bool {
+        matches!(self, Self::Angle | Self::Torque | Self::TorquePeakRel)
     }
 
     /// In prose.
@@ -99,7 +118,12 @@ impl Metric {
         let words = self.words();
         let what = words.strip_suffix(" error").unwrap_or(words);
         // Two words that were joined before a third.
-        let joined = ["force-history", "peak-force", "transmission-error"];
+        let joined = [
+            "force-history",
+            "peak-force",
+            "transmission-error",
+            "torque-peak",
+        ];
         let apart = |text: String, pair: &str| text.replace(pair, &pair.replace('-', " "));
         joined.into_iter().fold(what.to_owned(), apart)
     }

@@ -10,10 +10,15 @@
 //! duration         = time in which f exceeds 1e-6 of its own peak
 //! rebound          = max over gears of (last speed - last speed of the reference) / span of the reference's speed
 //! transmission_error_l2 = sqrt( int (e - e_r)^2 dt / int e_r^2 dt ) over the times at which f_r acts
+//! angle_l2         = max over gears of sqrt( int (phi - phi_r)^2 dt / T ) / span of phi_r
+//! torque_l2        = the same of torques
+//! torque_peak_rel  = max |M| / max |M_r| - 1, of the torque for which its magnitude is largest
 //! ```
 //!
-//! with the transmission error e as the column [`TRANSMISSION_ERROR`], zero at first touch of rigid flanks. A metric of what a
-//! reference does not have is absent; without a force the transmission error is compared at all its times.
+//! with the transmission error e as the column [`TRANSMISSION_ERROR`], zero at first touch of rigid flanks; of further meshes it
+//! is compared at all its times, and the worst mesh counts. A metric of what a reference does not have is absent; without a
+//! force the transmission error is compared at all its times. T is the time that the reference lasts; angles and torques
+//! are held against references from elsewhere alone (`columns.rs`).
 //!
 //! **Integrals.** Forces of runs are polynomials between located events, with both sides of every jump
 //! ([`ForceHistory`](crate::force::ForceHistory)). Where run and reference are runs, integrals go by Gauss over the union of
@@ -33,6 +38,7 @@
 //! has no force: one that ends before its reference is charged with all it missed. One that did not
 //! reach its own end has no metrics ([`Finished`]).
 
+mod columns;
 mod history;
 mod metric;
 
@@ -129,7 +135,15 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
     metrics.peak_force_rel = finite(peak / whole.peak().0 - 1.0);
     metrics.impulse_rel = finite(impulse / whole.impulse() - 1.0);
     metrics.rebound_rel = rebound(series, reference, window);
-    metrics.transmission_error_l2 = transmission_error(series, reference, whole.peak().0);
+    metrics.transmission_error_l2 = larger(
+        transmission_error(series, reference, whole.peak().0),
+        columns::transmission_errors(series, reference),
+    );
+    if reference.force.is_none() {
+        metrics.angle_l2 = columns::worst(series, reference, columns::is_angle);
+        metrics.torque_l2 = columns::worst(series, reference, columns::is_torque);
+        metrics.torque_peak_rel = columns::peak(series, reference, columns::is_torque);
+    }
 
     let distance = target.distance(&run, 0.0);
     metrics.force_l1 = finite(distance.l1);
@@ -143,7 +157,7 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
 }
 
 /// Compares a run with a reference whose histories have several axes of time, the contact force on the first: each metric
-/// is that of the histories it is about, and the rebound the largest over all of them.
+/// is that of the histories it is about, the worst where several are.
 pub fn compare_all(run: Finished<'_>, all: &[&TimeSeries], against: &str) -> Metrics {
     let mut all = all.iter().map(|series| compare(run, series, against));
     let mut whole = all.next().unwrap_or_else(|| Metrics {
@@ -151,14 +165,25 @@ pub fn compare_all(run: Finished<'_>, all: &[&TimeSeries], against: &str) -> Met
         ..Metrics::default()
     });
     for more in all {
-        let larger = match (whole.rebound_rel, more.rebound_rel) {
-            (Some(a), Some(b)) => Some(a.max(b)),
-            (a, b) => a.or(b),
-        };
-        whole.rebound_rel = larger;
-        whole.transmission_error_l2 = whole.transmission_error_l2.or(more.transmission_error_l2);
+        for (worst, more) in [
+            (&mut whole.rebound_rel, more.rebound_rel),
+            (&mut whole.transmission_error_l2, more.transmission_error_l2),
+            (&mut whole.angle_l2, more.angle_l2),
+            (&mut whole.torque_l2, more.torque_l2),
+            (&mut whole.torque_peak_rel, more.torque_peak_rel),
+        ] {
+            *worst = larger(*worst, more);
+        }
     }
     whole
+}
+
+/// The error of larger magnitude, of those that there are.
+fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    match (a, b) {
+        (Some(x), Some(y)) => Some(if y.abs() > x.abs() { y } else { x }),
+        (a, b) => a.or(b),
+    }
 }
 
 /// Speeds that change by less than this part of the fastest gear's change belong to a held gear.

@@ -253,6 +253,15 @@ pub struct Metrics {
     /// Relative L2 error of the transmission error while the reference is in contact [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub transmission_error_l2: Option<f64>,
+    /// Largest error of an angle: root mean square over the span of the reference's [-].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub angle_l2: Option<f64>,
+    /// Largest error of a torque, likewise [-].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub torque_l2: Option<f64>,
+    /// Largest deviation of the peak of a torque from the reference, over the reference [-].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub torque_peak_rel: Option<f64>,
     /// Residual of the run's energy ledger over its largest entry [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub energy_drift_rel: Option<f64>,
@@ -277,6 +286,9 @@ impl Metrics {
             Metric::Omega2End => self.omega2_end,
             Metric::Rebound => self.rebound_rel,
             Metric::TransmissionError => self.transmission_error_l2,
+            Metric::Angle => self.angle_l2,
+            Metric::Torque => self.torque_l2,
+            Metric::TorquePeakRel => self.torque_peak_rel,
             Metric::EnergyDrift => self.energy_drift_rel,
         }
     }

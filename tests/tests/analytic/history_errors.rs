@@ -98,6 +98,7 @@ impl Impact {
             grid: &grid,
             also_steps: true,
             forces: false,
+            torques: false,
             histories: false,
             events: true,
             repeats: 0,

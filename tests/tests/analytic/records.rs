@@ -25,6 +25,7 @@ fn history(spec: &SceneSpec) -> TimeSeries {
         grid: &grid,
         also_steps: false,
         forces: false,
+        torques: false,
         histories: false,
         events: true,
         repeats: 0,

@@ -79,6 +79,7 @@ impl Way {
             grid: &grid,
             also_steps: true,
             forces: false,
+            torques: false,
             histories: false,
             events: self.events,
             repeats: 0,

@@ -24,6 +24,7 @@ fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
         grid: &grid,
         also_steps: false,
         forces: false,
+        torques: false,
         histories: false,
         events: true,
         repeats: 0,

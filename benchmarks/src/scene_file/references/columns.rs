@@ -24,6 +24,8 @@ keys! {
         angle: Option<InOrder<String>>,
         /// columns of torques of the contact forces by gear
         torque: Option<InOrder<String>>,
+        /// columns of torques of mounts that hold or drive, by gear
+        mount_torque: Option<InOrder<String>>,
     }
 
     pub(in super::super) struct UnitKeys {
@@ -31,7 +33,7 @@ keys! {
         time: Option<String>,
         /// unit of contact forces, for example "kN"
         force: Option<String>,
-        /// unit of transmission errors, for example "um"
+        /// unit of transmission errors, for example "um", or "arcsec" as an angle of the mesh's second gear
         transmission_error: Option<String>,
         /// unit of speeds, for example "1/min", or by gear
         speed: Option<OneOrNamed>,
@@ -39,6 +41,8 @@ keys! {
         angle: Option<OneOrNamed>,
         /// unit of torques, for example "N m", or by gear
         torque: Option<OneOrNamed>,
+        /// the same of torques of mounts
+        mount_torque: Option<OneOrNamed>,
     }
 }
 
@@ -124,10 +128,11 @@ pub(super) fn columns(
             }
         }
     }
-    let of_gears: [(&str, &Option<InOrder<String>>, Kind); 3] = [
+    let of_gears: [(&str, &Option<InOrder<String>>, Kind); 4] = [
         ("speed", &keys.speed, Quantity::Speed),
         ("angle", &keys.angle, Quantity::Angle),
         ("torque", &keys.torque, Quantity::Torque),
+        ("mount_torque", &keys.mount_torque, Quantity::MountTorque),
     ];
     for (key, list, of) in of_gears {
         if let Some(list) = list {
@@ -159,10 +164,11 @@ pub(super) fn units(
             .flat_map(|u| (0..spec.meshes.len()).map(move |m| (of(m), u.clone())));
         all.extend(every);
     }
-    let of_gears: [(&str, &Option<OneOrNamed>, Kind); 3] = [
+    let of_gears: [(&str, &Option<OneOrNamed>, Kind); 4] = [
         ("speed", &keys.speed, Quantity::Speed),
         ("angle", &keys.angle, Quantity::Angle),
         ("torque", &keys.torque, Quantity::Torque),
+        ("mount_torque", &keys.mount_torque, Quantity::MountTorque),
     ];
     for (key, choice, of) in of_gears {
         match choice {

@@ -108,7 +108,10 @@ impl SceneFile {
         let has = |quantity| data.channel(quantity).is_some();
         let force = has(Quantity::Force(0));
         let speeds = has(Quantity::Speed(0)) || has(Quantity::Speed(1));
-        let error = has(Quantity::TransmissionError(0));
+        let of_any = |kind: fn(&Quantity) -> bool| data.channels.iter().any(|c| kind(&c.quantity));
+        let error = of_any(|q| matches!(q, Quantity::TransmissionError(_)));
+        let angles = of_any(|q| matches!(q, Quantity::Angle(_)));
+        let torques = of_any(|q| matches!(q, Quantity::Torque(_) | Quantity::MountTorque(_)));
         let (told, lacking) = match tolerance.metric {
             Metric::ForceL1
             | Metric::ForceL2
@@ -118,6 +121,8 @@ impl SceneFile {
             | Metric::ImpulseRel => (force, "contact force"),
             Metric::Rebound => (speeds, "speed of the first two gears"),
             Metric::TransmissionError => (error, "transmission error"),
+            Metric::Angle => (angles, "angle"),
+            Metric::Torque | Metric::TorquePeakRel => (torques, "torque"),
             _ => return Ok(()),
         };
         if told {
@@ -127,6 +132,8 @@ impl SceneFile {
             (force, Metric::ForceL2Aligned),
             (speeds, Metric::Rebound),
             (error, Metric::TransmissionError),
+            (angles, Metric::Angle),
+            (torques, Metric::Torque),
         ];
         let others: Vec<&str> = others.iter().filter(|o| o.0).map(|o| o.1.key()).collect();
         self.document.at("tolerance").refuse(

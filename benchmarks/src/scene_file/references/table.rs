@@ -82,6 +82,10 @@ pub fn subjects(spec: &SceneSpec) -> Subjects {
             .map(|m| MeshSubject {
                 gears: m.gears.map(|i| spec.gears[i].name.clone()),
                 base_helix: spec.gears[m.gears[0]].body.base_helix_angle(),
+                base_radius: match &spec.gears[m.gears[1]].body {
+                    Body::Gear(gear) => Some(gear.r_base()),
+                    Body::Rack(_) => None,
+                },
             })
             .collect(),
     }

@@ -3,7 +3,7 @@
 use super::arguments::Check;
 use super::baseline::{Baseline, Baselines};
 use super::file::{Case, CheckFile};
-use super::judge::{LIKELY, gone, judge, program, slow_from};
+use super::judge::{LIKELY, gone, judge, middle, program, slow_from};
 use super::measure::{Entry, Group, Loaded, load};
 use super::summary::summarise;
 use crate::cli::answer::Answer;
@@ -24,7 +24,7 @@ const USUAL_HISTORY: &str = "runtime";
 const PASSES: usize = 4;
 const NEAR_PASSES: usize = 8;
 /// Distance from the limit at which a runtime is near it [-].
-const NEAR: f64 = 0.15;
+const NEAR: f64 = 0.05;
 
 /// Runs the check and writes its folder.
 pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
@@ -73,11 +73,12 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
     let made = folder.run(total, |runner| -> Result<_, RunError> {
         let mut groups = measure(&loaded, (runner, total))?;
         if !args.no_runtime {
-            // What is stored is measured as often as what looks slow.
-            let again = |e: &Entry<'_>, pass: usize| {
-                (args.update && pass < PASSES) || is_doubtful(e, &newest, pass)
+            let doubt = Doubt {
+                newest: &newest,
+                update: args.update,
+                all: file.runtime.all,
             };
-            time(&mut groups, again, runner)?;
+            time(&mut groups, &doubt, runner)?;
         }
         Ok(groups
             .into_iter()
@@ -154,14 +155,11 @@ fn measure<'l>(
     Ok(all)
 }
 
-/// Measures runtimes: of all entries once, and of those that ask for it at other moments again.
-fn time(
-    groups: &mut [Group<'_>],
-    again: impl Fn(&Entry<'_>, usize) -> bool,
-    runner: &Runner<'_>,
-) -> Result<(), RunError> {
+/// Measures runtimes: of all entries once, and of those that leave doubt at other moments again.
+fn time(groups: &mut [Group<'_>], doubt: &Doubt<'_>, runner: &Runner<'_>) -> Result<(), RunError> {
     let total = groups.iter().map(|g| g.entries.len()).sum();
     for pass in 0..NEAR_PASSES {
+        let together = doubt.of_all(groups, pass);
         let mut done = 0;
         for group in &mut *groups {
             for i in 0..group.entries.len() {
@@ -169,7 +167,7 @@ fn time(
                     return Err(RunError::Interrupted);
                 }
                 let entry = &group.entries[i];
-                if pass == 0 || again(entry, pass) {
+                if pass == 0 || together || doubt.of(entry, pass) {
                     let what = format!("runtime of {}", entry.measured.name());
                     runner.tell(done, total, &what);
                     group.time(i)?;
@@ -181,22 +179,42 @@ fn time(
     Ok(())
 }
 
-/// Whether the runtime of an entry is to be measured at another moment: it looks slow, or almost so, or is so near the limit
-/// that either verdict would be chance.
-fn is_doubtful(entry: &Entry<'_>, newest: &Baseline, pass: usize) -> bool {
-    let before = newest.entries.iter().find(|b| b.is(&entry.measured));
-    let from = slow_from(before, &entry.case.rules);
-    let Some(ratio) = entry
-        .measured
-        .runtime
-        .zip(from)
-        .map(|(now, from)| now / from)
-    else {
-        return false;
-    };
-    match pass < PASSES {
-        true => ratio > LIKELY,
-        false => (ratio - 1.0).abs() < NEAR,
+/// Which runtimes are to be measured at another moment: what looks slow, or almost so, and what then is so near the limit that
+/// either verdict would be chance.
+struct Doubt<'a> {
+    newest: &'a Baseline,
+    /// What is stored is measured as often as what looks slow.
+    update: bool,
+    /// Limit of the median over all entries.
+    all: f64,
+}
+
+impl Doubt<'_> {
+    fn baseline(&self, entry: &Entry<'_>) -> Option<&Measured> {
+        self.newest.entries.iter().find(|b| b.is(&entry.measured))
+    }
+
+    /// Whether a ratio over its limit leaves doubt after as many passes.
+    fn about(part: f64, pass: usize) -> bool {
+        match pass < PASSES {
+            true => part > LIKELY,
+            false => (part - 1.0).abs() < NEAR,
+        }
+    }
+
+    /// Of a single entry.
+    fn of(&self, entry: &Entry<'_>, pass: usize) -> bool {
+        let from = slow_from(self.baseline(entry), &entry.case.rules);
+        let part = (entry.measured.runtime.zip(from)).map(|(now, from)| now / from);
+        (self.update && pass < PASSES) || part.is_some_and(|part| Self::about(part, pass))
+    }
+
+    /// Of all entries together.
+    fn of_all(&self, groups: &[Group<'_>], pass: usize) -> bool {
+        let entries = groups.iter().flat_map(|g| &g.entries);
+        let ratio = |e: &Entry<'_>| Some(e.measured.runtime? / self.baseline(e)?.runtime?);
+        let ratios: Vec<f64> = entries.filter_map(ratio).collect();
+        middle(&ratios).is_some_and(|ratio| Self::about(ratio / self.all, pass))
     }
 }
 

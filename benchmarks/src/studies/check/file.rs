@@ -34,7 +34,7 @@ keys! {
     pub(crate) struct RuntimeKeys {
         /// ratio to the baseline from which on a run is slower, default 1.35
         factor: Option<Factor>,
-        /// the same of the median of that ratio over all entries, where there are eight or more, default 1.2
+        /// the same of the median of that ratio over all entries, where there are eight or more, default 1.25
         all: Option<Factor>,
         /// whether a slower run fails the check (on the processor of the baseline), default true
         gate: Option<bool>,
@@ -106,7 +106,7 @@ const ABSOLUTE: f64 = 1e-12;
 /// Ratio of runtimes from which on a run is slower.
 const FACTOR: f64 = 1.35;
 /// Median of these ratios from which on the program is slower.
-const ALL: f64 = 1.2;
+const ALL: f64 = 1.25;
 
 /// What a quantity may differ.
 #[derive(Clone, Copy, Debug, PartialEq)]

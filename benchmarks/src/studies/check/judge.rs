@@ -1,8 +1,8 @@
 //! An entry beside its baseline, and the runtimes of all entries together.
 //!
-//! A program that became slower is slower in all of its entries at once, while what disturbs the timing of one entry does
-//! not disturb all others: the median of the ratios to the baseline over n entries scatters by about sqrt(pi / (2 n)) of
-//! what one of them does, and so tells a smaller slowdown with less chance of a false alarm.
+//! A program that became slower is slower in all of its entries at once: the median of the ratios to the baseline over all
+//! entries tells a smaller slowdown than a single one can. What disturbs a machine may disturb all entries of that moment,
+//! so that no median helps; it passes, and a ratio therefore is the least over several moments (`kernel`).
 
 use super::file::{Rules, Runtime, Work};
 use super::kernel::median;
@@ -211,6 +211,11 @@ fn slower(ratio: f64, most: f64, rules: &Runtime, same: bool) -> (String, Verdic
     (allowed, verdict)
 }
 
+/// The median of the ratios of all entries to their baselines, where there are enough of them.
+pub(super) fn middle(ratios: &[f64]) -> Option<f64> {
+    median(ratios).filter(|_| ratios.len() >= ENOUGH)
+}
+
 /// The runtimes of all entries together: an entry of its own, where there are enough of them.
 pub(super) fn program(
     now: &[Measured],
@@ -223,10 +228,7 @@ pub(super) fn program(
         Some(now.runtime? / before.runtime?)
     };
     let ratios: Vec<f64> = now.iter().filter_map(ratio).collect();
-    if ratios.len() < ENOUGH {
-        return None;
-    }
-    let middle = median(&ratios)?;
+    let middle = middle(&ratios)?;
     let (allowed, verdict) = slower(middle, rules.all, rules, same);
     let finding = Finding {
         kind: Kind::Runtime,

@@ -2,7 +2,9 @@
 //!
 //! Both are measured as processor time of the thread, alternately and for about as long, so that what slows one slows the
 //! other: each measurement of the integration is divided by the mean of the kernel's before and after it. The median of such
-//! ratios counts, which a few that were disturbed do not move. The kernel is made of what integrations are made of: short
+//! ratios counts, which a few that were disturbed do not move, and of the medians at several moments the least: a neighbour
+//! that takes caches away slows all integrations by a quarter for some seconds and the kernel by less, a program that became
+//! slower is so at every moment. The kernel is made of what integrations are made of: short
 //! right-hand sides with a branch (an oscillator with backlash under RK4), products of a dense matrix that lies in the cache,
 //! and memory read out of order.
 

@@ -15,7 +15,8 @@ Examples:
 No finite-element transient runs: a hierarchy of models is refined on a short part of the scene, and differences between
 its levels estimate the errors. Modes, contact and mesh are levels of it: flanks touch on half-spaces where they may, and
 all models are held against elastic gears of twice the elements. The folder holds chosen.toml, the scene with the choice written in:
-`gearbench compare out/SCENE/choose/chosen.toml` runs it. Exit code 1 says that nothing is adequate.";
+`gearbench compare out/SCENE/choose/chosen.toml` runs it. Exit code 1 says that nothing is adequate, or
+that a reference (--references) is further from the choice than was asked for.";
 
 /// Arguments of `choose`.
 #[derive(Args, Clone, Debug)]
@@ -24,17 +25,29 @@ pub struct Choose {
     /// Name of a shipped scene, or path of a scene file (.toml)
     pub scene: String,
     /// What has to be right: force, force-aligned, peak, impulse, rebound, transmission-error or energy
-    #[arg(long, value_name = "METRIC", default_value = "force-aligned", value_parser = metric)]
+    #[arg(long, value_name = "METRIC", default_value = "force-aligned", value_parser = of_models)]
     pub metric: Metric,
     /// Largest relative error in it that is accurate enough, 0.05 for 5 %
     #[arg(long, value_name = "T", default_value_t = 0.05, value_parser = tolerance)]
     pub tolerance: f64,
-    /// Also run the choice over the whole scene once, and hold it against the scene's references
+    /// Also run the choice over the whole scene, at the speeds and loads of each reference of the scene, and hold it against
+    /// these
     #[arg(long)]
     pub references: bool,
     /// Where results go.
     #[command(flatten)]
     pub output: Output,
+}
+
+/// A metric that one model can be held against another in.
+fn of_models(text: &str) -> Result<Metric, String> {
+    let found = metric(text)?;
+    match found.is_of_measurements() {
+        false => Ok(found),
+        true => Err(format!(
+            "`{text}` is told of references alone, and choices are estimated between models: ask for a force, and hold the choice against references with --references"
+        )),
+    }
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
@@ -58,6 +71,7 @@ mod tests {
         assert_eq!((c.metric, c.tolerance), (Metric::PeakForceRel, 0.02));
         for (bad, says) in [
             (["hammer", "--metric", "speed"], "force-aligned"),
+            (["hammer", "--metric", "torque"], "--references"),
             (["hammer", "--tolerance", "5"], "between 0 and 1"),
         ] {
             let e = parse(&bad).unwrap_err();

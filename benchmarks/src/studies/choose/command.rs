@@ -12,7 +12,7 @@ use crate::cli::arguments::Insist;
 use crate::cli::exit::Exit;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, references_of, refuse_run, say};
+use crate::cli::terminal::{Refusal, absolute, all_references_of, refuse_run, say};
 use crate::experiment::conditions::silent;
 use crate::experiment::interruption;
 use crate::experiment::run::RunError;
@@ -25,13 +25,13 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     // Models are built when they are tried: many a scene has full finite elements beside.
     let mut scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
     let references = match args.references {
-        true => references_of(&mut scene, &Insist::default())?,
+        true => all_references_of(&mut scene, &Insist::default())?,
         false => Vec::new(),
     };
     if args.references && references.is_empty() {
         return Err(Refusal::Input(miette::miette!(
-            help = "give it a line `reference = ..`, or leave out --references",
-            "the scene `{}` has no reference of its own speeds and loads",
+            help = "give it a line `reference = ..` or tables [[references]], or leave out --references",
+            "the scene `{}` has no reference",
             scene.name
         )));
     }
@@ -59,16 +59,20 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
         let text = chosen::text(&scene, candidate, &remarks)?;
         std::fs::write(dir.join("chosen.toml"), text).map_err(io)?;
     }
+    let mut beyond = Vec::new();
     if let Some(candidate) = choice.candidate.as_ref().filter(|_| !references.is_empty()) {
-        let found = held::against(&scene, candidate, &references).map_err(refuse_run)?;
-        results.settings.extend(found);
+        let found = held::against(&scene, candidate, &references, &requirement);
+        let found = found.map_err(refuse_run)?;
+        results.settings.extend(found.settings);
+        beyond = found.beyond;
     }
     let held: Vec<(String, String)> = (results.settings.iter())
         .filter(|(what, _)| what.starts_with(held::AGAINST))
         .cloned()
         .collect();
     let exit = match choice.candidate {
-        Some(_) => Exit::Done,
+        Some(_) if beyond.is_empty() => Exit::Done,
+        Some(_) => Exit::FellShort,
         None => Exit::FellShort,
     };
     let answer = folder.finish(

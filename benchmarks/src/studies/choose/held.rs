@@ -1,59 +1,130 @@
 //! What was chosen against the references of the scene: the estimate of a choice is an error against finer models, what was
 //! measured may be further away.
+//!
+//! The choice is run over the whole scene, and for references of other speeds and loads once more under each of these. What
+//! they say of the metric that was asked for is the last word: a choice that is beyond its tolerance there is not adequate,
+//! whatever was estimated between models.
 
 use super::plan::Candidate;
 use super::reason::per_cent;
+use super::requirement::Requirement;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::referenced::recorded;
-use crate::experiment::run::{Job, RunError, run};
+use crate::experiment::run::{RunError, run};
 use crate::scene_file::SceneFile;
-use gearbench_reference::data::Reference;
+use crate::scene_file::references::Held;
 use gearbench_reports::Metric;
 use gearbench_reports::metrics::compare_all;
+use gearbench_reports::record::Run;
+use std::sync::Arc;
 
 /// What such settings begin with.
 pub(super) const AGAINST: &str = "the choice against";
 
-/// Runs the choice over the whole scene and says how far it is from each reference, a setting of the record for each.
+/// What the references say of a choice.
+#[derive(Debug, Default)]
+pub(super) struct Found {
+    /// A setting of the record for each reference.
+    pub(super) settings: Vec<(String, String)>,
+    /// References against which the metric asked for is beyond its tolerance.
+    pub(super) beyond: Vec<String>,
+}
+
+/// Runs the choice over the whole scene, at the speeds and loads of each reference, and says how far it is from it.
 ///
 /// # Errors
 /// [`RunError`] when it cannot run.
 pub(super) fn against(
     scene: &SceneFile,
     candidate: &Candidate,
-    references: &[Reference],
-) -> Result<Vec<(String, String)>, RunError> {
+    references: &[Held],
+    requirement: &Requirement,
+) -> Result<Found, RunError> {
+    let mut found = Found::default();
+    // References of the scene's own conditions share a run.
+    let mut own = None;
+    for held in references {
+        let of_the_scene = held.named.is_of_the_scene();
+        let row = match &own {
+            Some(row) if of_the_scene => Run::clone(row),
+            _ => under(scene, candidate, held, references)?,
+        };
+        let (told, beyond) = told(&row, held, candidate, requirement);
+        let id = &held.data.id;
+        if beyond {
+            found.beyond.push(id.clone());
+        }
+        let where_ = if of_the_scene {
+            ""
+        } else {
+            " (at its own speeds and loads)"
+        };
+        found
+            .settings
+            .push((format!("{AGAINST} {id}{where_}"), told));
+        if of_the_scene {
+            own = Some(row);
+        }
+    }
+    Ok(found)
+}
+
+/// The choice at the speeds and loads of a reference.
+fn under(
+    scene: &SceneFile,
+    candidate: &Candidate,
+    held: &Held,
+    all: &[Held],
+) -> Result<Run, RunError> {
+    let other = scene.under(&held.named);
     let conditions = Conditions {
         repeats: 0,
-        ..Conditions::of(scene)
+        ..Conditions::of(&other).held_against(all.iter().map(|h| &h.data))
     };
+    // The candidate's scene may have another gap than the file's.
+    let mut spec = candidate.scene.clone();
+    let met = held.named.conditions.apply(Arc::make_mut(&mut spec));
+    debug_assert!(met.is_ok(), "{met:?}");
     let grid = conditions.grid();
-    let row = run(&Job {
-        ..conditions.job(
-            (&candidate.scene, &candidate.modelling),
-            &candidate.method,
-            &grid,
-        )
-    })?;
-    let told = |r: &Reference| {
-        let found = match row.finished() {
-            Err(_) => format!(
-                "the run did not reach the end: {}",
-                row.message.as_deref().unwrap_or("no reason given")
-            ),
-            Ok(run) => {
-                let recorded = recorded(r, &candidate.scene);
-                let metrics = compare_all(run, &recorded.all_series(), &r.id);
-                let errors = Metric::ALL
-                    .into_iter()
-                    .filter(|m| m.is_error() && *m != Metric::EnergyDrift);
-                let errors = errors.filter_map(|m| {
-                    Some(format!("{} {}", m.words(), per_cent(metrics.get(m)?.abs())))
-                });
-                errors.collect::<Vec<_>>().join(", ")
-            }
-        };
-        (format!("{AGAINST} {}", r.id), found)
+    run(&conditions.job((&spec, &candidate.modelling), &candidate.method, &grid))
+}
+
+/// All errors that a reference tells, and whether the one asked for is beyond its tolerance.
+fn told(
+    row: &Run,
+    held: &Held,
+    candidate: &Candidate,
+    requirement: &Requirement,
+) -> (String, bool) {
+    let run = match row.finished() {
+        Ok(run) => run,
+        Err(_) => {
+            let why = row.message.as_deref().unwrap_or("no reason given");
+            return (format!("the run did not reach the end: {why}"), true);
+        }
     };
-    Ok(references.iter().map(told).collect())
+    let recorded = recorded(&held.data, &candidate.scene);
+    let metrics = compare_all(run, &recorded.all_series(), &held.data.id);
+    let errors = Metric::ALL
+        .into_iter()
+        .filter(|m| m.is_error() && *m != Metric::EnergyDrift);
+    let mut all: Vec<String> = errors
+        .filter_map(|m| Some(format!("{} {}", m.words(), per_cent(metrics.get(m)?.abs()))))
+        .collect();
+    // What damping takes is in no reference's histories.
+    let asked = match requirement.metric {
+        Metric::EnergyDrift => None,
+        metric => metrics.get(metric).map(f64::abs),
+    };
+    let allowed = per_cent(requirement.tolerance);
+    let title = requirement.title();
+    let beyond = asked.is_some_and(|e| e > requirement.tolerance);
+    all.push(match asked {
+        Some(_) if beyond => {
+            format!("so the {title} is beyond the {allowed} asked for: the choice is not adequate")
+        }
+        Some(_) => format!("so the {title} is within the {allowed} asked for"),
+        None => format!("it says nothing of the {title} that was asked for"),
+    });
+    (all.join(", "), beyond)
 }

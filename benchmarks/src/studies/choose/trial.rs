@@ -113,6 +113,7 @@ impl<'a> Trial<'a> {
             grid,
             also_steps,
             forces: false,
+            torques: false,
             histories: false,
             events: true,
             repeats: 0,

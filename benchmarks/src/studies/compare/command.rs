@@ -26,7 +26,7 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
             repeats: args.run.repeats,
             events: scene.study.events && !args.no_events,
             timeout: args.run.bounded.timeout(),
-            ..Conditions::of(&scene)
+            ..Conditions::of(&scene).held_against(&references)
         },
         ..Plan::of(&scene, &choices, &references)
     };

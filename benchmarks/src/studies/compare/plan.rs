@@ -35,7 +35,7 @@ impl Plan<'_> {
         references: &[Reference],
     ) -> Plan<'static> {
         Plan {
-            conditions: Conditions::of(scene),
+            conditions: Conditions::of(scene).held_against(references),
             entries: choices
                 .iter()
                 .map(|c| Configuration::of(scene, c))

@@ -23,7 +23,7 @@ References are the scene's stored one and its models `fe` on a fine step; each m
 its contact. Without any, the elastic model with the most modes takes their place. A reference named with --against
 stands for all models, and the report says where contacts differ.
 
-Metrics: force, force-aligned, peak, impulse, rebound, transmission-error, energy; or their keys in results.json.
+Metrics: force, force-aligned, peak, impulse, rebound, transmission-error, angle, torque, torque-peak, energy; or their keys in results.json.
 
 Defaults come from [study] precision of the scene. Results (--out DIR, default out/SCENE/precision/), beside report and
 record:

@@ -141,7 +141,7 @@ impl Plan<'_> {
                 duration: own.duration.unwrap_or(scene.duration),
                 settings,
                 max_steps: MOST_STEPS,
-                ..Conditions::of(scene)
+                ..Conditions::of(scene).held_against(elsewhere)
             },
             variants,
             fulls,

@@ -25,7 +25,7 @@ pub fn run(args: &Truncation, command: &str) -> Result<Answer, Refusal> {
         events: true,
         repeats: args.run.repeats,
         timeout: args.run.bounded.timeout(),
-        ..Conditions::of(&scene)
+        ..Conditions::of(&scene).held_against(&references)
     };
     let plan = Plan {
         external: (references.iter())

@@ -1,4 +1,5 @@
-//! The file of a reference: comments that say what it is, then contact force, speeds, angles and transmission errors.
+//! The file of a reference: comments that say what it is, then contact force, speeds, angles, transmission errors and
+//! torques.
 
 use crate::experiment::machine;
 use crate::scene_file::references::conditions::stated;
@@ -15,12 +16,14 @@ pub(super) struct Header<'a> {
 }
 
 /// Beginnings of the further columns that a reference has.
-const KEPT: [&str; 5] = [
+const KEPT: [&str; 7] = [
     "hub_angle_",
     "hub_displacement_",
     "transmission_error",
     "contact_force_",
     "speed_",
+    "contact_torque_",
+    "mount_torque_",
 ];
 
 /// The text of the file.
@@ -58,7 +61,9 @@ pub(super) fn text(header: &Header<'_>, spec: &SceneSpec, series: &TimeSeries) -
         }
     }
     for c in &series.columns {
-        if KEPT.iter().any(|k| c.name.starts_with(k)) {
+        // A mount that neither holds nor drives has no torque.
+        let free = c.name.starts_with("mount_torque_") && c.values.iter().all(|x| *x == 0.0);
+        if KEPT.iter().any(|k| c.name.starts_with(k)) && !free {
             columns.push((c.name.clone(), &c.values));
         }
     }

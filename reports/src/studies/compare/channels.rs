@@ -62,7 +62,7 @@ pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         })
         .collect();
     let title = "Further histories of the references";
-    let caption = "What references have beside contact force and speeds, with the runs that have it. Torques of runs stand in \
-                   their CSV files alone.";
+    let caption = "What references have beside contact force and speeds, with the runs that have it. Errors of angles, torques and \
+                   transmission errors stand in the table of metrics.";
     chart("channels.svg", title, caption, &h.legend(), &panels).map(Some)
 }

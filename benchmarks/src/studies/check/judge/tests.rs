@@ -126,7 +126,7 @@ fn a_program_that_is_slower_everywhere_is_named() {
         let found = program(&now, &before, &rules.runtime, same)?;
         Some((found.moved().count(), found.reported().count()))
     };
-    let slower = |i: usize| 1.25 + 0.01 * i as f64;
+    let slower = |i: usize| 1.26 + 0.007 * i as f64;
     assert_eq!(told(entries(slower, 12), true), Some((1, 0)));
     assert_eq!(told(entries(slower, 12), false), Some((0, 1)));
     let disturbed = |i: usize| if i < 5 { 3.0 } else { 1.0 };

@@ -1,0 +1,248 @@
+//! Errors of further columns, over the span or the norm of the reference's: angles, torques, transmission errors of further
+//! meshes.
+//!
+//! ```text
+//! error = sqrt( int (y - y_r)^2 dt / T ) / (max y_r - min y_r)
+//! ```
+//!
+//! by the trapezoidal rule at the reference's own times, between whose ends T lies; the run is joined by lines between its
+//! samples, and where both sides have two samples at one time, the two sides of a jump, each is held against its own. Angles
+//! count from the start and torques have a sign: an offset is an error, as it is of speeds. A column that the reference
+//! holds constant has no span and is no error but by its root mean square.
+
+use super::history::trapezoid_weights;
+use super::{TRANSMISSION_ERROR, larger};
+use crate::record::finite;
+use crate::series::TimeSeries;
+
+/// A column of angles of a hub, or of the way of a rack.
+pub(super) fn is_angle(name: &str) -> bool {
+    name.starts_with("hub_angle_") || name.starts_with("hub_displacement_")
+}
+
+/// A column of torques about a gear's axis, or of forces along the slide of a rack.
+pub(super) fn is_torque(name: &str) -> bool {
+    name.starts_with("contact_torque_") || name.starts_with("mount_torque_")
+}
+
+fn is_further_transmission_error(name: &str) -> bool {
+    name.starts_with("transmission_error_") && name != TRANSMISSION_ERROR
+}
+
+/// A column of the run and of the reference at the reference's times.
+struct Pair {
+    weights: Vec<f64>,
+    run: Vec<f64>,
+    reference: Vec<f64>,
+}
+
+/// The columns of a kind that both sides have; a run that ends before its reference has none.
+fn pairs(run: &TimeSeries, reference: &TimeSeries, of: impl Fn(&str) -> bool) -> Vec<Pair> {
+    let n = reference.finite_len();
+    let times = &reference.time_s[..n];
+    let (Some(last), Some(end)) = (run.time_s.last(), times.last()) else {
+        return Vec::new();
+    };
+    if n < 2 || *last < end * (1.0 - 1e-9) {
+        return Vec::new();
+    }
+    let wanted = reference.columns.iter();
+    let wanted = wanted.filter(|c| of(&c.name) && c.values.len() == reference.len());
+    let pair = |wanted: &crate::series::Column| {
+        let own = run.columns.iter().find(|c| c.name == wanted.name)?;
+        (own.values.len() == run.len()).then(|| Pair {
+            weights: trapezoid_weights(times),
+            run: at_times(&run.time_s, &own.values, times),
+            reference: wanted.values[..n].to_vec(),
+        })
+    };
+    wanted.filter_map(pair).collect()
+}
+
+/// Values at ascending times: between samples on a line, outside the nearest; at a jump the first of two equal times is its
+/// left side and the second its right one.
+fn at_times(t: &[f64], y: &[f64], times: &[f64]) -> Vec<f64> {
+    let value = |(k, &x): (usize, &f64)| {
+        let second = k > 0 && times[k - 1] == x;
+        // The first sample at or beyond x, on the right side of a jump the first beyond it.
+        let next = match second {
+            false => t.partition_point(|&s| s < x),
+            true => t.partition_point(|&s| s <= x),
+        };
+        match (next, t.get(next)) {
+            (0, _) => y[0],
+            (_, None) => y[t.len() - 1],
+            (i, Some(&s)) if s > x => {
+                let u = (x - t[i - 1]) / (s - t[i - 1]);
+                y[i - 1] + u * (y[i] - y[i - 1])
+            }
+            (i, _) => y[i],
+        }
+    };
+    times.iter().enumerate().map(value).collect()
+}
+
+/// The largest error over the columns of a kind; see the head of the module.
+pub(super) fn worst(
+    run: &TimeSeries,
+    reference: &TimeSeries,
+    of: impl Fn(&str) -> bool,
+) -> Option<f64> {
+    let error = |p: &Pair| {
+        let least = p.reference.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = p
+            .reference
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max);
+        let length: f64 = p.weights.iter().sum();
+        finite((p.missed() / length).sqrt() / p.scale(most - least))
+    };
+    let all = pairs(run, reference, of);
+    all.iter().map(error).fold(None, larger)
+}
+
+/// The deviation of a peak, over the reference's, that is largest.
+pub(super) fn peak(
+    run: &TimeSeries,
+    reference: &TimeSeries,
+    of: impl Fn(&str) -> bool,
+) -> Option<f64> {
+    let highest = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let all = pairs(run, reference, of);
+    let deviation = |p: &Pair| finite(highest(&p.run) / highest(&p.reference) - 1.0);
+    all.iter().map(deviation).fold(None, larger)
+}
+
+/// The largest error of a transmission error of a further mesh, over the norm of the reference's.
+pub(super) fn transmission_errors(run: &TimeSeries, reference: &TimeSeries) -> Option<f64> {
+    let all = pairs(run, reference, is_further_transmission_error);
+    let error = |p: &Pair| finite((p.missed() / p.square()).sqrt());
+    all.iter().map(error).fold(None, larger)
+}
+
+impl Pair {
+    /// Integral of the squared difference.
+    fn missed(&self) -> f64 {
+        let both = self.run.iter().zip(&self.reference);
+        let squares = both.map(|(y, r)| (y - r).powi(2));
+        squares.zip(&self.weights).map(|(s, w)| s * w).sum()
+    }
+
+    /// Integral of the squared reference.
+    fn square(&self) -> f64 {
+        let squares = self.reference.iter().map(|r| r * r);
+        squares.zip(&self.weights).map(|(s, w)| s * w).sum()
+    }
+
+    /// What an error is over: the span, of a constant its magnitude.
+    fn scale(&self, span: f64) -> f64 {
+        let magnitude = self.reference.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+        match span > 1e-9 * magnitude {
+            true => span,
+            false => magnitude,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metrics::{Finished, compare};
+    use crate::record::{Ledger, Metrics};
+    use crate::series::Column;
+
+    /// A run of a second: an angle of 2 rad, a torque that jumps from 0 to 3 N m in its middle.
+    fn run() -> TimeSeries {
+        let time_s = vec![0.0, 0.25, 0.5, 0.5, 0.75, 1.0];
+        let column = |name: &str, values: Vec<f64>| Column {
+            name: name.into(),
+            values,
+        };
+        TimeSeries {
+            columns: vec![
+                column(
+                    "hub_angle_pinion_rad",
+                    time_s.iter().map(|t| 2.0 * t).collect(),
+                ),
+                column(
+                    "contact_torque_wheel_nm",
+                    vec![0.0, 0.0, 0.0, 3.0, 3.0, 3.0],
+                ),
+                column("transmission_error_b_c_m", vec![1e-6; 6]),
+            ],
+            contact_force_n: vec![0.0; 6],
+            omega1_rad_s: vec![2.0; 6],
+            omega2_rad_s: vec![0.0; 6],
+            time_s,
+            force: None,
+        }
+    }
+
+    fn metrics(run: &TimeSeries, reference: &TimeSeries) -> Metrics {
+        let ledger = Ledger::default();
+        let run = Finished::reached(run, &ledger, [1.0, 1.0]).unwrap();
+        compare(run, reference, "measured")
+    }
+
+    fn found(m: &Metrics) -> [Option<f64>; 4] {
+        [
+            m.angle_l2,
+            m.torque_l2,
+            m.torque_peak_rel,
+            m.transmission_error_l2,
+        ]
+    }
+
+    #[test]
+    fn a_run_against_itself_is_zero_jumps_and_all() {
+        let run = run();
+        assert_eq!(found(&metrics(&run, &run)), [Some(0.0); 4]);
+    }
+
+    #[test]
+    fn known_changes_have_known_errors() {
+        let run = run();
+        let mut reference = run.clone();
+        // An offset of 0.1 rad, over the span of 2; torques of 5/6 and transmission errors of half as much.
+        let factors = [1.0, 1.2, 2.0];
+        for (c, factor) in reference.columns.iter_mut().zip(factors) {
+            c.values.iter_mut().for_each(|x| *x *= factor);
+        }
+        let angle = &mut reference.columns[0].values;
+        angle.iter_mut().for_each(|x| *x += 0.1);
+        let wanted = [0.05, 0.6 * 0.5_f64.sqrt() / 3.6, 1.0 / 1.2 - 1.0, 0.5];
+        for (x, wanted) in found(&metrics(&run, &reference)).iter().zip(wanted) {
+            assert!((x.unwrap() - wanted).abs() < 1e-12, "{x:?} {wanted}");
+        }
+    }
+
+    /// What is not there is absent: other columns, another gear, a run that ends before its reference, a reference that is
+    /// a run of the study.
+    #[test]
+    fn what_is_not_there_has_no_error() {
+        let run = run();
+        let mut reference = run.clone();
+        reference.columns.truncate(1);
+        let [angle, rest @ ..] = found(&metrics(&run, &reference));
+        assert_eq!((angle, rest), (Some(0.0), [None; 3]));
+        reference.columns[0].name = "hub_angle_wheel_rad".into();
+        assert_eq!(found(&metrics(&run, &reference)), [None; 4]);
+        let mut longer = run.clone();
+        longer.time_s[5] = 2.0;
+        assert_eq!(found(&metrics(&run, &longer)), [None; 4]);
+        let mut of_the_study = run.clone();
+        of_the_study.force = Some(crate::force::ForceHistory::default());
+        let [angle, torque, peak, _] = found(&metrics(&run, &of_the_study));
+        assert_eq!([angle, torque, peak], [None; 3]);
+    }
+
+    /// The reference's times alone count, and between samples the run is a line.
+    #[test]
+    fn runs_are_joined_by_lines() {
+        let t = [0.0, 1.0, 1.0, 2.0];
+        let y = [0.0, 1.0, 5.0, 6.0];
+        let found = at_times(&t, &y, &[0.5, 1.0, 1.0, 1.5, 3.0]);
+        assert_eq!(found, [0.5, 1.0, 5.0, 5.5, 6.0]);
+    }
+}
