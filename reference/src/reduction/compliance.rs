@@ -36,13 +36,14 @@ use crate::assembly::tie::{HubMotion, MassKind, Tie};
 use crate::limits;
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{Hub, Sector};
-use crate::solve::Cholesky;
+use crate::solve::{Cholesky, SolveMemory};
 use crate::vector::dot;
 use faer::{Mat, Par};
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 use gearbench_models::stiffness::Material;
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Right-hand sides at a time.
 const BLOCK: usize = 48;
@@ -128,8 +129,17 @@ pub fn of_assembly(
     let factor = Cholesky::new(stiffness.as_ref())?;
     drop(stiffness);
 
+    // Blocks share the memory of as many as are solved at a time.
+    let pool: Mutex<Vec<(Mat<f64>, SolveMemory)>> = Mutex::new(Vec::new());
+    let kept = || pool.lock().unwrap_or_else(PoisonError::into_inner);
     let solve = |block: &[Load]| {
-        let mut x = Mat::<f64>::zeros(factor.unknowns(), block.len());
+        let taken = kept().pop();
+        let (mut whole, mut memory) = taken.unwrap_or_else(|| {
+            let x = Mat::zeros(factor.unknowns(), BLOCK);
+            (x, SolveMemory::default())
+        });
+        let mut x = whole.as_mut().subcols_mut(0, block.len());
+        x.fill(0.0);
         for (j, load) in block.iter().enumerate() {
             for (place, force) in load {
                 for axis in 0..3 {
@@ -137,14 +147,15 @@ pub fn of_assembly(
                 }
             }
         }
-        factor.solve_many(x.as_mut(), Par::Seq);
+        factor.solve_many_in(x.as_mut(), Par::Seq, &mut memory);
         let mut rows = vec![0.0; block.len() * n];
         for (j, row) in rows.chunks_exact_mut(n).enumerate() {
-            let x = x.col(j);
+            let x = x.as_ref().col(j);
             for (c, load) in row.iter_mut().zip(&columns) {
                 *c = work(load, |i| x[i]);
             }
         }
+        kept().push((whole, memory));
         rows
     };
     let solved: Vec<Vec<f64>> = columns.par_chunks(BLOCK).map(solve).collect();

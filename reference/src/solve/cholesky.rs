@@ -1,7 +1,7 @@
 //! Factor `P A P^T = L L^T` of a sparse positive definite matrix: analysis once, numbers as often as needed.
 
 use super::{Scalar, SolveError, Symbolic, sweep};
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
 use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::cholesky as sparse;
@@ -116,18 +116,54 @@ impl<T: Scalar> Cholesky<T> {
     /// # Panics
     /// If `x` has another number of rows than the matrix.
     pub fn solve_many(&self, x: MatMut<'_, T>, par: Par) {
+        self.solve_many_in(x, par, &mut SolveMemory::default());
+    }
+
+    /// The same in memory that is used again: pages that are fresh for every block of right-hand sides cost as much as the
+    /// solution of a block.
+    ///
+    /// # Panics
+    /// If `x` has another number of rows than the matrix.
+    pub fn solve_many_in(&self, x: MatMut<'_, T>, par: Par, memory: &mut SolveMemory) {
         assert_eq!(x.nrows(), self.unknowns(), "rows of the right-hand sides");
         if x.nrows() == 0 || x.ncols() == 0 {
             return;
         }
         let inner = self.symbolic.inner();
-        let mut memory = MemBuffer::new(inner.solve_in_place_scratch::<T>(x.ncols(), par));
+        let needed = inner.solve_in_place_scratch::<T>(x.ncols(), par);
+        let memory = memory.at_least(needed);
         sparse::LltRef::new(inner, &self.values).solve_in_place_with_conj(
             Conj::No,
             x,
             par,
-            MemStack::new(&mut memory),
+            MemStack::new(memory),
         );
+    }
+}
+
+/// Memory of solutions for several right-hand sides, which grows to what is needed and stays.
+#[derive(Default)]
+pub struct SolveMemory {
+    /// Its requirement in bytes and alignment, and the memory.
+    held: Option<([usize; 2], MemBuffer)>,
+}
+
+impl std::fmt::Debug for SolveMemory {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let held = self.held.as_ref().map(|(needed, _)| needed);
+        f.debug_struct("SolveMemory").field("held", &held).finish()
+    }
+}
+
+impl SolveMemory {
+    fn at_least(&mut self, needed: StackReq) -> &mut MemBuffer {
+        let wanted = [needed.size_bytes(), needed.align_bytes()];
+        let kept = self.held.take();
+        let kept = kept.filter(|(held, _)| held[0] >= wanted[0] && held[1] >= wanted[1]);
+        let (_, memory) = self
+            .held
+            .insert(kept.unwrap_or_else(|| (wanted, MemBuffer::new(needed))));
+        memory
     }
 }
 

@@ -21,7 +21,7 @@ mod symbolic;
 mod tests;
 mod union;
 
-pub use cholesky::Cholesky;
+pub use cholesky::{Cholesky, SolveMemory};
 pub(crate) use inertia::negative_eigenvalues;
 pub use scalar::Scalar;
 pub(crate) use symbolic::Symbolic;
