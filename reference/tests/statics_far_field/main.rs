@@ -25,7 +25,6 @@ mod elements;
 use elements::Elements;
 use gearbench_models::geometry::{Gear, GearParams, Pair};
 use gearbench_models::stiffness::Material;
-use std::f64::consts::PI;
 
 /// A pair: all that its stiffness depends on.
 struct Case {
