@@ -57,9 +57,21 @@ pub(crate) fn read(
 
 /// The deck in SI units, from those that are given or found.
 pub(crate) fn in_si(mut deck: Deck, units: Option<Units>) -> Deck {
+    let found = units::found(&deck);
     let (units, from) = match units {
-        Some(units) => (units, "as given".to_owned()),
-        None => units::found(&deck),
+        // A guess is no contradiction.
+        Some(given) if given != found.0 && found.1.starts_with(units::CERTAIN) => {
+            let Units { name, .. } = found.0;
+            (
+                given,
+                format!(
+                    "as given, though {name} fits {}",
+                    &found.1[units::CERTAIN.len()..]
+                ),
+            )
+        }
+        Some(given) => (given, "as given".to_owned()),
+        None => found,
     };
     deck.units_from = from;
     units::convert(&mut deck, units);
@@ -225,16 +237,8 @@ impl Reader<'_> {
         field: &str,
         instance: u32,
     ) -> Result<u32, DeckError> {
-        let label = self.label_at(k, data, field, instance)?;
-        let place = self.deck.node_labels.get_index_of(&label);
-        place.map(|n| n as u32).ok_or_else(|| {
-            data.reference(
-                k,
-                "a node defined above",
-                format!("label {}", quote(field).trim_matches('`')),
-                "put *NODE with this label in front",
-            )
-        })
+        let of = |label| self.deck.node_labels.get_index_of(&label).map(|n| n as u32);
+        self.labelled(k, data, field, instance, ("a node", "*NODE"), of)
     }
 
     /// Number of an element; of one that is no solid with [`others::MARK`].
@@ -245,13 +249,27 @@ impl Reader<'_> {
         field: &str,
         instance: u32,
     ) -> Result<u32, DeckError> {
+        let of = |label| self.deck.any_element(label);
+        self.labelled(k, data, field, instance, ("an element", "*ELEMENT"), of)
+    }
+
+    /// The number that a label in a field stands for; `what` it is of, and the keyword that defines it.
+    fn labelled(
+        &self,
+        k: &Keyword,
+        data: &Data,
+        field: &str,
+        instance: u32,
+        what: (&str, &str),
+        number: impl Fn(Label) -> Option<u32>,
+    ) -> Result<u32, DeckError> {
         let label = self.label_at(k, data, field, instance)?;
-        self.deck.any_element(label).ok_or_else(|| {
+        number(label).ok_or_else(|| {
             data.reference(
                 k,
-                "an element defined above",
+                format!("{} defined above", what.0),
                 format!("label {}", quote(field).trim_matches('`')),
-                "put *ELEMENT with this label in front",
+                format!("put {} with this label in front", what.1),
             )
         })
     }

@@ -95,6 +95,9 @@ const DENSITIES: std::ops::Range<f64> = 500.0..25e3;
 /// Greatest extent [m] of a body of unknown units: above it the numbers count as millimetres.
 const GREATEST: f64 = 3.0;
 
+/// Begin of the reason where only one system of units fits.
+pub(super) const CERTAIN: &str = "from ";
+
 /// Units of a deck as it was written, with the reason in words.
 pub(super) fn found(deck: &Deck) -> (Units, String) {
     let mut unfit = None;
@@ -119,7 +122,7 @@ pub(super) fn found(deck: &Deck) -> (Units, String) {
             (None, None) => continue,
         };
         match (fitting.next(), fitting.next()) {
-            (Some(one), None) => return (one, format!("from {what}")),
+            (Some(one), None) => return (one, format!("{CERTAIN}{what}")),
             (Some(one), Some(other)) => {
                 let guess = format!(
                     "a guess from {what}, which fits {} too; say which if it is wrong",
