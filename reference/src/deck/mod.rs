@@ -34,11 +34,12 @@ pub use lexer::{MAX_DECK_BYTES, MAX_INCLUDE_DEPTH, Resolver};
 pub use units::Units;
 pub use writer::{GearDeck, Hub, Impact, ImpactGear, WriteError, write, write_impact};
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Reads a deck from a file, `.inp` or a mesh of Gmsh `.msh`, told apart by what they begin with, both perhaps
+/// Reads a deck from a file, `.inp` or a mesh of Gmsh `.msh`, text or binary, told apart by what they begin with, both perhaps
 /// packed by gzip; includes count from the folder of the including file.
 /// Everything is converted to SI units, from those that are found ([`Deck::units_from`]).
 pub fn read(path: impl AsRef<Path>) -> Result<Deck, DeckError> {
@@ -48,8 +49,8 @@ pub fn read(path: impl AsRef<Path>) -> Result<Deck, DeckError> {
 /// As [`read`], from these units.
 pub fn read_in(path: impl AsRef<Path>, units: Option<Units>) -> Result<Deck, DeckError> {
     let name = path.as_ref().to_string_lossy().into_owned();
-    let text = text_of(&name).map_err(|e| unreadable(&name, "a readable deck", &e))?;
-    read_str_in(&name, &text, units, &mut text_of)
+    let bytes = bytes_of(&name).map_err(|e| unreadable(&name, "a readable deck", &e))?;
+    read_bytes_in(&name, &bytes, units, &mut text_of)
 }
 
 /// Reads a deck from its text. `resolver` is asked for the text of included files, by their names joined with
@@ -65,47 +66,62 @@ pub fn read_str_in(
     units: Option<Units>,
     resolver: &mut Resolver<'_>,
 ) -> Result<Deck, DeckError> {
-    match msh::is_msh(text) {
-        true => msh::read(name, text, units),
-        false => reader::read(name, text, units, resolver),
-    }
+    read_bytes_in(name, text.as_bytes(), units, resolver)
 }
 
 /// Reads an embedded deck, gzip or not; it may not include files.
 pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Deck, DeckError> {
-    let text = decode(bytes).map_err(|e| unreadable(name, "a deck as text or gzip", &e))?;
-    read_str(name, &text, &mut |_| {
+    let bytes = unpacked(bytes).map_err(|e| unreadable(name, "a deck as text or gzip", &e))?;
+    read_bytes_in(name, &bytes, None, &mut |_| {
         Err(io::Error::other("an embedded deck includes no files"))
     })
+}
+
+/// Reads what is no gzip. Titles of decks in other encodings than UTF-8 are no reason to decline.
+fn read_bytes_in(
+    name: &str,
+    bytes: &[u8],
+    units: Option<Units>,
+    resolver: &mut Resolver<'_>,
+) -> Result<Deck, DeckError> {
+    match msh::is_msh(bytes) {
+        true => msh::read(name, bytes, units),
+        false => reader::read(name, &String::from_utf8_lossy(bytes), units, resolver),
+    }
 }
 
 fn unreadable(name: &str, expected: &str, e: &io::Error) -> DeckError {
     DeckError::new(DeckErrorKind::Io, "", expected, e.to_string(), "").at(name, 0)
 }
 
-fn text_of(name: &str) -> io::Result<String> {
+fn bytes_of(name: &str) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(name)?
         .take(MAX_DECK_BYTES as u64 + 1)
         .read_to_end(&mut bytes)?;
-    decode(&bytes)
+    Ok(unpacked(&bytes)?.into_owned())
 }
 
-/// Text from bytes, unpacked when they are gzip. Titles in other encodings than UTF-8 are no reason to decline.
-fn decode(bytes: &[u8]) -> io::Result<String> {
-    let mut unpacked = Vec::new();
-    let bytes = if bytes.starts_with(&[0x1f, 0x8b]) {
-        flate2::read::MultiGzDecoder::new(bytes)
-            .take(MAX_DECK_BYTES as u64 + 1)
-            .read_to_end(&mut unpacked)?;
-        &unpacked
-    } else {
-        bytes
+fn text_of(name: &str) -> io::Result<String> {
+    Ok(String::from_utf8_lossy(&bytes_of(name)?).into_owned())
+}
+
+/// Bytes, unpacked when they are gzip.
+fn unpacked(bytes: &[u8]) -> io::Result<Cow<'_, [u8]>> {
+    let bytes = match bytes.starts_with(&[0x1f, 0x8b]) {
+        false => Cow::Borrowed(bytes),
+        true => {
+            let mut unpacked = Vec::new();
+            flate2::read::MultiGzDecoder::new(bytes)
+                .take(MAX_DECK_BYTES as u64 + 1)
+                .read_to_end(&mut unpacked)?;
+            Cow::Owned(unpacked)
+        }
     };
-    if bytes.len() > MAX_DECK_BYTES {
-        return Err(io::Error::other(format!(
+    match bytes.len() {
+        0..=MAX_DECK_BYTES => Ok(bytes),
+        _ => Err(io::Error::other(format!(
             "more than {MAX_DECK_BYTES} bytes"
-        )));
+        ))),
     }
-    Ok(String::from_utf8_lossy(bytes).into_owned())
 }

@@ -1,4 +1,4 @@
-//! Meshes of Gmsh, `.msh` 4.1 and 2.2 as text, as a [`Deck`] without material.
+//! Meshes of Gmsh, `.msh` 4.1 and 2.2 as text or binary, as a [`Deck`] without material.
 //!
 //! Physical groups of volumes become element sets, those of surfaces, lines and points node sets, by their names in
 //! lower case, or `physical_surface_3` where they have none. Without groups entities do: `volume1`, `surface12`.
@@ -7,32 +7,42 @@
 
 mod kinds;
 mod lines;
+mod plain;
 #[cfg(test)]
 mod tests;
 
 use super::data::{Deck, ElementBlock, Label};
-use super::error::{DeckError, DeckErrorKind, quote};
+use super::error::{DeckError, DeckErrorKind};
 use super::reader::{MARK, in_si};
 use super::units::Units;
 use gearbench_models::Vec3;
 use kinds::{other, solid};
-use lines::{Lines, Row};
+use lines::{Lines, shown};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Names of entities by their dimension.
 const DIMENSIONS: [&str; 4] = ["point", "line", "surface", "volume"];
 
-/// Whether a text is such a mesh.
-pub(super) fn is_msh(text: &str) -> bool {
-    text.trim_start_matches('\u{feff}')
-        .trim_start()
-        .starts_with("$MeshFormat")
+/// Sections that are read; others are left out.
+const SECTIONS: [&str; 5] = [
+    "$MeshFormat",
+    "$PhysicalNames",
+    "$Entities",
+    "$Nodes",
+    "$Elements",
+];
+
+/// Whether a file is such a mesh.
+pub(super) fn is_msh(bytes: &[u8]) -> bool {
+    let mark = "\u{feff}".as_bytes();
+    let text = bytes.strip_prefix(mark).unwrap_or(bytes);
+    text.trim_ascii_start().starts_with(b"$MeshFormat")
 }
 
-/// Reads a mesh from its text.
-pub(super) fn read(name: &str, text: &str, units: Option<Units>) -> Result<Deck, DeckError> {
+/// Reads a mesh from its bytes.
+pub(super) fn read(name: &str, bytes: &[u8], units: Option<Units>) -> Result<Deck, DeckError> {
     let mut reader = Reader {
-        lines: Lines::new(name, text),
+        lines: Lines::new(name, bytes),
         deck: Deck {
             name: name.into(),
             ..Deck::default()
@@ -61,67 +71,38 @@ struct Reader<'a> {
     version: f64,
 }
 
-impl<'a> Reader<'a> {
+impl Reader<'_> {
     fn all(&mut self) -> Result<(), DeckError> {
         let mut seen = HashSet::new();
         while let Some(line) = self.lines.next() {
-            if !seen.insert(line) {
-                let help = "one mesh in a file";
-                let kind = DeckErrorKind::Syntax;
-                return Err((self.lines.place()).error(
-                    kind,
-                    "",
-                    "each section once",
-                    quote(line),
-                    help,
-                ));
-            }
-            match line {
-                "$MeshFormat" => self.format()?,
-                "$PhysicalNames" => self.physical_names()?,
-                "$Entities" => self.entities()?,
-                "$Nodes" if self.version > 3.0 => self.nodes()?,
-                "$Nodes" => self.plain_nodes()?,
-                "$Elements" if self.version > 3.0 => self.elements()?,
-                "$Elements" => self.plain_elements()?,
-                _ => {}
-            }
-            let Some(name) = line.strip_prefix('$') else {
-                let kind = DeckErrorKind::Syntax;
-                let help = "was a count too small?";
-                return Err((self.lines.place()).error(
-                    kind,
-                    "",
-                    "a section such as $Nodes",
-                    quote(line),
-                    help,
-                ));
+            self.lines.begin_text("");
+            let syntax = DeckErrorKind::Syntax;
+            let Some(name) = line.strip_prefix(b"$") else {
+                let (expected, help) = ("a section such as $Nodes", "was a count too small?");
+                return Err(self.lines.error(syntax, expected, shown(line), help));
             };
-            // Sections of other data are left out.
-            let known = [
-                "$MeshFormat",
-                "$PhysicalNames",
-                "$Entities",
-                "$Nodes",
-                "$Elements",
-            ];
-            loop {
-                match self.lines.next() {
-                    Some(end) if end.strip_prefix("$End") == Some(name) => break,
-                    Some(_) if !known.contains(&line) => {}
-                    found => {
-                        let found = found.map_or("the end of the file".to_owned(), quote);
-                        let kind = DeckErrorKind::Syntax;
-                        let help = "does the count of the section fit?";
-                        return Err((self.lines.place()).error(
-                            kind,
-                            line,
-                            format!("$End{name}"),
-                            found,
-                            help,
-                        ));
-                    }
-                }
+            if !seen.insert(line) {
+                let (expected, help) = ("each section once", "one mesh in a file");
+                return Err(self.lines.error(syntax, expected, shown(line), help));
+            }
+            let section = SECTIONS.into_iter().find(|s| s.as_bytes() == line);
+            let end = format!("$End{}", String::from_utf8_lossy(name));
+            match section {
+                Some("$MeshFormat") => self.format()?,
+                Some("$PhysicalNames") => self.physical_names()?,
+                Some("$Entities") => self.entities()?,
+                Some("$Nodes") if self.version > 3.0 => self.nodes()?,
+                Some("$Nodes") => self.plain_nodes()?,
+                Some("$Elements") if self.version > 3.0 => self.elements()?,
+                Some("$Elements") => self.plain_elements()?,
+                _ => self.lines.skip_to(&end),
+            }
+            self.lines.begin_text(section.unwrap_or_default());
+            let found = self.lines.next();
+            if found != Some(end.as_bytes()) {
+                let found = found.map_or("the end of the file".to_owned(), shown);
+                let help = "does the count of the section fit?";
+                return Err(self.lines.error(syntax, end, found, help));
             }
         }
         let grouped = self.grouped;
@@ -137,40 +118,41 @@ impl<'a> Reader<'a> {
     }
 
     fn format(&mut self) -> Result<(), DeckError> {
-        let mut row = self.lines.row("$MeshFormat", "version, 0 for text, 8")?;
-        self.version = row.parsed("a version")?;
-        let binary: u32 = row.parsed("0 for text")?;
-        let ways = "save it as text: `gmsh -format msh41 -save in.msh`, or Mesh.Binary = 0";
-        if binary != 0 {
-            return Err(row.error(
-                DeckErrorKind::Unsupported,
-                "a mesh as text",
-                "a binary one".into(),
-                ways,
-            ));
+        let lines = &mut self.lines;
+        lines.begin_text("$MeshFormat");
+        lines.row("version, 0 for text or 1 for binary, 8")?;
+        self.version = lines.parsed("a version")?;
+        let binary: u32 = lines.parsed("0 for text, 1 for binary")?;
+        let unsupported = DeckErrorKind::Unsupported;
+        let ways = "save it anew: `gmsh -format msh41 -save in.msh`";
+        if !matches!(self.version, 4.1 | 2.2) {
+            let found = self.version.to_string();
+            return Err(lines.error(unsupported, "version 4.1 or 2.2", found, ways));
         }
-        match self.version {
-            4.1 | 2.2 => Ok(()),
-            v => Err(row.error(
-                DeckErrorKind::Unsupported,
-                "version 4.1 or 2.2",
-                v.to_string(),
-                ways,
-            )),
+        match binary {
+            0 => Ok(()),
+            1 => match lines.parsed::<u32>("8, the bytes of a number")? {
+                8 => lines.turn_binary(self.version > 3.0),
+                other => {
+                    let expected = "numbers of 8 bytes";
+                    Err(lines.error(unsupported, expected, other.to_string(), ways))
+                }
+            },
+            other => {
+                let expected = "0 for text, 1 for binary";
+                Err(lines.error(unsupported, expected, other.to_string(), ways))
+            }
         }
     }
 
     fn physical_names(&mut self) -> Result<(), DeckError> {
-        let what = "dimension, tag, \"name\"";
-        let count = self
-            .lines
-            .row("$PhysicalNames", "a count")?
-            .count("a count")?;
-        for _ in 0..count {
-            let mut row = self.lines.row("$PhysicalNames", what)?;
-            let (dimension, tag) = (row.dimension()?, row.signed(what)?);
-            let rest: Vec<&str> = row.words.collect();
-            let name = rest.join(" ").trim_matches('"').to_ascii_lowercase();
+        let (lines, what) = (&mut self.lines, "dimension, tag, \"name\"");
+        lines.begin_text("$PhysicalNames");
+        lines.row("a count")?;
+        for _ in 0..lines.parsed::<usize>("a count")? {
+            lines.row(what)?;
+            let (dimension, tag) = (lines.dimension()?, lines.signed(what)?);
+            let name = lines.rest().trim_matches('"').to_ascii_lowercase();
             self.names
                 .insert((dimension, tag), name.replace('\u{0}', ""));
         }
@@ -178,22 +160,27 @@ impl<'a> Reader<'a> {
     }
 
     fn entities(&mut self) -> Result<(), DeckError> {
-        let mut row = self.lines.row("$Entities", "four counts")?;
+        let lines = &mut self.lines;
+        lines.begin("$Entities");
+        lines.row("four counts")?;
         let mut counts = [0; 4];
         for count in &mut counts {
-            *count = row.count("four counts")?;
+            *count = lines.count("four counts")?;
         }
         for (dimension, count) in counts.into_iter().enumerate() {
             for _ in 0..count {
-                let mut row = self.lines.row("$Entities", "an entity")?;
-                let tag = row.signed("a tag")?;
+                lines.row("an entity")?;
+                let tag = lines.signed("a tag")?;
                 // Where it is, or the corners of its box.
                 for _ in 0..if dimension == 0 { 1 } else { 2 } {
-                    row.position()?;
+                    lines.position()?;
                 }
                 let mut groups = Vec::new();
-                for _ in 0..row.count("a count of groups")? {
-                    groups.push(row.signed("a group")?);
+                for _ in 0..lines.count("a count of groups")? {
+                    groups.push(lines.signed("a group")?);
+                }
+                if dimension > 0 {
+                    lines.pass_list("entities around it")?;
                 }
                 self.groups.insert((dimension, tag), groups);
             }
@@ -201,64 +188,55 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn node(&mut self, row: &Row<'_>, tag: u32, x: Vec3) -> Result<(), DeckError> {
+    fn node(&mut self, tag: u32, x: Vec3) -> Result<(), DeckError> {
         if !self.deck.node_labels.insert(tag.into()) {
-            let found = format!("tag {tag} again");
-            return Err(row.error(DeckErrorKind::Reference, "each node once", found, ""));
+            let (kind, found) = (DeckErrorKind::Reference, format!("tag {tag} again"));
+            return Err(self.lines.error(kind, "each node once", found, ""));
         }
         self.deck.nodes.push(x);
         Ok(())
     }
 
-    fn nodes(&mut self) -> Result<(), DeckError> {
-        let blocks = self
-            .lines
-            .row("$Nodes", "counts")?
-            .count("a count of blocks")?;
-        for _ in 0..blocks {
-            let what = "dimension, entity, parametric, count";
-            let mut row = self.lines.row("$Nodes", what)?;
-            row.dimension()?;
-            row.signed(what)?;
-            row.count(what)?;
-            let count = row.count(what)?;
-            let mut tags = Vec::new();
-            for _ in 0..count {
-                tags.push(
-                    self.lines
-                        .row("$Nodes", "the tag of a node")?
-                        .tag("the tag of a node")?,
-                );
-            }
-            for tag in tags {
-                let mut row = self.lines.row("$Nodes", "x, y, z")?;
-                let x = row.position()?;
-                self.node(&row, tag, x)?;
-            }
-        }
-        Ok(())
+    /// The counts in front of blocks: how many there are, then of all, least and greatest tag.
+    fn blocks(&mut self) -> Result<usize, DeckError> {
+        self.lines.row("counts")?;
+        let blocks = self.lines.count("a count of blocks")?;
+        self.lines.pass_numbers(3)?;
+        Ok(blocks)
     }
 
-    fn plain_nodes(&mut self) -> Result<(), DeckError> {
-        let count = self.lines.row("$Nodes", "a count")?.count("a count")?;
-        for _ in 0..count {
-            let mut row = self.lines.row("$Nodes", "tag, x, y, z")?;
-            let (tag, x) = (row.tag("the tag of a node")?, row.position()?);
-            self.node(&row, tag, x)?;
+    fn nodes(&mut self) -> Result<(), DeckError> {
+        self.lines.begin("$Nodes");
+        for _ in 0..self.blocks()? {
+            let (lines, what) = (&mut self.lines, "dimension, entity, parametric, count");
+            lines.row(what)?;
+            let dimension = lines.dimension()?;
+            lines.signed(what)?;
+            // Behind the position then stand as many coordinates as the entity has dimensions.
+            let more = if lines.small(what)? > 0 { dimension } else { 0 };
+            let count = lines.count(what)?;
+            let mut tags = Vec::new();
+            for _ in 0..count {
+                lines.row("the tag of a node")?;
+                tags.push(lines.tag("the tag of a node")?);
+            }
+            for tag in tags {
+                self.lines.row("x, y, z")?;
+                let x = self.lines.position()?;
+                self.lines.pass_numbers(more)?;
+                self.node(tag, x)?;
+            }
         }
         Ok(())
     }
 
     fn elements(&mut self) -> Result<(), DeckError> {
-        let blocks = self
-            .lines
-            .row("$Elements", "counts")?
-            .count("a count of blocks")?;
-        for _ in 0..blocks {
-            let what = "dimension, entity, type, count";
-            let mut row = self.lines.row("$Elements", what)?;
-            let (dimension, entity) = (row.dimension()?, row.signed(what)?);
-            let (kind, count) = (row.parsed(what)?, row.count(what)?);
+        self.lines.begin("$Elements");
+        for _ in 0..self.blocks()? {
+            let (lines, what) = (&mut self.lines, "dimension, entity, type, count");
+            lines.row(what)?;
+            let (dimension, entity) = (lines.dimension()?, lines.signed(what)?);
+            let (kind, count) = (lines.small(what)?, lines.count(what)?);
             let groups = self
                 .groups
                 .get(&(dimension, entity))
@@ -266,36 +244,10 @@ impl<'a> Reader<'a> {
                 .unwrap_or_default();
             let sets = self.sets(dimension, entity, &groups);
             for _ in 0..count {
-                let mut row = self.lines.row("$Elements", "an element")?;
-                let tag = row.tag("the tag of an element")?;
-                self.element(row, tag, kind, &sets)?;
+                self.lines.row("an element")?;
+                let tag = self.lines.tag("the tag of an element")?;
+                self.element(tag, kind, &sets)?;
             }
-        }
-        Ok(())
-    }
-
-    fn plain_elements(&mut self) -> Result<(), DeckError> {
-        let count = self.lines.row("$Elements", "a count")?.count("a count")?;
-        for _ in 0..count {
-            let what = "tag, type, count of tags, tags, nodes";
-            let mut row = self.lines.row("$Elements", what)?;
-            let (tag, kind) = (row.tag(what)?, row.parsed(what)?);
-            let mut tags = [0; 2];
-            for i in 0..row.count(what)? {
-                let value = row.signed(what)?;
-                if let Some(tag) = tags.get_mut(i) {
-                    *tag = value;
-                }
-            }
-            let dimension = match kind {
-                15 => 0,
-                1 | 8 => 1,
-                2 | 3 | 9 | 10 | 16 => 2,
-                _ => 3,
-            };
-            let group = Some(tags[0]).filter(|g| *g > 0);
-            let sets = self.sets(dimension, tags[1], group.as_slice());
-            self.element(row, tag, kind, &sets)?;
         }
         Ok(())
     }
@@ -316,17 +268,16 @@ impl<'a> Reader<'a> {
         sets
     }
 
-    fn element(
-        &mut self,
-        mut row: Row<'_>,
-        tag: u32,
-        kind: u32,
-        sets: &[String],
-    ) -> Result<(), DeckError> {
+    fn element(&mut self, tag: u32, kind: u32, sets: &[String]) -> Result<(), DeckError> {
         let label = Label::from(tag);
         if self.deck.any_element(label).is_some() {
             let found = format!("tag {tag} again");
-            return Err(row.error(DeckErrorKind::Reference, "each element once", found, ""));
+            return Err((self.lines).error(
+                DeckErrorKind::Reference,
+                "each element once",
+                found,
+                "",
+            ));
         }
         let count = match (solid(kind), other(kind)) {
             (Some((kind, _)), _) => kind.nodes(),
@@ -335,7 +286,7 @@ impl<'a> Reader<'a> {
                 let expected = "tetrahedra, wedges and hexahedra of the first or second order";
                 let help =
                     "for the second order without nodes inside set Mesh.SecondOrderIncomplete = 1";
-                return Err(row.error(
+                return Err(self.lines.error(
                     DeckErrorKind::Unsupported,
                     expected,
                     format!("type {kind}"),
@@ -345,10 +296,15 @@ impl<'a> Reader<'a> {
         };
         let mut nodes = Vec::with_capacity(count);
         for _ in 0..count {
-            let tag = row.tag("the tag of a node")?;
+            let tag = self.lines.tag("the tag of a node")?;
             let Some(node) = self.deck.node_labels.get_index_of(&Label::from(tag)) else {
                 let found = format!("tag {tag}");
-                return Err(row.error(DeckErrorKind::Reference, "a node of $Nodes", found, ""));
+                return Err((self.lines).error(
+                    DeckErrorKind::Reference,
+                    "a node of $Nodes",
+                    found,
+                    "",
+                ));
             };
             nodes.push(node as u32);
         }
@@ -364,7 +320,7 @@ impl<'a> Reader<'a> {
                         set: None,
                         first: number,
                         connectivity: nodes.collect(),
-                        place: row.place,
+                        place: self.lines.place(),
                     }),
                 }
                 number

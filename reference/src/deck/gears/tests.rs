@@ -244,7 +244,7 @@ fn one_embedded_reference_reads_too() {
 #[test]
 fn materials_are_completed() {
     let bytes = include_bytes!("../../../calculix/modal/impA_g1_C3D8.inp.gz");
-    let whole = crate::deck::decode(bytes).unwrap();
+    let whole = String::from_utf8(crate::deck::unpacked(bytes).unwrap().into_owned()).unwrap();
     let other = Material {
         young: 7e10,
         poisson: 0.33,

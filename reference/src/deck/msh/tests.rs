@@ -1,5 +1,5 @@
 use crate::deck::Units;
-use crate::deck::{Deck, DeckError, read_str, read_str_in};
+use crate::deck::{Deck, DeckError, read_bytes, read_str, read_str_in};
 use crate::mesh::{ElementKind, quality};
 use gearbench_models::Vec3;
 
@@ -117,7 +117,15 @@ fn refusals_say_where_what_and_how() {
     for (text, words) in [
         (
             good.replace("4.1 0 8", "4.1 1 8"),
-            "a.msh:2: $MeshFormat: expected a mesh as text, found a binary one; save it as text",
+            "a.msh:2: $MeshFormat: expected the number 1 as four bytes, found [24, 45, 6e, 64]; was the file transferred",
+        ),
+        (
+            good.replace("4.1 0 8", "4.1 2 8"),
+            "expected 0 for text, 1 for binary, found 2",
+        ),
+        (
+            good.replace("4.1 0 8", "4.1 1 4"),
+            "expected numbers of 8 bytes, found 4",
         ),
         (
             good.replace("4.1 0 8", "3 0 8"),
@@ -169,19 +177,148 @@ fn refusals_say_where_what_and_how() {
     }
 }
 
-/// The seeds of the fuzz target are read.
-#[test]
-fn fuzz_seeds_are_read() {
-    let folder = format!("{}/fuzz/corpus/msh", env!("CARGO_MANIFEST_DIR"));
-    let mut count = 0;
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let text = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        let found = read_str(&name, &text, &mut |_| unreachable!());
-        // What the fuzzer found is there to be replayed; the meshes of Gmsh are sound.
-        assert!(found.is_ok() || name.starts_with("found"), "{name}");
-        count += 1;
+/// A text mesh as a binary one, after the format's own description and by no code of the reader.
+fn as_binary(text: &str, high_first: bool) -> Vec<u8> {
+    let mut out = Vec::new();
+    let mut old = false;
+    let mut lines = text.lines();
+    let raw = |out: &mut Vec<u8>, mut bytes: Vec<u8>| {
+        if high_first {
+            bytes.reverse();
+        }
+        out.extend(bytes);
+    };
+    let int = |out: &mut Vec<u8>, w: &str| raw(out, w.parse::<i32>().unwrap().to_le_bytes().into());
+    let size =
+        |out: &mut Vec<u8>, w: &str| raw(out, w.parse::<u64>().unwrap().to_le_bytes().into());
+    let double =
+        |out: &mut Vec<u8>, w: &str| raw(out, w.parse::<f64>().unwrap().to_le_bytes().into());
+    while let Some(line) = lines.next() {
+        out.extend(format!("{line}\n").bytes());
+        let mut row = || -> Vec<&str> { lines.next().unwrap().split_whitespace().collect() };
+        match line {
+            "$MeshFormat" => {
+                let format = row();
+                old = format[0] == "2.2";
+                out.extend(format!("{} 1 8\n", format[0]).bytes());
+                int(&mut out, "1");
+            }
+            "$Entities" => {
+                let counts = row();
+                counts.iter().for_each(|c| size(&mut out, c));
+                for (dimension, count) in counts.iter().enumerate() {
+                    for _ in 0..count.parse().unwrap() {
+                        let words = row();
+                        int(&mut out, words[0]);
+                        let corners = if dimension == 0 { 3 } else { 6 };
+                        words[1..=corners].iter().for_each(|w| double(&mut out, w));
+                        let mut rest = &words[corners + 1..];
+                        while let [count, more @ ..] = rest {
+                            size(&mut out, count);
+                            let count: usize = count.parse().unwrap();
+                            more[..count].iter().for_each(|w| int(&mut out, w));
+                            rest = &more[count..];
+                        }
+                    }
+                }
+            }
+            "$Nodes" if old => {
+                let count = row();
+                out.extend(format!("{}\n", count[0]).bytes());
+                for _ in 0..count[0].parse().unwrap() {
+                    let words = row();
+                    int(&mut out, words[0]);
+                    words[1..].iter().for_each(|w| double(&mut out, w));
+                }
+            }
+            "$Elements" if old => {
+                let count = row();
+                out.extend(format!("{}\n", count[0]).bytes());
+                for _ in 0..count[0].parse().unwrap() {
+                    let words = row();
+                    // A run of its own for each: type, one element, count of tags.
+                    [words[1], "1", words[2], words[0]]
+                        .iter()
+                        .for_each(|w| int(&mut out, w));
+                    words[3..].iter().for_each(|w| int(&mut out, w));
+                }
+            }
+            "$Nodes" | "$Elements" => {
+                let counts = row();
+                counts.iter().for_each(|c| size(&mut out, c));
+                for _ in 0..counts[0].parse().unwrap() {
+                    let block = row();
+                    block[..3].iter().for_each(|w| int(&mut out, w));
+                    size(&mut out, block[3]);
+                    let count: usize = block[3].parse().unwrap();
+                    let rows: Vec<Vec<&str>> = (0..count).map(|_| row()).collect();
+                    rows.iter().flatten().for_each(|w| size(&mut out, w));
+                    if line == "$Nodes" {
+                        let places: Vec<Vec<&str>> = (0..count).map(|_| row()).collect();
+                        places.iter().flatten().for_each(|w| double(&mut out, w));
+                    }
+                }
+            }
+            _ => continue,
+        }
+        out.push(b'\n');
     }
-    assert!(count >= 5);
+    out
+}
+
+#[test]
+fn binary_meshes_are_the_same_as_text() {
+    for name in ["tet10", "tet10_22", "tet4", "wedge15", "wedge6", "hex20"] {
+        let text = corpus(&format!("msh/{name}.msh"));
+        let wanted = read_bytes("a.msh", text.as_bytes()).unwrap();
+        for high_first in [false, true] {
+            let binary = as_binary(&text, high_first);
+            assert_ne!(binary, text.as_bytes());
+            let found = read_bytes("a.msh", &binary).unwrap_or_else(|e| panic!("{name}: {e}"));
+            assert_eq!(found.nodes, wanted.nodes, "{name}");
+            assert_eq!(found.node_labels, wanted.node_labels, "{name}");
+            assert_eq!(found.mesh().blocks, wanted.mesh().blocks, "{name}");
+            assert_eq!(found.element_labels, wanted.element_labels, "{name}");
+            assert_eq!(found.node_sets, wanted.node_sets, "{name}");
+            assert_eq!(found.element_sets, wanted.element_sets, "{name}");
+        }
+    }
+}
+
+/// Gmsh 4.15 wrote the same body binary and, in the same order, as text.
+#[test]
+fn binary_meshes_of_gmsh_are_read() {
+    for version in ["41", "22"] {
+        let bytes = |kind: &str| {
+            let folder = env!("CARGO_MANIFEST_DIR");
+            std::fs::read(format!("{folder}/fuzz/corpus/msh/gmsh_{kind}{version}.msh")).unwrap()
+        };
+        let read = |kind: &str| read_bytes("a.msh", &bytes(kind)).unwrap_or_else(|e| panic!("{e}"));
+        let (text, binary) = (read("text"), read("binary"));
+        assert_eq!(binary.mesh().kind_names(), "C3D10");
+        let q = quality(&binary.mesh());
+        assert!((q.volume - 6.0).abs() < 1e-12, "{}", q.volume);
+        assert_eq!(elements(&text), elements(&binary));
+        assert_eq!(text.node_sets, binary.node_sets);
+        assert_eq!(text.element_sets.keys().collect::<Vec<_>>(), ["body"]);
+        // Wherever it ends it is refused, with the place in the file.
+        let whole = bytes("binary");
+        for end in (0..whole.len() - 14).step_by(7) {
+            let e = read_bytes("a.msh", &whole[..end]);
+            if let Err(e) = e {
+                assert!(e.to_string().starts_with("a.msh"), "{e}");
+            } else {
+                // Only between sections, with no elements yet.
+                assert_eq!(e.unwrap().element_count(), 0, "{end}");
+            }
+        }
+        let elements = whole.windows(9).position(|w| w == b"$Elements").unwrap();
+        let e = read_bytes("a.msh", &whole[..elements + 60])
+            .unwrap_err()
+            .to_string();
+        assert!(
+            e.contains("$Elements, byte ") && e.contains("is the file whole?"),
+            "{e}"
+        );
+    }
 }
