@@ -1,9 +1,9 @@
-//! Throws mutated decks and meshes at the readers, where there is no nightly compiler for libFuzzer.
+//! Throws mutated decks, meshes and tables at the readers, where there is no nightly compiler for libFuzzer.
 //!
 //!     cargo run --release -p gearbench-reference --example fuzz_readers \
 //!         --config profile.release.package.gearbench-reference.overflow-checks=true \
 //!         --config profile.release.package.gearbench-reference.debug-assertions=true \
-//!         -- deck|msh SECONDS [SEED]
+//!         -- deck|msh|table SECONDS [SEED]
 //!
 //! Inputs come from `fuzz/corpus` and words from `fuzz/*.dict`. An input that is answered in a way not seen before,
 //! digits aside, joins the pool: a coarse stand-in for coverage. What panics is written to `crash-TARGET.txt`.
@@ -12,7 +12,7 @@
 #[path = "../fuzz/checks.rs"]
 mod checks;
 
-use gearbench_reference::deck;
+use gearbench_reference::{data, deck};
 use std::collections::HashSet;
 use std::error::Error;
 use std::path::Path;
@@ -26,11 +26,12 @@ const LARGEST: usize = 20_000;
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [target, seconds, rest @ ..] = arguments.as_slice() else {
-        return Err("usage: fuzz_readers deck|msh SECONDS [SEED]".into());
+        return Err("usage: fuzz_readers deck|msh|table SECONDS [SEED]".into());
     };
     let check: fn(&[u8]) = match target.as_str() {
         "deck" => checks::deck,
         "msh" => checks::msh,
+        "table" => checks::table,
         other => return Err(format!("there is no target {other}").into()),
     };
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz");
@@ -59,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             return Err(format!("run {runs} panicked; the input is crash-{target}.txt").into());
         }
         slowest = slowest.max(begun.elapsed());
-        if pool.len() < LARGEST && answers.insert(answer(&input)) {
+        if pool.len() < LARGEST && answers.insert(answer(target, &input)) {
             pool.push(input);
         }
         runs += 1;
@@ -73,15 +74,23 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// How an input is answered, without what it says itself: digits, and names in quotes.
-fn answer(input: &[u8]) -> String {
-    let text = String::from_utf8_lossy(input);
+fn answer(target: &str, input: &[u8]) -> String {
     let plain = |words: &str| -> String {
         let outside = words.split('`').step_by(2);
         let letters = outside.flat_map(str::chars);
         letters.filter(|c| !c.is_ascii_digit()).collect()
     };
-    let none = &mut |_: &str| Err(std::io::Error::other("no file"));
-    match deck::read_str("fuzz", &text, none) {
+    if target == "table" {
+        let read = data::decode(input).and_then(|(text, _)| {
+            let subjects = data::Subjects::default();
+            data::read(&text, &data::Request::default(), &subjects)
+        });
+        return match read {
+            Ok(found) => plain(&found.processing.join(" ")),
+            Err(e) => plain(&e.to_string()),
+        };
+    }
+    match deck::read_bytes("fuzz", input) {
         Ok(deck) => {
             let gears = match deck::gears(&deck) {
                 Ok(gears) => format!("{} gears", gears.len().min(3)),

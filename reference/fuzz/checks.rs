@@ -1,5 +1,8 @@
-//! What has to hold whatever the bytes are, for the fuzz targets and for `examples/fuzz_readers.rs`.
+//! What has to hold whatever the bytes are, for the fuzz targets, `examples/fuzz_readers.rs` and `tests/corpora.rs`.
 
+use gearbench_reference::data::{
+    GearSubject, MeshSubject, Processing, Request, Subjects, decode, read,
+};
 use gearbench_reference::{deck, mesh};
 
 /// A deck is read or declined, its gears are found or declined, and nothing panics, hangs or takes memory out of
@@ -41,22 +44,67 @@ pub fn deck(data: &[u8]) {
     }
 }
 
-/// A mesh of Gmsh is read or declined, and what is read hangs together.
+/// A mesh of Gmsh, text or binary, is read or declined, and what is read hangs together.
 pub fn msh(data: &[u8]) {
-    let text = String::from_utf8_lossy(data);
     // What does not begin as such a mesh is a deck: that is the other target's.
-    let text = match text.starts_with("$MeshFormat") {
-        true => text.into_owned(),
-        false => format!("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n{text}"),
+    let whole;
+    let data = match data.starts_with(b"$MeshFormat") {
+        true => data,
+        false => {
+            whole = [&b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"[..], data].concat();
+            &whole
+        }
     };
-    let mut none = |name: &str| Err(std::io::Error::other(format!("no file {name}")));
-    match deck::read_str("fuzz.msh", &text, &mut none) {
+    match deck::read_bytes("fuzz.msh", data) {
         Ok(deck) => {
             hangs_together(&deck);
             assert!(deck.told().iter().all(|line| !line.is_empty()));
             let _ = deck::gears(&deck).map_err(|e| assert!(!e.to_string().is_empty()));
         }
         Err(e) => assert!(e.line > 0 || !e.found.is_empty()),
+    }
+}
+
+/// A table is read or refused with a place in its text, and what is read ascends in time and is finite.
+pub fn table(data: &[u8]) {
+    let Ok((text, _)) = decode(data) else { return };
+    let gear = |name: &str, slides| GearSubject {
+        name: name.into(),
+        slides,
+    };
+    let subjects = Subjects {
+        gears: vec![gear("pinion", None), gear("wheel", Some(0.02))],
+        meshes: vec![MeshSubject {
+            gears: ["pinion", "wheel"].map(Into::into),
+            base_helix: 0.3,
+            base_radius: Some(0.05),
+        }],
+    };
+    let processed = Request {
+        processing: Processing {
+            offset: -1e-4,
+            moving_average: Some(1e-5),
+            from: 0.0,
+            to: Some(1.0),
+            resample: Some(1e-3),
+        },
+        ..Request::default()
+    };
+    for request in [Request::default(), processed] {
+        match read(&text, &request, &subjects) {
+            Ok(found) => {
+                assert!(!found.channels.is_empty());
+                for c in &found.channels {
+                    assert!(c.time.len() >= 3 && c.time.len() == c.value.len());
+                    assert!(c.time.windows(2).all(|w| w[0] < w[1]), "{text}");
+                    assert!(c.value.iter().all(|x| x.is_finite()), "{text}");
+                }
+            }
+            Err(e) => {
+                assert!(text.get(e.at.clone()).is_some(), "{e}\n{text}");
+                assert!(!e.to_string().is_empty());
+            }
+        }
     }
 }
 
