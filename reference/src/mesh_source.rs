@@ -1,13 +1,27 @@
 //! Where the mesh of a gear comes from: the parameters of the models that are made of finite elements.
+//!
+//! | part | owns |
+//! |---|---|
+//! | `reader` | parameters as a model reads them |
+//! | `stored` | the gear of a scene in a file, and what is said of it |
+//! | `agree` | what its mesh has otherwise than the gear of the scene |
 
+mod agree;
+mod reader;
+mod stored;
+#[cfg(test)]
+mod tests;
+
+pub use reader::Reader;
+pub use stored::Stored;
+
+use crate::mesh;
 use crate::mesh::{ElementKind, GearMesh, GearMeshParams};
-use crate::{deck, mesh};
-use gearbench_models::error::{BuildError, Reason};
+use gearbench_models::error::BuildError;
 use gearbench_models::gear::parameters::whole;
-use gearbench_models::gear::table::{GearContext, ParameterInfo};
+use gearbench_models::gear::table::ParameterInfo;
 use gearbench_models::spec::Body as Toothing;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// A parameter that may be left out.
 pub const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
@@ -19,7 +33,7 @@ pub const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo
 }
 
 /// Parameters that say where a mesh comes from.
-pub const PARAMETERS: [ParameterInfo; 7] = [
+pub const PARAMETERS: [ParameterInfo; 11] = [
     optional(
         "mesh",
         "\"generated\" (default), a stored reference such as \"calculix/case-a-fine\", or a path of a deck (.inp) or a mesh of Gmsh (.msh), also .gz",
@@ -48,6 +62,22 @@ pub const PARAMETERS: [ParameterInfo; 7] = [
         "width_elements",
         "elements over the face width of a generated mesh",
     ),
+    optional(
+        "units",
+        "units of the file that `mesh` names, one of \"m-kg-s\", \"mm-t-s\", \"mm-kg-s\", \"mm-kg-ms\", \"mm-g-ms\"; left out, they are found from density and modulus, or from the size",
+    ),
+    optional(
+        "axis",
+        "[x, y, z] of the gear's axis (of a rack: of its width) in the file, teeth counted counter-clockwise about it; left out, it is found",
+    ),
+    optional(
+        "axis_point_m",
+        "[x, y, z] of a point on the axis (of a rack: on its reference line) in the file, in metres; left out, it is found",
+    ),
+    optional(
+        "flank_radii_m",
+        "[from, to]: radii between which the flanks lie, in metres; left out, they are found",
+    ),
 ];
 
 /// The parameters of a mesh and `own` ones of a model: `N` are those of both.
@@ -69,59 +99,6 @@ pub const fn with_own<const N: usize>(own: &[ParameterInfo]) -> [ParameterInfo; 
     all
 }
 
-/// Parameters of a gear as its model reads them: errors name model and key.
-#[derive(Clone, Copy, Debug)]
-pub struct Reader<'a> {
-    /// Id of the model.
-    pub model: &'static str,
-    /// What it is built from.
-    pub context: &'a GearContext<'a>,
-}
-
-impl Reader<'_> {
-    /// An error about a parameter.
-    pub fn error(&self, key: &str, why: impl Into<Reason>) -> BuildError {
-        BuildError::parameter(self.model, key, why)
-    }
-
-    /// A number above 0, if one is given.
-    pub fn positive(&self, key: &str, value: Option<f64>) -> Result<Option<f64>, BuildError> {
-        match value {
-            Some(x) if !(x.is_finite() && x > 0.0) => {
-                Err(self.error(key, "expected a number above 0"))
-            }
-            value => Ok(value),
-        }
-    }
-
-    /// A number of 0 or more; 0 when none is given.
-    pub fn not_negative(&self, key: &str, value: Option<f64>) -> Result<f64, BuildError> {
-        match value {
-            Some(x) if !(x.is_finite() && x >= 0.0) => {
-                Err(self.error(key, "expected a number of 0 or more"))
-            }
-            value => Ok(value.unwrap_or(0.0)),
-        }
-    }
-
-    /// A whole number from `least` to `most`, if one is given.
-    pub fn count(
-        &self,
-        key: &str,
-        value: Option<usize>,
-        least: usize,
-        most: usize,
-    ) -> Result<Option<usize>, BuildError> {
-        match value {
-            Some(n) if !(least..=most).contains(&n) => Err(self.error(
-                key,
-                format!("expected a whole number from {least} to {most}"),
-            )),
-            value => Ok(value),
-        }
-    }
-}
-
 /// Parameters that say where a mesh comes from; the table of parameters below says what they mean.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -139,9 +116,24 @@ pub struct MeshParameters {
     pub rim_elements: Option<usize>,
     #[serde(deserialize_with = "whole")]
     pub width_elements: Option<usize>,
+    pub units: Option<String>,
+    pub axis: Option<[f64; 3]>,
+    pub axis_point_m: Option<[f64; 3]>,
+    pub flank_radii_m: Option<[f64; 2]>,
 }
 
 impl MeshParameters {
+    /// What is said of a file, the first key of it.
+    fn of_file(&self) -> Option<&'static str> {
+        let given = [
+            ("units", self.units.is_some()),
+            ("axis", self.axis.is_some()),
+            ("axis_point_m", self.axis_point_m.is_some()),
+            ("flank_radii_m", self.flank_radii_m.is_some()),
+        ];
+        given.into_iter().find_map(|(key, is)| is.then_some(key))
+    }
+
     /// Numbers of elements of a generated mesh, by their keys.
     fn counts(&self) -> [(&'static str, Option<usize>); 5] {
         [
@@ -175,13 +167,13 @@ impl MeshParameters {
     pub fn times(&self, factor: usize) -> MeshParameters {
         let [flank, fillet, across, rim, width] = self.counted().map(|n| Some(factor * n));
         MeshParameters {
-            mesh: None,
             element: self.element.clone(),
             flank_elements: flank,
             fillet_elements: fillet,
             across_elements: across,
             rim_elements: rim,
             width_elements: width,
+            ..MeshParameters::default()
         }
     }
 }
@@ -192,7 +184,7 @@ pub enum Source {
     /// To be generated.
     Generated(Box<GearMeshParams>),
     /// Read from a deck, in the gear's own frame.
-    Deck(Box<GearMesh>),
+    Deck(Box<Stored>),
 }
 
 impl Source {
@@ -213,14 +205,16 @@ impl Source {
         };
         match given.mesh.as_deref().unwrap_or("generated") {
             "generated" => generated(reader, given, element),
-            source => stored(reader, given, source, element).map(|m| Source::Deck(Box::new(m))),
+            source => {
+                stored::stored(reader, given, source, element).map(|m| Source::Deck(Box::new(m)))
+            }
         }
     }
 
     /// The whole mesh in the gear's own frame.
     pub fn whole(self, reader: &Reader<'_>) -> Result<GearMesh, BuildError> {
         let params = match self {
-            Source::Deck(mesh) => return Ok(*mesh),
+            Source::Deck(stored) => return Ok(stored.mesh),
             Source::Generated(params) => params,
         };
         let mesh = match reader.context.body {
@@ -249,6 +243,15 @@ fn generated(
     given: &MeshParameters,
     element: Option<ElementKind>,
 ) -> Result<Source, BuildError> {
+    if let Some(key) = given.of_file() {
+        return Err(reader.error(
+            key,
+            (
+                "is for meshes that are read, but this one is generated",
+                "leave it out, or give `mesh` the path of a file",
+            ),
+        ));
+    }
     let mut params = GearMeshParams::default();
     if let Some(kind) = element {
         params.kind = kind;
@@ -267,152 +270,4 @@ fn generated(
         }
     }
     Ok(Source::Generated(Box::new(params)))
-}
-
-/// The mesh of a gear in a deck: the toothed body with as many teeth whose centre is nearest.
-fn stored(
-    reader: &Reader<'_>,
-    given: &MeshParameters,
-    source: &str,
-    element: Option<ElementKind>,
-) -> Result<GearMesh, BuildError> {
-    let context = reader.context;
-    if let Some((key, _)) = given.counts().iter().find(|(_, n)| n.is_some()) {
-        return Err(reader.error(
-            key,
-            (
-                format!("is for generated meshes, but the mesh is \"{source}\""),
-                "leave it out",
-            ),
-        ));
-    }
-    let stored = crate::REFERENCES.iter().find(|r| r.id == source);
-    let deck = match stored {
-        Some(reference) => deck::read_bytes(source, reference.deck),
-        None if Path::new(source).is_file() => deck::read(source),
-        None => {
-            let known: Vec<&str> = crate::REFERENCES.iter().map(|r| r.id).collect();
-            return Err(reader.error(
-                "mesh",
-                (
-                    format!("\"{source}\" is neither a file nor a stored reference"),
-                    format!("there are \"generated\", {}", known.join(", ")),
-                ),
-            ));
-        }
-    };
-    let gears = deck
-        // A mesh without a material is as good: the scene has its own.
-        .and_then(|d| deck::gears_with(&d, Some(context.material)))
-        .map_err(|e| reader.error("mesh", e.to_string()))?;
-    let (teeth, rack) = match context.body {
-        Toothing::Gear(g) => (g.teeth(), false),
-        Toothing::Rack(r) => (r.teeth(), true),
-    };
-    let found: Vec<String> = gears
-        .iter()
-        .map(|g| format!("{} with {} teeth", g.name, g.mesh.teeth))
-        .collect();
-    let distance = |g: &deck::DeckGear| (g.centre - context.hub.centre).xy().norm();
-    let gear = gears
-        .into_iter()
-        .filter(|g| rack == matches!(g.shape, deck::BodyShape::Rack { .. }))
-        .filter(|g| rack || g.mesh.teeth == teeth)
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-        .ok_or_else(|| {
-            reader.error(
-                "mesh",
-                format!(
-                    "gear `{}` has {teeth} teeth, but \"{source}\" has {}",
-                    context.name,
-                    found.join(", ")
-                ),
-            )
-        })?;
-    if let Some((what, shown, said)) = disagreement(&gear, context.body) {
-        return Err(reader.error(
-            "mesh",
-            (
-                format!(
-                    "the {what} of gear `{}` is {said}, but the flanks of \"{source}\" show {shown}",
-                    context.name
-                ),
-                "give the scene the data of the mesh (`gearbench reduce` tells them), or the mesh of this gear",
-            ),
-        ));
-    }
-    let mut gear = gear.mesh;
-    if let Some(kind) = element {
-        let same = |k: ElementKind| (k.shape(), k.nodes()) == (kind.shape(), kind.nodes());
-        if !gear.mesh.blocks.iter().any(|b| same(b.kind)) {
-            return Err(reader.error(
-                "element",
-                (
-                    format!(
-                        "the elements of \"{source}\" are {}",
-                        gear.mesh.kind_names()
-                    ),
-                    format!(
-                        "none of them has the nodes of {}: {}",
-                        kind.name(),
-                        kind.nodes()
-                    ),
-                ),
-            ));
-        }
-        for block in gear.mesh.blocks.iter_mut().filter(|b| same(b.kind)) {
-            block.kind = kind;
-        }
-    }
-    Ok(gear)
-}
-
-/// How far base and tip radius of a scene's gear may be from those of its mesh, over the transverse module.
-const NEAR: f64 = 0.1;
-/// How far its base helix may be [rad].
-const NEAR_HELIX: f64 = 0.01;
-
-/// What a recognised gear has otherwise than the scene says, with the mesh's value and the scene's. Small differences are
-/// left to the scene: contact is between the flanks of the mesh, loads and mesh layout are those of its gear.
-fn disagreement(gear: &deck::DeckGear, body: &Toothing) -> Option<(&'static str, String, String)> {
-    let (found, Toothing::Gear(said)) = (gear.found.as_ref()?, body) else {
-        return None;
-    };
-    let fit = &found.fit;
-    let mm = |x: f64| format!("{:.4} mm", 1e3 * x);
-    let lengths = [
-        ("base radius", fit.base_radius, said.r_base()),
-        ("tip radius", found.tip.radius, said.r_tip()),
-        ("face width", found.width, said.face_width()),
-    ];
-    for (what, shown, said_so) in lengths {
-        if (shown - said_so).abs() > NEAR * said.transverse_module() {
-            return Some((what, mm(shown), mm(said_so)));
-        }
-    }
-    let degrees = |x: f64| format!("{:.3} degrees", x.to_degrees());
-    let (shown, expected) = (fit.base_helix_angle(), said.base_helix_angle());
-    let off = (shown - expected).abs() > NEAR_HELIX;
-    off.then(|| ("base helix angle", degrees(shown), degrees(expected)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::MeshParameters;
-
-    /// Given counts and those by default are multiplied alike, and what was asked for beside stays.
-    #[test]
-    fn counts_are_multiplied() {
-        let given = MeshParameters {
-            element: Some("C3D8".into()),
-            flank_elements: Some(5),
-            width_elements: Some(1),
-            ..MeshParameters::default()
-        };
-        let [_, fillet, across, rim, _] = MeshParameters::default().counted();
-        assert_eq!(given.counted(), [5, fillet, across, rim, 1]);
-        let twice = given.times(2);
-        assert_eq!(twice.counted(), [10, 2 * fillet, 2 * across, 2 * rim, 2]);
-        assert_eq!((twice.element, twice.mesh), (given.element, None));
-    }
 }

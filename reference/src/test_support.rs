@@ -2,7 +2,7 @@
 
 use crate::assembly::assemble;
 use crate::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
-use crate::deck::{self, Deck};
+use crate::deck::{self, Deck, ElementBlock, Place};
 use crate::element::natural;
 use crate::mesh::{ElementKind, GearMesh, GearMeshParams, Mesh, Shape, Tooth};
 use faer::sparse::SparseColMat;
@@ -24,6 +24,28 @@ pub(crate) fn parsed(name: &str, text: &str) -> Deck {
         Err(std::io::Error::other("no includes"))
     });
     read.unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A deck without sets.
+pub(crate) fn bare(mesh: &Mesh) -> Deck {
+    let kind = mesh.kind().unwrap();
+    Deck {
+        name: "bare.inp".to_owned(),
+        nodes: mesh.nodes.clone(),
+        node_labels: (1..=mesh.nodes.len() as u32).map(Into::into).collect(),
+        blocks: vec![ElementBlock {
+            kind,
+            set: None,
+            first: 0,
+            connectivity: mesh.connectivity().collect(),
+            place: Place {
+                file: "bare.inp".into(),
+                line: 1,
+            },
+        }],
+        element_labels: (1..=mesh.element_count() as u32).map(Into::into).collect(),
+        ..Deck::default()
+    }
 }
 
 /// A gear of the default toothing, changed where a test needs it.

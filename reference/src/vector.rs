@@ -15,3 +15,12 @@ pub(crate) fn turned(x: Vec3, angle: f64) -> Vec3 {
     let (s, c) = angle.sin_cos();
     Vec3::new(c * x.x - s * x.y, s * x.x + c * x.y, x.z)
 }
+
+/// A value that differs from 0 only by the digits that decks print of positions of this size counts as 0.
+pub(crate) fn snapped(value: f64, size: f64) -> f64 {
+    if value.abs() <= 1e-10 * size {
+        0.0
+    } else {
+        value
+    }
+}

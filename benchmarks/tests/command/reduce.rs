@@ -174,10 +174,8 @@ fn what_cannot_be_reduced_is_refused_and_nothing_is_written() {
     assert_eq!(names, ["no.inp"]);
 }
 
-#[test]
-fn gears_of_a_scene_are_reduced_as_its_elastic_model_has_them() {
-    let folder = cached();
-    let scene = r#"
+/// A pinion and a rack, meshed coarsely.
+const SMALL: &str = r#"
 schema = 1
 name = "small"
 duration_s = 1e-4
@@ -205,7 +203,11 @@ model = "elastic"
 contact = { penalty_pa_per_m = 1e14 }
 parameters = { flank_elements = 3, fillet_elements = 2, across_elements = 4, rim_elements = 1, width_elements = 1 }
 "#;
-    folder.write("small.toml", scene);
+
+#[test]
+fn gears_of_a_scene_are_reduced_as_its_elastic_model_has_them() {
+    let folder = cached();
+    folder.write("small.toml", SMALL);
     let said =
         folder.says("reduce small.toml --modes 12 --choose flank-compliance --out small.npz");
     let words = [
@@ -236,4 +238,74 @@ parameters = { flank_elements = 3, fillet_elements = 2, across_elements = 4, rim
     let low = store::read(&folder.at("low.npz")).unwrap().basis;
     let highest = low.omega.last().unwrap() / TAU;
     assert!((100e3..150e3).contains(&highest), "{highest}");
+}
+
+/// Meshes without sets, in a scene that says their units and their axes; a scene that says them wrongly.
+#[test]
+fn meshes_of_a_scene_are_recognised_and_corrected() {
+    let folder = cached();
+    folder.write("small.toml", SMALL);
+    folder.says("mesh small.toml --flank 3 --rim 1 --width 1 --element c3d8 --out m.inp");
+    for gear in ["pinion", "rack"] {
+        let whole = folder.read(&format!("m-{gear}.inp"));
+        let mut kept = true;
+        let lines = whole.lines().filter(|line| {
+            if line.starts_with('*') {
+                let word = line.to_ascii_uppercase();
+                kept = ["*NODE", "*ELEMENT"].iter().any(|k| word.starts_with(k));
+                // Output requests are called alike.
+                kept &= !word.contains("FILE") && !word.contains("PRINT");
+            }
+            kept
+        });
+        let text: Vec<&str> = lines.collect();
+        folder.write(&format!("{gear}.inp"), &text.join("\n"));
+    }
+    let with = |pinion: &str, rack: &str| {
+        let start = SMALL.find("parameters").unwrap();
+        let of = |gear: &str, more: &str| {
+            format!(
+                "gears.{gear} = {{ model = \"elastic\", parameters = {{ mesh = \"{gear}.inp\"{more} }} }}\n"
+            )
+        };
+        SMALL[..start].to_owned() + &of("pinion", pinion) + &of("rack", rack)
+    };
+    let good = with(
+        ", units = \"m-kg-s\", axis = [0, 0, 1], axis_point_m = [0, 0, 0]",
+        ", axis = [0, 0, 1]",
+    );
+    folder.write("good.toml", &good);
+    let said = folder.says("reduce good.toml --modes 2");
+    let words = [
+        "units m-kg-s: as given",
+        "no sets name its flanks: axis along (0.000000, 0.000000, 1.000000)",
+        "36 flanks from",
+        "bore 6.0000 mm",
+        "units m-kg-s: a guess",
+        "pitch 6.283185 mm along (0.000000, 1.000000, 0.000000)",
+        "pressure angle 20.0000 and helix 0.0000 degrees, 10 flanks",
+    ];
+    has(&said, &words);
+    assert!(!said.contains("-0.0000"), "{said}");
+    let cases: [(&str, &str, &[&str]); 4] = [
+        (
+            ", units = \"mm-t-s\"",
+            "",
+            &["base radius", "16.91", "0.0169", "read in mm-t-s", "`units"],
+        ),
+        (
+            ", axis = [1, 0, 0]",
+            "",
+            &[
+                "`axis` says (1.0000, 0.0000, 0.0000)",
+                "(0.0000, 0.0000, 1.0000)",
+            ],
+        ),
+        (", axes = [1, 0, 0]", "", &["no parameter `axes`", "axis"]),
+        ("", ", axis = [0, 1]", &["`axis`", "[x, y, z]"]),
+    ];
+    for (pinion, rack, words) in cases {
+        folder.write("bad.toml", &with(pinion, rack));
+        folder.refuses("reduce bad.toml --modes 2", words);
+    }
 }

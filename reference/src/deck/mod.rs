@@ -27,7 +27,7 @@ pub use data::{
     Interaction, Label, Labels, Procedure, RigidBody, Section, Step, Target,
 };
 pub use error::{DeckError, DeckErrorKind, Place};
-pub use gears::{BodyShape, DeckGear, gears, gears_with};
+pub use gears::{BodyShape, DeckGear, gears, gears_known, gears_with};
 pub use gtm::{Finding, GtmRequirement, check_gtm};
 pub use lexer::{MAX_DECK_BYTES, MAX_INCLUDE_DEPTH, Resolver};
 

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 const MODEL: &str = "fe";
 
 /// Parameters of the model.
-const PARAMETERS: [ParameterInfo; 8] = mesh_source::with_own(&[optional(
+const PARAMETERS: [ParameterInfo; 12] = mesh_source::with_own(&[optional(
     "mass",
     "\"consistent\" (default) or \"lumped\", which explicit methods want",
 )]);

@@ -1,10 +1,13 @@
-//! A gear recognised from its surface alone: axis, bore, teeth, flanks, and the involute through their nodes.
+//! A gear or a rack recognised from its surface alone: axis, bore, teeth, flanks, and the involute through their nodes.
 //!
 //! | part | owns |
 //! |---|---|
 //! | `skin` | faces at the surface, their normals, pieces that hang together |
 //! | `axis` | axis of rotation from end faces, hull, tip and bore |
+//! | `known` | what the user says of a body, held against what is found |
 //! | `teeth` | toothed shell, bore, number of teeth |
+//! | `flanks` | which faces are flanks |
+//! | [`rack`] | a rack: planes of flanks, pitch, back |
 //! | [`involute`] | least squares over flank nodes: base radius, base helix, base thickness, phase |
 //! | [`tied`] | grids of points on flanks whose faces are no grid |
 //! | [`standard`] | module, pressure angle and profile shift that these may stand for |
@@ -13,7 +16,10 @@
 //! involute; what the tip has lost by relief or crowning still belongs to it, within a fiftieth of the tooth's height.
 
 mod axis;
+mod flanks;
 pub mod involute;
+mod known;
+pub mod rack;
 mod skin;
 pub mod standard;
 mod teeth;
@@ -23,13 +29,15 @@ pub mod tied;
 
 pub use axis::{Axis, Cylinder};
 pub use involute::{FlankPoint, Involute};
+pub use known::{Known, Misfit};
+pub use rack::RecognisedRack;
 pub use skin::{Facet, Skin};
 pub use standard::{Given, Reading};
 
+use flanks::Flanks;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
-use std::collections::HashSet;
-use teeth::{Polar, Teeth, wrapped};
+use teeth::Polar;
 
 /// Part of the tooth's height that is fitted first: above fillets, below most reliefs.
 const CORE: [f64; 2] = [0.45, 0.75];
@@ -100,20 +108,102 @@ impl Recognised {
     }
 }
 
-/// Recognises the gear whose surface this is; `teeth` is the number that it should have, where somebody knows. The error
-/// says what was looked for and not found.
-pub fn recognise(skin: &Skin<'_>, teeth: Option<u32>) -> Result<Recognised, String> {
+/// A toothed body as its surface shows it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Found {
+    /// A gear.
+    Gear(Box<Recognised>),
+    /// A rack.
+    Rack(Box<RecognisedRack>),
+}
+
+impl Found {
+    /// What was recognised of a gear.
+    pub fn gear(&self) -> Option<&Recognised> {
+        match self {
+            Found::Gear(gear) => Some(gear),
+            Found::Rack(_) => None,
+        }
+    }
+
+    /// What was recognised of a rack.
+    pub fn rack(&self) -> Option<&RecognisedRack> {
+        match self {
+            Found::Gear(_) => None,
+            Found::Rack(rack) => Some(rack),
+        }
+    }
+
+    /// Nodes that the hub holds: of the bore, or of the back; mid-side nodes too.
+    pub fn held(&self) -> &[u32] {
+        match self {
+            Found::Gear(gear) => &gear.bore_nodes,
+            Found::Rack(rack) => &rack.back_nodes,
+        }
+    }
+
+    /// Flanks, tooth by tooth, left before right.
+    pub fn flanks(&self) -> &[Patch] {
+        match self {
+            Found::Gear(gear) => &gear.flanks,
+            Found::Rack(rack) => &rack.flanks,
+        }
+    }
+
+    /// Axis of its own z axis.
+    pub fn axis(&self) -> Axis {
+        match self {
+            Found::Gear(gear) => gear.axis,
+            Found::Rack(rack) => Axis {
+                direction: rack.axes[2],
+                point: Vec3::zeros(),
+            },
+        }
+    }
+}
+
+/// Recognises the toothed body whose surface this is, a gear or else a rack.
+///
+/// # Errors
+/// What was looked for and not found, or what is not as it is said.
+pub fn body(skin: &Skin<'_>, known: &Known) -> Result<Found, Misfit> {
+    let gear = match recognise(skin, known) {
+        Err(Misfit::Missing(why)) => why,
+        found => return found.map(|g| Found::Gear(Box::new(g))),
+    };
+    match rack::recognise(skin, known) {
+        Ok(found) => Ok(Found::Rack(Box::new(found))),
+        Err(Misfit::Missing(why)) => Err(Misfit::Missing(format!("{gear}; {why}"))),
+        Err(against) => Err(against),
+    }
+}
+
+/// Recognises the gear whose surface this is.
+///
+/// # Errors
+/// What was looked for and not found, or what is not as it is said.
+pub fn recognise(skin: &Skin<'_>, known: &Known) -> Result<Recognised, Misfit> {
     let corners = skin.corner_nodes();
     let mut refused = None;
-    for direction in axis::directions(skin) {
-        match about(skin, &corners, direction, teeth) {
-            Ok(found) => return Ok(found),
+    let said = known.unit_axis();
+    for direction in said.into_iter().chain(axis::directions(skin)) {
+        match about(skin, &corners, direction, known) {
+            Ok(found) => {
+                let height = found.tip.radius - found.root.radius;
+                known.same_axis(&found.axis.direction)?;
+                known.same_point(&found.axis, height)?;
+                let active = (!found.flanks.is_empty()).then_some(found.active);
+                known.same_flanks(active, height)?;
+                return Ok(found);
+            }
             // What was said of a direction where more was found counts for more.
             Err(e) => refused = refused.max(Some(e)),
         }
     }
     let why = refused.map(|(_, why)| why);
-    Err(why.unwrap_or_else(|| "a body without a surface".to_owned()))
+    Err(Misfit::Missing(
+        why.unwrap_or_else(|| "a body without a surface".to_owned()),
+    ))
 }
 
 /// Why a direction is no axis, behind how far it was followed.
@@ -123,26 +213,37 @@ fn about(
     skin: &Skin<'_>,
     corners: &[u32],
     direction: Vec3,
-    wished: Option<u32>,
+    known: &Known,
 ) -> Result<Recognised, Refusal> {
     let no = |far: u8, why: &str| (far, why.to_owned());
-    let (axis, _) = axis::along(skin, corners, direction).ok_or_else(|| {
+    let round = axis::along(skin, corners, direction).map(|(axis, _)| axis);
+    let axis = round.or_else(|| known.point.map(|point| Axis { direction, point }));
+    let axis = axis.ok_or_else(|| {
         no(
             0,
             "no direction along which the outermost nodes lie on a circle",
         )
     })?;
-    let (axis, polar, shells) = sharpened(skin, axis).ok_or_else(|| {
-        no(
-            1,
-            "a toothed outside, but no bore: no cylinder within it about the same axis",
-        )
-    })?;
+    let (mut axis, mut polar, shells) =
+        sharpened(skin, axis, known.bore_radius).ok_or_else(|| {
+            no(
+                1,
+                "a toothed outside, but no bore: no cylinder within it about the same axis",
+            )
+        })?;
+    if known.axis.is_some_and(|a| a.dot(&axis.direction) < 0.0) {
+        axis.direction = -axis.direction;
+        polar = teeth::polar(&axis, skin.nodes);
+    }
     let shell = &shells[0];
-    let (bore_faces, bore) = teeth::bore(skin, &axis, &polar, &shells[1..])
+    let inner = &shells[1..];
+    let (bore_faces, bore) = teeth::bore(skin, &axis, &polar, inner, known.bore_radius)
         .ok_or_else(|| no(1, "a toothed outside, but no bore"))?;
-    let teeth = teeth::count(skin, &polar, shell, wished).map_err(|why| (2, why))?;
-    let flanks = Flanks::found(skin, &axis, &polar, shell, &teeth)
+    let teeth = teeth::count(skin, &polar, shell, known.teeth).map_err(|why| (2, why))?;
+    let found = |given| Flanks::found(skin, &axis, &polar, shell, &teeth, given);
+    // Where nothing lies between the radii that are said, what is found says where the flanks are.
+    let flanks = found(known.flanks)
+        .or_else(|| known.flanks.and_then(|_| found(None)))
         .ok_or_else(|| no(3, "teeth whose sides are no involutes about the axis"))?;
     Ok(flanks.told(
         skin,
@@ -155,11 +256,15 @@ fn about(
 }
 
 /// The axis made sharp on the tip and the bore, the nodes about it, and the pieces of the surface along it.
-fn sharpened(skin: &Skin<'_>, mut axis: Axis) -> Option<(Axis, Polar, Vec<Vec<u32>>)> {
+fn sharpened(
+    skin: &Skin<'_>,
+    mut axis: Axis,
+    bore_radius: Option<f64>,
+) -> Option<(Axis, Polar, Vec<Vec<u32>>)> {
     for near in [5e-3, 5e-4] {
         let polar = teeth::polar(&axis, skin.nodes);
         let shells = teeth::shells(skin, &axis, &polar)?;
-        let (_, bore) = teeth::bore(skin, &axis, &polar, &shells[1..])?;
+        let (_, bore) = teeth::bore(skin, &axis, &polar, &shells[1..], bore_radius)?;
         let nodes = skin.nodes_of(&shells[0], false);
         let [low, high] = extent(nodes.iter().map(|&n| polar[n as usize][0]));
         let within = near * (high - low);
@@ -177,7 +282,7 @@ fn sharpened(skin: &Skin<'_>, mut axis: Axis) -> Option<(Axis, Polar, Vec<Vec<u3
     Some((axis, polar, shells))
 }
 
-fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
+pub(crate) fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::MAX, f64::MIN], |e, v| [e[0].min(v), e[1].max(v)])
 }
 
@@ -186,229 +291,4 @@ pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
-}
-
-/// The involute and the corner nodes that lie on it.
-struct Flanks {
-    fit: Involute,
-    /// Side of each face of the shell that stands across the circle.
-    sides: Vec<(u32, Side)>,
-    /// Node and flank of what belongs to the flanks.
-    members: HashSet<(u32, u32, Side)>,
-}
-
-impl Flanks {
-    fn found(
-        skin: &Skin<'_>,
-        axis: &Axis,
-        polar: &Polar,
-        shell: &[u32],
-        teeth: &Teeth,
-    ) -> Option<Self> {
-        let [low, high] =
-            extent((skin.nodes_of(shell, false).iter()).map(|&n| polar[n as usize][0]));
-        let height = high - low;
-        let mut sides = Vec::new();
-        let mut guesses = [Vec::new(), Vec::new()];
-        let mut core = [Vec::new(), Vec::new()];
-        for &f in shell {
-            let [out, round, along] = teeth::turned_normal(skin, axis, f as usize);
-            if round.abs() < ACROSS {
-                continue;
-            }
-            let side = if round > 0.0 { Side::Left } else { Side::Right };
-            sides.push((f, side));
-            let Some(tooth) = teeth.of_face[f as usize] else {
-                continue;
-            };
-            let corners = skin.facets[f as usize].corners();
-            let radius = corners.iter().map(|&n| polar[n as usize][0]).sum::<f64>();
-            let radius = radius / corners.len() as f64;
-            if radius > low + CORE[0] * height {
-                guesses[0].push(radius * round.abs() / round.hypot(out));
-                guesses[1].push(-along / (radius * round));
-            }
-            for &n in corners {
-                let part = (polar[n as usize][0] - low) / height;
-                let point = point(polar, n, tooth, side);
-                if part >= CORE[0] {
-                    core[1].push((n, point));
-                    if part <= CORE[1] {
-                        core[0].push((n, point));
-                    }
-                }
-            }
-        }
-        let [base, twist] = guesses.map(median);
-        let mut start = Involute::guess(teeth.count, base?, twist?);
-        start.phase = teeth.first;
-        let [inner, wide] = core.map(|mut points| {
-            points.sort_by_key(|(n, p)| (*n, p.tooth, p.side));
-            points.dedup_by_key(|(n, p)| (*n, p.tooth, p.side));
-            points.into_iter().map(|p| p.1).collect::<Vec<FlankPoint>>()
-        });
-        let [a, b] = extent(inner.iter().map(|p| p.radius));
-        let enough = b - a > 0.1 * height;
-        let fine = FINE * height;
-        let mut fit = start.fitted_to_most(if enough { &inner } else { &wide }, fine)?;
-        // Sides of teeth that are no involutes are refused, not fitted.
-        if fit.residual[0] > 0.01 * height || fit.base_radius > high {
-            return None;
-        }
-        // Then all that lies on it, down to the fillet and up to the tip.
-        let mut members = HashSet::new();
-        for _ in 0..6 {
-            let near = (8.0 * fit.residual[0]).max(fine);
-            let mut found = HashSet::new();
-            let mut points = Vec::new();
-            for &(f, side) in &sides {
-                for &n in skin.facets[f as usize].corners() {
-                    let place = polar[n as usize];
-                    if place[0] < fit.base_radius * (1.0 - 1e-9) {
-                        continue;
-                    }
-                    let p = point(polar, n, nearest(&fit, place, side), side);
-                    let off = fit.distance(&p);
-                    let on = off.abs() <= near;
-                    // What a relief takes away lies within the tooth.
-                    let upper = place[0] > low + CORE[1] * height;
-                    let relieved = upper && off < 0.0 && -off < RELIEF * height;
-                    if !(on || relieved) {
-                        continue;
-                    }
-                    if found.insert((n, p.tooth, side)) && on {
-                        points.push(p);
-                    }
-                }
-            }
-            let same = found == members;
-            members = found;
-            fit = fit.fitted(&points)?;
-            if same {
-                break;
-            }
-        }
-        Some(Flanks {
-            fit,
-            sides,
-            members,
-        })
-    }
-
-    /// The gear with its flanks in order.
-    fn told(
-        self,
-        skin: &Skin<'_>,
-        mut axis: Axis,
-        polar: &Polar,
-        shell: &[u32],
-        bore: Cylinder,
-        bore_nodes: Vec<u32>,
-    ) -> Recognised {
-        let Flanks {
-            mut fit,
-            sides,
-            members,
-        } = self;
-        // The tooth next to the first direction across the axis is number 0.
-        let pitch = fit.pitch_angle();
-        let own = |place: [f64; 3]| wrapped(place[1] - fit.twist * place[2]);
-        let shift = (-fit.phase / pitch).round();
-        let zero = (shift as i64).rem_euclid(i64::from(fit.teeth)) as u32;
-        let renumbered = |tooth: u32| (tooth + fit.teeth - zero) % fit.teeth;
-        let mut patches: Vec<Patch> = (0..fit.teeth)
-            .flat_map(|tooth| [Side::Left, Side::Right].map(|side| (tooth, side)))
-            .map(|(tooth, side)| Patch {
-                tooth,
-                side,
-                faces: Vec::new(),
-            })
-            .collect();
-        for &(f, side) in &sides {
-            let corners = skin.facets[f as usize].corners();
-            let tooth = nearest(&fit, polar[corners[0] as usize], side);
-            if corners.iter().all(|&n| members.contains(&(n, tooth, side))) {
-                let place = 2 * renumbered(tooth) as usize + usize::from(side == Side::Right);
-                patches[place].faces.push(f);
-            }
-        }
-        patches.retain(|p| !p.faces.is_empty());
-        let all: Vec<u32> = patches
-            .iter()
-            .flat_map(|p| p.faces.iter().copied())
-            .collect();
-        let on = skin.nodes_of(&all, false);
-        let active = extent(on.iter().map(|&n| polar[n as usize][0]));
-        let [back, front] = extent(on.iter().map(|&n| polar[n as usize][2]));
-
-        let nodes = skin.nodes_of(shell, false);
-        let spaces = |lowest: bool| {
-            let mut best: Vec<Option<u32>> = vec![None; fit.teeth as usize];
-            for &n in &nodes {
-                let place = polar[n as usize];
-                // Teeth about their centres, spaces between them.
-                let turns = (own(place) - fit.phase) / pitch + if lowest { 0.0 } else { 0.5 };
-                let k = (turns.floor() as i64).rem_euclid(i64::from(fit.teeth)) as usize;
-                let better = |m: u32| (polar[m as usize][0] < place[0]) != lowest;
-                if best[k].is_none_or(better) {
-                    best[k] = Some(n);
-                }
-            }
-            best.into_iter().flatten().collect::<Vec<u32>>()
-        };
-        let highest = spaces(false);
-        let tops = highest.iter().map(|&n| polar[n as usize][0]);
-        let top = median(tops).unwrap_or(active[1]);
-        let within = 1e-4 * (top - active[0]);
-        let tip = nodes.iter().copied();
-        let tip = tip.filter(|&n| (polar[n as usize][0] - top).abs() < within);
-        let tip = axis.cylinder(skin.nodes, tip.collect());
-        let root = axis.cylinder(skin.nodes, spaces(true));
-
-        let middle = 0.5 * (back + front);
-        fit.phase += shift * pitch + fit.twist * middle;
-        fit.phase = snapped(wrapped(fit.phase), 1.0);
-        axis.point += middle * axis.direction;
-        let size = active[1];
-        axis.point = axis.point.map(|x| snapped(x, size));
-        Recognised {
-            axis,
-            fit,
-            tip,
-            root,
-            bore,
-            bore_nodes,
-            active,
-            width: front - back,
-            flanks: patches,
-        }
-    }
-}
-
-/// A value that differs from 0 only by the digits that decks print of positions of this size counts as 0.
-fn snapped(value: f64, size: f64) -> f64 {
-    if value.abs() <= 1e-10 * size {
-        0.0
-    } else {
-        value
-    }
-}
-
-fn point(polar: &Polar, node: u32, tooth: u32, side: Side) -> FlankPoint {
-    let [radius, angle, height] = polar[node as usize];
-    FlankPoint {
-        radius,
-        angle,
-        height,
-        tooth,
-        side,
-    }
-}
-
-/// The tooth whose flank of this side is next to a place.
-fn nearest(fit: &Involute, [radius, angle, height]: [f64; 3], side: Side) -> u32 {
-    let half = fit.half_angle_at(fit.roll(radius));
-    let from = angle - fit.phase - fit.twist * height - side.sign() * half;
-    let turns = (from / fit.pitch_angle()).round() as i64;
-    turns.rem_euclid(i64::from(fit.teeth)) as u32
 }

@@ -64,12 +64,14 @@ pub fn shells(skin: &Skin<'_>, axis: &Axis, polar: &Polar) -> Option<Vec<Vec<u32
     Some(pieces)
 }
 
-/// The innermost piece that is a cylinder about the axis, seen from within: its faces and its corner nodes.
+/// The innermost piece that is a cylinder about the axis, seen from within, or the one whose radius is next to a given one:
+/// its faces and its corner nodes.
 pub fn bore(
     skin: &Skin<'_>,
     axis: &Axis,
     polar: &Polar,
     inner: &[Vec<u32>],
+    given: Option<f64>,
 ) -> Option<(Vec<u32>, Cylinder)> {
     let of = |piece: &Vec<u32>| {
         let area = |faces: &[u32]| faces.iter().map(|&f| skin.areas[f as usize]).sum::<f64>();
@@ -96,7 +98,8 @@ pub fn bore(
         })
     };
     let found = inner.iter().filter_map(of);
-    found.min_by(|a, b| a.1.radius.total_cmp(&b.1.radius))
+    let rank = |c: &Cylinder| given.map_or(c.radius, |r| (c.radius - r).abs());
+    found.min_by(|a, b| rank(&a.1).total_cmp(&rank(&b.1)))
 }
 
 /// An angle in (-pi, pi].

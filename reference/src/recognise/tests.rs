@@ -33,7 +33,7 @@ pub(crate) fn strange(mesh: &Mesh, turn: Vec3, shift: Vec3) -> Mesh {
 
 pub(crate) fn found(mesh: &Mesh) -> Recognised {
     let skin = Skin::of(&mesh.nodes, &mesh.blocks);
-    recognise(&skin, None).unwrap_or_else(|e| panic!("{e}"))
+    recognise(&skin, &Known::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Largest relative error of base pitch, base helix, base thickness, tip and root radius.
@@ -51,7 +51,7 @@ fn errors(found: &Recognised, g: &Gear) -> [f64; 5] {
     ]
 }
 
-fn plain(kind: ElementKind) -> GearMeshParams {
+pub(crate) fn plain(kind: ElementKind) -> GearMeshParams {
     GearMeshParams {
         kind,
         tooth: Tooth {
@@ -214,7 +214,7 @@ fn rounded_nodes_and_relieved_tips_cost_little() {
 fn other_bodies_are_refused() {
     let of = |mesh: &Mesh| {
         let skin = Skin::of(&mesh.nodes, &mesh.blocks);
-        recognise(&skin, None).unwrap_err()
+        recognise(&skin, &Known::default()).unwrap_err().to_string()
     };
     let cube = crate::test_support::brick(ElementKind::C3D8, [3, 4, 5], [1.0, 2.0, 3.0]);
     assert!(
@@ -222,7 +222,7 @@ fn other_bodies_are_refused() {
         "{}",
         of(&cube)
     );
-    assert!(recognise(&Skin::new(&[], []), None).is_err());
+    assert!(recognise(&Skin::new(&[], []), &Known::default()).is_err());
 }
 
 #[test]
@@ -243,7 +243,7 @@ fn tetrahedra_are_found_with_grids_on_their_flanks() {
             Vec3::x(),
         );
         let skin = Skin::of(&mesh.nodes, &mesh.blocks);
-        let found = recognise(&skin, None).unwrap();
+        let found = recognise(&skin, &Known::default()).unwrap();
         let off = errors(&found, &g);
         assert!(off.iter().all(|e| *e < 1e-9), "{off:?}");
         assert_eq!(found.flanks.len(), 38);
@@ -327,7 +327,7 @@ fn gmsh_gears_are_found() {
         let [gear] = &gears[..] else {
             panic!("{} bodies", gears.len())
         };
-        let found = gear.found.as_ref().unwrap();
+        let found = gear.found.as_ref().and_then(Found::gear).unwrap();
         let g = Gear::new(gearbench_models::geometry::GearParams {
             teeth,
             module: 4e-3,

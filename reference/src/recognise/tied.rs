@@ -7,8 +7,9 @@
 //! with the shape functions `N_i` of the face (triangle of 3 or 6 nodes, quadrilateral of 4 or 8): forces go the way that
 //! displacements come, so that no work, resultant or moment is lost. Rows stand at equal steps of arc along the profile,
 //! columns at equal steps over the width, both about as far apart as the faces of the flank are long on average; rows half as
-//! far where the faces have nodes in the middle of their sides. A point stands on the fitted involute, as far off it as the
-//! corners of its face do: chords leave no facets in the contact. `xi_p` is the foot of its perpendicular on the face.
+//! far where the faces have nodes in the middle of their sides. A point stands on the fitted flank, involute or plane, as far
+//! off it as the corners of its face do: chords leave no facets in the contact. `xi_p` is the foot of its perpendicular on the
+//! face.
 
 use super::{Facet, FlankPoint, Patch, Recognised, Skin};
 use crate::mesh::TiedPoint;
@@ -35,6 +36,69 @@ pub struct TiedGrid {
     pub positions: Vec<Vec3>,
     /// What each follows.
     pub points: Vec<TiedPoint>,
+}
+
+/// A toothing whose flanks unroll to a plane: what a grid on them has to know. Positions are in its own frame.
+pub trait Unroll {
+    /// Place along the profile [m], from the root to the tip; equal steps of it need be no equal steps of arc.
+    fn along(&self, x: &Vec3) -> f64;
+    /// Arc of the profile between two places [m].
+    fn arc(&self, range: [f64; 2]) -> f64;
+    /// The place at a part of the arc between two.
+    fn between(&self, range: [f64; 2], part: f64) -> f64;
+    /// Distance of a position outwards from a flank, along its normal [m].
+    fn distance(&self, x: &Vec3, tooth: u32, side: Side) -> f64;
+    /// The point of a flank at a place along the profile and one along z, moved outwards along its normal [m].
+    fn point(&self, tooth: u32, side: Side, along: f64, z: f64, away: f64) -> Vec3;
+    /// What grows from the root to the tip, on the whole tooth [m].
+    fn height(&self, x: &Vec3) -> f64;
+}
+
+/// Along the profile counts the length of roll `l`, arcs are `l^2 / (2 r_b)`.
+impl Unroll for Recognised {
+    fn along(&self, x: &Vec3) -> f64 {
+        self.fit.roll(x.xy().norm())
+    }
+
+    fn arc(&self, [from, to]: [f64; 2]) -> f64 {
+        (to * to - from * from) / (2.0 * self.fit.base_radius)
+    }
+
+    fn between(&self, range: [f64; 2], part: f64) -> f64 {
+        let squares = range.map(|l| l * l);
+        (squares[0] + part * (squares[1] - squares[0])).sqrt()
+    }
+
+    fn distance(&self, x: &Vec3, tooth: u32, side: Side) -> f64 {
+        // In the own frame tooth 0 stands on the x axis.
+        self.fit.distance(&FlankPoint {
+            radius: x.xy().norm(),
+            angle: x.y.atan2(x.x) + self.fit.phase,
+            height: x.z,
+            tooth,
+            side,
+        })
+    }
+
+    fn point(&self, tooth: u32, side: Side, roll: f64, z: f64, away: f64) -> Vec3 {
+        let fit = &self.fit;
+        let centre = f64::from(tooth) * fit.pitch_angle() + fit.twist * z;
+        let angle = centre + side.sign() * fit.half_angle_at(roll);
+        let radius = fit.base_radius.hypot(roll);
+        let (sin, cos) = angle.sin_cos();
+        // The normal touches the base circle; along its transverse part heights stay.
+        let tangent = angle - side.sign() * (roll / fit.base_radius).atan();
+        let shift = side.sign() * away / fit.base_helix_angle().cos();
+        Vec3::new(
+            radius * cos - shift * tangent.sin(),
+            radius * sin + shift * tangent.cos(),
+            z,
+        )
+    }
+
+    fn height(&self, x: &Vec3) -> f64 {
+        x.xy().norm()
+    }
 }
 
 /// Shape functions of a face and their slopes by two natural coordinates: triangles from 0 to 1, quadrilaterals from -1
@@ -207,18 +271,27 @@ fn natural(corners: &[[f64; 2]], place: [f64; 2]) -> Option<[f64; 2]> {
     Some(xi)
 }
 
-/// Lays a grid on a flank; `own` are the positions of all nodes in the gear's own frame.
-/// `None` where the faces leave no range of rolls that all columns have.
-pub fn lay(skin: &Skin<'_>, gear: &Recognised, patch: &Patch, own: &[Vec3]) -> Option<TiedGrid> {
-    let fit = &gear.fit;
-    let roll = |n: u32| fit.roll(own[n as usize].xy().norm());
+/// Lays a grid on a flank; `own` are the positions of all nodes in the own frame.
+///
+/// # Errors
+/// Why there is none: faces that leave no range of the profile that all columns have.
+pub fn lay(
+    skin: &Skin<'_>,
+    toothing: &dyn Unroll,
+    patch: &Patch,
+    own: &[Vec3],
+) -> Result<TiedGrid, String> {
     let unrolled = Unrolled {
         skin,
         faces: &patch.faces,
         corners: (patch.faces.iter())
             .map(|&f| {
                 let corners = skin.facets[f as usize].corners().iter();
-                corners.map(|&n| [roll(n), own[n as usize].z]).collect()
+                let place = |&n: &u32| {
+                    let x = &own[n as usize];
+                    [toothing.along(x), x.z]
+                };
+                corners.map(place).collect()
             })
             .collect(),
     };
@@ -226,20 +299,30 @@ pub fn lay(skin: &Skin<'_>, gear: &Recognised, patch: &Patch, own: &[Vec3]) -> O
     let [back, front] = super::extent(heights);
     let columns = count(front - back, unrolled.step(|c| c[1]));
     let at = |c: usize| back + (front - back) * c as f64 / (columns - 1) as f64;
-    let mut range = [0.0, f64::MAX];
+    let mut range = [0.0_f64; 2];
     for c in 0..columns {
-        let [low, high] = unrolled.covered(at(c), LEVEL * (front - back))?;
-        range = [range[0].max(low), range[1].min(high)];
+        let Some([low, high]) = unrolled.covered(at(c), LEVEL * (front - back)) else {
+            return Err(format!(
+                "none of its {} faces reaches {:.4} mm along the width",
+                patch.faces.len(),
+                1e3 * at(c)
+            ));
+        };
+        range = match c {
+            0 => [low, high],
+            _ => [range[0].max(low), range[1].min(high)],
+        };
     }
-    let squares = range.map(|l| l * l);
-    let arc = (squares[1] - squares[0]) / (2.0 * fit.base_radius);
+    let arc = toothing.arc(range);
     if arc.is_nan() || arc <= 0.0 {
-        return None;
+        return Err(format!(
+            "its {} faces have no part of the profile in common over the width",
+            patch.faces.len()
+        ));
     }
-    let arc_of = |c: [f64; 2]| c[0] * c[0] / (2.0 * fit.base_radius);
     let quadratic = (patch.faces.iter()).all(|&f| !skin.facets[f as usize].mids().is_empty());
     let per_face = if quadratic { 2.0 } else { 1.0 };
-    let rows = count(arc, unrolled.step(arc_of) / per_face);
+    let rows = count(arc, unrolled.step(|c| toothing.arc([0.0, c[0]])) / per_face);
     let mut grid = TiedGrid {
         rows,
         columns,
@@ -247,29 +330,19 @@ pub fn lay(skin: &Skin<'_>, gear: &Recognised, patch: &Patch, own: &[Vec3]) -> O
         points: Vec::with_capacity(rows * columns),
     };
     for r in 0..rows {
-        let part = r as f64 / (rows - 1) as f64;
-        let roll = (squares[0] + part * (squares[1] - squares[0])).sqrt();
+        let along = toothing.between(range, r as f64 / (rows - 1) as f64);
         for c in 0..columns {
-            let (face, start) = unrolled.locate([roll, at(c)])?;
+            let found = unrolled.locate([along, at(c)]);
+            let (face, start) = found.ok_or("its faces have no extent")?;
             let facet = unrolled.facet(face);
-            let off = |n: u32| {
-                let x = &own[n as usize];
-                // In the own frame tooth 0 stands on the x axis.
-                let point = FlankPoint {
-                    radius: x.xy().norm(),
-                    angle: x.y.atan2(x.x) + fit.phase,
-                    height: x.z,
-                    tooth: patch.tooth,
-                    side: patch.side,
-                };
-                fit.distance(&point)
-            };
-            let corners = Facet::new(facet.face, facet.corners(), &[])?;
+            let corners = Facet::new(facet.face, facet.corners(), &[]);
+            let corners = corners.ok_or("a face of neither 3 nor 4 corners")?;
+            let off = |n: u32| toothing.distance(&own[n as usize], patch.tooth, patch.side);
             let weights = shape(&corners, start);
             let away = (weights.iter().zip(corners.corners()))
                 .map(|((n, _), &node)| n * off(node))
                 .sum::<f64>();
-            let x = on_involute(gear, patch.tooth, patch.side, roll, at(c), away);
+            let x = toothing.point(patch.tooth, patch.side, along, at(c), away);
             let xi = foot(facet, own, start, &x);
             let follows = (shape(facet, xi).into_iter().zip(facet.nodes()))
                 .map(|((n, _), &node)| (node, n))
@@ -278,35 +351,13 @@ pub fn lay(skin: &Skin<'_>, gear: &Recognised, patch: &Patch, own: &[Vec3]) -> O
             grid.points.push(TiedPoint(follows));
         }
     }
-    Some(grid)
+    Ok(grid)
 }
 
 fn count(length: f64, edge: f64) -> usize {
-    ((length / edge).round() as usize + 1).clamp(FEWEST, 2000)
-}
-
-/// The point of a flank at a length of roll and a height, moved outwards along its normal [m].
-fn on_involute(
-    gear: &Recognised,
-    tooth: u32,
-    side: Side,
-    roll: f64,
-    height: f64,
-    away: f64,
-) -> Vec3 {
-    let fit = &gear.fit;
-    let centre = f64::from(tooth) * fit.pitch_angle() + fit.twist * height;
-    let angle = centre + side.sign() * fit.half_angle_at(roll);
-    let radius = fit.base_radius.hypot(roll);
-    let (sin, cos) = angle.sin_cos();
-    // The normal touches the base circle; along its transverse part heights stay.
-    let tangent = angle - side.sign() * (roll / fit.base_radius).atan();
-    let shift = side.sign() * away / fit.base_helix_angle().cos();
-    Vec3::new(
-        radius * cos - shift * tangent.sin(),
-        radius * sin + shift * tangent.cos(),
-        height,
-    )
+    ((length / edge).round() as usize)
+        .saturating_add(1)
+        .clamp(FEWEST, 2000)
 }
 
 /// Natural coordinates of the foot of the perpendicular from a point on a face, from a first guess.

@@ -3,6 +3,7 @@
 use super::{Mounting, Request, Wanted};
 use crate::mesh::GearMesh;
 use crate::mesh_source::{MeshParameters, Reader, Source};
+use crate::recognise::Found;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::GearContext;
 use gearbench_models::spec::Body;
@@ -19,6 +20,10 @@ pub struct OfGear {
     pub mounting: Mounting,
     /// Friction loads its flanks.
     pub slides: bool,
+    /// What was recognised of a mesh that was read.
+    pub found: Option<Found>,
+    /// How the mesh was read, a line each.
+    pub notes: Vec<String>,
 }
 
 impl OfGear {
@@ -43,6 +48,10 @@ pub fn of_gear(
 ) -> Result<OfGear, BuildError> {
     let reader = Reader { model, context };
     let source = Source::read(&reader, mesh)?;
+    let (found, notes) = match &source {
+        Source::Deck(stored) => (stored.found.clone(), stored.notes.clone()),
+        Source::Generated(_) => (None, Vec::new()),
+    };
     let (mesh, sector) = match source.sector(&reader)? {
         Some(sector) => (sector, true),
         None => (source.whole(&reader)?, false),
@@ -56,5 +65,7 @@ pub fn of_gear(
             Body::Rack(_) => Mounting::rack(free, context.added_inertia),
         },
         slides: context.slides,
+        found,
+        notes,
     })
 }

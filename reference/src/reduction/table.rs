@@ -18,7 +18,7 @@ use std::sync::Arc;
 pub(super) const MODEL: &str = "elastic";
 
 /// Parameters of the model.
-pub(super) const PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
+pub(super) const PARAMETERS: [ParameterInfo; 22] = mesh_source::with_own(&[
     optional(
         "reduction",
         "path of a stored reduction (.npz, made by `gearbench reduce`) in place of a mesh",

@@ -1,36 +1,14 @@
 //! Flanks whose nodes no set names, and those that are no grid: modes and compliance of the same body.
 
-use crate::deck::{self, Deck, ElementBlock, Place};
+use crate::deck;
 use crate::mesh::{self, ElementKind, GearMesh, Mesh};
 use crate::recognise::tests::strange;
 use crate::reduction::surface::Surface;
 use crate::reduction::{Basis, Mounting, Request, Wanted};
-use crate::test_support::{coarse, stub};
+use crate::test_support::{bare, coarse, stub};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::FlankGrid;
 use gearbench_models::stiffness::Material;
-
-/// A deck without sets.
-pub(crate) fn bare(mesh: &Mesh) -> Deck {
-    let kind = mesh.kind().unwrap();
-    Deck {
-        name: "bare.inp".to_owned(),
-        nodes: mesh.nodes.clone(),
-        node_labels: (1..=mesh.nodes.len() as u32).map(Into::into).collect(),
-        blocks: vec![ElementBlock {
-            kind,
-            set: None,
-            first: 0,
-            connectivity: mesh.connectivity().collect(),
-            place: Place {
-                file: "bare.inp".into(),
-                line: 1,
-            },
-        }],
-        element_labels: (1..=mesh.element_count() as u32).map(Into::into).collect(),
-        ..Deck::default()
-    }
-}
 
 fn found(mesh: &Mesh) -> GearMesh {
     let mut gears = deck::gears_with(&bare(mesh), Some(Material::STEEL)).unwrap();

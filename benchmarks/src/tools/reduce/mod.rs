@@ -1,6 +1,7 @@
 //! `gearbench reduce SCENE|DECK`: pass 1 of the elastic model, told and stored.
 
 pub mod arguments;
+mod found;
 mod report;
 
 use crate::cli::answer::Answer;
@@ -17,7 +18,7 @@ use gearbench_models::spec::{Body, GearSpec, Parameters};
 use gearbench_models::stiffness::Material;
 use gearbench_reference::deck::{self, BodyShape};
 use gearbench_reference::mesh::GearMesh;
-use gearbench_reference::recognise::Recognised;
+use gearbench_reference::recognise::Found;
 use gearbench_reference::reduction::choose::{self, Choice, Criterion};
 use gearbench_reference::reduction::store::{self, Meta, Motion};
 use gearbench_reference::reduction::{
@@ -44,7 +45,7 @@ struct Job {
     material: Material,
     mounting: Mounting,
     /// What was recognised of it, where no sets name its flanks.
-    found: Option<Box<Recognised>>,
+    found: Option<Found>,
     /// What a reader should know of the input.
     notes: Vec<String>,
 }
@@ -132,7 +133,10 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
             found: g.found,
             mesh: g.mesh,
             sector: false,
-            notes: std::mem::take(&mut notes),
+            notes: std::mem::take(&mut notes)
+                .into_iter()
+                .chain(g.missing)
+                .collect(),
         })
     });
     jobs.collect()
@@ -164,7 +168,7 @@ fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     if args.units.is_some() {
         return Err(refuse(
             "--units is for decks: scenes are in SI units",
-            "leave it out",
+            "leave it out; of a mesh that the scene names, give `units` beside `mesh` there",
         ));
     }
     let scene = scene_file::load_unbuilt(input)?;
@@ -258,8 +262,8 @@ fn of_scene(
                 .map_or(of.mounting.free, |m| m == "free"),
             ..of.mounting
         },
-        found: None,
-        notes: Vec::new(),
+        found: of.found,
+        notes: of.notes,
     })
 }
 

@@ -1,10 +1,11 @@
 //! What `reduce` tells of a gear.
 
+use super::found::{digits, found_of, of_found};
 use super::{Done, Job, hub};
 use crate::cli::terminal::say;
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
 use gearbench_reference::mesh;
-use gearbench_reference::recognise::{Involute, Reading, Recognised};
+use gearbench_reference::recognise::{Involute, Reading};
 use gearbench_reference::reduction::store::Motion;
 use gearbench_reference::reduction::{Basis, Toothing};
 use serde_json::{Value, json};
@@ -99,13 +100,7 @@ pub(super) fn told(job: &Job, done: &Done) -> Value {
             "profile_shift": t.profile_shift,
             "standard": t.standard,
         })).collect::<Vec<_>>(),
-        "found": job.found.as_ref().map(|f| json!({
-            "axis": [f.axis.direction.x, f.axis.direction.y, f.axis.direction.z],
-            "centre_m": [f.axis.point.x, f.axis.point.y, f.axis.point.z],
-            "tip_radius_m": f.tip.radius,
-            "root_radius_m": f.root.radius,
-            "bore_radius_m": f.bore.radius,
-        })),
+        "found": job.found.as_ref().map(found_of),
         "face_width_m": shown.width,
         "inertia": basis.inertia,
         "unknowns": basis.unknowns,
@@ -117,7 +112,7 @@ pub(super) fn told(job: &Job, done: &Done) -> Value {
 }
 
 /// `1 flank`, `2 flanks`.
-fn some(count: usize, what: &str) -> String {
+pub(super) fn some(count: usize, what: &str) -> String {
     match count {
         1 => format!("1 {what}"),
         n => format!("{n} {what}s"),
@@ -187,10 +182,10 @@ fn of_involute(fit: &Involute) -> String {
 fn of_tools(tool: &Reading, others: &[Reading]) -> String {
     let pair = |t: &Reading| {
         format!(
-            "normal module {:.4} mm at {:.1} degrees with x = {:.4}",
+            "normal module {:.4} mm at {:.1} degrees with x = {}",
             1e3 * t.module,
             t.pressure_angle.to_degrees(),
-            t.profile_shift
+            digits(t.profile_shift, 4)
         )
     };
     let helix = match tool.helix_angle.to_degrees() {
@@ -207,28 +202,6 @@ fn of_tools(tool: &Reading, others: &[Reading]) -> String {
         false => format!("; the same flanks have {}", also.join(", or ")),
     };
     format!("{}{helix} ({of}){also}", pair(tool))
-}
-
-/// What no set names.
-fn of_found(f: &Recognised) -> String {
-    let triple = |x: [f64; 3], unit: &str| {
-        let [x, y, z] = x.map(|v| if v == 0.0 { 0.0 } else { v });
-        format!("({x:.6}, {y:.6}, {z:.6}){unit}")
-    };
-    let mm = |x: f64| 1e3 * x;
-    let at = f.axis.point.map(mm);
-    format!(
-        "no sets name its flanks: axis along {} through {}, {} from {:.4} to {:.4} mm, tips at {:.4} mm, roots at {:.4} mm, \
-         bore {:.4} mm",
-        triple(f.axis.direction.into(), ""),
-        triple(at.into(), " mm"),
-        some(f.flanks.len(), "flank"),
-        mm(f.active[0]),
-        mm(f.active[1]),
-        mm(f.tip.radius),
-        mm(f.root.radius),
-        mm(f.bore.radius)
-    )
 }
 
 fn of_flanks(job: &Job, basis: &Basis, t: &Toothing) -> String {

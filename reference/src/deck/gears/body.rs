@@ -5,7 +5,8 @@ use super::{BodyShape, DeckGear, circle, decline, found, rack, spur};
 use crate::deck::data::Deck;
 use crate::deck::error::DeckError;
 use crate::mesh::{Block, GearMesh, Mesh, flank_set};
-use crate::recognise::{Axis, Skin, recognise};
+use crate::recognise::{self, Axis, Known, Misfit, Skin};
+use crate::vector::turned;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
 use gearbench_models::stiffness::Material;
@@ -91,35 +92,38 @@ impl Body {
         circle::shape(&bore)
     }
 
-    /// The mesh in its own frame. What no set names is recognised: the bore, the flanks, an axis that is not z.
-    pub(super) fn into_gear(mut self, deck: &Deck) -> Result<DeckGear, DeckError> {
+    /// The mesh in its own frame. What no set names is recognised: the bore or the back, the flanks, an axis that is not z.
+    pub(super) fn into_gear(mut self, deck: &Deck, known: &Known) -> Result<DeckGear, DeckError> {
         let mut axis = Axis {
             direction: Vec3::z(),
             point: Vec3::zeros(),
         };
+        let mut missing = Vec::new();
         let shape = self.bore_shape();
         let along_z = matches!(shape, circle::Shape::Circle { .. });
         let plane = matches!(shape, circle::Shape::Plane { .. });
-        if !plane && (self.flanks.is_empty() || !along_z) {
+        if self.flanks.is_empty() || !(along_z || plane) {
             let positions = std::mem::take(&mut self.positions);
             let skin = Skin::of(&positions, &self.blocks);
-            let known = recognise(&skin, None);
+            let found = recognise::body(&skin, known);
             self.positions = positions.clone();
-            match known {
-                Ok(known) => {
+            match found {
+                Ok(found) => {
                     if self.bore.is_empty() {
-                        self.bore.clone_from(&known.bore_nodes);
+                        self.bore = found.held().to_vec();
                     }
                     if self.flanks.is_empty() {
-                        return Ok(found::gear(self, deck, &skin, &known));
+                        return Ok(found::gear(self, deck, &skin, found));
                     }
                     // Sets name flanks: they are taken as they are, in the frame where the axis is z.
-                    axis.direction = known.axis.direction;
+                    axis.direction = found.axis().direction;
                     self.positions = positions.iter().map(|x| axis.seen(x)).collect();
                 }
                 // A bore about z without flanks is a body without contact.
-                Err(_) if along_z => {}
-                Err(why) => return Err(self.unknown(deck, &why)),
+                Err(Misfit::Missing(why)) if along_z => {
+                    missing.push(format!("all flanks are missing: {why}"));
+                }
+                Err(misfit) => return Err(self.unknown(deck, &misfit)),
             }
         }
         let mut placement = match self.bore_shape() {
@@ -151,6 +155,18 @@ impl Body {
                 "remove one of them",
             ));
         }
+        let height = |x: &Vec3| match placement.shape {
+            BodyShape::Gear => x.xy().norm(),
+            BodyShape::Rack { .. } => -x.x,
+        };
+        let on = (placement.flanks.iter()).flat_map(|f| f.grid.nodes.iter());
+        let heights = on.map(|&n| height(&placement.positions[n as usize]));
+        let [low, high] = recognise::extent(heights);
+        let flank_height = if low > high {
+            f64::INFINITY
+        } else {
+            high - low
+        };
         let mut node_sets = BTreeMap::from([("bore".to_owned(), self.bore.clone())]);
         let mut face_sets = BTreeMap::new();
         let mut flanks = Vec::with_capacity(placement.flanks.len());
@@ -169,7 +185,7 @@ impl Body {
                 nodes: f.grid.nodes,
             });
         }
-        Ok(DeckGear {
+        let gear = DeckGear {
             name: self.name,
             shape: placement.shape,
             mesh: GearMesh {
@@ -192,20 +208,60 @@ impl Body {
             elements: self.elements,
             rigid_body: self.rigid_body,
             found: None,
-        })
+            missing,
+        };
+        let by_sets = match known.flanks {
+            Some(_) if !gear.mesh.flanks.is_empty() => Err(Misfit::Against {
+                key: "flank_radii_m",
+                said: "where flanks end".to_owned(),
+                found: "node sets name the flanks of the body".to_owned(),
+            }),
+            _ => Ok(()),
+        };
+        let agrees = by_sets
+            .and_then(|()| known.same_axis(&gear.axis))
+            .and_then(|()| {
+                let through = Axis {
+                    direction: match gear.shape {
+                        BodyShape::Gear => gear.axis,
+                        // A rack has a line in the place of an axis: its reference line.
+                        BodyShape::Rack { direction } => {
+                            axis.turned_back(&turned(Vec3::y(), direction))
+                        }
+                    },
+                    point: gear.centre,
+                };
+                known.same_point(&through, flank_height)
+            });
+        agrees.map_err(|e| against(deck, &gear.name, &e))?;
+        Ok(gear)
     }
 
-    /// Declines a body that is no gear by its sets nor by its surface.
-    fn unknown(&self, deck: &Deck, why: &str) -> DeckError {
+    /// Declines a body that is no gear by its sets nor by its surface, or not the one that is said.
+    fn unknown(&self, deck: &Deck, why: &Misfit) -> DeckError {
+        if let Misfit::Against { .. } = why {
+            return against(deck, &self.name, why);
+        }
         let first = deck.element_name(self.elements[0]);
         decline(
             deck,
             &self.bore_set,
-            "a gear: teeth with involute flanks and a bore about one axis, or a node set `bore` (or `bore1`, ...) and sets \
-             such as `flank_1l`",
+            "a gear: teeth with involute flanks and a bore about one axis; a rack: teeth with plane flanks and a plane back; \
+             or a node set `bore` (or `bore1`, ...) and sets such as `flank_1l`",
             format!("{why}, on the body of element {first}"),
-            "name the nodes that the hub holds `bore`; of a rack, which is known by its sets alone, those of its back, and \
-             its flanks `flank_1l`, `flank_1r`",
+            "name the nodes that the hub holds `bore` and the flanks `flank_1l`, `flank_1r`, or say in the scene the `axis` \
+             and the `axis_point_m` of the gear",
         )
     }
+}
+
+/// Declines a body that is not as it is said.
+fn against(deck: &Deck, body: &str, why: &Misfit) -> DeckError {
+    decline(
+        deck,
+        "",
+        format!("`{body}` as the scene says it"),
+        why.to_string(),
+        "correct the parameter, or leave it out",
+    )
 }

@@ -1,27 +1,38 @@
-//! A gear whose flanks no set names: recognised from its surface.
+//! A toothed body whose flanks no set names: recognised from its surface.
 
 use super::body::Body;
 use super::patch::{Grid, Quad, grid};
-use super::{BodyShape, DeckGear};
+use super::{BodyShape, DeckGear, flank_words, snapped};
 use crate::deck::data::Deck;
 use crate::mesh::{GearMesh, Mesh, TiedPoint, flank_set};
-use crate::recognise::tied::{self, TiedGrid};
-use crate::recognise::{Patch, Recognised, Skin};
+use crate::recognise::tied::{self, TiedGrid, Unroll};
+use crate::recognise::{Found, Patch, RecognisedRack, Skin};
 use gearbench_models::Vec3;
-use gearbench_models::geometry::FlankGrid;
+use gearbench_models::geometry::{FlankGrid, Side};
 use std::collections::BTreeMap;
 
-/// The mesh of a recognised gear in its own frame; `bore` are the nodes that its hub holds. A flank whose faces are a
-/// structured grid of quadrilaterals touches at its nodes, any other at points tied to its faces.
-pub(super) fn gear(body: Body, deck: &Deck, skin: &Skin<'_>, found: &Recognised) -> DeckGear {
-    let own: Vec<Vec3> = body.positions.iter().map(|x| found.own(x)).collect();
+/// The mesh of a recognised body in its own frame; the hub holds `bore`. A flank whose faces are a structured grid of
+/// quadrilaterals touches at its nodes, any other at points tied to its faces.
+pub(super) fn gear(body: Body, deck: &Deck, skin: &Skin<'_>, found: Found) -> DeckGear {
+    let placed = Placed::of(&found);
+    let own: Vec<Vec3> = (body.positions.iter())
+        .map(|x| match &found {
+            Found::Gear(gear) => gear.own(x),
+            Found::Rack(rack) => rack.own(x),
+        })
+        .collect();
+    let toothing: &dyn Unroll = match &found {
+        Found::Gear(gear) => &**gear,
+        Found::Rack(rack) => &**rack,
+    };
     let mut node_sets = BTreeMap::from([("bore".to_owned(), body.bore.clone())]);
     let mut face_sets = BTreeMap::new();
-    let mut flanks = Vec::with_capacity(found.flanks.len());
+    let mut flanks = Vec::with_capacity(found.flanks().len());
     let mut points: Vec<TiedPoint> = Vec::new();
-    for patch in &found.flanks {
+    let mut missing = absent(&found, placed.teeth);
+    for patch in found.flanks() {
         let name = flank_set(patch.tooth, patch.side);
-        let (faces, grid) = match structured(deck, skin, &own, patch) {
+        let (faces, grid) = match structured(deck, skin, &own, toothing, patch) {
             Some(grid) => (
                 grid.faces,
                 FlankGrid {
@@ -34,14 +45,18 @@ pub(super) fn gear(body: Body, deck: &Deck, skin: &Skin<'_>, found: &Recognised)
                 },
             ),
             None => {
-                let Some(TiedGrid {
+                let TiedGrid {
                     rows,
                     columns,
                     positions,
                     points: tied,
-                }) = tied::lay(skin, found, patch, &own)
-                else {
-                    continue;
+                } = match tied::lay(skin, toothing, patch, &own) {
+                    Ok(grid) => grid,
+                    Err(why) => {
+                        let flank = flank_words(patch.tooth, patch.side);
+                        missing.push(format!("{flank} takes no points of contact: {why}"));
+                        continue;
+                    }
                 };
                 let first = (own.len() + points.len()) as u32;
                 let nodes = (first..).take(tied.len()).collect();
@@ -66,7 +81,7 @@ pub(super) fn gear(body: Body, deck: &Deck, skin: &Skin<'_>, found: &Recognised)
     }
     DeckGear {
         name: body.name,
-        shape: BodyShape::Gear,
+        shape: placed.shape,
         mesh: GearMesh {
             mesh: Mesh {
                 nodes: own,
@@ -74,24 +89,89 @@ pub(super) fn gear(body: Body, deck: &Deck, skin: &Skin<'_>, found: &Recognised)
                 node_sets,
                 face_sets,
             },
-            teeth: found.fit.teeth,
+            teeth: placed.teeth,
             bore: body.bore,
             flanks,
             tied: points,
         },
         material: body.material,
-        centre: found.axis.point,
-        axis: found.axis.direction,
-        phase: found.fit.phase,
+        centre: placed.centre,
+        axis: found.axis().direction,
+        phase: placed.phase,
         nodes: body.nodes,
         elements: body.elements,
         rigid_body: body.rigid_body,
-        found: Some(Box::new(found.clone())),
+        found: Some(found),
+        missing,
     }
 }
 
+/// Where a recognised body stands, in the terms of [`DeckGear`].
+struct Placed {
+    shape: BodyShape,
+    teeth: u32,
+    centre: Vec3,
+    phase: f64,
+}
+
+impl Placed {
+    fn of(found: &Found) -> Self {
+        match found {
+            Found::Gear(gear) => Placed {
+                shape: BodyShape::Gear,
+                teeth: gear.fit.teeth,
+                centre: gear.axis.point,
+                phase: gear.fit.phase,
+            },
+            Found::Rack(rack) => Self::of_rack(rack, found),
+        }
+    }
+
+    fn of_rack(rack: &RecognisedRack, found: &Found) -> Self {
+        let [x, y, _] = rack.axes;
+        let [e, f] = found.axis().across();
+        let size = rack.pitch * f64::from(rack.teeth);
+        let phase = snapped(rack.origin.dot(&y), size);
+        Placed {
+            shape: BodyShape::Rack {
+                direction: snapped(x.dot(&f).atan2(x.dot(&e)), 1.0),
+            },
+            teeth: rack.teeth,
+            centre: (rack.origin - phase * y).map(|c| snapped(c, size)),
+            phase,
+        }
+    }
+}
+
+/// Flanks of which no face was found; the ends of a rack may have cut theirs off.
+fn absent(found: &Found, teeth: u32) -> Vec<String> {
+    let flanks = found.flanks();
+    let has = |tooth: u32, side: Side| flanks.iter().any(|p| (p.tooth, p.side) == (tooth, side));
+    let ends = |tooth: u32, side: Side| match (found, side) {
+        (Found::Gear(_), _) => false,
+        (Found::Rack(_), Side::Left) => tooth == (teeth / 2 + 1) % teeth,
+        (Found::Rack(_), Side::Right) => tooth == teeth / 2,
+    };
+    (0..teeth)
+        .flat_map(|tooth| Side::BOTH.map(|side| (tooth, side)))
+        .filter(|&(tooth, side)| !has(tooth, side) && !ends(tooth, side))
+        .map(|(tooth, side)| {
+            let flank = flank_words(tooth, side);
+            format!(
+                "{flank} is missing: none of its faces lies on the surface that the others share"
+            )
+        })
+        .collect()
+}
+
 /// The faces of a flank as a grid of nodes, if they are one.
-fn structured(deck: &Deck, skin: &Skin<'_>, own: &[Vec3], patch: &Patch) -> Option<Grid> {
+fn structured(
+    deck: &Deck,
+    skin: &Skin<'_>,
+    own: &[Vec3],
+    toothing: &dyn Unroll,
+    patch: &Patch,
+) -> Option<Grid> {
     let quad = |f: &u32| {
         let facet = &skin.facets[*f as usize];
         let corners = facet.corners().try_into().ok()?;
@@ -101,7 +181,7 @@ fn structured(deck: &Deck, skin: &Skin<'_>, own: &[Vec3], patch: &Patch) -> Opti
         })
     };
     let quads: Vec<Quad> = patch.faces.iter().map(quad).collect::<Option<_>>()?;
-    let height = |n: u32| own[n as usize].xy().norm();
+    let height = |n: u32| toothing.height(&own[n as usize]);
     let z = |n: u32| own[n as usize].z;
     grid(deck, "", &quads, None, &height, &z).ok()
 }

@@ -3,7 +3,8 @@
 //! - A body is what elements with common nodes make up. Its bore is the node set `bore` or `bore1`, `bore2`, ...
 //!   on it: nodes on a circle about z make a gear, nodes in a plane parallel to z a rack.
 //! - What no set names is recognised from the surface ([`crate::recognise`]): the axis, whatever its direction, the bore,
-//!   the flanks. Flanks whose faces are no structured grid touch at points tied to them. Racks need their sets.
+//!   the flanks, the back of a rack. Flanks whose faces are no structured grid touch at points tied to them. What the user
+//!   says of the body ([`Known`]) leads, and what is found has to agree with it.
 //! - Flanks are the node sets `flank_3l` or `flank1_3l` (gear 1, tooth 3, left), or surfaces of these names with
 //!   an `s` in front. Their grids are found from the faces, whatever the labels. Teeth are numbered by where they
 //!   stand, counter-clockwise from the tooth called 1; sides have to be called what they are.
@@ -24,9 +25,10 @@ mod spur;
 use super::data::Deck;
 use super::error::{DeckError, DeckErrorKind};
 use crate::mesh::{Face, GearMesh, Mesh};
-use crate::recognise::Recognised;
-use crate::vector::turned;
+use crate::recognise::{Found, Known};
+use crate::vector::{snapped, turned};
 use gearbench_models::Vec3;
+use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
 use std::collections::HashMap;
 
@@ -68,7 +70,18 @@ pub struct DeckGear {
     /// Which of the deck's rigid bodies holds the bore.
     pub rigid_body: Option<usize>,
     /// What was recognised of it, where no sets name its flanks.
-    pub found: Option<Box<Recognised>>,
+    pub found: Option<Found>,
+    /// Flanks that cannot touch though the body should have them, a sentence each.
+    pub missing: Vec<String>,
+}
+
+/// `the left flank of tooth 3`, counted from 1.
+fn flank_words(tooth: u32, side: Side) -> String {
+    let side = match side {
+        Side::Left => "left",
+        Side::Right => "right",
+    };
+    format!("the {side} flank of tooth {}", tooth + 1)
 }
 
 /// Where a point of a body's own frame stands.
@@ -137,6 +150,20 @@ pub fn gears(deck: &Deck) -> Result<Vec<DeckGear>, DeckError> {
 
 /// As [`gears`]; what the deck does not say of a material is taken from `other`.
 pub fn gears_with(deck: &Deck, other: Option<Material>) -> Result<Vec<DeckGear>, DeckError> {
+    gears_known(deck, other, &Known::default())?
+        .into_iter()
+        .collect()
+}
+
+/// Each body of a deck as [`gears_with`] makes it, or why it is none, for one of which `known` is said.
+///
+/// # Errors
+/// A deck that is no set of bodies.
+pub fn gears_known(
+    deck: &Deck,
+    other: Option<Material>,
+    known: &Known,
+) -> Result<Vec<Result<DeckGear, DeckError>>, DeckError> {
     let bodies = bodies::split(deck, other)?;
     if bodies.is_empty() {
         return Err(decline(
@@ -147,22 +174,14 @@ pub fn gears_with(deck: &Deck, other: Option<Material>) -> Result<Vec<DeckGear>,
             "the deck needs *ELEMENT with solid elements",
         ));
     }
-    bodies.into_iter().map(|b| b.into_gear(deck)).collect()
+    let bodies = bodies.into_iter();
+    Ok(bodies.map(|b| b.into_gear(deck, known)).collect())
 }
 
 /// An angle in (-pi, pi].
 fn wrapped(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     PI - (PI - angle).rem_euclid(TAU)
-}
-
-/// A value that differs from 0 only by the digits that decks print of positions of this size counts as 0.
-fn snapped(value: f64, size: f64) -> f64 {
-    if value.abs() <= 1e-10 * size {
-        0.0
-    } else {
-        value
-    }
 }
 
 /// Declines a mesh, at the line of a set when it names one.

@@ -4,8 +4,8 @@ use super::super::of_lattices;
 use super::*;
 use crate::deck;
 use crate::mesh::{ElementKind, GearMeshParams, Tooth};
-use crate::reduction::tied_tests::bare;
 use crate::reduction::{Basis, Mounting, Request, Wanted};
+use crate::test_support::bare;
 use gearbench_models::gear::elastic::lines::{LinesOfFlanks, Strips, spread};
 use gearbench_models::geometry::{Gear, GearParams};
 

@@ -1,0 +1,186 @@
+//! What a recognised mesh has otherwise than the gear of the scene.
+
+use crate::deck::{Deck, DeckGear};
+use crate::recognise::{Found, Recognised, RecognisedRack};
+use gearbench_models::geometry::{Gear, Rack};
+use gearbench_models::spec::Body as Toothing;
+
+/// How far lengths of a scene's gear may be from those of its mesh, over the transverse module.
+const NEAR: f64 = 0.1;
+/// How far its base helix angle, and a rack's pressure angle, may be [rad].
+const NEAR_ANGLE: f64 = 0.01;
+
+/// What a recognised gear has otherwise than the scene says.
+pub(super) struct Disagreement {
+    what: &'static str,
+    /// Keys of the scene's gear that say it.
+    keys: &'static str,
+    shown: String,
+    said: String,
+    /// The mesh's length over that of the scene, where it is one.
+    ratio: f64,
+}
+
+impl Disagreement {
+    /// Both figures and the way out.
+    pub(super) fn told(&self, gear: &str, source: &str, deck: &Deck) -> (String, String) {
+        let Disagreement {
+            what,
+            keys,
+            shown,
+            said,
+            ..
+        } = self;
+        let message = format!(
+            "the {what} of gear `{gear}` is {said}, but the flanks of \"{source}\" show {shown}"
+        );
+        let help = match self.ratio {
+            // A factor between units of length.
+            r if !(0.02..50.0).contains(&r) => format!(
+                "the file was read in {} ({}): say its units by `units = \"mm-t-s\"`, \"m-kg-s\" or another",
+                deck.units.name, deck.units_from
+            ),
+            _ => format!(
+                "give the gear the data of the mesh by {keys} (`gearbench reduce` tells them), or give the mesh of this gear"
+            ),
+        };
+        (message, help)
+    }
+}
+
+/// What a recognised body has otherwise than the scene says. Small differences are left to the scene: contact is between the
+/// flanks of the mesh, loads and mesh layout are those of its gear.
+pub(super) fn disagreement(gear: &DeckGear, body: &Toothing) -> Option<Disagreement> {
+    match (gear.found.as_ref()?, body) {
+        (Found::Gear(found), Toothing::Gear(said)) => of_gear(found, said),
+        (Found::Rack(found), Toothing::Rack(said)) => of_rack(found, said),
+        _ => None,
+    }
+}
+
+/// A quantity, the keys that say it, the mesh's value and the scene's.
+type Pair = (&'static str, &'static str, f64, f64);
+
+/// The first length that is off by more than a part of the module.
+fn first_off(lengths: &[Pair], module: f64) -> Option<Disagreement> {
+    let mm = |x: f64| format!("{:.4} mm", 1e3 * x);
+    let off = lengths
+        .iter()
+        .find(|(_, _, shown, said)| (shown - said).abs() > NEAR * module);
+    off.map(|&(what, keys, shown, said)| Disagreement {
+        what,
+        keys,
+        shown: mm(shown),
+        said: mm(said),
+        ratio: shown / said,
+    })
+}
+
+/// The first angle that is off [rad].
+fn angle_off(angles: &[Pair]) -> Option<Disagreement> {
+    let degrees = |x: f64| format!("{:.3} degrees", x.to_degrees());
+    let off = angles
+        .iter()
+        .find(|(_, _, shown, said)| (shown - said).abs() > NEAR_ANGLE);
+    off.map(|&(what, keys, shown, said)| Disagreement {
+        what,
+        keys,
+        shown: degrees(shown),
+        said: degrees(said),
+        ratio: 1.0,
+    })
+}
+
+fn of_gear(found: &Recognised, said: &Gear) -> Option<Disagreement> {
+    let fit = &found.fit;
+    let thickness = 2.0 * said.r_base() * said.half_angle_base();
+    let mut lengths = vec![
+        (
+            "base radius",
+            "`module_m`, `pressure_angle_deg` and `helix_angle_deg`",
+            fit.base_radius,
+            said.r_base(),
+        ),
+        (
+            "tip radius",
+            "`addendum_factor` and `profile_shift`",
+            found.tip.radius,
+            said.r_tip(),
+        ),
+        (
+            "tooth thickness at the base circle",
+            "`profile_shift` and `thinning_m`",
+            fit.base_thickness(),
+            thickness,
+        ),
+        (
+            "face width",
+            "`face_width_m`",
+            found.width,
+            said.face_width(),
+        ),
+    ];
+    let bore = said.params().bore_radius;
+    // A gear without a bore says nothing of it.
+    if bore > 0.0 {
+        lengths.push(("bore radius", "`bore_radius_m`", found.bore.radius, bore));
+    }
+    let helix = (
+        "base helix angle",
+        "`helix_angle_deg` and `pressure_angle_deg`",
+        fit.base_helix_angle(),
+        said.base_helix_angle(),
+    );
+    first_off(&lengths, said.transverse_module()).or_else(|| angle_off(&[helix]))
+}
+
+fn of_rack(found: &RecognisedRack, said: &Rack) -> Option<Disagreement> {
+    let p = said.params();
+    // A thinned tooth counts as one cut deeper: its tips stand higher above its reference line.
+    let deeper = 0.5 * p.thinning / said.transverse_pressure_angle().tan();
+    let module = said.pitch() / std::f64::consts::PI;
+    let lengths = [
+        (
+            "pitch",
+            "`module_m` and `helix_angle_deg`",
+            found.pitch,
+            said.pitch(),
+        ),
+        (
+            "tip height",
+            "`addendum_factor` and `thinning_m`",
+            found.tip,
+            said.tip_height() + deeper,
+        ),
+        (
+            "face width",
+            "`face_width_m`",
+            found.width,
+            said.face_width(),
+        ),
+    ];
+    let angles = [
+        (
+            "transverse pressure angle",
+            "`pressure_angle_deg` and `helix_angle_deg`",
+            found.pressure_angle,
+            said.transverse_pressure_angle(),
+        ),
+        (
+            "helix angle",
+            "`helix_angle_deg`",
+            found.helix_angle,
+            p.helix_angle,
+        ),
+    ];
+    if found.teeth != said.teeth() {
+        return Some(Disagreement {
+            what: "number of teeth",
+            keys: "`teeth`",
+            shown: found.teeth.to_string(),
+            said: said.teeth().to_string(),
+            ratio: 1.0,
+        });
+    }
+    first_off(&lengths, module).or_else(|| angle_off(&angles))
+}
