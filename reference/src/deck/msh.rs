@@ -13,8 +13,8 @@ mod tests;
 
 use super::data::{Deck, ElementBlock, Label};
 use super::error::{DeckError, DeckErrorKind};
-use super::reader::{MARK, in_si};
-use super::units::Units;
+use super::reader::MARK;
+use super::units::{Units, in_si};
 use gearbench_models::Vec3;
 use kinds::{other, solid};
 use lines::{Lines, shown};

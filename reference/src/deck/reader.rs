@@ -26,7 +26,7 @@ pub(crate) use others::{MARK, Others};
 use super::data::{Deck, Label, Step, Target};
 use super::error::{DeckError, DeckErrorKind, Place, quote};
 use super::lexer::{Data, Keyword, Lexer, Line, Resolver};
-use super::units::{self, Units};
+use super::units::{Units, in_si};
 use std::collections::{BTreeMap, HashSet};
 
 /// Reads a deck; includes are asked from the resolver. Without `units` they are found.
@@ -53,29 +53,6 @@ pub(crate) fn read(
     reader.all()?;
     reader.finish()?;
     Ok(in_si(reader.deck, units))
-}
-
-/// The deck in SI units, from those that are given or found.
-pub(crate) fn in_si(mut deck: Deck, units: Option<Units>) -> Deck {
-    let found = units::found(&deck);
-    let (units, from) = match units {
-        // A guess is no contradiction.
-        Some(given) if given != found.0 && found.1.starts_with(units::CERTAIN) => {
-            let Units { name, .. } = found.0;
-            (
-                given,
-                format!(
-                    "as given, though {name} fits {}",
-                    &found.1[units::CERTAIN.len()..]
-                ),
-            )
-        }
-        Some(given) => (given, "as given".to_owned()),
-        None => found,
-    };
-    deck.units_from = from;
-    units::convert(&mut deck, units);
-    deck
 }
 
 /// A step that is being read.

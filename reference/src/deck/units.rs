@@ -96,10 +96,30 @@ const DENSITIES: std::ops::Range<f64> = 500.0..25e3;
 const GREATEST: f64 = 3.0;
 
 /// Begin of the reason where only one system of units fits.
-pub(super) const CERTAIN: &str = "from ";
+const CERTAIN: &str = "from ";
+
+/// The deck in SI units, from those that are given or found.
+pub(super) fn in_si(mut deck: Deck, units: Option<Units>) -> Deck {
+    let found = found(&deck);
+    let (units, from) = match units {
+        // A guess is no contradiction.
+        Some(given) if given != found.0 && found.1.starts_with(CERTAIN) => {
+            let Units { name, .. } = found.0;
+            (
+                given,
+                format!("as given, though {name} fits {}", &found.1[CERTAIN.len()..]),
+            )
+        }
+        Some(given) => (given, "as given".to_owned()),
+        None => found,
+    };
+    deck.units_from = from;
+    convert(&mut deck, units);
+    deck
+}
 
 /// Units of a deck as it was written, with the reason in words.
-pub(super) fn found(deck: &Deck) -> (Units, String) {
+fn found(deck: &Deck) -> (Units, String) {
     let mut unfit = None;
     for (name, m) in &deck.materials {
         let young = m.elastic.map(|(e, _)| e);
@@ -160,7 +180,7 @@ pub(super) fn found(deck: &Deck) -> (Units, String) {
 }
 
 /// Converts all that a deck says to SI units.
-pub(super) fn convert(deck: &mut Deck, units: Units) {
+fn convert(deck: &mut Deck, units: Units) {
     deck.units = units;
     if units == Units::SI {
         return;
@@ -254,6 +274,17 @@ mod tests {
             deck::read_str_in("a.inp", BRICK, Some(Units::SI), &mut |_| unreachable!()).unwrap();
         assert_eq!((given.units, given.nodes[1].x), (Units::SI, 20.0));
         assert_eq!(given.units_from, "as given");
+        // What the material says is named beside units that are given against it.
+        let steel = "*MATERIAL, NAME=m\n*ELASTIC\n2.1e5, .3\n*DENSITY\n7.85e-9\n";
+        let text = format!("{BRICK}{steel}");
+        let against =
+            deck::read_str_in("a.inp", &text, Some(Units::SI), &mut |_| unreachable!()).unwrap();
+        let said = &against.units_from;
+        assert_eq!(against.units, Units::SI);
+        assert!(
+            said.starts_with("as given, though mm-t-s fits E = 2.1e5"),
+            "{said}"
+        );
         // Mixed units fit nothing.
         let mixed = with_material("2.1e5", "7850");
         assert_eq!(mixed.units, Units::SI);
