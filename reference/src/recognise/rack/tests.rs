@@ -154,7 +154,7 @@ fn tetrahedra_are_found_with_grids_on_their_flanks() {
         assert_eq!((gear.mesh.teeth, gear.mesh.flanks.len()), (4, 8));
         assert!(!gear.mesh.tied.is_empty());
         for grid in &gear.mesh.flanks {
-            assert_eq!((grid.rows, grid.columns), (7, 3));
+            assert_eq!((grid.rows, grid.columns), (13, 3));
             for (point, x) in grid.nodes.iter().zip(&grid.positions) {
                 let follows = gear.mesh.follows(*point);
                 assert!((follows.iter().map(|f| f.1).sum::<f64>() - 1.0).abs() < 1e-12);
