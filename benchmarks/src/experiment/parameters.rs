@@ -33,9 +33,14 @@ pub fn parameters(
 /// What a contact has as numbers, under the keys of scenes.
 fn numbers(contact: &ContactSpec, gap: f64) -> impl Iterator<Item = (&'static str, f64)> {
     let pair = match contact.stiffness {
-        PairStiffness::Constant { per_width, .. } if contact.points.is_none() => Some(per_width),
+        _ if contact.points.is_some() => None,
+        PairStiffness::Constant { per_width, .. } => Some((per_width, None)),
+        PairStiffness::Parabola {
+            per_width, along, ..
+        } => Some((per_width, Some(along))),
         _ => None,
     };
+    let along = pair.and_then(|p| p.1);
     let penalty = contact.points.filter(PointContact::has_penalty);
     let mesh = |p: &PointContact| p.local == LocalContact::Mesh;
     let key = match penalty.map(|p| p.rule) {
@@ -45,7 +50,9 @@ fn numbers(contact: &ContactSpec, gap: f64) -> impl Iterator<Item = (&'static st
     [
         ("gap_m", Some(gap)),
         ("exponent", Some(contact.exponent)),
-        ("stiffness_n_per_m2", pair),
+        ("stiffness_n_per_m2", pair.map(|p| p.0)),
+        ("path_slope", along.map(|a| a[0])),
+        ("path_curvature", along.map(|a| a[1])),
         (key, penalty.map(|p| p.penalty)),
         (
             "damping_ns_per_m3",

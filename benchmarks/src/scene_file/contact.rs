@@ -20,7 +20,7 @@ use serde::Deserialize;
 
 keys! {
     pub(super) struct ContactKeys {
-        /// "iso6336", or { kind = "constant" | "iso6336" | "compliance" | "table", .. }
+        /// "iso6336", or { kind = "constant" | "parabola" | "iso6336" | "compliance" | "table", .. }
         stiffness: Option<StiffnessKeys>,
         /// exponent of the penetration from 1 to 3, default 1
         exponent: Option<f64>,

@@ -314,7 +314,7 @@ fn contact_of(contact: &ContactSpec, at: &Place<'_>) -> Vec<SceneError> {
         _ => None,
     };
     let stiffness = match &contact.stiffness {
-        PairStiffness::Constant { per_width, .. } => {
+        PairStiffness::Constant { per_width, .. } | PairStiffness::Parabola { per_width, .. } => {
             look(&STIFFNESS, ["stiffness", "stiffness_n_per_m2"], *per_width)
         }
         _ => None,

@@ -14,6 +14,7 @@ use serde::Deserialize;
 #[serde(rename = "<kind>", rename_all = "kebab-case")]
 pub(super) enum StiffnessKeys {
     Constant(ConstantKeys),
+    Parabola(ParabolaKeys),
     Iso6336(IsoKeys),
     Compliance(ComplianceKeys),
     Table(TableKeys),
@@ -23,6 +24,20 @@ keys! {
     pub(super) struct ConstantKeys {
         /// stiffness per face width in N/m per m; 14 N/(mm um) is 1.4e10
         stiffness_n_per_m2: Positive,
+        /// "pair" (default): one spring per tooth pair; "mesh": one for the mesh
+        #[serde(default)]
+        of: PairOrMesh,
+    }
+
+    pub(super) struct ParabolaKeys {
+        /// stiffness per face width in the middle of the path in N/m per m
+        stiffness_n_per_m2: Positive,
+        /// a of 1 + a xi + b xi^2, with xi from -1 where contact starts to 1 where it ends; default 0
+        #[serde(default)]
+        path_slope: f64,
+        /// b of it, default 0
+        #[serde(default)]
+        path_curvature: f64,
         /// "pair" (default): one spring per tooth pair; "mesh": one for the mesh
         #[serde(default)]
         of: PairOrMesh,
@@ -92,6 +107,11 @@ pub(super) fn stiffness(keys: &StiffnessKeys, at: &Place<'_>) -> Result<PairStif
     Ok(match keys {
         StiffnessKeys::Constant(keys) => PairStiffness::Constant {
             per_width: keys.stiffness_n_per_m2.0,
+            of: keys.of,
+        },
+        StiffnessKeys::Parabola(keys) => PairStiffness::Parabola {
+            per_width: keys.stiffness_n_per_m2.0,
+            along: [keys.path_slope, keys.path_curvature],
             of: keys.of,
         },
         StiffnessKeys::Iso6336(keys) => PairStiffness::Iso6336 {

@@ -26,6 +26,8 @@ pub enum StiffnessError {
     Table { reason: String },
     /// The interpolated stiffness is not positive everywhere.
     NotPositiveBetween { s: f64, value: f64 },
+    /// A parabola along the path that is not positive on all of it.
+    Parabola { slope: f64, curvature: f64 },
     /// Radzimovsky's Hertz law needs curved bodies.
     HertzFlat,
     /// The contact is wider than the tooth allows.
@@ -67,6 +69,12 @@ impl StiffnessError {
             Self::NotPositiveBetween { value, s } => (
                 format!("interpolated stiffness falls to {value:.4e} N/m near s = {s:.6e} m"),
                 "refine the table or choose linear interpolation".to_owned(),
+            ),
+            Self::Parabola { slope, curvature } => (
+                format!(
+                    "the parabola 1 + {slope} xi + {curvature} xi^2 is not positive all along the path"
+                ),
+                "it must be for every xi from -1, where contact starts, to 1".to_owned(),
             ),
             Self::HertzFlat => (
                 "the logarithmic Hertz law needs two curved flanks and a rack is flat".to_owned(),

@@ -74,6 +74,15 @@ pub enum PairStiffness {
         /// Of a pair, or of the mesh.
         of: PairOrMesh,
     },
+    /// A parabola along the path, `k (1 + a xi + b xi^2)`, with `xi` from -1 at its start to 1 at its end.
+    Parabola {
+        /// Stiffness per face width in the middle of the path, `k` (N/m per m).
+        per_width: f64,
+        /// Slope `a` and curvature `b`.
+        along: [f64; 2],
+        /// Of a pair, or of the mesh.
+        of: PairOrMesh,
+    },
     /// ISO 6336-1, solid gear bodies.
     Iso6336 {
         /// Curve through the norm's values.
@@ -108,6 +117,7 @@ impl PairStiffness {
     pub fn id(&self) -> &'static str {
         match self {
             PairStiffness::Constant { .. } => "constant",
+            PairStiffness::Parabola { .. } => "parabola",
             PairStiffness::Iso6336 { .. } => "iso6336",
             PairStiffness::Compliance { .. } => "compliance",
             PairStiffness::Table { .. } => "table",
@@ -128,6 +138,15 @@ impl PairStiffness {
                     of(o)
                 )
             }
+            PairStiffness::Parabola {
+                per_width,
+                along: [a, b],
+                of: o,
+            } => format!(
+                "parabola, {:.4} N/(mm um) of the {} in the middle of the path, slope {a:.4}, curvature {b:.4}",
+                per_width / N_PER_MM_UM,
+                of(o)
+            ),
             PairStiffness::Iso6336 { variation } => match variation {
                 IsoVariation::IsoMean => {
                     "ISO 6336-1 c', parabola with the norm's mean mesh stiffness".to_owned()
@@ -210,10 +229,19 @@ pub fn build_with_warnings<'a>(
             error::positive("stiffness per width [N/m per m]", *per_width)?;
             StiffnessCurve::constant(per_width * width, *of)?
         }
+        PairStiffness::Parabola {
+            per_width,
+            along,
+            of,
+        } => {
+            error::positive("stiffness per width [N/m per m]", *per_width)?;
+            parabola(per_width * width, *along, *of, &path)?
+        }
         PairStiffness::Iso6336 { variation } => {
             let iso = iso_of(gear, (mate, pair), materials)?;
             warnings = iso.warnings;
-            iso_curve(iso.c_prime * width, *variation, &path)?
+            let drop = variation.drop_at_ends(path.contact_ratio());
+            parabola(iso.c_prime * width, [0.0, -drop], PairOrMesh::Pair, &path)?
         }
         PairStiffness::Compliance {
             tooth,
@@ -289,30 +317,33 @@ pub fn iso_of(
     })
 }
 
-/// A parabola with the maximum `k` (N/m) in the middle of the path; three points carry it exactly.
-fn iso_curve(
+/// `k (1 + a xi + b xi^2)` with `k` (N/m) in the middle of the path, where `xi` is 0; three points carry it exactly. Beyond
+/// the ends of the path it is held.
+fn parabola(
     k: f64,
-    variation: IsoVariation,
+    [slope, curvature]: [f64; 2],
+    of: PairOrMesh,
     path: &Path,
 ) -> Result<StiffnessCurve, StiffnessError> {
-    let drop = variation.drop_at_ends(path.contact_ratio());
-    if drop == 0.0 {
-        return StiffnessCurve::constant(k, PairOrMesh::Pair);
+    if slope == 0.0 && curvature == 0.0 {
+        return StiffnessCurve::constant(k, of);
+    }
+    let factor = |xi: f64| 1.0 + xi * (slope + curvature * xi);
+    // Least at an end, or where it is level between them.
+    let level = -0.5 * slope / curvature;
+    let level = if level.abs() < 1.0 { level } else { 1.0 };
+    let least = [-1.0, 1.0, level].map(factor);
+    if !least.iter().all(|x| x.is_finite() && *x > 0.0) {
+        return Err(StiffnessError::Parabola { slope, curvature });
     }
     let (s, values): (Vec<f64>, Vec<f64>) = [-1.0, 0.0, 1.0]
         .map(|xi: f64| {
             let s = 0.5 * (path.start + path.end) + 0.5 * xi * (path.end - path.start);
-            (s, k * (1.0 - drop * xi * xi))
+            (s, k * factor(xi))
         })
         .into_iter()
         .unzip();
-    StiffnessCurve::interpolate(
-        &s,
-        &values,
-        PairOrMesh::Pair,
-        Ends::Clamped,
-        Interpolation::Cubic,
-    )
+    StiffnessCurve::interpolate(&s, &values, of, Ends::Clamped, Interpolation::Cubic)
 }
 
 fn check_table(
@@ -350,5 +381,7 @@ pub fn hertz_limit(material: &Material) -> f64 {
 
 #[cfg(test)]
 mod coupling_tests;
+#[cfg(test)]
+mod parabola_tests;
 #[cfg(test)]
 mod reference_tests;

@@ -38,6 +38,11 @@ fn stiffnesses() -> Vec<PairStiffness> {
         PairStiffness::Iso6336 {
             variation: IsoVariation::IsoMean,
         },
+        PairStiffness::Parabola {
+            per_width: 1.5e10,
+            along: [0.6, -0.3],
+            of: PairOrMesh::Pair,
+        },
         PairStiffness::Table {
             s,
             k,

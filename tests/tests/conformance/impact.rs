@@ -9,7 +9,7 @@ use gearbench_models::gear::table::Model;
 use gearbench_models::law::{Damping, realised_restitution};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{ContactSpec, effective_radius, mesh_layout};
-use gearbench_models::stiffness::{IsoVariation, PairStiffness};
+use gearbench_models::stiffness::{IsoVariation, PairOrMesh, PairStiffness};
 use gearbench_tests::*;
 
 /// After the impact, before the opposite flanks meet.
@@ -187,12 +187,24 @@ fn the_loss_of_dissipative_methods_falls_with_the_declared_order() {
 
 #[test]
 fn the_ledger_closes_with_varying_stiffness() {
-    for model in &of_pairs() {
+    let stiffnesses = [
+        PairStiffness::Iso6336 {
+            variation: IsoVariation::IsoMean,
+        },
+        PairStiffness::Parabola {
+            per_width: 1.4e10,
+            along: [0.6, -0.2],
+            of: PairOrMesh::Pair,
+        },
+    ];
+    let of_pairs = of_pairs();
+    for (model, stiffness) in of_pairs
+        .iter()
+        .flat_map(|m| stiffnesses.iter().map(move |k| (m, k)))
+    {
         for method in of_model(model) {
             let contact = ContactSpec {
-                stiffness: PairStiffness::Iso6336 {
-                    variation: IsoVariation::IsoMean,
-                },
+                stiffness: stiffness.clone(),
                 ..contact(1.0)
             };
             // On the rising part of the stiffness.
@@ -209,7 +221,7 @@ fn the_ledger_closes_with_varying_stiffness() {
             };
             let o = run(&mut scene, method.info.id, resolution, T_END).unwrap(method.info.id);
             let residual = o.ledger.residual_relative();
-            let what = format!("{} under {}", model.id, method.info.id);
+            let what = format!("{}, {} under {}", model.id, stiffness.id(), method.info.id);
             // The force is the derivative of a potential: stiffness that varies along the path puts nothing in.
             assert!(
                 residual.abs() <= 1e-6,

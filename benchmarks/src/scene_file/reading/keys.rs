@@ -51,6 +51,7 @@ pub(in super::super) fn tables() -> impl Iterator<Item = &'static Table> {
         &contact::FrictionKeys::TABLE,
         &contact::FilmKeys::TABLE,
         &stiffness::ConstantKeys::TABLE,
+        &stiffness::ParabolaKeys::TABLE,
         &stiffness::IsoKeys::TABLE,
         &stiffness::ComplianceKeys::TABLE,
         &stiffness::TableKeys::TABLE,

@@ -39,6 +39,14 @@ fn stiffness() {
             },
         ),
         (
+            "{ kind = \"parabola\", stiffness_n_per_m2 = 1.4e10, path_slope = -0.2 }",
+            PairStiffness::Parabola {
+                per_width: 1.4e10,
+                along: [-0.2, 0.0],
+                of: pair,
+            },
+        ),
+        (
             "{ kind = \"table\", path_coordinate_m = [0.004, 0.024], stiffness_n_per_m = [1e8, 2e8], \
                interpolation = \"linear\" }",
             PairStiffness::Table {

@@ -67,6 +67,10 @@ const MODELS: &str = r##"
     `path_coordinate_m` is missing
 32: stiffness = "iso6336" => stiffness = { kind = "table", path_coordinate_m = [0.0, 0.0], stiffness_n_per_m = [1e8, 1e8] }
     table
+32: stiffness = "iso6336" => stiffness = { kind = "parabola", stiffness_n_per_m2 = 1.4e10, path_slope = 1.2, path_curvature = 0.1 }
+    not positive all along the path | every xi from -1
+32: stiffness = "iso6336" => stiffness = { kind = "parabola", stiffness_n_per_m2 = 1.4e10, path_slop = 0.2 }
+    did you mean `path_slope`
 32: stiffness = "iso6336" => stiffness = { kind = "compliance", hertz = "linear", reference_load_n = 1000.0 }
     does not belong
 32: stiffness = "iso6336" => stiffness = { kind = "compliance", foundation = "rigid", root_length = "2 rf theta" }

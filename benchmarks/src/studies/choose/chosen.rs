@@ -225,6 +225,17 @@ fn stiffness(s: &PairStiffness) -> Json {
         PairStiffness::Constant { per_width, of } => {
             json!({ "kind": "constant", "stiffness_n_per_m2": per_width, "of": given(of) })
         }
+        PairStiffness::Parabola {
+            per_width,
+            along: [slope, curvature],
+            of,
+        } => json!({
+            "kind": "parabola",
+            "stiffness_n_per_m2": per_width,
+            "path_slope": slope,
+            "path_curvature": curvature,
+            "of": given(of),
+        }),
         PairStiffness::Iso6336 { variation } => {
             json!({ "kind": "iso6336", "variation": variation })
         }

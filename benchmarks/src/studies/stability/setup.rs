@@ -166,7 +166,8 @@ fn stiffen(factor: f64, scene: &SceneSpec, modelling: &mut Modelling) -> Result<
             points.penalty *= factor;
         }
         match &mut contact.stiffness {
-            PairStiffness::Constant { per_width, .. } => *per_width *= factor,
+            PairStiffness::Constant { per_width, .. }
+            | PairStiffness::Parabola { per_width, .. } => *per_width *= factor,
             PairStiffness::Table { k, .. } => k.iter_mut().for_each(|k| *k *= factor),
             // Flank points have their penalty; what a norm says is not asked.
             _ if contact.points.is_some() => {}
