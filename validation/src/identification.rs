@@ -23,9 +23,13 @@ use gearbench_models::spec::{
 };
 use gearbench_models::stiffness::{Foundation, Hertz, IsoVariation, PairStiffness, ToothModel};
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
-use gearbench_reports::identify::DataRecord;
 use std::fmt::Display;
-use std::fmt::Write as _;
+
+mod tables;
+mod wanted;
+
+pub use tables::markdown;
+use wanted::{WANTED, Wanted, of_gears};
 
 /// Speeds over that of the scene; the first is fitted.
 const SPEEDS: [f64; 3] = [1.0, 1.0 / 3.0, 3.0];
@@ -103,32 +107,32 @@ pub fn carry(
         data.push(set);
     }
     let mut fits = Vec::new();
-    let damped = Some(vec![
-        "stiffness_n_per_m2",
-        "tooth_stiffness_n_per_m",
-        "tooth_mass_kg",
-        "tooth_damping_ns_per_m",
-        "gap_m",
-    ]);
-    for (label, model, fit) in [
-        ("rigid", "rigid", None),
-        ("movable teeth", "movable-teeth", None),
-        ("movable teeth, damped", "movable-teeth", damped),
-    ] {
+    for Wanted {
+        name: label,
+        model,
+        keys,
+        held,
+    } in WANTED
+    {
         let mut modelling = rigid.modelling.clone();
         for gear in &mut modelling.gears {
-            gear.id = model.into();
+            gear.id = (*model).into();
             gear.parameters = Parameters::new();
         }
-        let fit = fit.map(|keys: Vec<&str>| keys.into_iter().map(str::to_owned).collect());
+        let fit = keys.map(|keys| keys.iter().flat_map(|key| of_gears(key, &scene)).collect());
+        let held = held
+            .iter()
+            .map(|(key, x)| ((*key).to_owned(), *x))
+            .collect();
         let plan = FitPlan {
-            label: label.into(),
+            label: (*label).into(),
             modelling: modelling.clone(),
             models: models(),
             data: data[..1].to_vec(),
             held_out: data[1..].to_vec(),
             wishes: Wishes {
                 fit,
+                held,
                 ..Wishes::default()
             },
         };
@@ -250,7 +254,7 @@ fn stiffnesses(
             gear.id = "movable-teeth".into();
         }
         let constants = Constants::of([("tooth_stiffness_n_per_m", k), ("tooth_mass_kg", 1e-4)]);
-        constants.apply("movable-teeth", &mut modelling);
+        constants.apply("movable-teeth", &[&a.name, &b.name], &mut modelling);
         all.push(Stiffness {
             source: "published (Ebrahimi, Eberhard 2006)".into(),
             convention: "tangential spring of one tooth on the dedendum circle, whole width; contact of ISO 6336-1 in series",
@@ -293,7 +297,7 @@ fn stiffnesses(
         all.push(Stiffness {
             source: format!("identified from one impact: {}", fit.name),
             convention: match model {
-                "rigid" => "contact of a pair over the width",
+                "rigid" => "contact of a pair over the width, in the middle of the path",
                 _ => "contact of a pair over the width; tangential spring of one tooth on the dedendum circle",
             },
             stated: match told.is_empty() {
@@ -320,70 +324,4 @@ pub fn keeps(fit: &Fitted) -> bool {
             }
         }
     })
-}
-
-/// The tables in Markdown.
-pub fn markdown(all: &[Carried], command: &str) -> String {
-    let mut out = format!("<!-- {command} -->\n");
-    let percent = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{:+.2} %", 100.0 * x));
-    for scene in all {
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            out,
-            "\n## {}\n\n| model | data | force L2 | peak | impulse |\n|---|---|---|---|---|",
-            scene.scene
-        );
-        for fit in &scene.fits {
-            for d in &fit.found.record.data {
-                let DataRecord { name, l2, .. } = d;
-                let _ = writeln!(
-                    out,
-                    "| {} | {name}{} | {:.2} % | {} | {} |",
-                    fit.name,
-                    if d.validation { "" } else { ", fitted" },
-                    100.0 * l2,
-                    percent(d.peak_rel),
-                    percent(d.impulse_rel)
-                );
-            }
-        }
-        let _ = writeln!(
-            out,
-            "\n| stiffness | convention | as stated | of a pair on the line of action, N/(mm um) | of the mesh |\n|---|---|---|---|---|"
-        );
-        for s in &scene.stiffnesses {
-            let number = |i: usize| {
-                s.pair_and_mesh
-                    .map_or_else(|| "-".into(), |x| format!("{:.2}", x[i] / N_PER_MM_UM))
-            };
-            let _ = writeln!(
-                out,
-                "| {} | {} | {} | {} | {} |",
-                s.source,
-                s.convention,
-                s.stated,
-                number(0),
-                number(1)
-            );
-        }
-        let _ = writeln!(out);
-        for fit in &scene.fits {
-            for p in &fit.found.record.parameters {
-                let end = |x: Option<f64>| x.map_or_else(|| "open".into(), |x| format!("{x:.3e}"));
-                let value = p
-                    .value
-                    .map_or_else(String::new, |x| format!(" {x:.4e} {}", p.unit));
-                let _ = writeln!(
-                    out,
-                    "- {}: `{}`{value}, {} (95 %: {} to {})",
-                    fit.name,
-                    p.key,
-                    p.outcome,
-                    end(p.low),
-                    end(p.high)
-                );
-            }
-        }
-    }
-    out
 }

@@ -163,7 +163,7 @@ fn carry(args: &arguments::Identification, command: &str) -> Result<Answer, Refu
     put(&text);
     write_to(&args.out, &text)?;
     std::fs::remove_file(&kept).map_err(|e| Refusal::Files(format!("{}: {e}", kept.display())))?;
-    let movable = |f: &&identification::Fitted| f.name != "rigid";
+    let movable = |f: &&identification::Fitted| !f.name.starts_with("rigid");
     let good = (all.iter()).all(|c| c.fits.iter().filter(movable).any(identification::keeps));
     Ok(Answer::done().ending(if good { Exit::Done } else { Exit::FellShort }))
 }

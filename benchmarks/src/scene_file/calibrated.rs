@@ -1,6 +1,6 @@
 //! `calibration` of a model: whose fitted constants it takes.
 
-use super::calibration::{Calibration, Constants, FittedTo};
+use super::calibration::{Calibration, Constants, FittedTo, of_gear};
 use super::error::SceneError;
 use super::model::Context;
 use super::reading::keys::keys;
@@ -96,6 +96,15 @@ pub(super) fn calibration(
             );
         };
         let mut found = found.clone();
+        let gears: Vec<&str> = context.gears.iter().map(|g| g.spec.name.as_str()).collect();
+        let of_gears = found.parameters.keys().filter_map(|key| of_gear(key).0);
+        if let Some(other) = of_gears.into_iter().find(|of| !gears.contains(of)) {
+            return at.refuse(
+                format!("the calibration \"{name}\" of `{label}` in scene `{scene}` has constants of a gear `{other}`"),
+                "not a gear of this scene",
+                suggest::there_are(other, &gears),
+            );
+        }
         if scene != context.scene {
             // Another scene's gap is that of its own start.
             found.gap = None;

@@ -9,7 +9,10 @@
 //! stiffness_n_per_m2 = 3.6e10      # of the contact, per face width
 //! damping_ns_per_m = 40            # of the contact, a linear dashpot; most calibrations have none
 //! gap_m = 3.1e-6                   # gap at the start
+//! path_slope = 0.04                # of the stiffness along the path of contact, which is then a parabola
+//! path_curvature = -0.1            # likewise
 //! tooth_stiffness_n_per_m = 5.3e8  # any further key: a parameter of the gear model
+//! pinion.tooth_mass_kg = 4e-3      # that of one gear, in the place of what all have
 //! ```
 //!
 //! Shipped scenes have theirs embedded (`benchmarks/calibrations/NAME.toml`); a scene file of one's own has
@@ -21,6 +24,7 @@ use super::reading::{Document, Place, suggest};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Modelling, Value};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
+use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -94,7 +98,11 @@ pub struct Constants {
     pub damping: Option<f64>,
     /// Gap at the start of the first mesh [m].
     pub gap: Option<f64>,
-    /// Parameters of the gear model by key, in SI units.
+    /// Slope of the stiffness along the path, see [`PairStiffness::Parabola`].
+    pub slope: Option<f64>,
+    /// Curvature of it.
+    pub curvature: Option<f64>,
+    /// Parameters of the gear model by key, in SI units; `GEAR.KEY` is that of one gear, see [`of_gear`].
     pub parameters: BTreeMap<String, f64>,
 }
 
@@ -104,6 +112,19 @@ pub const STIFFNESS: &str = "stiffness_n_per_m2";
 pub const DAMPING: &str = "damping_ns_per_m";
 /// Key of [`Constants::gap`].
 pub const GAP: &str = "gap_m";
+
+/// Key of [`Constants::slope`].
+pub const SLOPE: &str = "path_slope";
+/// Key of [`Constants::curvature`].
+pub const CURVATURE: &str = "path_curvature";
+
+/// The gear that a key is about, if it is about one, and the key of its model's parameter.
+pub fn of_gear(key: &str) -> (Option<&str>, &str) {
+    match key.rsplit_once('.') {
+        Some((gear, key)) => (Some(gear), key),
+        None => (None, key),
+    }
+}
 
 /// The end of the keys of dampers.
 const DAMPER: &str = "_ns_per_m";
@@ -117,6 +138,8 @@ impl Constants {
                 STIFFNESS => constants.stiffness = Some(x),
                 DAMPING => constants.damping = Some(x),
                 GAP => constants.gap = Some(x),
+                SLOPE => constants.slope = Some(x),
+                CURVATURE => constants.curvature = Some(x),
                 other => {
                     constants.parameters.insert(other.to_owned(), x);
                 }
@@ -131,6 +154,8 @@ impl Constants {
             (STIFFNESS, self.stiffness),
             (DAMPING, self.damping),
             (GAP, self.gap),
+            (SLOPE, self.slope),
+            (CURVATURE, self.curvature),
         ];
         let own = own
             .into_iter()
@@ -139,27 +164,65 @@ impl Constants {
         own.chain(parameters).collect()
     }
 
+    /// Those of `older` that these lack.
+    #[must_use]
+    pub fn beside(&self, older: &Constants) -> Constants {
+        let all = [older.by_key(), self.by_key()].concat();
+        Constants::of(all.iter().map(|(key, x)| (key.as_str(), *x)))
+    }
+
     /// Puts them in place of what a scene gives its contacts and the gears that take a model; the gap is the scene's.
-    /// A stiffness stays that of a pair or of the mesh, as it was.
-    pub fn apply(&self, model: &str, modelling: &mut Modelling) {
-        if let Some(per_width) = self.stiffness {
-            for contact in &mut modelling.contacts {
-                let of = match contact.stiffness {
-                    PairStiffness::Constant { of, .. } | PairStiffness::Table { of, .. } => of,
-                    _ => PairOrMesh::Pair,
-                };
-                contact.stiffness = PairStiffness::Constant { per_width, of };
-            }
-        }
-        if let Some(c) = self.damping {
-            for contact in &mut modelling.contacts {
+    /// `names` are those of the gears. A stiffness stays that of a pair or of the mesh, as it was.
+    pub fn apply(&self, model: &str, names: &[&str], modelling: &mut Modelling) {
+        for contact in &mut modelling.contacts {
+            self.stiffen(&mut contact.stiffness);
+            if let Some(c) = self.damping {
                 contact.damping = Damping::KelvinVoigt { c };
             }
         }
-        for gear in modelling.gears.iter_mut().filter(|g| g.id == model) {
-            for (key, value) in &self.parameters {
-                gear.parameters.insert(key.clone(), Value::Number(*value));
+        let gears = modelling.gears.iter_mut().zip(names);
+        for (gear, name) in gears.filter(|(g, _)| g.id == model) {
+            // What is one gear's own comes after what all have.
+            for own in [false, true] {
+                for (key, value) in &self.parameters {
+                    let (of, key) = of_gear(key);
+                    if of.is_some() == own && of.is_none_or(|of| of == *name) {
+                        gear.parameters
+                            .insert(key.to_owned(), Value::Number(*value));
+                    }
+                }
             }
+        }
+    }
+
+    /// The stiffness of a contact with these: constant, or a parabola where its course along the path is known.
+    fn stiffen(&self, stiffness: &mut PairStiffness) {
+        let (before, course, of) = match *stiffness {
+            PairStiffness::Constant { per_width, of } => (Some(per_width), [0.0; 2], of),
+            PairStiffness::Parabola {
+                per_width,
+                along,
+                of,
+            } => (Some(per_width), along, of),
+            PairStiffness::Table { of, .. } => (None, [0.0; 2], of),
+            _ => (None, [0.0; 2], PairOrMesh::Pair),
+        };
+        let along = [
+            self.slope.unwrap_or(course[0]),
+            self.curvature.unwrap_or(course[1]),
+        ];
+        let changed = [self.stiffness, self.slope, self.curvature];
+        if let Some(per_width) = self.stiffness.or(before)
+            && changed.iter().any(Option::is_some)
+        {
+            *stiffness = match along == [0.0; 2] {
+                true => PairStiffness::Constant { per_width, of },
+                false => PairStiffness::Parabola {
+                    per_width,
+                    along,
+                    of,
+                },
+            };
         }
     }
 }
@@ -171,8 +234,33 @@ pub struct Calibration {
     pub sets: BTreeMap<String, BTreeMap<String, Constants>>,
 }
 
+/// A constant, or those of one gear.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) enum OneOrOfGear {
+    #[serde(rename = "<number>")]
+    One(f64),
+    #[serde(rename = "<table>")]
+    OfGear(InOrder<f64>),
+}
+
 /// Tables of constants by name of the calibration and label of the model.
-type Sets = InOrder<InOrder<InOrder<f64>>>;
+pub(super) type Sets = InOrder<InOrder<InOrder<OneOrOfGear>>>;
+
+/// Flat, with the place of each.
+fn flat<'a>(values: InOrder<OneOrOfGear>, at: &Place<'a>) -> Vec<(String, f64, Place<'a>)> {
+    let of = |(key, value): (String, OneOrOfGear)| match value {
+        OneOrOfGear::One(x) => {
+            let at = at.key(&key);
+            vec![(key, x, at)]
+        }
+        OneOrOfGear::OfGear(own) => {
+            let of =
+                |(name, x): (String, f64)| (format!("{key}.{name}"), x, at.key(&key).key(&name));
+            own.0.into_iter().map(of).collect()
+        }
+    };
+    values.0.into_iter().flat_map(of).collect()
+}
 
 impl Calibration {
     /// Reads a calibration file.
@@ -201,19 +289,20 @@ impl Calibration {
             let mut constants = BTreeMap::new();
             for (label, values) in labels.0 {
                 let at = at.key(&set).key(&label);
-                let values = values.0;
-                // A gap may have any sign, a damper be none.
+                let values = flat(values, &at);
+                // A gap and the course along the path may have any sign, a damper be none.
                 let wrong = |key: &str, x: f64| {
-                    key != GAP && (x < 0.0 || x == 0.0 && !key.ends_with(DAMPER))
+                    ![GAP, SLOPE, CURVATURE].contains(&key)
+                        && (x < 0.0 || x == 0.0 && !key.ends_with(DAMPER))
                 };
-                if let Some((key, x)) = values.iter().find(|(key, x)| wrong(key, *x)) {
-                    return at.key(key).refuse(
+                if let Some((key, x, at)) = values.iter().find(|(key, x, _)| wrong(key, *x)) {
+                    return at.refuse(
                         format!("`{key}` is {x}"),
                         "expected more than zero",
                         "write the file again with `gearbench identify SCENE --write`",
                     );
                 }
-                let values = values.iter().map(|(key, x)| (key.as_str(), *x));
+                let values = values.iter().map(|(key, x, _)| (key.as_str(), *x));
                 constants.insert(label, Constants::of(values));
             }
             calibration.sets.insert(set, constants);
@@ -234,7 +323,12 @@ impl Calibration {
             for (label, constants) in labels {
                 let _ = writeln!(text, "\n[{}.{}]", key(name), key(label));
                 for (name, x) in constants.by_key() {
-                    let _ = writeln!(text, "{} = {x:e}", key(&name));
+                    let _ = match of_gear(&name) {
+                        (Some(gear), name) => {
+                            writeln!(text, "{}.{} = {x:e}", key(gear), key(name))
+                        }
+                        (None, name) => writeln!(text, "{} = {x:e}", key(name)),
+                    };
                 }
             }
         }
@@ -252,7 +346,11 @@ mod tests {
             (STIFFNESS, 1.0 / 3.0 * 1e10),
             (DAMPING, 0.0),
             (GAP, -3.1e-6),
+            (SLOPE, -0.04),
+            (CURVATURE, 0.1),
             ("tooth_mass_kg", 4.8e-3),
+            ("pinion.tooth_mass_kg", 3.8e-3),
+            ("odd \"gear\".tooth_mass_kg", 2.8e-3),
         ]);
         let labels = [
             ("movable-teeth".to_owned(), constants.clone()),

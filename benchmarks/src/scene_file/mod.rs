@@ -97,7 +97,7 @@ keys! {
         models: Vec<model::ModelKeys>,
         /// tables [calibration.NAME.LABEL] of fitted constants, as `gearbench identify` writes them beside the scene
         #[serde(default)]
-        calibration: InOrder<InOrder<InOrder<f64>>>,
+        calibration: calibration::Sets,
         /// table [study]
         #[serde(default)]
         study: study_plan::StudyKeys,

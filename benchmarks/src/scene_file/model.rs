@@ -214,7 +214,8 @@ fn model(
     )?;
     let mut modelling = Modelling { gears, contacts };
     if let Some(constants) = calibration.as_ref().and_then(|c| c.constants.as_ref()) {
-        constants.apply(&model, &mut modelling);
+        let names: Vec<&str> = context.gears.iter().map(|g| g.spec.name.as_str()).collect();
+        constants.apply(&model, &names, &mut modelling);
     }
     let integrators = (keys.integrators).map(|list| schemes(&list, &at.key("integrators")));
     Ok(ModelChoice {

@@ -3,8 +3,8 @@
 use crate::cli::arguments::{Insist, Output};
 use crate::cli::values::positive_load;
 use crate::scene_file::calibration::FittedTo;
-use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -13,6 +13,9 @@ Examples:
   gearbench identify spur_impact --model movable-teeth --fit stiffness_n_per_m2,tooth_stiffness_n_per_m,gap_m \\
       --hold tooth_mass_kg=5e-3                     choose what is fitted, hold what is known
   gearbench identify spur_impact --write            also write the calibration file
+  gearbench identify my_scene.toml --write=scene    write the constants into the scene file
+  gearbench identify spur_impact --model movable-teeth --fit pinion.tooth_mass_kg,wheel.tooth_mass_kg
+                                                    constants of single gears
   gearbench identify spur_impact --to running --load 27 --write
                                                     fitted to the impact and to finite elements at rest at once
 
@@ -20,11 +23,24 @@ A calibration holds for what it was fitted to: `impact` for single impacts, `sta
 load, `running` for both. `impact` and `running` need a reference of the scene, `static` and `running` a model of finite
 elements (--against). With --write the constants go to the calibration file that models with
 `calibration = \"impact\"` read: NAME.calibration.toml beside a scene file, and for a shipped scene
-benchmarks/calibrations/NAME.toml (run it in the repository and build again: it is embedded).
+benchmarks/calibrations/NAME.toml (run it in the repository and build again: it is embedded). With --write=scene they go
+into the scene file itself, which keeps its comments and its layout: into the contact, the parameters and `gap_m` of the
+model, with a comment that says where they come from; the model then takes no calibration any more.
 
-What can be fitted: stiffness_n_per_m2 and damping_ns_per_m of the contact, gap_m, clock_s (the offset of the data's clock,
-which is never written), and the springs, masses and dampers of the gear model. What the data do not determine is said to
+What can be fitted: stiffness_n_per_m2 and damping_ns_per_m of the contact, path_slope and path_curvature (the stiffness
+along the path of contact is then k (1 + a xi + b xi^2), with xi from -1 where contact starts to 1 where it ends), gap_m,
+clock_s (the offset of the data's clock, which is never written), and the springs, masses and dampers of the gear model, of
+all gears or of one: pinion.tooth_mass_kg. What the data do not determine is said to
 be so and is not written, unless --force.";
+
+/// Where constants are written to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum WriteTo {
+    /// The calibration file of the scene.
+    Calibration,
+    /// The scene file, where the model then takes no calibration any more.
+    Scene,
+}
 
 /// What to fit to, by its name.
 fn fitted_to() -> impl TypedValueParser<Value = FittedTo> {
@@ -38,6 +54,15 @@ fn assigned(text: &str) -> Result<(String, f64), String> {
     match parts.map(|(key, x)| (key.trim(), x.trim().parse::<f64>())) {
         Some((key, Ok(x))) if !key.is_empty() && x.is_finite() => Ok((key.into(), x)),
         _ => Err("expected KEY=VALUE in SI units, for example tooth_mass_kg=5e-3".into()),
+    }
+}
+
+/// The name of a reference with its weight.
+fn weighted(text: &str) -> Result<(String, f64), String> {
+    let (name, weight) = text.rsplit_once('=').unwrap_or_default();
+    match weight.trim().parse::<f64>() {
+        Ok(w) if !name.trim().is_empty() && w > 0.0 && w.is_finite() => Ok((name.trim().into(), w)),
+        _ => Err("expected NAME=WEIGHT with a weight above 0, for example slow=2".into()),
     }
 }
 
@@ -93,9 +118,15 @@ pub struct Identify {
     /// Weight of what is at rest beside histories; each counts over its own size
     #[arg(long, value_name = "W", default_value_t = 1.0, value_parser = positive_load)]
     pub static_weight: f64,
-    /// Write the calibration file of the scene
-    #[arg(long)]
-    pub write: bool,
+    /// Weights of references by their names beside one another, each over its own size [default: 1]
+    #[arg(long, value_name = "NAME=W", value_delimiter = ',', value_parser = weighted)]
+    pub weight: Vec<(String, f64)>,
+    /// Weight of residuals where the force is greatest over that where there is none
+    #[arg(long, value_name = "W", default_value_t = 1.0, value_parser = positive_load)]
+    pub peak_weight: f64,
+    /// Write the constants: into the calibration file of the scene, or into the scene itself (--write=scene)
+    #[arg(long, value_name = "WHERE", num_args = 0..=1, require_equals = true, default_missing_value = "calibration")]
+    pub write: Option<WriteTo>,
     /// Write what the data do not determine as well
     #[arg(long, requires = "write")]
     pub force: bool,

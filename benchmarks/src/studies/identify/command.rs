@@ -1,9 +1,10 @@
 //! `gearbench identify SCENE`: constants fitted to the scene's references, reported and, on request, written.
 
-use super::arguments::Identify;
+use super::arguments::{Identify, WriteTo};
+use super::into_scene::{Written, write_scene};
 use super::parameters::Wishes;
 use super::summary::summarise;
-use super::write::write;
+use super::write::{told_of, write};
 use super::{DataSet, FitPlan, Identification, IdentifyError, StaticTarget, identify};
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
@@ -16,7 +17,7 @@ use crate::experiment::interruption;
 use crate::experiment::settings::settings;
 use crate::models::models;
 use crate::scene_file::references::Held;
-use crate::scene_file::{self, ModelChoice, SceneFile, Selection};
+use crate::scene_file::{self, ModelChoice, SceneFile, Selection, did_you_mean};
 use gearbench_models::gear::table::properties_of;
 use gearbench_models::spec::{SceneSpec, mesh_layout};
 use gearbench_reports::Study;
@@ -89,17 +90,55 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     let results = conditions.record(Part::Identify(IdentifyRecord { fits }));
     let answer = folder.finish(results, |_| Exit::Done, summarise)?;
     let answer = answer.with("reference", &names).with("models", told);
-    if args.write {
-        let path = write(&scene, (args.to, &names), &found, command, args.force)?;
-        let path = absolute(path);
+    if let Some(to) = args.write {
+        let path = match to {
+            WriteTo::Calibration => write(&scene, (args.to, &names), &found, command, args.force),
+            WriteTo::Scene => write_scene(&scene, &into_scene(&fitted, &found, args, command)),
+        };
+        let path = absolute(path?);
         say(&format!("written: {}", path.display()));
         return Ok(answer.with("written", path));
     }
     say(&format!(
-        "no calibration was written; `--write` stores the constants for `calibration = \"{}\"`",
+        "nothing was written; `--write` stores the constants for `calibration = \"{}\"`, `--write=scene` in the scene file",
         args.to.as_str()
     ));
     Ok(answer)
+}
+
+/// What goes into the scene file. What was not fitted stays as the calibration that the model takes has it.
+fn into_scene<'a>(
+    fitted: &[&'a ModelChoice],
+    found: &[Identification],
+    args: &Identify,
+    command: &str,
+) -> Vec<Written<'a>> {
+    let pairs = fitted.iter().zip(found);
+    let of = |(choice, found): (&&'a ModelChoice, &Identification)| {
+        let constants = if args.force {
+            found.all.clone()
+        } else {
+            found.constants()
+        };
+        let older = (choice.calibration.as_ref()).and_then(|c| c.constants.as_ref());
+        let data: Vec<String> = (found.data.iter())
+            .map(|(name, key)| format!("{name} (data {key})"))
+            .collect();
+        Written {
+            choice,
+            constants: older.map_or(constants.clone(), |older| constants.beside(older)),
+            told: vec![
+                format!("written by {command}"),
+                format!(
+                    "fitted to {}; for {}",
+                    data.join(" and "),
+                    args.to.holds_for()
+                ),
+                told_of(&found.record),
+            ],
+        }
+    };
+    pairs.map(of).collect()
 }
 
 /// A fit for programs.
@@ -123,6 +162,11 @@ fn calibrated(choice: &ModelChoice) -> bool {
     (choice.calibration.as_ref()).is_some_and(|c| c.label == choice.label)
 }
 
+/// What a reference is called.
+fn name_of(held: &Held) -> &str {
+    held.named.stored().unwrap_or(&held.named.name)
+}
+
 /// What a model is fitted to, and what it is held against.
 fn plan<'a>(
     scene: &SceneFile,
@@ -137,9 +181,12 @@ fn plan<'a>(
         let own = scene.under(&held.named);
         // Beyond the scene's duration the reference may lack what the scene has, as the other flanks.
         let n = time.partition_point(|&t| t <= own.duration);
-        let name = held.named.stored().unwrap_or(&held.named.name);
+        let name = name_of(held);
+        let weight = args.weight.iter().find(|(of, _)| of == name);
         Some(DataSet {
             further_gap: gap(&own) - gap(scene),
+            weight: weight.map_or(1.0, |w| w.1),
+            peak_weight: args.peak_weight,
             ..DataSet::history(name, &own.spec_for(choice), &time[..n], &force[..n])
         })
     };
@@ -176,9 +223,7 @@ fn refuse(scene: &SceneFile, choice: &ModelChoice, e: IdentifyError) -> Refusal 
     match e {
         IdentifyError::Build(e) => Refusal::from(scene.locate_in(&choice.label, &e)),
         IdentifyError::Journal(e) => e.into(),
-        e @ (IdentifyError::Model(..) | IdentifyError::Key(..) | IdentifyError::Value(..)) => {
-            Refusal::Input(miette::miette!("{e}"))
-        }
+        e if e.is_of_wishes() => Refusal::Input(miette::miette!("{e}")),
         other => Refusal::Failed(other.to_string()),
     }
 }
@@ -189,7 +234,19 @@ fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<Held>, Ref
     let mut references = scene.held(args.insist.any_reference)?;
     (scene.odd[known..].iter()).for_each(|odd| warn(&odd.told()));
     references.retain(|held| held.data.force().is_some());
-    if references.iter().any(|held| !held.is_held_out()) {
+    let fitted = || references.iter().filter(|held| !held.is_held_out());
+    let names: Vec<&str> = fitted().map(name_of).collect();
+    if let Some((other, _)) = (args.weight.iter()).find(|(of, _)| !names.contains(&of.as_str())) {
+        return Err(Refusal::Input(miette::miette!(
+            help = format!(
+                "{}there are {}",
+                did_you_mean(other, &names),
+                names.join(", ")
+            ),
+            "`{other}` has a weight and is no reference that is fitted"
+        )));
+    }
+    if !names.is_empty() {
         return Ok(references);
     }
     let way_out = match scene.fitting() {

@@ -4,7 +4,7 @@ use super::estimate::Estimate;
 use super::estimate::identifiable::Weak;
 use super::parameters::{Chosen, Parameter};
 use super::plan::{Data, DataSet};
-use crate::scene_file::calibration::{DAMPING, GAP, STIFFNESS};
+use crate::scene_file::calibration::{CURVATURE, DAMPING, GAP, SLOPE, STIFFNESS};
 
 /// Keys of the springs and dampers of teeth.
 const TOOTH_STIFFNESS: &str = "tooth_stiffness_n_per_m";
@@ -25,6 +25,8 @@ pub fn undetermined(estimate: &Estimate, chosen: &Chosen, data: &[DataSet]) -> V
             "they act in series, only the sum of their compliances is determined"
         } else if clock && has(GAP) {
             "both shift the force in time alike"
+        } else if has(SLOPE) || has(CURVATURE) {
+            "the flanks touch on too little of the path, or on too much of it at once"
         } else if members.len() > 1 {
             "the data determine only a combination of them"
         } else if at_rest && !has(STIFFNESS) && !has(TOOTH_STIFFNESS) {

@@ -8,6 +8,7 @@
 //! | `run` | the model on the data, and the record of the fit |
 //! | `explain` | what cannot be told apart, in words |
 //! | [`write`] | the calibration file |
+//! | `into_scene` | constants in the scene file itself |
 //!
 //! Residuals are the differences of the contact force on the data's own times over the size of the data, so that the fit
 //! minimises the relative L2 error that reports show, and of the static compliance over a mesh cycle likewise. Several
@@ -18,6 +19,9 @@
 //! | `rigid` | stiffness of a tooth pair per width, gap |
 //! | `movable-teeth` | stiffness of a tooth pair per width, tooth stiffness, tooth mass, gap |
 //!
+//! On request also dampers, the course of the stiffness along the path of contact as a parabola, and constants of single
+//! gears in the place of what all have (`pinion.tooth_mass_kg`), see `parameters`.
+//!
 //! The gap is the touch time: a faceted finite-element flank touches later than the exact involute. Where the clock of
 //! data is not that of the scene its offset can be fitted in the place of the gap.
 //!
@@ -27,11 +31,16 @@
 
 pub(crate) mod arguments;
 pub(crate) mod command;
+#[cfg(test)]
+mod course_tests;
 pub mod estimate;
 mod explain;
+mod into_scene;
 mod parameters;
 mod plan;
 mod run;
+#[cfg(test)]
+mod sensitivity_tests;
 mod summary;
 #[cfg(test)]
 mod tests;

@@ -5,14 +5,19 @@
 //! | `stiffness_n_per_m2` | contact: stiffness of a tooth pair per face width | logarithm |
 //! | `damping_ns_per_m` | contact: linear dashpot of Kelvin and Voigt | linear, at least 0 |
 //! | `gap_m` | gap at the start, which is the touch time of an impact | linear, at least 0 |
+//! | `path_slope`, `path_curvature` | contact: course of that stiffness along the path of contact | linear |
 //! | `clock_s` | offset of the clock of a history, one per history, never written | linear |
 //! | any positive parameter of the gear model | gears that take the model | logarithm; dampers linear |
+//! | `GEAR.` and such a parameter | that gear alone | likewise |
 
 use super::estimate::coordinates::{Coordinate, Scale};
 use super::plan::{Data, DataSet, IdentifyError};
-use crate::scene_file::calibration::{Constants, DAMPING, GAP, STIFFNESS};
+use crate::scene_file::calibration::{
+    CURVATURE, Constants, DAMPING, GAP, SLOPE, STIFFNESS, of_gear,
+};
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::spec::{Modelling, SceneSpec, Value};
+use gearbench_models::stiffness::PairStiffness;
 use std::f64::consts::PI;
 
 /// Key of the offset of a clock.
@@ -23,6 +28,8 @@ const PAIR: f64 = 1.5e10;
 const LEAST_GAP: f64 = 1e-7;
 /// Damping of a contact and of a tooth to start from [N s/m].
 const DAMPER: f64 = 50.0;
+/// Typical slope and curvature of a stiffness along the path: norms give a parabola that falls by about so much.
+const COURSE: f64 = 0.3;
 /// Typical offset of a clock over the duration of the data.
 const OFFSET: f64 = 0.02;
 /// Ratio by which further starting points differ from the model's, either way.
@@ -63,6 +70,8 @@ pub struct Chosen {
     pub coordinates: Vec<Coordinate>,
     /// Those that are fitted; the others are held at their start.
     pub free: Vec<bool>,
+    /// What the others are held at, with all digits.
+    pub held: Vec<Option<f64>>,
     /// Starting points in coordinates.
     pub starts: Vec<Vec<f64>>,
 }
@@ -92,7 +101,12 @@ impl Parameter {
                 STIFFNESS => "contact stiffness".into(),
                 DAMPING => "contact damping".into(),
                 GAP => "gap at the start".into(),
-                other => words(other).0,
+                SLOPE => "stiffness slope along the path".into(),
+                CURVATURE => "stiffness curvature along the path".into(),
+                other => match of_gear(other) {
+                    (Some(gear), key) => format!("{} of {gear}", words(key).0),
+                    (None, key) => words(key).0,
+                },
             },
         }
     }
@@ -128,12 +142,15 @@ fn words(key: &str) -> (String, &'static str) {
     (stem.replace('_', " "), unit)
 }
 
+/// How many of [`keys`] are of the scene; the others are of the model of a gear.
+const OF_SCENE: usize = 6;
+
 /// The keys that can be fitted in a model.
 fn keys(model: &Model) -> Vec<&'static str> {
     let own = model.parameters.iter().map(|p| p.key);
     let known = model.properties.fit.map_or(&[][..], |f| f.parameters);
     let dampers = own.filter(|k| k.ends_with("_ns_per_m"));
-    let mut all = vec![STIFFNESS, DAMPING, GAP, CLOCK];
+    let mut all = vec![STIFFNESS, DAMPING, GAP, SLOPE, CURVATURE, CLOCK];
     all.extend(known);
     all.extend(dampers);
     all
@@ -146,6 +163,7 @@ fn coordinate(key: &str, spec: &SceneSpec, duration: f64) -> Coordinate {
             (Scale::Linear(gap.max(LEAST_GAP)), [0.0, f64::INFINITY])
         }
         CLOCK => (Scale::Linear(OFFSET * duration), [-duration, duration]),
+        SLOPE | CURVATURE => (Scale::Linear(COURSE), [f64::NEG_INFINITY, f64::INFINITY]),
         k if k.ends_with("_ns_per_m") => (Scale::Linear(DAMPER), [0.0, f64::INFINITY]),
         _ => (Scale::Logarithm, [0.0, f64::INFINITY]),
     };
@@ -189,18 +207,28 @@ pub fn choose(
             wanted.push(key.clone());
         }
     }
-    let possible = keys(model);
     let named = [&wishes.held, &wishes.starts];
     let named = (named.into_iter().flatten().map(|(k, _)| k))
         .chain(wishes.bounds.iter().map(|(k, _)| k))
         .chain(&wanted);
     for key in named {
-        if !possible.contains(&key.as_str()) {
-            return Err(IdentifyError::Key(key.clone(), id.into(), possible));
-        }
+        check(key, model, (spec, modelling, models))?;
     }
-    let gear = (spec.gears.iter().zip(&modelling.gears)).find(|(_, m)| m.id == id);
-    let of_model = gear.map_or_else(Vec::new, |(gear, _)| (recipe.starts)(PAIR, gear));
+    let course = |key: &String| key == SLOPE || key == CURVATURE;
+    if let Some(key) = wanted.iter().find(|key| course(key))
+        && !wanted.iter().any(|key| key == STIFFNESS)
+        && present(STIFFNESS, spec, modelling, id).is_none()
+    {
+        return Err(IdentifyError::Course(key.clone()));
+    }
+    // Where gears start: the first that takes the model for all, each for itself.
+    let starts_of = |name: Option<&str>| {
+        let takes = (spec.gears.iter().zip(&modelling.gears)).filter(|(_, m)| m.id == id);
+        let mut takes = takes.map(|(gear, _)| gear);
+        let gear = takes.find(|gear| name.is_none_or(|name| name == gear.name));
+        gear.map_or_else(Vec::new, |gear| (recipe.starts)(PAIR, gear))
+    };
+    let count = starts_of(None).len();
 
     let mut chosen = Chosen::default();
     let mut columns: Vec<Vec<f64>> = Vec::new();
@@ -212,7 +240,9 @@ pub fn choose(
         if let Some((_, bounds)) = wishes.bounds.iter().find(|(k, _)| k == key) {
             coordinate.bounds = *bounds;
         }
-        let place = recipe.parameters.iter().position(|k| k == key);
+        let (of, own_key) = of_gear(key);
+        let of_model = starts_of(of);
+        let place = recipe.parameters.iter().position(|k| *k == own_key);
         let present = present(key, spec, modelling, id);
         // Springs and masses start as the model says, all else as the scene has it.
         let start = |i: usize| {
@@ -225,11 +255,12 @@ pub fn choose(
                     }
                     (_, Some(place)) => of.parameters.get(place).copied(),
                     (CLOCK, _) => Some(0.0),
+                    (SLOPE | CURVATURE, _) => present.or(Some(0.0)),
                     _ => present.or(Some(DAMPER)),
                 }
             })
         };
-        let column: Vec<f64> = (0..of_model.len()).filter_map(start).collect();
+        let column: Vec<f64> = (0..count).filter_map(start).collect();
         let fits = |x: &f64| match coordinate.scale {
             Scale::Logarithm => *x > 0.0 && x.is_finite(),
             Scale::Linear(_) => x.is_finite(),
@@ -245,10 +276,11 @@ pub fn choose(
             chosen.parameters.push(parameter);
             chosen.coordinates.push(coordinate);
             chosen.free.push(held.is_none());
+            chosen.held.push(held);
             columns.push(column.clone());
         }
     }
-    chosen.starts = (0..of_model.len())
+    chosen.starts = (0..count)
         .map(|i| {
             (columns.iter().zip(&chosen.coordinates))
                 .map(|(column, c)| c.clamp(c.of(column[i])))
@@ -260,13 +292,77 @@ pub fn choose(
     Ok(chosen)
 }
 
+/// Refuses a key that cannot be fitted.
+fn check(
+    key: &str,
+    model: &Model,
+    (spec, modelling, models): (&SceneSpec, &Modelling, &[Model]),
+) -> Result<(), IdentifyError> {
+    let possible = keys(model);
+    let of_model = &possible[OF_SCENE..];
+    let (Some(gear), own) = of_gear(key) else {
+        if !possible.contains(&key) {
+            return Err(IdentifyError::Key(key.into(), model.id.into(), possible));
+        }
+        let course = key == SLOPE || key == CURVATURE;
+        return match course && !has_path(spec, modelling, models) {
+            true => Err(IdentifyError::NoPath(key.into())),
+            false => Ok(()),
+        };
+    };
+    let takes = (spec.gears.iter().zip(&modelling.gears)).filter(|(_, m)| m.id == model.id);
+    let takes: Vec<String> = takes.map(|(gear, _)| gear.name.clone()).collect();
+    if of_model.is_empty() {
+        return Err(IdentifyError::NothingOfGears(key.into(), model.id.into()));
+    }
+    if !takes.iter().any(|name| name == gear) {
+        return Err(IdentifyError::Gear(key.into(), model.id.into(), takes));
+    }
+    match of_model.contains(&own) {
+        true => Ok(()),
+        false => Err(IdentifyError::KeyOfGear(
+            key.into(),
+            own.into(),
+            of_model.to_vec(),
+        )),
+    }
+}
+
+/// Whether a contact is one of tooth pairs on the path of contact, and not of points of elastic flanks.
+fn has_path(spec: &SceneSpec, modelling: &Modelling, models: &[Model]) -> bool {
+    let mut meshes = spec.meshes.iter().zip(&modelling.contacts);
+    meshes.any(|(mesh, contact)| {
+        let elastic = |&gear: &usize| {
+            let of = properties_of(models, &modelling.gears[gear].id);
+            of.modes || of.full_order
+        };
+        contact.points.is_none() || !mesh.gears.iter().any(elastic)
+    })
+}
+
 /// What a scene has now.
 fn present(key: &str, spec: &SceneSpec, modelling: &Modelling, id: &str) -> Option<f64> {
     match key {
         GAP => Some(spec.meshes.first()?.start.gap.max(LEAST_GAP)),
+        STIFFNESS | SLOPE | CURVATURE => {
+            let (k, along) = match modelling.contacts.first()?.stiffness {
+                PairStiffness::Constant { per_width, .. } => (per_width, [0.0; 2]),
+                PairStiffness::Parabola {
+                    per_width, along, ..
+                } => (per_width, along),
+                _ => return None,
+            };
+            Some(match key {
+                SLOPE => along[0],
+                CURVATURE => along[1],
+                _ => k,
+            })
+        }
         _ => {
-            let gear = modelling.gears.iter().find(|g| g.id == id)?;
-            match gear.parameters.get(key)? {
+            let (of, key) = of_gear(key);
+            let mut gears = modelling.gears.iter().zip(&spec.gears);
+            let gear = gears.find(|(g, s)| g.id == id && of.is_none_or(|of| of == s.name))?;
+            match gear.0.parameters.get(key)? {
                 Value::Number(x) => Some(*x),
                 _ => None,
             }

@@ -2,6 +2,7 @@
 
 use super::parameters::{Chosen, Wishes};
 use crate::experiment::journal::JournalError;
+use crate::experiment::key::Key;
 use crate::scene_file::calibration::Constants;
 use gearbench_integrators::StepError;
 use gearbench_models::error::BuildError;
@@ -21,6 +22,8 @@ pub struct DataSet {
     pub data: Data,
     /// Weight of the residuals, which are taken over the size of the data.
     pub weight: f64,
+    /// Weight of a residual where the data are greatest over that where they are nothing; it grows with their square.
+    pub peak_weight: f64,
     /// Its gap at the start over that of the scene, which is what is fitted [m].
     pub further_gap: f64,
 }
@@ -50,6 +53,7 @@ impl DataSet {
                 force: force.to_vec(),
             },
             weight: 1.0,
+            peak_weight: 1.0,
             further_gap: 0.0,
         }
     }
@@ -61,6 +65,7 @@ impl DataSet {
             spec: spec.clone(),
             data: Data::Statics(target),
             weight: 1.0,
+            peak_weight: 1.0,
             further_gap: 0.0,
         }
     }
@@ -82,6 +87,22 @@ impl DataSet {
             }
             Data::Statics(_) => 0.0,
         }
+    }
+
+    /// What its residuals are multiplied by: `w p_i/|p y|` with `p_i = 1 + (p - 1)(y_i/max y)^2`.
+    pub fn factors(&self) -> Vec<f64> {
+        let y = self.values();
+        let most = y.iter().fold(0.0_f64, |a, y| a.max(y.abs()));
+        let of = |y: &f64| 1.0 + (self.peak_weight - 1.0) * (y / most).powi(2);
+        let all: Vec<f64> = y.iter().map(of).collect();
+        let weighed: Vec<f64> = y.iter().zip(&all).map(|(y, p)| y * p).collect();
+        let over = self.weight / size(&weighed);
+        all.iter().map(|p| over * p).collect()
+    }
+
+    /// A key to what they say: the same for the same numbers.
+    pub fn key(&self) -> Key {
+        Key::new("data").and(&self.data)
     }
 
     /// Root of the sum of the squared values.
@@ -151,6 +172,8 @@ pub struct Identification {
     pub all: Constants,
     /// The parameters.
     pub chosen: Chosen,
+    /// Names of the data that were fitted, each with a key to what they say.
+    pub data: Vec<(String, Key)>,
 }
 
 impl Identification {
@@ -179,6 +202,25 @@ pub enum IdentifyError {
     /// A key is none that can be fitted.
     #[error("`{0}` cannot be fitted for the model `{1}`; there are {known}", known = .2.join(", "))]
     Key(String, String, Vec<&'static str>),
+    /// The contact has no stiffness along a path.
+    #[error(
+        "`{0}` cannot be fitted: the contacts of this model are points of flanks, which have a penalty and no stiffness along the path of contact"
+    )]
+    NoPath(String),
+    /// The course of a stiffness that is not known.
+    #[error(
+        "`{0}` cannot be fitted alone: it is the course of a stiffness that is not \"constant\" or \"parabola\" so far; fit or hold `stiffness_n_per_m2` with it"
+    )]
+    Course(String),
+    /// A constant of one gear, of a model whose gears have none.
+    #[error("`{0}` cannot be fitted: gears of the model `{1}` have no constants of their own")]
+    NothingOfGears(String, String),
+    /// A constant of a gear that is none, or takes another model.
+    #[error("`{0}` cannot be fitted: it is not of a gear that takes the model `{1}`; there are {known}", known = .2.join(", "))]
+    Gear(String, String, Vec<String>),
+    /// A key that no gear has.
+    #[error("`{0}` cannot be fitted: `{1}` is no constant of a gear; there are {known}", known = .2.join(", "))]
+    KeyOfGear(String, String, Vec<&'static str>),
     /// A value cannot be one of the parameter.
     #[error("`{0}` cannot be {1:e}")]
     Value(String, f64),
@@ -202,9 +244,28 @@ pub enum IdentifyError {
     Failed(String),
 }
 
+impl IdentifyError {
+    /// Whether something was asked for that the model cannot do.
+    pub fn is_of_wishes(&self) -> bool {
+        use IdentifyError::{Course, Gear, Key, KeyOfGear, Model, NoPath, NothingOfGears, Value};
+        matches!(
+            self,
+            Model(..)
+                | Key(..)
+                | Value(..)
+                | NoPath(..)
+                | Course(..)
+                | NothingOfGears(..)
+                | Gear(..)
+                | KeyOfGear(..)
+        )
+    }
+}
+
 /// Puts constants into a scene and its models, as a calibration with them would be.
 pub fn apply(constants: &Constants, model: &str, spec: &mut SceneSpec, modelling: &mut Modelling) {
-    constants.apply(model, modelling);
+    let names: Vec<&str> = spec.gears.iter().map(|g| g.name.as_str()).collect();
+    constants.apply(model, &names, modelling);
     if let Some(gap) = constants.gap {
         for m in &mut spec.meshes {
             m.start.gap = gap;
@@ -231,7 +292,7 @@ mod tests {
         let (mut fitted, mut spec) = (modelling.clone(), scene.spec.clone());
         let values = Constants::of([(STIFFNESS, 2e10), (GAP, 3e-6)]);
         apply(&values, "rigid", &mut spec, &mut fitted);
-        values.apply("rigid", &mut modelling);
+        values.apply("rigid", &["pinion", "wheel"], &mut modelling);
         let expected = PairStiffness::Constant {
             per_width: 2e10,
             of: PairOrMesh::Mesh,

@@ -82,6 +82,7 @@ pub fn identify(
     };
     let scene = (&first.spec, &plan.modelling, plan.models);
     let chosen = choose(scene, &plan.data, &plan.wishes)?;
+    let factors: Vec<Vec<f64>> = plan.data.iter().map(DataSet::factors).collect();
     let mut count = 0;
     let mut why = String::new();
     let mut residuals = |z: &[f64]| -> Option<Vec<f64>> {
@@ -93,9 +94,8 @@ pub fn identify(
             let found = trial(plan, set, &constants, clock, runner);
             match found {
                 Ok(found) => {
-                    let over = set.weight / set.size();
-                    let pairs = found.iter().zip(set.values());
-                    all.extend(pairs.map(|(a, b)| over * (a - b)));
+                    let pairs = found.iter().zip(set.values()).zip(&factors[i]);
+                    all.extend(pairs.map(|((a, b), over)| over * (a - b)));
                 }
                 Err(e) => {
                     why = e.to_string();
@@ -117,7 +117,9 @@ pub fn identify(
     let Some(found) = estimate(&problem, &mut residuals) else {
         return Err(IdentifyError::Failed(why));
     };
-    let values: Vec<f64> = found.values.iter().map(|v| v.0).collect();
+    let values: Vec<f64> = (found.values.iter().zip(&chosen.held))
+        .map(|(value, held)| held.unwrap_or(value.0))
+        .collect();
     let all = chosen.constants(&values);
     let mut data = Vec::new();
     let clock = |i: usize| chosen.clock(&values, i);
@@ -138,6 +140,9 @@ pub fn identify(
         record: record(plan, &chosen, &found, data),
         all,
         chosen,
+        data: (plan.data.iter())
+            .map(|d| (d.name.clone(), d.key()))
+            .collect(),
     })
 }
 
@@ -212,6 +217,7 @@ fn record(
 ) -> FitRecord {
     let parameters = (chosen.parameters.iter().enumerate()).map(|(j, p)| {
         let (value, [low, high]) = found.values[j];
+        let value = chosen.held[j].unwrap_or(value);
         let outcome = if !chosen.free[j] {
             Outcome::Held
         } else if found.minimum.at_bound[j] {
@@ -252,8 +258,10 @@ fn record(
             quantile: profile.quantile,
         })
     });
-    let reached = found.starts.iter().flatten();
-    let agreed = reached.filter(|s| **s <= found.minimum.sum * (1.0 + SAME) + f64::MIN_POSITIVE);
+    // The deepest is gone down further than the others: what they reached is compared among them.
+    let reached = || found.starts.iter().flatten();
+    let least = reached().copied().fold(f64::INFINITY, f64::min);
+    let agreed = reached().filter(|s| **s <= least * (1.0 + SAME) + f64::MIN_POSITIVE);
     FitRecord {
         label: plan.label.clone(),
         parameters: parameters.collect(),

@@ -17,8 +17,10 @@ fn one(f: &FitRecord) {
     for d in &f.data {
         say(&format!("  {}", data(d)));
     }
+    let widest = f.parameters.iter().map(|p| p.name.chars().count()).max();
+    let widest = widest.unwrap_or(0);
     for p in &f.parameters {
-        say(&format!("  {:<26} {}", p.key, told(p)));
+        say(&format!("  {:<widest$}  {}  {}", p.name, told(p), p.key));
     }
     for text in &f.undetermined {
         say(&format!("  {text}"));

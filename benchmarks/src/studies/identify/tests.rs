@@ -20,7 +20,7 @@ const TRUTH: [(&str, f64); 4] = [
 ];
 
 /// The shipped impact with its own constants, without data so far.
-fn plan(label: &str) -> (FitPlan<'static>, gearbench_models::spec::SceneSpec) {
+pub(super) fn plan(label: &str) -> (FitPlan<'static>, gearbench_models::spec::SceneSpec) {
     let scene = load_for("spur_impact", Selection::Labels(Some(label))).unwrap();
     let choice = scene.model(label).unwrap();
     let plan = FitPlan {
@@ -35,7 +35,7 @@ fn plan(label: &str) -> (FitPlan<'static>, gearbench_models::spec::SceneSpec) {
 }
 
 /// Data that the model itself makes with constants, with some noise over the root mean square.
-fn made(plan: &FitPlan<'_>, mut set: DataSet, truth: &Constants, noise: f64) -> DataSet {
+pub(super) fn made(plan: &FitPlan<'_>, mut set: DataSet, truth: &Constants, noise: f64) -> DataSet {
     let values = modelled(plan, &set, truth, 0.0).unwrap();
     let rms = plan::size(&values) / (values.len() as f64).sqrt();
     let mut random = estimate::tests::Draws::new(7);
@@ -50,7 +50,7 @@ fn made(plan: &FitPlan<'_>, mut set: DataSet, truth: &Constants, noise: f64) -> 
 }
 
 /// An impact at a speed of the first gear.
-fn impact(spec: &gearbench_models::spec::SceneSpec, speed: f64, name: &str) -> DataSet {
+pub(super) fn impact(spec: &gearbench_models::spec::SceneSpec, speed: f64, name: &str) -> DataSet {
     let mut spec = spec.clone();
     spec.gears[0].speed = speed;
     let time = even(200, 1.4e-4);
@@ -66,15 +66,15 @@ fn at_rest(spec: &gearbench_models::spec::SceneSpec) -> DataSet {
     DataSet::statics("at rest", spec, target)
 }
 
-fn keys(all: &[&str]) -> Option<Vec<String>> {
+pub(super) fn keys(all: &[&str]) -> Option<Vec<String>> {
     Some(all.iter().map(|k| (*k).to_owned()).collect())
 }
 
-fn fitted(plan: &FitPlan<'_>) -> Identification {
+pub(super) fn fitted(plan: &FitPlan<'_>) -> Identification {
     identify(plan, &Runner::default(), |_, _| {}).unwrap()
 }
 
-fn outcomes(found: &Identification) -> Vec<Outcome> {
+pub(super) fn outcomes(found: &Identification) -> Vec<Outcome> {
     found.record.parameters.iter().map(|p| p.outcome).collect()
 }
 

@@ -7,7 +7,7 @@ use super::plan::Identification;
 use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
 use crate::experiment::machine;
-use crate::scene_file::calibration::{Constants, FittedTo};
+use crate::scene_file::calibration::{Constants, FittedTo, of_gear};
 use crate::scene_file::{Calibration, SceneFile};
 use gearbench_reports::identify::{FitRecord, Outcome};
 use std::fmt::Display;
@@ -77,18 +77,42 @@ fn written(
         }
         let all = constants.by_key();
         if let Some(table) = label.as_table_mut() {
-            table.retain(|key, _| all.iter().any(|(k, _)| k == key));
+            let of =
+                |gear: Option<&str>, key: &str| all.iter().any(|(k, _)| of_gear(k) == (gear, key));
+            table.retain(|key, item| match item.as_table_like_mut() {
+                Some(own) => {
+                    let keys: Vec<String> = own.iter().map(|(k, _)| k.to_owned()).collect();
+                    (keys.iter().filter(|k| !of(Some(key), k))).for_each(|k| {
+                        own.remove(k);
+                    });
+                    !own.is_empty()
+                }
+                None => of(None, key),
+            });
         }
-        for (key, x) in all {
+        for (key, x) in &all {
+            let (gear, key) = of_gear(key);
+            let label = match gear {
+                None => &mut *label,
+                Some(gear) => {
+                    let own = &mut label[gear];
+                    if !own.is_table_like() {
+                        let mut table = Table::new();
+                        table.set_dotted(true);
+                        *own = Item::Table(table);
+                    }
+                    own
+                }
+            };
             let decor = label
-                .get(&key)
+                .get(key)
                 .and_then(|i| Some(i.as_value()?.decor().clone()));
             // Written with all digits, as a power of ten.
             let mut value: Value = format!("{x:e}").parse()?;
             if let Some(decor) = decor {
                 *value.decor_mut() = decor;
             }
-            label[&key] = Item::Value(value);
+            label[key] = Item::Value(value);
         }
     }
     let tag = format!("# {}:", to.as_str());
@@ -103,8 +127,13 @@ fn written(
     Ok(format!("{}\n\n{}\n", head.join("\n"), body.trim()))
 }
 
-/// Errors and intervals of a fit in a line.
+/// A fit in a line, its model first.
 fn told(record: &FitRecord) -> String {
+    format!("{}: {}", record.label, told_of(record))
+}
+
+/// Errors and intervals of a fit in a line.
+pub(super) fn told_of(record: &FitRecord) -> String {
     let errors = record.data.iter().map(|d| {
         let held = if d.validation { ", not fitted" } else { "" };
         format!("{:.4} ({} of {}{held})", d.l2, d.kind, d.name)
@@ -117,8 +146,7 @@ fn told(record: &FitRecord) -> String {
         other => format!("{} {other}", p.key),
     });
     format!(
-        "{}: relative L2 errors {}; 95 % intervals: {}",
-        record.label,
+        "relative L2 errors {}; 95 % intervals: {}",
         errors.collect::<Vec<_>>().join(", "),
         intervals.collect::<Vec<_>>().join(", ")
     )
@@ -132,7 +160,7 @@ mod tests {
     #[test]
     fn other_calibrations_and_comments_stay() {
         let before = "# impact: written long ago\n# static: older\n\n[impact.rigid]\n# measured\n\
-                      stiffness_n_per_m2 = 1e10 # here\ngap_m = 1e-6\n\n[static.rigid]\nstiffness_n_per_m2 = 2e10\n";
+                      stiffness_n_per_m2 = 1e10 # here\ngap_m = 1e-6\npinion.tooth_mass_kg = 3 # weighed\npinion.tooth_damping_ns_per_m = 3\n\n[static.rigid]\nstiffness_n_per_m2 = 2e10\n";
         let record = FitRecord {
             label: "odd \"label\" é".into(),
             ..FitRecord::default()
@@ -141,7 +169,12 @@ mod tests {
             label: "rigid".into(),
             ..FitRecord::default()
         };
-        let constants = Constants::of([(STIFFNESS, 1.0 / 3.0 * 1e10), (GAP, 2e-6)]);
+        let constants = Constants::of([
+            (STIFFNESS, 1.0 / 3.0 * 1e10),
+            (GAP, 2e-6),
+            ("pinion.tooth_mass_kg", 1e-3),
+            ("pinion.tooth_stiffness_n_per_m", 5e8),
+        ]);
         let sets = [(&rigid, constants.clone()), (&record, constants.clone())];
         let text = written(before, FittedTo::Impact, &["by hand".into()], &sets).unwrap();
         assert!(text.starts_with("# static: older\n# impact: by hand\n# impact: rigid:"));
@@ -149,7 +182,11 @@ mod tests {
             text.contains("# measured\n") && text.contains("# here\n"),
             "{text}"
         );
-        assert!(!text.contains("long ago"));
+        assert!(
+            text.contains("pinion.tooth_mass_kg = 1e-3 # weighed\n"),
+            "{text}"
+        );
+        assert!(!text.contains("long ago") && !text.contains("damping"));
         let read = Calibration::parse("x.toml", &text).unwrap();
         assert_eq!(read.get("impact", "rigid"), Some(&constants));
         assert_eq!(read.get("impact", &record.label), Some(&constants));

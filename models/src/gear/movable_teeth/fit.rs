@@ -10,23 +10,14 @@ pub const FIT: Fit = Fit {
     starts,
 };
 
-/// Mass of a rack's tooth to start from [kg].
-const RACK_TOOTH: f64 = 5e-3;
-
 /// Several splits of the compliance of a pair between contact and teeth, `1/pair = 1/contact + 2/tooth`, because the sum
 /// of squares has more than one valley; a tooth is roughly a bar of half a pitch by 2.25 modules.
 fn starts(pair: f64, gear: &GearSpec) -> Vec<Start> {
-    let (width, tooth_mass) = match &gear.body {
-        Body::Gear(g) => {
-            let m = g.params().module;
-            let area = 0.5 * PI * m * 2.25 * m;
-            (
-                g.face_width(),
-                gear.material.density * area * g.face_width(),
-            )
-        }
-        Body::Rack(rack) => (rack.face_width(), RACK_TOOTH),
+    let (width, m) = match &gear.body {
+        Body::Gear(g) => (g.face_width(), g.params().module),
+        Body::Rack(rack) => (rack.face_width(), rack.params().module),
     };
+    let tooth_mass = gear.material.density * 0.5 * PI * m * 2.25 * m * width;
     let mut all = Vec::new();
     for share in [0.35, 0.6] {
         for mass in [0.7, 1.4] {

@@ -109,7 +109,7 @@ fn profiles(fits: &[FitRecord]) -> Result<Option<Chart>, DrawError> {
                 continue;
             }
             panels.push(Panel {
-                x_name: Some(p.key.clone()),
+                x_name: Some(f.axis_name(&p.key)),
                 limits: vec![(p.quantile, "95 %".into())],
                 ..Panel::new(130.0, &Axis::padded(low, high, 0.02), "deviation")
                     .remark(f.label.clone())

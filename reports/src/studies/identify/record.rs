@@ -163,6 +163,15 @@ pub struct ProfileRecord {
 }
 
 impl FitRecord {
+    /// What stands along the axis of a parameter: its name in words with its unit.
+    pub fn axis_name(&self, key: &str) -> String {
+        match self.parameters.iter().find(|p| p.key == key) {
+            Some(p) if p.unit.is_empty() => p.name.clone(),
+            Some(p) => format!("{} [{}]", p.name, p.unit),
+            None => key.to_owned(),
+        }
+    }
+
     /// Takes out what is not finite.
     pub fn keep_finite(&mut self) {
         let finite = |x: Option<f64>| x.filter(|x| x.is_finite());

@@ -4,6 +4,14 @@
 //! a bound is held while the gradient points outwards. `J` comes from central differences, at a bound from one side.
 //! D. W. Marquardt, *SIAM J. Appl. Math.* 11 (1963) 431; C. T. Kelley, *Iterative Methods for Optimization*, SIAM 1999,
 //! ch. 5 (projected steps). A fit ends by its work, never by a clock.
+//!
+//! **Why differences.** Where contact is elastic the force is continuous when flanks touch and part, so that the sensitivity
+//! of the motion passes through these events without a jump, and differences converge as they would without events. Held
+//! against the exact sensitivities of one oscillator (`sensitivity_tests`: closed form, times of touch and release included)
+//! their error is below 2e-5 of a column, and moves an estimate by less than a fiftieth of its standard error. Exact ones
+//! through every segment would cost a run for each parameter in the place of two: of the fits of `spur_impact`, 42 and 1795
+//! trials in 0.1 and 3.9 s of one processor, half at most, beside the minutes to hours of the finite elements that are
+//! fitted. Nothing is gained where so little is spent.
 
 use super::coordinates::Coordinate;
 use nalgebra::{DMatrix, DVector};

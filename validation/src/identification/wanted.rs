@@ -1,0 +1,83 @@
+//! Which constants are fitted to finite elements.
+
+use gearbench::scene_file::SceneFile;
+
+/// What is fitted.
+pub struct Wanted {
+    /// Name.
+    pub name: &'static str,
+    /// Id of the model.
+    pub model: &'static str,
+    /// Keys, those of the model where there are none; `*.` stands for each gear.
+    pub keys: Option<&'static [&'static str]>,
+    /// Keys that are held.
+    pub held: &'static [(&'static str, f64)],
+}
+
+const K: &str = "stiffness_n_per_m2";
+const TOOTH: &str = "tooth_stiffness_n_per_m";
+const MASS: &str = "tooth_mass_kg";
+const DAMPER: &str = "tooth_damping_ns_per_m";
+const CONTACT_DAMPER: &str = "damping_ns_per_m";
+const SLOPE: &str = "path_slope";
+const GAP: &str = "gap_m";
+
+/// The fits of a scene. Where the data do not tell how much a contact damps it is held at what fits start from.
+pub const WANTED: &[Wanted] = &[
+    of("rigid", "rigid", None),
+    of("rigid, along the path", "rigid", Some(&[K, SLOPE, GAP])),
+    of("movable teeth", TEETH, None),
+    of(
+        "movable teeth, damped",
+        TEETH,
+        Some(&[K, TOOTH, MASS, DAMPER, GAP]),
+    ),
+    of(
+        "movable teeth, each gear",
+        TEETH,
+        Some(&[K, "*.tooth_stiffness_n_per_m", "*.tooth_mass_kg", GAP]),
+    ),
+    of(
+        "movable teeth, along the path",
+        TEETH,
+        Some(&[K, TOOTH, MASS, SLOPE, GAP]),
+    ),
+    of(
+        "movable teeth, along the path, damped contact",
+        TEETH,
+        Some(&[K, TOOTH, MASS, SLOPE, CONTACT_DAMPER, GAP]),
+    ),
+    Wanted {
+        held: &[(CONTACT_DAMPER, 50.0)],
+        ..of(
+            "movable teeth, along the path, contact damped by 50 N s/m",
+            TEETH,
+            Some(&[K, TOOTH, MASS, SLOPE, GAP]),
+        )
+    },
+];
+
+const TEETH: &str = "movable-teeth";
+
+const fn of(
+    name: &'static str,
+    model: &'static str,
+    keys: Option<&'static [&'static str]>,
+) -> Wanted {
+    Wanted {
+        name,
+        model,
+        keys,
+        held: &[],
+    }
+}
+
+/// A key, or that of each gear.
+pub fn of_gears(key: &str, scene: &SceneFile) -> Vec<String> {
+    match key.strip_prefix("*.") {
+        Some(key) => (scene.spec.gears.iter())
+            .map(|gear| format!("{}.{key}", gear.name))
+            .collect(),
+        None => vec![key.to_owned()],
+    }
+}
