@@ -27,7 +27,7 @@ fn run_of(folder: &Folder, record: &str) -> serde_json::Value {
 fn constants_go_into_the_scene_with_comments_kept() {
     let folder = Folder::new();
     let before = own(&folder);
-    let fit = "identify own.toml --model rigid --fit stiffness_n_per_m2,path_slope --hold gap_m=2.9e-6 --out fit";
+    let fit = "identify own.toml --model rigid --fit stiffness_n_per_m2 --hold gap_m=2.9e-6,path_slope=0.1 --out fit";
     let said = folder.says(&format!("{fit} --write=scene"));
     has(
         &said,

@@ -197,9 +197,9 @@ fn parameters(model: &mut dyn TableLike, scene: &SceneFile, w: &Written<'_>) -> 
         .collect();
     if !common.is_empty() {
         let table = inner(model, "parameters")?;
-        common
-            .iter()
-            .try_for_each(|(key, x)| Some(set(table, key, number(*x)?)))?;
+        for (key, x) in &common {
+            set(table, key, number(*x)?);
+        }
         tidy(model, "parameters");
     }
     let given = model.get("parameters").cloned();
