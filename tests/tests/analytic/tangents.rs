@@ -190,7 +190,7 @@ fn tangent_is_the_derivative_of_the_force() {
             }
         }
     }
-    assert_eq!(cases, 6 * 3 * 9 * 2 * 2);
+    assert_eq!(cases, 6 * 4 * 9 * 2 * 2);
 }
 
 /// Two pairs that bend one body, on the path and with the edge of a tip before it: the tangent is complete, and the Newton

@@ -193,7 +193,7 @@ fn the_ledger_closes_with_varying_stiffness() {
         },
         PairStiffness::Parabola {
             per_width: 1.4e10,
-            along: [0.6, -0.2],
+            along: [0.2, -0.2],
             of: PairOrMesh::Pair,
         },
     ];
