@@ -1,8 +1,9 @@
 //! What the data do not tell apart, in words.
 
+use super::chosen::Chosen;
 use super::estimate::Estimate;
 use super::estimate::identifiable::Weak;
-use super::parameters::{Chosen, Parameter};
+use super::parameters::Parameter;
 use super::plan::{Data, DataSet};
 use crate::scene_file::calibration::{CURVATURE, DAMPING, GAP, SLOPE, STIFFNESS};
 

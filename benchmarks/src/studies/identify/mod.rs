@@ -30,6 +30,7 @@
 //! all that they tell), or both at once.
 
 pub(crate) mod arguments;
+mod chosen;
 pub(crate) mod command;
 #[cfg(test)]
 mod course_tests;
@@ -46,6 +47,7 @@ mod summary;
 mod tests;
 mod write;
 
-pub use parameters::{CLOCK, Chosen, Parameter, Wishes};
+pub use chosen::Chosen;
+pub use parameters::{CLOCK, Parameter, Wishes};
 pub use plan::{Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply};
 pub use run::{identify, modelled};

@@ -10,15 +10,13 @@
 //! | any positive parameter of the gear model | gears that take the model | logarithm; dampers linear |
 //! | `GEAR.` and such a parameter | that gear alone | likewise |
 
+use super::chosen::Chosen;
 use super::estimate::coordinates::{Coordinate, Scale};
 use super::plan::{Data, DataSet, IdentifyError};
-use crate::scene_file::calibration::{
-    CURVATURE, Constants, DAMPING, GAP, SLOPE, STIFFNESS, of_gear,
-};
+use crate::scene_file::calibration::{CURVATURE, DAMPING, GAP, SLOPE, STIFFNESS, of_gear};
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::spec::{Modelling, SceneSpec, Value};
 use gearbench_models::stiffness::PairStiffness;
-use std::f64::consts::PI;
 
 /// Key of the offset of a clock.
 pub const CLOCK: &str = "clock_s";
@@ -32,8 +30,6 @@ const DAMPER: f64 = 50.0;
 const COURSE: f64 = 0.3;
 /// Typical offset of a clock over the duration of the data.
 const OFFSET: f64 = 0.02;
-/// Ratio by which further starting points differ from the model's, either way.
-const SCATTER: f64 = 2.0;
 
 /// A parameter of a fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,21 +55,6 @@ pub struct Wishes {
     pub scattered: usize,
     /// Profiles of all parameters.
     pub profiles: bool,
-}
-
-/// The parameters of a fit.
-#[derive(Clone, Debug, Default)]
-pub struct Chosen {
-    /// Which.
-    pub parameters: Vec<Parameter>,
-    /// Their coordinates.
-    pub coordinates: Vec<Coordinate>,
-    /// Those that are fitted; the others are held at their start.
-    pub free: Vec<bool>,
-    /// What the others are held at, with all digits.
-    pub held: Vec<Option<f64>>,
-    /// Starting points in coordinates.
-    pub starts: Vec<Vec<f64>>,
 }
 
 impl Parameter {
@@ -367,43 +348,5 @@ fn present(key: &str, spec: &SceneSpec, modelling: &Modelling, id: &str) -> Opti
                 _ => None,
             }
         }
-    }
-}
-
-impl Chosen {
-    /// Adds starting points about the first, over even places of a cube that an irrational step fills (a Kronecker
-    /// sequence of `sqrt` of primes): the same each time, whatever the machine.
-    fn scatter(&mut self, count: usize) {
-        let Some(first) = self.starts.first().cloned() else {
-            return;
-        };
-        for n in 1..=count {
-            let point = first.iter().enumerate().map(|(j, z)| {
-                if !self.free[j] {
-                    return *z;
-                }
-                let step = (2.0 + PI * j as f64).sqrt().fract();
-                let place = (0.5 + step * n as f64).fract();
-                self.coordinates[j].clamp(z + (2.0 * place - 1.0) * SCATTER.ln())
-            });
-            let point = point.collect();
-            self.starts.push(point);
-        }
-    }
-
-    /// Values at coordinates as constants of a calibration; offsets of clocks are none.
-    pub fn constants(&self, values: &[f64]) -> Constants {
-        let named = self.parameters.iter().zip(values);
-        Constants::of(named.filter_map(|(p, &x)| match p {
-            Parameter::Constant(key) => Some((key.as_str(), x)),
-            Parameter::Clock(_) => None,
-        }))
-    }
-
-    /// Offset of the clock of a data set [s].
-    pub fn clock(&self, values: &[f64], set: usize) -> f64 {
-        let of = |p: &Parameter| *p == Parameter::Clock(set);
-        let place = self.parameters.iter().position(of);
-        place.and_then(|i| values.get(i)).copied().unwrap_or(0.0)
     }
 }

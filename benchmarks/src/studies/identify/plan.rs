@@ -1,6 +1,7 @@
 //! What is identified from what.
 
-use super::parameters::{Chosen, Wishes};
+use super::chosen::Chosen;
+use super::parameters::Wishes;
 use crate::experiment::journal::JournalError;
 use crate::experiment::key::Key;
 use crate::scene_file::calibration::Constants;

@@ -1,8 +1,9 @@
 //! The fit of a model to its data.
 
+use super::chosen::Chosen;
 use super::estimate::{Estimate, Problem, estimate};
 use super::explain::undetermined;
-use super::parameters::{Chosen, choose};
+use super::parameters::choose;
 use super::plan::{
     Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply, size,
 };
@@ -112,6 +113,7 @@ pub fn identify(
         free: chosen.free.clone(),
         blocks: plan.data.iter().map(|d| d.values().len()).collect(),
         starts: chosen.starts.clone(),
+        courses: chosen.courses(),
         profiles: plan.wishes.profiles,
     };
     let Some(found) = estimate(&problem, &mut residuals) else {

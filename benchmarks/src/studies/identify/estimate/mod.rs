@@ -40,6 +40,8 @@ pub struct Problem {
     pub blocks: Vec<usize>,
     /// Starting points in coordinates.
     pub starts: Vec<Vec<f64>>,
+    /// Parameters that refine a model which is there without them, at zero: fits begin without them as well.
+    pub courses: Vec<bool>,
     /// Profiles of all parameters in place of those that need them.
     pub profiles: bool,
 }
@@ -84,6 +86,37 @@ impl Estimate {
     }
 }
 
+/// The least of all starts with the courses held at zero, if there are any.
+fn simplest(
+    problem: &Problem,
+    residuals: &mut Residuals<'_>,
+    evaluations: &mut u32,
+) -> Option<Vec<f64>> {
+    let courses: Vec<usize> = (0..problem.free.len())
+        .filter(|&j| problem.free[j] && problem.courses[j])
+        .collect();
+    if courses.is_empty() {
+        return None;
+    }
+    let mut free = problem.free.clone();
+    courses.iter().for_each(|&j| free[j] = false);
+    let mut best: Option<Minimum> = None;
+    for start in &problem.starts {
+        let mut start = start.clone();
+        for &j in &courses {
+            let c = &problem.coordinates[j];
+            start[j] = c.clamp(c.of(0.0));
+        }
+        let found = minimise(residuals, &problem.coordinates, &free, &start, Effort::SUM);
+        let Some(found) = found else { continue };
+        *evaluations += found.evaluations;
+        if best.as_ref().is_none_or(|b| found.sum < b.sum) {
+            best = Some(found);
+        }
+    }
+    best.map(|found| found.z)
+}
+
 /// Estimates; `None` where no start can be evaluated.
 pub fn estimate(problem: &Problem, residuals: &mut Residuals<'_>) -> Option<Estimate> {
     let Problem {
@@ -96,6 +129,15 @@ pub fn estimate(problem: &Problem, residuals: &mut Residuals<'_>) -> Option<Esti
         let found = minimise(residuals, coordinates, free, start, Effort::SUM);
         starts.push(found.as_ref().map(|m| m.sum));
         let Some(found) = found else { continue };
+        evaluations += found.evaluations;
+        if best.as_ref().is_none_or(|b| found.sum < b.sum) {
+            best = Some(found);
+        }
+    }
+    // What refines a model leads into valleys of its own: the best without it is a start too.
+    if let Some(simple) = simplest(problem, residuals, &mut evaluations)
+        && let Some(found) = minimise(residuals, coordinates, free, &simple, Effort::SUM)
+    {
         evaluations += found.evaluations;
         if best.as_ref().is_none_or(|b| found.sum < b.sum) {
             best = Some(found);

@@ -74,6 +74,7 @@ fn coverage(draws: usize, coefficients: &[f64]) -> [f64; 4] {
             blocks: vec![n],
             starts: vec![all.iter().zip(TRUTH).map(|(c, x)| c.of(x)).collect()],
             coordinates: all.clone(),
+            courses: vec![false; 4],
             profiles: false,
         };
         let mut residuals = |z: &[f64]| {

@@ -1,0 +1,69 @@
+//! The parameters that a fit has, and the points that it starts from.
+
+use super::estimate::coordinates::Coordinate;
+use super::parameters::Parameter;
+use crate::scene_file::calibration::{CURVATURE, Constants, SLOPE};
+use std::f64::consts::PI;
+
+/// Ratio by which further starting points differ from the model's, either way.
+const SCATTER: f64 = 2.0;
+
+/// The parameters of a fit.
+#[derive(Clone, Debug, Default)]
+pub struct Chosen {
+    /// Which.
+    pub parameters: Vec<Parameter>,
+    /// Their coordinates.
+    pub coordinates: Vec<Coordinate>,
+    /// Those that are fitted; the others are held at their start.
+    pub free: Vec<bool>,
+    /// What the others are held at, with all digits.
+    pub held: Vec<Option<f64>>,
+    /// Starting points in coordinates.
+    pub starts: Vec<Vec<f64>>,
+}
+
+impl Chosen {
+    /// Which parameters refine a model that there is without them: courses of a stiffness along the path.
+    pub fn courses(&self) -> Vec<bool> {
+        let is_course =
+            |p: &Parameter| matches!(p, Parameter::Constant(k) if k == SLOPE || k == CURVATURE);
+        self.parameters.iter().map(is_course).collect()
+    }
+
+    /// Adds starting points about the first, over even places of a cube that an irrational step fills (a Kronecker
+    /// sequence of `sqrt` of primes): the same each time, whatever the machine.
+    pub(super) fn scatter(&mut self, count: usize) {
+        let Some(first) = self.starts.first().cloned() else {
+            return;
+        };
+        for n in 1..=count {
+            let point = first.iter().enumerate().map(|(j, z)| {
+                if !self.free[j] {
+                    return *z;
+                }
+                let step = (2.0 + PI * j as f64).sqrt().fract();
+                let place = (0.5 + step * n as f64).fract();
+                self.coordinates[j].clamp(z + (2.0 * place - 1.0) * SCATTER.ln())
+            });
+            let point = point.collect();
+            self.starts.push(point);
+        }
+    }
+
+    /// Values at coordinates as constants of a calibration; offsets of clocks are none.
+    pub fn constants(&self, values: &[f64]) -> Constants {
+        let named = self.parameters.iter().zip(values);
+        Constants::of(named.filter_map(|(p, &x)| match p {
+            Parameter::Constant(key) => Some((key.as_str(), x)),
+            Parameter::Clock(_) => None,
+        }))
+    }
+
+    /// Offset of the clock of a data set [s].
+    pub fn clock(&self, values: &[f64], set: usize) -> f64 {
+        let of = |p: &Parameter| *p == Parameter::Clock(set);
+        let place = self.parameters.iter().position(of);
+        place.and_then(|i| values.get(i)).copied().unwrap_or(0.0)
+    }
+}
