@@ -34,6 +34,7 @@
 //! | `ring` | compliance of the body between teeth, bore and torsion of the disc included |
 //! | [`hertz`] | line contact |
 //! | [`pair`] | the series of all of them, as a table |
+//! | [`path`] | the path of contact, and the pairs along it in parallel |
 //! | [`curve`] | stiffness and coupling over the path, in constant time |
 
 pub mod curve;
@@ -43,6 +44,7 @@ pub mod hertz;
 pub mod iso6336;
 mod material;
 pub mod pair;
+pub mod path;
 mod ring;
 mod spline;
 pub mod tooth;
@@ -55,7 +57,8 @@ pub use foundation::{Foundation, RootLength};
 pub use hertz::Hertz;
 pub use iso6336::{Iso6336, IsoGear, IsoInput, IsoVariation, N_PER_MM_UM, iso6336};
 pub use material::Material;
-pub use pair::{ComplianceRow, Coupling, Path, compliance_table, load_shares, mesh_stiffness};
+pub use pair::{ComplianceRow, Coupling, compliance_table};
+pub use path::{Path, load_shares, mesh_stiffness};
 pub use spline::{Ends, Interpolation};
 pub use tooth::ToothModel;
 

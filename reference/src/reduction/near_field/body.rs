@@ -16,6 +16,7 @@
 //!
 //! At the tip a load has no half-space below it: that row takes the value of the one before, by the distance of rows.
 
+mod flamant;
 mod quadrature;
 
 use super::super::ReductionError;
@@ -27,6 +28,7 @@ use crate::recognise::Facet;
 use crate::recognise::tied::shape;
 use crate::solve::{Cholesky, SolveError};
 use faer::{Mat, Par};
+use flamant::Flamant;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::FlankGrid;
 use gearbench_models::stiffness::Material;
@@ -162,56 +164,6 @@ impl Rows {
         let others = [row.checked_sub(1), Some(row + 1)];
         let distance = |r: usize| Some((self.lines.get(r)?.0 - self.lines[row].0).norm());
         (others.into_iter().flatten().filter_map(distance)).fold(f64::MAX, f64::min)
-    }
-}
-
-/// Flamant's solution of an inward unit load per width at a row, over `A`.
-struct Flamant {
-    place: Vec3,
-    inward: Vec3,
-    along: Vec3,
-    poisson: f64,
-}
-
-impl Flamant {
-    fn new(&(place, normal): &(Vec3, Vec3), poisson: f64) -> Self {
-        Flamant {
-            place,
-            inward: -normal,
-            along: Vec3::z().cross(&normal),
-            poisson,
-        }
-    }
-
-    /// Depth and place along the surface of a point.
-    fn seen(&self, x: &Vec3) -> [f64; 2] {
-        let d = x - self.place;
-        [self.inward.dot(&d), self.along.dot(&d)]
-    }
-
-    fn distance(&self, x: &Vec3) -> f64 {
-        let [depth, along] = self.seen(x);
-        depth.hypot(along)
-    }
-
-    /// Displacement over `A`.
-    fn displacement(&self, x: &Vec3) -> Vec3 {
-        let [depth, along] = self.seen(x);
-        let (r, t) = (depth.hypot(along), along.atan2(depth));
-        let scale = 1.0 / (2.0 * (1.0 - self.poisson));
-        let c = scale * (1.0 - 2.0 * self.poisson);
-        let (sin, cos) = t.sin_cos();
-        (scale * cos * cos - r.ln()) * self.inward + (scale * sin * cos - c * t) * self.along
-    }
-
-    /// Traction on a face with an outward normal.
-    fn traction(&self, x: &Vec3, normal: &Vec3) -> Vec3 {
-        let [depth, along] = self.seen(x);
-        let squared = depth * depth + along * along;
-        let outwards = depth * self.inward + along * self.along;
-        let stress = -2.0 * depth / (PI * squared);
-        stress * (outwards.dot(normal) / squared * outwards)
-            + self.poisson * stress * normal.z * Vec3::z()
     }
 }
 
