@@ -50,6 +50,16 @@ pub fn weak(minimum: &Minimum, known: &Uncertainty) -> Vec<Weak> {
     let mut all: Vec<Weak> = empty.collect();
     let size = sizes(minimum, known);
     let p = size.len();
+    // Residuals that wander without bound leave no interval at all.
+    let open = (known.moving.iter()).filter(|&&j| !known.covariance[(j, j)].is_finite());
+    let alone = open.map(|&j| Weak {
+        direction: (0..p).map(|i| f64::from(u8::from(i == j))).collect(),
+        half: f64::INFINITY,
+    });
+    all.extend(alone);
+    if !known.covariance.iter().all(|c| c.is_finite()) {
+        return all;
+    }
     let scaled = DMatrix::from_fn(p, p, |i, j| known.covariance[(i, j)] / (size[i] * size[j]));
     let eigen = scaled.symmetric_eigen();
     // Quantiles differ little between parameters: the widest serves.
@@ -79,4 +89,41 @@ pub fn unknown(minimum: &Minimum, known: &Uncertainty, weak: &[Weak]) -> Vec<boo
             })
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DVector;
+
+    /// A variance without bound is no answer, and what it stands for is named.
+    #[test]
+    fn without_an_interval_there_is_no_answer() {
+        let minimum = Minimum {
+            z: vec![1.0, 2.0],
+            residuals: DVector::zeros(3),
+            jacobian: DMatrix::zeros(3, 2),
+            sum: 0.0,
+            evaluations: 1,
+            converged: true,
+            at_bound: vec![false; 2],
+        };
+        for (variance, weak_ones) in [(1e-4, 0), (f64::INFINITY, 2), (f64::NAN, 2)] {
+            let known = Uncertainty {
+                linear: vec![false; 2],
+                moving: vec![0, 1],
+                covariance: DMatrix::from_diagonal_element(2, 2, variance),
+                inverse: DMatrix::zeros(2, 2),
+                freedom: vec![f64::INFINITY; 2],
+                half: vec![2.0 * variance.sqrt(); 2],
+                noise: vec![None],
+                singular: vec![1.0; 2],
+                empty: vec![],
+            };
+            let weak = weak(&minimum, &known);
+            assert_eq!(weak.len(), weak_ones, "{variance}");
+            let unknown = unknown(&minimum, &known, &weak);
+            assert_eq!(unknown, [weak_ones > 0; 2], "{variance}");
+        }
+    }
 }

@@ -259,6 +259,7 @@ pub fn uncertainty(
     let half = (0..p)
         .map(|j| match covariance[(j, j)] {
             v if v > 0.0 => two_sided(level, freedom[j]) * v.sqrt(),
+            v if v.is_nan() => f64::INFINITY,
             _ => 0.0,
         })
         .collect();
