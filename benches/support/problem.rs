@@ -6,7 +6,7 @@ use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters, SceneSpec,
-    Start,
+    Start, UPRIGHT,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use std::f64::consts::PI;
@@ -90,7 +90,9 @@ impl Problem {
             material: Material::STEEL,
             added_inertia: 0.0,
             mount: Mount::Revolute,
-            position: [x, 0.0],
+            lateral: None,
+            axes: UPRIGHT,
+            position: [x, 0.0, 0.0],
             facing: 0.0,
             speed,
             loads: Vec::new(),

@@ -19,7 +19,7 @@ use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Passes, PointContact,
-    SceneSpec, Start, Value,
+    SceneSpec, Start, UPRIGHT, Value,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use gearbench_reference::MODELS;
@@ -151,7 +151,9 @@ fn run(mesh: &str, points: PointContact, folder: &Path) -> Result<Vec<f64>, Fail
         inertia: None,
         added_inertia: 0.0,
         mount: Mount::Revolute,
-        position: [i as f64 * 0.1001, 0.0],
+        lateral: None,
+        axes: UPRIGHT,
+        position: [i as f64 * 0.1001, 0.0, 0.0],
         facing: 0.0,
         speed: if i == 0 { 20.0 } else { 0.0 },
         loads: vec![],

@@ -195,12 +195,7 @@ pub(crate) fn brick(kind: ElementKind, cells: [usize; 3], size: [f64; 3]) -> Mes
 
 /// A hub away from the origin, with unit inertia.
 pub(crate) fn hub(mount: Mount, slide: Option<Vec3>) -> Hub {
-    Hub {
-        mount,
-        centre: Vec3::new(0.1, -0.2, 0.0),
-        slide,
-        inertia: 1.0,
-    }
+    Hub::new(mount, Vec3::new(0.1, -0.2, 0.0), slide, 1.0)
 }
 
 /// What a steel gear in no mesh is built from.

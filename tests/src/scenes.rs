@@ -6,7 +6,7 @@ use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, SceneSpec, Start,
+    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, SceneSpec, Start, UPRIGHT,
 };
 use gearbench_models::stiffness::{
     Foundation, Hertz, Material, PairOrMesh, PairStiffness, ToothModel,
@@ -32,7 +32,9 @@ pub fn gear(name: &str, params: GearParams, x: f64, speed: f64) -> GearSpec {
         inertia: None,
         added_inertia: 0.0,
         mount: Mount::Revolute,
-        position: [x, 0.0],
+        lateral: None,
+        axes: UPRIGHT,
+        position: [x, 0.0, 0.0],
         facing: 0.0,
         speed,
         loads: vec![],

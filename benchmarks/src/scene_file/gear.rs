@@ -3,15 +3,19 @@
 use super::deviations::{DeviationKeys, deviations};
 use super::error::SceneError;
 use super::geometry::geometry;
+use super::lateral::{
+    BearingKeys, DirectionKeys, LateralKeys, MisalignmentKeys, Position, Spin, lateral,
+};
 use super::plausible::pressure_angle;
 use super::profile::{GearLoad, GearMount, RackLoad, RackMount};
 use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Degrees, NotNegative, Positive};
+use gearbench_models::Vec3;
 use gearbench_models::geometry::{
     Deviations, Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, TipRelief,
 };
-use gearbench_models::spec::{Body, GearSpec, Load, Mount};
+use gearbench_models::spec::{Body, GearSpec, Load, Mount, UPRIGHT};
 use gearbench_models::stiffness::{Material, Property, StiffnessError};
 use serde::Deserialize;
 
@@ -70,8 +74,26 @@ keys! {
         /// "revolute" (default), "fixed" or { driven = { speed_rad_s = 100.0 } }
         #[serde(default)]
         mount: GearMount,
-        /// [x, y] of the axis in metres; left out, the mesh places the gear
-        position_m: Option<[f64; 2]>,
+        /// [x, y] of the axis, or [x, y, z] of the middle of the face width on it, in metres; left out, the mesh places the gear
+        position_m: Option<Position>,
+        /// direction of the axis, default [0, 0, 1]
+        axis: Option<[f64; 3]>,
+        /// small tilt of the axis, for example { plane_of_action = 0.03 }
+        misalignment_deg: Option<MisalignmentKeys>,
+        /// mass in kg, for hubs that move sideways; left out, that of the toothing
+        mass_kg: Option<Positive>,
+        /// mass added in kg, for hubs that move sideways, default 0
+        added_mass_kg: Option<NotNegative>,
+        /// springs and dampers to the ground that let the hub move in its other directions, for example { stiffness = [1e8, 1e8, 5e7, 1e5, 1e5, 0.0] }
+        bearing: Option<BearingKeys>,
+        /// directions of the hub that are held, free or driven, for example { z = "held" }
+        directions: Option<DirectionKeys>,
+        /// centre of mass from the hub in its axes at the start in metres, default [0, 0, 0]
+        centre_of_mass_m: Option<[f64; 3]>,
+        /// inertia tensor about the centre of mass in the axes of the hub at the start, three rows of three; left out, that of a round body
+        inertia_tensor_kgm2: Option<[[f64; 3]; 3]>,
+        /// gyroscopic, centrifugal and Coriolis terms: "auto" (default: where the speed is more than a thousandth of the lowest tilting frequency), "on" or "off"
+        spin_terms: Option<Spin>,
         /// initial angular velocity in rad/s, counter-clockwise positive, default 0
         speed_rad_s: Option<f64>,
         /// list of loads, for example [{ torque_nm = 10.0 }]
@@ -110,8 +132,18 @@ keys! {
         /// "prismatic" (default), "fixed" or { driven = { speed_m_s = 1.0 } }
         #[serde(default)]
         mount: RackMount,
-        /// [x, y] of the axis in metres; left out, the mesh places the gear
-        position_m: Option<[f64; 2]>,
+        /// [x, y], or [x, y, z], of the middle of its reference line in metres; left out, the mesh places the rack
+        position_m: Option<Position>,
+        /// springs and dampers to the ground that let the hub move in its other directions, for example { stiffness = [1e8, 1e8, 5e7, 1e5, 1e5, 0.0] }
+        bearing: Option<BearingKeys>,
+        /// directions of the hub that are held, free or driven, for example { z = "held" }
+        directions: Option<DirectionKeys>,
+        /// centre of mass from the hub in its axes at the start in metres, default [0, 0, 0]
+        centre_of_mass_m: Option<[f64; 3]>,
+        /// inertia tensor about the centre of mass in the axes of the hub at the start, three rows of three; left out, that of a round body
+        inertia_tensor_kgm2: Option<[[f64; 3]; 3]>,
+        /// gyroscopic, centrifugal and Coriolis terms: "auto" (default: where the speed is more than a thousandth of the lowest tilting frequency), "on" or "off"
+        spin_terms: Option<Spin>,
         /// direction from the body to the teeth in degrees; left out, towards the gear
         facing_deg: Option<Degrees>,
         /// initial speed in m/s, positive as the pitch line of a gear in front of its teeth that turns counter-clockwise, default 0
@@ -154,7 +186,11 @@ enum MaterialChoice {
 pub(super) struct GearDraft {
     pub(super) spec: GearSpec,
     /// Position given in the file.
-    pub(super) position: Option<[f64; 2]>,
+    pub(super) position: Option<[f64; 3]>,
+    /// Direction of the axis given in the file.
+    pub(super) axis: Option<Vec3>,
+    /// Misalignment given in the file.
+    pub(super) misalignment: Option<MisalignmentKeys>,
     /// Facing of a rack given in the file [rad].
     pub(super) facing: Option<f64>,
 }
@@ -167,8 +203,13 @@ struct Hub {
     inertia: Option<Positive>,
     added_inertia: Option<NotNegative>,
     material: MaterialChoice,
-    position: Option<[f64; 2]>,
+    position: Option<Position>,
+    axis: Option<[f64; 3]>,
+    misalignment: Option<MisalignmentKeys>,
     facing: Option<Degrees>,
+    lateral: LateralKeys,
+    /// Direction of its own motion among the six.
+    own: usize,
     loads: Vec<Load>,
 }
 
@@ -197,7 +238,19 @@ pub(super) fn gear(name: &str, keys: ToothedKeys, at: &Place<'_>) -> Result<Gear
             added_inertia: keys.added_inertia_kgm2,
             material: keys.material,
             position: keys.position_m,
+            axis: keys.axis,
+            misalignment: keys.misalignment_deg,
             facing: None,
+            lateral: LateralKeys {
+                bearing: keys.bearing,
+                directions: keys.directions,
+                mass: keys.mass_kg,
+                added_mass: keys.added_mass_kg,
+                inertia: keys.inertia_tensor_kgm2,
+                centre_of_mass: keys.centre_of_mass_m,
+                spin: keys.spin_terms,
+            },
+            own: 5,
             loads: keys.loads.into_iter().flatten().map(Load::from).collect(),
         },
         ToothedKeys::Rack(keys) => Hub {
@@ -207,13 +260,27 @@ pub(super) fn gear(name: &str, keys: ToothedKeys, at: &Place<'_>) -> Result<Gear
             added_inertia: keys.added_mass_kg,
             material: keys.material,
             position: keys.position_m,
+            axis: None,
+            misalignment: None,
             facing: keys.facing_deg,
+            lateral: LateralKeys {
+                bearing: keys.bearing,
+                directions: keys.directions,
+                mass: keys.mass_kg,
+                added_mass: keys.added_mass_kg,
+                inertia: keys.inertia_tensor_kgm2,
+                centre_of_mass: keys.centre_of_mass_m,
+                spin: keys.spin_terms,
+            },
+            own: 0,
             loads: keys.loads.into_iter().flatten().map(Load::from).collect(),
         },
     };
     let (key, speed) = hub.speed;
     Ok(GearDraft {
-        position: hub.position,
+        position: hub.position.map(|p| p.0),
+        misalignment: hub.misalignment,
+        axis: axis(hub.axis, &at.key("axis"))?,
         facing: hub.facing.map(|f| f.0),
         spec: GearSpec {
             name: name.to_owned(),
@@ -223,11 +290,29 @@ pub(super) fn gear(name: &str, keys: ToothedKeys, at: &Place<'_>) -> Result<Gear
             added_inertia: hub.added_inertia.map_or(0.0, f64::from),
             speed: initial_speed(speed, &hub.mount, key, at)?,
             mount: hub.mount,
-            position: [0.0; 2],
+            lateral: lateral(hub.lateral, hub.own, at)?,
+            position: [0.0; 3],
+            axes: UPRIGHT,
             facing: 0.0,
             loads: hub.loads,
         },
     })
+}
+
+/// A unit vector.
+fn axis(given: Option<[f64; 3]>, at: &Place<'_>) -> Result<Option<Vec3>, SceneError> {
+    let Some(given) = given else {
+        return Ok(None);
+    };
+    let length = Vec3::from(given).norm();
+    if !(length.is_finite() && length > 0.0) {
+        return at.refuse(
+            "the direction of the axis is none",
+            "no direction",
+            "give a vector such as [0.0, 0.0, 1.0]",
+        );
+    }
+    Ok(Some(Vec3::from(given) / length))
 }
 
 /// An initial speed, which only a free hub has.

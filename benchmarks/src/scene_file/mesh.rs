@@ -7,12 +7,16 @@
 use super::error::SceneError;
 use super::gear::GearDraft;
 use super::geometry::keys_of;
+use super::lateral::{MisalignmentKeys, misaligned};
 use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Degrees, GearName, Positive};
+use gearbench_models::Vec3;
 use gearbench_models::error::Reason;
 use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, Side};
-use gearbench_models::spec::{Body, MeshSpec, Start};
+use gearbench_models::spec::{
+    Body, MeshSpec, SceneSpec, Start, UPRIGHT, layout_axes, mesh_layout, turned_to,
+};
 
 keys! {
     pub(super) struct MeshKeys {
@@ -45,6 +49,7 @@ pub(super) fn meshes(
     gears: &mut [GearDraft],
     root: &Place<'_>,
 ) -> Result<Vec<MeshSpec>, SceneError> {
+    direct(gears);
     let mut meshes: Vec<MeshSpec> = Vec::new();
     let mut placed: Vec<bool> = gears.iter().map(|g| g.position.is_some()).collect();
     let mut seen = vec![false; gears.len()];
@@ -89,6 +94,19 @@ pub(super) fn meshes(
     }
 }
 
+/// Gives gears their axes: that of the first gear which says so is that of all which do not.
+fn direct(gears: &mut [GearDraft]) {
+    let Some(common) = gears.iter().find_map(|g| g.axis) else {
+        return;
+    };
+    let upright = turned_to(&UPRIGHT, &common);
+    for gear in gears {
+        if !matches!(gear.spec.body, Body::Rack(_)) {
+            gear.spec.axes = turned_to(&upright, &gear.axis.unwrap_or(common));
+        }
+    }
+}
+
 /// Indices of the two gears.
 fn pair_of(keys: &MeshKeys, gears: &[GearDraft], at: &Place<'_>) -> Result<[usize; 2], SceneError> {
     let [one, two] = &keys.gears;
@@ -123,7 +141,7 @@ fn put(
 ) -> Result<(), SceneError> {
     if !placed[a] && !placed[b] {
         placed[a] = true;
-        gears[a].position = Some([0.0; 2]);
+        gears[a].position = Some([0.0; 3]);
     }
     if placed[a] && placed[b] {
         let places = ["centre_distance_m", "backlash_m", "direction_deg"];
@@ -147,7 +165,8 @@ fn put(
             gears[a].position.unwrap_or_default(),
             gears[b].position.unwrap_or_default(),
         );
-        set_facing(&mut gears[b], (pb[1] - pa[1]).atan2(pb[0] - pa[0]));
+        let [x, y, _] = in_axes(&layout_axes(&gears[a].spec, &gears[b].spec), pa, pb);
+        set_facing(&mut gears[b], y.atan2(x));
         return Ok(());
     }
     let distance = match (keys.centre_distance_m, keys.backlash_m) {
@@ -173,13 +192,17 @@ fn put(
     let direction = keys.direction_deg.map_or(0.0, |d| d.0);
     let (known, new, sign) = if placed[a] { (a, b, 1.0) } else { (b, a, -1.0) };
     let from = gears[known].position.unwrap_or_default();
-    gears[new].position = Some([
-        from[0] + sign * distance * direction.cos(),
-        from[1] + sign * distance * direction.sin(),
-    ]);
+    let [x, y, _] = gears[known].spec.axes;
+    let to = sign * distance * (direction.cos() * x + direction.sin() * y);
+    gears[new].position = Some([0, 1, 2].map(|k| from[k] + to[k]));
     placed[new] = true;
     set_facing(&mut gears[b], direction);
     Ok(())
+}
+
+/// From one place to another in axes.
+fn in_axes(axes: &[Vec3; 3], from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
+    axes.map(|axis| axis.dot(&(Vec3::from(to) - Vec3::from(from))))
 }
 
 /// A rack faces its gear unless it says otherwise.
@@ -226,7 +249,7 @@ fn pair_at(a: &GearDraft, b: &GearDraft, at: &Place<'_>) -> Result<Pair, SceneEr
         a.position.unwrap_or_default(),
         b.position.unwrap_or_default(),
     );
-    let (dx, dy) = (pb[0] - pa[0], pb[1] - pa[1]);
+    let [dx, dy, _] = in_axes(&layout_axes(&a.spec, &b.spec), pa, pb);
     let distance = match &b.spec.body {
         Body::Gear(_) => dx.hypot(dy),
         Body::Rack(_) => {
@@ -285,4 +308,36 @@ fn start_of(keys: Option<&StartKeys>, pair: &Pair, at: &Place<'_>) -> Result<Sta
             path_coordinate,
         }),
     }
+}
+
+/// Tilts the axes of gears by their misalignments, each in the plane of action of its first mesh.
+pub(super) fn misalign<'k>(
+    spec: &mut SceneSpec,
+    misalignments: impl Iterator<Item = Option<&'k MisalignmentKeys>>,
+    at: &Place<'_>,
+) -> Result<(), SceneError> {
+    let mut axes: Vec<Vec3> = spec.gears.iter().map(|g| g.axes[2]).collect();
+    for (i, keys) in misalignments.enumerate() {
+        let Some(keys) = keys else { continue };
+        let name = &spec.gears[i].name;
+        let at = at.key(name).key("misalignment_deg");
+        let mesh = spec.meshes.iter().find(|m| m.gears.contains(&i));
+        let layout = mesh.map(|m| mesh_layout(&spec.gears[m.gears[0]], &spec.gears[m.gears[1]]));
+        let (Some(mesh), Some(Ok(layout))) = (mesh, layout) else {
+            return at.refuse(
+                "there is no mesh whose plane of action tells the direction",
+                "this",
+                "give the direction of the axis by `axis`",
+            );
+        };
+        let angle = layout.direction + std::f64::consts::FRAC_PI_2 - layout.working_pressure_angle;
+        let [x, y, _] = layout_axes(&spec.gears[mesh.gears[0]], &spec.gears[mesh.gears[1]]);
+        let line = angle.cos() * x + angle.sin() * y;
+        let towards = if mesh.gears[0] == i { line } else { -line };
+        axes[i] = misaligned(axes[i], towards, keys, &at)?;
+    }
+    for (gear, axis) in spec.gears.iter_mut().zip(axes) {
+        gear.axes = turned_to(&gear.axes, &axis);
+    }
+    Ok(())
 }

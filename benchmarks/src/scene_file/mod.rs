@@ -28,6 +28,7 @@ mod error;
 mod formulas;
 mod gear;
 mod geometry;
+mod lateral;
 mod load;
 mod locate;
 mod mesh;
@@ -247,10 +248,12 @@ impl SceneFile {
             position: draft.position.unwrap_or_default(),
             ..draft.spec.clone()
         });
-        let spec = SceneSpec {
+        let mut spec = SceneSpec {
             gears: gears.collect(),
             meshes,
         };
+        let misalignments = drafts.iter().map(|draft| draft.misalignment.as_ref());
+        mesh::misalign(&mut spec, misalignments, &root.key("gears"))?;
         let beside = references::Beside {
             spec: &spec,
             labels: &labels,

@@ -17,6 +17,9 @@ pub struct Candidate {
     pub fade: f64,
     /// What is added to the normal for the motion of either gear's point: how the factor of the gap changes.
     pub aside: [Vec3; 2],
+    /// How the contact moves along the normal when neither gear tells by its part of the row: force and moment at the point
+    /// that the motion of gear b over gear a is multiplied by, of flanks in space.
+    pub along: Option<[Vec3; 2]>,
     /// `dg = -scale_a d(x_a . n) + scale_b d(x_b . n)`: 1 on the plain involute, 1 minus the slope of the
     /// flank's separation otherwise.
     pub scale: [f64; 2],

@@ -9,7 +9,7 @@ use gearbench_integrators::system::{At, Coeffs, Singular};
 
 /// Work of a steady `load` on the hub of any gear between two states [J].
 pub fn work_on_hub(gear: &dyn GearModel, from: At<'_>, to: At<'_>, load: f64) -> f64 {
-    if gear.hub().coordinates() == 0 || load == 0.0 {
+    if !gear.hub().is_free() || load == 0.0 {
         return 0.0;
     }
     load * (gear.hub_state(to).displacement - gear.hub_state(from).displacement)

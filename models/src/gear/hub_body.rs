@@ -1,9 +1,9 @@
 //! What every gear says of its hub and body as plain data, and what follows from it for all of them.
 
 use crate::Vec3;
-use crate::kinematics::{Hub, Row};
+use crate::kinematics::{Hub, Motion, Row};
 use gearbench_integrators::FlightPath;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::{At, Coeffs, Singular};
 
 /// Typical magnitudes that turn a relative tolerance into absolute ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,24 +56,46 @@ impl HubBody {
     /// A rigid body on its hub.
     #[must_use]
     pub fn new(hub: Hub, effective_base_radius: f64) -> Self {
-        let contact_mass = if hub.coordinates() > 0 {
+        let contact_mass = if hub.is_free() {
             hub.inertia / effective_base_radius.powi(2)
         } else {
             f64::INFINITY
         };
+        let (mut scales, mut masses) = (Vec::new(), Vec::new());
+        if let Some(lateral) = &hub.lateral {
+            if hub.is_free() {
+                scales.push(effective_base_radius);
+                masses.push(hub.inertia);
+            }
+            let of_directions = lateral.masses();
+            for d in lateral.free(hub.moving()) {
+                // A turn moves the flanks by a length of the size of the gear.
+                scales.push(if d < 3 { 1.0 } else { effective_base_radius });
+                masses.push(of_directions[d]);
+            }
+        }
+        let stiffest = hub
+            .lateral
+            .as_ref()
+            .map_or(0.0, |l| l.fastest(hub.moving()));
         HubBody {
+            characteristic_time: 1.0 / stiffest,
             hub,
             effective_base_radius,
             own: 0,
             discrete: 0,
             contact_mass,
-            characteristic_time: f64::INFINITY,
-            scales: Vec::new(),
-            masses: Vec::new(),
+            scales,
+            masses,
             hub_shapes: Vec::new(),
             vibration_cut_off: 0.0,
             conservative: false,
         }
+    }
+
+    /// It has forces of its own: of own coordinates, or of a bearing.
+    pub fn is_internal(&self) -> bool {
+        self.own > 0 || self.hub.lateral.is_some()
     }
 
     /// The hub's coordinates come first: index of the first own one.
@@ -123,7 +145,7 @@ impl HubBody {
     /// Adds a load on a hub that is free to move [N m] or [N].
     #[inline]
     pub fn add_load(&self, load: f64, f: &mut [f64]) {
-        if self.first() > 0 {
+        if self.is_free() {
             f[0] += load;
             for (f, h) in f[1..].iter_mut().zip(&self.hub_shapes) {
                 *f += h * load;
@@ -135,7 +157,7 @@ impl HubBody {
     /// motion prescribes.
     #[inline]
     pub fn row(&self, at: At<'_>, x: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
-        self.hub.point_row(at.t, x, n, row)
+        self.hub.point_row(at.t, at.q, x, n, row)
     }
 
     /// Typical magnitudes of the coordinates and their rates.
@@ -153,6 +175,126 @@ impl HubBody {
         let masses = self.masses.iter().copied();
         let masses = masses.chain(std::iter::repeat(self.hub.inertia));
         out.iter_mut().zip(masses).for_each(|(out, m)| *out = m);
+    }
+
+    /// Adds what the bearing exerts, and the spin terms of the body, to the forces on the hub's coordinates.
+    pub fn add_lateral_forces(&self, at: At<'_>, f: &mut [f64]) {
+        let Some(lateral) = &self.hub.lateral else {
+            return;
+        };
+        let motion = self.hub.motion(at.t, at.q, at.v);
+        let all = lateral.forces(&motion);
+        for (f, d) in f.iter_mut().zip(self.hub.free_directions()) {
+            *f += all[d];
+        }
+    }
+
+    /// Energy in the bearing's springs [J], and power that its dampers take [W].
+    pub fn bearing_energy(&self, at: At<'_>) -> [f64; 2] {
+        match &self.hub.lateral {
+            None => [0.0; 2],
+            Some(l) => l.bearing_energy(&self.hub.motion(at.t, at.q, at.v)),
+        }
+    }
+
+    /// Kinetic energy of the free directions of a rigid body [J].
+    pub fn kinetic(&self, at: At<'_>) -> f64 {
+        let n = self.first();
+        match &self.hub.lateral {
+            Some(l) if l.spins => {
+                let mut momentum = [0.0; 6];
+                self.apply_mass(at, at.v, &mut momentum[..n]);
+                0.5 * momentum.iter().zip(at.v).map(|(p, v)| p * v).sum::<f64>()
+            }
+            _ => {
+                let masses = self.masses.iter().copied();
+                let masses = masses.chain(std::iter::repeat(self.hub.inertia));
+                let of = masses.zip(&at.v[..n]);
+                0.5 * of.map(|(m, v)| m * v * v).sum::<f64>()
+            }
+        }
+    }
+
+    /// `y = M x` of a rigid body with spin terms.
+    pub fn apply_mass(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        let Some(lateral) = &self.hub.lateral else {
+            return;
+        };
+        let mass = lateral.mass_matrix(&self.hub.motion(at.t, at.q, at.v).x);
+        for (y, i) in y.iter_mut().zip(self.hub.free_directions()) {
+            let row = self.hub.free_directions().zip(x);
+            *y = row.map(|(j, x)| mass[i][j] * x).sum();
+        }
+    }
+
+    /// Solves with the hub's block of the iteration matrix of
+    /// [`GearModel::correct`](super::GearModel::correct), in place.
+    pub fn correct(
+        &self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        if let Some(lateral) = &self.hub.lateral {
+            let motion = self.hub.motion(at.t, at.q, at.v);
+            let own = (self.hub.moving(), self.hub.is_free());
+            let of_hub = (self.hub.inertia, c.d * hub_damping);
+            return lateral.correct(own, &motion, [c.m, c.d, c.k], of_hub, x);
+        }
+        let a = c.m * self.hub.inertia + c.d * hub_damping;
+        for x in x {
+            if a == 0.0 {
+                return Err(Singular);
+            }
+            *x /= a;
+        }
+        Ok(())
+    }
+
+    /// Solves with the block of the lateral directions alone, for gears whose own motion has a block of its own.
+    pub fn correct_lateral(&self, at: At<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
+        let Some(lateral) = &self.hub.lateral else {
+            return Ok(());
+        };
+        let motion = self.hub.motion(at.t, at.q, at.v);
+        let own = (self.hub.moving(), false);
+        // What spin terms couple with the own motion is left to the iteration.
+        lateral.correct(own, &motion, [c.m, c.d, c.k], (self.hub.inertia, 0.0), x)
+    }
+
+    /// Adds the change of [`Self::add_lateral_forces`], by central differences.
+    pub fn add_lateral_tangent(&self, at: At<'_>, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
+        let Some(lateral) = &self.hub.lateral else {
+            return;
+        };
+        let now = self.hub.motion(at.t, at.q, at.v);
+        let mut along = Motion::default();
+        for (k, d) in self.hub.free_directions().enumerate() {
+            (along.x[d], along.v[d]) = (dq[k], dv[k]);
+        }
+        let change = lateral.force_change(&now, &along);
+        for (df, d) in df.iter_mut().zip(self.hub.free_directions()) {
+            *df += change[d];
+        }
+    }
+
+    /// Power [W] that driven directions put into the free ones through spin terms.
+    pub fn driven_power(&self, at: At<'_>) -> f64 {
+        let Some(lateral) = self.hub.lateral.as_ref().filter(|l| l.spins) else {
+            return 0.0;
+        };
+        let all = self.hub.motion(at.t, at.q, at.v);
+        let mut free = all;
+        free.prescribed = [0.0; 6];
+        for d in 0..6 {
+            if !self.hub.free_directions().any(|f| f == d) {
+                free.v[d] = 0.0;
+            }
+        }
+        let (with, without) = (lateral.spin_forces(&all), lateral.spin_forces(&free));
+        let of = self.hub.free_directions().zip(at.v);
+        of.map(|(d, v)| (with[d] - without[d]) * v).sum()
     }
 
     /// Motion and momentum of a body that moves as its hub does.
@@ -176,7 +318,7 @@ impl HubBody {
 
     /// Adds the motion of the hub under a steady `load` to a free flight, where it is free.
     pub fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
-        if self.first() > 0 {
+        if self.is_free() {
             let acceleration = self.hub.acceleration(at.t, load);
             path.oscillator(0.0, 0.0, [at.q[0], at.v[0]], acceleration);
             path.moves(first, 1.0);
@@ -185,7 +327,7 @@ impl HubBody {
 
     /// Whether power may be lost or put in.
     pub fn has_powers(&self) -> bool {
-        !self.conservative || self.hub.is_driven()
+        !self.conservative || self.hub.is_driven() || self.hub.lateral.is_some()
     }
 }
 

@@ -27,7 +27,9 @@ pub trait GearModel {
     fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _discrete: &mut [f64]) {
         q.fill(0.0);
         v.fill(0.0);
-        v[..self.hub().first()].fill(speed);
+        if self.hub().is_free() {
+            v[0] = speed;
+        }
     }
 
     /// Appends `d(x_p . n)/dq` to a row that is already targeted at this gear; returns the part of `d(x_p . n)/dt`
@@ -36,12 +38,14 @@ pub trait GearModel {
         self.hub().row(at, &p.x, n, row)
     }
 
-    /// Adds internal forces; called where there are own coordinates.
-    fn forces(&mut self, _at: At<'_>, _f: &mut [f64]) {}
+    /// Adds internal forces; called where there are own coordinates or a bearing.
+    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
+        self.hub().add_lateral_forces(at, f);
+    }
 
     /// Adds `(df/dq) dq + (df/dv) dv` of the internal forces; by default from central differences.
     fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
-        if self.hub().own > 0 {
+        if self.hub().is_internal() {
             add_difference(self, at, [dq, dv], df);
         }
     }
@@ -62,22 +66,22 @@ pub trait GearModel {
     /// Kinetic and strain energy [J].
     fn energy(&self, at: At<'_>) -> Energy {
         let hub = self.hub();
-        let speed = hub.speed_at(at);
-        let kinetic = if hub.coordinates() > 0 {
-            0.5 * hub.inertia * speed * speed
-        } else {
-            0.0
-        };
         Energy {
-            kinetic,
+            kinetic: hub.kinetic(at),
+            strain: hub.bearing_energy(at)[0],
             ..Energy::default()
         }
     }
 
     /// Power [W] that is lost inside the gear, that stiffness varying with position puts in, and that a prescribed
     /// motion puts into the gear's own coordinates.
-    fn powers(&self, _at: At<'_>) -> Power {
-        Power::default()
+    fn powers(&self, at: At<'_>) -> Power {
+        let hub = self.hub();
+        Power {
+            dissipated: hub.bearing_energy(at)[1],
+            external: hub.driven_power(at),
+            ..Power::default()
+        }
     }
 
     /// Hub motion and momentum of the whole gear.
@@ -197,7 +201,7 @@ fn correct_dense<G: GearModel + ?Sized>(
             matrix[i * n + j] -= column[i];
         }
     }
-    if gear.hub().first() > 0 {
+    if gear.hub().is_free() {
         matrix[0] += c.d * hub_damping;
     }
     solve_in_place(&mut matrix, x)

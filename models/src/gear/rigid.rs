@@ -3,7 +3,7 @@
 //! `J phi'' = T + sum_c N_c d(x_c . n_c)/dphi`, on the line of action the effective base radius arm is the base radius.
 
 use super::any::work_on_hub;
-use super::capabilities::{LinearMotion, Oscillators};
+use super::capabilities::{CoupledMass, LinearMotion, Oscillators};
 use super::free_flight::FreeFlight;
 use super::hub_body::HubBody;
 use super::model::GearModel;
@@ -40,13 +40,23 @@ pub fn spec() -> ModelSpec {
 #[derive(Clone, Debug)]
 pub struct Rigid {
     hub: HubBody,
+    /// Angular frequencies and damping ratios of the coordinates, where they are independent.
+    oscillators: Option<[Vec<f64>; 2]>,
 }
 
 impl Rigid {
     /// A rigid body on its hub with the base radius [m], or `cos(alpha)` for a rack.
     pub fn new(hub: Hub, effective_base_radius: f64) -> Self {
+        let own = vec![0.0; usize::from(hub.is_free())];
+        let oscillators = match &hub.lateral {
+            None => Some([own.clone(), own]),
+            Some(lateral) => lateral.oscillators(hub.moving()).map(|of| {
+                [0, 1].map(|k| own.iter().copied().chain(of.iter().map(|o| o[k])).collect())
+            }),
+        };
         Rigid {
             hub: HubBody::new(hub, effective_base_radius),
+            oscillators,
         }
     }
 }
@@ -67,19 +77,17 @@ impl GearModel for Rigid {
 
     fn correct(
         &mut self,
-        _at: At<'_>,
+        at: At<'_>,
         c: Coeffs,
         hub_damping: f64,
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular> {
-        let a = c.m * self.hub.inertia + c.d * hub_damping;
-        for x in rhs_to_x {
-            if a == 0.0 {
-                return Err(Singular);
-            }
-            *x /= a;
-        }
-        Ok(())
+        self.hub.correct(at, c, hub_damping, rhs_to_x)
+    }
+
+    fn coupled_mass(&self) -> Option<&dyn CoupledMass> {
+        let spins = self.hub.lateral.as_ref().is_some_and(|l| l.spins);
+        spins.then_some(self)
     }
 
     fn linear(&self) -> Option<&dyn LinearMotion> {
@@ -87,18 +95,33 @@ impl GearModel for Rigid {
     }
 }
 
+impl CoupledMass for Rigid {
+    fn solve(&self, at: At<'_>, f_to_a: &mut [f64]) {
+        let unit = Coeffs {
+            m: 1.0,
+            d: 0.0,
+            k: 0.0,
+        };
+        // The mass matrix of a body is regular but where the tilt is singular, which must not pass for an acceleration.
+        if self.hub.correct(at, unit, 0.0, f_to_a).is_err() {
+            f_to_a.fill(f64::NAN);
+        }
+    }
+
+    fn apply(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        self.hub.apply_mass(at, x, y);
+    }
+}
+
 impl LinearMotion for Rigid {
     fn oscillators(&self) -> Option<Oscillators<'_>> {
-        const NONE: &[f64] = &[0.0];
-        let own = &NONE[..self.hub.first()];
-        Some(Oscillators {
-            omega: own,
-            zeta: own,
-        })
+        let [omega, zeta] = self.oscillators.as_ref()?;
+        Some(Oscillators { omega, zeta })
     }
 
     fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
-        Some(FreeFlight {
+        // How far flanks are apart is linear in one displacement alone.
+        self.hub.lateral.is_none().then(|| FreeFlight {
             frame: self.hub.frame(at, load),
             ..FreeFlight::default()
         })

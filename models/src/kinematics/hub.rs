@@ -1,8 +1,10 @@
 //! The hub that carries a gear: where it is, how its mount lets it move, what the mount exerts.
 
+use super::freedom::{self, Lateral, Motion};
 use super::row::Row;
 use crate::Vec3;
-use crate::spec::{Mount, Profile};
+use crate::spec::{Freedom, Mount, Profile};
+use std::sync::Arc;
 
 /// Force and torque on a gear.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,6 +26,40 @@ pub enum Direction<'a> {
     Driven(&'a Profile),
 }
 
+/// Axes of a hub and its origin in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HubFrame {
+    /// The third is that of the gear.
+    pub axes: [Vec3; 3],
+    /// [m]
+    pub origin: Vec3,
+}
+
+impl HubFrame {
+    /// A point in space in these axes [m].
+    #[inline]
+    pub fn point_back(&self, x: &Vec3) -> Vec3 {
+        let r = x - self.origin;
+        Vec3::new(
+            self.axes[0].dot(&r),
+            self.axes[1].dot(&r),
+            self.axes[2].dot(&r),
+        )
+    }
+
+    /// A direction in these axes, in space.
+    #[inline]
+    pub fn turn(&self, x: &Vec3) -> Vec3 {
+        self.axes[0] * x.x + self.axes[1] * x.y + self.axes[2] * x.z
+    }
+
+    /// A point in these axes, in space [m].
+    #[inline]
+    pub fn point(&self, x: &Vec3) -> Vec3 {
+        self.origin + self.turn(x)
+    }
+}
+
 /// Where a hub is and how it moves; shared by all gear models.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hub {
@@ -35,13 +71,44 @@ pub struct Hub {
     pub slide: Option<Vec3>,
     /// Inertia about the axis [kg m^2], or mass [kg] when the body slides; includes what is added at the hub.
     pub inertia: f64,
+    /// Right-handed axes of the hub at the assembled position: the third is that of the gear, the first the slide of a body
+    /// that slides.
+    pub axes: [Vec3; 3],
+    /// How the hub may move in its five other directions; `None` where the mount holds them all.
+    pub lateral: Option<Arc<Lateral>>,
 }
 
 impl Hub {
-    /// Number of free coordinates: 0 or 1.
+    /// A hub about z, or on a slide, that a mount holds in all other directions.
+    pub fn new(mount: Mount, centre: Vec3, slide: Option<Vec3>, inertia: f64) -> Self {
+        let first = slide.unwrap_or(Vec3::x());
+        Hub {
+            mount,
+            centre,
+            slide,
+            inertia,
+            axes: [first, Vec3::z().cross(&first), Vec3::z()],
+            lateral: None,
+        }
+    }
+
+    /// Whether the hub turns, or slides, as forces tell; that coordinate is then the first.
+    #[inline]
+    pub fn is_free(&self) -> bool {
+        matches!(self.mount, Mount::Revolute | Mount::Prismatic)
+    }
+
+    /// Number of free coordinates: that of the hub's own motion, then the lateral ones.
     #[inline]
     pub fn coordinates(&self) -> usize {
-        usize::from(matches!(self.mount, Mount::Revolute | Mount::Prismatic))
+        usize::from(self.is_free()) + self.lateral.as_ref().map_or(0, |l| l.coordinates())
+    }
+
+    /// The free directions in the order of their coordinates.
+    pub fn free_directions(&self) -> impl Iterator<Item = usize> + '_ {
+        let own = self.moving();
+        let lateral = self.lateral.iter().flat_map(move |l| l.free(own));
+        self.is_free().then_some(own).into_iter().chain(lateral)
     }
 
     /// Angle or displacement from the assembled position at time `t`.
@@ -76,17 +143,26 @@ impl Hub {
     /// Acceleration of a body that moves as its hub does, under a `load` where it is free.
     #[inline]
     pub fn acceleration(&self, t: f64, load: f64) -> f64 {
-        if self.coordinates() > 0 {
+        if self.is_free() {
             load / self.inertia
         } else {
             self.prescribed_acceleration(t)
         }
     }
 
-    /// What the mount makes of the six directions: three translations, along the slide of a body that slides, along x
-    /// of any other, and so on in a right-handed frame about z; then three rotations about the same axes.
+    /// What the mount makes of the six directions: three translations along the axes of the hub, then three rotations about
+    /// them.
     pub fn directions(&self) -> [Direction<'_>; 6] {
-        let mut directions = [Direction::Held; 6];
+        let mut directions = [const { Direction::Held }; 6];
+        if let Some(lateral) = &self.lateral {
+            for (direction, freedom) in directions.iter_mut().zip(&lateral.directions) {
+                *direction = match freedom {
+                    Freedom::Held => Direction::Held,
+                    Freedom::Free => Direction::Free,
+                    Freedom::Driven(speed) => Direction::Driven(speed),
+                };
+            }
+        }
         directions[self.moving()] = match &self.mount {
             Mount::Fixed => Direction::Held,
             Mount::Revolute | Mount::Prismatic => Direction::Free,
@@ -97,55 +173,166 @@ impl Hub {
 
     /// The direction that is not always held: along the slide, or about z.
     #[inline]
-    fn moving(&self) -> usize {
+    pub fn moving(&self) -> usize {
         if self.slide.is_some() { 0 } else { 5 }
     }
 
-    /// Component of a unit force along `n` at `x`, the wrench `[n; (x - c) x n]`, in one of the six directions.
+    /// Where the hub is in its six directions and how fast, from the gear's coordinates.
+    pub fn motion(&self, t: f64, q: &[f64], v: &[f64]) -> Motion {
+        let mut motion = Motion::default();
+        if let Some(lateral) = &self.lateral {
+            let first = usize::from(self.is_free());
+            lateral.fill(
+                self.moving(),
+                t,
+                &q[first..],
+                v.get(first..).unwrap_or(&[]),
+                &mut motion,
+            );
+        }
+        let own = self.moving();
+        motion.x[own] = self.displacement(t, q);
+        motion.v[own] = if self.is_free() {
+            v.first().copied().unwrap_or(0.0)
+        } else {
+            self.speed(t, v)
+        };
+        motion.prescribed[own] = self.prescribed_acceleration(t);
+        motion
+    }
+
+    /// A vector in the axes of the hub, in space.
     #[inline]
-    pub fn component(&self, direction: usize, x: &Vec3, n: &Vec3) -> f64 {
-        let along = self.slide.unwrap_or(Vec3::new(1.0, 0.0, 0.0));
-        match direction {
-            0 => along.dot(n),
-            1 => along.x * n.y - along.y * n.x,
-            2 => n.z,
-            5 => {
-                let r = x - self.centre;
-                r.x * n.y - r.y * n.x
-            }
-            _ => {
-                let moment = (x - self.centre).cross(n);
-                if direction == 3 {
-                    along.dot(&moment)
-                } else {
-                    along.x * moment.y - along.y * moment.x
-                }
-            }
+    fn in_space(&self, x: &Vec3) -> Vec3 {
+        self.axes[0] * x.x + self.axes[1] * x.y + self.axes[2] * x.z
+    }
+
+    /// Axes of the hub, not turned with the gear, and its origin in space [m].
+    pub fn frame(&self, t: f64, q: &[f64]) -> HubFrame {
+        if self.lateral.is_none() {
+            let along = self.slide.map_or(0.0, |_| self.displacement(t, q));
+            return HubFrame {
+                axes: self.axes,
+                origin: self.centre + along * self.axes[0],
+            };
+        }
+        let Motion { x, .. } = self.motion(t, q, &[]);
+        let mut turned = freedom::tilted(&x);
+        if self.slide.is_some() {
+            turned *= freedom::turn(x[5]);
+        }
+        HubFrame {
+            axes: [0, 1, 2].map(|k| self.in_space(&turned.column(k).into())),
+            origin: self.centre + self.in_space(&Vec3::new(x[0], x[1], x[2])),
         }
     }
 
+    /// Component of a unit force along `n` at `x`, the wrench `[n; (x - c) x n]`, in one of the six directions at the
+    /// assembled position.
+    #[inline]
+    pub fn component(&self, direction: usize, x: &Vec3, n: &Vec3) -> f64 {
+        if direction < 3 {
+            return self.axes[direction].dot(n);
+        }
+        let axis = &self.axes[direction - 3];
+        let r = x - self.centre;
+        axis.dot(&r.cross(n))
+    }
+
     /// Derivative of `x . n` with respect to the displacement for a point `x` that moves with the hub: the effective
-    /// base radius arm about z [m], or the direction cosine for a slide [-].
+    /// base radius arm about the axis [m], or the direction cosine for a slide [-]. At the assembled position, which is
+    /// that of hubs without lateral freedom.
     #[inline]
     pub fn effective_radius(&self, x: &Vec3, n: &Vec3) -> f64 {
+        if self.slide.is_none() && self.axes[2] == Vec3::z() {
+            let r = x - self.centre;
+            return r.x * n.y - r.y * n.x;
+        }
         self.component(self.moving(), x, n)
+    }
+
+    /// The same where the hub is now.
+    #[inline]
+    pub fn effective_radius_at(&self, t: f64, q: &[f64], x: &Vec3, n: &Vec3) -> f64 {
+        if self.lateral.is_none() {
+            return self.effective_radius(x, n);
+        }
+        let frame = self.frame(t, q);
+        match self.slide {
+            None => frame.axes[2].dot(&(x - frame.origin).cross(n)),
+            Some(slide) => slide.dot(n),
+        }
     }
 
     /// Appends `S^T [n; (x - c) x n]` with the free directions `S` to a row; returns the part of `d(x . n)/dt` [m/s]
     /// that driven directions prescribe.
     #[inline]
-    pub fn point_row(&self, t: f64, x: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
+    pub fn point_row(&self, t: f64, q: &[f64], x: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
+        if self.lateral.is_some() {
+            return self.lateral_row(t, q, x, n, row, true);
+        }
         let along = self.effective_radius(x, n);
-        if self.coordinates() > 0 {
+        if self.is_free() {
             row.push(0, along);
             return 0.0;
         }
         along * self.speed(t, &[])
     }
 
-    /// Whether its motion is prescribed.
+    /// The row of a hub with lateral directions; `own` leaves out that of its own motion where a tooth stands for it.
+    pub fn lateral_row(
+        &self,
+        t: f64,
+        q: &[f64],
+        x: &Vec3,
+        n: &Vec3,
+        row: &mut Row,
+        with_own: bool,
+    ) -> f64 {
+        let Some(lateral) = &self.lateral else {
+            return 0.0;
+        };
+        let motion = self.motion(t, q, &[]);
+        let own = self.moving();
+        let u = Vec3::new(motion.x[0], motion.x[1], motion.x[2]);
+        let r = x - self.centre - self.in_space(&u);
+        // Force and moment in the axes of the hub.
+        let local = |y: &Vec3| {
+            Vec3::new(
+                self.axes[0].dot(y),
+                self.axes[1].dot(y),
+                self.axes[2].dot(y),
+            )
+        };
+        let (force, moment) = (local(n), local(&r.cross(n)));
+        let axes = freedom::rotation_axes(&motion.x);
+        let component = |d: usize| match d {
+            0..3 => force[d],
+            _ => axes[d - 3].dot(&moment),
+        };
+        let first = usize::from(self.is_free());
+        row.push_span(first, lateral.free(own).map(component));
+        let driven = |d: usize| matches!(lateral.directions[d], Freedom::Driven(_)) && d != own;
+        let rates = motion.v;
+        let mut prescribed: f64 = (0..6)
+            .filter(|d| driven(*d))
+            .map(|d| component(d) * rates[d])
+            .sum();
+        if with_own {
+            if self.is_free() {
+                row.push(0, component(own));
+            } else {
+                prescribed += component(own) * self.speed(t, &[]);
+            }
+        }
+        prescribed
+    }
+
+    /// Whether a part of its motion is prescribed.
     pub fn is_driven(&self) -> bool {
+        let lateral = self.lateral.iter().flat_map(|l| &l.directions);
         matches!(self.mount, Mount::Driven(_))
+            || lateral.into_iter().any(|d| matches!(d, Freedom::Driven(_)))
     }
 
     /// What the mount exerts on a body that moves as its hub does and whose centre of mass lies on the axis, while
@@ -156,7 +343,7 @@ impl Hub {
             Mount::Driven(speed) => self.inertia * speed.slope(t),
             _ => 0.0,
         };
-        let free = self.coordinates() > 0;
+        let free = self.is_free();
         let mut force = -contact.force;
         if let Some(direction) = &self.slide {
             let along = if free { force.dot(direction) } else { -pull };
@@ -170,10 +357,15 @@ impl Hub {
 
     /// Next breakpoint of a prescribed motion after `t`.
     pub fn next_breakpoint(&self, t: f64) -> f64 {
-        match &self.mount {
+        let own = match &self.mount {
             Mount::Driven(speed) => speed.next_breakpoint(t),
             _ => f64::INFINITY,
-        }
+        };
+        let lateral = self.lateral.iter().flat_map(|l| &l.directions);
+        lateral.fold(own, |next, freedom| match freedom {
+            Freedom::Driven(speed) => next.min(speed.next_breakpoint(t)),
+            _ => next,
+        })
     }
 }
 
@@ -195,12 +387,7 @@ mod tests {
     fn a_wrench_has_the_components_of_the_six_motions() {
         let (x, n) = (Vec3::new(0.3, -0.2, 0.1), Vec3::new(0.48, 0.6, 0.64));
         for slide in [None, Some(Vec3::new(0.6, 0.8, 0.0))] {
-            let hub = Hub {
-                mount: Mount::Fixed,
-                centre: Vec3::new(0.05, 0.1, -0.02),
-                slide,
-                inertia: 1.0,
-            };
+            let hub = Hub::new(Mount::Fixed, Vec3::new(0.05, 0.1, -0.02), slide, 1.0);
             for direction in 0..6 {
                 let work = (moved(&hub, direction, 1.0, &x) - x).dot(&n);
                 let found = hub.component(direction, &x, &n);
@@ -223,12 +410,7 @@ mod tests {
             ),
             (Mount::Fixed, None, 5, Direction::Held),
         ] {
-            let hub = Hub {
-                mount,
-                centre: Vec3::zeros(),
-                slide,
-                inertia: 1.0,
-            };
+            let hub = Hub::new(mount, Vec3::zeros(), slide, 1.0);
             for (i, direction) in hub.directions().into_iter().enumerate() {
                 let expected = if i == place { is } else { Direction::Held };
                 assert_eq!(direction, expected);

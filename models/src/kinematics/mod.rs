@@ -1,12 +1,14 @@
 //! Where gears are and how their points move: teeth and points, poses, hubs, rows over the coordinates.
 
+mod freedom;
 mod hub;
 mod point;
 mod pose;
 mod row;
 mod view;
 
-pub use hub::{Direction, Hub, Wrench};
+pub use freedom::{BodyMass, Lateral, Motion};
+pub use hub::{Direction, Hub, HubFrame, Wrench};
 pub use point::{Locus, Point, Tooth};
 pub use pose::{Placement, Pose};
 pub use row::Row;

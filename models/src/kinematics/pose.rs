@@ -108,12 +108,7 @@ mod tests {
     use crate::spec::Mount;
 
     fn hub(slide: Option<Vec3>) -> Hub {
-        Hub {
-            mount: Mount::Fixed,
-            centre: Vec3::new(0.1, 0.2, 0.0),
-            slide,
-            inertia: 1.0,
-        }
+        Hub::new(Mount::Fixed, Vec3::new(0.1, 0.2, 0.0), slide, 1.0)
     }
 
     #[test]

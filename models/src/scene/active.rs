@@ -4,7 +4,7 @@ use super::members::{SceneGear, SceneMesh, parties};
 use crate::Vec3;
 use crate::contact::{Candidate, Party};
 use crate::geometry::along_profile;
-use crate::kinematics::Row;
+use crate::kinematics::{Point, Row};
 use crate::law::{Friction, FrictionForce, Law, LawForce};
 use gearbench_integrators::system::At;
 
@@ -23,6 +23,8 @@ pub(super) struct Active {
     /// What the parts of both gears in the contact row are multiplied by: the normal force, and what the potential
     /// changes by along the path [N].
     pub on: [f64; 2],
+    /// The latter, on the row of its own that flanks in space have for it [N].
+    pub along: f64,
     pub friction: FrictionForce,
     /// Sliding speed of gear b over gear a [m/s].
     pub sliding: f64,
@@ -48,7 +50,7 @@ pub(super) fn sliding_of(c: &Candidate) -> Vec3 {
 /// How far a contact on a line of action moves along it when the parts of its row move by so much; flank points stay
 /// where they are on their flank.
 pub(super) fn moves(mesh: &SceneMesh, c: &Candidate, d: [f64; 2]) -> f64 {
-    if mesh.search.points().is_some() {
+    if mesh.search.points().is_some() || c.along.is_some() {
         0.0
     } else {
         along(c, d) / transverse(c)
@@ -61,7 +63,7 @@ pub(super) fn fill_rows(
     mesh: &SceneMesh,
     [a, b]: [&Party<'_>; 2],
     c: &Candidate,
-    rows: &mut [Row; 3],
+    rows: &mut [Row; 4],
 ) -> Prescribed {
     let offset = |k: usize| gears[mesh.gears[k]].offset;
     let row = &mut rows[0];
@@ -71,6 +73,9 @@ pub(super) fn fill_rows(
         gap: c.scale[1] * points[1] - c.scale[0] * points[0],
         sliding: 0.0,
     };
+    if let Some(along) = c.along {
+        path_row(gears, mesh, [a, b], (&c.points, along), &mut rows[3]);
+    }
     if mesh.friction.is_none() {
         return prescribed;
     }
@@ -115,6 +120,31 @@ pub(super) fn gap_row(
     [of_a, of_b]
 }
 
+/// The row of a force `f` and a moment `m` at a contact point, on gear b against gear a: two forces `m x u` a unit `u` apart,
+/// across the moment, make it up.
+fn path_row(
+    gears: &[SceneGear],
+    mesh: &SceneMesh,
+    [a, b]: [&Party<'_>; 2],
+    (points, [force, moment]): (&[Point; 2], [Vec3; 2]),
+    row: &mut Row,
+) {
+    row.clear();
+    let across = moment.cross(&Vec3::z());
+    let across = across.try_normalize(0.0).unwrap_or(Vec3::x());
+    let couple = moment.cross(&across);
+    for (k, sign, party) in [(0, -1.0, a), (1, 1.0, b)] {
+        row.target(gears[mesh.gears[k]].offset, sign);
+        let mut beside = points[k];
+        beside.x += across;
+        party.gear.row(party.at, &beside, &couple, row);
+        party.gear.row(party.at, &points[k], &(force - couple), row);
+        if k == 0 {
+            row.mark_split();
+        }
+    }
+}
+
 pub(super) fn gap_rate(
     gears: &[SceneGear],
     mesh: &SceneMesh,
@@ -152,9 +182,12 @@ pub(super) fn along_path(law: &Law, c: &Candidate, gap: f64) -> f64 {
 /// Multipliers of both parts of the row of a contact with the normal force `n`: with `V = W(g, k(s))` the force is
 /// `-dV/dq = n dg/dq - dW/dk k'(s) ds/dq`.
 #[inline]
-pub(super) fn parts(law: &Law, c: &Candidate, gap: f64, n: f64) -> [f64; 2] {
+pub(super) fn parts(law: &Law, c: &Candidate, gap: f64, n: f64) -> ([f64; 2], f64) {
     let along = along_path(law, c, gap);
-    [n + along / c.scale[0], n - along / c.scale[1]]
+    match c.along {
+        None => ([n + along / c.scale[0], n - along / c.scale[1]], 0.0),
+        Some(_) => ([n; 2], along),
+    }
 }
 
 /// Derivatives of the force of a contact by the two parts of its row applied to a change of coordinates, and to one of
@@ -190,7 +223,8 @@ pub(super) struct Answer {
 /// The tangent of a contact, but for how its stiffness curves along the path.
 pub(super) fn tangent(law: &Law, c: &Candidate, a: &Active, row: &Row, v: &[f64]) -> Tangent {
     let force = &a.force;
-    let plain = c.stiffness_s == 0.0 && c.curvature == [0.0; 2];
+    // Of flanks in space the rows' own change is left to differences.
+    let plain = c.along.is_some() || (c.stiffness_s == 0.0 && c.curvature == [0.0; 2]);
     let elastic = law.undamped().smooth(a.gap, 0.0, 0.0, c.stiffness);
     if plain {
         return Tangent {
@@ -229,7 +263,7 @@ pub(super) fn tangent(law: &Law, c: &Candidate, a: &Active, row: &Row, v: &[f64]
     }
 }
 
-pub(super) fn slide(friction: Option<Friction>, at: At<'_>, rows: &[Row; 3], active: &mut Active) {
+pub(super) fn slide(friction: Option<Friction>, at: At<'_>, rows: &[Row; 4], active: &mut Active) {
     if let Some(friction) = friction {
         active.sliding = rows[1].dot(at.v) + active.prescribed.sliding;
         active.friction = friction.force(active.force.n, active.sliding);

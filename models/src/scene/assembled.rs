@@ -24,6 +24,8 @@ pub struct Scene {
     pub(super) implicit_dissipation: bool,
     /// Friction of a mesh has a history.
     pub(super) remembers: bool,
+    /// Flanks of a mesh are looked at in space: contact rows turn with the gears.
+    pub(super) in_space: bool,
     /// A gear asks for the condensed Newton correction.
     pub(super) condenses: bool,
     /// All searches have event functions; else forces are clipped and nothing is located.
@@ -78,7 +80,7 @@ impl Scene {
     pub fn hold(&mut self, gear: usize, displacement: f64) {
         self.work.reported.forget();
         let hub = self.gears[gear].model.hub_mut();
-        if hub.coordinates() == 0 {
+        if !hub.is_free() {
             hub.mount = Mount::Driven(Profile::Ramp {
                 from: 2.0 * displacement,
                 to: 0.0,

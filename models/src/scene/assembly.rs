@@ -5,22 +5,25 @@ use super::assembly_lines::{flank_lines, is_half_space, lines_of, strips};
 use super::assembly_points::flank_points;
 use super::channels;
 use super::direct::Follows;
+use super::hubs::hub_of;
 use super::linear_path::OneSpring;
 use super::members::{SceneGear, SceneMesh};
-use super::mesh_assembly::{friction_of, hub_of, lines_of_action};
+use super::mesh_assembly::{friction_of, lines_of_action};
 use super::nodal::{Nodal, islands};
 use super::placement::{assemble, check_start, views};
 use super::scales::{Scales, initial_speed};
 use super::workspace::Workspace;
 use crate::contact::Search;
-use crate::contact::pairs::Roster;
+use crate::contact::pairs::{LinesOfAction, Roster};
 use crate::error::{BuildError, GearPart, MeshPart};
 use crate::gear::LinearMotion;
 use crate::gear::table::{GearContext, Model};
 use crate::geometry::Side;
 use crate::kinematics::Placement;
 use crate::law::Law;
-use crate::spec::{Body, Load, Modelling, Mount, SceneSpec, effective_radius, mesh_layout};
+use crate::spec::{
+    Body, Load, Modelling, Mount, SceneSpec, UPRIGHT, effective_radius, mesh_layout,
+};
 use gearbench_integrators::system::State;
 
 /// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
@@ -197,6 +200,20 @@ impl Scene {
             } else {
                 (Search::Pairs(Box::new(search)), law, on_lines)
             };
+            for i in mesh.gears {
+                let hub = gears[i].model.hub();
+                let upright = hub.axes[2] == UPRIGHT[2] && hub.lateral.is_none();
+                if with_flanks && !upright {
+                    return Err(BuildError::gear(
+                        &spec.gears[i].name,
+                        GearPart::Mount,
+                        (
+                            "contact with an elastic gear needs hubs about z that only turn",
+                            "use rigid gears or movable teeth, or take bearing, directions and tilt of the axis away",
+                        ),
+                    ));
+                }
+            }
             let has_field = |i: &usize| gears[*i].model.displacement().is_some();
             let nodal = mesh.gears.iter().any(has_field) || search.lines().is_some();
             meshes.push(SceneMesh {
@@ -233,7 +250,7 @@ impl Scene {
             let hub = g.model.hub();
             (g.offset, g.n) = (n, hub.len());
             g.discrete = (discrete, hub.discrete);
-            g.internal = hub.own > 0;
+            g.internal = hub.is_internal();
             n += hub.len();
             discrete += hub.discrete;
             g.note_load();
@@ -286,6 +303,8 @@ impl Scene {
         let rosters = meshes.iter().map(|_| Roster::default()).collect();
         let fields = meshes.iter().any(|m| m.nodal);
         let nodal = Nodal::new(&gears, &meshes);
+        let spatial = |m: &SceneMesh| m.search.pairs().is_some_and(LinesOfAction::is_spatial);
+        let in_space = meshes.iter().any(spatial);
         let condenses = gears.iter().any(|g| g.model.large().is_some());
         let tracks = meshes.iter().any(|m| m.law.needs_impact_speed())
             || gears.iter().any(|g| g.model.follows_contact());
@@ -326,6 +345,7 @@ impl Scene {
             discrete,
             event_functions,
             fields,
+            in_space,
             condenses,
             implicit_dissipation,
             remembers,

@@ -63,7 +63,7 @@ impl Condensed {
     pub(super) fn correct(
         &mut self,
         gears: &mut [SceneGear],
-        (active, rows): (&[Active], &[[Row; 3]]),
+        (active, rows): (&[Active], &[[Row; 4]]),
         at: At<'_>,
         c: Coeffs,
         x: &mut [f64],

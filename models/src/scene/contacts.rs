@@ -119,6 +119,7 @@ impl Scene {
             if !located && force.n == 0.0 {
                 continue;
             }
+            let (on, along) = parts(&law, c, c.gap, force.n);
             work.active.push(Active {
                 mesh: m,
                 candidate: k,
@@ -126,7 +127,8 @@ impl Scene {
                 rate,
                 impact_speed,
                 force,
-                on: parts(&law, c, c.gap, force.n),
+                on,
+                along,
                 friction: FrictionForce::default(),
                 sliding: 0.0,
                 prescribed,
@@ -148,6 +150,10 @@ impl Scene {
     pub(super) fn add_contact_forces(&self, f: &mut [f64]) {
         for (c, rows) in self.work.active.iter().zip(&self.work.rows) {
             rows[0].add_parts_to(c.on, f);
+            if c.along != 0.0 {
+                // By half for either gear.
+                rows[3].add_to(-2.0 * c.along, f);
+            }
             if self.meshes[c.mesh].friction.is_some() {
                 rows[1].add_to(c.friction.f, f);
             }
@@ -195,7 +201,7 @@ impl Scene {
                     force: c.force.n * n + c.friction.f * sliding_of(candidate),
                     normal_force: c.force.n,
                     friction: c.friction.f,
-                    on_hubs: [0, 1].map(|k| self.on_hub(c, k)),
+                    on_hubs: [0, 1].map(|k| self.on_hub(at, c, k)),
                     gap: c.gap,
                     pressure: None,
                 }
@@ -213,13 +219,21 @@ impl Scene {
 
     /// What an active contact exerts on the hub of one of its gears: torque about the axis [N m], force along the slide
     /// [N].
-    pub(super) fn on_hub(&self, a: &Active, k: usize) -> f64 {
+    pub(super) fn on_hub(&self, at: At<'_>, a: &Active, k: usize) -> f64 {
         let mesh = &self.meshes[a.mesh];
         let c = &self.work.candidates[a.candidate];
         let sign = if k == 0 { -1.0 } else { 1.0 };
-        let hub = self.gears[mesh.gears[k]].model.hub();
-        let radius = |n: &Vec3| hub.effective_radius(&c.points[k].x, &(sign * n));
-        a.on[k] * c.scale[k] * radius(&c.normal) + a.friction.f * radius(&sliding_of(c))
+        let gear = &self.gears[mesh.gears[k]];
+        let (hub, own) = (&gear.model.hub().hub, gear.at(at));
+        let x = &c.points[k].x;
+        let radius = |n: &Vec3| hub.effective_radius_at(own.t, own.q, x, &(sign * n));
+        let mut on =
+            a.on[k] * c.scale[k] * radius(&c.normal) + a.friction.f * radius(&sliding_of(c));
+        if let (Some([force, moment]), true) = (&c.along, hub.slide.is_none()) {
+            let axis = hub.frame(own.t, own.q).axes[2];
+            on -= 2.0 * a.along * (radius(force) + sign * axis.dot(moment));
+        }
+        on
     }
 
     /// Closed contacts of the last evaluation by mesh and tooth pair.

@@ -59,10 +59,15 @@ impl Scene {
         });
         for &(i, along) in &found {
             let work = &mut self.work;
-            let scale = work.candidates[work.active[i].candidate].scale;
-            let on = &mut work.active[i].on;
-            on[0] += along / scale[0];
-            on[1] -= along / scale[1];
+            let c = &work.candidates[work.active[i].candidate];
+            let (scale, in_space) = (c.scale, c.along.is_some());
+            let active = &mut work.active[i];
+            if in_space {
+                active.along += along;
+                continue;
+            }
+            active.on[0] += along / scale[0];
+            active.on[1] -= along / scale[1];
         }
         self.work.along_path = found;
     }
@@ -143,13 +148,14 @@ impl Scene {
             let t = &mut work.tangents[first + i];
             t.plain = false;
             let a = &work.active[first + i];
-            let scale = work.candidates[a.candidate].scale;
+            let c = &work.candidates[a.candidate];
+            let (scale, in_space) = (c.scale, c.along.is_some());
             for l in 0..n {
                 let by = g[i * n + l];
                 let along: f64 = (0..n)
                     .map(|j| slopes[i * n + j] * (force[j] * h(i, l) + force[i] * h(j, l)))
                     .sum();
-                let along = -0.25 * along;
+                let along = if in_space { 0.0 } else { -0.25 * along };
                 work.answers.push(Answer {
                     of: first + i,
                     to: first + l,

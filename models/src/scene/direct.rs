@@ -24,13 +24,14 @@ impl Follows {
     /// What those of a gear in a state do; `discrete` is the gear's own.
     pub(super) fn of(gear: &SceneGear, discrete: &[f64]) -> Self {
         let model = gear.model.as_ref();
-        if model.surface().is_some() || model.coupled_mass().is_some() {
+        let lateral = model.hub().lateral.is_some();
+        if lateral || model.surface().is_some() || model.coupled_mass().is_some() {
             return Follows::Several;
         }
         let tooth = Tooth { index: 0, mesh: 0 };
         match model.teeth() {
             Some(teeth) if teeth.coordinate(discrete, tooth).is_some() => Follows::Teeth,
-            None if model.hub().own == 0 => Follows::Hub,
+            None if !model.hub().is_internal() => Follows::Hub,
             _ => Follows::Several,
         }
     }
@@ -77,7 +78,7 @@ impl SceneMesh {
         let pair = self.gears.map(|i| &gears[i]);
         let follow = pair.iter().all(|g| g.follows != Follows::Several);
         self.arms = match self.search.pairs() {
-            Some(pairs) if follow && self.friction.is_none() => {
+            Some(pairs) if follow && self.friction.is_none() && !pairs.is_spatial() => {
                 Some(pairs.arms(pair.map(|g| &g.model.hub().hub)))
             }
             _ => None,

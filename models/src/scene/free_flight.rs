@@ -137,7 +137,7 @@ impl Scene {
                     let speed = rate + acceleration * after;
                     let yielding: f64 = (line.per_displacement.iter().zip(mesh.gears))
                         .map(|(p, i)| (p, self.gears[i].model.hub()))
-                        .filter(|(_, hub)| hub.coordinates() > 0)
+                        .filter(|(_, hub)| hub.is_free())
                         .map(|(p, hub)| p * p / hub.inertia)
                         .sum();
                     energy = 0.5 * speed * speed / yielding;

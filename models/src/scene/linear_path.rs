@@ -200,7 +200,7 @@ impl Scene {
             for d in 0..3 {
                 y[d] += p[k] * motion[k][d];
             }
-            if hub.coordinates() > 0 {
+            if hub.is_free() {
                 yields[k] = p[k] / hub.inertia;
                 loose += p[k] * yields[k];
             }

@@ -63,7 +63,7 @@ impl SceneGear {
     pub(super) fn note_load(&mut self) {
         let hub = self.model.hub();
         let constant = |l: &Load| matches!(l, Load::Applied(Profile::Constant(_)));
-        let alone = hub.coordinates() > 0 && hub.hub_shapes.is_empty();
+        let alone = hub.is_free() && hub.hub_shapes.is_empty();
         let known = alone && self.loads.iter().all(constant);
         self.constant_load = known.then(|| self.load(0.0, 0.0));
     }
@@ -79,7 +79,7 @@ impl SceneGear {
             return;
         }
         let hub = self.model.hub();
-        if hub.coordinates() > 0 {
+        if hub.is_free() {
             let load = self.load(at.t, hub.load_speed(self.at(at)));
             hub.add_load(load, &mut f[self.range()]);
         }
@@ -118,7 +118,7 @@ impl SceneGear {
 
     /// The load on its hub where that is constant from `t` until the next breakpoint; 0 for a hub that is not free.
     pub(super) fn steady_load(&self, t: f64) -> Option<f64> {
-        if self.model.hub().coordinates() == 0 {
+        if !self.model.hub().is_free() {
             return Some(0.0);
         }
         let mut sum = 0.0;

@@ -1,15 +1,17 @@
 //! A mesh from its settings: lines of action over slices, and the law of its contact.
 
 use super::friction::MeshFriction;
+use super::hubs::hub_of;
 use super::placement::{engagement, views};
 use super::scales::{hub_mass, initial_speed, reduced_mass};
-use crate::Vec3;
-use crate::contact::pairs::{LinesOfAction, MeshGeometry, Separation, Slice};
-use crate::error::{BuildError, GearPart, MeshPart, Reason};
+use crate::contact::pairs::{
+    FlankForm, Helicoid, LinesOfAction, MeshGeometry, Plane, Separation, Slice, Spatial,
+};
+use crate::error::{BuildError, MeshPart, Reason};
 use crate::kinematics::{Hub, MeshView};
 use crate::law::{Damping, Law, LawError, MeshFilm, MeshLoad};
 use crate::spec::{
-    Body, ContactSpec, GearSpec, MeshLayout, MeshSpec, Mount, SceneSpec, effective_radius,
+    Body, ContactSpec, GearSpec, MeshLayout, MeshSpec, SceneSpec, effective_radius, layout_axes,
     stiffness_curve,
 };
 
@@ -68,7 +70,10 @@ pub(super) fn lines_of_action(
     let curve =
         stiffness_curve(a, b, l, contact).map_err(|e| error(MeshPart::Stiffness, e.reason()))?;
     let views = views(l, a, b, mesh.gears.map(|i| phases[i]));
-    let many = varies_over_width(&a.body) || varies_over_width(&b.body);
+    let hubs = [hub_of(a)?, hub_of(b)?];
+    let in_space = is_spatial(&hubs);
+    let sliced = if in_space { sliced_gear([a, b]) } else { 0 };
+    let many = in_space || varies_over_width(&a.body) || varies_over_width(&b.body);
     let count = strips
         .or(contact.slices)
         .unwrap_or(if many { DEFAULT_SLICES } else { 1 });
@@ -83,12 +88,14 @@ pub(super) fn lines_of_action(
     let slices = (0..count)
         .map(|i| {
             let zeta = (2 * i + 1) as f64 / count as f64 - 1.0;
-            let z = 0.5 * l.face_width * zeta;
+            let along = 0.5 * l.face_width * zeta;
+            // Helices of mates are opposite.
+            let offset = |k: usize| (l.heights[k] + along) * base_helix.tan();
             Slice {
                 zeta,
-                z,
+                z: l.heights[sliced] + along,
                 weight: 1.0 / count as f64,
-                offset: z * base_helix.tan(),
+                offset: [offset(0), -offset(1)],
                 separation: [
                     separations[0].raised(lead(&a.body, zeta)),
                     separations[1].raised(lead(&b.body, zeta)),
@@ -99,7 +106,8 @@ pub(super) fn lines_of_action(
     let geometry = MeshGeometry {
         views,
         mesh_of_gear,
-        centre_a: Vec3::new(a.position[0], a.position[1], 0.0),
+        centre_a: a.position.into(),
+        axes: layout_axes(a, b),
         length: l.length,
         base_pitch: l.base_pitch,
         zone: l.path,
@@ -110,49 +118,48 @@ pub(super) fn lines_of_action(
         }),
     };
     let law = law_of(spec, mesh, contact, curve.maximum().1)?;
-    let search = LinesOfAction::new(geometry.clone(), curve, &law, slices);
+    let mut search = LinesOfAction::new(geometry.clone(), curve, &law, slices);
+    if in_space {
+        search = search.in_space(Spatial {
+            flanks: [a, b].map(|g| match &g.body {
+                Body::Gear(gear) => FlankForm::Involute(Box::new(Helicoid::new(gear))),
+                Body::Rack(rack) => FlankForm::Plane(Plane::new(rack, rack.tip_height())),
+            }),
+            sliced,
+            length: l.length,
+            base_pitch: l.base_pitch,
+            phases: mesh.gears.map(|i| phases[i]),
+        });
+    }
     Ok((search, law, geometry))
 }
 
-pub(super) fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
-    let own = g.inertia.unwrap_or_else(|| match &g.body {
-        Body::Gear(gear) => gear.mass_properties(g.material.density).izz,
-        Body::Rack(rack) => rack.mass(g.material.density),
-    });
-    let inertia = own + g.added_inertia;
-    if !(inertia > 0.0 && inertia.is_finite()) {
-        return Err(BuildError::gear(
-            &g.name,
-            GearPart::Inertia,
-            format!("inertia {inertia} is not positive"),
-        ));
-    }
-    let rack = matches!(g.body, Body::Rack(_));
-    match (&g.mount, rack) {
-        (Mount::Prismatic, false) => {
-            return Err(BuildError::gear(
-                &g.name,
-                GearPart::Mount,
-                ("a prismatic mount is for racks", "use revolute"),
-            ));
-        }
-        (Mount::Revolute, true) => {
-            return Err(BuildError::gear(
-                &g.name,
-                GearPart::Mount,
-                ("a rack cannot turn", "use prismatic or fixed"),
-            ));
-        }
-        _ => {}
-    }
-    // The slide points counter-clockwise as seen from a gear in front of the teeth.
-    let slide = rack.then(|| Vec3::new(g.facing.sin(), -g.facing.cos(), 0.0));
-    Ok(Hub {
-        mount: g.mount.clone(),
-        centre: Vec3::new(g.position[0], g.position[1], 0.0),
-        slide,
-        inertia,
-    })
+/// Angle between axes that counts as none [rad].
+const PARALLEL: f64 = 1e-12;
+
+/// Whether flanks have to be looked at in space.
+fn is_spatial(hubs: &[Hub; 2]) -> bool {
+    let [a, b] = hubs.each_ref().map(|hub| hub.axes[2]);
+    hubs.iter().any(|hub| hub.lateral.is_some()) || a.cross(&b).norm() > PARALLEL
+}
+
+/// The gear of a mesh whose sections are the slices, whichever comes first: the narrower one, else that of fewer teeth, else
+/// by name; never a rack.
+fn sliced_gear([a, b]: [&GearSpec; 2]) -> usize {
+    let Body::Gear(_) = b.body else { return 0 };
+    let order = |g: &GearSpec| {
+        let teeth = match &g.body {
+            Body::Gear(gear) => gear.teeth(),
+            Body::Rack(_) => u32::MAX,
+        };
+        (g.body.face_width(), teeth)
+    };
+    let ((wa, za), (wb, zb)) = (order(a), order(b));
+    let first = wa
+        .total_cmp(&wb)
+        .then(za.cmp(&zb))
+        .then(a.name.cmp(&b.name));
+    usize::from(first.is_gt())
 }
 
 /// An error of the law of a mesh.

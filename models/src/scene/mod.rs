@@ -23,6 +23,7 @@ mod direct;
 mod events;
 mod free_flight;
 mod friction;
+mod hubs;
 mod linear_path;
 mod members;
 mod mesh_assembly;

@@ -286,7 +286,7 @@ impl Scene {
     ) -> f64 {
         let of_gear = |(radius, &g): (&f64, &usize)| {
             let hub = self.gears[g].model.hub();
-            if hub.coordinates() == 0 {
+            if !hub.is_free() {
                 radius * hub.speed(at.t, &[])
             } else {
                 0.0

@@ -29,7 +29,7 @@ impl Scene {
     /// Work of the loads on hubs between two states of a step: their mean over the displacement, which holds however the
     /// hub vibrates in between.
     pub(super) fn loads_between(&self, from: At<'_>, to: At<'_>) -> f64 {
-        let loaded = |g: &&SceneGear| !g.loads.is_empty() && g.model.hub().coordinates() > 0;
+        let loaded = |g: &&SceneGear| !g.loads.is_empty() && g.model.hub().is_free();
         let work = |g: &SceneGear| {
             let [a, b] = [from, to].map(|at| g.model.hub_state(g.at(at)));
             let load = 0.5 * (g.load(from.t, a.speed) + g.load(to.t, b.speed));
@@ -70,7 +70,7 @@ impl Scene {
                 power.external += p.external;
             }
             let hub = g.model.hub_state(own);
-            if g.model.hub().coordinates() > 0 {
+            if g.model.hub().is_free() {
                 let by_load = g.load(at.t, hub.speed) * hub.speed;
                 power.external += by_load;
                 power.loads += by_load;
@@ -97,7 +97,7 @@ impl Scene {
             let of_mesh = &mut out.channels[PER_MESH * a.mesh..][..PER_MESH];
             add_contact(of_mesh, force, a.force.n);
             for (k, &i) in mesh.gears.iter().enumerate() {
-                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += self.on_hub(a, k);
+                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += self.on_hub(at, a, k);
             }
         }
         self.each_coupling(|_, _, [c, _], [n, o]| energy.contact += c * n * o);
@@ -183,7 +183,7 @@ impl Scene {
             }
             out.channels[per_gear + PER_GEAR * i + TRAVEL] +=
                 field.hub_residual_compliance() * nodes.load - pressed;
-            if g.model.hub().coordinates() > 0 {
+            if g.model.hub().is_free() {
                 power.external += pressed * g.applied_rate(at.t);
             }
         }
@@ -195,7 +195,7 @@ impl Scene {
         forces.clear();
         forces.resize(self.n, 0.0);
         for g in &self.gears {
-            if !g.loads.is_empty() && g.model.hub().coordinates() > 0 {
+            if !g.loads.is_empty() && g.model.hub().is_free() {
                 let hub = g.model.hub();
                 let load = g.load(at.t, hub.load_speed(g.at(at)));
                 hub.add_load(load, &mut forces[g.range()]);

@@ -75,7 +75,7 @@ pub(super) fn initial_speed(g: &GearSpec) -> f64 {
 
 /// Mass along the line of action that a hub stands for [kg]; infinite when it is held.
 pub(super) fn hub_mass(spec: &GearSpec, hub: &Hub) -> f64 {
-    if hub.coordinates() == 0 {
+    if !hub.is_free() {
         f64::INFINITY
     } else {
         hub.inertia / effective_radius(&spec.body).powi(2)

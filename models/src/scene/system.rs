@@ -107,7 +107,7 @@ impl SecondOrderSystem for Scene {
                 &mut df[range.clone()],
             );
             let hub = g.model.hub();
-            if hub.coordinates() > 0 && !g.loads.is_empty() {
+            if hub.is_free() && !g.loads.is_empty() {
                 let along = At {
                     v: &dv[range.clone()],
                     ..own
@@ -115,6 +115,10 @@ impl SecondOrderSystem for Scene {
                 let load = -g.viscous() * hub.load_speed(along);
                 hub.add_load(load, &mut df[range]);
             }
+        }
+        if self.in_space {
+            self.add_contact_differences(at, [dq, dv], df);
+            return;
         }
         self.evaluate_contacts(at);
         if self.tangents_of_contacts(at).is_err() {
@@ -178,6 +182,36 @@ impl Scene {
             match g.constant_load {
                 Some(load) => f[g.offset] += load,
                 None => g.add_load(at, f),
+            }
+        }
+    }
+
+    /// The tangent of contacts whose rows turn with the gears, by central differences.
+    fn add_contact_differences(&mut self, at: At<'_>, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
+        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let (moved, sped) = (largest(dq), largest(dv));
+        // A hundredth of a typical deflection keeps to one branch of the law and clear of rounding.
+        let steps = [
+            1e-2 * self.magnitudes.deflection / moved.max(f64::MIN_POSITIVE),
+            1e-2 * self.magnitudes.speed / sped.max(f64::MIN_POSITIVE),
+        ];
+        let mut f = vec![0.0; df.len()];
+        for (k, largest) in [moved, sped].into_iter().enumerate() {
+            if largest == 0.0 {
+                continue;
+            }
+            for sign in [1.0, -1.0] {
+                let h = sign * steps[k];
+                let by = |x: &[f64], dx: &[f64], acts: bool| -> Vec<f64> {
+                    let h = if acts { h } else { 0.0 };
+                    x.iter().zip(dx).map(|(x, dx)| x + h * dx).collect()
+                };
+                let (q, v) = (by(at.q, dq, k == 0), by(at.v, dv, k == 1));
+                f.fill(0.0);
+                self.add_contacts(At { q: &q, v: &v, ..at }, &mut f);
+                for (df, f) in df.iter_mut().zip(&f) {
+                    *df += 0.5 / h * f;
+                }
             }
         }
     }

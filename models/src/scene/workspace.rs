@@ -58,8 +58,9 @@ pub(super) struct Workspace {
     pub tangents: Vec<Tangent>,
     /// How they answer to each other through bodies.
     pub answers: Vec<Answer>,
-    /// Three rows per active contact: normal, sliding, sliding one metre further along the normal.
-    pub rows: Vec<[Row; 3]>,
+    /// Rows per active contact: normal, sliding, sliding one metre further along the normal, and how it moves along the path
+    /// where that is no part of the first.
+    pub rows: Vec<[Row; 4]>,
     pub condensed: Condensed,
     /// Contacts of gears with fields.
     pub nodal: Nodal,

@@ -1,6 +1,8 @@
 //! How the bodies of a mesh stand to each other, whatever their models: centre distance, path of contact, stiffness.
 
+use super::mount::turned_to;
 use super::scene::{Body, ContactSpec, GearSpec};
+use crate::Vec3;
 use crate::error::{BuildError, MeshPart, Reason};
 use crate::geometry::{Mate, Pair};
 use crate::stiffness::{self, StiffnessCurve};
@@ -28,6 +30,8 @@ pub struct MeshLayout {
     pub backlash: f64,
     /// Common face width [m].
     pub face_width: f64,
+    /// Its middle along the axis, from the middle of the face width of each gear [m].
+    pub heights: [f64; 2],
     /// Offset of a rack's reference point along its slide, seen from the first gear [m].
     pub(crate) rack_offset: f64,
 }
@@ -50,6 +54,15 @@ pub fn effective_radius(body: &Body) -> f64 {
     transverse * body.base_helix_angle().cos()
 }
 
+/// The axes that a mesh is laid out in, halfway between those of its gears.
+pub fn layout_axes(a: &GearSpec, b: &GearSpec) -> [Vec3; 3] {
+    let middle = (a.axes[2] + b.axes[2]).normalize();
+    if matches!(b.body, Body::Rack(_)) || a.axes[2] == b.axes[2] {
+        return a.axes;
+    }
+    turned_to(&a.axes, &middle)
+}
+
 /// The mesh of two gears at their positions.
 pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError> {
     let error = |why: Reason| BuildError::mesh([&a.name, &b.name], MeshPart::Layout, why);
@@ -62,7 +75,9 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
                 .into(),
         ));
     };
-    let (dx, dy) = (b.position[0] - a.position[0], b.position[1] - a.position[1]);
+    let apart = Vec3::from(b.position) - Vec3::from(a.position);
+    let axes = layout_axes(a, b);
+    let [dx, dy, dz] = axes.map(|axis| axis.dot(&apart));
     let (direction, distance, offset) = match &b.body {
         Body::Gear(_) => (dy.atan2(dx), dx.hypot(dy), 0.0),
         Body::Rack(_) => {
@@ -73,6 +88,23 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
     };
     let pair = Pair::new(ga, &b.body, distance).map_err(|e| error(e.reason()))?;
     let alpha = pair.working_pressure_angle();
+    let half = [&a.body, &b.body].map(|body| 0.5 * body.face_width());
+    let (low, high) = ((-half[0]).max(dz - half[1]), half[0].min(dz + half[1]));
+    if high <= low {
+        return Err(error(
+            (
+                format!(
+                    "the face widths do not meet: their middles are {dz:.4e} m apart along the axis"
+                ),
+                "give positions whose third coordinates lie closer together",
+            )
+                .into(),
+        ));
+    }
+    let (face_width, middle) = match dz == 0.0 {
+        true => (pair.face_width(), 0.0),
+        false => (high - low, 0.5 * (low + high)),
+    };
     Ok(MeshLayout {
         direction,
         distance,
@@ -86,7 +118,8 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
         base_pitch: pair.base_pitch(),
         contact_ratio: pair.contact_ratio(),
         backlash: pair.backlash_base(),
-        face_width: pair.face_width(),
+        face_width,
+        heights: [middle, middle - dz],
         rack_offset: offset,
     })
 }

@@ -7,10 +7,10 @@ mod mount;
 mod points;
 mod scene;
 
-pub use layout::{MeshLayout, effective_radius, mesh_layout, stiffness_curve};
+pub use layout::{MeshLayout, effective_radius, layout_axes, mesh_layout, stiffness_curve};
 pub use load::{Load, Profile};
 pub use model::{ModelSpec, Modelling, Parameters, Value};
-pub use mount::Mount;
+pub use mount::{Bearing, Freedom, LateralSpec, Mount, SpinTerms, UPRIGHT, turned_to};
 pub use points::{
     CoarseSearch, LocalContact, MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind,
 };

@@ -1,8 +1,9 @@
 //! What a scene is made of: plain data, SI units, no files.
 
 use super::load::Load;
-use super::mount::Mount;
+use super::mount::{LateralSpec, Mount};
 use super::points::PointContact;
+use crate::Vec3;
 use crate::geometry::{Gear, Rack, Side};
 use crate::law::{Damping, Friction};
 use crate::stiffness::{Material, PairStiffness};
@@ -22,6 +23,22 @@ impl Body {
         match self {
             Body::Gear(gear) => gear.core_inertia(density),
             Body::Rack(_) => 0.0,
+        }
+    }
+
+    /// Face width [m].
+    pub fn face_width(&self) -> f64 {
+        match self {
+            Body::Gear(gear) => gear.face_width(),
+            Body::Rack(rack) => rack.params().face_width,
+        }
+    }
+
+    /// Mass [kg].
+    pub fn mass(&self, density: f64) -> f64 {
+        match self {
+            Body::Gear(gear) => gear.mass_properties(density).mass,
+            Body::Rack(rack) => rack.mass(density),
         }
     }
 
@@ -49,8 +66,13 @@ pub struct GearSpec {
     pub added_inertia: f64,
     /// Mount.
     pub mount: Mount,
-    /// Position of the axis; for a rack a point of its reference line, at zero displacement [m].
-    pub position: [f64; 2],
+    /// How the hub may move beside that; `None`: not at all.
+    pub lateral: Option<Box<LateralSpec>>,
+    /// The middle of the face width on the axis; for a rack of its reference line, at zero displacement [m].
+    pub position: [f64; 3],
+    /// Right-handed unit axes of the gear at the start, angles count from the first to the second; the third is the axis
+    /// itself. [`UPRIGHT`](super::UPRIGHT) for a rack.
+    pub axes: [Vec3; 3],
     /// For a rack: direction from its body to its teeth [rad]. It slides at right angles to it,
     /// counter-clockwise positive as seen from the gear in front of it.
     pub facing: f64,

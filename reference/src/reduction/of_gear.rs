@@ -56,7 +56,7 @@ pub fn of_gear(
         Some(sector) => (sector, true),
         None => (source.whole(&reader)?, false),
     };
-    let free = context.hub.coordinates() > 0;
+    let free = context.hub.is_free();
     Ok(OfGear {
         mesh,
         sector,

@@ -88,7 +88,7 @@ pub fn misfit(stored: &Stored, context: &GearContext<'_>) -> Option<String> {
             ));
         }
     }
-    let free = context.hub.coordinates() > 0;
+    let free = context.hub.is_free();
     if free != basis.free {
         let word = |free| if free { "free" } else { "held" };
         return Some(format!(

@@ -6,7 +6,7 @@ use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, Load as HubLoad, MeshSpec, ModelSpec, Modelling, Mount, Profile,
-    SceneSpec, Start, mesh_layout, stiffness_curve,
+    SceneSpec, Start, UPRIGHT, mesh_layout, stiffness_curve,
 };
 use gearbench_models::stiffness::{
     IsoVariation, Material, PairOrMesh, PairStiffness, Path, mesh_stiffness,
@@ -26,7 +26,9 @@ fn gear(teeth: u32, x: f64) -> GearSpec {
         inertia: None,
         added_inertia: 0.0,
         mount: Mount::Revolute,
-        position: [x, 0.0],
+        lateral: None,
+        axes: UPRIGHT,
+        position: [x, 0.0, 0.0],
         facing: 0.0,
         speed: 30.0,
         loads: vec![HubLoad::Applied(Profile::Constant(7.0))],
@@ -198,7 +200,7 @@ fn a_rack_goes_along_with_its_gear() {
         ),
         mount: Mount::Prismatic,
         facing: std::f64::consts::PI,
-        position: [0.0401, 0.0],
+        position: [0.0401, 0.0, 0.0],
         ..gear(20, 0.0)
     };
     for side in [Side::Left, Side::Right] {

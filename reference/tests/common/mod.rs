@@ -4,7 +4,7 @@ use gearbench_models::geometry::{Gear, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, PointContact, SceneSpec,
-    Start,
+    Start, UPRIGHT,
 };
 use gearbench_models::stiffness::{Material, PairStiffness};
 
@@ -17,7 +17,9 @@ pub fn scene(gears: [Gear; 2], material: Material, distance: f64) -> SceneSpec {
         inertia: None,
         added_inertia: 0.0,
         mount: Mount::Fixed,
-        position: [i as f64 * distance, 0.0],
+        lateral: None,
+        axes: UPRIGHT,
+        position: [i as f64 * distance, 0.0, 0.0],
         facing: 0.0,
         speed: 0.0,
         loads: vec![],

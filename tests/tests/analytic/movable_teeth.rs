@@ -204,7 +204,7 @@ fn train(torque: f64) -> SceneSpec {
     first.loads = vec![Load::Applied(Profile::Constant(torque))];
     let idler = gear("idler", spur(30), 0.1001, -200.0 / 1.5);
     let mut last = gear("last", spur(20), 0.1001, 200.0);
-    last.position = [0.1001, 0.1001];
+    last.position = [0.1001, 0.1001, 0.0];
     last.loads = vec![Load::Applied(Profile::Constant(-torque))];
     SceneSpec {
         gears: vec![first, idler, last],
@@ -268,7 +268,7 @@ fn all_teeth_are_integrated_where_windows_do_not_fit() {
     close.gears[1] = gear("idler", spur(14 + 6), 0.1001, 0.0);
     let angle = 100f64.to_radians();
     close.gears[2] = gear("last", spur(30), 0.0, 0.0);
-    close.gears[2].position = [0.1001 - 0.1001 * angle.cos(), 0.1001 * angle.sin()];
+    close.gears[2].position = [0.1001 - 0.1001 * angle.cos(), 0.1001 * angle.sin(), 0.0];
     let three = [
         teeth.clone(),
         with(teeth.clone(), "tooth_mass_kg", Value::Number(1e-3)),
@@ -276,7 +276,7 @@ fn all_teeth_are_integrated_where_windows_do_not_fit() {
     ];
     let n = coordinates(&close, &three, 1);
     let small = 0.1001 - 0.1001 * 40f64.to_radians().cos();
-    close.gears[2].position = [small, 0.1001 * 40f64.to_radians().sin()];
+    close.gears[2].position = [small, 0.1001 * 40f64.to_radians().sin(), 0.0];
     let tight = coordinates(&close, &three, 1);
     assert!(
         n < 21 && tight == 21,

@@ -44,10 +44,10 @@ const START: Start = Start {
 fn positions_and_starts() {
     let pair = "`pinion` and `wheel`";
     scene(
-        |s| s.gears[1].position = [0.12, 0.0],
+        |s| s.gears[1].position = [0.12, 0.0, 0.0],
         &[pair, "distance must stay below"],
     );
-    scene(|s| s.gears[1].position = [0.09, 0.0], &[pair]);
+    scene(|s| s.gears[1].position = [0.09, 0.0, 0.0], &[pair]);
     scene(
         |s| s.meshes[0].start.path_coordinate = Some(0.1),
         &["outside the path of contact", "1.000000e-1"],

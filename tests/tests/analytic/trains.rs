@@ -41,7 +41,7 @@ fn train(models: [ModelSpec; 3], mounts: [Mount; 3], torques: [f64; 2], side: Si
     let mut idler = gear("idler", spur(30), 0.1001, 0.0);
     idler.loads = vec![Load::Applied(Profile::Constant(idler_torque))];
     let mut last = gear("last", spur(24), 0.1001, 0.0);
-    last.position = [0.1001, 0.1081];
+    last.position = [0.1001, 0.1081, 0.0];
     let mut gears = vec![first, idler, last];
     for (g, mount) in gears.iter_mut().zip(mounts) {
         g.mount = mount;
@@ -90,7 +90,7 @@ fn a_train_carries_its_load_in_motion() {
     first.mount = held[0].clone();
     let idler = gear("idler", spur(30), 0.1001, -50.0 / 1.5);
     let mut last = gear("last", spur(24), 0.1001, 50.0 / 1.2);
-    last.position = [0.1001, 0.1081];
+    last.position = [0.1001, 0.1081, 0.0];
     last.loads = vec![Load::Viscous(0.4)];
     let meshes = vec![
         mesh([0, 1], start(Side::Left, 0.0)),

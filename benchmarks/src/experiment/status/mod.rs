@@ -298,7 +298,7 @@ fn rotations(spec: &SceneSpec, scene: &Scene) -> Vec<Rotation> {
                 channel: scene.channel(Channel::Gear(i, OfGear::Speed))?,
                 inertia: hub.hub.inertia,
                 ratio: ratios[i]?,
-                held: hub.hub.coordinates() == 0,
+                held: !hub.hub.is_free(),
             })
         };
         all.push(Rotation {

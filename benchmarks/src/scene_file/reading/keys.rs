@@ -2,8 +2,8 @@
 
 use super::super::SceneKeys;
 use super::super::{
-    calibrated, contact, contact_points, deviations, gear, mesh, model, profile, references,
-    stiffness, study_plan,
+    calibrated, contact, contact_points, deviations, gear, lateral, mesh, model, profile,
+    references, stiffness, study_plan,
 };
 use crate::studies::{check, precision, stability, sweep};
 
@@ -31,6 +31,9 @@ pub(in super::super) fn tables() -> impl Iterator<Item = &'static Table> {
         &gear::GearKeys::TABLE,
         &gear::RackKeys::TABLE,
         &gear::ReliefKeys::TABLE,
+        &lateral::BearingKeys::TABLE,
+        &lateral::DirectionKeys::TABLE,
+        &lateral::MisalignmentKeys::TABLE,
         &deviations::DeviationKeys::TABLE,
         &deviations::FlankKeys::TABLE,
         &gear::MaterialKeys::TABLE,

@@ -13,7 +13,7 @@ use super::super::reading::keys::keys;
 use super::super::reading::suggest::there_are;
 use super::super::{SceneError, SceneFile};
 use super::{Beside, NamedReference, ReferenceKeys};
-use gearbench_models::spec::{Body, Load, Mount, Profile, SceneSpec, mesh_layout};
+use gearbench_models::spec::{Body, Load, Mount, Profile, SceneSpec, layout_axes, mesh_layout};
 
 keys! {
     pub(in super::super) struct GearConditionKeys {
@@ -178,10 +178,9 @@ impl ReferenceConditions {
                 .map_err(|e| refuse(&e))?
                 .direction;
             let from = spec.gears[a].position;
-            spec.gears[b].position = [
-                from[0] + distance * direction.cos(),
-                from[1] + distance * direction.sin(),
-            ];
+            let [x, y, _] = layout_axes(&spec.gears[a], &spec.gears[b]);
+            let to = distance * (direction.cos() * x + direction.sin() * y);
+            spec.gears[b].position = [0, 1, 2].map(|k| from[k] + to[k]);
             mesh_layout(&spec.gears[a], &spec.gears[b]).map_err(|e| refuse(&e))?;
         }
         let Some(mesh) = spec.meshes.first_mut() else {

@@ -23,7 +23,7 @@ fn the_base_scene() {
         ("pinion", "wheel")
     );
     assert_eq!((pinion.speed, wheel.speed), (20.0, 0.0));
-    assert_eq!(wheel.position, [0.1001, 0.0]);
+    assert_eq!(wheel.position, [0.1001, 0.0, 0.0]);
     assert_eq!(pinion.loads, [Load::Applied(Profile::Constant(10.0))]);
     assert_eq!(pinion.mount, Mount::Revolute);
     assert_eq!(pinion.material, Material::STEEL);
@@ -181,7 +181,7 @@ fn distance_from_backlash_and_direction() {
         "centre_distance_m = 0.1001",
         "backlash_m = 8e-5\ndirection_deg = 90.0",
     );
-    let [x, y] = scene.spec.gears[1].position;
+    let [x, y, _] = scene.spec.gears[1].position;
     let [a, b] = [0, 1].map(|i| toothing_of(&scene, i));
     assert!(x.abs() < 1e-15);
     assert!((Pair::new(&a, &b, y).unwrap().backlash_normal() - 8e-5).abs() < 1e-13);

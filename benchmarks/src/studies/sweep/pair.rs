@@ -378,7 +378,7 @@ impl Pair {
         state.discrete.clone_from(&end.discrete);
         let (before, now) = (self.speeds(end.frequency), self.speeds(frequency));
         for (i, gear) in scene.gears().iter().enumerate() {
-            if gear.model.hub().coordinates() > 0 {
+            if gear.model.hub().is_free() {
                 turn_faster(gear, &mut state, now[i] - before[i]);
             }
         }

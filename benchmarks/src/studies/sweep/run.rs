@@ -98,7 +98,7 @@ fn resonance(entry: &Configuration, models: &[Model], stiffness: f64) -> Option<
     let compliance: f64 = (scene.gears().iter().zip(&entry.scene.gears))
         .map(|(g, spec)| {
             let hub = g.model.hub();
-            hub.coordinates() as f64 * effective_radius(&spec.body).powi(2) / hub.inertia
+            f64::from(hub.is_free()) * effective_radius(&spec.body).powi(2) / hub.inertia
         })
         .sum();
     (compliance > 0.0).then(|| (stiffness * compliance).sqrt() / TAU)

@@ -219,12 +219,7 @@ fn of_scene(
     parameters: &Parameters,
 ) -> Result<Job, Refusal> {
     let rack = matches!(g.body, Body::Rack(_));
-    let hub = Hub {
-        mount: g.mount.clone(),
-        centre: Vec3::new(g.position[0], g.position[1], 0.0),
-        slide: rack.then(Vec3::y),
-        inertia: 1.0,
-    };
+    let hub = Hub::new(g.mount.clone(), g.position.into(), rack.then(Vec3::y), 1.0);
     let material = material(args, g.material)?;
     let context = GearContext {
         name: &g.name,

@@ -2,7 +2,7 @@
 
 use super::lines::{Line, LinesOfAction, MeshGeometry, PathMap, Slice, side_index};
 use super::separation::Separation;
-use crate::Vec3;
+use super::spatial::Spatial;
 use crate::contact::clearance::LineClearance;
 use crate::geometry::{Gear, Side};
 use crate::law::Law;
@@ -19,14 +19,14 @@ impl LinesOfAction {
         for side in [Side::Left, Side::Right] {
             let sign = side.sign();
             let along = delta + sign * (std::f64::consts::FRAC_PI_2 - alpha);
-            let transverse = Vec3::new(along.cos(), along.sin(), 0.0);
+            let [x, y, axis] = g.axes;
+            let transverse = along.cos() * x + along.sin() * y;
             let to_tangent = delta - sign * alpha;
             let (c, s) = (g.base_helix.cos(), g.base_helix.sin());
-            let normal = Vec3::new(c * transverse.x, c * transverse.y, -sign * s);
+            let normal = c * transverse - sign * s * axis;
             for (i, slice) in slices.iter().enumerate() {
-                let mut origin =
-                    g.centre_a + rb * Vec3::new(to_tangent.cos(), to_tangent.sin(), 0.0);
-                origin.z = slice.z;
+                let tangent = rb * (to_tangent.cos() * x + to_tangent.sin() * y);
+                let origin = g.centre_a + tangent + slice.z * axis;
                 lines.push(Line {
                     side,
                     slice: i,
@@ -61,6 +61,7 @@ impl LinesOfAction {
             per_base_pitch: g.base_pitch.recip(),
             mesh: g,
             lines,
+            spatial: None,
         };
         for side in [Side::Left, Side::Right] {
             let gap = |j: i64| {
@@ -74,7 +75,7 @@ impl LinesOfAction {
         }
         for l in 0..loa.lines.len() {
             let (side, slice) = (loa.lines[l].side, loa.lines[l].slice);
-            let offset = side.sign() * loa.slices[slice].offset;
+            let offset = loa.slices[slice].offset.map(|x| side.sign() * x);
             let teeth = [0, 1].map(|pair| loa.teeth(side, pair));
             loa.lines[l].ascending = [0, 1].map(|k| teeth[1][k].index > teeth[0][k].index);
             loa.lines[l].map = [0, 1].map(|k| {
@@ -83,9 +84,8 @@ impl LinesOfAction {
                     v.path_coordinate(side, v.assembled + displacement + tooth as f64 * v.pitch)
                 };
                 let (t0, t1) = (teeth[0][k].index, teeth[1][k].index);
-                let shift = if k == 0 { offset } else { -offset };
                 PathMap {
-                    at_zero: s(t0, 0.0) + shift,
+                    at_zero: s(t0, 0.0) + offset[k],
                     per_displacement: side.sign() * v.path_per_displacement(),
                     // One base pitch per pair, up for gear a and down for gear b.
                     per_pair: (s(t1, 0.0) - s(t0, 0.0)).signum() * loa.mesh.base_pitch,
@@ -97,8 +97,26 @@ impl LinesOfAction {
         loa
     }
 
-    /// The clearances of the mesh, one per line.
+    /// The same for flanks in space.
+    #[must_use]
+    pub fn in_space(mut self, spatial: Spatial) -> Self {
+        self.spatial = Some(Box::new(spatial));
+        for line in &mut self.lines {
+            line.plain = false;
+        }
+        self
+    }
+
+    /// Whether flanks are looked at in space.
+    pub fn is_spatial(&self) -> bool {
+        self.spatial.is_some()
+    }
+
+    /// The clearances of the mesh, one per line; none that are linear in the displacements of hubs that move sideways.
     pub fn clearances(&self) -> Vec<LineClearance> {
+        if self.is_spatial() {
+            return Vec::new();
+        }
         let of = |line: &Line| {
             let modified: f64 = (self.slices[line.slice].separation.iter())
                 .map(Separation::lowest)

@@ -236,7 +236,7 @@ impl LinesOfAction {
             let gap = self.helix_cos * (self.mesh.length - s[0] - s[1]);
             return (gap, [1.0; 2]);
         }
-        let p = self.pair(line, pair, s);
+        let p = self.pair_on_line(line, pair, s);
         (p.gap, p.scale)
     }
 

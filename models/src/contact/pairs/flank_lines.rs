@@ -244,7 +244,7 @@ impl FlankLines {
             }
             let range = self.pairs.pairs_of(l, movers, &[], false);
             self.pairs.each_pair(l, range, movers, |_, pair, s| {
-                let p = self.pairs.pair(line, pair, s);
+                let p = self.pairs.pair(line, movers, pair, s);
                 if p.gap <= limit {
                     self.line_point(line, &p, &mut sides, gap_bound, out);
                 }

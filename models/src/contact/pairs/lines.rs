@@ -1,11 +1,12 @@
 //! The lines of action of a mesh as data, and what a gear looks like to them.
 
 use super::separation::Separation;
+use super::spatial::{Spatial, Touch};
 use crate::Vec3;
 use crate::contact::party::Party;
-use crate::gear::ToothCoordinates;
+use crate::gear::{GearModel, ToothCoordinates};
 use crate::geometry::{Gear, Side};
-use crate::kinematics::{MeshView, Tooth};
+use crate::kinematics::{HubFrame, MeshView, Tooth};
 use crate::law::Law;
 use crate::stiffness::StiffnessCurve;
 use gearbench_integrators::system::At;
@@ -15,12 +16,12 @@ use gearbench_integrators::system::At;
 pub struct Slice {
     /// Position over the width in [-1, 1].
     pub zeta: f64,
-    /// Height along the axis [m].
+    /// Height along the axis [m], of the gear that is sliced where axes are not parallel.
     pub z: f64,
     /// Share of the stiffness.
     pub weight: f64,
-    /// Offset of the path coordinate of a left flank by the helix [m].
-    pub offset: f64,
+    /// Offset of the path coordinates of left flanks of both gears by the helix [m].
+    pub offset: [f64; 2],
     /// How far the flanks of both gears stand off the involutes.
     pub separation: [Separation; 2],
 }
@@ -34,6 +35,8 @@ pub struct MeshGeometry {
     pub mesh_of_gear: [u8; 2],
     /// Centre of gear a [m].
     pub centre_a: Vec3,
+    /// Axes that the mesh is laid out in: directions count from the first to the second, the gears turn about the third.
+    pub axes: [Vec3; 3],
     /// Distance between the tangent points [m].
     pub length: f64,
     /// Base pitch [m].
@@ -67,6 +70,8 @@ pub struct LinesOfAction {
     pub(super) helix_cos: f64,
     pub(super) per_base_pitch: f64,
     pub(super) lines: Vec<Line>,
+    /// The flanks in space, where axes are not parallel or hubs move sideways.
+    pub(super) spatial: Option<Box<Spatial>>,
 }
 
 /// One flank side of one slice.
@@ -111,6 +116,7 @@ impl PathMap {
 pub(super) struct Mover<'a> {
     pub(super) at: At<'a>,
     pub(super) displacements: Displacements<'a>,
+    gear: &'a dyn GearModel,
 }
 
 /// Displacements of its teeth.
@@ -130,7 +136,18 @@ impl<'a> Mover<'a> {
             Some(teeth) => Displacements::OfTeeth(teeth),
             None => Displacements::OfHub(gear.hub().displacement_at(at)),
         };
-        Mover { at, displacements }
+        Mover {
+            at,
+            displacements,
+            gear,
+        }
+    }
+
+    /// Axes of its hub, and the part of a tooth's displacement that moves these.
+    pub(super) fn frame(&self) -> (HubFrame, f64) {
+        let hub = self.gear.hub();
+        let along = hub.slide.map_or(0.0, |_| hub.displacement_at(self.at));
+        (hub.hub.frame(self.at.t, self.at.q), along)
     }
 }
 
@@ -142,6 +159,8 @@ pub(super) struct PairState {
     pub(super) gap: f64,
     pub(super) scale: [f64; 2],
     pub(super) curvature: [f64; 2],
+    /// Where the flanks are nearest, in space.
+    pub(super) touch: Option<Touch>,
 }
 
 pub(super) const ZONE_EVENTS: usize = 4;

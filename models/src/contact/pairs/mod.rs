@@ -27,6 +27,7 @@ mod flank_lines;
 mod lines;
 mod search;
 mod separation;
+mod spatial;
 mod walk;
 
 pub(crate) use coupling::MOST_ON_LINE;
@@ -35,3 +36,4 @@ pub use flank_lines::{FlankLines, LineGear, LinePressure};
 pub(crate) use lines::all_open;
 pub use lines::{LinesOfAction, MeshGeometry, Slice};
 pub use separation::{Engagement, Separation};
+pub use spatial::{FlankForm, Helicoid, Plane, Spatial, Touch};

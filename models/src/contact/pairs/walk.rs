@@ -1,6 +1,7 @@
 //! Along the lines of action: teeth, path coordinates, gaps and candidates of consecutive pairs.
 
 use super::lines::{Displacements, Line, LinesOfAction, Mover, PairState, side_index};
+use super::spatial::Spatial;
 use crate::contact::candidate::Candidate;
 use crate::contact::party::Wanted;
 use crate::geometry::Side;
@@ -120,7 +121,25 @@ impl LinesOfAction {
 
     /// Where a pair stands: its teeth, path coordinates and gap.
     #[inline(always)]
-    pub(super) fn pair(&self, line: &Line, pair: i64, s: [f64; 2]) -> PairState {
+    pub(super) fn pair(
+        &self,
+        line: &Line,
+        movers: [&Mover<'_>; 2],
+        pair: i64,
+        s: [f64; 2],
+    ) -> PairState {
+        match &self.spatial {
+            None => self.pair_on_line(line, pair, s),
+            Some(spatial) => {
+                let teeth = self.teeth(line.side, pair);
+                self.pair_in_space(spatial, line, movers, teeth, s)
+            }
+        }
+    }
+
+    /// The same on the line of action.
+    #[inline(always)]
+    pub(super) fn pair_on_line(&self, line: &Line, pair: i64, s: [f64; 2]) -> PairState {
         let teeth = self.teeth(line.side, pair);
         let mut p = PairState {
             teeth,
@@ -128,11 +147,42 @@ impl LinesOfAction {
             gap: self.helix_cos * (self.mesh.length - s[0] - s[1]),
             scale: [1.0; 2],
             curvature: [0.0; 2],
+            touch: None,
         };
         if !(line.plain && s[0] <= line.tips[0] && s[1] <= line.tips[1]) {
             self.separate(line, &mut p);
         }
         p
+    }
+
+    /// The same of flanks in space.
+    fn pair_in_space(
+        &self,
+        spatial: &Spatial,
+        line: &Line,
+        movers: [&Mover<'_>; 2],
+        teeth: [Tooth; 2],
+        s: [f64; 2],
+    ) -> PairState {
+        let frames = movers.map(Mover::frame);
+        // Where the maps of the line have teeth turned to.
+        let angles = [0, 1].map(|k| {
+            let map = &line.map[k];
+            let first = self.teeth(line.side, 0)[k].index as f64 * self.mesh.views[k].pitch;
+            let turned = (s[k] - map.at_zero) / map.per_displacement - frames[k].1;
+            (teeth[k].index, spatial.phases[k] + first + turned)
+        });
+        let z = self.slices[line.slice].z;
+        let guess = s[spatial.sliced];
+        let touch = spatial.touch(line.side, z, [&frames[0].0, &frames[1].0], angles, guess);
+        PairState {
+            teeth,
+            s: touch.roll,
+            gap: touch.gap,
+            scale: [1.0; 2],
+            curvature: [0.0; 2],
+            touch: Some(touch),
+        }
     }
 
     /// Adds what the flanks of a pair stand off their involutes.
@@ -218,7 +268,13 @@ impl LinesOfAction {
     #[inline]
     fn candidate(&self, line: &Line, slot: usize, p: &PairState) -> Candidate {
         let weight = self.slices[line.slice].weight;
-        let points = self.points(line, p.teeth, p.s);
+        let mut points = self.points(line, p.teeth, p.s);
+        let (mut normal, mut along) = (line.normal, None);
+        if let Some(touch) = &p.touch {
+            points.iter_mut().for_each(|point| point.x = touch.x);
+            normal = touch.normal;
+            along = Some(touch.path.map(|part| self.helix_cos * part));
+        }
         let s = self.middle(p.s);
         let (k, k_s) = self.stiffness.eval(s);
         Candidate {
@@ -226,7 +282,8 @@ impl LinesOfAction {
             fade: 1.0,
             slot,
             points,
-            normal: line.normal,
+            normal,
+            along,
             scale: p.scale,
             curvature: p.curvature,
             gap: p.gap,
@@ -255,7 +312,7 @@ impl LinesOfAction {
             {
                 return;
             }
-            let p = self.pair(line, pair, s);
+            let p = self.pair(line, movers, pair, s);
             if let Wanted::Touching(reach) = wanted
                 && p.gap > reach
             {
@@ -275,7 +332,7 @@ impl LinesOfAction {
     ) {
         let line = &self.lines[l];
         self.each_pair(l, range, movers, |slot, pair, s| {
-            out[slot] = self.pair(line, pair, s).gap
+            out[slot] = self.pair(line, movers, pair, s).gap
         });
     }
 
@@ -304,7 +361,8 @@ impl LinesOfAction {
         self.set_zone_events(ends, event_functions);
         let mut slot = self.slot(l, lo);
         for i in 0..n {
-            gaps[slot] = self.pair(line, lo + i as i64, [a[i + 1], b[i + 1]]).gap;
+            let s = [a[i + 1], b[i + 1]];
+            gaps[slot] = self.pair(line, movers, lo + i as i64, s).gap;
             slot = self.next_slot(l, slot);
         }
     }

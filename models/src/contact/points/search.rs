@@ -182,6 +182,7 @@ impl FlankPoints {
         }
         let normal = sign * factor * hit.normal;
         Candidate {
+            along: None,
             slot: usize::from(slave.shape.side == Side::Right),
             points,
             normal,

@@ -57,7 +57,7 @@ impl MovableTeeth {
         let p = &self.springs;
         let slots = self.engaged_cell(0)..self.head();
         let engaged = p.radius.is_some() && at.discrete[slots].iter().any(|x| *x != 0.0);
-        if !p.uniform || engaged {
+        if !p.uniform || engaged || self.hub.lateral.is_some() {
             return None;
         }
         let first = self.first();
@@ -80,7 +80,7 @@ impl MovableTeeth {
         let stretch = [mean[0] - phi, mean[1] - speed];
         let own_omega = (k / m).sqrt();
         let own_zeta = 0.5 * c / (k * m).sqrt();
-        let parts = if first > 0 {
+        let parts = if self.hub.is_free() {
             let total = self.body + number * m;
             let of_teeth = number * m / total;
             let stiffer = (total / self.body).sqrt();
@@ -235,7 +235,7 @@ impl LinearMotion for MovableTeeth {
 
     /// On a prescribed hub the springs take `sum m S''` from it.
     fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
-        if self.first() > 0 {
+        if self.hub.is_free() {
             return load
                 * (self.hub.displacement(to.t, to.q) - self.hub.displacement(from.t, from.q));
         }

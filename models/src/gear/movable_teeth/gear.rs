@@ -24,7 +24,11 @@ impl GearModel for MovableTeeth {
 
     fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], discrete: &mut [f64]) {
         q.fill(0.0);
-        v.fill(speed);
+        v.fill(0.0);
+        if self.hub.is_free() {
+            v[0] = speed;
+        }
+        v[self.first()..].fill(speed);
         discrete.fill(0.0);
         for m in 0..self.views.len() {
             discrete[m] = self.nearest(m, 0.0).round();
@@ -35,12 +39,14 @@ impl GearModel for MovableTeeth {
     fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         // A tooth outside its window carries no force, so the mean stands for it.
         let i = self.own_or_mean(at.discrete, p.tooth);
-        row.push(i, self.hub.effective_radius(&p.x, n));
-        // A tooth has a coordinate whatever its hub does: nothing of its motion is prescribed.
-        0.0
+        let hub = &self.hub.hub;
+        row.push(i, hub.effective_radius_at(at.t, at.q, &p.x, n));
+        // A tooth has a coordinate whatever its hub does: nothing of its turn is prescribed.
+        hub.lateral_row(at.t, at.q, &p.x, n, row, false)
     }
 
     fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
+        self.hub.add_lateral_forces(at, f);
         let first = self.first();
         let (phi, speed) = (
             self.hub.displacement(at.t, at.q),
@@ -57,7 +63,7 @@ impl GearModel for MovableTeeth {
                 *f -= torque;
                 on_body += torque;
             }
-            if first > 0 {
+            if self.hub.is_free() {
                 f[0] += on_body;
             }
             return;
@@ -68,7 +74,7 @@ impl GearModel for MovableTeeth {
             f[first + i] -= p.k * stretch + 0.5 * p.dk * stretch * stretch + damped;
             on_body += p.k * stretch + damped;
         }
-        if first > 0 {
+        if self.hub.is_free() {
             f[0] += on_body;
         }
     }
@@ -76,7 +82,8 @@ impl GearModel for MovableTeeth {
     fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         let first = self.first();
         let phi = self.hub.displacement(at.t, at.q);
-        let (dphi, dspeed) = if first > 0 {
+        self.hub.add_lateral_tangent(at, [dq, dv], df);
+        let (dphi, dspeed) = if self.hub.is_free() {
             (dq[0], dv[0])
         } else {
             (0.0, 0.0)
@@ -89,7 +96,7 @@ impl GearModel for MovableTeeth {
             df[first + i] -= torque + turn * (ds - dphi) + p.bend * ds * (s - phi).powi(2);
             on_body += torque;
         }
-        if first > 0 {
+        if self.hub.is_free() {
             df[0] += on_body;
         }
     }
@@ -115,13 +122,16 @@ impl GearModel for MovableTeeth {
             hub += spring - turning * turning / diagonal;
             rhs += turning * x[first + i] / diagonal;
         }
-        if first > 0 {
+        let free = self.hub.is_free();
+        if free {
             if hub == 0.0 {
                 return Err(Singular);
             }
             x[0] = (x[0] + rhs) / hub;
         }
-        let dphi = if first > 0 { x[0] } else { 0.0 };
+        let dphi = if free { x[0] } else { 0.0 };
+        self.hub
+            .correct_lateral(at, c, &mut x[usize::from(free)..first])?;
         for (i, s, _, p) in self.each_spring(at) {
             let spring = c.d * p.c + c.k * p.k;
             let turning = spring + c.k * p.dk * (s - phi);
@@ -133,13 +143,14 @@ impl GearModel for MovableTeeth {
 
     fn energy(&self, at: At<'_>) -> Energy {
         let first = self.first();
-        let (phi, speed) = (
-            self.hub.displacement(at.t, at.q),
-            self.hub.speed(at.t, at.v),
-        );
-        let mut e = Energy::default();
-        if first > 0 {
-            e.kinetic += 0.5 * self.body * speed * speed;
+        let phi = self.hub.displacement(at.t, at.q);
+        let mut e = Energy {
+            strain: self.hub.bearing_energy(at)[0],
+            ..Energy::default()
+        };
+        // The body's, and of the whole gear sideways.
+        for (m, v) in self.hub.masses.iter().zip(&at.v[..first]) {
+            e.kinetic += 0.5 * m * v * v;
         }
         for (_, s, v, p) in self.each_spring(at) {
             e.kinetic += 0.5 * p.inertia * v * v;
@@ -163,8 +174,8 @@ impl GearModel for MovableTeeth {
 
     fn powers(&self, at: At<'_>) -> Power {
         Power {
-            dissipated: self.dissipated(at),
-            external: self.driven_power(at),
+            dissipated: self.dissipated(at) + self.hub.bearing_energy(at)[1],
+            external: self.driven_power(at) + self.hub.driven_power(at),
             ..Power::default()
         }
     }
@@ -212,7 +223,7 @@ impl MovableTeeth {
     }
 
     fn driven_power(&self, at: At<'_>) -> f64 {
-        if self.first() > 0 {
+        if self.hub.is_free() {
             return 0.0;
         }
         let (phi, speed) = (

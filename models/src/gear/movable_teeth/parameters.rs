@@ -292,7 +292,7 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         * r_d
         * r_d;
     let body = context.hub.inertia - taken;
-    if body <= 0.0 && context.hub.coordinates() > 0 {
+    if body <= 0.0 && context.hub.is_free() {
         return Err(BuildError::parameter(
             MODEL,
             "tooth_mass_kg",

@@ -30,7 +30,7 @@ impl MovableTeeth {
             p.k * (s - phi) + p.c * (v - speed)
         };
         let own = at.q.len() - first;
-        if first == 0 {
+        if !self.hub.is_free() {
             let pull = match &self.hub.mount {
                 Mount::Driven(speed) => self.body * speed.slope(at.t),
                 _ => 0.0,
@@ -39,7 +39,7 @@ impl MovableTeeth {
         }
         if let Some(slide) = &self.hub.slide {
             // Teeth of a rack move along the slide, like its body.
-            if first == 0 {
+            if !self.hub.is_free() {
                 reaction.force += (reaction.torque - reaction.force.dot(slide)) * slide;
             }
             return reaction;

@@ -302,7 +302,10 @@ impl MovableTeeth {
         self.hub.discrete = self.head() + self.deviations().cells();
         self.note_constants();
         let teeth = (0..self.hub.own).map(|i| self.tooth_inertia(i));
-        self.hub.masses = std::iter::repeat_n(self.body, self.first())
+        let sideways = usize::from(self.hub.is_free());
+        let lateral = self.hub.masses.iter().copied().skip(sideways);
+        self.hub.masses = std::iter::repeat_n(self.body, sideways)
+            .chain(lateral.take(self.first() - sideways))
             .chain(teeth)
             .collect();
     }

@@ -280,7 +280,7 @@ impl Nodal {
         }
         for ((g, nodes), torque) in gears.iter().zip(&self.gears).zip(&self.torque) {
             let range = g.range();
-            if *torque != 0.0 && g.model.hub().coordinates() > 0 {
+            if *torque != 0.0 && g.model.hub().is_free() {
                 f[range.start] += torque;
             }
             if let Some(field) = g.model.displacement() {

@@ -208,7 +208,7 @@ pub(in crate::scene) fn islands(gears: &[SceneGear], meshes: &[SceneMesh]) -> Ve
             meshes: vec![m],
             compliant: of(mesh, &compliant),
             fields: of(mesh, &|g| gears[g].model.displacement().is_some()),
-            hubs: of(mesh, &|g| gears[g].model.hub().coordinates() > 0),
+            hubs: of(mesh, &|g| gears[g].model.hub().is_free()),
             dissipates: mesh.dissipates(),
             damped: mesh.law.is_dissipative(),
             slides: mesh.friction.is_some(),

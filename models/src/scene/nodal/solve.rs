@@ -22,7 +22,7 @@ impl Nodal {
         self.found.clear();
         for (g, nodes) in gears.iter().zip(&mut self.gears) {
             if g.model.displacement().is_some() {
-                let load = if g.model.hub().coordinates() > 0 {
+                let load = if g.model.hub().is_free() {
                     g.applied(at.t)
                 } else {
                     0.0

@@ -96,7 +96,7 @@ impl Reduced {
         &mut self,
         gears: &[SceneGear],
         nodal: &Nodal,
-        rows: &[[Row; 3]],
+        rows: &[[Row; 4]],
         coordinates: usize,
     ) {
         self.mark.clear();
@@ -123,7 +123,7 @@ impl Reduced {
         }
         for (g, torque) in gears.iter().zip(&nodal.torque) {
             let turns = g.model.displacement().is_some() || *torque != 0.0;
-            if turns && g.model.hub().coordinates() > 0 {
+            if turns && g.model.hub().is_free() {
                 touch(g.range().start);
             }
         }
@@ -185,7 +185,7 @@ impl Reduced {
                     let entries = &mut self.rows[d].entries;
                     rows[d].for_each(|i, value| entries.push((self.mark[i], value)));
                     for (k, &g) in mesh.gears.iter().enumerate() {
-                        if radii[d][k] != 0.0 && gears[g].model.hub().coordinates() > 0 {
+                        if radii[d][k] != 0.0 && gears[g].model.hub().is_free() {
                             entries.push((self.mark[gears[g].offset], radii[d][k]));
                         }
                         let places = [&self.places[g], &self.along[g]][d];

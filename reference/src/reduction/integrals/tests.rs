@@ -259,15 +259,15 @@ fn expansion(speed: f64) -> f64 {
 fn elastic(b: &Basis, speed: f64, terms: SpinTerms) -> Elastic {
     let all: Vec<usize> = (0..b.omega.len()).collect();
     let data = reduced(b, &all, &ModalDamping::default(), false).unwrap();
-    let hub = Hub {
-        mount: Mount::Driven(Profile::Table {
+    let hub = Hub::new(
+        Mount::Driven(Profile::Table {
             time: vec![0.0],
             value: vec![speed],
         }),
-        centre: Vec3::zeros(),
-        slide: None,
-        inertia: 1.0,
-    };
+        Vec3::zeros(),
+        None,
+        1.0,
+    );
     let placement = Placement::new(&hub, 0.0);
     let gear = Elastic::new(hub, OUTER, placement, Arc::new(data)).unwrap();
     gear.with_spin_terms(terms).unwrap()

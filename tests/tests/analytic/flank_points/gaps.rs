@@ -110,7 +110,7 @@ fn exact_gap(spec: &SceneSpec, scene: &Scene, s: &State, k: usize, c: &Candidate
     let tooth = c.points[k].tooth.index as f64;
     let (_, side) = scene.meshes()[0].search.flank_of(c);
     let displacement = scene.phases()[k] + s.q[scene.gears()[k].range().start];
-    let [cx, cy] = spec.gears[k].position;
+    let [cx, cy, _] = spec.gears[k].position;
     match &spec.gears[k].body {
         Body::Gear(g) => {
             let (rb, tan) = (g.r_base(), g.base_helix_angle().tan());

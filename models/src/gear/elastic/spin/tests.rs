@@ -76,12 +76,7 @@ fn gear(mount: Mount, terms: SpinTerms) -> Elastic {
         unbalance: [0.0; 2],
         integrals: Some(integrals()),
     };
-    let hub = Hub {
-        mount,
-        centre: Vec3::zeros(),
-        slide: None,
-        inertia: 1.0,
-    };
+    let hub = Hub::new(mount, Vec3::zeros(), None, 1.0);
     let placement = Placement::new(&hub, 0.0);
     Elastic::new(hub, 0.03, placement, Arc::new(data))
         .unwrap()

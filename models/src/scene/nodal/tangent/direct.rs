@@ -11,7 +11,7 @@ impl Reduced {
         &mut self,
         a: &Active,
         tangent: &Tangent,
-        rows: &[Row; 3],
+        rows: &[Row; 4],
         c: Coeffs,
     ) {
         let (mut parts, mut sliding) = ([vec![], vec![]], vec![]);
@@ -35,7 +35,7 @@ impl Reduced {
     pub(in crate::scene) fn add_answer(
         &mut self,
         answer: &Answer,
-        rows: &[Row; 3],
+        rows: &[Row; 4],
         (tangent, to): (&Tangent, &Row),
         a: &Active,
         c: Coeffs,

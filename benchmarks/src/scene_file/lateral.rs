@@ -1,0 +1,264 @@
+//! How the hub of a gear may move beside its own turn or slide: `bearing`, `directions`, the body's mass and inertia, and the
+//! direction of its axis.
+//!
+//! ```toml
+//! bearing = { stiffness = [1e8, 1e8, 5e7, 1e5, 1e5, 0.0], damping = [1e3, 1e3, 1e3, 1.0, 1.0, 0.0] }
+//! directions = { z = "held", tilt_x = { driven = { speed_rad_s = 0.01 } } }
+//! misalignment_deg = { plane_of_action = 0.03 }
+//! ```
+
+use super::error::SceneError;
+use super::profile::{Sliding, Turning};
+use super::reading::Place;
+use super::reading::keys::keys;
+use super::reading::values::{Degrees, NotNegative, Positive};
+use gearbench_models::Vec3;
+use gearbench_models::spec::{Bearing, Freedom, LateralSpec, Load, Profile, SpinTerms};
+use serde::de::{Deserialize, Deserializer, Error};
+
+keys! {
+    pub(super) struct BearingKeys {
+        /// stiffness along x, y, z in N/m and of tilts about x, y, z in N m/rad, in the axes of the hub, for example [1e8, 1e8, 5e7, 1e5, 1e5, 0.0]
+        stiffness: Option<[f64; 6]>,
+        /// the same with all couplings, six rows of six
+        stiffness_matrix: Option<[[f64; 6]; 6]>,
+        /// damping in N s/m and N m s/rad, six values, default 0
+        damping: Option<[f64; 6]>,
+        /// the same with all couplings, six rows of six
+        damping_matrix: Option<[[f64; 6]; 6]>,
+        /// radial play to either side in metres, default 0
+        clearance_m: Option<NotNegative>,
+    }
+
+    pub(super) struct DirectionKeys {
+        /// along the first axis of the hub, x: "free", "held" or { driven = { speed_m_s = 0.001 } }; default "free" with a bearing, else "held"
+        x: Option<Translation>,
+        /// along its second axis, y
+        y: Option<Translation>,
+        /// along the gear's axis
+        z: Option<Translation>,
+        /// about x: "free", "held" or { driven = { speed_rad_s = 0.001 } }
+        tilt_x: Option<Tilt>,
+        /// about y
+        tilt_y: Option<Tilt>,
+        /// about z, of a rack
+        tilt_z: Option<Tilt>,
+    }
+
+    pub(super) struct MisalignmentKeys {
+        /// tilt of the axis within the plane of action of left flanks of the gear's first mesh, in degrees; positive brings left flanks together at the upper end of the axis
+        plane_of_action: Option<Degrees>,
+        /// tilt across the plane of action in degrees
+        across: Option<Degrees>,
+        /// any other axis to turn about, with `angle`, for example [0.0, 1.0, 0.0]
+        about: Option<[f64; 3]>,
+        /// turn about that axis in degrees
+        angle: Option<Degrees>,
+    }
+}
+
+macro_rules! freedoms {
+    ($($name:ident: $motion:ident;)*) => { $(
+        /// What becomes of a direction.
+        #[derive(Clone, Debug, serde::Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub(super) enum $name {
+            Held,
+            Free,
+            Driven($motion),
+        }
+
+        impl From<$name> for Freedom {
+            fn from(freedom: $name) -> Self {
+                match freedom {
+                    $name::Held => Freedom::Held,
+                    $name::Free => Freedom::Free,
+                    $name::Driven(motion) => match Load::from(motion) {
+                        Load::Applied(profile) => Freedom::Driven(profile),
+                        // A motion has no viscous coefficient.
+                        Load::Viscous(_) => Freedom::Driven(Profile::Constant(0.0)),
+                    },
+                }
+            }
+        }
+    )* };
+}
+
+freedoms! {
+    Translation: Sliding;
+    Tilt: Turning;
+}
+
+/// `[x, y]`, or `[x, y, z]` [m].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Position(pub(super) [f64; 3]);
+
+impl<'de> Deserialize<'de> for Position {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match Vec::<f64>::deserialize(deserializer)?.as_slice() {
+            [x, y] => Ok(Position([*x, *y, 0.0])),
+            [x, y, z] => Ok(Position([*x, *y, *z])),
+            other => Err(D::Error::invalid_length(
+                other.len(),
+                &"[x, y] or [x, y, z]",
+            )),
+        }
+    }
+}
+
+/// Whether spin terms act.
+#[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Spin {
+    #[default]
+    Auto,
+    On,
+    Off,
+}
+
+/// The axis of a gear after its misalignment; `line` is the direction of the line of action of left flanks towards the mate.
+pub(super) fn misaligned(
+    axis: Vec3,
+    line: Vec3,
+    keys: &MisalignmentKeys,
+    at: &Place<'_>,
+) -> Result<Vec3, SceneError> {
+    let turn = |about: Vec3, angle: f64| nalgebra::Rotation3::new(about.normalize() * angle);
+    let within = keys.plane_of_action.map_or(0.0, |a| a.0);
+    let across = keys.across.map_or(0.0, |a| a.0);
+    // A turn about z x n brings z towards n.
+    let mut tilted = turn(axis.cross(&line), within) * turn(-line, across) * axis;
+    match (keys.about, keys.angle) {
+        (Some(about), Some(angle)) if Vec3::from(about).norm() > 0.0 => {
+            tilted = turn(Vec3::from(about), angle.0) * tilted;
+        }
+        (None, None) => {}
+        (about, _) => {
+            return at
+                .key(if about.is_some() { "about" } else { "angle" })
+                .refuse(
+                    "`about` and `angle` belong together",
+                    "one of them",
+                    "give both, as about = [0.0, 1.0, 0.0], angle = 0.03",
+                );
+        }
+    }
+    let away = tilted.angle(&axis);
+    if away > MOST_TILT.to_radians() {
+        return at.refuse(
+            format!("the axis is turned by {:.3} degrees", away.to_degrees()),
+            "this much",
+            format!("misalignments are small, at most {MOST_TILT} degrees"),
+        );
+    }
+    Ok(tilted)
+}
+
+/// Largest misalignment [deg].
+const MOST_TILT: f64 = 2.0;
+
+/// What a gear says of its lateral motion.
+pub(super) struct LateralKeys {
+    pub(super) bearing: Option<BearingKeys>,
+    pub(super) directions: Option<DirectionKeys>,
+    pub(super) mass: Option<Positive>,
+    pub(super) added_mass: Option<NotNegative>,
+    pub(super) inertia: Option<[[f64; 3]; 3]>,
+    pub(super) centre_of_mass: Option<[f64; 3]>,
+    pub(super) spin: Option<Spin>,
+}
+
+/// One of six values or of a matrix.
+fn matrix(
+    key: &str,
+    (values, matrix): (Option<[f64; 6]>, Option<[[f64; 6]; 6]>),
+    at: &Place<'_>,
+) -> Result<[[f64; 6]; 6], SceneError> {
+    match (values, matrix) {
+        (Some(_), Some(_)) => at.key(key).refuse(
+            format!("`{key}` and `{key}_matrix` are both given"),
+            "one of them",
+            "the matrix holds the six values on its diagonal",
+        ),
+        (None, Some(matrix)) => Ok(matrix),
+        (values, None) => {
+            let mut diagonal = [[0.0; 6]; 6];
+            for (i, x) in values.into_iter().flatten().enumerate() {
+                diagonal[i][i] = x;
+            }
+            Ok(diagonal)
+        }
+    }
+}
+
+/// How a hub may move; `None` where its mount holds it as ever. `own` is the direction of its own motion.
+pub(super) fn lateral(
+    keys: LateralKeys,
+    own: usize,
+    at: &Place<'_>,
+) -> Result<Option<Box<LateralSpec>>, SceneError> {
+    if keys.bearing.is_none() && keys.directions.is_none() {
+        let of_body = [
+            ("mass_kg", keys.mass.is_some() && own == 5),
+            ("added_mass_kg", keys.added_mass.is_some() && own == 5),
+            ("inertia_tensor_kgm2", keys.inertia.is_some()),
+            ("centre_of_mass_m", keys.centre_of_mass.is_some()),
+            ("spin_terms", keys.spin.is_some()),
+        ];
+        return match of_body.into_iter().find(|(_, given)| *given) {
+            None => Ok(None),
+            Some((key, _)) => at.key(key).refuse(
+                format!("`{key}` has no effect on a hub that only turns"),
+                "this key",
+                "add `bearing` or `directions`, or remove it",
+            ),
+        };
+    }
+    let mut spec = LateralSpec {
+        mass: keys.mass.map(f64::from),
+        added_mass: keys.added_mass.map_or(0.0, f64::from),
+        inertia: keys
+            .inertia
+            .map(|rows| nalgebra::Matrix3::from_fn(|i, j| rows[i][j])),
+        centre_of_mass: keys.centre_of_mass.map_or(Vec3::zeros(), Vec3::from),
+        spin: match keys.spin.unwrap_or_default() {
+            Spin::Auto => SpinTerms::Auto,
+            Spin::On => SpinTerms::On,
+            Spin::Off => SpinTerms::Off,
+        },
+        ..LateralSpec::default()
+    };
+    if let Some(b) = &keys.bearing {
+        let place = at.key("bearing");
+        spec.bearing = Bearing {
+            stiffness: matrix("stiffness", (b.stiffness, b.stiffness_matrix), &place)?,
+            damping: matrix("damping", (b.damping, b.damping_matrix), &place)?,
+            clearance: b.clearance_m.map_or(0.0, f64::from),
+        };
+        spec.directions = [const { Freedom::Free }; 6];
+    }
+    if let Some(d) = keys.directions {
+        let given: [Option<Freedom>; 6] = [
+            d.x.map(Freedom::from),
+            d.y.map(Freedom::from),
+            d.z.map(Freedom::from),
+            d.tilt_x.map(Freedom::from),
+            d.tilt_y.map(Freedom::from),
+            d.tilt_z.map(Freedom::from),
+        ];
+        for (i, freedom) in given.into_iter().enumerate() {
+            let Some(freedom) = freedom else { continue };
+            if i == own {
+                let key = ["x", "", "", "", "", "tilt_z"][own];
+                return at.key("directions").key(key).refuse(
+                    format!("`{key}` is the gear's own motion"),
+                    "told by `mount`",
+                    "give it there",
+                );
+            }
+            spec.directions[i] = freedom;
+        }
+    }
+    spec.directions[own] = Freedom::Held;
+    Ok(Some(Box::new(spec)))
+}

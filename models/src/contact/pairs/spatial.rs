@@ -1,0 +1,480 @@
+//! Flanks of gears whose axes are not parallel, or whose hubs move sideways: where the slices of a pair touch.
+//!
+//! An involute helicoid that turns moves parallel to itself, so that the distance of a point from it is known in closed
+//! form, with `rho` the length of roll of the involute through the point, `tau` the angle of its tangent point on the base
+//! circle, `psi` that of the tooth, `sigma` = +1 on left flanks, -1 on right ones, and `chi` half the tooth on the base
+//! circle:
+//!
+//! ```text
+//! D = cos(beta_b) (rho - r_b (chi + sigma (psi - tau)) - sigma z tan(beta_b)),   grad D = outward unit normal
+//! ```
+//!
+//! A slice is the transverse section of one gear, the **sliced** one, at a height `z`; its curve is an involute over `rho_1`.
+//! The gap of a slice is the least distance of its points from the mate's flank, what modifications remove included:
+//!
+//! ```text
+//! g = min over rho_1 of  D_2(x_1(rho_1)) + e_1(rho_1) + e_2(rho_2(x_1)),     rho_1 <= rho_tip
+//! ```
+//!
+//! or, where the least distance lies beyond the mate's tip, the distance of the mate's tip edge in the plane of the slice. As
+//! the derivatives by `rho_1` vanish, or its end is fixed, `dg = -n . (v_1 - v_2)` at the contact point: forces on both gears
+//! are one wrench, whatever the axes, so that momentum is kept and energy follows the gap. For parallel axes the gap is
+//! that of the [lines of action](super::LinesOfAction).
+//!
+//! The path coordinate `s = (rho_a + L - rho_b)/2` moves as the base tangent points `T` do, one base radius `e` for each
+//! gear (`n`, `e`, axis are the frame of the contact in the transverse plane):
+//!
+//! ```text
+//! d rho_1 = r_b1/(rho_1 + rho_2) e_1 . (v_2 - v_1)(T_2),    d rho_2 = r_b2/(rho_1 + rho_2) e_2 . (v_1 - v_2)(T_1)
+//! ```
+
+use crate::Vec3;
+use crate::geometry::{Gear, Rack, Side};
+use crate::kinematics::HubFrame;
+use std::f64::consts::{PI, TAU};
+
+/// Corrections of the length of roll.
+const MAX_CORRECTIONS: usize = 40;
+
+/// Change of the length of roll, over the base radius, at which it is found.
+const FOUND: f64 = 1e-11;
+
+/// Gap over the base pitch from which on one correction is enough: nothing touches.
+const FAR: f64 = 5e-3;
+
+/// Least length of roll, over the base pitch: nearer to the base circle no flank is looked at.
+const LEAST_ROLL: f64 = 0.01;
+
+/// A flank of a tooth at the angle zero (place zero of a rack), in the axes of its hub.
+#[derive(Clone, Debug)]
+pub enum FlankForm {
+    /// An involute helicoid.
+    Involute(Box<Helicoid>),
+    /// The plane of a rack.
+    Plane(Plane),
+}
+
+/// An involute helicoid and what is removed from it.
+#[derive(Clone, Debug)]
+pub struct Helicoid {
+    gear: Gear,
+    base_radius: f64,
+    tan_helix: f64,
+    cos_helix: f64,
+    half_angle: f64,
+    tip: f64,
+    modified: bool,
+}
+
+/// The flank of a rack.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    tan_pressure: f64,
+    tan_helix: f64,
+    /// Distance over the distance along the slide.
+    cos: f64,
+    half_thickness: f64,
+    tip: f64,
+}
+
+/// A point near a flank.
+#[derive(Clone, Copy, Debug)]
+struct Near {
+    /// Distance along the normal, outward positive, removed material included [m].
+    distance: f64,
+    /// Its gradient, in the axes of the hub.
+    gradient: Vec3,
+    /// Length of roll [m] (height over the reference line of a rack), and the base radius through the tangent point.
+    roll: f64,
+    base: Vec3,
+}
+
+/// Where the flanks of a slice come nearest.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    /// [m]
+    pub gap: f64,
+    /// [m]
+    pub x: Vec3,
+    /// What the gap changes by: `dg = -n . (v_a - v_b)`; a unit vector on plain flanks.
+    pub normal: Vec3,
+    /// Lengths of roll of both flanks, as if they went on beyond their tips [m].
+    pub roll: [f64; 2],
+    /// How the path coordinate moves, `ds = f . v + m . w` with the velocity `v` at the contact point and the spin `w` of
+    /// gear b over gear a.
+    pub path: [Vec3; 2],
+}
+
+/// The flanks of a mesh in space.
+#[derive(Clone, Debug)]
+pub struct Spatial {
+    /// Those of both gears.
+    pub flanks: [FlankForm; 2],
+    /// The gear whose transverse sections the slices are; never a rack.
+    pub sliced: usize,
+    /// Distance between the tangent points [m].
+    pub length: f64,
+    /// Base pitch [m].
+    pub base_pitch: f64,
+    /// Angle (place on the slide) of tooth 0 of both gears at the assembled position.
+    pub phases: [f64; 2],
+}
+
+/// Angle in (-pi, pi].
+fn wrapped(angle: f64) -> f64 {
+    if angle.abs() <= PI {
+        angle
+    } else {
+        angle - TAU * (angle / TAU).round()
+    }
+}
+
+impl Helicoid {
+    /// Of a gear.
+    pub fn new(gear: &Gear) -> Self {
+        let helix = gear.base_helix_angle();
+        Helicoid {
+            base_radius: gear.r_base(),
+            tan_helix: helix.tan(),
+            cos_helix: helix.cos(),
+            half_angle: gear.half_angle_base(),
+            tip: gear.roll_length_tip(),
+            modified: !gear.params().modifications.is_none() || gear.deviates(),
+            gear: gear.clone(),
+        }
+    }
+
+    /// Material removed at a roll and height [m], and its slopes.
+    fn removed(&self, tooth: i64, side: Side, roll: f64, z: f64) -> [f64; 3] {
+        if !self.modified {
+            return [0.0; 3];
+        }
+        let half = 0.5 * self.gear.face_width();
+        let of = |roll: f64, z: f64| {
+            let radius = self.base_radius.hypot(roll);
+            self.gear.flank_deviation(radius, z / half)
+        };
+        // Second differences of smooth modifications are exact enough at a thousandth of their lengths.
+        let (h, w) = (1e-4 * self.tip, 1e-3 * half);
+        let [own, slope, _] = self.gear.tooth_deviation_at_roll(tooth, side, roll);
+        [
+            of(roll, z) + own,
+            0.5 * (of(roll + h, z) - of(roll - h, z)) / h + slope,
+            0.5 * (of(roll, z + w) - of(roll, z - w)) / w,
+        ]
+    }
+
+    /// The point of the transverse section at `z`, and the direction of its base radius.
+    fn point(&self, side: Side, psi: f64, roll: f64, z: f64) -> (Vec3, Vec3) {
+        let sigma = side.sign();
+        let rb = self.base_radius;
+        let tau = psi + z * self.tan_helix / rb + sigma * (self.half_angle - roll / rb);
+        let (sin, cos) = tau.sin_cos();
+        let along = sigma * roll;
+        let x = Vec3::new(rb * cos - along * sin, rb * sin + along * cos, z);
+        (x, Vec3::new(cos, sin, 0.0))
+    }
+
+    fn near(&self, (tooth, side, psi): (i64, Side, f64), p: &Vec3, exact: bool) -> Near {
+        let (sigma, rb) = (side.sign(), self.base_radius);
+        let square = p.x * p.x + p.y * p.y;
+        let roll = (square - rb * rb).max(0.0).sqrt();
+        let (c, s) = (
+            (rb * p.x + sigma * roll * p.y) / square,
+            (rb * p.y - sigma * roll * p.x) / square,
+        );
+        let ahead = psi + p.z * self.tan_helix / rb - s.atan2(c);
+        let angle = wrapped(ahead - sigma * (roll / rb - self.half_angle));
+        let mut near = Near {
+            distance: -sigma * rb * angle * self.cos_helix,
+            gradient: sigma * self.cos_helix * Vec3::new(-s, c, -self.tan_helix),
+            roll,
+            base: Vec3::new(c, s, 0.0),
+        };
+        if exact && self.modified && roll > 0.0 {
+            let [e, by_roll, by_z] = self.removed(tooth, side, roll, p.z);
+            near.distance += e;
+            near.gradient += Vec3::new(by_roll * p.x / roll, by_roll * p.y / roll, by_z);
+        }
+        near
+    }
+}
+
+impl Plane {
+    /// Of a rack.
+    pub fn new(rack: &Rack, tip: f64) -> Self {
+        let (alpha, helix) = (rack.transverse_pressure_angle(), rack.base_helix_angle());
+        Plane {
+            tan_pressure: alpha.tan(),
+            tan_helix: helix.tan() / alpha.cos(),
+            cos: alpha.cos() * helix.cos(),
+            half_thickness: rack.half_thickness_reference(),
+            tip,
+        }
+    }
+
+    fn near(&self, side: Side, psi: f64, p: &Vec3) -> Near {
+        let sigma = side.sign();
+        let off = p.x - psi - p.z * self.tan_helix;
+        let distance = -sigma * off - self.half_thickness + p.y * self.tan_pressure;
+        let gradient = Vec3::new(-sigma, self.tan_pressure, sigma * self.tan_helix);
+        Near {
+            distance: self.cos * distance,
+            gradient: self.cos * gradient,
+            roll: p.y,
+            base: Vec3::zeros(),
+        }
+    }
+}
+
+impl FlankForm {
+    fn near(&self, tooth: (i64, Side, f64), p: &Vec3, exact: bool) -> Near {
+        match self {
+            FlankForm::Involute(helicoid) => helicoid.near(tooth, p, exact),
+            FlankForm::Plane(plane) => plane.near(tooth.1, tooth.2, p),
+        }
+    }
+
+    fn is_modified(&self) -> bool {
+        matches!(self, FlankForm::Involute(h) if h.modified)
+    }
+
+    /// Whether a length of roll (height) lies beyond the tip.
+    fn is_beyond(&self, roll: f64) -> bool {
+        match self {
+            FlankForm::Involute(h) => roll > h.tip,
+            FlankForm::Plane(p) => roll > p.tip,
+        }
+    }
+}
+
+impl Spatial {
+    /// Where the flanks of a slice at the height `z` of the sliced gear come nearest; teeth and their angles are those of
+    /// gear a and gear b, `roll` a guess of the length of roll of the sliced gear.
+    pub fn touch(
+        &self,
+        side: Side,
+        z: f64,
+        frames: [&HubFrame; 2],
+        teeth: [(i64, f64); 2],
+        roll: f64,
+    ) -> Touch {
+        let (i, j) = (self.sliced, 1 - self.sliced);
+        let FlankForm::Involute(own) = &self.flanks[i] else {
+            unreachable!("a rack is never the sliced gear")
+        };
+        let mate = &self.flanks[j];
+        let [tooth, of_mate] = [i, j].map(|k| (teeth[k].0, side, teeth[k].1));
+        let least = LEAST_ROLL * self.base_pitch;
+        // The least distance of unmodified flanks that go on beyond their tips.
+        let found = self.least(
+            side,
+            z,
+            frames,
+            [tooth, of_mate],
+            (least, f64::INFINITY, roll),
+            false,
+        );
+        let (rho, near, x, base) = found;
+        let cos_mate = match mate {
+            FlankForm::Involute(h) => h.cos_helix,
+            FlankForm::Plane(_) => 1.0,
+        };
+        // Of the foot on the mate; a plane is as high there as its gear's flank.
+        let foot = match mate {
+            FlankForm::Involute(_) => near.roll - near.distance / cos_mate,
+            FlankForm::Plane(_) => near.roll,
+        };
+        let mut rolls = [0.0; 2];
+        rolls[i] = rho;
+        rolls[j] = match mate {
+            FlankForm::Involute(_) => foot,
+            FlankForm::Plane(_) => self.length - rho,
+        };
+        let path = self.path(frames, (rho, &base), &near, &x);
+        let outward = |gradient: &Vec3| {
+            // From a to b: against the outward normal of b, along that of a.
+            let normal = frames[j].turn(gradient);
+            if j == 1 { -normal } else { normal }
+        };
+        let touch = |gap: f64, x: Vec3, normal: Vec3| Touch {
+            gap,
+            x,
+            normal,
+            roll: rolls,
+            path,
+        };
+        let plain = !own.modified && !mate.is_modified();
+        let inside = rho <= own.tip && !mate.is_beyond(foot);
+        if (plain && inside) || near.distance > 4.0 * FAR * self.base_pitch {
+            return touch(near.distance, x, outward(&near.gradient));
+        }
+        if mate.is_beyond(foot) {
+            return self.edge_of_mate(side, z, frames, [tooth, of_mate], &x, touch);
+        }
+        let (rho, near, x, _) = self.least(
+            side,
+            z,
+            frames,
+            [tooth, of_mate],
+            (least, own.tip, rho),
+            true,
+        );
+        let [e, _, _] = own.removed(tooth.0, side, rho, z);
+        touch(near.distance + e, x, outward(&near.gradient))
+    }
+
+    /// The point of the section that is nearest to the mate: its roll, what the mate says of it, its place in space and the
+    /// direction of its base radius; with modifications where `exact`.
+    fn least(
+        &self,
+        side: Side,
+        z: f64,
+        frames: [&HubFrame; 2],
+        [tooth, of_mate]: [(i64, Side, f64); 2],
+        (low, high, start): (f64, f64, f64),
+        exact: bool,
+    ) -> (f64, Near, Vec3, Vec3) {
+        let (i, j) = (self.sliced, 1 - self.sliced);
+        let FlankForm::Involute(own) = &self.flanks[i] else {
+            unreachable!("a rack is never the sliced gear")
+        };
+        let mut rho = start.clamp(low, high);
+        let (mut from, mut to) = (low, high);
+        for correction in 0.. {
+            let (p, base) = own.point(side, tooth.2, rho, z);
+            let x = frames[i].point(&p);
+            let base = frames[i].turn(&base);
+            let near = self.flanks[j].near(of_mate, &frames[j].point_back(&x), exact);
+            let removed = if exact {
+                own.removed(tooth.0, side, rho, z)[1]
+            } else {
+                0.0
+            };
+            let per_roll = rho / own.base_radius;
+            let slope = per_roll * base.dot(&frames[j].turn(&near.gradient)) + removed;
+            // Curvature of both involutes; a modification bends little beside them.
+            let bend = match &self.flanks[j] {
+                FlankForm::Involute(h) => {
+                    let other = near.roll.max(low);
+                    h.cos_helix * (rho + other) / other
+                }
+                FlankForm::Plane(p) => p.cos * (1.0 + p.tan_pressure.powi(2)).sqrt(),
+            };
+            let bend = per_roll / own.base_radius * bend;
+            let step = -slope / bend;
+            let ends = (rho == low && step < 0.0) || (rho == high && step > 0.0);
+            let far = !exact && near.distance - 0.5 * slope * slope / bend > FAR * self.base_pitch;
+            if correction == MAX_CORRECTIONS
+                || ends
+                || step.abs() <= FOUND * own.base_radius
+                || (far && correction > 0)
+            {
+                return (rho, near, x, base);
+            }
+            // Kinks of modifications: the sign of the slope brackets the least.
+            if slope > 0.0 {
+                to = rho;
+            } else {
+                from = rho;
+            }
+            let next = rho + step;
+            rho = if correction > 4 && !(from..=to).contains(&next) {
+                0.5 * (from + to)
+            } else {
+                next.clamp(low, high)
+            };
+        }
+        unreachable!("the corrections end")
+    }
+
+    /// The tip edge of the mate in the plane of the slice, on the flank of the sliced gear.
+    fn edge_of_mate(
+        &self,
+        side: Side,
+        z: f64,
+        frames: [&HubFrame; 2],
+        [tooth, of_mate]: [(i64, Side, f64); 2],
+        x: &Vec3,
+        touch: impl Fn(f64, Vec3, Vec3) -> Touch,
+    ) -> Touch {
+        let (i, j) = (self.sliced, 1 - self.sliced);
+        let FlankForm::Involute(own) = &self.flanks[i] else {
+            unreachable!("a rack is never the sliced gear")
+        };
+        let axis = frames[i].axes[2];
+        let mut height = frames[j].point_back(x).z;
+        let (mut edge, mut tangent) = (*x, axis);
+        for _ in 0..3 {
+            let (p, t) = match &self.flanks[j] {
+                FlankForm::Involute(h) => {
+                    let (p, _) = h.point(side, of_mate.2, h.tip, height);
+                    let turn = h.tan_helix / h.base_radius;
+                    (p, Vec3::new(-turn * p.y, turn * p.x, 1.0))
+                }
+                FlankForm::Plane(plane) => {
+                    let off = side.sign() * (plane.half_thickness - plane.tip * plane.tan_pressure);
+                    let along = of_mate.2 + height * plane.tan_helix - off;
+                    (
+                        Vec3::new(along, plane.tip, height),
+                        Vec3::new(plane.tan_helix, 0.0, 1.0),
+                    )
+                }
+            };
+            edge = frames[j].point(&p);
+            tangent = frames[j].turn(&t);
+            let off = axis.dot(&(edge - frames[i].origin)) - z;
+            height -= off / axis.dot(&tangent);
+            edge -= off / axis.dot(&tangent) * tangent;
+        }
+        let near = own.near(tooth, &frames[i].point_back(&edge), true);
+        let (removed, by_height) = match &self.flanks[j] {
+            FlankForm::Involute(h) => {
+                let [e, _, by_z] = h.removed(of_mate.0, side, h.tip, height);
+                (e, by_z)
+            }
+            FlankForm::Plane(_) => (0.0, 0.0),
+        };
+        // The edge slides along itself to stay in the plane.
+        let normal = frames[i].turn(&near.gradient);
+        let along = (normal.dot(&tangent) + by_height) / axis.dot(&tangent);
+        let normal = normal - along * axis;
+        let from_a = if i == 0 { normal } else { -normal };
+        touch(near.distance + removed, edge, from_a)
+    }
+
+    /// How the path coordinate moves with the motion of gear b over gear a.
+    fn path(
+        &self,
+        frames: [&HubFrame; 2],
+        (rho, base): (f64, &Vec3),
+        near: &Near,
+        x: &Vec3,
+    ) -> [Vec3; 2] {
+        let (i, j) = (self.sliced, 1 - self.sliced);
+        let FlankForm::Involute(own) = &self.flanks[i] else {
+            unreachable!("a rack is never the sliced gear")
+        };
+        let normal = frames[i].axes[2].cross(base);
+        let side = normal.dot(&frames[j].turn(&near.gradient));
+        let away = -normal * side.signum();
+        let FlankForm::Involute(other) = &self.flanks[j] else {
+            // Of a rack the tangent point lies far away: its roll follows the turn alone.
+            let couple = away.cross(base) * own.base_radius;
+            return [Vec3::zeros(), couple];
+        };
+        let (roll, both) = (near.roll, rho + near.roll);
+        // s counts with the roll of a and against that of b: in both terms the velocity is that of b over a.
+        let mate_base = frames[j].turn(&near.base);
+        let forces = [
+            (own.base_radius / both * base, x + roll * away),
+            (other.base_radius / both * mate_base, x - rho * away),
+        ];
+        let mut path = [Vec3::zeros(); 2];
+        for (force, at) in forces {
+            path[0] += 0.5 * force;
+            path[1] += 0.5 * (at - x).cross(&force);
+        }
+        path
+    }
+}

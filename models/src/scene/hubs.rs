@@ -1,0 +1,199 @@
+//! Hubs from their settings: inertia, axes, and how they move beside their own turn or slide.
+
+use crate::Vec3;
+use crate::error::{BuildError, GearPart, Reason};
+use crate::kinematics::{BodyMass, Hub, Lateral};
+use crate::spec::{Body, Freedom, GearSpec, LateralSpec, Mount, SpinTerms, UPRIGHT};
+use nalgebra::Matrix3;
+use std::sync::Arc;
+
+pub(super) fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
+    let own = g.inertia.unwrap_or_else(|| match &g.body {
+        Body::Gear(gear) => gear.mass_properties(g.material.density).izz,
+        Body::Rack(rack) => rack.mass(g.material.density),
+    });
+    let inertia = own + g.added_inertia;
+    if !(inertia > 0.0 && inertia.is_finite()) {
+        return Err(BuildError::gear(
+            &g.name,
+            GearPart::Inertia,
+            format!("inertia {inertia} is not positive"),
+        ));
+    }
+    let rack = matches!(g.body, Body::Rack(_));
+    match (&g.mount, rack) {
+        (Mount::Prismatic, false) => {
+            return Err(BuildError::gear(
+                &g.name,
+                GearPart::Mount,
+                ("a prismatic mount is for racks", "use revolute"),
+            ));
+        }
+        (Mount::Revolute, true) => {
+            return Err(BuildError::gear(
+                &g.name,
+                GearPart::Mount,
+                ("a rack cannot turn", "use prismatic or fixed"),
+            ));
+        }
+        _ => {}
+    }
+    // The slide points counter-clockwise as seen from a gear in front of the teeth.
+    let slide = rack.then(|| Vec3::new(g.facing.sin(), -g.facing.cos(), 0.0));
+    let mut hub = Hub::new(g.mount.clone(), g.position.into(), slide, inertia);
+    if !rack {
+        hub.axes = g.axes;
+    } else if g.axes != UPRIGHT {
+        return Err(BuildError::gear(
+            &g.name,
+            GearPart::Mount,
+            ("the axis of a rack is z", "tilt its gear instead"),
+        ));
+    }
+    hub.lateral = match &g.lateral {
+        Some(lateral) => lateral_of(g, lateral, &mut hub)?.map(Arc::new),
+        None => None,
+    };
+    Ok(hub)
+}
+
+/// Share of the lowest natural frequency of the tilt from which on the speed of a hub counts.
+const SLOW: f64 = 1e-3;
+
+/// The lateral directions of a hub and its body; `None` where all are held.
+fn lateral_of(
+    g: &GearSpec,
+    lateral: &LateralSpec,
+    hub: &mut Hub,
+) -> Result<Option<Lateral>, BuildError> {
+    let error = |why: Reason| BuildError::gear(&g.name, GearPart::Mount, why);
+    let own = hub.moving();
+    let mut directions = lateral.directions.clone();
+    directions[own] = Freedom::Held;
+    for (d, freedom) in directions.iter().enumerate() {
+        if let Freedom::Driven(p) = freedom
+            && let Some(problem) = p.problem()
+        {
+            return Err(error(
+                format!("driven direction {}: {problem}", d + 1).into(),
+            ));
+        }
+    }
+    if directions.iter().all(|d| *d == Freedom::Held) {
+        return Ok(None);
+    }
+    let b = &lateral.bearing;
+    for (what, matrix) in [("stiffness", &b.stiffness), ("damping", &b.damping)] {
+        for (i, row) in matrix.iter().enumerate() {
+            if row.iter().any(|x| !x.is_finite()) || row[i] < 0.0 {
+                return Err(error(
+                    (
+                        format!("the {what} of direction {} is not zero or positive", i + 1),
+                        "give values in N/m and N m/rad, damping in N s/m and N m s/rad",
+                    )
+                        .into(),
+                ));
+            }
+            for (j, x) in row.iter().enumerate() {
+                let scale = (matrix[i][i] * matrix[j][j]).sqrt();
+                if (x - matrix[j][i]).abs() > 1e-9 * scale || (i != j && x.abs() > scale) {
+                    return Err(error(
+                        (
+                            format!(
+                                "the {what} matrix is not symmetric and positive at {}, {}",
+                                i + 1,
+                                j + 1
+                            ),
+                            "give a symmetric positive matrix",
+                        )
+                            .into(),
+                    ));
+                }
+                if (i == own) != (j == own) && *x != 0.0 {
+                    return Err(error(
+                        (
+                            format!(
+                                "the {what} couples direction {} with the gear's own motion",
+                                i + j - own + 1
+                            ),
+                            "leave row and column of the own motion to its diagonal",
+                        )
+                            .into(),
+                    ));
+                }
+            }
+        }
+    }
+    let isotropic = b.stiffness[0][0] == b.stiffness[1][1] && b.stiffness[0][1] == 0.0;
+    if b.clearance < 0.0 || b.clearance.is_nan() || (b.clearance > 0.0 && !isotropic) {
+        return Err(error(
+            (
+                format!(
+                    "a radial clearance of {:.4e} m needs one radial stiffness",
+                    b.clearance
+                ),
+                "give both radial directions one stiffness, or no clearance",
+            )
+                .into(),
+        ));
+    }
+    let toothing = g.body.mass(g.material.density);
+    let mass = lateral.mass.unwrap_or(toothing) + lateral.added_mass;
+    let inertia = lateral.inertia.unwrap_or_else(|| {
+        // Of a body with three or more equal sectors, about any line across the axis.
+        let width = g.body.face_width();
+        let along = match g.body {
+            Body::Gear(_) => hub.inertia - g.added_inertia,
+            Body::Rack(_) => 0.0,
+        };
+        let across = 0.5 * along + mass * width * width / 12.0;
+        Matrix3::from_diagonal(&Vec3::new(across, across, hub.inertia))
+    });
+    if own == 5 {
+        if lateral.inertia.is_some() {
+            hub.inertia = inertia[(2, 2)];
+        }
+    } else {
+        hub.inertia = mass;
+    }
+    let positive = inertia.symmetric_eigenvalues().iter().all(|x| *x > 0.0);
+    if mass <= 0.0 || mass.is_nan() || !positive || inertia != inertia.transpose() {
+        return Err(BuildError::gear(
+            &g.name,
+            GearPart::Inertia,
+            (
+                format!("mass {mass:.4e} kg and the inertia tensor are not positive"),
+                "give a positive mass and a symmetric positive tensor",
+            ),
+        ));
+    }
+    let body = BodyMass {
+        mass,
+        inertia,
+        centre: lateral.centre_of_mass,
+    };
+    let fastest = match &g.mount {
+        Mount::Driven(p) => p.greatest(),
+        _ => g.speed.abs(),
+    };
+    let tilts = [3, 4]
+        .into_iter()
+        .filter(|d| directions[*d] != Freedom::Held);
+    let slowest = tilts
+        .map(|d| (b.stiffness[d][d] / inertia[(d - 3, d - 3)]).sqrt())
+        .fold(f64::INFINITY, f64::min);
+    let gyroscopic = fastest * inertia[(2, 2)] / inertia[(0, 0)].min(inertia[(1, 1)]);
+    let spins = match lateral.spin {
+        SpinTerms::On => true,
+        SpinTerms::Off => false,
+        SpinTerms::Auto => {
+            own == 5 && (gyroscopic > SLOW * slowest || (!body.is_round() && fastest > 0.0))
+        }
+    };
+    Ok(Some(Lateral {
+        directions,
+        bearing: *b,
+        body,
+        spins,
+    }))
+}
