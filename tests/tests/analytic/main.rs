@@ -18,6 +18,7 @@ mod records;
 mod refusals;
 mod rows;
 mod running;
+mod space;
 mod statics;
 mod tangents;
 mod tooth_springs;

@@ -171,8 +171,16 @@ impl Separation {
         let least = |s: f64| of.least(s, &removed_or_none);
         let at_tip = least(of.tip).map_or(0.0, |e| e.0);
         let sample = |s: f64, _: usize| least(s).unwrap_or((at_tip, 0.0));
+        // That the mate ends at its tip is told by the mate's own edge.
+        let on_flank = |s: f64, _: usize| {
+            let unending = Engagement {
+                mate_tip: f64::INFINITY,
+                ..*of
+            };
+            unending.least(s, &removed_or_none).unwrap_or((at_tip, 0.0))
+        };
         Separation {
-            flank: removed.map(|_| Table::sample([start, of.tip], samples, sample)),
+            flank: removed.map(|_| Table::sample([start, of.tip], samples, on_flank)),
             edge: Table::sample([of.tip, of.tip + of.followed()], EDGE_SAMPLES, |s, i| {
                 if i == 0 && removed.is_none() {
                     (0.0, 0.0)

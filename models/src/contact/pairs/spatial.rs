@@ -21,11 +21,13 @@
 //! are one wrench, whatever the axes, so that momentum is kept and energy follows the gap. For parallel axes the gap is
 //! that of the [lines of action](super::LinesOfAction).
 //!
-//! The path coordinate `s = (rho_a + L - rho_b)/2` moves as the base tangent points `T` do, one base radius `e` for each
-//! gear (`n`, `e`, axis are the frame of the contact in the transverse plane):
+//! The path coordinate `s = (rho_a + L - rho_b)/2`, with the roll of the foot of `x_1` on the mate, moves with the mate's
+//! velocity `v` at `x_1` and spin `w` over the sliced gear, `e` the base radii through the tangent points, `a` the axes:
 //!
 //! ```text
-//! d rho_1 = r_b1/(rho_1 + rho_2) e_1 . (v_2 - v_1)(T_2),    d rho_2 = r_b2/(rho_1 + rho_2) e_2 . (v_1 - v_2)(T_1)
+//! F = e_1 . n_2 = 0,    F_rho = -sigma (a_1 x e_1) . n_2 / r_b1 + cos(beta_2) (e_1 . e_2)^2 rho_1/(r_b1 rho_2)
+//! d rho_1 = (w . (e_1 x n_2) + cos(beta_2) (e_1 . e_2)/rho_2 e_2 . v) / F_rho
+//! d rho_2 = (r_b2/rho_2 e_2 + sigma a_2 x e_2) . e_1 rho_1/r_b1 d rho_1 - (r_b2/rho_2 e_2 + sigma tan(beta_2) a_2) . v
 //! ```
 
 use crate::Vec3;
@@ -206,7 +208,8 @@ impl Plane {
         let (alpha, helix) = (rack.transverse_pressure_angle(), rack.base_helix_angle());
         Plane {
             tan_pressure: alpha.tan(),
-            tan_helix: helix.tan() / alpha.cos(),
+            // Seen from the teeth a right-handed rack leans back along its slide.
+            tan_helix: -helix.tan() / alpha.cos(),
             cos: alpha.cos() * helix.cos(),
             half_thickness: rack.half_thickness_reference(),
             tip,
@@ -291,7 +294,7 @@ impl Spatial {
             FlankForm::Involute(_) => foot,
             FlankForm::Plane(_) => self.length - rho,
         };
-        let path = self.path(frames, (rho, &base), &near, &x);
+        let path = self.path(side, frames, (rho, &base), &near);
         let outward = |gradient: &Vec3| {
             // From a to b: against the outward normal of b, along that of a.
             let normal = frames[j].turn(gradient);
@@ -446,35 +449,40 @@ impl Spatial {
     /// How the path coordinate moves with the motion of gear b over gear a.
     fn path(
         &self,
+        side: Side,
         frames: [&HubFrame; 2],
         (rho, base): (f64, &Vec3),
         near: &Near,
-        x: &Vec3,
     ) -> [Vec3; 2] {
         let (i, j) = (self.sliced, 1 - self.sliced);
         let FlankForm::Involute(own) = &self.flanks[i] else {
             unreachable!("a rack is never the sliced gear")
         };
-        let normal = frames[i].axes[2].cross(base);
-        let side = normal.dot(&frames[j].turn(&near.gradient));
-        let away = -normal * side.signum();
+        let sigma = side.sign();
+        let outward = sigma * frames[i].axes[2].cross(base);
+        let normal = frames[j].turn(&near.gradient);
+        let turning = -outward.dot(&normal) / own.base_radius;
+        let couple = base.cross(&normal);
         let FlankForm::Involute(other) = &self.flanks[j] else {
-            // Of a rack the tangent point lies far away: its roll follows the turn alone.
-            let couple = away.cross(base) * own.base_radius;
-            return [Vec3::zeros(), couple];
+            // On a rack the place is that of the gear's own flank.
+            return [Vec3::zeros(), couple / turning];
         };
-        let (roll, both) = (near.roll, rho + near.roll);
-        // s counts with the roll of a and against that of b: in both terms the velocity is that of b over a.
-        let mate_base = frames[j].turn(&near.base);
-        let forces = [
-            (own.base_radius / both * base, x + roll * away),
-            (other.base_radius / both * mate_base, x - rho * away),
-        ];
-        let mut path = [Vec3::zeros(); 2];
-        for (force, at) in forces {
-            path[0] += 0.5 * force;
-            path[1] += 0.5 * (at - x).cross(&force);
-        }
-        path
+        let per_roll = rho / own.base_radius;
+        let of_mate = frames[j].turn(&near.base);
+        let (across, roll) = (
+            base.dot(&of_mate),
+            near.roll.max(LEAST_ROLL * self.base_pitch),
+        );
+        let bend = other.cos_helix * across / roll;
+        let by_roll = turning + bend * across * per_roll;
+        let own_roll = [bend / by_roll * of_mate, couple / by_roll];
+        // Of the foot on the mate, which goes along with the point on the sliced gear.
+        let axis = frames[j].axes[2];
+        let outward = sigma * axis.cross(&of_mate);
+        let lever = other.base_radius / roll;
+        let along = (lever * across + outward.dot(base)) * per_roll;
+        let still = lever * of_mate + sigma * other.tan_helix * axis;
+        let foot = [along * own_roll[0] - still, along * own_roll[1]];
+        [0, 1].map(|k| 0.5 * (own_roll[k] - foot[k]))
     }
 }

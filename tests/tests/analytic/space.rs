@@ -1,0 +1,327 @@
+//! Gears whose hubs move in six directions, on bearings and on axes that are not parallel: the flanks in space against the
+//! lines of action, contact rows, momentum, the same scene turned, mirrored and exchanged.
+
+use gearbench_integrators::State;
+use gearbench_integrators::system::{Outputs, Report, SecondOrderSystem};
+use gearbench_models::Vec3;
+use gearbench_models::geometry::Rack;
+use gearbench_models::geometry::{
+    GearParams, Modifications, RackParams, ReliefShape, Side, TipRelief,
+};
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{
+    Bearing, Body, Freedom, LateralSpec, SceneSpec, SpinTerms, effective_radius, turned_to,
+};
+use gearbench_tests::*;
+
+/// Free in all directions on stiff bearings.
+fn on_bearings() -> Option<Box<LateralSpec>> {
+    let mut bearing = Bearing::default();
+    for d in 0..5 {
+        bearing.stiffness[d][d] = if d < 3 { 2e8 } else { 5e4 };
+        bearing.damping[d][d] = if d < 3 { 200.0 } else { 0.05 };
+    }
+    Some(Box::new(LateralSpec {
+        directions: [const { Freedom::Free }; 6],
+        bearing,
+        ..LateralSpec::default()
+    }))
+}
+
+fn helical(teeth: u32, helix: f64) -> GearParams {
+    GearParams {
+        helix_angle: helix,
+        face_width: 0.02,
+        ..spur(teeth)
+    }
+}
+
+/// A pair with a gap, at the distance of zero profile shift and a little more.
+fn helical_pair(helix: f64, gap: f64, modified: bool) -> SceneSpec {
+    let modifications = if modified {
+        Modifications {
+            tip_relief: Some(TipRelief {
+                amount: 2e-5,
+                start_radius: 42e-3,
+                shape: ReliefShape::Parabolic,
+            }),
+            profile_crowning: 5e-6,
+            lead_crowning: 8e-6,
+        }
+    } else {
+        Modifications::default()
+    };
+    let pinion = GearParams {
+        modifications,
+        ..helical(20, helix)
+    };
+    let distance = 0.1 / helix.cos() + 1e-4;
+    pair_of(
+        gear("pinion", pinion, 0.0, 20.0),
+        gear("wheel", helical(30, -helix), distance, 0.0),
+        start(Side::Left, gap),
+    )
+}
+
+fn rack_pair(helix: f64) -> SceneSpec {
+    let mut spec = pair_of(
+        gear("pinion", helical(20, helix), 0.0, 20.0),
+        rack("rack", 9, 0.04 / helix.cos() + 5e-5, 0.0),
+        start(Side::Left, 2e-6),
+    );
+    let params = RackParams {
+        teeth: 9,
+        module: 4e-3,
+        tip_radius: 0.3,
+        helix_angle: -helix,
+        face_width: 0.02,
+        ..RackParams::default()
+    };
+    spec.gears[1].body = Body::Rack(Rack::new(params).unwrap());
+    spec
+}
+
+/// Puts the hubs of a scene's gears where they roll together by an angle of the first, the second turned further.
+fn rolled(scene: &Scene, spec: &SceneSpec, roll: f64, press: f64) -> State {
+    let mut s = scene.initial();
+    let radii = [0, 1].map(|k| effective_radius(&spec.gears[k].body));
+    let sign = if matches!(spec.gears[1].body, Body::Rack(_)) {
+        1.0
+    } else {
+        -1.0
+    };
+    for (k, by) in [roll, (sign * roll * radii[0] - sign * press) / radii[1]]
+        .into_iter()
+        .enumerate()
+    {
+        let g = &scene.gears()[k];
+        let tooth = g.model.hub().first();
+        s.q[g.range().start] += by;
+        s.q[g.range()][tooth..].iter_mut().for_each(|q| *q += by);
+    }
+    s
+}
+
+#[test]
+fn flanks_in_space_are_those_of_the_lines_of_action_on_parallel_axes() {
+    let slices = |spec: &SceneSpec| {
+        let mut c = contact(1.5e10);
+        c.slices = Some(7);
+        let helix = spec.gears[0].body.base_helix_angle();
+        (c, helix)
+    };
+    for (name, spec) in [
+        ("spur", helical_pair(0.0, 2e-6, false)),
+        ("helical", helical_pair(0.3, 2e-6, false)),
+        ("left hand", helical_pair(-0.3, 2e-6, false)),
+        ("crowned, relieved", helical_pair(0.2, 2e-6, true)),
+        ("rack", rack_pair(0.0)),
+        ("helical rack", rack_pair(0.25)),
+    ] {
+        let mut free = spec.clone();
+        free.gears[0].lateral = on_bearings();
+        let (law, helix) = slices(&spec);
+        let models = [rigid(), rigid()];
+        let plain = build(&spec, &models, &law);
+        let space = build(&free, &models, &law);
+        let (mut compared, mut worst) = (0, 0.0_f64);
+        for place in 0..60 {
+            let roll = 0.013 * f64::from(place) - 0.4;
+            for press in [4e-6, 1.2e-5, -7.8e-5] {
+                let (a, b) = (
+                    rolled(&plain, &spec, roll, press),
+                    rolled(&space, &free, roll, press),
+                );
+                let (one, two) = (candidates(&plain, &a), candidates(&space, &b));
+                for (_, c) in one.iter().filter(|(_, c)| c.gap < 2e-5) {
+                    let Some((_, d)) = two.iter().find(|(_, d)| d.slot == c.slot) else {
+                        panic!("{name}: a pair with the gap {:.2e} is missing", c.gap)
+                    };
+                    worst = worst.max((c.gap - d.gap).abs());
+                    // On a rack the place is that of the gear's own flank.
+                    if !name.contains("rack") {
+                        worst = worst.max(0.3 * (c.s - d.s).abs());
+                    }
+                    compared += 1;
+                }
+            }
+        }
+        println!("{name}: {compared} pairs, helix {helix:.3}: gaps within {worst:.1e} m");
+        assert!(compared > 300, "{name}: {compared}");
+        // On lines of action the separation of modified flanks is a table, and a tip edge sees what is removed from its mate
+        // where the line meets it.
+        let modified = name == "crowned, relieved";
+        assert!(
+            worst < if modified { 3e-6 } else { 1e-10 },
+            "{name}: {worst:.2e}"
+        );
+    }
+}
+
+/// Free in all directions, with neither springs nor dampers.
+fn afloat() -> Option<Box<LateralSpec>> {
+    let mut lateral = on_bearings();
+    if let Some(l) = &mut lateral {
+        l.bearing = Bearing::default();
+        l.spin = SpinTerms::Off;
+    }
+    lateral
+}
+
+/// Axes tilted about x and y [rad].
+fn tilt(spec: &mut SceneSpec, gear: usize, x: f64, y: f64) {
+    let turn = nalgebra::Rotation3::new(Vec3::new(x, y, 0.0));
+    let axes = &mut spec.gears[gear].axes;
+    *axes = turned_to(axes, &(turn * axes[2]));
+}
+
+/// A state that presses the flanks, with hubs aside and tilted.
+fn displaced(scene: &Scene, spec: &SceneSpec, roll: f64, numbers: &mut Numbers) -> State {
+    let mut s = rolled(scene, spec, roll, 1.5e-5);
+    for g in scene.gears() {
+        let hub = g.model.hub();
+        let own = hub.moving();
+        let first = g.range().start;
+        for (k, d) in hub.free_directions().enumerate().filter(|(_, d)| *d != own) {
+            s.q[first + k] += numbers.draw() * if d < 3 { 3e-6 } else { 2e-4 };
+        }
+        let teeth = first + hub.first()..g.range().end;
+        s.q[teeth]
+            .iter_mut()
+            .for_each(|q| *q += 1e-4 * numbers.draw());
+    }
+    s.v.fill(0.0);
+    s
+}
+
+/// Scenes of helical and spur gears whose hubs float, aligned and tilted.
+fn floating() -> Vec<(&'static str, SceneSpec)> {
+    let mut all = vec![
+        ("spur", helical_pair(0.0, 0.0, false)),
+        ("helical", helical_pair(0.3, 0.0, false)),
+        ("modified", helical_pair(-0.2, 0.0, true)),
+        ("tilted", helical_pair(0.2, 0.0, true)),
+        ("rack", rack_pair(0.2)),
+    ];
+    tilt(&mut all[3].1, 0, 2e-3, -1e-3);
+    tilt(&mut all[3].1, 1, -1e-3, 3e-3);
+    for (_, spec) in &mut all {
+        spec.gears.iter_mut().for_each(|g| g.lateral = afloat());
+    }
+    all
+}
+
+fn energy(scene: &mut Scene, s: &State) -> f64 {
+    let mut out = Outputs::default();
+    scene.output(s.at(), &mut out);
+    out.energy.contact + out.energy.strain
+}
+
+#[test]
+fn forces_of_flanks_in_space_are_those_of_a_potential() {
+    let teeth = movable(5.3e8, 4.8e-3, 0.0);
+    for (name, spec) in floating() {
+        for models in [[rigid(), rigid()], [teeth.clone(), rigid()]] {
+            // A stiffness that varies along the path, and pairs that bend one body.
+            let mut law = contact(1.5e10);
+            law.stiffness = weber_banaschek();
+            law.damping = gearbench_models::law::Damping::None;
+            law.slices = Some(5);
+            let mut scene = build(&spec, &models, &law);
+            let mut numbers = Numbers::new(11);
+            let (mut worst, mut pressed) = (0.0_f64, 0.0_f64);
+            for place in 0..12 {
+                let s = displaced(&scene, &spec, 0.04 * f64::from(place) - 0.25, &mut numbers);
+                let mut f = vec![0.0; s.q.len()];
+                scene.force(s.at(), &mut f);
+                let (unit, _) = scales(&scene);
+                for _ in 0..4 {
+                    let along: Vec<f64> = unit.iter().map(|x| x * numbers.draw()).collect();
+                    let at = |h: f64| {
+                        let mut moved = s.clone();
+                        moved
+                            .q
+                            .iter_mut()
+                            .zip(&along)
+                            .for_each(|(q, x)| *q += h * x);
+                        moved
+                    };
+                    let work: f64 = f.iter().zip(&along).map(|(f, x)| f * x).sum();
+                    let scale: f64 = f.iter().zip(&along).map(|(f, x)| (f * x).abs()).sum();
+                    let h = 2e-3;
+                    let slope =
+                        (energy(&mut scene, &at(h)) - energy(&mut scene, &at(-h))) / (2.0 * h);
+                    if scale > 0.0 {
+                        worst = worst.max((work + slope).abs() / scale);
+                        pressed = pressed.max(scale);
+                    }
+                }
+            }
+            println!("{name}: forces within {worst:.1e} of the energy's slopes");
+            assert!(pressed > 0.0, "{name}: nothing touched");
+            assert!(worst < 2e-7, "{name}: {worst:.2e}");
+        }
+    }
+}
+
+#[test]
+fn contact_in_space_adds_no_momentum() {
+    for (name, spec) in floating() {
+        let mut law = contact(1.5e10);
+        law.stiffness = weber_banaschek();
+        law.slices = Some(5);
+        let mut scene = build(&spec, &[rigid(), rigid()], &law);
+        let mut numbers = Numbers::new(3);
+        let mut worst = 0.0_f64;
+        for place in 0..12 {
+            let mut s = displaced(&scene, &spec, 0.04 * f64::from(place) - 0.25, &mut numbers);
+            s.v.iter_mut().for_each(|v| *v = 0.01 * numbers.draw());
+            let mut f = vec![0.0; s.q.len()];
+            scene.force(s.at(), &mut f);
+            // All bodies moved along, then turned about the axes of space: no work is done.
+            for direction in 0..6 {
+                let axis = [Vec3::x(), Vec3::y(), Vec3::z()][direction % 3];
+                let (mut work, mut scale) = (0.0, 0.0_f64);
+                for g in scene.gears() {
+                    let hub = &g.model.hub().hub;
+                    let own = g.at(s.at());
+                    let frame = hub.frame(own.t, own.q);
+                    // Rows of unit motions tell the hub's rates.
+                    let (spin, velocity) = if direction < 3 {
+                        (Vec3::zeros(), axis)
+                    } else {
+                        (axis, axis.cross(&frame.origin))
+                    };
+                    let rates = rates_of(hub, own.q, &velocity, &spin);
+                    for (k, d) in hub.free_directions().enumerate() {
+                        let part = f[g.range().start + k] * rates[d];
+                        work += part;
+                        scale = scale.max(part.abs());
+                    }
+                }
+                if scale > 1e-3 {
+                    worst = worst.max(work.abs() / scale);
+                }
+            }
+        }
+        println!("{name}: momentum within {worst:.1e}");
+        assert!(worst < 1e-10, "{name}: {worst:.2e}");
+    }
+}
+
+/// Rates of the six directions of a hub that moves at a velocity and a spin.
+fn rates_of(hub: &gearbench_models::kinematics::Hub, q: &[f64], v: &Vec3, w: &Vec3) -> [f64; 6] {
+    let motion = hub.motion(0.0, q, &[]);
+    let [e0, e1, e2] = hub.axes;
+    let (sa, ca) = motion.x[3].sin_cos();
+    let (sb, cb) = motion.x[4].sin_cos();
+    let axes = nalgebra::Matrix3::from_columns(&[
+        Vec3::x(),
+        Vec3::new(0.0, ca, sa),
+        Vec3::new(sb, -sa * cb, ca * cb),
+    ]);
+    let local = |x: &Vec3| Vec3::new(e0.dot(x), e1.dot(x), e2.dot(x));
+    let angles = axes.try_inverse().unwrap() * local(w);
+    let u = local(v);
+    [u.x, u.y, u.z, angles.x, angles.y, angles.z]
+}
