@@ -108,6 +108,7 @@ pub(super) fn lines_of_action(
         mesh_of_gear,
         centre_a: a.position.into(),
         axes: layout_axes(a, b),
+        direction: l.direction,
         length: l.length,
         base_pitch: l.base_pitch,
         zone: l.path,

@@ -20,11 +20,11 @@ pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2])
     };
     let other = [l.length - l.path[1], l.length - l.path[0]];
     let first = match &a.body {
-        Body::Gear(g) => gear_view(g, l.direction, l.path, phase[0]),
+        Body::Gear(g) => gear_view(g, l.towards[0], l.path, phase[0]),
         Body::Rack(_) => unreachable!("mesh_layout refuses a rack as the first gear"),
     };
     let second = match &b.body {
-        Body::Gear(g) => gear_view(g, l.direction + std::f64::consts::PI, other, phase[1]),
+        Body::Gear(g) => gear_view(g, l.towards[1], other, phase[1]),
         Body::Rack(r) => MeshView {
             base_radius: None,
             direction: 0.0,

@@ -12,6 +12,8 @@ use crate::stiffness::{self, StiffnessCurve};
 pub struct MeshLayout {
     /// Direction from the first gear to the second [rad].
     pub direction: f64,
+    /// Direction from each gear to its mate in its own axes [rad]; nothing of a rack.
+    pub towards: [f64; 2],
     /// Centre distance, or distance to the rack's reference line [m].
     pub distance: f64,
     /// Transverse working pressure angle [rad].
@@ -63,6 +65,16 @@ pub fn layout_axes(a: &GearSpec, b: &GearSpec) -> [Vec3; 3] {
     turned_to(&a.axes, &middle)
 }
 
+/// Direction from each gear to its mate in its own axes, where that of the layout is `direction`.
+fn towards(a: &GearSpec, b: &GearSpec, direction: f64) -> [f64; 2] {
+    if matches!(b.body, Body::Rack(_)) || a.axes == b.axes {
+        return [direction, direction + std::f64::consts::PI];
+    }
+    let apart = Vec3::from(b.position) - Vec3::from(a.position);
+    let seen = |axes: &[Vec3; 3], to: Vec3| axes[1].dot(&to).atan2(axes[0].dot(&to));
+    [seen(&a.axes, apart), seen(&b.axes, -apart)]
+}
+
 /// The mesh of two gears at their positions.
 pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError> {
     let error = |why: Reason| BuildError::mesh([&a.name, &b.name], MeshPart::Layout, why);
@@ -107,6 +119,7 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
     };
     Ok(MeshLayout {
         direction,
+        towards: towards(a, b, direction),
         distance,
         working_pressure_angle: alpha,
         length: match &b.body {

@@ -13,7 +13,7 @@ impl LinesOfAction {
     pub fn new(g: MeshGeometry, stiffness: StiffnessCurve, law: &Law, slices: Vec<Slice>) -> Self {
         let whole_mesh = stiffness.of() == PairOrMesh::Mesh;
         let view = &g.views[0];
-        let (delta, alpha) = (view.direction, view.working_pressure_angle);
+        let (delta, alpha) = (g.direction, view.working_pressure_angle);
         let rb = view.base_radius.unwrap_or(0.0);
         let mut lines = Vec::new();
         for side in [Side::Left, Side::Right] {

@@ -37,6 +37,8 @@ pub struct MeshGeometry {
     pub centre_a: Vec3,
     /// Axes that the mesh is laid out in: directions count from the first to the second, the gears turn about the third.
     pub axes: [Vec3; 3],
+    /// Direction from gear a to gear b in these [rad].
+    pub direction: f64,
     /// Distance between the tangent points [m].
     pub length: f64,
     /// Base pitch [m].

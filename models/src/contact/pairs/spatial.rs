@@ -279,14 +279,10 @@ impl Spatial {
             false,
         );
         let (rho, near, x, base) = found;
-        let cos_mate = match mate {
-            FlankForm::Involute(h) => h.cos_helix,
-            FlankForm::Plane(_) => 1.0,
-        };
-        // Of the foot on the mate; a plane is as high there as its gear's flank.
+        // Of the foot on the mate.
         let foot = match mate {
-            FlankForm::Involute(_) => near.roll - near.distance / cos_mate,
-            FlankForm::Plane(_) => near.roll,
+            FlankForm::Involute(h) => near.roll - near.distance / h.cos_helix,
+            FlankForm::Plane(_) => near.roll - near.distance * near.gradient.y,
         };
         let mut rolls = [0.0; 2];
         rolls[i] = rho;

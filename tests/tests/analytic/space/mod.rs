@@ -1,0 +1,167 @@
+//! Gears whose hubs move in six directions, on bearings and on axes that are not parallel: the flanks in space against the
+//! lines of action, contact rows, momentum, the same scene turned, mirrored and exchanged.
+
+mod bodies;
+mod flanks;
+mod invariance;
+mod misaligned;
+
+use gearbench_integrators::State;
+use gearbench_integrators::system::{Outputs, Report};
+use gearbench_models::Vec3;
+use gearbench_models::geometry::{
+    GearParams, Modifications, Rack, RackParams, ReliefShape, Side, TipRelief,
+};
+use gearbench_models::kinematics::Hub;
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{
+    Bearing, Body, Freedom, LateralSpec, SceneSpec, SpinTerms, effective_radius, turned_to,
+};
+use gearbench_tests::*;
+
+/// Free in all directions on stiff bearings.
+pub fn on_bearings() -> Option<Box<LateralSpec>> {
+    let mut bearing = Bearing::default();
+    for d in 0..5 {
+        bearing.stiffness[d][d] = if d < 3 { 2e8 } else { 5e4 };
+        bearing.damping[d][d] = if d < 3 { 200.0 } else { 0.05 };
+    }
+    Some(Box::new(LateralSpec {
+        directions: [const { Freedom::Free }; 6],
+        bearing,
+        ..LateralSpec::default()
+    }))
+}
+
+pub fn helical(teeth: u32, helix: f64) -> GearParams {
+    GearParams {
+        helix_angle: helix,
+        face_width: 0.02,
+        ..spur(teeth)
+    }
+}
+
+/// A pair with a gap, at the distance of zero profile shift and a little more.
+pub fn helical_pair(helix: f64, gap: f64, modified: bool) -> SceneSpec {
+    let modifications = if modified {
+        Modifications {
+            tip_relief: Some(TipRelief {
+                amount: 2e-5,
+                start_radius: 42e-3,
+                shape: ReliefShape::Parabolic,
+            }),
+            profile_crowning: 5e-6,
+            lead_crowning: 8e-6,
+        }
+    } else {
+        Modifications::default()
+    };
+    let pinion = GearParams {
+        modifications,
+        ..helical(20, helix)
+    };
+    let distance = 0.1 / helix.cos() + 1e-4;
+    pair_of(
+        gear("pinion", pinion, 0.0, 20.0),
+        gear("wheel", helical(30, -helix), distance, 0.0),
+        start(Side::Left, gap),
+    )
+}
+
+pub fn rack_pair(helix: f64) -> SceneSpec {
+    let mut spec = pair_of(
+        gear("pinion", helical(20, helix), 0.0, 20.0),
+        rack("rack", 9, 0.04 / helix.cos() + 5e-5, 0.0),
+        start(Side::Left, 2e-6),
+    );
+    let params = RackParams {
+        teeth: 9,
+        module: 4e-3,
+        tip_radius: 0.3,
+        helix_angle: -helix,
+        face_width: 0.02,
+        ..RackParams::default()
+    };
+    spec.gears[1].body = Body::Rack(Rack::new(params).unwrap());
+    spec
+}
+
+/// Puts the hubs of a scene's gears where they roll together by an angle of the first, the second turned further.
+pub fn rolled(scene: &Scene, spec: &SceneSpec, roll: f64, press: f64) -> State {
+    let mut s = scene.initial();
+    let radii = [0, 1].map(|k| effective_radius(&spec.gears[k].body));
+    let sign = if matches!(spec.gears[1].body, Body::Rack(_)) {
+        1.0
+    } else {
+        -1.0
+    };
+    for (k, by) in [roll, (sign * roll * radii[0] - sign * press) / radii[1]]
+        .into_iter()
+        .enumerate()
+    {
+        let g = &scene.gears()[k];
+        let tooth = g.model.hub().first();
+        s.q[g.range().start] += by;
+        s.q[g.range()][tooth..].iter_mut().for_each(|q| *q += by);
+    }
+    s
+}
+
+/// Free in all directions, with neither springs nor dampers.
+pub fn afloat() -> Option<Box<LateralSpec>> {
+    let mut lateral = on_bearings();
+    if let Some(l) = &mut lateral {
+        l.bearing = Bearing::default();
+        l.spin = SpinTerms::Off;
+    }
+    lateral
+}
+
+/// Axes tilted about x and y [rad].
+pub fn tilt(spec: &mut SceneSpec, gear: usize, x: f64, y: f64) {
+    let turn = nalgebra::Rotation3::new(Vec3::new(x, y, 0.0));
+    let axes = &mut spec.gears[gear].axes;
+    *axes = turned_to(axes, &(turn * axes[2]));
+}
+
+/// A state that presses the flanks, with hubs aside and tilted.
+pub fn displaced(scene: &Scene, spec: &SceneSpec, roll: f64, numbers: &mut Numbers) -> State {
+    let mut s = rolled(scene, spec, roll, 1.5e-5);
+    for g in scene.gears() {
+        let hub = g.model.hub();
+        let own = hub.moving();
+        let first = g.range().start;
+        for (k, d) in hub.free_directions().enumerate().filter(|(_, d)| *d != own) {
+            s.q[first + k] += numbers.draw() * if d < 3 { 3e-6 } else { 2e-4 };
+        }
+        let teeth = first + hub.first()..g.range().end;
+        s.q[teeth]
+            .iter_mut()
+            .for_each(|q| *q += 1e-4 * numbers.draw());
+    }
+    s.v.fill(0.0);
+    s
+}
+
+/// Scenes of helical and spur gears whose hubs float, aligned and tilted.
+pub fn floating() -> Vec<(&'static str, SceneSpec)> {
+    let mut all = vec![
+        ("spur", helical_pair(0.0, 0.0, false)),
+        ("helical", helical_pair(0.3, 0.0, false)),
+        ("modified", helical_pair(-0.2, 0.0, true)),
+        ("tilted", helical_pair(0.2, 0.0, true)),
+        ("rack", rack_pair(0.2)),
+    ];
+    tilt(&mut all[3].1, 0, 2e-3, -1e-3);
+    tilt(&mut all[3].1, 1, -1e-3, 3e-3);
+    for (_, spec) in &mut all {
+        spec.gears.iter_mut().for_each(|g| g.lateral = afloat());
+    }
+    all
+}
+
+pub fn energy(scene: &mut Scene, s: &State) -> f64 {
+    let mut out = Outputs::default();
+    scene.output(s.at(), &mut out);
+    out.energy.contact + out.energy.strain
+}
