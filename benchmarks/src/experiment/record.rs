@@ -157,6 +157,9 @@ pub fn histories(job: &Job<'_>, scene: &Scene, history: &History) -> Histories {
                 add(Channel::Gear(g, what));
             }
         }
+        if spec.gears[g].lateral.is_some() {
+            (OfGear::LATERAL.iter()).for_each(|what| add(Channel::Gear(g, *what)));
+        }
     }
     if !job.torques {
         let of_hubs = |g| values(Channel::Gear(g, OfGear::Displacement));
@@ -250,6 +253,7 @@ pub fn ledger_record(
     let two_free = job.scene.gears.len() == 2
         && job.scene.gears.iter().all(|g| {
             g.loads.is_empty()
+                && g.lateral.is_none()
                 && matches!(
                     g.mount,
                     gearbench_models::spec::Mount::Revolute
@@ -307,13 +311,14 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
             }
         };
         let (sin, cos) = turn.sin_cos();
+        let centre = scene.in_plane(&g.position.into());
         let points = points
             .into_iter()
             .map(|[x, y]| {
                 let y = y + shift;
                 [
-                    g.position[0] + cos * x - sin * y,
-                    g.position[1] + sin * x + cos * y,
+                    centre[0] + cos * x - sin * y,
+                    centre[1] + sin * x + cos * y,
                 ]
             })
             .collect();
@@ -327,8 +332,8 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
     let contacts = forces
         .iter()
         .map(|f| ContactPoint {
-            point: [f.x.x, f.x.y],
-            force: [f.force.x, f.force.y],
+            point: scene.in_plane(&f.x),
+            force: scene.in_plane(&f.force),
             pair: pair_name(spec, f),
             pressure_pa: f.pressure.and_then(|p| finite(p.peak)),
             half_width_m: f.pressure.and_then(|p| finite(p.half_width)),

@@ -4,7 +4,7 @@ use crate::scene_file::{ModelChoice, SceneFile, formula_limits};
 use gearbench_integrators::Resolution;
 use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, Load, LocalContact, ModelSpec, Mount, PointRule, Profile,
-    SurfaceKind, Value, mesh_layout,
+    SpinTerms, SurfaceKind, Value, mesh_layout,
 };
 use gearbench_reports::numbers::short;
 
@@ -71,6 +71,32 @@ pub fn settings(
     rows
 }
 
+/// How the axis stands and what the hub does beside its own motion.
+fn sideways(g: &GearSpec) -> String {
+    let mut text = String::new();
+    let axis = g.axes[2];
+    if axis.z != 1.0 {
+        let parts = axis.iter().map(|x| short(*x, 6)).collect::<Vec<_>>();
+        text += &format!(", axis ({})", parts.join(", "));
+    }
+    let Some(lateral) = &g.lateral else {
+        return text;
+    };
+    let k = &lateral.bearing.stiffness;
+    let diagonal = (0..6).map(|d| short(k[d][d], 3)).collect::<Vec<_>>();
+    text += &format!(", bearing {} N/m and N m/rad", diagonal.join(", "));
+    if lateral.bearing.clearance > 0.0 {
+        let play = short(lateral.bearing.clearance * 1e6, 3);
+        text += &format!(" with a play of {play} um");
+    }
+    text += match lateral.spin {
+        SpinTerms::Auto => ", spin terms where they change a thousandth",
+        SpinTerms::On => ", with spin terms",
+        SpinTerms::Off => ", without spin terms",
+    };
+    text
+}
+
 fn gear_text(g: &GearSpec) -> String {
     let toothing = match &g.body {
         Body::Gear(x) => {
@@ -114,7 +140,8 @@ fn gear_text(g: &GearSpec) -> String {
         Mount::Driven(_) => "driven",
     };
     format!(
-        "{toothing}; {mount}, inertia {} {unit}, initial speed {} {speed}, {}",
+        "{toothing}; {mount}{}, inertia {} {unit}, initial speed {} {speed}, {}",
+        sideways(g),
         short(inertia + g.added_inertia, 5),
         short(g.speed, 5),
         loads(g)

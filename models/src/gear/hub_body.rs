@@ -1,7 +1,8 @@
 //! What every gear says of its hub and body as plain data, and what follows from it for all of them.
 
 use crate::Vec3;
-use crate::kinematics::{Hub, Motion, Row};
+use crate::kinematics::{Hub, Motion, Row, Wrench};
+use crate::spec::Freedom;
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 
@@ -195,6 +196,25 @@ impl HubBody {
             None => [0.0; 2],
             Some(l) => l.bearing_energy(&self.hub.motion(at.t, at.q, at.v)),
         }
+    }
+
+    /// [`Hub::reaction`], with what a bearing exerts in the directions that it leaves.
+    pub fn reaction_at(&self, at: At<'_>, contact: &Wrench) -> Wrench {
+        let mut reaction = self.hub.reaction(at.t, contact);
+        let Some(lateral) = &self.hub.lateral else {
+            return reaction;
+        };
+        let motion = self.hub.motion(at.t, at.q, at.v);
+        let exerted = lateral.bearing_forces(&motion);
+        for d in (0..3).filter(|d| *d != self.hub.moving()) {
+            let axis = &self.hub.axes[d];
+            let along = match lateral.directions[d] {
+                Freedom::Free => exerted[d],
+                _ => lateral.body.mass * motion.prescribed[d] - contact.force.dot(axis),
+            };
+            reaction.force += (along - reaction.force.dot(axis)) * axis;
+        }
+        reaction
     }
 
     /// Kinetic energy of the free directions of a rigid body [J].

@@ -92,7 +92,7 @@ pub trait GearModel {
     /// What the mount exerts on the gear: by Newton's law the rate of its momentum less the `contact` forces. `forces`
     /// are those of contacts and loads on its coordinates. The default is that of a body that moves as its hub does.
     fn mount_reaction(&self, at: At<'_>, _forces: &[f64], contact: &Wrench) -> Wrench {
-        self.hub().reaction(at.t, contact)
+        self.hub().reaction_at(at, contact)
     }
 
     /// Flanks as grids of nodes, for gears whose contact is searched point by point. Such a gear takes

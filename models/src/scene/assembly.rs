@@ -218,6 +218,7 @@ impl Scene {
             let nodal = mesh.gears.iter().any(has_field) || search.lines().is_some();
             meshes.push(SceneMesh {
                 gears: mesh.gears,
+                axis: geometry.axes[2],
                 search,
                 law,
                 friction: friction_of(spec, mesh, l, contact),

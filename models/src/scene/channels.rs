@@ -9,13 +9,13 @@ use crate::spec::{Body, SceneSpec};
 pub enum OfMesh {
     /// Magnitude of the vector sum over its contacts on the second gear [N].
     Force,
-    /// Its part in the transverse plane [N].
+    /// Its part across the axes of the mesh [N].
     Transverse,
     /// Its component along x [N].
     X,
     /// Its component along y [N].
     Y,
-    /// Its component along the axes [N].
+    /// Its component along z [N].
     Z,
     /// The least normal force of its contacts, 0 without any [N].
     LeastNormal,
@@ -42,6 +42,18 @@ pub enum OfGear {
     BearingY,
     /// Torque about the axis of a mount that is held or driven [N m].
     MountTorque,
+    /// What its mount or bearing exerts on it along z [N].
+    BearingZ,
+    /// How far its hub is off the assembled position along the hub's axes [m].
+    ShiftX,
+    /// Along the second axis.
+    ShiftY,
+    /// Along the axis of the gear.
+    ShiftZ,
+    /// How far its hub is tilted about the first axis [rad].
+    TiltX,
+    /// About the second axis.
+    TiltY,
 }
 
 /// A channel: a quantity of a mesh or of a gear, by its place in the scene.
@@ -91,7 +103,7 @@ impl OfMesh {
 
 impl OfGear {
     /// All, in the order of the channels of a gear.
-    pub const ALL: [OfGear; 7] = [
+    pub const ALL: [OfGear; 13] = [
         OfGear::Speed,
         OfGear::HubSpeed,
         OfGear::Displacement,
@@ -99,6 +111,22 @@ impl OfGear {
         OfGear::BearingX,
         OfGear::BearingY,
         OfGear::MountTorque,
+        OfGear::BearingZ,
+        OfGear::ShiftX,
+        OfGear::ShiftY,
+        OfGear::ShiftZ,
+        OfGear::TiltX,
+        OfGear::TiltY,
+    ];
+
+    /// Those of a hub that moves sideways.
+    pub const LATERAL: [OfGear; 6] = [
+        OfGear::BearingZ,
+        OfGear::ShiftX,
+        OfGear::ShiftY,
+        OfGear::ShiftZ,
+        OfGear::TiltX,
+        OfGear::TiltY,
     ];
 
     fn name(self) -> &'static str {
@@ -110,6 +138,12 @@ impl OfGear {
             OfGear::BearingX => "bearing_x",
             OfGear::BearingY => "bearing_y",
             OfGear::MountTorque => "mount_torque",
+            OfGear::BearingZ => "bearing_z",
+            OfGear::ShiftX => "hub_x",
+            OfGear::ShiftY => "hub_y",
+            OfGear::ShiftZ => "hub_z",
+            OfGear::TiltX => "hub_tilt_x",
+            OfGear::TiltY => "hub_tilt_y",
         }
     }
 
@@ -121,6 +155,8 @@ impl OfGear {
             (OfGear::Displacement, false) => "rad",
             (OfGear::Displacement, true) => "m",
             (OfGear::ContactTorque | OfGear::MountTorque, false) => "nm",
+            (OfGear::ShiftX | OfGear::ShiftY | OfGear::ShiftZ, _) => "m",
+            (OfGear::TiltX | OfGear::TiltY, _) => "rad",
             _ => "n",
         }
     }
@@ -154,6 +190,12 @@ impl Channel {
                 match what {
                     OfGear::BearingX => format!("bearing_{name}_x_{unit}"),
                     OfGear::BearingY => format!("bearing_{name}_y_{unit}"),
+                    OfGear::BearingZ => format!("bearing_{name}_z_{unit}"),
+                    OfGear::ShiftX => format!("hub_{name}_x_{unit}"),
+                    OfGear::ShiftY => format!("hub_{name}_y_{unit}"),
+                    OfGear::ShiftZ => format!("hub_{name}_z_{unit}"),
+                    OfGear::TiltX => format!("hub_{name}_tilt_x_{unit}"),
+                    OfGear::TiltY => format!("hub_{name}_tilt_y_{unit}"),
                     OfGear::Displacement if slides => format!("hub_displacement_{name}_{unit}"),
                     _ => format!("{}_{name}_{unit}", what.name()),
                 }

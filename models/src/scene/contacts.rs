@@ -289,6 +289,13 @@ impl Scene {
     /// Ends of the line of action that a contact lies on [m], in the transverse plane.
     pub fn line_of_action(&self, contact: &ContactForce) -> Option<[[f64; 2]; 2]> {
         let ends = self.meshes.get(contact.mesh)?.search.line(contact.side)?;
-        Some(ends.map(|p| [p.x, p.y]))
+        Some(ends.map(|p| self.in_plane(&p)))
+    }
+
+    /// A place or direction as seen along the axis of the first gear, in its axes.
+    pub fn in_plane(&self, x: &Vec3) -> [f64; 2] {
+        let first = self.gears.first().map(|g| &g.model.hub().axes);
+        let [a, b, _] = first.unwrap_or(&crate::spec::UPRIGHT);
+        [a.dot(x), b.dot(x)]
     }
 }

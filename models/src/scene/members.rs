@@ -2,6 +2,7 @@
 
 use super::direct::Follows;
 use super::friction::MeshFriction;
+use crate::Vec3;
 use crate::contact::{LineClearance, Party, Search};
 use crate::gear::GearModel;
 use crate::law::Law;
@@ -137,6 +138,8 @@ impl SceneGear {
 pub struct SceneMesh {
     /// Indices of the gears; the first is never a rack.
     pub gears: [usize; 2],
+    /// Direction halfway between the axes of its gears.
+    pub axis: Vec3,
     /// Finds candidate points.
     pub search: Search,
     /// Normal law.

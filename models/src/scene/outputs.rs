@@ -111,9 +111,16 @@ impl Scene {
         for m in 0..self.meshes.len() {
             let of_mesh = &mut out.channels[PER_MESH * m..][..PER_MESH];
             let [x, y, z] = [OfMesh::X, OfMesh::Y, OfMesh::Z].map(|c| of_mesh[c as usize]);
-            let transverse = x.hypot(y);
+            let axis = &self.meshes[m].axis;
+            let transverse = match axis.z == 1.0 {
+                true => x.hypot(y),
+                false => Vec3::new(x, y, z).cross(axis).norm(),
+            };
             of_mesh[OfMesh::Transverse as usize] = transverse;
-            of_mesh[OfMesh::Force as usize] = transverse.hypot(z);
+            of_mesh[OfMesh::Force as usize] = match axis.z == 1.0 {
+                true => transverse.hypot(z),
+                false => Vec3::new(x, y, z).norm(),
+            };
         }
         self.fill_reactions(at, &mut out.channels);
         out.energy = energy;
@@ -212,15 +219,26 @@ impl Scene {
             for (mesh, f) in self.meshes.iter().zip(of_meshes.chunks_exact(PER_MESH)) {
                 for (k, sign) in [(0, -1.0), (1, 1.0)] {
                     if mesh.gears[k] == i {
-                        contact.force +=
-                            sign * Vec3::new(f[OfMesh::X as usize], f[OfMesh::Y as usize], 0.0);
+                        let of_mesh = [OfMesh::X, OfMesh::Y, OfMesh::Z].map(|c| f[c as usize]);
+                        contact.force += sign * Vec3::from(of_mesh);
                     }
                 }
             }
             let r = g
                 .model
                 .mount_reaction(g.at(at), &forces[g.range()], &contact);
-            c[CONTACT_TORQUE + 1..].copy_from_slice(&[r.force.x, r.force.y, r.torque]);
+            let hub = g.model.hub();
+            let mut x = [0.0; 6];
+            if hub.lateral.is_some() {
+                let own = g.at(at);
+                x = hub.motion(own.t, own.q, own.v).x;
+            }
+            let of_mount = [r.force.x, r.force.y, r.torque, r.force.z];
+            let [all, shifts, tilts] = [&of_mount[..], &x[..3], &x[3..5]];
+            let values = all.iter().chain(shifts).chain(tilts);
+            for (c, value) in c[CONTACT_TORQUE + 1..].iter_mut().zip(values) {
+                *c = *value;
+            }
         }
         self.work.rhs = forces;
     }

@@ -29,15 +29,28 @@ const GRAZE: f64 = 0.01;
 /// Change of speed beyond what loads make, over the change, that shows a force.
 const FELT: f64 = 0.25;
 
+/// Channels of the directions of a hub beside the turn.
+const SIDEWAYS: [OfGear; 5] = [
+    OfGear::ShiftX,
+    OfGear::ShiftY,
+    OfGear::ShiftZ,
+    OfGear::TiltX,
+    OfGear::TiltY,
+];
+
 /// A mesh as rigid geometry.
 struct Pair {
     hubs: [(Hub, Range<usize>); 2],
     /// Approach by unit displacement of each hub.
     effective_radii: [f64; 2],
+    /// And by its lateral directions.
+    lateral: [[f64; 6]; 2],
     gap: f64,
     backlash: f64,
     module: f64,
     displacement: [usize; 2],
+    /// Channels of the lateral directions, the first five.
+    sideways: [[usize; 5]; 2],
     force: usize,
     /// Change of the approach's rate by loads alone [m/s^2], from the last step without contact.
     free: Option<f64>,
@@ -47,9 +60,19 @@ impl Pair {
     /// Approach and its rate.
     fn at(&self, s: &State) -> [f64; 2] {
         let mut sum = [0.0; 2];
-        for ((hub, own), effective_radius) in self.hubs.iter().zip(self.effective_radii) {
-            sum[0] += effective_radius * hub.displacement(s.t, &s.q[own.clone()]);
-            sum[1] += effective_radius * hub.speed(s.t, &s.v[own.clone()]);
+        for (((hub, own), radius), lateral) in
+            (self.hubs.iter().zip(self.effective_radii)).zip(&self.lateral)
+        {
+            let (q, v) = (&s.q[own.clone()], &s.v[own.clone()]);
+            sum[0] += radius * hub.displacement(s.t, q);
+            sum[1] += radius * hub.speed(s.t, v);
+            if hub.lateral.is_some() {
+                let motion = hub.motion(s.t, q, v);
+                for (d, along) in lateral.iter().enumerate() {
+                    sum[0] += along * motion.x[d];
+                    sum[1] += along * motion.v[d];
+                }
+            }
         }
         sum
     }
@@ -84,19 +107,34 @@ impl TunnellingDetector {
                 return None;
             };
             let along = approach(mesh.start.side, [&a.body, &b.body]);
+            let hubs = mesh.gears.map(|i| {
+                let g = &scene.gears()[i];
+                (g.model.hub().hub.clone(), g.range())
+            });
+            let mut lateral = [[0.0; 6]; 2];
+            let pairs = scene.meshes()[m].search.pairs();
+            if let Some((x, n)) = pairs.and_then(|p| p.middle_of(mesh.start.side)) {
+                for (k, (hub, _)) in hubs.iter().enumerate() {
+                    for d in (0..6).filter(|d| *d != hub.moving()) {
+                        let along = hub.component(d, &x, &n);
+                        lateral[k][d] = if k == 0 { along } else { -along };
+                    }
+                }
+            }
             let displacement = |i: usize| scene.channel(Channel::Gear(i, OfGear::Displacement));
             Some((
                 m,
                 Pair {
-                    hubs: mesh.gears.map(|i| {
-                        let g = &scene.gears()[i];
-                        (g.model.hub().hub.clone(), g.range())
-                    }),
+                    hubs,
+                    lateral,
                     effective_radii: [along(1.0, 0.0), along(0.0, 1.0)],
                     gap: mesh.start.gap,
                     backlash: layout.backlash,
                     module: gear.params().module,
                     displacement: [displacement(mesh.gears[0])?, displacement(mesh.gears[1])?],
+                    sideways: mesh.gears.map(|i| {
+                        SIDEWAYS.map(|what| scene.channel(Channel::Gear(i, what)).unwrap_or(0))
+                    }),
                     force: scene.channel(Channel::Mesh(m, OfMesh::Force))?,
                     free: None,
                 },
@@ -169,7 +207,11 @@ impl TunnellingDetector {
         let mut unseen = None;
         for (t, row) in rows {
             for (m, pair) in &self.pairs {
-                let along = |k: usize| pair.effective_radii[k] * row[pair.displacement[k]];
+                let along = |k: usize| {
+                    let own = pair.effective_radii[k] * row[pair.displacement[k]];
+                    let sideways = pair.lateral[k].iter().zip(&pair.sideways[k]);
+                    own + sideways.map(|(along, c)| along * row[*c]).sum::<f64>()
+                };
                 let depth = pair.depth(along(0) + along(1));
                 let soft = self.deflection * DEFLECTIONS;
                 let earlier = |known: Option<(usize, f64, f64)>| known.is_none_or(|k| *t < k.1);

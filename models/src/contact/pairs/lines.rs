@@ -10,6 +10,7 @@ use crate::kinematics::{HubFrame, MeshView, Tooth};
 use crate::law::Law;
 use crate::stiffness::StiffnessCurve;
 use gearbench_integrators::system::At;
+use std::cell::OnceCell;
 
 /// A slice of the face width.
 #[derive(Clone, Debug)]
@@ -119,6 +120,7 @@ pub(super) struct Mover<'a> {
     pub(super) at: At<'a>,
     pub(super) displacements: Displacements<'a>,
     gear: &'a dyn GearModel,
+    frame: OnceCell<(HubFrame, f64)>,
 }
 
 /// Displacements of its teeth.
@@ -142,14 +144,17 @@ impl<'a> Mover<'a> {
             at,
             displacements,
             gear,
+            frame: OnceCell::new(),
         }
     }
 
     /// Axes of its hub, and the part of a tooth's displacement that moves these.
-    pub(super) fn frame(&self) -> (HubFrame, f64) {
-        let hub = self.gear.hub();
-        let along = hub.slide.map_or(0.0, |_| hub.displacement_at(self.at));
-        (hub.hub.frame(self.at.t, self.at.q), along)
+    pub(super) fn frame(&self) -> &(HubFrame, f64) {
+        self.frame.get_or_init(|| {
+            let hub = self.gear.hub();
+            let along = hub.slide.map_or(0.0, |_| hub.displacement_at(self.at));
+            (hub.hub.frame(self.at.t, self.at.q), along)
+        })
     }
 }
 

@@ -127,6 +127,15 @@ impl LinesOfAction {
         Some([line.origin, line.origin + end * line.transverse])
     }
 
+    /// The point halfway along the path of contact and of the width [m], and the normal from gear a to gear b there.
+    pub fn middle_of(&self, side: Side) -> Option<(Vec3, Vec3)> {
+        let mut lines = self.lines.iter().filter(|l| l.side == side);
+        let (first, last) = (lines.next()?, lines.next_back());
+        let origin = last.map_or(first.origin, |l| 0.5 * (first.origin + l.origin));
+        let s = 0.5 * (self.zone[0] + self.zone[1]);
+        Some((origin + s * first.transverse, first.normal))
+    }
+
     /// Flank side of a candidate.
     pub fn side_of(&self, c: &Candidate) -> Side {
         self.lines[c.slot / self.pairs].side

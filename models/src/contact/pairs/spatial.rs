@@ -38,8 +38,9 @@ use std::f64::consts::{PI, TAU};
 /// Corrections of the length of roll.
 const MAX_CORRECTIONS: usize = 40;
 
-/// Change of the length of roll, over the base radius, at which it is found.
-const FOUND: f64 = 1e-11;
+/// Change of the length of roll, over the base radius, after which it is found: Newton's corrections are squares of each
+/// other.
+const FOUND: f64 = 1e-6;
 
 /// Gap over the base pitch from which on one correction is enough: nothing touches.
 const FAR: f64 = 5e-3;
@@ -177,7 +178,8 @@ impl Helicoid {
         (x, Vec3::new(cos, sin, 0.0))
     }
 
-    fn near(&self, (tooth, side, psi): (i64, Side, f64), p: &Vec3, exact: bool) -> Near {
+    /// The same without the distance, which takes most of the time.
+    fn directed(&self, side: Side, p: &Vec3) -> Near {
         let (sigma, rb) = (side.sign(), self.base_radius);
         let square = p.x * p.x + p.y * p.y;
         let roll = (square - rb * rb).max(0.0).sqrt();
@@ -185,14 +187,21 @@ impl Helicoid {
             (rb * p.x + sigma * roll * p.y) / square,
             (rb * p.y - sigma * roll * p.x) / square,
         );
-        let ahead = psi + p.z * self.tan_helix / rb - s.atan2(c);
-        let angle = wrapped(ahead - sigma * (roll / rb - self.half_angle));
-        let mut near = Near {
-            distance: -sigma * rb * angle * self.cos_helix,
+        Near {
+            distance: 0.0,
             gradient: sigma * self.cos_helix * Vec3::new(-s, c, -self.tan_helix),
             roll,
             base: Vec3::new(c, s, 0.0),
-        };
+        }
+    }
+
+    fn near(&self, (tooth, side, psi): (i64, Side, f64), p: &Vec3, exact: bool) -> Near {
+        let (sigma, rb) = (side.sign(), self.base_radius);
+        let mut near = self.directed(side, p);
+        let roll = near.roll;
+        let ahead = psi + p.z * self.tan_helix / rb - near.base.y.atan2(near.base.x);
+        let angle = wrapped(ahead - sigma * (roll / rb - self.half_angle));
+        near.distance = -sigma * rb * angle * self.cos_helix;
         if exact && self.modified && roll > 0.0 {
             let [e, by_roll, by_z] = self.removed(tooth, side, roll, p.z);
             near.distance += e;
@@ -340,11 +349,17 @@ impl Spatial {
         };
         let mut rho = start.clamp(low, high);
         let (mut from, mut to) = (low, high);
+        let mut found = false;
         for correction in 0.. {
             let (p, base) = own.point(side, tooth.2, rho, z);
             let x = frames[i].point(&p);
             let base = frames[i].turn(&base);
-            let near = self.flanks[j].near(of_mate, &frames[j].point_back(&x), exact);
+            let place = frames[j].point_back(&x);
+            // Far flanks are told by their distance, modified ones by their slope.
+            let near = match &self.flanks[j] {
+                FlankForm::Involute(h) if !exact && correction != 1 => h.directed(side, &place),
+                flank => flank.near(of_mate, &place, exact),
+            };
             let removed = if exact {
                 own.removed(tooth.0, side, rho, z)[1]
             } else {
@@ -363,14 +378,16 @@ impl Spatial {
             let bend = per_roll / own.base_radius * bend;
             let step = -slope / bend;
             let ends = (rho == low && step < 0.0) || (rho == high && step > 0.0);
-            let far = !exact && near.distance - 0.5 * slope * slope / bend > FAR * self.base_pitch;
-            if correction == MAX_CORRECTIONS
-                || ends
-                || step.abs() <= FOUND * own.base_radius
-                || (far && correction > 0)
-            {
+            let far = !exact
+                && correction == 1
+                && near.distance - 0.5 * slope * slope / bend > FAR * self.base_pitch;
+            if correction == MAX_CORRECTIONS || ends || found || far {
+                let near = self.flanks[j].near(of_mate, &place, exact);
                 return (rho, near, x, base);
             }
+            // Modifications bend the flank as well, which the curvature leaves out.
+            let enough = if exact { 1e-5 * FOUND } else { FOUND };
+            found = step.abs() <= enough * own.base_radius;
             // Kinks of modifications: the sign of the slope brackets the least.
             if slope > 0.0 {
                 to = rho;

@@ -18,7 +18,7 @@ use gearbench_integrators::system::At;
 
 impl MovableTeeth {
     pub(super) fn reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
-        let mut reaction = self.hub.reaction(at.t, contact);
+        let mut reaction = self.hub.reaction_at(at, contact);
         let first = self.first();
         let (phi, speed) = (
             self.hub.displacement(at.t, at.q),
@@ -42,6 +42,10 @@ impl MovableTeeth {
             if !self.hub.is_free() {
                 reaction.force += (reaction.torque - reaction.force.dot(slide)) * slide;
             }
+            return reaction;
+        }
+        if self.hub.lateral.is_some() {
+            // The bearing itself tells its force.
             return reaction;
         }
         let acceleration = |i: usize| {
