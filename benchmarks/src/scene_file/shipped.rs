@@ -35,6 +35,8 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("spur_rotation"),
     shipped!("loaded_mesh"),
     shipped!("hammer"),
+    shipped!("helical_loaded"),
+    shipped!("misaligned"),
     shipped!("backlash_parametric"),
     shipped!("backlash_forced"),
 ];
