@@ -316,10 +316,7 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
             .into_iter()
             .map(|[x, y]| {
                 let y = y + shift;
-                [
-                    centre[0] + cos * x - sin * y,
-                    centre[1] + sin * x + cos * y,
-                ]
+                [centre[0] + cos * x - sin * y, centre[1] + sin * x + cos * y]
             })
             .collect();
         outlines.push(Outline {

@@ -48,7 +48,7 @@ impl SceneFile {
                         "added_mass_kg",
                     ]),
                     GearPart::Load => gear.first(&["loads"]),
-                    GearPart::Mount => gear.first(&["mount"]),
+                    GearPart::Mount => gear.first(&["bearing", "directions", "mount", "axis"]),
                 }
             }
             Subject::Mesh { gears, part } => self.place_of_mesh(model, gears, *part),

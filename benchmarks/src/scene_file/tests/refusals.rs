@@ -49,6 +49,11 @@ fn gears_and_meshes() {
 }
 
 #[test]
+fn bearings_and_axes() {
+    refused(BASE, LATERAL);
+}
+
+#[test]
 fn what_cannot_be() {
     refused(BASE, IMPOSSIBLE);
 }
@@ -138,7 +143,7 @@ const FILE: &str = r##"
 22: gears = ["pinion", "wheel"] => gears = ["pinion"]
     `gears` has 1 member, expected 2 | for example
 10: teeth = 20 => teeth = 20\nposition_m = [1.0]
-    has 1 member, expected 2
+    invalid length 1, expected [x, y] or [x, y, z]
 # missing keys
 8: teeth = 20\n =>
     `teeth` is missing in [gears.pinion] | number of teeth
@@ -300,12 +305,35 @@ const IMPOSSIBLE: &str = r##"
 "##;
 
 const NOT_DONE: &str = r##"
-10: teeth = 20 => teeth = 20\nbearing = "ball"
-    unknown key `bearing` | shafts and bearings are rigid | docs/limits.md
+10: teeth = 20 => teeth = 20\nshaft_diameter_m = 0.03
+    unknown key `shaft_diameter_m` | each gear has a shaft of its own | docs/limits.md
 10: teeth = 20 => teeth = 20\ninternal = true
     there are no internal gears | docs/limits.md
 10: teeth = 20 => teeth = 20\nhelix_slope_m = 1e-5
     no deviations of the helix | docs/limits.md
 24: start =  => misalignment_deg = 0.1\nstart = 
-    axes are parallel | docs/limits.md
+    unknown key `misalignment_deg` | known are gears
 "##;
+
+const LATERAL: &str = r#"
+    12: speed_rad_s = 20.0 => bearing = { stiffness = [1e8, -1e8, 1e8, 1e4, 1e4, 0.0] }
+    stiffness of direction 2 is not zero or positive | N/m
+    12: speed_rad_s = 20.0 => bearing = { stiffness = [1e8, 1e8, 1e8, 1e4, 1e4] }
+    6
+    12: speed_rad_s = 20.0 => bearing = { stiffness = [1e8, 2e8, 1e8, 1e4, 1e4, 0.0], clearance_m = 1e-5 }
+    a radial clearance | one radial stiffness
+    12: speed_rad_s = 20.0 => directions = { tilt_z = "free" }
+    the gear's own motion | give it there
+    12: speed_rad_s = 20.0 => centre_of_mass_m = [0.0, 1e-3, 0.0]
+    no effect on a hub that only turns | add `bearing` or `directions`
+    12: speed_rad_s = 20.0 => axis = [0.0, 0.0, 0.0]
+    the direction of the axis is none | [0.0, 0.0, 1.0]
+    12: speed_rad_s = 20.0 => misalignment_deg = { plane_of_action = 5.0 }
+    turned by 5.000 degrees | at most 2
+    12: speed_rad_s = 20.0 => misalignment_deg = { about = [0.0, 1.0, 0.0] }
+    `about` and `angle` belong together | angle = 0.03
+    12: speed_rad_s = 20.0 => position_m = [0.0]
+    [x, y] or [x, y, z]
+    22: mount = "revolute" => position_m = [0.1001, 0.0, 0.05] && speed_rad_s = 20.0 => position_m = [0.0, 0.0] && centre_distance_m = 0.1001\n =>
+    the face widths do not meet | third coordinates
+"#;

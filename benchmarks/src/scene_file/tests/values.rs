@@ -6,7 +6,7 @@ use gearbench_integrators::Resolution;
 use gearbench_models::error::{BuildError, GearPart, MeshPart};
 use gearbench_models::geometry::{Pair, ReliefShape, Side};
 use gearbench_models::law::Damping;
-use gearbench_models::spec::{Body, Load, Mount, Profile};
+use gearbench_models::spec::{Body, Freedom, Load, Mount, Profile, SpinTerms};
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use gearbench_reports::Metric;
 
@@ -365,4 +365,34 @@ fn errors_of_the_assembly_have_a_line() {
         shown.contains("gear `wheel`: inertia 0") && shown.contains("help: give another"),
         "{shown}"
     );
+}
+
+#[test]
+fn bearings_and_axes() {
+    let scene = read(
+        "speed_rad_s = 20.0",
+        "bearing = { stiffness = [1e8, 1e8, 5e7, 1e4, 1e4, 0.0], damping = [1e3, 1e3, 1e3, 1.0, 1.0, 0.0] }\ndirections = { z = \"held\", tilt_x = { driven = { speed_rad_s = 0.01 } } }\nadded_mass_kg = 0.2\nspin_terms = \"off\"\nmisalignment_deg = { plane_of_action = 0.03 }",
+    );
+    let pinion = &scene.spec.gears[0];
+    let lateral = pinion.lateral.as_deref().unwrap();
+    assert_eq!(
+        lateral.directions,
+        [
+            Freedom::Free,
+            Freedom::Free,
+            Freedom::Held,
+            Freedom::Driven(Profile::Constant(0.01)),
+            Freedom::Free,
+            Freedom::Held,
+        ]
+    );
+    assert_eq!((lateral.added_mass, lateral.spin), (0.2, SpinTerms::Off));
+    assert_eq!(lateral.bearing.stiffness[2][2], 5e7);
+    assert_eq!(lateral.bearing.damping[3][3], 1.0);
+    // Towards the line of action of left flanks, at 90 degrees less the working pressure angle.
+    let alpha = (0.05_f64 * 2.0 * 20_f64.to_radians().cos() / 0.1001).acos();
+    let axis = pinion.axes[2];
+    assert!((axis.xy().norm() - 0.03_f64.to_radians().sin()).abs() < 1e-12);
+    assert!((axis.y.atan2(axis.x) - (std::f64::consts::FRAC_PI_2 - alpha)).abs() < 1e-12);
+    assert_eq!(scene.spec.gears[1].axes[2].z, 1.0);
 }

@@ -24,9 +24,13 @@ fn tumbling() -> SceneSpec {
 }
 
 /// Momentum and angular momentum about the origin of a rigid gear.
-fn momenta(scene: &Scene, s: &State) -> [Vec3; 2] {
-    let hub = &scene.gears()[0].model.hub().hub;
-    let m = hub.motion(s.t, &s.q, &s.v);
+fn momenta_of(scene: &Scene, s: &State, gear: usize) -> [Vec3; 2] {
+    let g = &scene.gears()[gear];
+    let hub = &g.model.hub().hub;
+    let own = g.at(s.at());
+    let m = hub.motion(s.t, own.q, own.v);
+    let [e0, e1, e2] = hub.axes;
+    let axes = nalgebra::Matrix3::from_columns(&[e0, e1, e2]);
     let body = &hub.lateral.as_ref().unwrap().body;
     let rx = nalgebra::Rotation3::from_axis_angle(&Vec3::x_axis(), m.x[3]);
     let ry = nalgebra::Rotation3::from_axis_angle(&Vec3::y_axis(), m.x[4]);
@@ -35,10 +39,10 @@ fn momenta(scene: &Scene, s: &State) -> [Vec3; 2] {
     let turned = (rx * ry * rz).into_inner();
     let c = turned * body.centre;
     let velocity = Vec3::new(m.v[0], m.v[1], m.v[2]) + spin.cross(&c);
-    let place = Vec3::new(m.x[0], m.x[1], m.x[2]) + c;
+    let place = hub.centre + axes * (Vec3::new(m.x[0], m.x[1], m.x[2]) + c);
     let own = turned * body.inertia * turned.transpose() * spin;
-    let momentum = body.mass * velocity;
-    [momentum, place.cross(&momentum) + own]
+    let momentum = axes * (body.mass * velocity);
+    [momentum, place.cross(&momentum) + axes * own]
 }
 
 #[test]
@@ -60,7 +64,7 @@ fn a_free_asymmetric_body_keeps_momentum_and_energy_to_the_order_of_the_method()
             s.v.copy_from_slice(&[60.0, 0.1, -0.2, 0.05, 3.0, -2.0]);
             let mut start = Outputs::default();
             scene.output(s.at(), &mut start);
-            let before = momenta(&scene, &s);
+            let before = momenta_of(&scene, &s, 0);
             let end = run_from(
                 &mut scene,
                 s,
@@ -70,7 +74,7 @@ fn a_free_asymmetric_body_keeps_momentum_and_energy_to_the_order_of_the_method()
             end.result.unwrap();
             let mut out = Outputs::default();
             scene.output(end.state.at(), &mut out);
-            let after = momenta(&scene, &end.state);
+            let after = momenta_of(&scene, &end.state, 0);
             let tilt = end.state.q[4].hypot(end.state.q[5]);
             assert!(tilt > 0.02 && tilt < 1.0, "the body tilts by {tilt}");
             steps.push(step);
@@ -88,4 +92,97 @@ fn a_free_asymmetric_body_keeps_momentum_and_energy_to_the_order_of_the_method()
         // Its sign changes on the way, so that no order can be fitted to it.
         assert!(of_energy[2] < 1e-6, "{id}: energy off by {}", of_energy[2]);
     }
+}
+
+/// A pair that strikes while both bodies float, spin terms and all.
+fn striking_afloat() -> SceneSpec {
+    let mut spec = helical_pair(0.25, 1e-6, false);
+    tilt(&mut spec, 0, 4e-4, -2e-4);
+    for gear in &mut spec.gears {
+        gear.lateral = afloat();
+        if let Some(l) = &mut gear.lateral {
+            l.spin = SpinTerms::On;
+        }
+    }
+    spec
+}
+
+/// Momentum and angular momentum about the origin of all gears.
+fn all_momenta(scene: &Scene, s: &State) -> [Vec3; 2] {
+    let mut sum = [Vec3::zeros(); 2];
+    for i in 0..scene.gears().len() {
+        let [p, l] = momenta_of(scene, s, i);
+        sum[0] += p;
+        sum[1] += l;
+    }
+    sum
+}
+
+#[test]
+fn an_impact_of_floating_gears_keeps_their_momentum() {
+    let spec = striking_afloat();
+    let mut law = contact(1.5e10);
+    law.stiffness = weber_banaschek();
+    law.slices = Some(6);
+    let (mut steps, mut offs) = (vec![], vec![]);
+    for step in [4e-7, 2e-7] {
+        let mut scene = build(&spec, &[rigid(), rigid()], &law);
+        let s = scene.initial();
+        let before = all_momenta(&scene, &s);
+        let end = run_from(
+            &mut scene,
+            s,
+            "rk4",
+            &TimePlan::new(8e-5, Resolution::Step(step)),
+        );
+        end.result.unwrap();
+        assert!(end.peak > 100.0, "a peak of {} N is no impact", end.peak);
+        let after = all_momenta(&scene, &end.state);
+        // What a gear hands over, as impulse and about the origin.
+        let handed = end.impulse;
+        let linear = (after[0] - before[0]).norm() / handed;
+        let angular = (after[1] - before[1]).norm() / (0.1 * handed);
+        println!(
+            "step {step:.0e}: momentum {linear:.1e}, angular momentum {angular:.1e} of what is handed over"
+        );
+        assert!(linear < 1e-9, "momentum: {linear:.2e}");
+        steps.push(step);
+        offs.push(angular);
+    }
+    assert!(offs[1] < 1e-9, "angular momentum: {:.2e}", offs[1]);
+}
+
+#[test]
+fn the_trigonometric_method_takes_bearings_as_oscillators() {
+    let mut spec = helical_pair(0.25, 1e-6, false);
+    for gear in &mut spec.gears {
+        gear.lateral = on_bearings();
+        if let Some(l) = &mut gear.lateral {
+            l.spin = SpinTerms::Off;
+        }
+    }
+    let mut law = contact(1.5e10);
+    law.slices = Some(4);
+    let end = |id: &str, step: f64| {
+        let mut scene = build(&spec, &[rigid(), rigid()], &law);
+        let s = scene.initial();
+        let end = run_from(
+            &mut scene,
+            s,
+            id,
+            &TimePlan::new(2e-4, Resolution::Step(step)),
+        );
+        end.result.unwrap();
+        end.state
+    };
+    let exact = end("rk4", 1e-7);
+    let off = |s: &State| {
+        let pairs = s.v.iter().zip(&exact.v);
+        let largest = exact.v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        pairs.fold(0.0_f64, |m, (x, y)| m.max((x - y).abs())) / largest
+    };
+    let errors = [4e-7, 2e-7, 1e-7].map(|step| off(&end("trigonometric", step)));
+    println!("speeds off by {errors:?} of the largest");
+    assert!(errors[2] < 1e-4, "{errors:?}");
+    assert!(errors[0] > 3.0 * errors[1], "no second order: {errors:?}");
 }

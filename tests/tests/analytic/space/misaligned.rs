@@ -5,6 +5,7 @@
 //! that end the force is `c b d^2/(2 F)` up to `d = F`, then `c b (d - F/2)`.
 
 use super::*;
+use gearbench_integrators::{Resolution, TimePlan};
 use gearbench_models::law::Damping;
 
 /// Contact per slice of a state: share of the width of each, and its force.
@@ -108,4 +109,42 @@ fn forces_of_helical_gears_are_those_of_the_textbook() {
         println!("tangential {tangential:.6}, radial {radial:.6}, axial {axial:.6} N");
         assert!(off.iter().all(|x| *x < 1e-9), "{off:?}");
     }
+}
+
+#[test]
+fn an_impact_is_longer_and_weaker_the_more_askew_its_gears() {
+    let mut peaks = Vec::new();
+    for thousandths in 0..40 {
+        let mut spec = helical_pair(0.0, 1.5e-5, false);
+        let angle = std::f64::consts::FRAC_PI_2 - 20.157_f64.to_radians();
+        let line = Vec3::new(angle.cos(), angle.sin(), 0.0);
+        let by = (1e-3 * f64::from(thousandths)).to_radians();
+        let turn = nalgebra::Rotation3::new(Vec3::z().cross(&line) * by);
+        spec.gears[0].axes = turned_to(&spec.gears[0].axes, &(turn * Vec3::z()));
+        let mut law = contact(1.5e10);
+        law.damping = Damping::None;
+        law.slices = Some(24);
+        let mut scene = build(&spec, &[rigid(), rigid()], &law);
+        let s = scene.initial();
+        // Steps so short that the peak lies on one.
+        let plan = TimePlan::new(1.5e-4, Resolution::Step(1e-7));
+        let end = run_from(&mut scene, s, "velocity-verlet", &plan);
+        end.result.unwrap();
+        peaks.push(end.peak);
+    }
+    let falls = peaks
+        .windows(2)
+        .map(|w| w[0] - w[1])
+        .fold(f64::INFINITY, f64::min);
+    println!(
+        "peaks from {:.1} to {:.1} N, falling by at least {falls:.2e} N per thousandth of a degree",
+        peaks[0], peaks[39]
+    );
+    assert!(falls > 0.0, "the peak rises somewhere: {falls:.2e}");
+    assert!(
+        peaks[39] < 0.99 * peaks[0],
+        "{} to {} N",
+        peaks[0],
+        peaks[39]
+    );
 }
