@@ -44,26 +44,28 @@ pub struct Cylinder {
     pub nodes: Vec<u32>,
 }
 
+/// Two unit vectors that make a right-handed system with a direction: those of the coordinates where it runs along one of
+/// them.
+pub(crate) fn across(d: Vec3) -> [Vec3; 2] {
+    if d == Vec3::z() {
+        return [Vec3::x(), Vec3::y()];
+    }
+    // The x axis turned with the shortest turn from z to the direction, where there is one.
+    let start = if d.z > -0.9 {
+        let axis = Vec3::new(-d.y, d.x, 0.0);
+        let k = 1.0 / (1.0 + d.z);
+        Vec3::x() + axis.cross(&Vec3::x()) + k * axis.cross(&axis.cross(&Vec3::x()))
+    } else {
+        Vec3::x()
+    };
+    let x = (start - start.dot(&d) * d).normalize();
+    [x, d.cross(&x)]
+}
+
 impl Axis {
-    /// Two unit vectors that make a right-handed system with the direction: those of the coordinates where it runs
-    /// along one of them.
+    /// [`across`] its direction.
     pub fn across(&self) -> [Vec3; 2] {
-        let d = self.direction;
-        let [x, y] = if d == Vec3::z() {
-            [Vec3::x(), Vec3::y()]
-        } else {
-            // The x axis turned with the shortest turn from z to the direction, where there is one.
-            let start = if d.z > -0.9 {
-                let axis = Vec3::new(-d.y, d.x, 0.0);
-                let k = 1.0 / (1.0 + d.z);
-                Vec3::x() + axis.cross(&Vec3::x()) + k * axis.cross(&axis.cross(&Vec3::x()))
-            } else {
-                Vec3::x()
-            };
-            let x = (start - start.dot(&d) * d).normalize();
-            [x, d.cross(&x)]
-        };
-        [x, y]
+        across(self.direction)
     }
 
     /// Position in the frame of the axis: two coordinates across it and one along it.

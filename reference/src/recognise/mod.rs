@@ -27,6 +27,7 @@ mod teeth;
 pub(crate) mod tests;
 pub mod tied;
 
+pub(crate) use axis::across;
 pub use axis::{Axis, Cylinder};
 pub use involute::{FlankPoint, Involute};
 pub use known::{Known, Misfit};

@@ -127,7 +127,9 @@ impl Body {
             }
         }
         let mut placement = match self.bore_shape() {
-            circle::Shape::Circle { centre, radius } => spur::place(&self, deck, centre, radius)?,
+            circle::Shape::Circle { centre, radius } => {
+                spur::place(&self, (deck, &axis), centre, radius)?
+            }
             circle::Shape::Plane { normal } => rack::place(&self, deck, normal)?,
             circle::Shape::Neither => {
                 return Err(decline(

@@ -25,7 +25,7 @@ mod spur;
 use super::data::Deck;
 use super::error::{DeckError, DeckErrorKind};
 use crate::mesh::{Face, GearMesh, Mesh};
-use crate::recognise::{Found, Known};
+use crate::recognise::{Found, Known, across};
 use crate::vector::{snapped, turned};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
@@ -84,12 +84,18 @@ fn flank_words(tooth: u32, side: Side) -> String {
     format!("the {side} flank of tooth {}", tooth + 1)
 }
 
-/// Where a point of a body's own frame stands.
-pub(super) fn placed(shape: BodyShape, centre: Vec3, phase: f64, x: Vec3) -> Vec3 {
-    match shape {
-        BodyShape::Gear => centre + turned(x, phase),
-        BodyShape::Rack { direction } => centre + turned(x + Vec3::new(0.0, phase, 0.0), direction),
+/// Where a point of a body's own frame stands: turned about z to its phase, then with z to the axis, then moved to the
+/// centre.
+pub(super) fn placed(shape: BodyShape, [centre, axis]: [Vec3; 2], phase: f64, x: Vec3) -> Vec3 {
+    let x = match shape {
+        BodyShape::Gear => turned(x, phase),
+        BodyShape::Rack { direction } => turned(x + Vec3::new(0.0, phase, 0.0), direction),
+    };
+    if axis == Vec3::z() {
+        return centre + x;
     }
+    let [e, f] = across(axis);
+    centre + x.x * e + x.y * f + x.z * axis
 }
 
 /// Faces at the surface of a mesh, by their corner nodes in ascending order.

@@ -6,6 +6,7 @@ use super::patch::{Grid, grid};
 use super::{BodyShape, circle, decline, snapped, wrapped};
 use crate::deck::data::Deck;
 use crate::deck::error::DeckError;
+use crate::recognise::Axis;
 use crate::vector::turned;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
@@ -169,16 +170,16 @@ pub(super) fn stands(
     Ok(found)
 }
 
-/// Places a gear whose bore is a circle.
+/// Places a gear whose bore is a circle, seen along the axis; the deck's nodes are where it has them.
 pub(super) fn place(
     body: &Body,
-    deck: &Deck,
+    (deck, axis): (&Deck, &Axis),
     fitted: Vec3,
     bore_radius: f64,
 ) -> Result<Placement, DeckError> {
     let mut centre = fitted;
     if let Some(r) = body.rigid_body.map(|r| &deck.rigid_bodies[r]) {
-        let reference = deck.nodes[r.reference as usize];
+        let reference = axis.seen(&deck.nodes[r.reference as usize]);
         let off = (reference.x - fitted.x).hypot(reference.y - fitted.y);
         if off.is_nan() || off > circle::TOLERANCE * bore_radius {
             return Err(decline(

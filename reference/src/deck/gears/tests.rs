@@ -9,7 +9,7 @@ fn parameters(case: &str) -> serde_json::Value {
 }
 
 fn in_deck(gear: &DeckGear, x: Vec3) -> Vec3 {
-    placed(gear.shape, gear.centre, gear.phase, x)
+    placed(gear.shape, [gear.centre, gear.axis], gear.phase, x)
 }
 
 /// Rows climb, columns go to +z, positions are those of the nodes, sides are on their side.

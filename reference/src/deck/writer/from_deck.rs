@@ -5,6 +5,7 @@ use crate::deck::data::{ContactKind, Deck, Procedure, Target};
 use crate::deck::error::{DeckError, DeckErrorKind};
 use crate::deck::gears::DeckGear;
 use crate::mesh::{Face, flank_set};
+use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 
 impl<'a> Impact<'a> {
@@ -84,14 +85,16 @@ impl<'a> Impact<'a> {
             let Some(body) = gear.rigid_body.map(|b| &deck.rigid_bodies[b]) else {
                 return Hub::Clamped;
             };
-            let speeds = deck.initial_velocities.iter();
-            let speed = speeds
-                .filter(|v| v.direction == 3)
-                .filter(|v| matches!(v.target, Target::Node(n) if Some(n) == body.rotation))
-                .map(|v| v.value)
-                .next_back();
+            // Components along the deck's own axes, whatever axes conditions are in; the last of each counts.
+            let mut speed = Vec3::zeros();
+            for v in &deck.initial_velocities {
+                let turns = matches!(v.target, Target::Node(n) if Some(n) == body.rotation);
+                if let (true, k @ 1..=3) = (turns, v.direction) {
+                    speed[usize::from(k) - 1] = v.value;
+                }
+            }
             Hub::Free {
-                speed: speed.unwrap_or(0.0),
+                speed: speed.dot(&gear.axis),
             }
         };
         Ok(Impact {

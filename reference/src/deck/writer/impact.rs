@@ -3,6 +3,7 @@
 use super::{Numbered, WriteError, heading, materials, number};
 use crate::deck::gears::{BodyShape, DeckGear, placed};
 use crate::mesh::{GearMesh, letter};
+use crate::recognise::across;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
@@ -29,6 +30,8 @@ pub struct ImpactGear<'a> {
     pub material: Material,
     /// Gear or rack.
     pub shape: BodyShape,
+    /// As [`DeckGear::axis`]; the hub turns about it.
+    pub axis: Vec3,
     /// As [`DeckGear::centre`] [m].
     pub centre: Vec3,
     /// As [`DeckGear::phase`] [rad, m].
@@ -44,10 +47,16 @@ impl<'a> ImpactGear<'a> {
             mesh: &gear.mesh,
             material: gear.material,
             shape: gear.shape,
+            axis: gear.axis,
             centre: gear.centre,
             phase: gear.phase,
             hub,
         }
+    }
+
+    /// Where a point of the own frame stands.
+    fn placed(&self, x: Vec3) -> Vec3 {
+        placed(self.shape, [self.centre, self.axis], self.phase, x)
     }
 }
 
@@ -93,7 +102,7 @@ pub fn write_impact(out: &mut dyn Write, impact: &Impact<'_>) -> Result<(), Writ
         },
     ];
     for (gear, n) in impact.gears.iter().zip(&numbered) {
-        n.mesh(out, &|x| placed(gear.shape, gear.centre, gear.phase, x))?;
+        n.mesh(out, &|x| gear.placed(x))?;
     }
     let mut free: Vec<(usize, u32, f64)> = Vec::new();
     for (i, gear) in impact.gears.iter().enumerate() {
@@ -118,6 +127,19 @@ pub fn write_impact(out: &mut dyn Write, impact: &Impact<'_>) -> Result<(), Writ
             "*RIGID BODY, NSET=bore{}, REF NODE={reference}, ROT NODE={rotation}",
             i + 1
         )?;
+    }
+    // A tilted hub turns about the third of axes of its own: its conditions and prints are in them, initial speeds are not.
+    for &(i, reference, _) in &free {
+        let axis = impact.gears[i].axis;
+        if axis != Vec3::z() {
+            let rotation = reference + 1;
+            writeln!(out, "*NSET, NSET=tilted{}\n{rotation}", i + 1)?;
+            writeln!(out, "*TRANSFORM, NSET=tilted{}, TYPE=R", i + 1)?;
+            let [e, f] = across(axis);
+            let axes = [e.x, e.y, e.z, f.x, f.y, f.z].map(|v| super::position(v, rotation));
+            let axes = axes.into_iter().collect::<Result<Vec<_>, _>>()?;
+            writeln!(out, "{}", axes.join(", "))?;
+        }
     }
     materials(out, &[one.material, two.material], &["gear1", "gear2"])?;
     writeln!(
@@ -151,11 +173,16 @@ pub fn write_impact(out: &mut dyn Write, impact: &Impact<'_>) -> Result<(), Writ
     for &(i, reference, speed) in free.iter().filter(|f| f.2 != 0.0) {
         let gear = &impact.gears[i];
         for (label, &x) in (numbered[i].first_node..).zip(&gear.mesh.mesh.nodes) {
-            let arm = placed(gear.shape, gear.centre, gear.phase, x) - gear.centre;
-            writeln!(out, "{label}, 1, {:.12e}", -speed * arm.y)?;
-            writeln!(out, "{label}, 2, {:.12e}", speed * arm.x)?;
+            let velocity = speed * gear.axis.cross(&(gear.placed(x) - gear.centre));
+            let directions = if gear.axis == Vec3::z() { 2 } else { 3 };
+            for (k, v) in (1..=directions).zip(&velocity) {
+                writeln!(out, "{label}, {k}, {v:.12e}")?;
+            }
         }
-        writeln!(out, "{}, 3, {}", reference + 1, number(speed, "the speed")?)?;
+        let turning = speed * gear.axis;
+        for (k, w) in (1..).zip(&turning).filter(|(_, w)| **w != 0.0) {
+            writeln!(out, "{}, {k}, {}", reference + 1, number(*w, "the speed")?)?;
+        }
     }
     impact.steps(out, &pairs, !free.is_empty())?;
     Ok(())

@@ -1,5 +1,5 @@
 use super::*;
-use crate::deck::{Deck, DeckGear, Procedure, gears};
+use crate::deck::{Deck, DeckGear, InitialVelocity, Procedure, Target, gears};
 use crate::test_support::{self, calculix, layered, parsed};
 
 fn read_text(text: &[u8]) -> Deck {
@@ -113,6 +113,47 @@ fn a_clamped_rack_has_no_hub() {
     assert_eq!(again[1].shape, found[1].shape);
     assert!((again[1].phase - found[1].phase).abs() < 1e-16);
     assert!((again[1].centre - found[1].centre).norm() < 1e-16);
+}
+
+#[test]
+fn a_tilted_gear_comes_back_about_its_axis() {
+    let stored = calculix("case-a-coarse/A8_d05.inp.gz");
+    let found = gears(&stored).unwrap();
+    let mut impact = Impact::of(&stored, &found).unwrap();
+    let axis = Vec3::new(3e-3, -2e-3, 1.0).normalize();
+    for gear in &mut impact.gears {
+        gear.axis = axis;
+        gear.hub = Hub::Free { speed: 20.0 };
+    }
+    let mut text = Vec::new();
+    write_impact(&mut text, &impact).unwrap();
+    let deck = read_text(&text);
+    let again = gears(&deck).unwrap();
+    let back = Impact::of(&deck, &again).unwrap();
+    for (i, (a, b)) in impact.gears.iter().zip(&back.gears).enumerate() {
+        assert!((a.axis - b.axis).norm() < 1e-9, "{:?}", b.axis);
+        assert!((a.centre - b.centre).norm() < 1e-9, "{:?}", b.centre);
+        assert!((a.phase - b.phase).abs() < 1e-8, "{} {}", a.phase, b.phase);
+        let Hub::Free { speed } = b.hub else {
+            panic!("gear {i} is held");
+        };
+        assert!((speed - 20.0).abs() < 1e-9, "{speed}");
+        for (x, y) in a.mesh.mesh.nodes.iter().zip(&b.mesh.mesh.nodes) {
+            assert!((x - y).norm() < 1e-9, "{x:?} {y:?}");
+        }
+        let labels = [&again[i]].map(|g| g.nodes.iter().map(|&n| deck.node_labels[n as usize]));
+        let first = labels.into_iter().flatten().next().unwrap();
+        let of = |d: u8| {
+            let mut all = deck.initial_velocities.iter();
+            let node = |v: &&InitialVelocity| matches!(v.target, Target::Node(n) if deck.node_labels[n as usize] == first);
+            all.find(|v| node(v) && v.direction == d).unwrap().value
+        };
+        // Velocities lie square to the axis.
+        let v = Vec3::new(of(1), of(2), of(3));
+        assert!(v.norm() > 0.1 && v.dot(&axis).abs() < 1e-10, "{v:?}");
+    }
+    let own = |b: &&crate::deck::Boundary| b.own_axes;
+    assert_eq!(deck.boundaries.iter().filter(own).count(), 2);
 }
 
 #[test]
