@@ -153,14 +153,7 @@ impl Flanks {
         let shift = (-fit.phase / pitch).round();
         let zero = (shift as i64).rem_euclid(i64::from(fit.teeth)) as u32;
         let renumbered = |tooth: u32| (tooth + fit.teeth - zero) % fit.teeth;
-        let mut patches: Vec<Patch> = (0..fit.teeth)
-            .flat_map(|tooth| [Side::Left, Side::Right].map(|side| (tooth, side)))
-            .map(|(tooth, side)| Patch {
-                tooth,
-                side,
-                faces: Vec::new(),
-            })
-            .collect();
+        let mut patches = Patch::of_teeth(fit.teeth);
         for &(f, side) in &sides {
             let corners = skin.facets[f as usize].corners();
             let tooth = nearest(&fit, polar[corners[0] as usize], side);

@@ -63,6 +63,20 @@ pub struct Patch {
     pub faces: Vec<u32>,
 }
 
+impl Patch {
+    /// The flanks of so many teeth without faces yet, tooth by tooth, left before right.
+    fn of_teeth(teeth: u32) -> Vec<Patch> {
+        (0..teeth)
+            .flat_map(|tooth| Side::BOTH.map(|side| (tooth, side)))
+            .map(|(tooth, side)| Patch {
+                tooth,
+                side,
+                faces: Vec::new(),
+            })
+            .collect()
+    }
+}
+
 /// A gear as its surface shows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recognised {

@@ -46,14 +46,7 @@ pub(super) fn finished(skin: &Skin<'_>, mut rack: RecognisedRack) -> Option<Reco
     let fine = FINE * height;
     let near = (8.0 * rack.residual[0]).max(fine);
     let upper = top - 0.25 * height;
-    let mut patches: Vec<Patch> = (0..rack.teeth)
-        .flat_map(|tooth| [Side::Left, Side::Right].map(|side| (tooth, side)))
-        .map(|(tooth, side)| Patch {
-            tooth,
-            side,
-            faces: Vec::new(),
-        })
-        .collect();
+    let mut patches = Patch::of_teeth(rack.teeth);
     for (f, side) in sides {
         let facet = &skin.facets[f as usize];
         let corners = facet.corners().iter().map(|&n| &own[n as usize]);
