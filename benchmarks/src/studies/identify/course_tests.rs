@@ -51,6 +51,8 @@ fn a_course_along_the_path_is_found_again() {
     plan.wishes.fit = keys(&truth.map(|t| t.0));
     let found = fitted(&plan);
     meets(&found, &truth, 0.2);
+    // One start of the model, and the best fit without the course.
+    assert_eq!((found.record.starts, found.record.starts_agreed), (2, 2));
     let named = &found.record.parameters[1];
     assert_eq!(
         (named.name.as_str(), named.unit.as_str()),

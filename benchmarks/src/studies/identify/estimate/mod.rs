@@ -86,35 +86,52 @@ impl Estimate {
     }
 }
 
-/// The least of all starts with the courses held at zero, if there are any.
-fn simplest(
-    problem: &Problem,
-    residuals: &mut Residuals<'_>,
-    evaluations: &mut u32,
-) -> Option<Vec<f64>> {
+/// Fits so far: what each start led to, and the least of them.
+#[derive(Default)]
+struct Descents {
+    /// As [`Estimate::starts`].
+    sums: Vec<Option<f64>>,
+    least: Option<Minimum>,
+    evaluations: u32,
+}
+
+impl Descents {
+    /// Goes down from further starts.
+    fn from(
+        &mut self,
+        (coordinates, free): (&[Coordinate], &[bool]),
+        starts: &[Vec<f64>],
+        residuals: &mut Residuals<'_>,
+    ) {
+        for start in starts {
+            let found = minimise(residuals, coordinates, free, start, Effort::SUM);
+            self.sums.push(found.as_ref().map(|m| m.sum));
+            let Some(found) = found else { continue };
+            self.evaluations += found.evaluations;
+            if self.least.as_ref().is_none_or(|l| found.sum < l.sum) {
+                self.least = Some(found);
+            }
+        }
+    }
+}
+
+/// The fits with the courses held at zero, if there are any.
+fn simplest(problem: &Problem, residuals: &mut Residuals<'_>) -> Descents {
     let courses: Vec<usize> = (0..problem.free.len())
         .filter(|&j| problem.free[j] && problem.courses[j])
         .collect();
+    let mut descents = Descents::default();
     if courses.is_empty() {
-        return None;
+        return descents;
     }
-    let mut free = problem.free.clone();
-    courses.iter().for_each(|&j| free[j] = false);
-    let mut best: Option<Minimum> = None;
-    for start in &problem.starts {
-        let mut start = start.clone();
-        for &j in &courses {
-            let c = &problem.coordinates[j];
-            start[j] = c.clamp(c.of(0.0));
-        }
-        let found = minimise(residuals, &problem.coordinates, &free, &start, Effort::SUM);
-        let Some(found) = found else { continue };
-        *evaluations += found.evaluations;
-        if best.as_ref().is_none_or(|b| found.sum < b.sum) {
-            best = Some(found);
-        }
+    let (mut free, mut starts) = (problem.free.clone(), problem.starts.clone());
+    for j in courses {
+        let c = &problem.coordinates[j];
+        free[j] = false;
+        starts.iter_mut().for_each(|s| s[j] = c.clamp(c.of(0.0)));
     }
-    best.map(|found| found.z)
+    descents.from((&problem.coordinates, &free), &starts, residuals);
+    descents
 }
 
 /// Estimates; `None` where no start can be evaluated.
@@ -122,29 +139,20 @@ pub fn estimate(problem: &Problem, residuals: &mut Residuals<'_>) -> Option<Esti
     let Problem {
         coordinates, free, ..
     } = problem;
-    let mut evaluations = 0;
-    let mut best: Option<Minimum> = None;
-    let mut starts = Vec::new();
-    for start in &problem.starts {
-        let found = minimise(residuals, coordinates, free, start, Effort::SUM);
-        starts.push(found.as_ref().map(|m| m.sum));
-        let Some(found) = found else { continue };
-        evaluations += found.evaluations;
-        if best.as_ref().is_none_or(|b| found.sum < b.sum) {
-            best = Some(found);
-        }
-    }
+    let mut descents = Descents::default();
+    descents.from((coordinates, free), &problem.starts, residuals);
     // What refines a model leads into valleys of its own: the best without it is a start too.
-    if let Some(simple) = simplest(problem, residuals, &mut evaluations)
-        && let Some(found) = minimise(residuals, coordinates, free, &simple, Effort::SUM)
-    {
-        evaluations += found.evaluations;
-        if best.as_ref().is_none_or(|b| found.sum < b.sum) {
-            best = Some(found);
-        }
-    }
+    let simple = simplest(problem, residuals);
+    descents.evaluations += simple.evaluations;
+    let nested = simple.least.map(|m| m.z);
+    descents.from((coordinates, free), nested.as_slice(), residuals);
+    let Descents {
+        sums: starts,
+        least,
+        mut evaluations,
+    } = descents;
     // Valleys are told apart roughly; the deepest is gone down to its end.
-    let minimum = minimise(residuals, coordinates, free, &best?.z, Effort::WHOLE)?;
+    let minimum = minimise(residuals, coordinates, free, &least?.z, Effort::WHOLE)?;
     evaluations += minimum.evaluations;
     let known = uncertainty(&minimum, (coordinates, free), &problem.blocks, LEVEL);
     let weak = weak(&minimum, &known);
