@@ -10,7 +10,8 @@ use crate::implicit::diffsol_methods;
 use crate::implicit::generalised_alpha::{self, GeneralisedAlpha};
 use crate::linear_stability::{Flip, Kicks, Stability};
 use crate::method::{Integrator, MethodInfo, Parameter};
-use crate::modal::trigonometric::{self, Filter, Trigonometric};
+use crate::modal::resonance::Filter;
+use crate::modal::trigonometric::{self, Trigonometric};
 use crate::spec::{MethodError, MethodSpec};
 use crate::stepped::Stepped;
 

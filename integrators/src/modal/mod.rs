@@ -14,7 +14,7 @@
 //! |---|---|
 //! | [`propagator`] | an oscillator over a time in closed form; tables per step |
 //! | [`trigonometric`] | the method: kick, drift, kick; flight in one step |
-//! | [`resonance`] | steps that resonate with a frequency |
+//! | [`resonance`] | steps that resonate with a frequency, and the filter against them |
 
 pub mod propagator;
 pub mod resonance;

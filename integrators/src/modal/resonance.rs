@@ -36,6 +36,30 @@ pub const SAFE: f64 = 0.64;
 /// Half width of a resonance around a multiple of pi [rad].
 pub const WIDTH: f64 = 0.3;
 
+/// Which oscillators the remainder sees by their mean over the step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// None.
+    None,
+    /// Those with `omega h` beyond `0.64 pi`.
+    #[default]
+    Fast,
+    /// All.
+    All,
+}
+
+impl Filter {
+    /// Phase `omega h` [rad] above which oscillators are filtered.
+    #[must_use]
+    pub fn from(self) -> f64 {
+        match self {
+            Filter::None => f64::INFINITY,
+            Filter::Fast => SAFE * PI,
+            Filter::All => 0.0,
+        }
+    }
+}
+
 /// An oscillator near resonance with a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resonance {

@@ -36,7 +36,7 @@
 //! the error, which is of third order, elsewhere. The global error then follows the tolerance with slope one.
 
 use super::propagator::{Tables, coefficients, quasi_static_of};
-use super::resonance::{SAFE, safe_step};
+use super::resonance::{Filter, safe_step};
 use crate::error::StepError;
 use crate::free_flight::Patience;
 use crate::method::{MethodInfo, OneStep, Parameter, Resolution, Stepping, Tolerance, Work};
@@ -62,30 +62,6 @@ pub static INFO: MethodInfo = MethodInfo {
     }],
     citation: "Deuflhard, Z. angew. Math. Phys. 30 (1979) 177; Garcia-Archilla, Sanz-Serna, Skeel, SIAM J. Sci. Comput. 20 (1998) 930",
 };
-
-/// Which oscillators the remainder sees by their mean over the step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Filter {
-    /// None.
-    None,
-    /// Those with `omega h` beyond `0.64 pi`.
-    #[default]
-    Fast,
-    /// All.
-    All,
-}
-
-impl Filter {
-    /// Phase `omega h` [rad] above which oscillators are filtered.
-    #[must_use]
-    pub fn from(self) -> f64 {
-        match self {
-            Filter::None => f64::INFINITY,
-            Filter::Fast => SAFE * std::f64::consts::PI,
-            Filter::All => 0.0,
-        }
-    }
-}
 
 /// The remainder at one end of a step.
 #[derive(Clone, Debug, Default)]
@@ -151,48 +127,39 @@ impl Trigonometric {
         let n = kick.a.len();
         work.force_evaluations += 1;
         let drift = table.map(|table| self.tables.get(table));
-        let Some(drift) = drift.filter(|d| !d.filter.is_empty()) else {
-            match kicked {
-                Some((before, time)) => {
-                    let half = HalfKick {
-                        time,
-                        before,
-                        steady: &self.steady,
-                        filter: &[],
-                    };
-                    split.remainder_after(at, &half, &mut kick.a);
-                }
-                None => split.remainder(at, &mut kick.a),
-            }
-            kick.acts = subtract(&mut kick.a, &self.steady);
-            kick.filter = 0.0;
-            return;
+        let drift = drift.filter(|d| !d.filter.is_empty());
+        let filtered = |x: &[f64], into: &mut Vec<f64>| {
+            let Some(d) = drift else { return };
+            into.clear();
+            into.extend(x.iter().zip(&d.filter[..n]).map(|(x, f)| f * x));
         };
-        let (filter, q, v) = (&drift.filter[..n], &mut self.q[..n], &mut self.v[..n]);
-        for i in 0..n {
-            q[i] = filter[i] * at.q[i];
-            v[i] = filter[i] * at.v[i];
-        }
-        let at = At { q, v, ..at };
+        filtered(at.q, &mut self.q);
+        filtered(at.v, &mut self.v);
+        let seen = match drift {
+            Some(_) => At {
+                q: &self.q,
+                v: &self.v,
+                ..at
+            },
+            None => at,
+        };
         match kicked {
             Some((before, time)) => {
-                let before = before.iter().zip(filter).map(|(v, f)| f * v);
-                self.before.clear();
-                self.before.extend(before);
+                filtered(before, &mut self.before);
                 let half = HalfKick {
                     time,
-                    before: &self.before,
+                    before: drift.map_or(before, |_| &self.before),
                     steady: &self.steady,
-                    filter: &drift.squares,
+                    filter: drift.map_or(&[], |d| &d.squares),
                 };
-                split.remainder_after(at, &half, &mut kick.a);
+                split.remainder_after(seen, &half, &mut kick.a);
             }
-            None => split.remainder(at, &mut kick.a),
+            None => split.remainder(seen, &mut kick.a),
         }
         kick.acts = subtract(&mut kick.a, &self.steady);
-        kick.filter = drift.h;
-        if kick.acts {
-            for (a, f) in kick.a.iter_mut().zip(filter) {
+        kick.filter = drift.map_or(0.0, |d| d.h);
+        if let Some(d) = drift.filter(|_| kick.acts) {
+            for (a, f) in kick.a.iter_mut().zip(&d.filter) {
                 *a *= f;
             }
         }

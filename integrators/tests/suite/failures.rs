@@ -9,7 +9,8 @@ use gearbench_integrators::explicit::semi_implicit_euler::SemiImplicitEuler;
 use gearbench_integrators::explicit::velocity_verlet::VelocityVerlet;
 use gearbench_integrators::implicit::generalised_alpha::GeneralisedAlpha;
 use gearbench_integrators::method::Tolerance;
-use gearbench_integrators::modal::trigonometric::{Filter, Trigonometric};
+use gearbench_integrators::modal::resonance::Filter;
+use gearbench_integrators::modal::trigonometric::Trigonometric;
 use gearbench_integrators::{
     At, Change, Events, Layout, METHODS, ModalSplit, OneStep, Resolution, SecondOrderSystem, State,
     StepError, Stepping, TimePlan, Work,

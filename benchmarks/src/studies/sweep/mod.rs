@@ -8,6 +8,7 @@
 
 pub(crate) mod arguments;
 pub(crate) mod command;
+mod end_state;
 mod pair;
 mod plan;
 mod run;

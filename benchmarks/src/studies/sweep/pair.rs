@@ -8,6 +8,7 @@
 
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
+use crate::studies::sweep::end_state::EndState;
 use crate::studies::sweep::plan::Plan;
 use gearbench_integrators::State;
 use gearbench_models::scene::{Scene, SceneGear};
@@ -15,7 +16,6 @@ use gearbench_models::spec::{
     Body, GearSpec, Load, MeshLayout, Mount, Profile, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_reports::numbers::short;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Imbalance of the loads' power, over the larger one, that keeps a speed.
@@ -47,53 +47,6 @@ impl MeanLoad {
 
     fn at(&self, speed: f64) -> f64 {
         self.constant - self.viscous * speed
-    }
-}
-
-/// What a run leaves to the next one of its branch.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct EndState {
-    t: f64,
-    q: Vec<f64>,
-    v: Vec<f64>,
-    discrete: Vec<f64>,
-    /// Mesh frequency [Hz].
-    frequency: f64,
-    /// How far driven gears have turned [rad]; 0 of others.
-    driven: [f64; 2],
-    /// What holds the speed of free gears: an acceleration of the first and with it of the second [rad/s^2].
-    drive: f64,
-}
-
-impl EndState {
-    /// When it was reached [s].
-    pub fn time(&self) -> f64 {
-        self.t
-    }
-
-    /// What held the speed [rad/s^2].
-    pub fn drive(&self) -> f64 {
-        self.drive
-    }
-
-    /// The end of a run in a scene at a mesh frequency [Hz] under a drive [rad/s^2], unless it is none to go on from.
-    pub fn of(state: &State, spec: &SceneSpec, frequency: f64, drive: f64) -> Option<Self> {
-        let turned = |gear: &GearSpec| match &gear.mount {
-            Mount::Driven(speed) => speed.integral(state.t),
-            _ => 0.0,
-        };
-        let end = EndState {
-            t: state.t,
-            q: state.q.clone(),
-            v: state.v.clone(),
-            discrete: state.discrete.clone(),
-            frequency,
-            driven: [0, 1].map(|i| turned(&spec.gears[i])),
-            drive,
-        };
-        let numbers = [&end.q, &end.v, &end.discrete].into_iter().flatten();
-        let finite = numbers.chain([&end.t]).all(|x| x.is_finite());
-        finite.then_some(end)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Runs over the speed.
 
-use super::pair::{EndState, Pair};
+use super::end_state::EndState;
+use super::pair::Pair;
 use super::plan::Plan;
 use super::steady::{Histories, measure};
 use crate::experiment::configuration::Configuration;

@@ -1,0 +1,52 @@
+//! What a run of a sweep leaves to the next one of its branch.
+
+use gearbench_integrators::State;
+use gearbench_models::spec::{GearSpec, Mount, SceneSpec};
+use serde::{Deserialize, Serialize};
+
+/// What a run leaves to the next one of its branch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EndState {
+    pub(super) t: f64,
+    pub(super) q: Vec<f64>,
+    pub(super) v: Vec<f64>,
+    pub(super) discrete: Vec<f64>,
+    /// Mesh frequency [Hz].
+    pub(super) frequency: f64,
+    /// How far driven gears have turned [rad]; 0 of others.
+    pub(super) driven: [f64; 2],
+    /// What holds the speed of free gears: an acceleration of the first and with it of the second [rad/s^2].
+    drive: f64,
+}
+
+impl EndState {
+    /// When it was reached [s].
+    pub fn time(&self) -> f64 {
+        self.t
+    }
+
+    /// What held the speed [rad/s^2].
+    pub fn drive(&self) -> f64 {
+        self.drive
+    }
+
+    /// The end of a run in a scene at a mesh frequency [Hz] under a drive [rad/s^2], unless it is none to go on from.
+    pub fn of(state: &State, spec: &SceneSpec, frequency: f64, drive: f64) -> Option<Self> {
+        let turned = |gear: &GearSpec| match &gear.mount {
+            Mount::Driven(speed) => speed.integral(state.t),
+            _ => 0.0,
+        };
+        let end = EndState {
+            t: state.t,
+            q: state.q.clone(),
+            v: state.v.clone(),
+            discrete: state.discrete.clone(),
+            frequency,
+            driven: [0, 1].map(|i| turned(&spec.gears[i])),
+            drive,
+        };
+        let numbers = [&end.q, &end.v, &end.discrete].into_iter().flatten();
+        let finite = numbers.chain([&end.t]).all(|x| x.is_finite());
+        finite.then_some(end)
+    }
+}
