@@ -12,7 +12,7 @@ use super::super::reading::Place;
 use super::super::reading::keys::keys;
 use super::super::reading::suggest::there_are;
 use super::super::{SceneError, SceneFile};
-use super::{Beside, NamedReference, ReferenceKeys};
+use super::{Beside, ReferenceKeys};
 use gearbench_models::spec::{Body, Load, Mount, Profile, SceneSpec, layout_axes, mesh_layout};
 
 keys! {
@@ -111,7 +111,7 @@ pub(super) fn read(
 }
 
 /// The key at fault, why, a way out.
-type Trouble = (String, String, String);
+pub type Trouble = (String, String, String);
 
 impl ReferenceConditions {
     /// Puts a scene under these conditions.
@@ -297,18 +297,14 @@ pub fn stated(spec: &SceneSpec) -> Vec<(String, f64)> {
 }
 
 impl SceneFile {
-    /// The scene as of one of its references: the same gears, models and studies at its speeds and loads, its distance,
-    /// start and duration.
-    pub fn under(&self, reference: &NamedReference) -> SceneFile {
-        self.with(&reference.conditions)
-    }
-
-    /// The scene under other conditions; what cannot be met has been refused when these were read.
-    pub fn with(&self, conditions: &ReferenceConditions) -> SceneFile {
+    /// The scene under other conditions.
+    ///
+    /// # Errors
+    /// As [`ReferenceConditions::apply`].
+    pub fn with(&self, conditions: &ReferenceConditions) -> Result<SceneFile, Trouble> {
         let mut other = self.clone();
-        let met = conditions.apply(&mut other.spec);
-        debug_assert!(met.is_ok(), "{met:?}");
+        conditions.apply(&mut other.spec)?;
         other.duration = conditions.duration.unwrap_or(self.duration);
-        other
+        Ok(other)
     }
 }

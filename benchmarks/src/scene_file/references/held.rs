@@ -15,12 +15,14 @@ const SAME: f64 = 1e-4;
 const LARGEST: u64 = 1 << 30;
 
 /// A reference with its data.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Held {
     /// What the scene says of it.
     pub named: NamedReference,
     /// Its histories.
     pub data: Reference,
+    /// The scene as of it: the same gears, models and studies at its speeds and loads, its distance, start and duration.
+    pub scene: SceneFile,
 }
 
 impl SceneFile {
@@ -48,7 +50,10 @@ impl SceneFile {
     }
 
     fn hold(&mut self, named: NamedReference, any: bool) -> Result<Held, SceneError> {
-        let scene = self.under(&named);
+        let scene = self.with(&named.conditions).map_err(|(key, why, help)| {
+            let place = self.document.at(&*named.at);
+            place.error(format!("`{key}`: {why}"), "not possible", help)
+        })?;
         let (mut data, differs) = match &named.origin {
             DataOrigin::Stored(id) => {
                 let place = self.document.at(&*named.at);
@@ -97,7 +102,7 @@ impl SceneFile {
             }
             self.odd.push(error);
         }
-        Ok(Held { named, data })
+        Ok(Held { named, data, scene })
     }
 
     /// Refuses a tolerance in a metric of what its reference does not have.

@@ -124,14 +124,14 @@ fn a_scene_stands_under_its_references() {
     };
     assert!(own.is_of_the_scene() && !fast.is_of_the_scene());
     assert_eq!((own.role, fast.role), (Role::Fit, Role::Validate));
-    let under = scene.under(fast);
+    let under = scene.with(&fast.conditions).unwrap();
     assert_eq!((under.duration, scene.duration), (5e-5, 1e-4));
     assert_eq!(under.spec.gears[0].speed, 60.0);
     let load = &under.spec.gears[0].loads;
     assert!(matches!(load.as_slice(), [Load::Applied(Profile::Constant(x))] if *x == 5.0));
     assert_eq!(under.spec.meshes[0].start.gap, 2e-6);
     assert!((under.spec.gears[1].position[0] - 0.1002).abs() < 1e-15);
-    let same = scene.under(own);
+    let same = scene.with(&own.conditions).unwrap();
     assert_eq!(format!("{:?}", same.spec), format!("{:?}", scene.spec));
     let lines = fast.conditions.lines(&scene.spec);
     assert_eq!(lines.len(), 5, "{lines:?}");

@@ -61,7 +61,7 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     }
     let mut beyond = Vec::new();
     if let Some(candidate) = choice.candidate.as_ref().filter(|_| !references.is_empty()) {
-        let found = held::against(&scene, candidate, &references, &requirement);
+        let found = held::against(candidate, &references, &requirement);
         let found = found.map_err(refuse_run)?;
         results.settings.extend(found.settings);
         beyond = found.beyond;

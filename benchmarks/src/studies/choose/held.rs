@@ -11,12 +11,10 @@ use super::requirement::Requirement;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::referenced::recorded;
 use crate::experiment::run::{RunError, run};
-use crate::scene_file::SceneFile;
 use crate::scene_file::references::Held;
 use gearbench_reports::Metric;
 use gearbench_reports::metrics::compare_all;
 use gearbench_reports::record::Run;
-use std::sync::Arc;
 
 /// What such settings begin with.
 pub(super) const AGAINST: &str = "the choice against";
@@ -35,7 +33,6 @@ pub(super) struct Found {
 /// # Errors
 /// [`RunError`] when it cannot run.
 pub(super) fn against(
-    scene: &SceneFile,
     candidate: &Candidate,
     references: &[Held],
     requirement: &Requirement,
@@ -47,7 +44,7 @@ pub(super) fn against(
         let of_the_scene = held.named.is_of_the_scene();
         let row = match &own {
             Some(row) if of_the_scene => Run::clone(row),
-            _ => under(scene, candidate, held, references)?,
+            _ => under(candidate, held, references)?,
         };
         let (told, beyond) = told(&row, held, candidate, requirement);
         let id = &held.data.id;
@@ -70,21 +67,18 @@ pub(super) fn against(
 }
 
 /// The choice at the speeds and loads of a reference.
-fn under(
-    scene: &SceneFile,
-    candidate: &Candidate,
-    held: &Held,
-    all: &[Held],
-) -> Result<Run, RunError> {
-    let other = scene.under(&held.named);
+fn under(candidate: &Candidate, held: &Held, all: &[Held]) -> Result<Run, RunError> {
     let conditions = Conditions {
         repeats: 0,
-        ..Conditions::of(&other).held_against(all.iter().map(|h| &h.data))
+        ..Conditions::of(&held.scene).held_against(all.iter().map(|h| &h.data))
     };
-    // The candidate's scene may have another gap than the file's.
-    let mut spec = candidate.scene.clone();
-    let met = held.named.conditions.apply(Arc::make_mut(&mut spec));
-    debug_assert!(met.is_ok(), "{met:?}");
+    let mut spec = held.scene.spec.clone();
+    // The candidate's scene may have another gap than the file's; one that the reference has counts before it.
+    let theirs = usize::from(held.named.conditions.gap.is_some());
+    let own = candidate.scene.meshes.iter().map(|m| m.start.gap);
+    for (mesh, gap) in spec.meshes.iter_mut().zip(own).skip(theirs) {
+        mesh.start.gap = gap;
+    }
     let grid = conditions.grid();
     run(&conditions.job((&spec, &candidate.modelling), &candidate.method, &grid))
 }

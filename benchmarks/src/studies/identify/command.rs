@@ -178,13 +178,13 @@ fn plan<'a>(
     let gap = |scene: &SceneFile| scene.spec.meshes.first().map_or(0.0, |m| m.start.gap);
     let of_reference = |held: &&Held| {
         let (time, force) = held.data.force()?;
-        let own = scene.under(&held.named);
+        let own = &held.scene;
         // Beyond the scene's duration the reference may lack what the scene has, as the other flanks.
         let n = time.partition_point(|&t| t <= own.duration);
         let name = name_of(held);
         let weight = args.weight.iter().find(|(of, _)| of == name);
         Some(DataSet {
-            further_gap: gap(&own) - gap(scene),
+            further_gap: gap(own) - gap(scene),
             weight: weight.map_or(1.0, |w| w.1),
             peak_weight: args.peak_weight,
             ..DataSet::history(name, &own.spec_for(choice), &time[..n], &force[..n])

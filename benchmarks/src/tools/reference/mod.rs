@@ -43,8 +43,9 @@ pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
     };
     let choice = (*choice).clone();
     let conditions = conditions(args, &scene)?;
-    let lines = lines(args, &scene, &conditions)?;
     let other = scene.with(&conditions);
+    let other = other.map_err(|(_, why, help)| bad(why, help))?;
+    let lines = lines(args, &scene, &conditions)?;
     // What would be refused when it is added is refused before it is computed.
     if !named(args, &scene) {
         with_lines(&scene, &lines)?;
@@ -173,10 +174,6 @@ fn conditions(args: &Reference, scene: &SceneFile) -> Result<ReferenceConditions
             &mut own.load
         }) = Some(*x);
     }
-    let mut spec = scene.spec.clone();
-    found
-        .apply(&mut spec)
-        .map_err(|(_, why, help)| bad(why, help))?;
     Ok(found)
 }
 
