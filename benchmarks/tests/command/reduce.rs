@@ -287,6 +287,21 @@ fn meshes_of_a_scene_are_recognised_and_corrected() {
     ];
     has(&said, &words);
     assert!(!said.contains("-0.0000"), "{said}");
+    // A deck alone is told the same on the command line; the sense of the axis is the user's.
+    let said = folder.says("reduce pinion.inp --modes 2 --axis 0,0,-2 --axis-point 0,0,1e-3");
+    has(&said, &["axis along (0.000000, 0.000000, -1.000000)"]);
+    let cases: [(&str, &[&str]); 4] = [
+        (
+            "pinion.inp --axis 1,0,0",
+            &["`axis` says (1.0000, 0.0000, 0.0000)"],
+        ),
+        ("pinion.inp --axis-point 0.01,0,0", &["`axis_point_m` says"]),
+        ("pinion.inp --axis 0,0", &["expected a direction x,y,z"]),
+        ("good.toml --axis 0,0,1", &["--axis is for decks", "`axis`"]),
+    ];
+    for (arguments, words) in cases {
+        folder.refuses(&format!("reduce {arguments} --modes 2"), words);
+    }
     let cases: [(&str, &str, &[&str]); 4] = [
         (
             ", units = \"mm-t-s\"",

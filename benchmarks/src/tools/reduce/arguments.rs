@@ -11,6 +11,7 @@ Examples:
   gearbench reduce gear.inp                              nothing is written: what the deck holds, modes, compliance
   gearbench reduce gear.inp.gz --modes 200 --out gear.npz
   gearbench reduce old.inp --gear wheel --mount held --max-frequency 80e3 --out wheel.npz
+  gearbench reduce turned.inp --axis 0,0.2,1 --axis-point 0.1,0,0 --out turned.npz
   gearbench reduce a.inp b.inp --modes 100 --out reduced/      one file each: reduced/a.npz, reduced/b.npz
   gearbench reduce spur_impact --modes 200 --out spur.npz      spur-pinion.npz, spur-wheel.npz
 
@@ -49,6 +50,13 @@ pub struct Reduce {
     /// Units of a deck, one of m-kg-s, mm-t-s, mm-kg-s, mm-kg-ms, mm-g-ms [default: found from material or size]
     #[arg(long, value_name = "UNITS", value_parser = units)]
     pub units: Option<Units>,
+    /// Direction of the axis of the gear of a deck, of a rack that of its width; its sense is that of the gear's own z axis
+    /// [default: found]
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
+    pub axis: Option<[f64; 3]>,
+    /// A point on that axis, of a rack on its reference line, in metres whatever the units [default: found]
+    #[arg(long, value_name = "X,Y,Z", value_parser = position, allow_hyphen_values = true)]
+    pub axis_point: Option<[f64; 3]>,
     /// Label of the scene's elastic model whose meshes are taken [default: its first]
     #[arg(long, value_name = "LABEL")]
     pub model: Option<String>,
@@ -70,6 +78,31 @@ pub struct Reduce {
     /// Density [kg/m^3] [default: as the deck says, else steel]
     #[arg(long, value_name = "KG_M3", value_parser = positive_load)]
     pub density: Option<f64>,
+}
+
+/// Three numbers with commas between.
+fn three(text: &str, expected: &str) -> Result<[f64; 3], String> {
+    let all = text.split(',').map(|x| x.trim().parse::<f64>());
+    let all: Vec<f64> = all
+        .collect::<Result<_, _>>()
+        .map_err(|_| expected.to_owned())?;
+    let three = <[f64; 3]>::try_from(all).ok();
+    three
+        .filter(|x| x.iter().all(|x| x.is_finite()))
+        .ok_or_else(|| expected.to_owned())
+}
+
+fn direction(text: &str) -> Result<[f64; 3], String> {
+    let expected = "expected a direction x,y,z, not all of it 0, for example 0,0,1";
+    let x = three(text, expected)?;
+    (x != [0.0; 3]).then_some(x).ok_or_else(|| expected.into())
+}
+
+fn position(text: &str) -> Result<[f64; 3], String> {
+    three(
+        text,
+        "expected a position x,y,z in metres, for example 0.1,0,0",
+    )
 }
 
 fn modulus(text: &str) -> Result<f64, String> {

@@ -16,9 +16,9 @@ use gearbench_models::gear::table::GearContext;
 use gearbench_models::kinematics::{Hub, Placement};
 use gearbench_models::spec::{Body, GearSpec, Parameters};
 use gearbench_models::stiffness::Material;
-use gearbench_reference::deck::{self, BodyShape};
+use gearbench_reference::deck::{self, BodyShape, DeckGear};
 use gearbench_reference::mesh::GearMesh;
-use gearbench_reference::recognise::Found;
+use gearbench_reference::recognise::{Found, Known};
 use gearbench_reference::reduction::choose::{self, Choice, Criterion};
 use gearbench_reference::reduction::store::{self, Meta, Motion};
 use gearbench_reference::reduction::{
@@ -106,11 +106,23 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     let deck = deck::read_in(input, args.units).map_err(bad)?;
     let mut notes = deck.told();
     notes.extend(deck::check_gtm(&deck).iter().map(ToString::to_string));
-    if deck::gears(&deck).is_err() {
+    let known = Known {
+        axis: args.axis.map(Vec3::from),
+        point: args.axis_point.map(Vec3::from),
+        ..Known::default()
+    };
+    let alone = deck::gears_known(&deck, None, &known);
+    if alone.is_err() || alone.is_ok_and(|all| all.iter().any(Result::is_err)) {
         notes.push("what the deck does not say of the material is taken from steel".to_owned());
     }
-    let gears = deck::gears_with(&deck, Some(Material::STEEL)).map_err(bad)?;
+    let mut gears = deck::gears_known(&deck, Some(Material::STEEL), &known).map_err(bad)?;
     let one = gears.len() == 1;
+    // What is said of the axis is of the gear that is named: it need not fit the others.
+    let is_named = |g: &DeckGear| args.gear.as_ref().is_some_and(|name| *name == g.name);
+    if known != Known::default() && gears.iter().flatten().any(is_named) {
+        gears.retain(|g| g.as_ref().is_ok_and(is_named));
+    }
+    let gears = gears.into_iter().collect::<Result<_, _>>().map_err(bad)?;
     let gears = chosen(gears, args.gear.as_deref(), input, |g| g.name.clone())?;
     let stem = stem(input);
     let jobs = gears.into_iter().map(|g| {
@@ -165,11 +177,19 @@ fn material(args: &Arguments, of: Material) -> Result<Material, Refusal> {
 }
 
 fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
-    if args.units.is_some() {
-        return Err(refuse(
-            "--units is for decks: scenes are in SI units",
-            "leave it out; of a mesh that the scene names, give `units` beside `mesh` there",
-        ));
+    for (option, given, key) in [
+        ("--units", args.units.is_some(), "units"),
+        ("--axis", args.axis.is_some(), "axis"),
+        ("--axis-point", args.axis_point.is_some(), "axis_point_m"),
+    ] {
+        if given {
+            return Err(refuse(
+                &format!("{option} is for decks, not for scenes"),
+                &format!(
+                    "leave it out; of a mesh that the scene names, give `{key}` beside `mesh` there"
+                ),
+            ));
+        }
     }
     let scene = scene_file::load_unbuilt(input)?;
     // The configuration whose gears are elastic: it says where meshes come from.
