@@ -31,6 +31,7 @@ macro_rules! shipped {
 pub static SHIPPED: &[Shipped] = &[
     shipped!("spur_impact", calibrated),
     shipped!("spur_impact_large", calibrated),
+    shipped!("helical_impact"),
     shipped!("rack_pinion"),
     shipped!("spur_rotation"),
     shipped!("loaded_mesh"),

@@ -9,10 +9,11 @@ pub struct History {
     pub time: Vec<f64>,
     /// Magnitude of the vector sum of the contact forces over all tooth pairs [N].
     pub contact_force: Vec<f64>,
-    /// Components of that sum on gear 1 [N].
-    pub force: [Vec<f64>; 2],
-    /// Moment of that sum about the axis of gear 1 [N m].
-    pub moment: Vec<f64>,
+    /// Components of that sum on gear 1 [N]; where the table has none of the axial force, it is 0.
+    pub force: [Vec<f64>; 3],
+    /// Moment of the contact forces on gear 1 about the middle of its axis [N m]; tables of spur gears have the one about z
+    /// alone, the others are 0.
+    pub moment: [Vec<f64>; 3],
     /// Momentum mean of the angular velocity of gear 1 (angular momentum over inertia) [rad/s].
     pub omega1_mean: Vec<f64>,
     /// The same of gear 2 [rad/s].
@@ -50,6 +51,10 @@ impl History {
             let still = by_name.entry("omega2_mean_rad_s");
             still.or_insert_with(|| vec![0.0; rows]);
         }
+        for spatial in ["force_z_n", "moment_x_origin_nm", "moment_y_origin_nm"] {
+            let none = by_name.entry(spatial);
+            none.or_insert_with(|| vec![0.0; rows]);
+        }
         let mut take = |name: &str| {
             by_name
                 .remove(name)
@@ -58,8 +63,12 @@ impl History {
         let history = Self {
             time: take("time_s")?,
             contact_force: take("contact_force_n")?,
-            force: [take("force_x_n")?, take("force_y_n")?],
-            moment: take("moment_z_origin_nm")?,
+            force: [take("force_x_n")?, take("force_y_n")?, take("force_z_n")?],
+            moment: [
+                take("moment_x_origin_nm")?,
+                take("moment_y_origin_nm")?,
+                take("moment_z_origin_nm")?,
+            ],
             omega1_mean: take("omega1_mean_rad_s")?,
             omega2_mean: take("omega2_mean_rad_s")?,
             omega1_hub: take("omega1_hub_rad_s")?,

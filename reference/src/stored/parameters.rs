@@ -11,6 +11,13 @@ pub struct GearData {
     /// Profile shift coefficient.
     #[serde(rename = "x")]
     pub profile_shift: f64,
+    /// Helix angle, right hand positive [deg].
+    #[serde(default, rename = "beta_deg")]
+    pub helix_angle_deg: f64,
+    /// Turn of the gear with its axis, about its centre, from where it stands with its axis along z: direction times angle
+    /// [rad].
+    #[serde(default, rename = "tilt_rad")]
+    pub tilt: [f64; 3],
     /// Radius of the bore, which is a rigid hub [m].
     #[serde(rename = "rbore")]
     pub bore_radius: f64,
@@ -50,9 +57,9 @@ pub struct ImpactParameters {
     pub gears: Vec<GearData>,
     /// The rack, if there is one instead of a second gear.
     pub rack: Option<RackData>,
-    /// Module [m].
+    /// Normal module [m].
     pub module: f64,
-    /// Pressure angle [rad].
+    /// Normal pressure angle [rad].
     pub pressure_angle: f64,
     /// Face width [m].
     pub face_width: f64,
@@ -74,11 +81,11 @@ pub struct ImpactParameters {
     pub friction: f64,
     /// Centre distance, or distance from the axis to the rack's reference line [m].
     pub centre_distance: f64,
-    /// Working pressure angle [rad].
+    /// Working pressure angle, transverse [rad].
     pub working_pressure_angle: f64,
     /// Path coordinate of the touching pair from the tangent point of gear 1 [m].
     pub path_coordinate: f64,
-    /// Gap of the exact involutes at t = 0 [m].
+    /// Gap of the exact involutes at t = 0, in the transverse plane and without tilts [m].
     pub gap_exact: f64,
     /// Gap of the faceted flanks of the touching pair at t = 0 [m]: what smooth flanks have to start with
     /// to touch at the same time.

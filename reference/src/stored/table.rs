@@ -62,6 +62,18 @@ pub static REFERENCES: &[StoredReference] = &[
         "R8b_d05",
         "CalculiX 2.20, C3D8, impact of z = 20, m = 2 mm at 100 rad/s on a held rack"
     ),
+    stored!(
+        "calculix",
+        "helical",
+        "H_aligned",
+        "CalculiX 2.20, C3D8, impact of z = 20/30, m = 4 mm, helix 15 degrees at 20 rad/s"
+    ),
+    stored!(
+        "calculix",
+        "helical-tilted",
+        "H_tilted",
+        "CalculiX 2.20, C3D8, as helical with the axis of gear 2 inclined by 0.5 mrad"
+    ),
 ];
 
 impl StoredReference {
@@ -110,7 +122,8 @@ pub fn reference(id: &str) -> Result<ExternalReference, ReferenceError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stored::trapezoid;
+    use crate::stored::{GearData, trapezoid};
+    use gearbench_models::Vec3;
 
     fn close(found: f64, expected: f64, relative: f64) {
         assert!(
@@ -143,9 +156,19 @@ mod tests {
             assert_eq!(h.omega1_mean[0], p.gears[0].speed);
             assert_eq!(h.omega2_mean[0], p.gears.get(1).map_or(0.0, |g| g.speed));
             assert_eq!(p.gears.len() == 2, p.rack.is_none());
-            // Angular momentum of each gear against the integrated moment on it.
-            let x: Vec<f64> = h.moment.clone();
-            close(trapezoid(&h.time, &x), s.angular_impulse1_nms, 1e-6);
+            // Angular momentum of each gear against the integrated moment on it, about its axis.
+            let axis = |g: &GearData| {
+                let tilt = Vec3::from(g.tilt);
+                tilt.norm().cos() * Vec3::z() + tilt.cross(&Vec3::z())
+            };
+            let at = |v: &[Vec<f64>; 3], i: usize| Vec3::new(v[0][i], v[1][i], v[2][i]);
+            let about = |centre: Vec3, axis: Vec3| -> f64 {
+                let moment = |i| axis.dot(&(at(&h.moment, i) - centre.cross(&at(&h.force, i))));
+                let moments: Vec<f64> = (0..=last).map(moment).collect();
+                trapezoid(&h.time, &moments)
+            };
+            let first = about(Vec3::zeros(), axis(&p.gears[0]));
+            close(first, s.angular_impulse1_nms, 1e-6);
             let momentum = [
                 (
                     &h.omega1_mean,
@@ -164,20 +187,30 @@ mod tests {
                 close(found, change.unwrap(), 1e-6);
             }
             // The moment on gear 2 is that of the opposite force about its own axis.
-            if let Some(impulse) = s.angular_impulse2_nms {
-                let about_2: Vec<f64> = h
-                    .moment
-                    .iter()
-                    .zip(&h.force[1])
-                    .map(|(m, fy)| -(m - p.centre_distance * fy))
-                    .collect();
-                close(trapezoid(&h.time, &about_2), impulse, 1e-6);
+            if let (Some(impulse), [_, gear]) = (s.angular_impulse2_nms, p.gears.as_slice()) {
+                let second = -about(p.centre_distance * Vec3::x(), axis(gear));
+                close(second, impulse, 1e-6);
             }
+            for (i, f) in h.contact_force.iter().enumerate() {
+                assert!((at(&h.force, i).norm() - f).abs() <= 1e-6 * f.max(1.0));
+            }
+            // The force is that along the normal, which stands to the transverse plane at the base helix angle.
+            let base_helix = |g: &GearData| {
+                let sine = g.helix_angle_deg.to_radians().sin() * p.pressure_angle.cos();
+                sine.asin()
+            };
+            let slope = h.impulse() * base_helix(&p.gears[0]).sin();
+            let axial = trapezoid(&h.time, &h.force[2]);
+            assert!(
+                (axial - slope).abs() <= 5e-3 * slope.abs(),
+                "{}: {axial} {slope}",
+                r.id
+            );
             // A held rack is infinitely heavy.
             let reduced = p
                 .gears
                 .iter()
-                .map(|g| g.base_radius.powi(2) / g.inertia)
+                .map(|g| (g.base_radius * base_helix(g).cos()).powi(2) / g.inertia)
                 .sum::<f64>()
                 .recip();
             close(reduced, s.reduced_mass_kg, 1e-12);
@@ -198,7 +231,11 @@ mod tests {
                     1e-12,
                 );
             }
-            assert!(p.gap_effective > p.gap_exact && p.gap_effective < 2e-5);
+            // Chords open the gap; a tilt closes it at one end of the width.
+            let tilt = |g: &GearData| Vec3::from(g.tilt).norm();
+            let closed = p.gears.iter().map(tilt).sum::<f64>() * 0.5 * p.face_width;
+            let opened = p.gap_effective - (p.gap_exact - closed);
+            assert!(opened > 0.0 && p.gap_effective < 2e-5, "{}", r.id);
             assert_eq!(r.deck[..2], [0x1f, 0x8b], "a gzip file");
             assert!(
                 r.source.contains(&stored.id["calculix/".len()..]) && r.source.contains("CalculiX")
@@ -255,6 +292,35 @@ mod tests {
         assert_eq!(rack.teeth, 5);
         close(rack.distance, 0.02005, 1e-12);
         assert_eq!(r.summary.arm2_m, None);
+
+        let helical = ["helical", "helical-tilted"].map(|case| {
+            let r = reference(&format!("calculix/{case}")).unwrap();
+            let helix: Vec<f64> = r
+                .parameters
+                .gears
+                .iter()
+                .map(|g| g.helix_angle_deg)
+                .collect();
+            assert_eq!(helix, [15.0, -15.0]);
+            assert_eq!(r.parameters.gears[0].tilt, [0.0; 3]);
+            r
+        });
+        let [aligned, tilted] = helical;
+        close(aligned.history.impulse(), 0.30341, 5e-5);
+        close(aligned.history.peak().0, 4100.0, 2e-5);
+        assert_eq!(
+            aligned.history.contact_interval(),
+            Some((10.5e-6, 135.5e-6))
+        );
+        assert_eq!(aligned.parameters.gears[1].tilt, [0.0; 3]);
+        close(tilted.history.impulse(), 0.30423, 5e-5);
+        close(tilted.history.peak().0, 4040.6, 2e-5);
+        // The end that the inclination brings nearer touches 8 us earlier.
+        assert_eq!(tilted.history.contact_interval(), Some((2.5e-6, 137e-6)));
+        let tilt = Vec3::from(tilted.parameters.gears[1].tilt);
+        close(tilt.norm(), 5e-4, 1e-12);
+        let (sin, cos) = tilted.parameters.working_pressure_angle.sin_cos();
+        assert!(tilt.dot(&Vec3::new(sin, cos, 0.0)).abs() < 1e-18);
     }
 
     #[test]
@@ -263,7 +329,7 @@ mod tests {
         assert_eq!(
             message,
             "there is no reference `calculix/case-b`; there are calculix/case-a-fine, calculix/case-c, \
-             calculix/case-a-coarse, calculix/rack-pinion"
+             calculix/case-a-coarse, calculix/rack-pinion, calculix/helical, calculix/helical-tilted"
         );
     }
 }

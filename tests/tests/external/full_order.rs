@@ -169,14 +169,14 @@ fn on_coarse_flanks_the_integration_of_the_contact_decides() {
 }
 
 #[test]
-fn case_c_and_the_rack() {
+fn case_c_the_rack_and_helical_gears() {
     let limits = Limits {
         force: 0.006,
         impulse: 2e-3,
         peak: 5e-3,
         rebound: 1e-3,
     };
-    for scene in ["spur_impact_large", "rack_pinion"] {
+    for scene in ["spur_impact_large", "rack_pinion", "helical_impact"] {
         let case = load(scene, "fe");
         let found = run(&case, "fe", None);
         check(scene, &found, &case.1, &limits);

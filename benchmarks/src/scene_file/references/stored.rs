@@ -54,7 +54,7 @@ impl SceneFile {
         gear(a, of.gears.first(), of, &mut differs);
         match (&b.body, &of.rack) {
             (Body::Rack(_), Some(_)) => {
-                common(b, of, &mut differs);
+                common(b, of, 0.0, &mut differs);
                 if !matches!(b.mount, Mount::Fixed) {
                     differs.say(&format!("mount of `{}`", b.name), "free", "held", "");
                 }
@@ -83,7 +83,10 @@ fn gear(g: &GearSpec, of: Option<&GearData>, whole: &ImpactParameters, differs: 
     let p = own.params();
     let name = |what: &str| format!("{what} of `{}`", g.name);
     differs.look(&name("teeth"), (p.teeth.into(), of.teeth.into()), "", 0.0);
-    common(g, whole, differs);
+    common(g, whole, of.helix_angle_deg, differs);
+    // Axes of scenes are parallel.
+    let tilt = 1e3 * of.tilt.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
+    differs.look(&name("inclination"), (0.0, tilt), "mrad", 0.0);
     if (p.profile_shift - of.profile_shift).abs() > SAME {
         let [a, b] = [p.profile_shift, of.profile_shift].map(|x| short(x, 4));
         differs.say(&name("profile shift"), &a, &b, "");
@@ -104,7 +107,7 @@ fn gear(g: &GearSpec, of: Option<&GearData>, whole: &ImpactParameters, differs: 
 }
 
 /// What gears and racks have in common.
-fn common(g: &GearSpec, of: &ImpactParameters, differs: &mut Differs) {
+fn common(g: &GearSpec, of: &ImpactParameters, helix_deg: f64, differs: &mut Differs) {
     let (module, width, pressure, helix) = match &g.body {
         Body::Gear(x) => {
             let p = x.params();
@@ -127,7 +130,7 @@ fn common(g: &GearSpec, of: &ImpactParameters, differs: &mut Differs) {
     differs.look(&name("pressure angle"), angles, "degrees", SAME);
     differs.look(
         &name("helix angle"),
-        (helix.to_degrees(), 0.0),
+        (helix.to_degrees(), helix_deg),
         "degrees",
         SAME,
     );

@@ -16,7 +16,33 @@ fn shipped_scenes_are_of_their_references() {
         let found = scene.held(false);
         held += found.unwrap_or_else(|e| panic!("{}", render(&e))).len();
     }
-    assert_eq!(held, 3);
+    assert_eq!(held, 4);
+}
+
+/// Axes of a scene are parallel: the impact with an inclined one is of other gears, and so is that of spur gears.
+#[test]
+fn a_helical_scene_is_of_its_own_reference_alone() {
+    let text = crate::scene_file::shipped::shipped("helical_impact")
+        .unwrap()
+        .text;
+    for (other, word) in [
+        (
+            "helical-tilted",
+            "inclination of `wheel` 0 mrad (reference: 0.5)",
+        ),
+        (
+            "case-a-fine",
+            "helix angle of `wheel` -15 degrees (reference: 0)",
+        ),
+    ] {
+        let other = format!("reference = \"calculix/{other}\"");
+        let text = text.replace("reference = \"calculix/helical\"", &other);
+        let mut scene = SceneFile::unbuilt("test.toml", &text, Origin::Shipped, true).unwrap();
+        let shown = render(&scene.held(false).unwrap_err());
+        let shown = shown.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(shown.contains(word), "{shown}");
+        assert!(shown.contains("calculix/helical"), "{shown}");
+    }
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn enough_methods() {
 
 #[test]
 fn impacts_are_those_of_their_references() {
-    for name in ["spur_impact", "spur_impact_large"] {
+    for name in ["spur_impact", "spur_impact_large", "helical_impact"] {
         let scene = load(name).unwrap();
         let id = scene.reference().unwrap().stored().unwrap();
         let reference = gearbench_reference::reference(id).unwrap();
@@ -75,6 +75,7 @@ fn impacts_are_those_of_their_references() {
             let body = toothing_of(&scene, i);
             let g = body.params();
             assert_eq!(g.teeth, data.teeth);
+            assert_eq!(g.helix_angle, data.helix_angle_deg.to_radians());
             assert_eq!(gear.inertia, Some(data.inertia));
             assert_eq!(gear.speed, data.speed);
             assert_eq!(
