@@ -13,10 +13,7 @@ use faer::{Accum, Mat, MatRef, Par, Side};
 ///
 /// The matrix is scaled to a largest entry of one first: faer's divide and conquer deflates by an absolute
 /// tolerance and loses accuracy otherwise.
-pub(super) fn eigen<T: Scalar>(
-    a: MatRef<'_, T>,
-    par: Par,
-) -> Result<(Vec<f64>, Mat<T>), ModesError> {
+pub(super) fn eigen<T: Scalar>(a: MatRef<'_, T>) -> Result<(Vec<f64>, Mat<T>), ModesError> {
     const FAILED: ModesError =
         ModesError::Matrix("a projected eigenproblem has no finite solution");
     let n = a.nrows();
@@ -39,13 +36,13 @@ pub(super) fn eigen<T: Scalar>(
     let mut values = vec![T::real(0.0); n];
     let mut vectors = Mat::zeros(n, n);
     let request =
-        self_adjoint_evd_scratch::<T>(n, ComputeEigenvectors::Yes, par, Default::default());
+        self_adjoint_evd_scratch::<T>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
     let mut memory = MemBuffer::new(request);
     self_adjoint_evd(
         scaled.as_ref(),
         DiagMut::from_slice_mut(&mut values),
         Some(vectors.as_mut()),
-        par,
+        Par::Seq,
         MemStack::new(&mut memory),
         Default::default(),
     )
@@ -79,7 +76,7 @@ pub(super) fn lowest<T: Scalar>(
     faer::linalg::triangular_solve::solve_lower_triangular_in_place(l, c.as_mut(), Par::Seq);
     let mut c = c.adjoint().to_owned();
     faer::linalg::triangular_solve::solve_lower_triangular_in_place(l, c.as_mut(), Par::Seq);
-    let (omega2, mut vectors) = eigen(c.as_ref(), Par::Seq)?;
+    let (omega2, mut vectors) = eigen(c.as_ref())?;
     faer::linalg::triangular_solve::solve_upper_triangular_in_place(
         l.adjoint(),
         vectors.as_mut(),
@@ -126,17 +123,17 @@ pub(super) fn residuals<T: Scalar>(
 }
 
 /// `A B`.
-pub(super) fn product<T: Scalar>(a: MatRef<'_, T>, b: MatRef<'_, T>, par: Par) -> Mat<T> {
+pub(super) fn product<T: Scalar>(a: MatRef<'_, T>, b: MatRef<'_, T>) -> Mat<T> {
     let mut c = Mat::zeros(a.nrows(), b.ncols());
     let one = T::real(1.0);
-    matmul(c.as_mut(), Accum::Replace, a, b, one, par);
+    matmul(c.as_mut(), Accum::Replace, a, b, one, Par::Seq);
     c
 }
 
 /// `A^H B`.
-pub(super) fn adjoint_product<T: Scalar>(a: MatRef<'_, T>, b: MatRef<'_, T>, par: Par) -> Mat<T> {
+pub(super) fn adjoint_product<T: Scalar>(a: MatRef<'_, T>, b: MatRef<'_, T>) -> Mat<T> {
     let mut c = Mat::zeros(a.ncols(), b.ncols());
     let one = T::real(1.0);
-    matmul(c.as_mut(), Accum::Replace, a.adjoint(), b, one, par);
+    matmul(c.as_mut(), Accum::Replace, a.adjoint(), b, one, Par::Seq);
     c
 }

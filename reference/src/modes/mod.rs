@@ -23,7 +23,7 @@ pub use symmetric::Symmetric;
 use crate::assembly::tie::Reduced;
 use crate::limits::{self, TooMuchMemory};
 use crate::solve::{Cholesky, Scalar, SolveError, Symbolic, negative_eigenvalues};
-use faer::{Mat, Par};
+use faer::Mat;
 use std::sync::Arc;
 
 /// How to find modes.
@@ -202,8 +202,7 @@ pub(crate) fn find(pair: &Reduced, target: Target, options: &Options) -> Result<
     let symbolic = Arc::new(Symbolic::new(shifted.symbolic())?);
     let factor = Cholesky::with_symbolic(shifted.as_ref(), symbolic.clone(), None)?;
     drop(shifted);
-    let par = if n < 20_000 { Par::Seq } else { Par::rayon(0) };
-    let mut iteration = lanczos::Lanczos::new(m.clone(), shift, block, par);
+    let mut iteration = lanczos::Lanczos::new(m.clone(), shift, block);
     iteration.report.factorisations = 1;
     iteration.report.factor_bytes = factor.bytes();
     iteration.run(&factor, target)?;
@@ -213,7 +212,7 @@ pub(crate) fn find(pair: &Reduced, target: Target, options: &Options) -> Result<
     };
     let mut modes = iteration.modes(&factor, &k, count)?;
     if options.verify && count > 1 {
-        verify(&k, &m, &symbolic, par, block, &mut modes)?;
+        verify(&k, &m, &symbolic, block, &mut modes)?;
     }
     Ok(modes)
 }
@@ -226,7 +225,6 @@ fn verify(
     k: &Symmetric<f64>,
     m: &Symmetric<f64>,
     symbolic: &Symbolic,
-    par: Par,
     block: usize,
     modes: &mut Modes,
 ) -> Result<(), ModesError> {
@@ -240,7 +238,7 @@ fn verify(
         return Ok(());
     };
     let bound = 0.5 * (w2[i] + w2[i + 1]);
-    let counted = negative_eigenvalues(k.minus(bound, m).as_ref(), symbolic, par)?;
+    let counted = negative_eigenvalues(k.minus(bound, m).as_ref(), symbolic)?;
     if counted != i + 1 {
         return Err(ModesError::Missed {
             counted,

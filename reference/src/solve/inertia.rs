@@ -20,7 +20,6 @@ use faer::{Par, Side};
 pub fn negative_eigenvalues<T: Scalar>(
     a: SparseColMatRef<'_, usize, T>,
     symbolic: &Symbolic,
-    par: Par,
 ) -> Result<usize, SolveError> {
     if !symbolic.fits(a.symbolic()) {
         return Err(SolveError::OtherPattern);
@@ -31,7 +30,7 @@ pub fn negative_eigenvalues<T: Scalar>(
     }
     let inner = symbolic.inner();
     let mut values = vec![T::real(0.0); inner.len_val()];
-    let scratch = inner.factorize_numeric_ldlt_scratch::<T>(par, Default::default());
+    let scratch = inner.factorize_numeric_ldlt_scratch::<T>(Par::Seq, Default::default());
     let mut memory = MemBuffer::try_new(scratch).map_err(|_| SolveError::TooLarge { unknowns })?;
     inner
         .factorize_numeric_ldlt(
@@ -39,7 +38,7 @@ pub fn negative_eigenvalues<T: Scalar>(
             a,
             Side::Lower,
             LdltRegularization::default(),
-            par,
+            Par::Seq,
             MemStack::new(&mut memory),
             Default::default(),
         )

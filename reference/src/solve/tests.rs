@@ -119,7 +119,7 @@ fn indefinite_matrices_are_refused_and_counted() {
         "{error}"
     );
     let symbolic = Symbolic::new(a.symbolic()).unwrap();
-    assert_eq!(negative_eigenvalues(a.as_ref(), &symbolic, Par::Seq), Ok(2));
+    assert_eq!(negative_eigenvalues(a.as_ref(), &symbolic), Ok(2));
 }
 
 #[test]

@@ -150,7 +150,7 @@ impl<T: Scalar> State<T> {
         let engine = if is_small(n, guess, block) {
             Engine::Dense(dense::lowest(&stiffness, &mass, n, shift)?)
         } else {
-            Engine::Iteration(Lanczos::new(mass.clone(), shift, block, Par::Seq))
+            Engine::Iteration(Lanczos::new(mass.clone(), shift, block))
         };
         Ok(Self {
             stiffness,
@@ -210,7 +210,7 @@ impl<T: Scalar> State<T> {
         };
         if let (Some(bound), Engine::Iteration(_)) = (bound, &self.engine) {
             let shifted = self.stiffness.minus(bound, &self.mass);
-            let counted = negative_eigenvalues(shifted.as_ref(), &self.symbolic, Par::Seq)?;
+            let counted = negative_eigenvalues(shifted.as_ref(), &self.symbolic)?;
             if counted != count {
                 return Err(ModesError::Missed {
                     counted,

@@ -16,11 +16,11 @@ pub(super) struct Ritz<T: Scalar> {
 impl<T: Scalar> Lanczos<T> {
     pub(super) fn ritz(&self) -> Result<Ritz<T>, ModesError> {
         let m = self.size;
-        let (values, vectors) = eigen(self.projected.as_ref().submatrix(0, 0, m, m), self.par)?;
+        let (values, vectors) = eigen(self.projected.as_ref().submatrix(0, 0, m, m))?;
         let descending = Mat::from_fn(m, m, |i, j| vectors[(i, m - 1 - j)]);
         let theta: Vec<f64> = values.into_iter().rev().collect();
         let last = descending.subrows(m - self.block, self.block);
-        let rest = product(self.coupling.as_ref(), last, Par::Seq);
+        let rest = product(self.coupling.as_ref(), last);
         let norm = |j: usize| {
             (0..self.block)
                 .map(|i| rest[(i, j)].modulus2())
@@ -65,7 +65,7 @@ impl<T: Scalar> Lanczos<T> {
     }
 
     pub(super) fn combined(&self, coefficients: MatRef<'_, T>) -> Mat<T> {
-        product(self.basis.subcols(0, self.size), coefficients, self.par)
+        product(self.basis.subcols(0, self.size), coefficients)
     }
 
     /// The lowest `count` modes, improved once more, with their true residuals.
@@ -102,23 +102,23 @@ impl<T: Scalar> Lanczos<T> {
         let mut first = 0;
         while first < count {
             let width = TOGETHER.min(count - first);
-            factor.solve_many(x.as_mut().subcols_mut(first, width), self.par);
+            factor.solve_many(x.as_mut().subcols_mut(first, width), Par::Seq);
             report.solves += width;
             first += width;
         }
-        let elastic = adjoint_product(x.as_ref(), mx.as_ref(), self.par);
+        let elastic = adjoint_product(x.as_ref(), mx.as_ref());
         self.mass.apply(x.as_ref(), mx.as_mut());
-        let inertial = adjoint_product(x.as_ref(), mx.as_ref(), self.par);
+        let inertial = adjoint_product(x.as_ref(), mx.as_ref());
         // Both are nearly diagonal: orthonormalise by the inertial one, then diagonalise the elastic one.
-        let (lambda, u) = eigen(inertial.as_ref(), self.par)?;
+        let (lambda, u) = eigen(inertial.as_ref())?;
         let to_unit = Mat::from_fn(count, count, |i, j| {
             u[(i, j)] * T::real(1.0 / lambda[j].sqrt())
         });
-        let half = product(elastic.as_ref(), to_unit.as_ref(), self.par);
-        let small = adjoint_product(to_unit.as_ref(), half.as_ref(), self.par);
-        let (shifted, s) = eigen(small.as_ref(), self.par)?;
-        let rotation = product(to_unit.as_ref(), s.as_ref(), self.par);
-        let vectors = product(x.as_ref(), rotation.as_ref(), self.par);
+        let half = product(elastic.as_ref(), to_unit.as_ref());
+        let small = adjoint_product(to_unit.as_ref(), half.as_ref());
+        let (shifted, s) = eigen(small.as_ref())?;
+        let rotation = product(to_unit.as_ref(), s.as_ref());
+        let vectors = product(x.as_ref(), rotation.as_ref());
         let omega2: Vec<f64> = shifted.iter().map(|l| l + self.shift).collect();
         let residuals = residuals(stiffness, &self.mass, &omega2, vectors.as_ref(), self.shift);
         Ok(Modes {
