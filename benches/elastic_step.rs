@@ -14,6 +14,7 @@ use gearbench_models::scene::Scene;
 use gearbench_models::spec::Value;
 use nalgebra::DMatrix;
 use std::hint::black_box;
+use support::helical::{Motion, compare};
 use support::ratio::{by_turns, ratios, seconds};
 use support::scenes::{changed, file, run};
 
@@ -144,6 +145,16 @@ impl Kernel {
 #[allow(clippy::print_stdout)]
 fn main() {
     let mut criterion = ratios(2.0);
+    for label in ["elastic", "elastic-half-space"] {
+        for motion in [Motion::Impact, Motion::Load(75.0)] {
+            for helix in [8.0, 15.0, 25.0] {
+                compare(&mut criterion, helix, motion, label);
+            }
+        }
+    }
+    if std::env::args().any(|a| a == "--helical") {
+        return;
+    }
     for surface in ["faceted", "smooth"] {
         let (mut none, end) = scene(0.0, surface);
         let (mut many, _) = scene(200.0, surface);

@@ -105,21 +105,26 @@ impl GearNodes {
         at: At<'_>,
         nodes: &[u32; N],
     ) -> [u32; N] {
-        nodes.map(|node| self.slot(field, at, node))
-    }
-
-    fn slot(&mut self, field: &dyn FlankDisplacement, at: At<'_>, node: u32) -> u32 {
-        let i = node as usize;
-        if i >= self.slots.len() {
-            self.slots.resize(i + 1, (0, 0));
+        // Those that are new are met together.
+        let (mut new, mut count) = ([0; N], 0);
+        let mut next = self.nodes.len() as u32;
+        let slots = nodes.map(|node| {
+            let i = node as usize;
+            if i >= self.slots.len() {
+                self.slots.resize(i + 1, (0, 0));
+            }
+            let (stamp, slot) = &mut self.slots[i];
+            if *stamp != self.stamp {
+                (*stamp, *slot) = (self.stamp, next);
+                new[count] = node;
+                (count, next) = (count + 1, next + 1);
+            }
+            *slot
+        });
+        if count > 0 {
+            self.meet_new(field, at, &new[..count]);
         }
-        let (stamp, slot) = self.slots[i];
-        if stamp == self.stamp {
-            return slot;
-        }
-        let slot = self.meet_new(field, at, &[node]);
-        self.slots[i] = (self.stamp, slot);
-        slot
+        slots
     }
 
     /// Values at slots; zeros for those of a gear without a field.

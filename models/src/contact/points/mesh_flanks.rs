@@ -29,7 +29,7 @@ pub(super) struct MeshFlanks {
     pub reach: f64,
     /// Distance between the tangent points [m].
     pub length: f64,
-    helix_cos: f64,
+    pub helix_cos: f64,
     pub base_pitch: f64,
     /// All points within reach are wanted: gaps are averaged over them.
     pub hard: bool,
@@ -77,7 +77,12 @@ impl MeshFlanks {
 
     /// Path coordinates by which flanks may be apart and points still within reach [m].
     pub fn reach_along(&self) -> f64 {
-        self.reach / self.helix_cos
+        self.along(self.reach)
+    }
+
+    /// How far flanks with a gap [m] are apart on the path coordinate [m].
+    pub fn along(&self, gap: f64) -> f64 {
+        gap / self.helix_cos
     }
 
     pub fn tooth(&self, k: usize, near: &Near) -> Tooth {

@@ -20,6 +20,7 @@ mod involute;
 mod mesh_flanks;
 mod narrow;
 mod owner;
+mod patch;
 mod profile;
 mod projection;
 mod quadrature;
@@ -30,6 +31,8 @@ mod spline;
 mod spur;
 mod spur_face;
 mod surface;
+mod twisted;
+mod twisted_pair;
 
 pub use owner::Owner;
 pub use search::FlankPoints;

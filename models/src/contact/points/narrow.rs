@@ -143,6 +143,7 @@ impl MeshFlanks {
             shape,
             x: &scratch.positions[k][a.start..][..shape.nodes.len()],
             pose: &a.pose,
+            patches: None,
         }
     }
 

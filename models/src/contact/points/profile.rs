@@ -17,6 +17,8 @@ pub(super) type Vec2 = nalgebra::Vector2<f64>;
 const ONE: f64 = 1e-12;
 /// Newton step on a face [1] after which the closest point is found: what is left is of the size of its square.
 const CLOSE: f64 = 1e-4;
+/// The same where the projection is a guess that is made better elsewhere.
+pub(super) const NEARLY: f64 = 1e-2;
 /// Newton iterations on a face.
 const ITERATIONS: usize = 20;
 
@@ -58,10 +60,7 @@ pub(super) struct Foot {
 impl Profile {
     /// The profile of a shape, if all its transverse planes show the same.
     pub fn new(shape: &Shape, rule: &Rule, rack: bool) -> Option<Self> {
-        let flat = |row: usize, column: usize, place| {
-            let x = shape.undeformed(row, column, place);
-            Vec2::new(x.x, x.y)
-        };
+        let flat = |row: usize, column: usize, place| shape.undeformed(row, column, place).xy();
         let same = |a: Vec2, b: Vec2| (a - b).norm() < ONE;
         for row in 0..shape.rows - 1 {
             for a in [0.0, 0.5, 1.0] {
@@ -74,13 +73,23 @@ impl Profile {
                 }
             }
         }
-        let mut knots: Vec<Vec2> = (0..shape.rows - 1).map(|r| flat(r, 0, [0.0; 2])).collect();
-        knots.push(flat(shape.rows - 2, 0, [1.0, 0.0]));
+        Some(Self::of(shape, rule, rack, |row, a| flat(row, 0, [a, 0.0])))
+    }
+
+    /// The profile of a shape through the places that `at(row, a)` gives of each face.
+    pub fn of(
+        shape: &Shape,
+        rule: &Rule,
+        rack: bool,
+        at: impl Fn(usize, f64) -> Vec2 + Copy,
+    ) -> Self {
+        let mut knots: Vec<Vec2> = (0..shape.rows - 1).map(|r| at(r, 0.0)).collect();
+        knots.push(at(shape.rows - 2, 1.0));
         let faceted = shape.is_faceted();
         let curves: Vec<[Vec2; 4]> = (0..shape.rows - 1)
             .map(|row| {
                 // A cubic through four places is that of the spline.
-                let x = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|a| flat(row, 0, [a, 0.0]));
+                let x = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|a| at(row, a));
                 if faceted {
                     return [x[0], x[3] - x[0], Vec2::zeros(), Vec2::zeros()];
                 }
@@ -108,12 +117,9 @@ impl Profile {
         } else {
             let faces = 0..shape.rows - 1;
             let of_face = |row| rule.along.iter().map(move |&(a, _)| (row, a));
-            faces
-                .flat_map(of_face)
-                .map(|(row, a)| flat(row, 0, [a, 0.0]))
-                .collect()
+            faces.flat_map(of_face).map(|(row, a)| at(row, a)).collect()
         };
-        Some(Profile {
+        Profile {
             side: shape.side,
             rack,
             faceted,
@@ -127,7 +133,7 @@ impl Profile {
             chords,
             knots,
             points,
-        })
+        }
     }
 
     /// Number of faces.
@@ -177,6 +183,11 @@ impl Profile {
         ((part * last as f64) as usize).min(last - 1)
     }
 
+    /// Whether a height lies between its ends.
+    pub fn reaches(&self, height: f64) -> bool {
+        (self.heights[0]..=self.heights[self.faces()]).contains(&height)
+    }
+
     /// The point of the profile at a height, at most at its ends.
     pub fn at_height(&self, height: f64) -> Vec2 {
         let (row, a) = self.row_at(height, self.near(height));
@@ -201,15 +212,16 @@ impl Profile {
         n.dot(x) - d - chord_bound
     }
 
+    /// Place of a face's curve.
     #[inline]
-    fn place(&self, row: usize, a: f64) -> Vec2 {
+    pub fn place(&self, row: usize, a: f64) -> Vec2 {
         let [c0, c1, c2, c3] = &self.curves[row];
         c0 + a * (c1 + a * (c2 + a * c3))
     }
 
-    /// Closest point of a face's curve, continued beyond its ends.
+    /// Closest point of a face's curve, continued beyond its ends, once a Newton step is smaller than `close`.
     #[inline]
-    fn on_face(&self, x: &Vec2, row: usize, mut a: f64) -> Foot {
+    fn on_face(&self, x: &Vec2, row: usize, mut a: f64, close: f64) -> Foot {
         let [c0, c1, c2, c3] = &self.curves[row];
         if self.faceted {
             let per = c1.dot(c1).recip();
@@ -232,7 +244,7 @@ impl Profile {
             let per = (tangent.dot(&tangent) - bend.dot(&r)).recip();
             let step = tangent.dot(&r) * per;
             left -= 1;
-            if step.abs() < CLOSE || left == 0 {
+            if step.abs() < close || left == 0 {
                 // What is left of the step: its third order is below rounding.
                 let r = r - step * (tangent + (0.5 * step) * bend);
                 let tangent = tangent + step * bend;
@@ -275,7 +287,18 @@ impl Profile {
     /// `past` parts of the last face.
     #[inline]
     pub fn project(&self, x: &Vec2, row: usize, a: f64, past: f64) -> Option<Foot> {
-        let mut foot = self.on_face(x, row, a);
+        self.projection(x, (row, a), past, CLOSE)
+    }
+
+    /// The same, but for the cube of [`NEARLY`] in the gap over the length of a face and its square in the place.
+    #[inline]
+    pub fn project_nearly(&self, x: &Vec2, row: usize, a: f64, past: f64) -> Option<Foot> {
+        self.projection(x, (row, a), past, NEARLY)
+    }
+
+    #[inline]
+    fn projection(&self, x: &Vec2, (row, a): (usize, f64), past: f64, close: f64) -> Option<Foot> {
+        let mut foot = self.on_face(x, row, a, close);
         let mut last: Option<Foot> = None;
         for _ in 0..self.faces() {
             let row = if foot.a > 1.0 + OVERLAP && foot.row + 1 < self.faces() {
@@ -294,7 +317,7 @@ impl Profile {
             } else {
                 foot.a + 1.0
             };
-            foot = self.on_face(x, row, place);
+            foot = self.on_face(x, row, place, close);
         }
         if !(-RIM..=1.0 + beyond_tip(past)).contains(&foot.a) {
             return None;
@@ -315,7 +338,7 @@ impl Profile {
         } else {
             return foot;
         };
-        let other = self.on_face(x, row, 0.5);
+        let other = self.on_face(x, row, 0.5, CLOSE);
         let valid = (-OVERLAP..=1.0 + OVERLAP).contains(&other.a);
         if valid && other.gap < 0.0 && other.gap > foot.gap {
             other

@@ -8,7 +8,8 @@
 //! Beyond the outer edges there is no flank. Only at the tip a point counts a little further, on the surface
 //! continued: the area it stands for still lies partly on the flank.
 
-use super::surface::{Face, Shape, Spot};
+use super::patch::Patch;
+use super::surface::{Shape, Spot};
 use crate::Vec3;
 use crate::kinematics::Pose;
 
@@ -45,6 +46,8 @@ pub(super) struct Deformed<'a> {
     pub shape: &'a Shape,
     pub x: &'a [Vec3],
     pub pose: &'a Pose,
+    /// The faces of an undeformed flank in its own frame, where they are at hand.
+    pub patches: Option<&'a [Patch]>,
 }
 
 /// Overlap of neighbouring faces: rounding only.
@@ -56,8 +59,9 @@ pub(super) const RIM: f64 = 0.01;
 pub(super) const MOST_PAST: f64 = 0.5;
 /// Near an edge both faces are looked at, so that the gap over facets has no jump.
 pub(super) const NEAR_EDGE: f64 = 0.1;
-/// Newton step on a face [1] after which the closest point is found.
-const CLOSE: f64 = 1e-7;
+/// Newton step on a face [1] after which the closest point is found: what is left is of the size of its square times what
+/// the face bends.
+const CLOSE: f64 = 1e-4;
 /// Newton iterations on a face.
 const ITERATIONS: usize = 20;
 
@@ -136,9 +140,18 @@ fn beyond(t: f64) -> isize {
 }
 
 impl Deformed<'_> {
+    /// A face as a function of the place on it.
     #[inline]
-    fn face(&self, row: usize, column: usize) -> Face<'_> {
-        self.shape.face(self.x, self.pose, row, column)
+    fn face(&self, row: usize, column: usize) -> impl Fn(f64, f64) -> Spot {
+        let patch = (self.patches).map(|p| &p[row * (self.shape.columns - 1) + column]);
+        let face = match patch {
+            Some(patch) => Err(patch),
+            None => Ok(self.shape.face(self.x, self.pose, row, column)),
+        };
+        move |a, b| match &face {
+            Ok(face) => face.eval(self.shape, a, b),
+            Err(patch) => patch.eval(a, b),
+        }
     }
 
     /// Unit normal out of the tooth.
@@ -152,7 +165,7 @@ impl Deformed<'_> {
     #[inline]
     fn on_face(&self, x: &Vec3, row: usize, column: usize, [mut a, mut b]: [f64; 2]) -> Hit {
         let face = self.face(row, column);
-        let mut spot = face.eval(self.shape, a, b);
+        let mut spot = face(a, b);
         for _ in 0..ITERATIONS {
             let r = x - spot.x;
             let (ra, rb) = (spot.along.dot(&r), spot.across.dot(&r));
@@ -161,14 +174,20 @@ impl Deformed<'_> {
             let bb = spot.across.dot(&spot.across) - spot.bend[2].dot(&r);
             let det = aa * bb - ab * ab;
             let (da, db) = ((bb * ra - ab * rb) / det, (aa * rb - ab * ra) / det);
+            if da.abs() + db.abs() < CLOSE {
+                // The third order of the step is below rounding.
+                let [aa, ab, bb] = spot.bend;
+                spot.x += da * (spot.along + 0.5 * da * aa + db * ab)
+                    + db * (spot.across + 0.5 * db * bb);
+                spot.along += da * aa + db * ab;
+                spot.across += da * ab + db * bb;
+                (a, b) = (a + da, b + db);
+                break;
+            }
             // Further out a face says nothing; the neighbour will.
             a = (a + da).clamp(-2.0, 3.0);
             b = (b + db).clamp(-2.0, 3.0);
-            spot = face.eval(self.shape, a, b);
-            // Quadratic convergence: what is left is the square of this.
-            if da.abs() + db.abs() < CLOSE {
-                break;
-            }
+            spot = face(a, b);
         }
         let normal = self.normal(&spot);
         Hit {
@@ -185,7 +204,7 @@ impl Deformed<'_> {
 
     /// How the place of the closest point answers to a displacement of `x` against the flank [1/m].
     pub fn sensitivity(&self, x: &Vec3, hit: &Hit) -> [Vec3; 2] {
-        let spot = (self.face(hit.row, hit.column)).eval(self.shape, hit.a, hit.b);
+        let spot = self.face(hit.row, hit.column)(hit.a, hit.b);
         let r = x - spot.x;
         let aa = spot.along.dot(&spot.along) - spot.bend[0].dot(&r);
         let ab = spot.along.dot(&spot.across) - spot.bend[1].dot(&r);
@@ -210,7 +229,7 @@ impl Deformed<'_> {
         let hit = hits[0];
         let face = self.face(hit.row, hit.column);
         let (mut a, mut b) = (hit.a.clamp(0.0, 1.0), hit.b.clamp(0.0, 1.0));
-        let mut spot = face.eval(self.shape, a, b);
+        let mut spot = face(a, b);
         for _ in 0..ITERATIONS {
             let r = x - spot.x;
             let (t, bend) = if turned {
@@ -221,7 +240,7 @@ impl Deformed<'_> {
             let step = t.dot(&r) / (t.dot(&t) - bend.dot(&r));
             let moved = if turned { &mut a } else { &mut b };
             *moved = (*moved + step).clamp(-RIM, 1.0 + RIM);
-            spot = face.eval(self.shape, a, b);
+            spot = face(a, b);
             if step.abs() < 1e-12 {
                 break;
             }

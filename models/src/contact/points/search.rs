@@ -5,6 +5,8 @@ use super::mesh_flanks::MeshFlanks;
 use super::narrow::{Found, Scratch};
 use super::owner::Owner;
 use super::spur::{Spur, SpurScratch};
+use super::twisted::Twisted;
+use super::twisted_pair::TwistedScratch;
 use crate::Vec3;
 use crate::contact::candidate::Candidate;
 use crate::contact::clearance::Clearance;
@@ -31,8 +33,11 @@ pub struct FlankPoints {
     coarse: Box<dyn CoarseStep>,
     /// The search in the transverse plane, where flanks allow it.
     spur: Option<Spur>,
+    /// The search in twisted sections, where flanks allow that alone.
+    twisted: Option<Twisted>,
     scratch: RefCell<Scratch>,
     spur_scratch: RefCell<SpurScratch>,
+    twisted_scratch: RefCell<TwistedScratch>,
 }
 
 impl FlankPoints {
@@ -59,13 +64,18 @@ impl FlankPoints {
             Box::new(FlankBoxes::new(gears, flanks.reach, geometry.base_pitch))
         };
         let spur = by_indices.then(|| Spur::new(gears, &flanks.rule)).flatten();
+        let twisted = (by_indices && spur.is_none())
+            .then(|| Twisted::new(gears, &flanks.rule, geometry.base_pitch))
+            .flatten();
         Ok(FlankPoints {
             coarse,
             spur,
+            twisted,
             flanks,
             lines,
             scratch: RefCell::default(),
             spur_scratch: RefCell::default(),
+            twisted_scratch: RefCell::default(),
         })
     }
 
@@ -121,6 +131,20 @@ impl FlankPoints {
         if let Some(spur) = &self.spur {
             let buffers = &mut self.spur_scratch.borrow_mut();
             let work = spur.points(
+                &self.flanks,
+                sides,
+                displacements,
+                limit,
+                buffers,
+                gap_bound,
+                out,
+            );
+            self.scratch.borrow_mut().work = work;
+            return;
+        }
+        if let Some(twisted) = &self.twisted {
+            let buffers = &mut self.twisted_scratch.borrow_mut();
+            let work = twisted.points(
                 &self.flanks,
                 sides,
                 displacements,

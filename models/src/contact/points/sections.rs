@@ -51,6 +51,29 @@ impl Turn {
         }
     }
 
+    /// This one after another.
+    #[inline]
+    pub(super) fn after(&self, first: &Turn) -> Turn {
+        Turn {
+            cos: self.cos * first.cos - self.sin * first.sin,
+            sin: self.sin * first.cos + self.cos * first.sin,
+            shift: self.point(&first.shift),
+        }
+    }
+
+    #[inline]
+    pub(super) fn inverse(&self) -> Turn {
+        let s = &self.shift;
+        Turn {
+            cos: self.cos,
+            sin: -self.sin,
+            shift: -Vec2::new(
+                self.cos * s.x + self.sin * s.y,
+                self.cos * s.y - self.sin * s.x,
+            ),
+        }
+    }
+
     #[inline]
     pub(super) fn point(&self, x: &Vec2) -> Vec2 {
         Vec2::new(
@@ -71,7 +94,7 @@ impl Spur {
                 .collect()
         };
         let profiles = [profiles(&gears[0])?, profiles(&gears[1])?];
-        let cells = [0, 1].map(|k| cells(&gears[k].shapes[0], &gears[1 - k].shapes[0], rule));
+        let cells = [0, 1].map(|k| cells(&gears[k].shapes[0], &gears[1 - k].shapes[0], rule, RIM));
         Some(Spur {
             profiles,
             cells,
@@ -81,13 +104,13 @@ impl Spur {
     }
 }
 
-/// Places over the width at which points of a slave meet a master.
-fn cells(slave: &Shape, master: &Shape, rule: &Rule) -> Vec<Cell> {
+/// Places over the width at which points of a slave meet a master, or lie beside it by less than `beside` of a face.
+pub(super) fn cells(slave: &Shape, master: &Shape, rule: &Rule, beside: f64) -> Vec<Cell> {
     let mut all = Vec::new();
     let mut add = |column: usize, b: f64, index: usize| {
         let z = slave.z[column] + b * (slave.z[column + 1] - slave.z[column]);
         let (on, b_on) = master.column_at(z);
-        if (-RIM..=1.0 + RIM).contains(&b_on) {
+        if (-beside..=1.0 + beside).contains(&b_on) {
             all.push(Cell {
                 z,
                 column,

@@ -20,7 +20,7 @@ pub(super) use super::sections::Spur;
 #[derive(Debug, Default)]
 pub(super) struct SpurScratch {
     first: Vec<Near>,
-    pairs: Vec<(f64, Near, Near, Side)>,
+    pairs: Vec<Facing>,
     /// Per gear: slot of the first node of each row, [`UNUSED`] where it was not met.
     rows: [Vec<u32>; 2],
     /// Gap that each row of the slave surely has [m], and the master's face it was held against.
@@ -42,7 +42,7 @@ impl Spur {
     ) -> SearchWork {
         let mut work = SearchWork::default();
         let SpurScratch { first, pairs, .. } = buffers;
-        self.find_pairs(of, displacements, limit, first, pairs);
+        facing(of, displacements, limit, first, pairs);
         if !buffers.pairs.is_empty() {
             let poses = [0, 1].map(|k| of.gears[k].placement.pose(displacements[k]));
             let turns = [
@@ -69,31 +69,33 @@ impl Spur {
         work.nodes = sides.iter().map(|s| s.nodes.nodes.len()).sum();
         work
     }
+}
 
-    /// Flanks that face each other within the limit, the nearest pair first.
-    fn find_pairs(
-        &self,
-        of: &MeshFlanks,
-        displacements: [f64; 2],
-        limit: f64,
-        first: &mut Vec<Near>,
-        pairs: &mut Vec<(f64, Near, Near, Side)>,
-    ) {
-        pairs.clear();
-        let limit = limit + of.gears[0].deviation_bound + of.gears[1].deviation_bound;
-        for side in Side::BOTH {
-            first.clear();
-            of.gears[0].each_near(side, displacements[0], of.zone, |near| first.push(near));
-            for near in first.iter() {
-                let facing = of.length - near.s;
-                let range = [facing - limit, facing + 0.5 * of.base_pitch];
-                of.gears[1].each_near(side, displacements[1], range, |other| {
-                    pairs.push((facing - other.s, *near, other, side));
-                });
-            }
+/// A pair of flanks, how far they are apart along the path, and their side.
+pub(super) type Facing = (f64, Near, Near, Side);
+
+/// Flanks that face each other within the limit, the nearest pair first.
+pub(super) fn facing(
+    of: &MeshFlanks,
+    displacements: [f64; 2],
+    limit: f64,
+    first: &mut Vec<Near>,
+    pairs: &mut Vec<Facing>,
+) {
+    pairs.clear();
+    let limit = of.along(limit) + of.gears[0].deviation_bound + of.gears[1].deviation_bound;
+    for side in Side::BOTH {
+        first.clear();
+        of.gears[0].each_near(side, displacements[0], of.zone, |near| first.push(near));
+        for near in first.iter() {
+            let facing = of.length - near.s;
+            let range = [facing - limit, facing + 0.5 * of.base_pitch];
+            of.gears[1].each_near(side, displacements[1], range, |other| {
+                pairs.push((facing - other.s, *near, other, side));
+            });
         }
-        pairs.sort_unstable_by(|x, y| x.0.total_cmp(&y.0));
     }
+    pairs.sort_unstable_by(|x, y| x.0.total_cmp(&y.0));
 }
 
 impl Pair<'_> {

@@ -25,7 +25,8 @@ pub(super) struct Shape {
     pub columns: usize,
     /// The gear's node numbers, row by row.
     pub nodes: Vec<u32>,
-    positions: Vec<Vec3>,
+    /// Undeformed nodes in the own frame, row by row [m].
+    pub positions: Vec<Vec3>,
     /// Bulges of the chords along the profile, `row * columns + column`; empty for faceted surfaces.
     profile: Vec<[Vec3; 2]>,
     /// Bulges of the chords over the width, `row * (columns - 1) + column`; empty without any.

@@ -1,8 +1,10 @@
-//! The search in the transverse plane finds what the search on surfaces finds, and its cost follows the contact.
+//! The searches in the transverse plane and in twisted sections find what the search on surfaces finds, and their cost
+//! follows the contact.
 
 use super::*;
-use gearbench_models::geometry::Flanks;
+use gearbench_models::geometry::{Flanks, GearParams, Rack, RackParams};
 use gearbench_models::kinematics::Locus;
+use gearbench_models::spec::Body;
 
 /// Force of the points that the search on surfaces finds, with displacements taken from the field by hand.
 fn by_hand(scene: &Scene, s: &State) -> (usize, f64) {
@@ -40,7 +42,57 @@ fn both_searches_find_the_same() {
         rack("r", 15, 0.04005, 0.0),
         start(gearbench_models::geometry::Side::Right, -12e-6),
     );
+    let side = gearbench_models::geometry::Side::Left;
+    // Lines of contact begin and end within the width, and two pairs touch.
+    let helical = |beta: f64, crowning: f64| {
+        let [a, b] = [(20, beta), (30, -beta)].map(|(teeth, helix_angle)| {
+            let mut params = spur(teeth);
+            params.helix_angle = helix_angle;
+            params.modifications.lead_crowning = crowning;
+            params
+        });
+        let distance = 0.1001 / beta.cos();
+        pair_of(
+            gear("a", a, 0.0, 0.0),
+            gear("b", b, distance, 0.0),
+            start(side, -12e-6),
+        )
+    };
+    let leaning = GearParams {
+        helix_angle: 0.25,
+        ..spur(20)
+    };
+    let helical_rack = || -> SceneSpec {
+        let mut spec = pair_of(
+            gear("a", leaning, 0.0, 0.0),
+            rack("r", 15, 0.04005 / 0.25_f64.cos(), 0.0),
+            start(side, -12e-6),
+        );
+        if let Body::Rack(r) = &spec.gears[1].body {
+            let params = RackParams {
+                helix_angle: -0.25,
+                ..r.params().clone()
+            };
+            spec.gears[1].body = Body::Rack(Rack::new(params).unwrap());
+        }
+        spec
+    };
+    let wide = || [toy(21, 7, 6, 0.0), toy(15, 6, 6, 0.0)];
     for (name, spec, models) in [
+        ("helical", helical(0.15, 0.0), wide()),
+        ("more helical", helical(-0.4, 0.0), wide()),
+        // Rigid gears bring the flanks of their geometry, crowned here.
+        (
+            "helical on a rigid crowned wheel",
+            helical(0.25, 8e-6),
+            [toy(21, 7, 6, 0.0), rigid()],
+        ),
+        (
+            "spur on a rigid crowned wheel",
+            helical(0.0, 8e-6),
+            [toy(21, 7, 6, 0.0), rigid()],
+        ),
+        ("helical rack", helical_rack(), wide()),
         (
             "pair",
             case_a(-12e-6),

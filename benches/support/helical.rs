@@ -1,0 +1,127 @@
+//! Steps of helical gears beside those of the same mesh without helix angle.
+
+use super::ratio::{Ratios, by_turns};
+use super::scenes::{built, run};
+use gearbench::scene_file::{Origin, SceneFile};
+use gearbench_integrators::system::{SecondOrderSystem, State};
+use gearbench_integrators::{AcceptedStep, Control, NullSink, Resolution, Sink, TimePlan};
+use gearbench_models::scene::Scene;
+
+const STEP: f64 = 1e-6;
+
+/// What the gears do.
+#[derive(Clone, Copy, Debug)]
+pub enum Motion {
+    /// The pinion strikes the wheel at rest.
+    Impact,
+    /// A constant torque on the pinion [N m], in balance with that of the wheel.
+    Load(f64),
+}
+
+/// The scene at a helix angle [deg].
+pub fn scene(helix: f64, motion: Motion, label: &str) -> (Scene, f64) {
+    let (torque, wheel) = match motion {
+        Motion::Impact => (0.0, 0.0),
+        Motion::Load(torque) => (torque, -20.0 * 2.0 / 3.0),
+    };
+    let mut text = include_str!("helical.toml").to_string();
+    for (word, x) in [
+        ("-HELIX", -helix),
+        ("HELIX", helix),
+        ("TORQUE", torque),
+        ("REACTION", 1.5 * torque),
+        ("SPEED", wheel),
+    ] {
+        text = text.replace(word, &format!("{x:?}"));
+    }
+    let file = SceneFile::unbuilt("helical", &text, Origin::Shipped, false)
+        .unwrap_or_else(|e| panic!("{e:?}"));
+    (built(&file, label, &[]), file.duration)
+}
+
+/// What an evaluation looks at, on average over the steps of a run.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
+    steps: usize,
+    touching: usize,
+    pairs: usize,
+    points: usize,
+    projections: usize,
+    met: usize,
+    pushing: usize,
+    nodes: usize,
+}
+
+/// States of a run.
+struct States(Vec<State>);
+
+impl Sink for States {
+    fn accepted(&mut self, _sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        self.0.push(step.to.clone());
+        Control::Continue
+    }
+}
+
+fn counts(scene: &mut Scene, end: f64) -> Counts {
+    let mut states = States(vec![]);
+    let mut method = gearbench_integrators::table::TRIGONOMETRIC.build();
+    let plan = TimePlan::new(end, Resolution::Step(STEP));
+    run(scene, method.as_mut(), &plan, &mut states);
+    let mut c = Counts::default();
+    for s in &states.0 {
+        let pushing = scene.contact_forces(s.at()).len();
+        c.steps += 1;
+        if pushing == 0 {
+            continue;
+        }
+        c.touching += 1;
+        c.pushing += pushing;
+        if let Some(points) = scene.meshes()[0].search.points() {
+            let work = points.work();
+            c.pairs += work.pairs;
+            c.points += work.points;
+            c.projections += work.projections;
+            c.met += work.nodes;
+        }
+        c.nodes += scene.pressed_nodes(0).len() + scene.pressed_nodes(1).len();
+    }
+    c
+}
+
+/// Time of a step [s] of both by turns.
+#[allow(clippy::print_stdout)]
+pub fn compare(criterion: &mut Ratios, helix: f64, motion: Motion, label: &str) -> [f64; 2] {
+    let mut scenes = [helix, 0.0].map(|helix| scene(helix, motion, label));
+    let counts = [0, 1].map(|k| {
+        let (scene, end) = &mut scenes[k];
+        counts(scene, *end)
+    });
+    let id = format!("{label}, {helix} degrees, {motion:?}");
+    let times = by_turns(criterion, "helical / spur", &id, || {
+        [0, 1].map(|k| {
+            let (scene, end) = &mut scenes[k];
+            let mut method = gearbench_integrators::table::TRIGONOMETRIC.build();
+            let plan = TimePlan::new(*end, Resolution::Step(STEP));
+            let (_, work, wall) = run(scene, method.as_mut(), &plan, &mut NullSink);
+            wall / work.steps as f64
+        })
+    });
+    println!("{id}: ratio {:.2} (bar 3)", times[0] / times[1]);
+    for (k, name) in ["helical", "spur"].into_iter().enumerate() {
+        let c = counts[k];
+        let per = |n: usize| n as f64 / c.touching.max(1) as f64;
+        println!(
+            "  {name:<8} {:8.2} us a step; of {} steps {} touch: {:.1} pairs of flanks, {:.0} points placed, {:.0} projected, {:.0} nodes met, {:.0} points pushing, {:.0} nodes pressed",
+            times[k] * 1e6,
+            c.steps,
+            c.touching,
+            per(c.pairs),
+            per(c.points),
+            per(c.projections),
+            per(c.met),
+            per(c.pushing),
+            per(c.nodes)
+        );
+    }
+    times
+}

@@ -1,0 +1,192 @@
+//! Flanks that move with their hubs and show one profile in all transverse planes, turned in proportion to the height:
+//! helical teeth, and teeth with lead crowning as nearly such.
+//!
+//! At a height `z` the own frame is that of the section there, turned by the twist (of a rack: moved along by it),
+//!
+//! ```text
+//! x(a, z) = S(z)^-1 p(a),      dx/dz = d:   tau (-y, x) of a gear, (0, sigma) of a rack
+//! ```
+//!
+//! so that one flank against the other is, seen from their sections, the pair of profiles of spur teeth in a pose that
+//! depends on `z`. A projection in the section, with the gap `g_t` along the normal `n_t` there, tells the closest point in
+//! space but for what is of second order in the gap: with `w = -n_t . d`
+//!
+//! ```text
+//! cos^2 beta = 1/(1 + w^2),   g = g_t cos beta,   z' = z - g_t w cos^2 beta
+//! ```
+//!
+//! (F. L. Litvin, A. Fuentes, *Gear Geometry and Applied Theory*, 2nd ed. 2004, ch. 14, for helicoids). So sections say
+//! which points are wanted, and where the search in space begins; what is found in the end is that of the surfaces.
+
+use super::flanked::Flanked;
+use super::patch::Patch;
+use super::profile::{NEARLY, Profile, Vec2};
+use super::rule::Rule;
+use super::sections::{Cell, Turn, cells};
+use super::surface::Shape;
+use crate::Vec3;
+
+/// Part of the base pitch by which a flank may leave its twisted profile and still be looked for by it.
+const OFF_TWIST: f64 = 0.01;
+
+/// Part of a face beside a flank up to which the search in space is asked about a point.
+const BESIDE: f64 = 0.2;
+
+/// Largest part of a gap, and of displacements, that the section leaves out.
+const SECOND_ORDER: f64 = 0.02;
+
+/// Flanks of both gears as twisted profiles.
+#[derive(Clone, Debug)]
+pub(super) struct Twisted {
+    pub profiles: [Vec<Profile>; 2],
+    /// Faces of each flank.
+    pub patches: [Vec<Vec<Patch>>; 2],
+    pub twists: [Twist; 2],
+    /// Places over the width of the points of each gear, as slave.
+    pub cells: [Vec<TwistedCell>; 2],
+    /// Points along the profile of a face with their weights; none where points are nodes.
+    pub along: Vec<(f64, f64)>,
+    pub across: usize,
+    /// How far both flanks may leave their twisted profiles at most [m].
+    pub off: f64,
+}
+
+/// A place over the width.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TwistedCell {
+    pub cell: Cell,
+    /// From the section of the slave to its own frame, and from the own frame of the master to its section.
+    from_slave: Turn,
+    to_master: Turn,
+}
+
+/// How sections stand against each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Twist {
+    rack: bool,
+    /// `tau` [rad/m] of a gear, `sigma` of a rack.
+    pub rate: f64,
+}
+
+impl Twist {
+    /// That of the flanks of a gear, by the ends of one in the middle of the profile.
+    fn of(gear: &Flanked) -> Self {
+        let shape = &gear.shapes[0];
+        let row = shape.rows / 2 * shape.columns;
+        let [a, b] = [0, shape.columns - 1].map(|c| shape.positions[row + c]);
+        let height = b.z - a.z;
+        let rate = if gear.rack {
+            (b.y - a.y) / height
+        } else {
+            (a.x * b.y - a.y * b.x).atan2(a.x * b.x + a.y * b.y) / height
+        };
+        Twist {
+            rack: gear.rack,
+            rate,
+        }
+    }
+
+    /// From the section at a height to the own frame.
+    fn section(&self, z: f64) -> Turn {
+        let by = self.rate * z;
+        let (angle, shift) = if self.rack { (0.0, by) } else { (by, 0.0) };
+        Turn {
+            cos: angle.cos(),
+            sin: angle.sin(),
+            shift: Vec2::new(0.0, shift),
+        }
+    }
+
+    /// `d` at a place of a section.
+    #[inline]
+    pub fn drift(&self, x: &Vec2) -> Vec2 {
+        if self.rack {
+            Vec2::new(0.0, self.rate)
+        } else {
+            self.rate * Vec2::new(-x.y, x.x)
+        }
+    }
+}
+
+impl Twisted {
+    /// Twisted profiles of both gears, where their flanks allow it.
+    pub fn new(gears: &[Flanked; 2], rule: &Rule, base_pitch: f64) -> Option<Self> {
+        let rising = |s: &Shape| s.z.is_sorted_by(|a, b| a < b);
+        if !gears.iter().all(|g| g.rigid && g.shapes.iter().all(rising)) {
+            return None;
+        }
+        let twists = [0, 1].map(|k| Twist::of(&gears[k]));
+        let mut off = 0.0;
+        let profiles = [0, 1].map(|k| {
+            let of_shape = |shape: &Shape| {
+                let (profile, own) = twisted(shape, &twists[k], rule, gears[k].rack);
+                (profile, own)
+            };
+            let (profiles, offs): (Vec<_>, Vec<f64>) = gears[k].shapes.iter().map(of_shape).unzip();
+            off += offs.into_iter().fold(0.0, f64::max);
+            profiles
+        });
+        // Beyond any doubt also for what is no number.
+        if off.is_nan() || off > OFF_TWIST * base_pitch {
+            return None;
+        }
+        let of = |k: usize| -> Vec<TwistedCell> {
+            let all = cells(&gears[k].shapes[0], &gears[1 - k].shapes[0], rule, BESIDE);
+            let with_turns = all.into_iter().map(|cell| TwistedCell {
+                cell,
+                from_slave: twists[k].section(cell.z),
+                to_master: twists[1 - k].section(cell.z).inverse(),
+            });
+            with_turns.collect()
+        };
+        // Columns of all flanks of a gear stand at the same heights.
+        let alike = |g: &Flanked| g.shapes.iter().all(|s| s.z == g.shapes[0].z);
+        gears.iter().all(alike).then(|| Twisted {
+            profiles,
+            patches: [0, 1].map(|k| gears[k].shapes.iter().map(Patch::all).collect()),
+            twists,
+            cells: [of(0), of(1)],
+            along: rule.along.clone(),
+            across: rule.across.len(),
+            off,
+        })
+    }
+
+    /// From the section of the slave `k` at each of its cells to that of the master, where `turn` leads from frame to
+    /// frame.
+    pub fn turns(&self, k: usize, turn: &Turn, out: &mut Vec<Turn>) {
+        out.clear();
+        let all = self.cells[k].iter();
+        out.extend(all.map(|c| c.to_master.after(&turn.after(&c.from_slave))));
+    }
+
+    /// What of a gap [m] and of displacements [m] sections may miss.
+    #[inline]
+    pub fn doubt(&self, gap: f64, displacements: f64) -> f64 {
+        self.off + SECOND_ORDER * (gap.abs() + displacements)
+    }
+}
+
+/// The profile of a shape in the section at height zero, and how far the shape leaves it when that is twisted [m].
+fn twisted(shape: &Shape, twist: &Twist, rule: &Rule, rack: bool) -> (Profile, f64) {
+    let untwisted = |row: usize, column: usize, place: [f64; 2]| {
+        let x: Vec3 = shape.undeformed(row, column, place);
+        twist.section(x.z).inverse().point(&x.xy())
+    };
+    let column = (shape.columns - 1) / 2;
+    let profile = Profile::of(shape, rule, rack, |row, a| untwisted(row, column, [a, 0.0]));
+    let mut off = 0.0_f64;
+    for row in 0..shape.rows - 1 {
+        for column in 0..shape.columns - 1 {
+            for a in [0.0, 0.5, 1.0] {
+                for b in [0.0, 0.5, 1.0] {
+                    let x = untwisted(row, column, [a, b]);
+                    off = off.max((x - profile.place(row, a)).norm());
+                }
+            }
+        }
+    }
+    // What projections in a section leave out.
+    let longest = shape.lengths.iter().fold(0.0_f64, |l, x| l.max(*x));
+    (profile, off + NEARLY.powi(3) * longest)
+}

@@ -1,0 +1,447 @@
+//! The search between [twisted](super::twisted) flanks: sections tell which points are wanted, surfaces where they are.
+
+use super::flanked::Near;
+use super::mesh_flanks::MeshFlanks;
+use super::patch::Patch;
+use super::profile::{Profile, Vec2};
+use super::projection::{Begin, Deformed, Fade, MOST_PAST};
+use super::rule::FlankPoint;
+use super::sections::{Cell, Turn};
+use super::spur::{Facing, facing};
+use super::surface::Shape;
+use super::twisted::{Twisted, TwistedCell};
+use crate::Vec3;
+use crate::contact::nodal::{GapBound, GearNodes, NodalParty, NodalPoint, NodalPoints, UNUSED};
+use crate::contact::party::SearchWork;
+use crate::geometry::{Flanks, Side};
+use crate::kinematics::{Pose, Tooth};
+
+/// Buffers; they grow and stay.
+#[derive(Debug, Default)]
+pub(super) struct TwistedScratch {
+    first: Vec<Near>,
+    pairs: Vec<Facing>,
+    /// From the sections of each gear, as slave, to those of the other.
+    turns: [Vec<Turn>; 2],
+    /// Gap that each row of the slave surely has in a section [m], and the master's face it was held against.
+    clear: Vec<(f64, usize)>,
+}
+
+impl Twisted {
+    /// The points of a mesh at a state, `limit` the largest gap that displacements can close.
+    #[allow(clippy::too_many_arguments)]
+    pub fn points(
+        &self,
+        of: &MeshFlanks,
+        mut sides: [NodalParty<'_>; 2],
+        displacements: [f64; 2],
+        limit: f64,
+        buffers: &mut TwistedScratch,
+        gap_bound: &mut GapBound,
+        out: &mut NodalPoints,
+    ) -> SearchWork {
+        let mut work = SearchWork::default();
+        let TwistedScratch {
+            first,
+            pairs,
+            turns,
+            clear,
+        } = buffers;
+        facing(of, displacements, limit, first, pairs);
+        if !pairs.is_empty() {
+            let poses = [0, 1].map(|k| of.gears[k].placement.pose(displacements[k]));
+            let frames = [
+                Turn::between(&poses[0], &poses[1]),
+                Turn::between(&poses[1], &poses[0]),
+            ];
+            for k in 0..2 {
+                self.turns(k, &frames[k], &mut turns[k]);
+            }
+            for (_, a, b, side) in &*pairs {
+                let near = [a, b];
+                work.pairs += 1;
+                work.flanks += 2;
+                for k in (0..2).filter(|k| of.penalty[*k] > 0.0) {
+                    let mut pass = Pass {
+                        twisted: self,
+                        of,
+                        profiles: [0, 1].map(|k| &self.profiles[k][near[k].shape]),
+                        shapes: [0, 1].map(|k| &of.gears[k].shapes[near[k].shape]),
+                        patches: [0, 1].map(|k| &*self.patches[k][near[k].shape]),
+                        s: a.s,
+                        teeth: [0, 1].map(|k| of.tooth(k, near[k])),
+                        side: *side,
+                        k,
+                        poses: &poses,
+                        frame: &frames[k],
+                        limit,
+                        clear: &mut *clear,
+                        sides: &mut sides,
+                        gap_bound: &mut *gap_bound,
+                        out: &mut *out,
+                        work: &mut work,
+                    };
+                    for (cell, turn) in self.cells[k].iter().zip(&turns[k]) {
+                        pass.cell(cell, turn);
+                    }
+                }
+            }
+        }
+        work.nodes = sides.iter().map(|s| s.nodes.nodes.len()).sum();
+        work
+    }
+}
+
+/// Corners of a face among the nodes of its gear, with their displacements.
+#[derive(Clone, Copy)]
+struct Corners {
+    face: (usize, usize),
+    slots: [u32; 4],
+    displacements: [f64; 4],
+}
+
+impl Corners {
+    /// Those of a face; none without a field.
+    #[inline]
+    fn of(side: &mut NodalParty<'_>, shape: &Shape, row: usize, column: usize) -> Self {
+        let Some(field) = side.field else {
+            return Corners {
+                face: (row, column),
+                slots: [UNUSED; 4],
+                displacements: [0.0; 4],
+            };
+        };
+        let nodes = shape.corners(row, column);
+        let slots = side.nodes.meet(field, side.party.at, &nodes);
+        Corners {
+            face: (row, column),
+            slots,
+            displacements: GearNodes::at(&side.nodes.displacement, &slots),
+        }
+    }
+
+    #[inline]
+    fn highest(&self) -> f64 {
+        let [a, b, c, d] = self.displacements;
+        a.max(b).max(c.max(d))
+    }
+
+    #[inline]
+    fn at(&self, w: &[f64; 4]) -> f64 {
+        let a = &self.displacements;
+        w[0] * a[0] + w[1] * a[1] + w[2] * a[2] + w[3] * a[3]
+    }
+}
+
+/// Bilinear weights of the corners of a face.
+#[inline]
+fn weights(a: f64, b: f64) -> [f64; 4] {
+    Flanks::weights([2.0 * a - 1.0, 2.0 * b - 1.0])
+}
+
+/// A face of the slave at a place over the width.
+struct FaceOf<'a> {
+    row: usize,
+    cell: &'a Cell,
+    turn: &'a Turn,
+    of_slave: Corners,
+    /// Of the face of the master that the last point faced.
+    of_master: Corners,
+    /// What displacements may close there at most [m].
+    rise: f64,
+    /// Where the next point is looked for.
+    master_face: usize,
+}
+
+/// Points of the slave `k` of a pair of flanks against the other.
+struct Pass<'a, 'b> {
+    twisted: &'a Twisted,
+    of: &'a MeshFlanks,
+    profiles: [&'a Profile; 2],
+    shapes: [&'a Shape; 2],
+    patches: [&'a [Patch]; 2],
+    /// Path coordinate of the first gear's flank at height zero [m].
+    s: f64,
+    teeth: [Tooth; 2],
+    side: Side,
+    k: usize,
+    poses: &'a [Pose; 2],
+    /// From the slave's frame to the master's.
+    frame: &'a Turn,
+    limit: f64,
+    clear: &'a mut Vec<(f64, usize)>,
+    sides: &'a mut [NodalParty<'b>; 2],
+    gap_bound: &'a mut GapBound,
+    out: &'a mut NodalPoints,
+    work: &'a mut SearchWork,
+}
+
+impl<'a> Pass<'a, '_> {
+    /// A gap in space that a gap in a section stands for at least.
+    #[inline]
+    fn in_space(&self, gap: f64) -> f64 {
+        let along = if gap > 0.0 {
+            self.of.helix_cos * gap
+        } else {
+            gap
+        };
+        along - self.twisted.doubt(along, 0.0)
+    }
+
+    /// The place on the slave's profile that faces the master best: where the line of action crosses it, or, where it
+    /// leaves a flank, the end of that flank.
+    fn start(&self, z: f64, turn: &Turn) -> Vec2 {
+        let (first, second) = (self.profiles[0], self.profiles[1]);
+        let rb = self.of.gears[0].base_radius.unwrap_or(0.0);
+        let s = self.s + self.side.sign() * rb * self.twisted.twists[0].rate * z;
+        let back = turn.inverse();
+        let [to_second, to_first] = if self.k == 0 {
+            [turn, &back]
+        } else {
+            [&back, turn]
+        };
+        let x = first.at_height(rb * rb + s.max(0.0).powi(2));
+        let height = second.height(&to_second.point(&x));
+        if self.k == 1 {
+            return second.at_height(height);
+        }
+        if second.reaches(height) {
+            return x;
+        }
+        let y = second.at_height(height);
+        first.at_height(first.height(&to_first.point(&y)))
+    }
+
+    /// Points at a place over the width: rows from the best place outwards, until they stand off.
+    fn cell(&mut self, cell: &TwistedCell, turn: &Turn) {
+        let (slave, master) = (self.profiles[self.k], self.profiles[1 - self.k]);
+        let chord_bound = &self.shapes[self.k].chord_bound;
+        let start = self.start(cell.cell.z, turn);
+        let height = slave.height(&start);
+        let (middle, _) = slave.row_at(height, slave.near(height));
+        let mut from = master.near(master.height(&turn.point(&start)));
+        self.clear.clear();
+        self.clear.resize(slave.faces() + 1, (f64::INFINITY, 0));
+        let mut look = |row: usize| {
+            let (gap, face) = master.clearance(&turn.point(&slave.knots[row]), from);
+            from = face;
+            let gap = self.in_space(gap);
+            self.clear[row] = (gap, face);
+            gap <= self.limit + chord_bound[row.min(chord_bound.len() - 1)]
+        };
+        let (mut low, mut high) = (middle, middle + 1);
+        let mut on = look(low);
+        while on && low > 0 {
+            low -= 1;
+            on = look(low);
+        }
+        let mut on = look(high);
+        while on && high < slave.faces() {
+            high += 1;
+            on = look(high);
+        }
+        let place = slave.row_at(height, middle).1;
+        self.face(middle, place, cell, turn);
+        for row in (low..high).filter(|row| *row != middle) {
+            let from = if row < middle { 1.0 } else { 0.0 };
+            self.face(row, from, cell, turn);
+        }
+    }
+
+    /// Points of a face of the slave at a place over the width, outwards from the one that is nearest.
+    fn face(&mut self, row: usize, from: f64, cell: &TwistedCell, turn: &Turn) {
+        let (k, m) = (self.k, 1 - self.k);
+        let (s_shape, m_shape) = (self.shapes[k], self.shapes[m]);
+        let cell = &cell.cell;
+        let (c0, c1) = (self.clear[row], self.clear[row + 1]);
+        let least = c0.0.min(c1.0) - s_shape.chord_bound[row];
+        if least > self.limit {
+            return;
+        }
+        // With the displacements at hand the face may stand off.
+        let of_slave = Corners::of(&mut self.sides[k], s_shape, row, cell.column);
+        let mut rise = of_slave.highest();
+        if self.sides[m].field.is_some() {
+            let mut highest = f64::NEG_INFINITY;
+            for face in c0.1.min(c1.1)..=c0.1.max(c1.1) {
+                let corners = Corners::of(&mut self.sides[m], m_shape, face, cell.on);
+                highest = highest.max(corners.highest());
+            }
+            rise += highest;
+        }
+        if least - rise > self.gap_bound.gap() {
+            return;
+        }
+        let count = match self.twisted.along.len() {
+            0 => 1 + usize::from(row + 2 == s_shape.rows),
+            count => count,
+        };
+        let mut on = FaceOf {
+            row,
+            cell,
+            turn,
+            of_slave,
+            rise,
+            of_master: Corners::of(&mut self.sides[m], m_shape, c0.1, cell.on),
+            master_face: c0.1,
+        };
+        // Along a convex flank the gap grows outwards.
+        let middle = ((from * count as f64) as usize).min(count);
+        for i in middle..count {
+            if !self.may_touch(&mut on, i, count) {
+                break;
+            }
+        }
+        for i in (0..middle).rev() {
+            if !self.may_touch(&mut on, i, count) {
+                break;
+            }
+        }
+    }
+
+    /// Looks at point `i` of so many of a face; false where that and all further out stand off.
+    #[inline]
+    fn may_touch(&mut self, on: &mut FaceOf<'_>, i: usize, count: usize) -> bool {
+        let (twisted, k, m) = (self.twisted, self.k, 1 - self.k);
+        let (slave, master) = (self.profiles[k], self.profiles[m]);
+        let (s_shape, m_shape) = (self.shapes[k], self.shapes[m]);
+        let (row, cell) = (on.row, on.cell);
+        let nodes = twisted.along.is_empty();
+        let (at, a, length) = if nodes {
+            let below = s_shape.lengths[(row + i).saturating_sub(1)];
+            let above = s_shape.lengths[(row + i).min(row)];
+            (row + i, i as f64, 0.5 * (below + above))
+        } else {
+            let (a, w) = twisted.along[i];
+            (row * count + i, a, w * s_shape.lengths[row])
+        };
+        self.work.points += 1;
+        let x = on.turn.point(&slave.points[at]);
+        let (face, place) = master.row_at(master.height(&x), on.master_face);
+        on.master_face = face;
+        if !(-1.0..=2.0).contains(&place) {
+            return true;
+        }
+        let tip = m_shape.lengths[m_shape.lengths.len() - 1];
+        let past = (0.5 * length / tip).min(MOST_PAST);
+        let s_weights = weights(a, cell.b);
+        // Where the projection in the section leaves the flank the one in space decides.
+        let mut begin = Begin {
+            row: face,
+            column: cell.on,
+            place: [place, cell.b_on],
+        };
+        if let Some(foot) = master.project_nearly(&x, face, place, past) {
+            let drift = twisted.twists[m].drift(&(x - foot.gap * foot.normal));
+            let w = -foot.normal.dot(&drift);
+            let cos2 = (1.0 + w * w).recip();
+            let gap = cos2.sqrt() * foot.gap;
+            let doubt = twisted.doubt(gap, on.rise.abs());
+            if gap - doubt > self.limit || gap - on.rise - doubt > self.gap_bound.gap() {
+                return false;
+            }
+            if on.of_master.face != (foot.row, cell.on) {
+                on.of_master = Corners::of(&mut self.sides[m], m_shape, foot.row, cell.on);
+            }
+            let of_master = &on.of_master;
+            let m_weights = weights(foot.a, cell.b_on);
+            let (up, down) = (on.of_slave.at(&s_weights), of_master.at(&m_weights));
+            let doubt = twisted.doubt(gap, up.abs() + down.abs());
+            if gap - up - down - doubt > self.gap_bound.gap() {
+                return true;
+            }
+            let along = foot.gap * w * cos2;
+            let width = m_shape.z[cell.on + 1] - m_shape.z[cell.on];
+            begin.row = foot.row;
+            begin.place = [
+                foot.a + along * foot.sensitivity.dot(&drift),
+                cell.b_on - along / width,
+            ];
+        }
+        let area = if nodes {
+            s_shape.areas[(row + i) * s_shape.columns + cell.index]
+        } else {
+            let face = row * (s_shape.columns - 1) + cell.column;
+            s_shape.areas[(face * count + i) * twisted.across + cell.index]
+        };
+        let point = FlankPoint {
+            row,
+            column: cell.column,
+            a,
+            b: cell.b,
+            area,
+            length,
+        };
+        self.point(&point, &s_weights, on, begin, past);
+        true
+    }
+
+    /// A point held against the surface of the master, all in the master's own frame.
+    fn point(
+        &mut self,
+        p: &FlankPoint,
+        s_weights: &[f64; 4],
+        on: &mut FaceOf<'_>,
+        begin: Begin,
+        past: f64,
+    ) {
+        let (k, m) = (self.k, 1 - self.k);
+        let (s_shape, m_shape) = (self.shapes[k], self.shapes[m]);
+        self.work.projections += 1;
+        let own = self.patches[k][p.row * (s_shape.columns - 1) + p.column].position(p.a, p.b);
+        let on_master = self.frame.point(&own.xy());
+        let x = Vec3::new(on_master.x, on_master.y, own.z);
+        let surface = Deformed {
+            shape: m_shape,
+            x: &m_shape.positions,
+            pose: &Pose::STILL,
+            patches: Some(self.patches[m]),
+        };
+        let Some(hit) = surface.project(&x, begin, past) else {
+            return;
+        };
+        if hit.gap > self.limit {
+            return;
+        }
+        let (place, gradient) = self.profiles[m].tip_place(&on_master);
+        let pose = &self.poses[m];
+        let gradient = pose.turn(&Vec3::new(gradient.x, gradient.y, 0.0));
+        let Some(fade) = Fade::new((place, gradient), past) else {
+            return;
+        };
+        if on.of_master.face != (hit.row, hit.column) {
+            on.of_master = Corners::of(&mut self.sides[m], m_shape, hit.row, hit.column);
+        }
+        let (of_slave, of_master) = (&on.of_slave, &on.of_master);
+        let m_weights = weights(hit.a, hit.b);
+        let gap0 = hit.gap - of_slave.at(s_weights) - of_master.at(&m_weights);
+        if !self.gap_bound.takes(gap0) {
+            return;
+        }
+        let (slots, weights) = if k == 0 {
+            ([of_slave.slots, of_master.slots], [*s_weights, m_weights])
+        } else {
+            ([of_master.slots, of_slave.slots], [m_weights, *s_weights])
+        };
+        let mut point = NodalPoint {
+            mesh: 0,
+            slot: u8::from(self.side == Side::Right),
+            slave: k as u8,
+            partner: None,
+            line: None,
+            teeth: self.teeth,
+            x: self.poses[k].point(&own),
+            normal: pose.turn(&hit.normal),
+            sensitivity: surface.sensitivity(&x, &hit).map(|e| pose.turn(&e)),
+            place: [hit.a, hit.b],
+            slots,
+            weights,
+            gap0,
+            stiffness: self.of.penalty[k] * p.area,
+            share: self.of.share(k, p.area),
+            fading: Vec3::zeros(),
+        };
+        self.of.fade(&mut point, &fade);
+        self.out.points.push(point);
+    }
+}
