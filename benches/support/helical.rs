@@ -24,7 +24,7 @@ pub fn scene(helix: f64, motion: Motion, label: &str) -> (Scene, f64) {
         Motion::Impact => (0.0, 0.0),
         Motion::Load(torque) => (torque, -20.0 * 2.0 / 3.0),
     };
-    let mut text = include_str!("helical.toml").to_string();
+    let mut text = include_str!("helical_scene.txt").to_string();
     for (word, x) in [
         ("-HELIX", -helix),
         ("HELIX", helix),

@@ -32,7 +32,7 @@ fn a_helical_scene_is_of_its_own_reference_alone() {
         ),
         (
             "case-a-fine",
-            "helix angle of `wheel` -15 degrees (reference: 0)",
+            "helix angle of `wheel` −15 degrees (reference: 0)",
         ),
     ] {
         let other = format!("reference = \"calculix/{other}\"");
