@@ -231,9 +231,13 @@ mod tests {
                     1e-12,
                 );
             }
-            // Chords open the gap; a tilt closes it at one end of the width.
-            let tilt = |g: &GearData| Vec3::from(g.tilt).norm();
-            let closed = p.gears.iter().map(tilt).sum::<f64>() * 0.5 * p.face_width;
+            // Chords open the gap. A tilt closes it at one end of the width, and moves helical flanks along the axis by
+            // what the contact lies along the line of action from the middle of the gear.
+            let tilt = |g: &GearData| {
+                let line = p.centre_distance * p.working_pressure_angle.sin();
+                Vec3::from(g.tilt).norm() * (0.5 * p.face_width + line * base_helix(g).tan().abs())
+            };
+            let closed = p.gears.iter().map(tilt).sum::<f64>();
             let opened = p.gap_effective - (p.gap_exact - closed);
             assert!(opened > 0.0 && p.gap_effective < 2e-5, "{}", r.id);
             assert_eq!(r.deck[..2], [0x1f, 0x8b], "a gzip file");
