@@ -10,8 +10,8 @@
 //! ```
 //!
 //! which lies in the transverse plane, square to the line of action (sin(alpha_wt), cos(alpha_wt), 0): flanks open by
-//! TILT z. The turn about the line of action itself would open nothing. `reference/calculix/own_deck.sh OUT.inp` runs
-//! CalculiX on the result.
+//! TILT z, and close all over by TILT times the length of roll of gear 2 and tan(beta_b), for they shift along the axis.
+//! `reference/calculix/own_deck.sh OUT.inp` runs CalculiX on the result.
 
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{Gear, GearParams, Side};

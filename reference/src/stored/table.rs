@@ -231,13 +231,16 @@ mod tests {
                     1e-12,
                 );
             }
-            // Chords open the gap. A tilt closes it at one end of the width, and moves helical flanks along the axis by
-            // what the contact lies along the line of action from the middle of the gear.
-            let tilt = |g: &GearData| {
-                let line = p.centre_distance * p.working_pressure_angle.sin();
-                Vec3::from(g.tilt).norm() * (0.5 * p.face_width + line * base_helix(g).tan().abs())
+            // Chords open the gap; a tilt closes it at one end of the width, and by the helix where it shifts the
+            // flank along the axis, in proportion to the length of roll.
+            let roll: f64 = p.gears.iter().map(|g| g.base_radius).sum::<f64>()
+                * p.working_pressure_angle.tan()
+                - p.path_coordinate;
+            let closing = |g: &GearData| {
+                let shift = roll * base_helix(g).tan().abs();
+                Vec3::from(g.tilt).norm() * (0.5 * p.face_width + shift)
             };
-            let closed = p.gears.iter().map(tilt).sum::<f64>();
+            let closed: f64 = p.gears.iter().map(closing).sum();
             let opened = p.gap_effective - (p.gap_exact - closed);
             assert!(opened > 0.0 && p.gap_effective < 2e-5, "{}", r.id);
             assert_eq!(r.deck[..2], [0x1f, 0x8b], "a gzip file");
