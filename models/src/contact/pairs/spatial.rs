@@ -30,10 +30,14 @@
 //! d rho_2 = (r_b2/rho_2 e_2 + sigma a_2 x e_2) . e_1 rho_1/r_b1 d rho_1 - (r_b2/rho_2 e_2 + sigma tan(beta_2) a_2) . v
 //! ```
 
+mod flanks;
+
+use super::lines::{Line, LinesOfAction, Mover, PairState};
 use crate::Vec3;
-use crate::geometry::{Gear, Rack, Side};
-use crate::kinematics::HubFrame;
-use std::f64::consts::{PI, TAU};
+use crate::geometry::Side;
+use crate::kinematics::{HubFrame, Tooth};
+use flanks::Near;
+pub use flanks::{FlankForm, Helicoid, Plane};
 
 /// Corrections of the length of roll.
 const MAX_CORRECTIONS: usize = 40;
@@ -47,50 +51,6 @@ const FAR: f64 = 5e-3;
 
 /// Least length of roll, over the base pitch: nearer to the base circle no flank is looked at.
 const LEAST_ROLL: f64 = 0.01;
-
-/// A flank of a tooth at the angle zero (place zero of a rack), in the axes of its hub.
-#[derive(Clone, Debug)]
-pub enum FlankForm {
-    /// An involute helicoid.
-    Involute(Box<Helicoid>),
-    /// The plane of a rack.
-    Plane(Plane),
-}
-
-/// An involute helicoid and what is removed from it.
-#[derive(Clone, Debug)]
-pub struct Helicoid {
-    gear: Gear,
-    base_radius: f64,
-    tan_helix: f64,
-    cos_helix: f64,
-    half_angle: f64,
-    tip: f64,
-    modified: bool,
-}
-
-/// The flank of a rack.
-#[derive(Clone, Copy, Debug)]
-pub struct Plane {
-    tan_pressure: f64,
-    tan_helix: f64,
-    /// Distance over the distance along the slide.
-    cos: f64,
-    half_thickness: f64,
-    tip: f64,
-}
-
-/// A point near a flank.
-#[derive(Clone, Copy, Debug)]
-struct Near {
-    /// Distance along the normal, outward positive, removed material included [m].
-    distance: f64,
-    /// Its gradient, in the axes of the hub.
-    gradient: Vec3,
-    /// Length of roll [m] (height over the reference line of a rack), and the base radius through the tangent point.
-    roll: f64,
-    base: Vec3,
-}
 
 /// Where the flanks of a slice come nearest.
 #[derive(Clone, Copy, Debug)]
@@ -121,143 +81,6 @@ pub struct Spatial {
     pub base_pitch: f64,
     /// Angle (place on the slide) of tooth 0 of both gears at the assembled position.
     pub phases: [f64; 2],
-}
-
-/// Angle in (-pi, pi].
-fn wrapped(angle: f64) -> f64 {
-    if angle.abs() <= PI {
-        angle
-    } else {
-        angle - TAU * (angle / TAU).round()
-    }
-}
-
-impl Helicoid {
-    /// Of a gear.
-    pub fn new(gear: &Gear) -> Self {
-        let helix = gear.base_helix_angle();
-        Helicoid {
-            base_radius: gear.r_base(),
-            tan_helix: helix.tan(),
-            cos_helix: helix.cos(),
-            half_angle: gear.half_angle_base(),
-            tip: gear.roll_length_tip(),
-            modified: !gear.params().modifications.is_none() || gear.deviates(),
-            gear: gear.clone(),
-        }
-    }
-
-    /// Material removed at a roll and height [m], and its slopes.
-    fn removed(&self, tooth: i64, side: Side, roll: f64, z: f64) -> [f64; 3] {
-        if !self.modified {
-            return [0.0; 3];
-        }
-        let half = 0.5 * self.gear.face_width();
-        let of = |roll: f64, z: f64| {
-            let radius = self.base_radius.hypot(roll);
-            self.gear.flank_deviation(radius, z / half)
-        };
-        // Second differences of smooth modifications are exact enough at a thousandth of their lengths.
-        let (h, w) = (1e-4 * self.tip, 1e-3 * half);
-        let [own, slope, _] = self.gear.tooth_deviation_at_roll(tooth, side, roll);
-        [
-            of(roll, z) + own,
-            0.5 * (of(roll + h, z) - of(roll - h, z)) / h + slope,
-            0.5 * (of(roll, z + w) - of(roll, z - w)) / w,
-        ]
-    }
-
-    /// The point of the transverse section at `z`, and the direction of its base radius.
-    fn point(&self, side: Side, psi: f64, roll: f64, z: f64) -> (Vec3, Vec3) {
-        let sigma = side.sign();
-        let rb = self.base_radius;
-        let tau = psi + z * self.tan_helix / rb + sigma * (self.half_angle - roll / rb);
-        let (sin, cos) = tau.sin_cos();
-        let along = sigma * roll;
-        let x = Vec3::new(rb * cos - along * sin, rb * sin + along * cos, z);
-        (x, Vec3::new(cos, sin, 0.0))
-    }
-
-    /// The same without the distance, which takes most of the time.
-    fn directed(&self, side: Side, p: &Vec3) -> Near {
-        let (sigma, rb) = (side.sign(), self.base_radius);
-        let square = p.x * p.x + p.y * p.y;
-        let roll = (square - rb * rb).max(0.0).sqrt();
-        let (c, s) = (
-            (rb * p.x + sigma * roll * p.y) / square,
-            (rb * p.y - sigma * roll * p.x) / square,
-        );
-        Near {
-            distance: 0.0,
-            gradient: sigma * self.cos_helix * Vec3::new(-s, c, -self.tan_helix),
-            roll,
-            base: Vec3::new(c, s, 0.0),
-        }
-    }
-
-    fn near(&self, (tooth, side, psi): (i64, Side, f64), p: &Vec3, exact: bool) -> Near {
-        let (sigma, rb) = (side.sign(), self.base_radius);
-        let mut near = self.directed(side, p);
-        let roll = near.roll;
-        let ahead = psi + p.z * self.tan_helix / rb - near.base.y.atan2(near.base.x);
-        let angle = wrapped(ahead - sigma * (roll / rb - self.half_angle));
-        near.distance = -sigma * rb * angle * self.cos_helix;
-        if exact && self.modified && roll > 0.0 {
-            let [e, by_roll, by_z] = self.removed(tooth, side, roll, p.z);
-            near.distance += e;
-            near.gradient += Vec3::new(by_roll * p.x / roll, by_roll * p.y / roll, by_z);
-        }
-        near
-    }
-}
-
-impl Plane {
-    /// Of a rack.
-    pub fn new(rack: &Rack, tip: f64) -> Self {
-        let (alpha, helix) = (rack.transverse_pressure_angle(), rack.base_helix_angle());
-        Plane {
-            tan_pressure: alpha.tan(),
-            // Seen from the teeth a right-handed rack leans back along its slide.
-            tan_helix: -helix.tan() / alpha.cos(),
-            cos: alpha.cos() * helix.cos(),
-            half_thickness: rack.half_thickness_reference(),
-            tip,
-        }
-    }
-
-    fn near(&self, side: Side, psi: f64, p: &Vec3) -> Near {
-        let sigma = side.sign();
-        let off = p.x - psi - p.z * self.tan_helix;
-        let distance = -sigma * off - self.half_thickness + p.y * self.tan_pressure;
-        let gradient = Vec3::new(-sigma, self.tan_pressure, sigma * self.tan_helix);
-        Near {
-            distance: self.cos * distance,
-            gradient: self.cos * gradient,
-            roll: p.y,
-            base: Vec3::zeros(),
-        }
-    }
-}
-
-impl FlankForm {
-    fn near(&self, tooth: (i64, Side, f64), p: &Vec3, exact: bool) -> Near {
-        match self {
-            FlankForm::Involute(helicoid) => helicoid.near(tooth, p, exact),
-            FlankForm::Plane(plane) => plane.near(tooth.1, tooth.2, p),
-        }
-    }
-
-    fn is_modified(&self) -> bool {
-        matches!(self, FlankForm::Involute(h) if h.modified)
-    }
-
-    /// Whether a length of roll (height) lies beyond the tip.
-    fn is_beyond(&self, roll: f64) -> bool {
-        match self {
-            FlankForm::Involute(h) => roll > h.tip,
-            FlankForm::Plane(p) => roll > p.tip,
-        }
-    }
 }
 
 impl Spatial {
@@ -497,5 +320,38 @@ impl Spatial {
         let still = lever * of_mate + sigma * other.tan_helix * axis;
         let foot = [along * own_roll[0] - still, along * own_roll[1]];
         [0, 1].map(|k| 0.5 * (own_roll[k] - foot[k]))
+    }
+}
+
+impl LinesOfAction {
+    /// Where a pair stands: its teeth, lengths of roll and gap, by path coordinates that only tell how far its teeth have
+    /// turned.
+    pub(super) fn pair_in_space(
+        &self,
+        spatial: &Spatial,
+        line: &Line,
+        movers: [&Mover<'_>; 2],
+        teeth: [Tooth; 2],
+        s: [f64; 2],
+    ) -> PairState {
+        let frames = movers.map(Mover::frame);
+        // Where the maps of the line have teeth turned to.
+        let angles = [0, 1].map(|k| {
+            let map = &line.map[k];
+            let first = self.teeth(line.side, 0)[k].index as f64 * self.mesh.views[k].pitch;
+            let turned = (s[k] - map.at_zero) / map.per_displacement - frames[k].1;
+            (teeth[k].index, spatial.phases[k] + first + turned)
+        });
+        let z = self.slices[line.slice].z;
+        let guess = s[spatial.sliced];
+        let touch = spatial.touch(line.side, z, [&frames[0].0, &frames[1].0], angles, guess);
+        PairState {
+            teeth,
+            s: touch.roll,
+            gap: touch.gap,
+            scale: [1.0; 2],
+            curvature: [0.0; 2],
+            touch: Some(touch),
+        }
     }
 }

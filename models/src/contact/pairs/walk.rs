@@ -1,7 +1,6 @@
 //! Along the lines of action: teeth, path coordinates, gaps and candidates of consecutive pairs.
 
 use super::lines::{Displacements, Line, LinesOfAction, Mover, PairState, side_index};
-use super::spatial::Spatial;
 use crate::contact::candidate::Candidate;
 use crate::contact::party::Wanted;
 use crate::geometry::Side;
@@ -153,36 +152,6 @@ impl LinesOfAction {
             self.separate(line, &mut p);
         }
         p
-    }
-
-    /// The same of flanks in space.
-    fn pair_in_space(
-        &self,
-        spatial: &Spatial,
-        line: &Line,
-        movers: [&Mover<'_>; 2],
-        teeth: [Tooth; 2],
-        s: [f64; 2],
-    ) -> PairState {
-        let frames = movers.map(Mover::frame);
-        // Where the maps of the line have teeth turned to.
-        let angles = [0, 1].map(|k| {
-            let map = &line.map[k];
-            let first = self.teeth(line.side, 0)[k].index as f64 * self.mesh.views[k].pitch;
-            let turned = (s[k] - map.at_zero) / map.per_displacement - frames[k].1;
-            (teeth[k].index, spatial.phases[k] + first + turned)
-        });
-        let z = self.slices[line.slice].z;
-        let guess = s[spatial.sliced];
-        let touch = spatial.touch(line.side, z, [&frames[0].0, &frames[1].0], angles, guess);
-        PairState {
-            teeth,
-            s: touch.roll,
-            gap: touch.gap,
-            scale: [1.0; 2],
-            curvature: [0.0; 2],
-            touch: Some(touch),
-        }
     }
 
     /// Adds what the flanks of a pair stand off their involutes.
