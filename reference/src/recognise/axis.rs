@@ -63,7 +63,7 @@ pub(crate) fn across(d: Vec3) -> [Vec3; 2] {
 }
 
 impl Axis {
-    /// [`across`] its direction.
+    /// Two unit vectors across it.
     pub fn across(&self) -> [Vec3; 2] {
         across(self.direction)
     }
