@@ -158,7 +158,8 @@ pub fn histories(job: &Job<'_>, scene: &Scene, history: &History) -> Histories {
             }
         }
         if spec.gears[g].lateral.is_some() {
-            (OfGear::LATERAL.iter()).for_each(|what| add(Channel::Gear(g, *what)));
+            add(Channel::Gear(g, OfGear::BearingZ));
+            (OfGear::aside().iter()).for_each(|what| add(Channel::Gear(g, *what)));
         }
     }
     if !job.torques {

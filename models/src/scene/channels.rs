@@ -119,15 +119,10 @@ impl OfGear {
         OfGear::TiltY,
     ];
 
-    /// Those of a hub that moves sideways.
-    pub const LATERAL: [OfGear; 6] = [
-        OfGear::BearingZ,
-        OfGear::ShiftX,
-        OfGear::ShiftY,
-        OfGear::ShiftZ,
-        OfGear::TiltX,
-        OfGear::TiltY,
-    ];
+    /// How far a hub is aside, in the order of its first five directions.
+    pub fn aside() -> &'static [OfGear] {
+        &Self::ALL[OfGear::ShiftX as usize..]
+    }
 
     fn name(self) -> &'static str {
         match self {

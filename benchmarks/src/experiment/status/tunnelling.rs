@@ -29,15 +29,6 @@ const GRAZE: f64 = 0.01;
 /// Change of speed beyond what loads make, over the change, that shows a force.
 const FELT: f64 = 0.25;
 
-/// Channels of the directions of a hub beside the turn.
-const SIDEWAYS: [OfGear; 5] = [
-    OfGear::ShiftX,
-    OfGear::ShiftY,
-    OfGear::ShiftZ,
-    OfGear::TiltX,
-    OfGear::TiltY,
-];
-
 /// A mesh as rigid geometry.
 struct Pair {
     hubs: [(Hub, Range<usize>); 2],
@@ -50,7 +41,7 @@ struct Pair {
     module: f64,
     displacement: [usize; 2],
     /// Channels of the lateral directions, the first five.
-    sideways: [[usize; 5]; 2],
+    sideways: [Vec<usize>; 2],
     force: usize,
     /// Change of the approach's rate by loads alone [m/s^2], from the last step without contact.
     free: Option<f64>,
@@ -133,7 +124,8 @@ impl TunnellingDetector {
                     module: gear.params().module,
                     displacement: [displacement(mesh.gears[0])?, displacement(mesh.gears[1])?],
                     sideways: mesh.gears.map(|i| {
-                        SIDEWAYS.map(|what| scene.channel(Channel::Gear(i, what)).unwrap_or(0))
+                        let channels = OfGear::aside().iter().map(|what| Channel::Gear(i, *what));
+                        channels.filter_map(|c| scene.channel(c)).collect()
                     }),
                     force: scene.channel(Channel::Mesh(m, OfMesh::Force))?,
                     free: None,
