@@ -10,11 +10,12 @@ use gearbench_models::Vec3;
 use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
-use gearbench_models::gear::elastic::reduced::{FlankCompliance, Reduced, Residual};
+use gearbench_models::gear::elastic::reduced::{FlankCompliance, LateralShapes, Reduced, Residual};
 use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::geometry::Side;
-use gearbench_models::spec::Body;
+use gearbench_models::kinematics::Lateral;
+use gearbench_models::spec::{Body, Freedom};
 use std::sync::Arc;
 
 /// The model.
@@ -58,7 +59,7 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
     let softness = number(context, "softness_m_per_n", 3e-9);
     let local = number(context, "residual_m_per_n", 2e-9);
     let spread = number(context, "spread_m", 5e-4);
-    let free = context.hub.coordinates() > 0;
+    let free = context.hub.is_free();
     let teeth = flanks.grids().len() / 2;
     let omega: Vec<f64> = (0..modes)
         .map(|i| 1e5 * (1.0 + 19.0 * i as f64 / modes as f64))
@@ -161,6 +162,30 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
         residual,
         near_field: None,
         integrals: None,
+        lateral: (context.hub.lateral.as_ref()).map(|l| Arc::new(lateral_shapes(l, modes))),
+    }
+}
+
+/// Shapes of a hub that is free beside its turn, on the body of the scene.
+fn lateral_shapes(lateral: &Lateral, modes: usize) -> LateralShapes {
+    let free = [0, 1, 2, 3, 4, 5].map(|d| lateral.directions[d] == Freedom::Free);
+    let of_mode = |i: usize| {
+        let at = |d: usize| {
+            if free[d] {
+                (1.3 * (i + 2 * d) as f64).sin()
+            } else {
+                0.0
+            }
+        };
+        [0, 1, 2, 3, 4, 5].map(|d| if d < 3 { 0.05 } else { 2.0 } * at(d))
+    };
+    let inertia = &lateral.body.inertia;
+    LateralShapes {
+        free,
+        hub: (0..modes).map(of_mode).collect(),
+        mass: lateral.body.mass,
+        centre: [0.0; 3],
+        inertia: std::array::from_fn(|i| inertia[(i / 3, i % 3)]),
     }
 }
 

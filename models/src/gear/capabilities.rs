@@ -101,8 +101,8 @@ pub trait LinearMotion {
     }
 
     /// Adds what of the internal forces is not its [`Self::oscillators`]: the inertia of its own coordinates where the
-    /// hub's motion is prescribed.
-    fn add_inertia_force(&self, _t: f64, _f: &mut [f64]) {}
+    /// hub's motion is prescribed, what couples them with a bearing.
+    fn add_other_forces(&self, _at: At<'_>, _f: &mut [f64]) {}
 
     /// A method lets the [`Self::oscillators`] give less than `1/omega^2` to forces that last, by so much per unit of
     /// acceleration [s^2]; gears with a residual compliance give the remainder by it. `None`: nothing is left out.

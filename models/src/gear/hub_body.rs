@@ -148,7 +148,8 @@ impl HubBody {
     pub fn add_load(&self, load: f64, f: &mut [f64]) {
         if self.is_free() {
             f[0] += load;
-            for (f, h) in f[1..].iter_mut().zip(&self.hub_shapes) {
+            let first = self.first();
+            for (f, h) in f[first..].iter_mut().zip(&self.hub_shapes) {
                 *f += h * load;
             }
         }

@@ -10,7 +10,7 @@ use super::capabilities::{
 };
 use super::hub_body::{HubBody, HubState};
 use crate::Vec3;
-use crate::kinematics::{Point, Row, Wrench};
+use crate::kinematics::{Motion, Point, Row, Wrench};
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 
@@ -87,6 +87,11 @@ pub trait GearModel {
     /// Hub motion and momentum of the whole gear.
     fn hub_state(&self, at: At<'_>) -> HubState {
         self.hub().state(at)
+    }
+
+    /// Where the hub is in its six directions and how fast.
+    fn hub_motion(&self, at: At<'_>) -> Motion {
+        self.hub().motion(at.t, at.q, at.v)
     }
 
     /// What the mount exerts on the gear: by Newton's law the rate of its momentum less the `contact` forces. `forces`

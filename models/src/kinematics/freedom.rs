@@ -159,7 +159,8 @@ impl Lateral {
     /// Angular frequencies and damping ratios of the directions; `None` where these are coupled, or do not swing.
     pub fn oscillators(&self, own: usize) -> Option<Vec<[f64; 2]>> {
         let b = &self.bearing;
-        if self.spins || b.clearance > 0.0 {
+        let turns = b.stiffness[own][own] != 0.0 || b.damping[own][own] != 0.0;
+        if self.spins || b.clearance > 0.0 || turns {
             return None;
         }
         let masses = self.masses();
@@ -240,34 +241,17 @@ impl Lateral {
     /// Change of [`Self::forces`] along changes of place and rate: by central differences, which are exact for a bearing
     /// without play.
     pub fn force_change(&self, m: &Motion, along: &Motion) -> [f64; 6] {
-        let mut change = [0.0; 6];
-        let largest = |x: &[f64; 6]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let parts = [
-            (&along.x, &[0.0; 6], 1e-7 / largest(&along.x)),
-            (
-                &[0.0; 6],
-                &along.v,
-                1e-4 * (1.0 + largest(&m.v)) / largest(&along.v),
-            ),
-        ];
-        for (dx, dv, h) in parts {
-            if !h.is_finite() {
-                continue;
-            }
-            let of = |h: f64| {
-                let mut moved = *m;
-                for d in 0..6 {
-                    moved.x[d] += h * dx[d];
-                    moved.v[d] += h * dv[d];
-                }
-                self.forces(&moved)
-            };
-            let (up, down) = (of(h), of(-h));
-            for d in 0..6 {
-                change[d] += 0.5 * (up[d] - down[d]) / h;
-            }
-        }
-        change
+        change_of(|m| self.forces(m), m, along)
+    }
+
+    /// The same of [`Self::bearing_forces`].
+    pub fn bearing_change(&self, m: &Motion, along: &Motion) -> [f64; 6] {
+        change_of(|m| self.bearing_forces(m), m, along)
+    }
+
+    /// The same of [`Self::spin_forces`].
+    pub fn spin_change(&self, m: &Motion, along: &Motion) -> [f64; 6] {
+        change_of(|m| self.spin_forces(m), m, along)
     }
 
     /// `x <- A^-1 x` over the free directions, `A = c_m M + c_d (C - dF/dx') + c_k (K - dF/dx)`; `hub` is a further term of
@@ -313,6 +297,38 @@ impl Lateral {
         }
         solve_in_place(&mut a[..n * n], &mut x[..n])
     }
+}
+
+/// Change of forces along changes of place and rate, by central differences.
+fn change_of(of_motion: impl Fn(&Motion) -> [f64; 6], m: &Motion, along: &Motion) -> [f64; 6] {
+    let mut change = [0.0; 6];
+    let largest = |x: &[f64; 6]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let parts = [
+        (&along.x, &[0.0; 6], 1e-7 / largest(&along.x)),
+        (
+            &[0.0; 6],
+            &along.v,
+            1e-4 * (1.0 + largest(&m.v)) / largest(&along.v),
+        ),
+    ];
+    for (dx, dv, h) in parts {
+        if !h.is_finite() {
+            continue;
+        }
+        let of = |h: f64| {
+            let mut moved = *m;
+            for d in 0..6 {
+                moved.x[d] += h * dx[d];
+                moved.v[d] += h * dv[d];
+            }
+            of_motion(&moved)
+        };
+        let (up, down) = (of(h), of(-h));
+        for d in 0..6 {
+            change[d] += 0.5 * (up[d] - down[d]) / h;
+        }
+    }
+    change
 }
 
 /// `Rx(alpha) Ry(beta)`.

@@ -4,18 +4,18 @@
 //! +x; a rack has its reference line on y and its teeth pointing to -x. A gear turns about its centre by
 //! phase + displacement. A rack travels along its slide, which is its own y.
 
-use super::hub::Hub;
+use super::hub::{Hub, HubFrame};
 use crate::Vec3;
 
 /// The assembled position of a gear's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// Centre of the hub at zero displacement [m].
-    pub centre: Vec3,
-    /// Angle [rad] (displacement [m] of a rack) of tooth 0 at the assembled position.
+    /// Axes and centre of the hub at the assembled position.
+    pub hub: HubFrame,
+    /// Angle [rad] (displacement [m] of a rack) of tooth 0 there.
     pub phase: f64,
-    /// Unit direction of displacement of a rack.
-    pub slide: Option<Vec3>,
+    /// It slides along the first axis of the hub.
+    pub slides: bool,
 }
 
 impl Placement {
@@ -23,40 +23,59 @@ impl Placement {
     #[must_use]
     pub fn new(hub: &Hub, phase: f64) -> Self {
         Placement {
-            centre: hub.centre,
+            hub: HubFrame {
+                axes: hub.axes,
+                origin: hub.centre,
+            },
             phase,
-            slide: hub.slide,
+            slides: hub.slide.is_some(),
         }
     }
 
-    /// The frame after a displacement [rad] (rack: [m]) from the assembled position.
+    /// The frame after a displacement [rad] (rack: [m]) from the assembled position, of a hub that moves in no other way.
     #[inline]
     pub fn pose(&self, displacement: f64) -> Pose {
-        match self.slide {
-            None => {
-                let (sin, cos) = (self.phase + displacement).sin_cos();
-                Pose {
-                    cos,
-                    sin,
-                    origin: self.centre,
-                }
-            }
-            Some(slide) => Pose {
-                cos: slide.y,
-                sin: -slide.x,
-                origin: self.centre + (self.phase + displacement) * slide,
-            },
+        self.on(&self.hub, displacement)
+    }
+
+    /// The same on a hub that may move in all directions, at the coordinates `q` of its gear.
+    #[inline]
+    pub fn pose_at(&self, hub: &Hub, t: f64, q: &[f64], displacement: f64) -> Pose {
+        if hub.lateral.is_none() {
+            return self.pose(displacement);
+        }
+        let frame = hub.frame(t, q);
+        // The frame of a hub that slides has moved along already.
+        let along = if self.slides {
+            hub.displacement(t, q)
+        } else {
+            0.0
+        };
+        self.on(&frame, displacement - along)
+    }
+
+    #[inline]
+    fn on(&self, frame: &HubFrame, displacement: f64) -> Pose {
+        let [x, y, z] = frame.axes;
+        if self.slides {
+            return Pose {
+                axes: [-y, x, z],
+                origin: frame.origin + (self.phase + displacement) * x,
+            };
+        }
+        let (sin, cos) = (self.phase + displacement).sin_cos();
+        Pose {
+            axes: [cos * x + sin * y, cos * y - sin * x, z],
+            origin: frame.origin,
         }
     }
 }
 
-/// A turn about z and a shift, from a gear's own frame to space.
+/// A turn and a shift, from a gear's own frame to space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Cosine of the angle.
-    pub cos: f64,
-    /// Sine of the angle.
-    pub sin: f64,
+    /// The own axes in space.
+    pub axes: [Vec3; 3],
     /// Where the own origin stands [m].
     pub origin: Vec3,
 }
@@ -64,29 +83,26 @@ pub struct Pose {
 impl Pose {
     /// The own frame itself.
     pub const STILL: Pose = Pose {
-        cos: 1.0,
-        sin: 0.0,
+        axes: [
+            Vec3::new(1.0, 0.0, 0.0),
+            Vec3::new(0.0, 1.0, 0.0),
+            Vec3::new(0.0, 0.0, 1.0),
+        ],
         origin: Vec3::new(0.0, 0.0, 0.0),
     };
 
     /// Turns a direction of the own frame into space.
     #[inline]
     pub fn turn(&self, x: &Vec3) -> Vec3 {
-        Vec3::new(
-            self.cos * x.x - self.sin * x.y,
-            self.sin * x.x + self.cos * x.y,
-            x.z,
-        )
+        let [a, b, c] = &self.axes;
+        x.x * a + x.y * b + x.z * c
     }
 
     /// Turns a direction in space into the own frame.
     #[inline]
     pub fn turn_back(&self, x: &Vec3) -> Vec3 {
-        Vec3::new(
-            self.cos * x.x + self.sin * x.y,
-            self.cos * x.y - self.sin * x.x,
-            x.z,
-        )
+        let [a, b, c] = &self.axes;
+        Vec3::new(a.dot(x), b.dot(x), c.dot(x))
     }
 
     /// Position in space [m] of a point of the own frame.
@@ -99,6 +115,27 @@ impl Pose {
     #[inline]
     pub fn point_back(&self, x: &Vec3) -> Vec3 {
         self.turn_back(&(x - self.origin))
+    }
+
+    /// Height of a point in space over the own plane z = 0 [m].
+    #[inline]
+    pub fn height(&self, x: &Vec3) -> f64 {
+        self.axes[2].dot(&(x - self.origin))
+    }
+
+    /// From the own axis to a point in space [m].
+    #[inline]
+    pub fn off_axis(&self, x: &Vec3) -> Vec3 {
+        let (r, axis) = (x - self.origin, &self.axes[2]);
+        r - axis.dot(&r) * axis
+    }
+
+    /// This frame as seen from another.
+    pub fn seen_from(&self, other: &Pose) -> Pose {
+        Pose {
+            axes: self.axes.map(|axis| other.turn_back(&axis)),
+            origin: other.point_back(&self.origin),
+        }
     }
 }
 

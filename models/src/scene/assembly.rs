@@ -203,7 +203,12 @@ impl Scene {
             for i in mesh.gears {
                 let hub = gears[i].model.hub();
                 let upright = hub.axes[2] == UPRIGHT[2] && hub.lateral.is_none();
-                if with_flanks && !upright {
+                let nodes_alone = |i: &usize| {
+                    let model = &gears[*i].model;
+                    model.flanks().is_some() && model.displacement().is_none()
+                };
+                let fixed = strips.is_some() || mesh.gears.iter().any(nodes_alone);
+                if fixed && !upright {
                     return Err(BuildError::gear(
                         &spec.gears[i].name,
                         GearPart::Mount,
@@ -326,7 +331,10 @@ impl Scene {
             model.displacement().is_some() || (model.teeth().is_none() && model.flanks().is_none())
         };
         let mut damped = meshes.iter().filter(|m| m.nodal && m.dissipates());
+        // Ports of a kick know one motion of a hub.
+        let sideways = gears.iter().any(|g| g.model.hub().lateral.is_some());
         let implicit_dissipation = diagonal
+            && !sideways
             && damped.clone().next().is_some()
             && damped.all(|m| m.gears.iter().all(one_mass));
         let sticks = |m: &SceneMesh| m.friction.as_ref().is_some_and(|f| f.law.sticks());

@@ -180,7 +180,10 @@ impl Scene {
                     * (a.force.n * normal + a.sliding.force.f * a.sliding.direction),
                 normal_force: a.force.n,
                 friction: a.sliding.force.f,
-                on_hubs: [0, 1].map(|k| a.on_hub(p, self.gears[hubs[k]].model.hub(), k)),
+                on_hubs: [0, 1].map(|k| {
+                    let gear = &self.gears[hubs[k]];
+                    a.on_hub(p, (gear.model.hub(), gear.at(at)), k)
+                }),
                 gap: a.gap,
                 pressure: self.pressure(p, a.force.n),
             }

@@ -29,7 +29,7 @@ impl ModalSplit for Scene {
         for g in &self.gears {
             g.add_load(at, a);
             if let Some(linear) = g.model.linear() {
-                linear.add_inertia_force(at.t, &mut a[g.range()]);
+                linear.add_other_forces(g.at(at), &mut a[g.range()]);
             }
         }
         self.add_contacts(at, a);
@@ -44,7 +44,7 @@ impl ModalSplit for Scene {
         for g in &self.gears {
             g.add_load(at, a);
             if let Some(linear) = g.model.linear() {
-                linear.add_inertia_force(at.t, &mut a[g.range()]);
+                linear.add_other_forces(g.at(at), &mut a[g.range()]);
             }
         }
         self.evaluate_after(at, kick, a);
@@ -55,12 +55,13 @@ impl ModalSplit for Scene {
     fn steady(&mut self, at: At<'_>, a: &mut [f64]) -> f64 {
         a.fill(0.0);
         for g in &self.gears {
-            if g.steady_load(at.t).is_none() {
+            let swings_aside = g.model.hub().lateral.is_some() && g.model.displacement().is_some();
+            if swings_aside || g.steady_load(at.t).is_none() {
                 return at.t;
             }
             g.add_load(at, a);
             if let Some(linear) = g.model.linear() {
-                linear.add_inertia_force(at.t, &mut a[g.range()]);
+                linear.add_other_forces(g.at(at), &mut a[g.range()]);
             }
         }
         self.solve_mass(at, a);

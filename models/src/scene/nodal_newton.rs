@@ -83,13 +83,13 @@ impl Scene {
                     b.column.clear();
                     b.column.resize(range.len(), 0.0);
                     if j < hub {
-                        b.column[0] = 1.0;
+                        b.column[touched[j] as usize] = 1.0;
                     } else if let Some(field) = g.model.displacement() {
                         field.apply_nodal_forces(&[b.nodes[i][j - hub]], &[-1.0], &mut b.column);
                     }
                     g.model.correct(own, c, viscous, &mut b.column)?;
-                    if hub > 0 {
-                        b.block[j * n] = b.column[0];
+                    for (out, &t) in b.block[j * n..].iter_mut().zip(touched) {
+                        *out = b.column[t as usize];
                     }
                     if let Some(field) = g.model.displacement() {
                         field.displacements(
@@ -101,8 +101,8 @@ impl Scene {
                     b.columns.extend_from_slice(&b.column);
                 }
                 let y = &mut b.y[start..][..n];
-                if hub > 0 {
-                    y[0] = x[range.start];
+                for (y, &t) in y.iter_mut().zip(touched) {
+                    *y = x[range.start + t as usize];
                 }
                 if let Some(field) = g.model.displacement() {
                     field.displacements(&x[range], &b.nodes[i], &mut y[hub..]);

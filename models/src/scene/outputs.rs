@@ -170,8 +170,8 @@ impl Scene {
                 of_mesh[OfMesh::HalfWidth as usize] = pressure.half_width;
             }
             for (k, &i) in mesh.gears.iter().enumerate() {
-                let hub = self.gears[i].model.hub();
-                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += a.on_hub(p, hub, k);
+                let of_hub = (self.gears[i].model.hub(), self.gears[i].at(at));
+                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += a.on_hub(p, of_hub, k);
             }
         }
         for (i, (g, nodes)) in self.gears.iter().zip(&nodal.gears).enumerate() {
@@ -230,8 +230,7 @@ impl Scene {
             let hub = g.model.hub();
             let mut x = [0.0; 6];
             if hub.lateral.is_some() {
-                let own = g.at(at);
-                x = hub.motion(own.t, own.q, own.v).x;
+                x = g.model.hub_motion(g.at(at)).x;
             }
             let of_mount = [r.force.x, r.force.y, r.torque, r.force.z];
             let [all, shifts, tilts] = [&of_mount[..], &x[..3], &x[3..5]];

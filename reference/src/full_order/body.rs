@@ -71,9 +71,10 @@ impl Body {
             flanks,
             ..
         } = mesh;
-        let (slide, pose) = (placement.slide, placement.pose(0.0));
+        let slide = placement.slides.then_some(placement.hub.axes[0]);
+        let pose = placement.pose(0.0);
         for x in &mut mesh.nodes {
-            *x = pose.point(x) - placement.centre;
+            *x = pose.point(x) - placement.hub.origin;
         }
         if mass == MassKind::Consistent {
             let unknowns = 3 * mesh.nodes.len();

@@ -219,6 +219,7 @@ pub fn reduced(
         residual,
         near_field: basis.near_field.clone(),
         integrals: basis.integrals.as_ref().map(|i| i.of_modes(kept)),
+        lateral: None,
     })
 }
 

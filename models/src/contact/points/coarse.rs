@@ -20,6 +20,7 @@
 
 use super::flanked::{Flanked, Near};
 use super::mesh_flanks::MeshFlanks;
+use super::stand::Stand;
 use super::surface::Shape;
 use crate::Vec3;
 use crate::geometry::Side;
@@ -40,14 +41,8 @@ pub(super) struct CoarseScratch {
 
 /// Finds the pairs of flanks that may touch.
 pub(super) trait CoarseStep: Debug + Send {
-    /// The pairs of a side at finite displacements of both hubs, appended to `scratch.pairs`.
-    fn pairs(
-        &self,
-        of: &MeshFlanks,
-        side: Side,
-        displacements: [f64; 2],
-        scratch: &mut CoarseScratch,
-    );
+    /// The pairs of a side where both gears stand at finite places, appended to `scratch.pairs`.
+    fn pairs(&self, of: &MeshFlanks, side: Side, stand: &Stand, scratch: &mut CoarseScratch);
 }
 
 /// Flanks about the line of centres, and the flanks that they face: by path coordinates.
@@ -55,20 +50,16 @@ pub(super) trait CoarseStep: Debug + Send {
 pub(super) struct ToothIndices;
 
 impl CoarseStep for ToothIndices {
-    fn pairs(
-        &self,
-        of: &MeshFlanks,
-        side: Side,
-        displacements: [f64; 2],
-        scratch: &mut CoarseScratch,
-    ) {
+    fn pairs(&self, of: &MeshFlanks, side: Side, stand: &Stand, scratch: &mut CoarseScratch) {
         let CoarseScratch { pairs, near, .. } = scratch;
         near[0].clear();
-        of.gears[0].each_near(side, displacements[0], of.zone, |first| near[0].push(first));
+        let by = &stand.displacements;
+        of.gears[0].each_near(side, by[0], of.zone, |first| near[0].push(first));
+        let reach = of.reach_along() + stand.beside;
         for first in &near[0] {
             let facing = of.length - first.s;
-            let range = [facing - of.reach_along(), facing + 0.5 * of.base_pitch];
-            of.gears[1].each_near(side, displacements[1], range, |second| {
+            let range = [facing - reach, facing + 0.5 * of.base_pitch];
+            of.gears[1].each_near(side, by[1], range, |second| {
                 pairs.push([*first, second]);
             });
         }
@@ -185,21 +176,18 @@ impl Flank {
 }
 
 fn in_space(pose: &Pose) -> math::Pose {
-    let origin = Vector::new(pose.origin.x, pose.origin.y, pose.origin.z);
-    math::Pose::from_parts(origin, Rotation::from_rotation_z(pose.sin.atan2(pose.cos)))
+    let vector = |x: &Vec3| Vector::new(x.x, x.y, x.z);
+    let [x, y, z] = pose.axes.each_ref().map(vector);
+    math::Pose::from_parts(
+        vector(&pose.origin),
+        Rotation::from_mat3(&math::Mat3::from_cols(x, y, z)),
+    )
 }
 
 impl CoarseStep for FlankBoxes {
-    fn pairs(
-        &self,
-        of: &MeshFlanks,
-        side: Side,
-        displacements: [f64; 2],
-        scratch: &mut CoarseScratch,
-    ) {
+    fn pairs(&self, of: &MeshFlanks, side: Side, stand: &Stand, scratch: &mut CoarseScratch) {
         let CoarseScratch { pairs, near, found } = scratch;
-        let [first, second] =
-            [0, 1].map(|k| in_space(&of.gears[k].placement.pose(displacements[k])));
+        let [first, second] = [0, 1].map(|k| in_space(&stand.poses[k]));
         // From the second gear's frame to the first's, and back.
         let pose = first.inverse() * second;
         let back = pose.inverse();
@@ -218,7 +206,9 @@ impl CoarseStep for FlankBoxes {
         let middle = 0.5 * (of.zone[0] + of.zone[1]);
         for (k, about) in [middle, of.length - middle].into_iter().enumerate() {
             near[k].clear();
-            of.gears[k].each_about(side, displacements[k], about, |flank| near[k].push(flank));
+            of.gears[k].each_about(side, stand.displacements[k], about, |flank| {
+                near[k].push(flank)
+            });
         }
         for a in near[0].iter() {
             for b in near[1].iter() {

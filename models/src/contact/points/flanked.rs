@@ -10,9 +10,10 @@ use super::owner::Owner;
 use super::projection::MOST_PAST;
 use super::rule::Rule;
 use super::surface::Shape;
+use crate::contact::party::Party;
 use crate::error::Reason;
 use crate::geometry::{Flanks, Side};
-use crate::kinematics::Placement;
+use crate::kinematics::{Placement, Pose};
 use crate::spec::{Body, SurfaceKind};
 use std::f64::consts::TAU;
 
@@ -165,6 +166,13 @@ impl Flanked {
                 _ => None,
             },
         })
+    }
+
+    /// The own frame of a tooth after a displacement [rad] or [m] from its assembled position.
+    #[inline]
+    pub fn pose(&self, party: &Party<'_>, displacement: f64) -> Pose {
+        let at = party.at;
+        (self.placement).pose_at(party.gear.hub(), at.t, at.q, displacement)
     }
 
     /// The largest path coordinate of the flanks of a side at a displacement, whole base pitches aside; none for flanks

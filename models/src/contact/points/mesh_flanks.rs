@@ -4,9 +4,11 @@ use super::flanked::{Flanked, Near};
 use super::owner::Owner;
 use super::projection::Fade;
 use super::rule::Rule;
+use super::stand::{Layout, Stand};
 use crate::contact::clearance::Clearance;
 use crate::contact::nodal::NodalPoint;
 use crate::contact::pairs::MeshGeometry;
+use crate::contact::party::Party;
 use crate::error::Reason;
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
@@ -35,6 +37,8 @@ pub(super) struct MeshFlanks {
     pub hard: bool,
     /// Path coordinates of the first gear at which its flanks are looked at [m].
     pub zone: [f64; 2],
+    /// Of gears whose axes are not parallel or may move; `None`: both turn about parallel axes at one height.
+    pub layout: Option<Layout>,
 }
 
 impl MeshFlanks {
@@ -58,6 +62,7 @@ impl MeshFlanks {
             Passes::Auto if settings.hard => [0.0, p],
             Passes::Auto | Passes::Both => [0.5 * p, 0.5 * p],
         };
+        let layout = Layout::of(&owners, geometry, &gears);
         let width = gears[0].face_width.min(gears[1].face_width);
         let beside =
             BEFORE_AND_AFTER * geometry.base_pitch + 0.5 * width * geometry.base_helix.tan().abs();
@@ -72,6 +77,7 @@ impl MeshFlanks {
             base_pitch: geometry.base_pitch,
             hard: settings.hard,
             zone: [geometry.zone[0] - beside, geometry.zone[1] + beside],
+            layout,
         })
     }
 
@@ -92,8 +98,20 @@ impl MeshFlanks {
         }
     }
 
-    /// A lower bound of the gaps of all points of rigid flanks at displacements of both hubs; `None` where flanks move
-    /// otherwise or the search does not know.
+    /// How both gears stand at a state.
+    #[inline]
+    pub fn stand(&self, parties: [&Party<'_>; 2]) -> Stand {
+        let displacements = parties.map(|p| p.gear.hub().displacement(p.at.t, p.at.q));
+        let poses = [0, 1].map(|k| self.gears[k].pose(parties[k], displacements[k]));
+        Stand {
+            beside: self.layout.map_or(0.0, |layout| layout.beside(&poses)),
+            displacements,
+            poses,
+        }
+    }
+
+    /// A lower bound of the gaps of all points of rigid flanks at displacements of hubs that are else at their assembled
+    /// position; `None` where flanks move otherwise or the search does not know.
     pub fn clearance(&self, displacements: [f64; 2]) -> Option<Clearance> {
         let mut gaps = [0.0; 2];
         for (side, gap) in Side::BOTH.into_iter().zip(&mut gaps) {

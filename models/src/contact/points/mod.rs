@@ -30,6 +30,7 @@ mod sections;
 mod spline;
 mod spur;
 mod spur_face;
+mod stand;
 mod surface;
 mod twisted;
 mod twisted_pair;

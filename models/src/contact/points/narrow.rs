@@ -5,6 +5,7 @@ use super::flanked::Near;
 use super::mesh_flanks::MeshFlanks;
 use super::projection::{Begin, Deformed, Fade, Hit, MOST_PAST};
 use super::rule::FlankPoint;
+use super::stand::Stand;
 use super::surface::Shape;
 use crate::Vec3;
 use crate::contact::party::{Party, SearchWork};
@@ -77,23 +78,23 @@ impl MeshFlanks {
 
     /// First and second step: flanks about the line of centres, and the flanks they face.
     fn find_pairs(&self, step: &dyn CoarseStep, parties: [&Party<'_>; 2], scratch: &mut Scratch) {
-        let displacement = parties.map(|p| p.gear.hub().displacement(p.at.t, p.at.q));
+        let stand = self.stand(parties);
         scratch.pairs.clear();
         for k in 0..2 {
             scratch.active[k].clear();
             scratch.positions[k].clear();
         }
-        if !displacement.iter().all(|t| t.is_finite()) {
+        if !stand.is_finite() {
             return;
         }
         let mut coarse = std::mem::take(&mut scratch.coarse);
         coarse.pairs.clear();
         for side in Side::BOTH {
-            step.pairs(self, side, displacement, &mut coarse);
+            step.pairs(self, side, &stand, &mut coarse);
         }
         for [near, other] in &coarse.pairs {
-            let a = self.activate(0, *near, parties[0], displacement[0], scratch);
-            let b = self.activate(1, *other, parties[1], displacement[1], scratch);
+            let a = self.activate(0, *near, parties[0], &stand, scratch);
+            let b = self.activate(1, *other, parties[1], &stand, scratch);
             scratch.pairs.push([a, b]);
         }
         scratch.coarse = coarse;
@@ -105,7 +106,7 @@ impl MeshFlanks {
         k: usize,
         near: Near,
         party: &Party<'_>,
-        displacement: f64,
+        stand: &Stand,
         scratch: &mut Scratch,
     ) -> usize {
         let (active, positions) = (&mut scratch.active[k], &mut scratch.positions[k]);
@@ -120,12 +121,11 @@ impl MeshFlanks {
             surface
                 .nodes
                 .positions(party.at, &shape.nodes, &mut positions[start..]);
-            g.placement.pose(displacement)
+            stand.poses[k]
         } else {
             let tooth = self.tooth(k, &near);
-            let pose = g
-                .placement
-                .pose(party.gear.tooth_displacement(party.at, tooth));
+            let displacement = party.gear.tooth_displacement(party.at, tooth);
+            let pose = g.pose(party, displacement);
             let undeformed = &g.grids.grids()[near.shape].positions;
             for (x, u) in positions[start..].iter_mut().zip(undeformed) {
                 *x = pose.point(u);
@@ -150,11 +150,10 @@ impl MeshFlanks {
     /// Height of a point on the flanks of gear `k`, as [`Shape::heights`] has it.
     #[inline]
     fn height(&self, k: usize, pose: &Pose, x: &Vec3) -> f64 {
-        let r = x - pose.origin;
         if self.gears[k].rack {
-            -(pose.cos * r.x + pose.sin * r.y)
+            -pose.axes[0].dot(&(x - pose.origin))
         } else {
-            r.x * r.x + r.y * r.y
+            pose.off_axis(x).norm_squared()
         }
     }
 
@@ -166,10 +165,9 @@ impl MeshFlanks {
         let per = (tip - low).recip();
         let pose = master.pose;
         let gradient = if self.gears[m].rack {
-            -Vec3::new(pose.cos, pose.sin, 0.0)
+            -pose.axes[0]
         } else {
-            let r = x - pose.origin;
-            2.0 * Vec3::new(r.x, r.y, 0.0)
+            2.0 * pose.off_axis(x)
         };
         ((self.height(m, pose, x) - low) * per, per * gradient)
     }
@@ -187,7 +185,7 @@ impl MeshFlanks {
             let height = self.height(k, &active.pose, &x);
             Locus::Flank {
                 radius: if g.rack { height } else { height.sqrt() },
-                zeta: 2.0 * x.z / g.face_width,
+                zeta: 2.0 * active.pose.height(&x) / g.face_width,
             }
         };
         Point {
@@ -266,7 +264,7 @@ impl MeshFlanks {
     #[inline]
     fn clearance_bound(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
         let (row, a) = master.shape.row_at(self.height(m, master.pose, x));
-        let (column, b) = master.shape.column_at(x.z);
+        let (column, b) = master.shape.column_at(master.pose.height(x));
         let begin = Begin {
             row,
             column,

@@ -63,9 +63,12 @@ impl FlankPoints {
         } else {
             Box::new(FlankBoxes::new(gears, flanks.reach, geometry.base_pitch))
         };
-        let spur = by_indices.then(|| Spur::new(gears, &flanks.rule)).flatten();
+        let parallel = flanks.layout.is_none();
+        let spur = (by_indices && parallel)
+            .then(|| Spur::new(gears, &flanks.rule))
+            .flatten();
         let twisted = (by_indices && spur.is_none())
-            .then(|| Twisted::new(gears, &flanks.rule, geometry.base_pitch))
+            .then(|| Twisted::new(gears, &flanks.rule, geometry.base_pitch, parallel))
             .flatten();
         Ok(FlankPoints {
             coarse,
@@ -107,13 +110,11 @@ impl FlankPoints {
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
-        let displacements = [0, 1].map(|k| {
-            let p = &sides[k].party;
-            p.gear.hub().displacement(p.at.t, p.at.q)
-        });
+        let stand = self.flanks.stand([&sides[0].party, &sides[1].party]);
         let apart = self
-            .clearance(displacements)
-            .map_or(f64::NEG_INFINITY, |c| c.after([0.0; 2]));
+            .flanks
+            .clearance(stand.displacements)
+            .map_or(f64::NEG_INFINITY, |c| c.after([0.0; 2]) - stand.beside);
         if apart > self.flanks.reach {
             self.scratch.borrow_mut().work = SearchWork::default();
             return;
@@ -130,29 +131,13 @@ impl FlankPoints {
         }
         if let Some(spur) = &self.spur {
             let buffers = &mut self.spur_scratch.borrow_mut();
-            let work = spur.points(
-                &self.flanks,
-                sides,
-                displacements,
-                limit,
-                buffers,
-                gap_bound,
-                out,
-            );
+            let work = spur.points(&self.flanks, sides, &stand, limit, buffers, gap_bound, out);
             self.scratch.borrow_mut().work = work;
             return;
         }
         if let Some(twisted) = &self.twisted {
             let buffers = &mut self.twisted_scratch.borrow_mut();
-            let work = twisted.points(
-                &self.flanks,
-                sides,
-                displacements,
-                limit,
-                buffers,
-                gap_bound,
-                out,
-            );
+            let work = twisted.points(&self.flanks, sides, &stand, limit, buffers, gap_bound, out);
             self.scratch.borrow_mut().work = work;
             return;
         }
@@ -166,10 +151,11 @@ impl FlankPoints {
         });
     }
 
-    /// A lower bound of the gaps of all points of rigid flanks at displacements of both hubs; `None` where flanks move
-    /// otherwise or the search does not know.
+    /// A lower bound of the gaps of all points of rigid flanks at displacements of both hubs; `None` where flanks or hubs
+    /// move otherwise or the search does not know.
     pub fn clearance(&self, displacements: [f64; 2]) -> Option<Clearance> {
-        self.flanks.clearance(displacements)
+        let parallel = self.flanks.layout.is_none();
+        parallel.then(|| self.flanks.clearance(displacements))?
     }
 
     /// What the last evaluation looked at.

@@ -42,12 +42,14 @@ pub(super) struct Turn {
 }
 
 impl Turn {
+    /// Where both axes are parallel and the origins stand at one height.
     pub(super) fn between(from: &Pose, to: &Pose) -> Self {
         let d = from.origin - to.origin;
+        let [x, y, _] = &to.axes;
         Turn {
-            cos: from.cos * to.cos + from.sin * to.sin,
-            sin: from.sin * to.cos - from.cos * to.sin,
-            shift: Vec2::new(to.cos * d.x + to.sin * d.y, to.cos * d.y - to.sin * d.x),
+            cos: from.axes[0].dot(x),
+            sin: from.axes[0].dot(y),
+            shift: Vec2::new(x.dot(&d), y.dot(&d)),
         }
     }
 

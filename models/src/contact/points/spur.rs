@@ -10,6 +10,7 @@ use super::mesh_flanks::MeshFlanks;
 use super::profile::Vec2;
 use super::sections::Turn;
 use super::spur_face::{Held, Pair};
+use super::stand::Stand;
 use crate::contact::nodal::{GapBound, NodalParty, NodalPoints, UNUSED};
 use crate::contact::party::SearchWork;
 use crate::geometry::Side;
@@ -34,7 +35,7 @@ impl Spur {
         &self,
         of: &MeshFlanks,
         mut sides: [NodalParty<'_>; 2],
-        displacements: [f64; 2],
+        stand: &Stand,
         limit: f64,
         buffers: &mut SpurScratch,
         gap_bound: &mut GapBound,
@@ -42,9 +43,9 @@ impl Spur {
     ) -> SearchWork {
         let mut work = SearchWork::default();
         let SpurScratch { first, pairs, .. } = buffers;
-        facing(of, displacements, limit, first, pairs);
+        facing(of, stand, limit, first, pairs);
         if !buffers.pairs.is_empty() {
-            let poses = [0, 1].map(|k| of.gears[k].placement.pose(displacements[k]));
+            let poses = stand.poses;
             let turns = [
                 Turn::between(&poses[0], &poses[1]),
                 Turn::between(&poses[1], &poses[0]),
@@ -77,20 +78,22 @@ pub(super) type Facing = (f64, Near, Near, Side);
 /// Flanks that face each other within the limit, the nearest pair first.
 pub(super) fn facing(
     of: &MeshFlanks,
-    displacements: [f64; 2],
+    stand: &Stand,
     limit: f64,
     first: &mut Vec<Near>,
     pairs: &mut Vec<Facing>,
 ) {
     pairs.clear();
-    let limit = of.along(limit) + of.gears[0].deviation_bound + of.gears[1].deviation_bound;
+    let limit =
+        of.along(limit) + of.gears[0].deviation_bound + of.gears[1].deviation_bound + stand.beside;
+    let by = &stand.displacements;
     for side in Side::BOTH {
         first.clear();
-        of.gears[0].each_near(side, displacements[0], of.zone, |near| first.push(near));
+        of.gears[0].each_near(side, by[0], of.zone, |near| first.push(near));
         for near in first.iter() {
             let facing = of.length - near.s;
             let range = [facing - limit, facing + 0.5 * of.base_pitch];
-            of.gears[1].each_near(side, displacements[1], range, |other| {
+            of.gears[1].each_near(side, by[1], range, |other| {
                 pairs.push((facing - other.s, *near, other, side));
             });
         }

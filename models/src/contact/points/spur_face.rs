@@ -189,7 +189,6 @@ impl Held<'_, '_, '_> {
             };
             pair.meet(m, foot.row..=foot.row + 1, self.of_master, self.master_rows);
             let turn = |n: &Vec2| m_pose.turn(&Vec3::new(n.x, n.y, 0.0));
-            let space = s_pose.point(&Vec3::new(own.x, own.y, 0.0));
             let (normal, sensitivity) = (turn(&foot.normal), turn(&foot.sensitivity));
             for cell in &spur.cells[k] {
                 let of_slave = Self::at(
@@ -230,7 +229,7 @@ impl Held<'_, '_, '_> {
                     partner: None,
                     line: None,
                     teeth,
-                    x: Vec3::new(space.x, space.y, cell.z),
+                    x: s_pose.point(&Vec3::new(own.x, own.y, cell.z)),
                     normal,
                     sensitivity: [sensitivity, Vec3::zeros()],
                     place: [foot.a, cell.b_on],

@@ -148,11 +148,7 @@ impl Shape {
 
     /// Outward unit normals at the nodes, row by row.
     pub fn nodal_normals(&self) -> Vec<Vec3> {
-        let still = Pose {
-            cos: 1.0,
-            sin: 0.0,
-            origin: Vec3::zeros(),
-        };
+        let still = Pose::STILL;
         (0..self.rows * self.columns)
             .map(|i| {
                 let (r, c) = (i / self.columns, i % self.columns);

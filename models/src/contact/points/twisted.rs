@@ -15,6 +15,15 @@
 //! cos^2 beta = 1/(1 + w^2),   g = g_t cos beta,   z' = z - g_t w cos^2 beta
 //! ```
 //!
+//! Axes that are not quite parallel take a section of the slave to places at different heights `z_m` of the master; each is
+//! turned back to the section of the master at its own height,
+//!
+//! ```text
+//! x_m = S_m(z_m) (R x + o)_xy,      z_m = (R x + o)_z
+//! ```
+//!
+//! which is exact: what is of second order in the tilt is the distance alone.
+//!
 //! (F. L. Litvin, A. Fuentes, *Gear Geometry and Applied Theory*, 2nd ed. 2004, ch. 14, for helicoids). So sections say
 //! which points are wanted, and where the search in space begins; what is found in the end is that of the surfaces.
 
@@ -25,12 +34,16 @@ use super::rule::Rule;
 use super::sections::{Cell, Turn, cells};
 use super::surface::Shape;
 use crate::Vec3;
+use crate::kinematics::Pose;
 
 /// Part of the base pitch by which a flank may leave its twisted profile and still be looked for by it.
 const OFF_TWIST: f64 = 0.01;
 
 /// Part of a face beside a flank up to which the search in space is asked about a point.
-const BESIDE: f64 = 0.2;
+pub(super) const BESIDE: f64 = 0.2;
+
+/// The same for places over the width that axial shifts and tilts may bring to the flank.
+const MAY_COME: f64 = 2.0;
 
 /// Largest part of a gap, and of displacements, that the section leaves out.
 const SECOND_ORDER: f64 = 0.02;
@@ -49,6 +62,8 @@ pub(super) struct Twisted {
     pub across: usize,
     /// How far both flanks may leave their twisted profiles at most [m].
     pub off: f64,
+    /// Axes stay parallel and the middles of both gears at one height.
+    pub parallel: bool,
 }
 
 /// A place over the width.
@@ -58,6 +73,42 @@ pub(super) struct TwistedCell {
     /// From the section of the slave to its own frame, and from the own frame of the master to its section.
     from_slave: Turn,
     to_master: Turn,
+}
+
+/// From a section of the slave to those of the master.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SectionMap {
+    /// For parallel axes; nearly for others.
+    pub turn: Turn,
+    tilted: Option<Tilted>,
+}
+
+/// What tilted axes add.
+#[derive(Clone, Copy, Debug)]
+struct Tilted {
+    /// To the section of the master at the height of the slave's axis; rows.
+    rows: [Vec2; 2],
+    shift: Vec2,
+    /// How much higher other places stand.
+    slope: Vec2,
+    twist: Twist,
+}
+
+impl SectionMap {
+    #[inline]
+    pub fn point(&self, x: &Vec2) -> Vec2 {
+        let Some(t) = &self.tilted else {
+            return self.turn.point(x);
+        };
+        let at = t.shift + Vec2::new(t.rows[0].dot(x), t.rows[1].dot(x));
+        let e = t.twist.rate * t.slope.dot(x);
+        if t.twist.rack {
+            return at - Vec2::new(0.0, e);
+        }
+        // The tangent of the helix times the tilt: small.
+        let (sin, cos) = (e - e * e * e / 6.0, 1.0 - 0.5 * e * e);
+        Vec2::new(cos * at.x + sin * at.y, cos * at.y - sin * at.x)
+    }
 }
 
 /// How sections stand against each other.
@@ -110,7 +161,7 @@ impl Twist {
 
 impl Twisted {
     /// Twisted profiles of both gears, where their flanks allow it.
-    pub fn new(gears: &[Flanked; 2], rule: &Rule, base_pitch: f64) -> Option<Self> {
+    pub fn new(gears: &[Flanked; 2], rule: &Rule, base_pitch: f64, parallel: bool) -> Option<Self> {
         let rising = |s: &Shape| s.z.is_sorted_by(|a, b| a < b);
         if !gears.iter().all(|g| g.rigid && g.shapes.iter().all(rising)) {
             return None;
@@ -131,7 +182,8 @@ impl Twisted {
             return None;
         }
         let of = |k: usize| -> Vec<TwistedCell> {
-            let all = cells(&gears[k].shapes[0], &gears[1 - k].shapes[0], rule, BESIDE);
+            let beside = if parallel { BESIDE } else { MAY_COME };
+            let all = cells(&gears[k].shapes[0], &gears[1 - k].shapes[0], rule, beside);
             let with_turns = all.into_iter().map(|cell| TwistedCell {
                 cell,
                 from_slave: twists[k].section(cell.z),
@@ -149,15 +201,76 @@ impl Twisted {
             along: rule.along.clone(),
             across: rule.across.len(),
             off,
+            parallel,
         })
     }
 
-    /// From the section of the slave `k` at each of its cells to that of the master, where `turn` leads from frame to
-    /// frame.
-    pub fn turns(&self, k: usize, turn: &Turn, out: &mut Vec<Turn>) {
+    /// The frame of the slave `k` as seen from that of the master.
+    pub fn seen(&self, slave: &Pose, master: &Pose) -> Pose {
+        if !self.parallel {
+            return slave.seen_from(master);
+        }
+        let turn = Turn::between(slave, master);
+        Pose {
+            axes: [
+                Vec3::new(turn.cos, turn.sin, 0.0),
+                Vec3::new(-turn.sin, turn.cos, 0.0),
+                Vec3::z(),
+            ],
+            origin: Vec3::new(turn.shift.x, turn.shift.y, 0.0),
+        }
+    }
+
+    /// From the section of the slave `k` at each of its cells to those of the master, in whose frame that of the slave is
+    /// `seen`.
+    pub fn maps(&self, k: usize, seen: &Pose, out: &mut Vec<SectionMap>) {
         out.clear();
-        let all = self.cells[k].iter();
-        out.extend(all.map(|c| c.to_master.after(&turn.after(&c.from_slave))));
+        let [x, y, z] = &seen.axes;
+        let turn = Turn {
+            cos: x.x,
+            sin: x.y,
+            shift: seen.origin.xy(),
+        };
+        let twist = self.twists[1 - k];
+        out.extend(self.cells[k].iter().map(|c| {
+            if self.parallel {
+                return SectionMap {
+                    turn: c.to_master.after(&turn.after(&c.from_slave)),
+                    tilted: None,
+                };
+            }
+            // x' = x R S p + R (S_0 + z e_z) + o, in the frame of the master.
+            let from = &c.from_slave;
+            let first = from.cos * x + from.sin * y;
+            let second = from.cos * y - from.sin * x;
+            let origin = seen.origin + from.shift.x * x + from.shift.y * y + c.cell.z * z;
+            let slope = Vec2::new(first.z, second.z);
+            let to = twist.section(origin.z).inverse();
+            let turned =
+                |v: &Vec3| Vec2::new(to.cos * v.x - to.sin * v.y, to.sin * v.x + to.cos * v.y);
+            let (a, b) = (turned(&first), turned(&second));
+            let shift = to.point(&origin.xy());
+            let length = a.norm();
+            SectionMap {
+                turn: Turn {
+                    cos: a.x / length,
+                    sin: a.y / length,
+                    shift,
+                },
+                tilted: Some(Tilted {
+                    rows: [Vec2::new(a.x, b.x), Vec2::new(a.y, b.y)],
+                    shift,
+                    slope,
+                    twist,
+                }),
+            }
+        }));
+    }
+
+    /// Height over the middle of the master of a place in a section of the slave.
+    pub fn height(seen: &Pose, cell: &TwistedCell, x: &Vec2) -> f64 {
+        let own = cell.from_slave.point(x);
+        seen.point(&Vec3::new(own.x, own.y, cell.cell.z)).z
     }
 
     /// What of a gap [m] and of displacements [m] sections may miss.

@@ -8,8 +8,9 @@ use super::projection::{Begin, Deformed, Fade, MOST_PAST};
 use super::rule::FlankPoint;
 use super::sections::{Cell, Turn};
 use super::spur::{Facing, facing};
+use super::stand::Stand;
 use super::surface::Shape;
-use super::twisted::{Twisted, TwistedCell};
+use super::twisted::{BESIDE, SectionMap, Twisted, TwistedCell};
 use crate::Vec3;
 use crate::contact::nodal::{GapBound, GearNodes, NodalParty, NodalPoint, NodalPoints, UNUSED};
 use crate::contact::party::SearchWork;
@@ -22,7 +23,7 @@ pub(super) struct TwistedScratch {
     first: Vec<Near>,
     pairs: Vec<Facing>,
     /// From the sections of each gear, as slave, to those of the other.
-    turns: [Vec<Turn>; 2],
+    maps: [Vec<SectionMap>; 2],
     /// Gap that each row of the slave surely has in a section [m], and the master's face it was held against.
     clear: Vec<(f64, usize)>,
 }
@@ -34,7 +35,7 @@ impl Twisted {
         &self,
         of: &MeshFlanks,
         mut sides: [NodalParty<'_>; 2],
-        displacements: [f64; 2],
+        stand: &Stand,
         limit: f64,
         buffers: &mut TwistedScratch,
         gap_bound: &mut GapBound,
@@ -44,18 +45,15 @@ impl Twisted {
         let TwistedScratch {
             first,
             pairs,
-            turns,
+            maps,
             clear,
         } = buffers;
-        facing(of, displacements, limit, first, pairs);
+        facing(of, stand, limit, first, pairs);
         if !pairs.is_empty() {
-            let poses = [0, 1].map(|k| of.gears[k].placement.pose(displacements[k]));
-            let frames = [
-                Turn::between(&poses[0], &poses[1]),
-                Turn::between(&poses[1], &poses[0]),
-            ];
+            let poses = &stand.poses;
+            let frames = [0, 1].map(|k| self.seen(&poses[k], &poses[1 - k]));
             for k in 0..2 {
-                self.turns(k, &frames[k], &mut turns[k]);
+                self.maps(k, &frames[k], &mut maps[k]);
             }
             for (_, a, b, side) in &*pairs {
                 let near = [a, b];
@@ -72,7 +70,7 @@ impl Twisted {
                         teeth: [0, 1].map(|k| of.tooth(k, near[k])),
                         side: *side,
                         k,
-                        poses: &poses,
+                        poses,
                         frame: &frames[k],
                         limit,
                         clear: &mut *clear,
@@ -81,8 +79,8 @@ impl Twisted {
                         out: &mut *out,
                         work: &mut work,
                     };
-                    for (cell, turn) in self.cells[k].iter().zip(&turns[k]) {
-                        pass.cell(cell, turn);
+                    for (cell, map) in self.cells[k].iter().zip(&maps[k]) {
+                        pass.cell(cell, map);
                     }
                 }
             }
@@ -142,8 +140,8 @@ fn weights(a: f64, b: f64) -> [f64; 4] {
 /// A face of the slave at a place over the width.
 struct FaceOf<'a> {
     row: usize,
-    cell: &'a Cell,
-    turn: &'a Turn,
+    cell: Cell,
+    map: &'a SectionMap,
     of_slave: Corners,
     /// Of the face of the master that the last point faced.
     of_master: Corners,
@@ -166,8 +164,8 @@ struct Pass<'a, 'b> {
     side: Side,
     k: usize,
     poses: &'a [Pose; 2],
-    /// From the slave's frame to the master's.
-    frame: &'a Turn,
+    /// The slave's frame in the master's.
+    frame: &'a Pose,
     limit: f64,
     clear: &'a mut Vec<(f64, usize)>,
     sides: &'a mut [NodalParty<'b>; 2],
@@ -213,17 +211,25 @@ impl<'a> Pass<'a, '_> {
     }
 
     /// Points at a place over the width: rows from the best place outwards, until they stand off.
-    fn cell(&mut self, cell: &TwistedCell, turn: &Turn) {
+    fn cell(&mut self, of_cell: &TwistedCell, map: &SectionMap) {
         let (slave, master) = (self.profiles[self.k], self.profiles[1 - self.k]);
         let chord_bound = &self.shapes[self.k].chord_bound;
-        let start = self.start(cell.cell.z, turn);
+        let mut cell = of_cell.cell;
+        let start = self.start(cell.z, &map.turn);
+        if !self.twisted.parallel {
+            let z = Twisted::height(self.frame, of_cell, &start);
+            (cell.on, cell.b_on) = self.shapes[1 - self.k].column_at(z);
+            if !(-BESIDE..=1.0 + BESIDE).contains(&cell.b_on) {
+                return;
+            }
+        }
         let height = slave.height(&start);
         let (middle, _) = slave.row_at(height, slave.near(height));
-        let mut from = master.near(master.height(&turn.point(&start)));
+        let mut from = master.near(master.height(&map.point(&start)));
         self.clear.clear();
         self.clear.resize(slave.faces() + 1, (f64::INFINITY, 0));
         let mut look = |row: usize| {
-            let (gap, face) = master.clearance(&turn.point(&slave.knots[row]), from);
+            let (gap, face) = master.clearance(&map.point(&slave.knots[row]), from);
             from = face;
             let gap = self.in_space(gap);
             self.clear[row] = (gap, face);
@@ -241,18 +247,17 @@ impl<'a> Pass<'a, '_> {
             on = look(high);
         }
         let place = slave.row_at(height, middle).1;
-        self.face(middle, place, cell, turn);
+        self.face(middle, place, cell, map);
         for row in (low..high).filter(|row| *row != middle) {
             let from = if row < middle { 1.0 } else { 0.0 };
-            self.face(row, from, cell, turn);
+            self.face(row, from, cell, map);
         }
     }
 
     /// Points of a face of the slave at a place over the width, outwards from the one that is nearest.
-    fn face(&mut self, row: usize, from: f64, cell: &TwistedCell, turn: &Turn) {
+    fn face(&mut self, row: usize, from: f64, cell: Cell, map: &SectionMap) {
         let (k, m) = (self.k, 1 - self.k);
         let (s_shape, m_shape) = (self.shapes[k], self.shapes[m]);
-        let cell = &cell.cell;
         let (c0, c1) = (self.clear[row], self.clear[row + 1]);
         let least = c0.0.min(c1.0) - s_shape.chord_bound[row];
         if least > self.limit {
@@ -279,7 +284,7 @@ impl<'a> Pass<'a, '_> {
         let mut on = FaceOf {
             row,
             cell,
-            turn,
+            map,
             of_slave,
             rise,
             of_master: Corners::of(&mut self.sides[m], m_shape, c0.1, cell.on),
@@ -316,7 +321,7 @@ impl<'a> Pass<'a, '_> {
             (row * count + i, a, w * s_shape.lengths[row])
         };
         self.work.points += 1;
-        let x = on.turn.point(&slave.points[at]);
+        let x = on.map.point(&slave.points[at]);
         let (face, place) = master.row_at(master.height(&x), on.master_face);
         on.master_face = face;
         if !(-1.0..=2.0).contains(&place) {
@@ -389,8 +394,7 @@ impl<'a> Pass<'a, '_> {
         let (s_shape, m_shape) = (self.shapes[k], self.shapes[m]);
         self.work.projections += 1;
         let own = self.patches[k][p.row * (s_shape.columns - 1) + p.column].position(p.a, p.b);
-        let on_master = self.frame.point(&own.xy());
-        let x = Vec3::new(on_master.x, on_master.y, own.z);
+        let x = self.frame.point(&own);
         let surface = Deformed {
             shape: m_shape,
             x: &m_shape.positions,
@@ -403,7 +407,7 @@ impl<'a> Pass<'a, '_> {
         if hit.gap > self.limit {
             return;
         }
-        let (place, gradient) = self.profiles[m].tip_place(&on_master);
+        let (place, gradient) = self.profiles[m].tip_place(&x.xy());
         let pose = &self.poses[m];
         let gradient = pose.turn(&Vec3::new(gradient.x, gradient.y, 0.0));
         let Some(fade) = Fade::new((place, gradient), past) else {

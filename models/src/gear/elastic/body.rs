@@ -1,6 +1,7 @@
 //! The data of an elastic gear.
 
 use super::inertia::SpinTerms;
+use super::lateral::{self, HubShapes};
 use super::reduced::{FlankCompliance, Reduced};
 use crate::Vec3;
 use crate::error::Reason;
@@ -17,8 +18,12 @@ pub struct Elastic {
     pub(super) data: Arc<Reduced>,
     /// Undeformed flank nodes in the own frame [m].
     pub(super) positions: Vec<Vec3>,
-    /// Coordinates of the hub: 0 or 1; the modes follow.
+    /// Coordinates of the hub; the modes follow.
     pub(super) own: usize,
+    /// How modes move a hub that is also free beside its own motion.
+    pub(super) shapes: Option<HubShapes>,
+    /// Of all coordinates where these are independent oscillators.
+    pub(super) swings: Option<[Vec<f64>; 2]>,
     /// Per coordinate; zero for the hub.
     pub(super) omega: Vec<f64>,
     pub(super) zeta: Vec<f64>,
@@ -74,7 +79,7 @@ impl Elastic {
             return Err(problem.into());
         }
         let own = hub.coordinates();
-        if (own == 1) != data.free {
+        if hub.is_free() != data.free {
             let (is, of) = if data.free {
                 ("free", "held")
             } else {
@@ -89,6 +94,26 @@ impl Elastic {
                 .into());
         }
         hub.inertia = data.inertia;
+        let mut shapes = None;
+        if let Some(lateral) = &hub.lateral {
+            let lateral = lateral::on_hub(lateral, data.lateral.as_ref(), &placement)?;
+            let own = hub.moving();
+            let of_modes = data.lateral.iter().flat_map(|l| &l.hub).zip(&data.hub);
+            let with_own = of_modes.map(|(phi, turn)| {
+                let mut phi = *phi;
+                // A rack slides along its own y.
+                phi[if own == 0 { 1 } else { own }] += turn;
+                phi
+            });
+            shapes = Some(HubShapes(with_own.collect()));
+            hub.lateral = Some(Arc::new(lateral));
+        } else if data.lateral.is_some() {
+            return Err((
+                "the modes are those of a hub with more free directions",
+                "reduce the gear for this mount",
+            )
+                .into());
+        }
         let with_hub = |x: &[f64]| -> Vec<f64> {
             std::iter::repeat_n(0.0, own)
                 .chain(x.iter().copied())
@@ -124,21 +149,37 @@ impl Elastic {
             .iter()
             .map(|shape| shape.max(floor).max(f64::MIN_POSITIVE));
         let body = HubBody::new(hub, effective_base_radius);
-        let on_hub = |x: f64| std::iter::repeat_n(x, own);
         let hub = HubBody {
             own: data.modes(),
-            characteristic_time: 1.0 / data.omega.iter().copied().fold(0.0, f64::max),
-            scales: on_hub(effective_base_radius).chain(of_modes).collect(),
-            masses: on_hub(body.inertia)
+            characteristic_time: (1.0 / data.omega.iter().copied().fold(0.0, f64::max))
+                .min(body.characteristic_time),
+            scales: own_first(&body.scales, effective_base_radius, own)
+                .chain(of_modes)
+                .collect(),
+            masses: own_first(&body.masses, body.inertia, own)
                 .chain(data.omega.iter().map(|_| 1.0))
                 .collect(),
             hub_shapes: data.hub.clone(),
             conservative: data.damping.iter().all(|z| *z <= 0.0),
             ..body
         };
+        let swings = match &hub.hub.lateral {
+            None => Some(vec![[0.0; 2]; own]),
+            Some(lateral) => lateral.oscillators(hub.moving()).map(|of| {
+                let own = hub.is_free().then_some([0.0; 2]);
+                own.into_iter().chain(of).collect()
+            }),
+        };
+        let swings = swings.map(|of_hub| {
+            let of_modes = data.omega.iter().zip(&data.damping).map(|(w, z)| [*w, *z]);
+            let all: Vec<[f64; 2]> = of_hub.into_iter().chain(of_modes).collect();
+            [0, 1].map(|k| all.iter().map(|o| o[k]).collect())
+        });
         Ok(Elastic {
+            swings,
             positions,
             own,
+            shapes,
             omega: with_hub(&data.omega),
             zeta: with_hub(&data.damping),
             hub,
@@ -152,6 +193,12 @@ impl Elastic {
         })
     }
 
+    /// Whether the hub's own motion is free.
+    #[inline]
+    pub(super) fn turns(&self) -> bool {
+        self.hub.is_free()
+    }
+
     /// The reduction.
     pub fn data(&self) -> &Reduced {
         &self.data
@@ -161,4 +208,10 @@ impl Elastic {
     pub(super) fn over_modes(&self, w: &[f64], x: &[f64]) -> f64 {
         w.iter().zip(&x[self.own..]).map(|(w, x)| w * x).sum()
     }
+}
+
+/// What a rigid body says of the coordinates of its hub; `own` where it says nothing.
+fn own_first(of_body: &[f64], own: f64, n: usize) -> impl Iterator<Item = f64> + '_ {
+    let all = of_body.iter().copied().chain(std::iter::repeat(own));
+    all.take(n)
 }

@@ -32,7 +32,7 @@ impl Elastic {
 
     /// Modal loads of a steady load on the hub, or of its prescribed acceleration.
     fn modal_loads(&self, t: f64, load: f64) -> impl Iterator<Item = f64> + '_ {
-        let (shapes, factor) = if self.own > 0 {
+        let (shapes, factor) = if self.turns() {
             (&self.data.hub, load)
         } else {
             (
@@ -58,16 +58,9 @@ impl Elastic {
     }
 }
 
-impl LinearMotion for Elastic {
-    fn oscillators(&self) -> Option<Oscillators<'_>> {
-        // Coriolis forces couple the modes.
-        self.spinning().is_none().then_some(Oscillators {
-            omega: &self.omega,
-            zeta: &self.zeta,
-        })
-    }
-
-    fn add_inertia_force(&self, t: f64, f: &mut [f64]) {
+impl Elastic {
+    /// What a prescribed acceleration of the hub asks of the modes.
+    pub(super) fn add_modal_inertia(&self, t: f64, f: &mut [f64]) {
         let acceleration = self.hub.prescribed_acceleration(t);
         if acceleration == 0.0 {
             return;
@@ -76,13 +69,29 @@ impl LinearMotion for Elastic {
             *f -= acceleration * l;
         }
     }
+}
+
+impl LinearMotion for Elastic {
+    fn oscillators(&self) -> Option<Oscillators<'_>> {
+        // Coriolis forces couple the modes.
+        let [omega, zeta] = self.swings.as_ref()?;
+        self.spinning()
+            .is_none()
+            .then_some(Oscillators { omega, zeta })
+    }
+
+    fn add_other_forces(&self, at: At<'_>, f: &mut [f64]) {
+        self.add_modal_inertia(at.t, f);
+        self.add_bearing(at, false, f);
+    }
 
     fn set_quasi_static_correction(&self, missing: Option<&[f64]>) {
         self.correct_by(missing);
     }
 
     fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
-        if self.spinning().is_some() {
+        // How far flanks are apart is linear in one displacement alone.
+        if self.spinning().is_some() || self.hub.lateral.is_some() {
             return None;
         }
         let [swinging, resting] = self.energies(at, load);
@@ -130,7 +139,7 @@ impl LinearMotion for Elastic {
 
     /// Of a prescribed acceleration on the modes, besides what loads do.
     fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
-        if self.own > 0 {
+        if self.turns() {
             return load * (self.hub_state(to).displacement - self.hub_state(from).displacement);
         }
         let moved: f64 = (self.data.participation.iter().zip(from.q).zip(to.q))

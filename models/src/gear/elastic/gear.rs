@@ -8,7 +8,8 @@ use crate::gear::flank_displacement::FlankDisplacement;
 use crate::gear::hub_body::{HubBody, HubState};
 use crate::gear::model::GearModel;
 use crate::geometry::Flanks;
-use crate::kinematics::{Locus, Point, Row, Wrench};
+use crate::kinematics::{Locus, Motion, Point, Pose, Row, Wrench};
+use crate::spec::Freedom;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 use std::sync::Arc;
 
@@ -106,7 +107,7 @@ impl GearModel for Elastic {
             Locus::Flank { .. } => return prescribed,
         };
         // Displacements are outward: they count with the sign of the normal.
-        let pose = self.placement.pose(self.hub.displacement(at.t, at.q));
+        let pose = self.pose(at);
         let outward = pose.turn(&self.data.normals[corners[0] as usize]);
         let sign = outward.dot(n).signum();
         let shapes = corners.map(|k| self.data.shapes_at(k));
@@ -130,7 +131,8 @@ impl GearModel for Elastic {
         for ((f, (w, z)), (q, v)) in f[own].iter_mut().zip(omega).zip(state) {
             *f -= w * (w * q + 2.0 * z * v);
         }
-        self.add_inertia_force(at.t, f);
+        self.add_modal_inertia(at.t, f);
+        self.add_bearing(at, true, f);
         if let Some(integrals) = self.spinning() {
             self.add_spin_force(integrals, at, self.hub.prescribed_acceleration(at.t), f);
         }
@@ -145,15 +147,19 @@ impl GearModel for Elastic {
             let acceleration = self.hub.prescribed_acceleration(at.t);
             self.add_spin_tangent(integrals, at, acceleration, [dq, dv], df);
         }
+        self.add_bearing_tangent(at, [dq, dv], df);
     }
 
     fn correct(
         &mut self,
-        _at: At<'_>,
+        at: At<'_>,
         c: Coeffs,
         hub_damping: f64,
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular> {
+        if self.hub.lateral.is_some() {
+            return self.correct_on_bearing(at, c, hub_damping, rhs_to_x);
+        }
         let entry = |i: usize| {
             let (w, z) = (self.omega[i], self.zeta[i]);
             let (mass, hub) = if i < self.own {
@@ -190,29 +196,33 @@ impl GearModel for Elastic {
 
     fn energy(&self, at: At<'_>) -> Energy {
         let squares = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-        let frame = if self.own > 0 {
+        let frame = if self.hub.lateral.is_some() {
+            2.0 * self.hub.kinetic(at)
+        } else if self.turns() {
             self.hub.inertia * at.v[0].powi(2)
         } else {
             0.0
         };
+        let [of_bearing, ..] = self.bearing_books(at);
         let strain: f64 = (at.q.iter().zip(&self.omega))
             .map(|(q, w)| (w * q).powi(2))
             .sum();
         let turning = match self.spinning() {
-            Some(integrals) if self.own > 0 => self.spin_energy(integrals, at),
+            Some(integrals) if self.turns() => self.spin_energy(integrals, at),
             _ => 0.0,
         };
         Energy {
             kinetic: 0.5 * (frame + squares(&at.v[self.own..])) + turning,
-            strain: 0.5 * strain,
+            strain: 0.5 * strain + of_bearing,
             contact: 0.0,
         }
     }
 
     fn powers(&self, at: At<'_>) -> Power {
+        let [_, taken, driven] = self.bearing_books(at);
         Power {
-            dissipated: self.dissipated(at),
-            external: self.driven_power(at),
+            dissipated: self.dissipated(at) + taken,
+            external: self.driven_power(at) + driven,
             ..Power::default()
         }
     }
@@ -226,6 +236,10 @@ impl GearModel for Elastic {
                 + self.over_modes(&self.data.participation, at.v)
                 + self.spinning().map_or(0.0, |i| self.spin_momentum(i, at)),
         }
+    }
+
+    fn hub_motion(&self, at: At<'_>) -> Motion {
+        self.standing_hub(at)
     }
 
     /// Modes and frame together: the centre of mass is at `R(theta) (s + sum_i p_i q_i) / m` with the unbalance `s`.
@@ -254,34 +268,34 @@ impl GearModel for Elastic {
             turning += a * along;
         }
         let [place, momentum, rate] = own.map(|x| Vec3::new(x[0], x[1], 0.0));
-        let pose = self.placement.pose(self.hub.displacement(at.t, at.q));
+        let pose = self.pose(at);
         let Some(slide) = &self.hub.slide else {
             let acceleration = match &accelerations {
-                _ if self.own == 0 => prescribed,
+                _ if !self.turns() => prescribed,
                 Some(all) => all[0],
                 None => forces[0] / self.hub.inertia,
             };
-            if let (Some(i), Some(all), 0) = (spinning, &accelerations, self.own) {
+            if let (Some(i), Some(all), false) = (spinning, &accelerations, self.turns()) {
                 turning += self.spin_torque(i, at, prescribed, all);
             }
             let across = |x: Vec3| Vec3::new(-x.y, x.x, 0.0);
             let total = rate + across(2.0 * speed * momentum + acceleration * place)
                 - speed * speed * place;
             reaction.force += pose.turn(&total);
-            if self.own == 0 {
+            if !self.turns() {
                 reaction.torque += turning;
             }
-            return reaction;
+            return self.with_bearing(at, reaction);
         };
         let mut force = pose.turn(&rate);
-        if self.own > 0 {
+        if self.turns() {
             // Its modes hold no momentum along a free slide, up to rounding.
             force -= force.dot(slide) * slide;
         } else {
             reaction.torque += turning;
         }
         reaction.force += force;
-        reaction
+        self.with_bearing(at, reaction)
     }
 
     fn surface(&self) -> Option<FlankSurface<'_>> {
@@ -297,11 +311,30 @@ impl GearModel for Elastic {
     }
 
     fn coupled_mass(&self) -> Option<&dyn CoupledMass> {
-        (self.own > 0 && self.spinning().is_some()).then_some(self)
+        let spins = self.hub.lateral.as_ref().is_some_and(|l| l.spins);
+        (spins || (self.turns() && self.spinning().is_some())).then_some(self)
     }
 }
 
 impl Elastic {
+    #[inline]
+    fn pose(&self, at: At<'_>) -> Pose {
+        let displacement = self.hub.displacement(at.t, at.q);
+        (self.placement).pose_at(&self.hub, at.t, at.q, displacement)
+    }
+
+    /// A reaction with what the bearing exerts along the directions that it leaves free.
+    fn with_bearing(&self, at: At<'_>, mut reaction: Wrench) -> Wrench {
+        if let Some(lateral) = &self.hub.lateral {
+            let exerted = self.bearing_on_hub(at);
+            for d in (0..3).filter(|d| lateral.directions[*d] == Freedom::Free) {
+                let axis = &self.hub.axes[d];
+                reaction.force += (exerted[d] - reaction.force.dot(axis)) * axis;
+            }
+        }
+        reaction
+    }
+
     fn dissipated(&self, at: At<'_>) -> f64 {
         (self.omega.iter().zip(&self.zeta).zip(at.v))
             .map(|((w, z), v)| 2.0 * z * w * v * v)
@@ -309,7 +342,7 @@ impl Elastic {
     }
 
     pub(super) fn driven_power(&self, at: At<'_>) -> f64 {
-        if self.own > 0 {
+        if self.turns() {
             return 0.0;
         }
         let acceleration = self.hub.prescribed_acceleration(at.t);
@@ -320,7 +353,7 @@ impl Elastic {
 
 impl FlankNodes for Elastic {
     fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
-        let pose = self.placement.pose(self.hub.displacement(at.t, at.q));
+        let pose = self.pose(at);
         for (x, &node) in out.iter_mut().zip(nodes) {
             *x = pose.point(&self.positions[node as usize]);
         }
@@ -329,14 +362,13 @@ impl FlankNodes for Elastic {
 
 impl CoupledMass for Elastic {
     fn solve(&self, at: At<'_>, f_to_a: &mut [f64]) {
-        if let Some(integrals) = self.spinning() {
-            self.solve_spin_mass(integrals, at, f_to_a);
+        // Regular but where the tilt is singular, which must not pass for an acceleration.
+        if self.solve_mass(at, f_to_a).is_err() {
+            f_to_a.fill(f64::NAN);
         }
     }
 
     fn apply(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
-        if let Some(integrals) = self.spinning() {
-            self.apply_spin_mass(integrals, at, x, y);
-        }
+        self.apply_mass(at, x, y);
     }
 }

@@ -24,6 +24,7 @@ mod free_flight;
 mod gear;
 pub mod inertia;
 mod kernels;
+mod lateral;
 pub mod lines;
 mod quasi_static;
 pub mod reduced;

@@ -35,8 +35,10 @@ impl Elastic {
         }
         let (modes, of_flanks) = (self.data.modes(), self.data.rows());
         let (frame, of_modes) = missing.split_at(self.own);
+        // A bearing is slow: nothing is left out of its directions.
+        let frame = &frame[..usize::from(self.turns())];
         // So that a product of two rows is what the pair of nodes gets.
-        let width = modes + self.own;
+        let width = modes + frame.len();
         let mut rows = Vec::with_capacity(of_flanks * width);
         for row in 0..of_flanks {
             for quasi_static in frame {

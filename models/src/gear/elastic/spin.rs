@@ -12,7 +12,8 @@ use super::inertia::{AUTO_LIMIT, Integrals, SpinTerms};
 use crate::cholesky::dot;
 use crate::error::Reason;
 use crate::spec::Mount;
-use gearbench_integrators::system::At;
+use gearbench_integrators::dense_solve::solve_in_place;
+use gearbench_integrators::system::{At, Singular};
 
 impl Elastic {
     /// The gear with these inertia terms of its turning frame; [`SpinTerms::Auto`] without it.
@@ -82,14 +83,14 @@ impl Elastic {
         let [outward, coriolis, turned] = room.each_mut().map(|x| sized(x, q.len()));
         i.outward(q, outward);
         i.coriolis(v, coriolis);
-        if self.own > 0 {
+        if self.turns() {
             f[0] -= 2.0 * speed * dot(outward, v);
         } else if acceleration != 0.0 {
             i.coriolis(q, turned);
         }
         for (k, f) in f[self.own..].iter_mut().enumerate() {
             *f += speed * (speed * outward[k] + 2.0 * coriolis[k]);
-            if self.own == 0 && acceleration != 0.0 {
+            if !self.turns() && acceleration != 0.0 {
                 *f += acceleration * turned[k];
             }
         }
@@ -107,14 +108,14 @@ impl Elastic {
         let own = self.own;
         let (q, v) = (&at.q[own..], &at.v[own..]);
         let speed = self.hub.speed(at.t, at.v);
-        let change = if own > 0 { dv[0] } else { 0.0 };
+        let change = if self.turns() { dv[0] } else { 0.0 };
         let mut room = self.spin.room.borrow_mut();
         let [a, b, c] = room.each_mut().map(|x| sized(x, q.len()));
         // The state's own terms, times what the speed changes by.
         i.outward(q, a);
         i.coriolis(v, b);
         i.softening(&dq[own..], c);
-        if own > 0 {
+        if self.turns() {
             df[0] -= 2.0 * (change * dot(a, v) + speed * (dot(c, v) + dot(a, &dv[own..])));
         }
         for k in 0..q.len() {
@@ -124,49 +125,57 @@ impl Elastic {
         for (df, a) in df[own..].iter_mut().zip(&*a) {
             *df += 2.0 * speed * a;
         }
-        if own == 0 && acceleration != 0.0 {
-            i.coriolis(dq, a);
-            for (df, a) in df.iter_mut().zip(&*a) {
+        if !self.turns() && acceleration != 0.0 {
+            i.coriolis(&dq[own..], a);
+            for (df, a) in df[own..].iter_mut().zip(&*a) {
                 *df += acceleration * a;
             }
         }
     }
 
-    /// `J(q)` and, in `turned`, `C q`.
-    fn turning_mass(
-        &self,
-        i: &Integrals,
-        q: &[f64],
-        outward: &mut [f64],
-        turned: &mut [f64],
-    ) -> f64 {
+    /// What `J(q)` has grown by, and, in `turned`, `C q`.
+    fn grown(&self, i: &Integrals, q: &[f64], outward: &mut [f64], turned: &mut [f64]) -> f64 {
         i.outward(q, outward);
         i.coriolis(q, turned);
-        self.hub.inertia + dot(&i.radial, q) + dot(outward, q)
+        dot(&i.radial, q) + dot(outward, q)
     }
 
-    /// `f <- M^-1 f` of a free gear.
-    pub(super) fn solve_spin_mass(&self, i: &Integrals, at: At<'_>, f: &mut [f64]) {
-        let q = &at.q[1..];
+    /// `f <- M^-1 f` of a gear that is free to turn, or to move aside.
+    pub(super) fn solve_mass(&self, at: At<'_>, f: &mut [f64]) -> Result<(), Singular> {
+        let (mut hub, n) = self.hub_mass(at);
+        let (on_hub, modes) = f.split_at_mut(n);
         let mut room = self.spin.room.borrow_mut();
-        let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
-        let inertia = self.turning_mass(i, q, outward, turned);
-        let (hub, modes) = f.split_at_mut(1);
-        hub[0] = (hub[0] + dot(turned, modes)) / (inertia - dot(turned, turned));
-        for (f, t) in modes.iter_mut().zip(&*turned) {
-            *f += hub[0] * t;
+        let [outward, turned, _] = room.each_mut().map(|x| sized(x, modes.len()));
+        let couples = self.spinning().filter(|_| self.turns());
+        if let Some(i) = couples {
+            let grown = self.grown(i, &at.q[n..], outward, turned);
+            hub[0] += grown - dot(turned, turned);
+            on_hub[0] += dot(turned, modes);
         }
+        solve_in_place(&mut hub[..n * n], on_hub)?;
+        if couples.is_some() {
+            for (f, t) in modes.iter_mut().zip(&*turned) {
+                *f += on_hub[0] * t;
+            }
+        }
+        Ok(())
     }
 
-    /// `y = M x` of a free gear.
-    pub(super) fn apply_spin_mass(&self, i: &Integrals, at: At<'_>, x: &[f64], y: &mut [f64]) {
-        let q = &at.q[1..];
-        let mut room = self.spin.room.borrow_mut();
-        let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
-        let inertia = self.turning_mass(i, q, outward, turned);
-        y[0] = inertia * x[0] - dot(turned, &x[1..]);
-        for ((y, m), t) in y[1..].iter_mut().zip(&x[1..]).zip(&*turned) {
-            *y = m - t * x[0];
+    /// `y = M x` of the same.
+    pub(super) fn apply_mass(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        let (hub, n) = self.hub_mass(at);
+        for (y, row) in y.iter_mut().zip(hub.chunks_exact(n.max(1))).take(n) {
+            *y = dot(row, &x[..n]);
+        }
+        y[n..].copy_from_slice(&x[n..]);
+        if let Some(i) = self.spinning().filter(|_| self.turns()) {
+            let mut room = self.spin.room.borrow_mut();
+            let [outward, turned, _] = room.each_mut().map(|v| sized(v, x.len() - n));
+            let grown = self.grown(i, &at.q[n..], outward, turned);
+            y[0] += grown * x[0] - dot(turned, &x[n..]);
+            for (y, t) in y[n..].iter_mut().zip(&*turned) {
+                *y -= t * x[0];
+            }
         }
     }
 
@@ -185,19 +194,21 @@ impl Elastic {
                 + prescribed * self.data.participation[k - self.own];
         }
         self.add_spin_force(i, at, prescribed, &mut f);
-        if self.own > 0 {
-            self.solve_spin_mass(i, at, &mut f);
+        self.add_bearing(at, true, &mut f);
+        if self.own > 0 && self.solve_mass(at, &mut f).is_err() {
+            f.fill(f64::NAN);
         }
         f
     }
 
     /// Rate of [`Self::spin_momentum`] of a gear whose hub is held, with the accelerations `a` of its modes.
     pub(super) fn spin_torque(&self, i: &Integrals, at: At<'_>, prescribed: f64, a: &[f64]) -> f64 {
+        let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
         let mut room = self.spin.room.borrow_mut();
-        let [outward, turned, _] = room.each_mut().map(|x| sized(x, at.q.len()));
-        let grown = self.turning_mass(i, at.q, outward, turned) - self.hub.inertia;
+        let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
+        let grown = self.grown(i, q, outward, turned);
         let speed = self.hub.speed(at.t, at.v);
-        prescribed * grown + 2.0 * speed * dot(outward, at.v) - dot(turned, a)
+        prescribed * grown + 2.0 * speed * dot(outward, v) - dot(turned, &a[self.own..])
     }
 
     /// What the deformation adds to the momentum about the axis, `theta' (2 a.q + q.G q) + q.C q'`.
@@ -205,16 +216,16 @@ impl Elastic {
         let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
         let mut room = self.spin.room.borrow_mut();
         let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
-        let grown = self.turning_mass(i, q, outward, turned) - self.hub.inertia;
+        let grown = self.grown(i, q, outward, turned);
         self.hub.speed(at.t, at.v) * grown - dot(turned, v)
     }
 
     /// What the deformation adds to the kinetic energy of a free gear.
     pub(super) fn spin_energy(&self, i: &Integrals, at: At<'_>) -> f64 {
-        let (q, v) = (&at.q[1..], &at.v[1..]);
+        let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
         let mut room = self.spin.room.borrow_mut();
         let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
-        let grown = self.turning_mass(i, q, outward, turned) - self.hub.inertia;
+        let grown = self.grown(i, q, outward, turned);
         at.v[0] * (0.5 * at.v[0] * grown - dot(turned, v))
     }
 
@@ -222,10 +233,11 @@ impl Elastic {
     pub(super) fn spin_power(&self, i: &Integrals, at: At<'_>, acceleration: f64) -> f64 {
         let speed = self.hub.speed(at.t, at.v);
         let mut room = self.spin.room.borrow_mut();
-        let [outward, turned, _] = room.each_mut().map(|x| sized(x, at.q.len()));
-        i.outward(at.q, outward);
-        i.coriolis(at.q, turned);
-        speed * speed * dot(outward, at.v) + acceleration * dot(turned, at.v)
+        let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
+        let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
+        i.outward(q, outward);
+        i.coriolis(q, turned);
+        speed * speed * dot(outward, v) + acceleration * dot(turned, v)
     }
 }
 

@@ -292,7 +292,7 @@ impl Nodal {
 }
 
 /// Effective radii of hubs of gears with a field for a direction of motion of the slave over the master, and, in `row`,
-/// the entries of the others, whose prescribed part of the speed is returned. With the direction comes the gap that a
+/// the entries of the others and of the other directions of hubs, whose prescribed part of the speed is returned. With the direction comes the gap that a
 /// point fades out with.
 pub(in crate::scene) fn rows_of(
     gears: &[SceneGear],
@@ -318,7 +318,15 @@ pub(in crate::scene) fn rows_of(
                 let direction = direction - aside * p.fading;
                 drift += sign * g.model.row(own, point, &direction, row);
             }
-            _ => effective_radii[k] = sign * g.model.hub().effective_radius(&p.x, &direction),
+            _ => {
+                let (hub, own) = (&g.model.hub().hub, g.at(at));
+                effective_radii[k] = sign * hub.effective_radius_at(own.t, own.q, &p.x, &direction);
+                if hub.lateral.is_some() {
+                    row.target(g.offset, sign);
+                    let aside = hub.lateral_row(own.t, own.q, &p.x, &direction, row, false);
+                    drift += sign * aside;
+                }
+            }
         }
     }
     (effective_radii, drift)

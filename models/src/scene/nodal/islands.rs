@@ -9,7 +9,7 @@ use crate::gear::HubBody;
 use crate::kinematics::Row;
 use crate::law::{FrictionForce, LawForce};
 use crate::scene::members::{SceneGear, SceneMesh};
-use gearbench_integrators::system::HalfKick;
+use gearbench_integrators::system::{At, HalfKick};
 
 /// A point that carries (or may carry) a force.
 #[derive(Clone, Copy, Debug)]
@@ -77,14 +77,14 @@ impl NodalActive {
     }
 
     /// What it exerts on the hub of a gear of the mesh: torque about the axis [N m], force along the slide [N].
-    pub fn on_hub(&self, p: &NodalPoint, hub: &HubBody, k: usize) -> f64 {
+    pub fn on_hub(&self, p: &NodalPoint, (hub, at): (&HubBody, At<'_>), k: usize) -> f64 {
         if self.of_line.is_some() {
             return self.effective_radii[k] * self.force.n
                 + self.sliding.effective_radii[k] * self.sliding.force.f;
         }
         let on_second = self.on_second(p);
         let force = if k == 0 { -on_second } else { on_second };
-        hub.effective_radius(&p.x, &force)
+        hub.effective_radius_at(at.t, at.q, &p.x, &force)
     }
 }
 

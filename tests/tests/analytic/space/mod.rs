@@ -2,6 +2,7 @@
 //! lines of action, contact rows, momentum, the same scene turned, mirrored and exchanged.
 
 mod bodies;
+mod elastic;
 mod flanks;
 mod invariance;
 mod misaligned;

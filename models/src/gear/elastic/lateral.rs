@@ -1,0 +1,427 @@
+//! The elastic gear on a hub that also moves aside of its own turn: how modes move the hub, and what the bearing does to them.
+//!
+//! The floating frame moves as a rigid body does ([`crate::kinematics::Lateral`]); the modes hold no momentum in the
+//! directions in which the hub is free. The hub stands off the frame by what the modes make of it, own axes turned with the
+//! gear,
+//!
+//! ```text
+//! h = x + u,   u = T(theta) s,   s = sum_i Phi_i q_i,   h' = x' + T s' + theta' z x u,   T = diag(R_z, R_z)
+//! ```
+//!
+//! and the bearing exerts `F(h, h')` on it: by virtual work `F` on the frame, `Phi_i . T^T F` on mode `i`, and, as a hub
+//! that stands off turns with the frame, `F . (z x u)` on `theta`. The Newton matrix has the bearing as six further
+//! unknowns, with `E` from the coordinates of the hub to `h`, `P = T Phi`, and the bearing's own `B`:
+//!
+//! ```text
+//! [ A_hh       -E^T       ] [x_h]   [ r_h          ]
+//! [ B E   1 + B P D^-1 P^T ] [ F ] = [ -B P D^-1 r_q ],      x_q = D^-1 (r_q + P^T F)
+//! ```
+//!
+//! That a frame which tilts takes the modes' tilt of the hub along is left out: of second order in tilts.
+
+use super::body::Elastic;
+use super::reduced::LateralShapes;
+use crate::Vec3;
+use crate::error::Reason;
+use crate::kinematics::{BodyMass, Lateral, Motion, Placement};
+use crate::spec::Freedom;
+use gearbench_integrators::dense_solve::solve_in_place;
+use gearbench_integrators::system::{At, Coeffs, Singular};
+use nalgebra::{Matrix3, Rotation3};
+use std::sync::Arc;
+
+/// Translations and rotations.
+type Six = [f64; 6];
+
+/// Hub shapes of the modes, that of the own motion with the others.
+#[derive(Clone, Debug)]
+pub(super) struct HubShapes(pub Vec<Six>);
+
+/// A turn of own axes into those of the hub.
+#[derive(Clone, Copy, Debug)]
+struct Turned {
+    cos: f64,
+    sin: f64,
+    /// The own frame turns with the hub's own motion.
+    turns: bool,
+}
+
+impl Turned {
+    fn to_hub(self, s: &Six) -> Six {
+        let Turned { cos, sin, .. } = self;
+        let of = |x: f64, y: f64| [cos * x - sin * y, sin * x + cos * y];
+        let ([a, b], [c, d]) = (of(s[0], s[1]), of(s[3], s[4]));
+        [a, b, s[2], c, d, s[5]]
+    }
+
+    fn to_own(self, f: &Six) -> Six {
+        Turned {
+            sin: -self.sin,
+            ..self
+        }
+        .to_hub(f)
+    }
+
+    /// `dT/dtheta s` from `T s`.
+    fn slope(self, u: &Six) -> Six {
+        if self.turns {
+            [-u[1], u[0], 0.0, -u[4], u[3], 0.0]
+        } else {
+            [0.0; 6]
+        }
+    }
+}
+
+/// Frame and hub at a state.
+struct Standing {
+    turned: Turned,
+    frame: Motion,
+    hub: Motion,
+    /// Hub off the frame, and the part of its rate that the modes' own rates make.
+    off: Six,
+    rate: Six,
+}
+
+fn dot(a: &Six, b: &Six) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn add(a: &mut Six, factor: f64, b: &Six) {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
+}
+
+/// The body of a reduction on a hub with these lateral directions.
+///
+/// # Errors
+/// What of the directions the modes do not know.
+pub(super) fn on_hub(
+    lateral: &Lateral,
+    shapes: Option<&Arc<LateralShapes>>,
+    placement: &Placement,
+) -> Result<Lateral, Reason> {
+    let driven = |f: &Freedom| matches!(f, Freedom::Driven(_));
+    if lateral.directions.iter().any(driven) {
+        return Err((
+            "a direction of its hub beside its own motion is driven, which modes do not know",
+            "hold or free it, or take a rigid gear or movable teeth",
+        )
+            .into());
+    }
+    let free = [0, 1, 2, 3, 4, 5].map(|d| lateral.directions[d] == Freedom::Free);
+    let Some(shapes) = shapes.filter(|s| s.free == own_order(free, placement.slides)) else {
+        return Err((
+            "the modes are those of a hub with other free directions",
+            "reduce the gear for this mount",
+        )
+            .into());
+    };
+    // From own axes to those of the hub at the assembled position.
+    let to_hub = if placement.slides {
+        Matrix3::new(0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    } else {
+        *Rotation3::from_axis_angle(&Vec3::z_axis(), placement.phase).matrix()
+    };
+    let inertia = Matrix3::from_row_slice(&shapes.inertia);
+    Ok(Lateral {
+        body: BodyMass {
+            mass: shapes.mass,
+            inertia: to_hub * inertia * to_hub.transpose(),
+            centre: to_hub * Vec3::from(shapes.centre),
+        },
+        ..lateral.clone()
+    })
+}
+
+/// Directions of a hub along own axes: the hub of a rack has its slide, own y, first.
+fn own_order(free: [bool; 6], slides: bool) -> [bool; 6] {
+    let [a, b, c, d, e, f] = free;
+    if slides { [b, a, c, e, d, f] } else { free }
+}
+
+impl Elastic {
+    fn lateral(&self) -> Option<(&Lateral, &HubShapes)> {
+        Some((self.hub.lateral.as_deref()?, self.shapes.as_ref()?))
+    }
+
+    fn turned(&self, t: f64, q: &[f64]) -> Turned {
+        if self.placement.slides {
+            // Own y is the first axis of the hub.
+            return Turned {
+                cos: 0.0,
+                sin: -1.0,
+                turns: false,
+            };
+        }
+        let (sin, cos) = (self.placement.phase + self.hub.displacement(t, q)).sin_cos();
+        Turned {
+            cos,
+            sin,
+            turns: true,
+        }
+    }
+
+    /// `sum_i Phi_i x_i` over the modes of a vector of coordinates.
+    fn of_modes(&self, shapes: &HubShapes, x: &[f64]) -> Six {
+        let mut sum = [0.0; 6];
+        for (phi, x) in shapes.0.iter().zip(&x[self.own..]) {
+            add(&mut sum, *x, phi);
+        }
+        sum
+    }
+
+    fn standing(&self, shapes: &HubShapes, at: At<'_>) -> Standing {
+        let frame = self.hub.motion(at.t, at.q, at.v);
+        let turned = self.turned(at.t, at.q);
+        let off = turned.to_hub(&self.of_modes(shapes, at.q));
+        let rate = turned.to_hub(&self.of_modes(shapes, at.v));
+        let mut hub = frame;
+        add(&mut hub.x, 1.0, &off);
+        add(&mut hub.v, 1.0, &rate);
+        add(&mut hub.v, frame.v[self.hub.moving()], &turned.slope(&off));
+        Standing {
+            turned,
+            frame,
+            hub,
+            off,
+            rate,
+        }
+    }
+
+    /// Where the hub is and how fast.
+    pub(super) fn standing_hub(&self, at: At<'_>) -> Motion {
+        match self.lateral() {
+            Some((_, shapes)) => self.standing(shapes, at).hub,
+            None => self.hub.motion(at.t, at.q, at.v),
+        }
+    }
+
+    /// What the bearing exerts on the hub; zeros without one.
+    pub(super) fn bearing_on_hub(&self, at: At<'_>) -> Six {
+        self.lateral().map_or([0.0; 6], |(lateral, shapes)| {
+            lateral.bearing_forces(&self.standing(shapes, at).hub)
+        })
+    }
+
+    /// Energy in the bearing [J], the power that it takes and that a driven turn puts into it [W].
+    pub(super) fn bearing_books(&self, at: At<'_>) -> [f64; 3] {
+        let Some((lateral, shapes)) = self.lateral() else {
+            return [0.0; 3];
+        };
+        let s = self.standing(shapes, at);
+        let [energy, taken] = lateral.bearing_energy(&s.hub);
+        let mut driven = 0.0;
+        if !self.hub.is_free() {
+            let f = lateral.bearing_forces(&s.hub);
+            let own = self.hub.moving();
+            driven = -s.frame.v[own] * (dot(&f, &s.turned.slope(&s.off)) + f[own]);
+        }
+        [energy, taken, driven]
+    }
+
+    /// Adds bearing and spin terms of the rigid body; without `whole` those of the bearing beyond what it exerts on a rigid
+    /// body.
+    pub(super) fn add_bearing(&self, at: At<'_>, whole: bool, f: &mut [f64]) {
+        let Some((lateral, shapes)) = self.lateral() else {
+            return;
+        };
+        let s = self.standing(shapes, at);
+        let force = lateral.bearing_forces(&s.hub);
+        let mut on_frame = force;
+        if !whole {
+            add(&mut on_frame, -1.0, &lateral.bearing_forces(&s.frame));
+        } else if lateral.spins {
+            add(&mut on_frame, 1.0, &lateral.spin_forces(&s.frame));
+        }
+        for (f, d) in f.iter_mut().zip(self.hub.free_directions()) {
+            *f += on_frame[d];
+        }
+        if self.hub.is_free() {
+            f[0] += dot(&force, &s.turned.slope(&s.off));
+        }
+        let own = s.turned.to_own(&force);
+        for (f, phi) in f[self.own..].iter_mut().zip(&shapes.0) {
+            *f += dot(phi, &own);
+        }
+    }
+
+    /// Change of the whole of it.
+    pub(super) fn add_bearing_tangent(&self, at: At<'_>, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
+        let Some((lateral, shapes)) = self.lateral() else {
+            return;
+        };
+        let s = self.standing(shapes, at);
+        let own = self.hub.moving();
+        let mut along = Motion::default();
+        for (k, d) in self.hub.free_directions().enumerate() {
+            (along.x[d], along.v[d]) = (dq[k], dv[k]);
+        }
+        let (turn, spin) = (along.x[own], along.v[own]);
+        let speed = s.frame.v[own];
+        let (slope, rate_slope) = (s.turned.slope(&s.off), s.turned.slope(&s.rate));
+        let change = s.turned.to_hub(&self.of_modes(shapes, dq));
+        let rate = s.turned.to_hub(&self.of_modes(shapes, dv));
+        let mut of_hub = along;
+        add(&mut of_hub.x, 1.0, &change);
+        add(&mut of_hub.x, turn, &slope);
+        add(&mut of_hub.v, 1.0, &rate);
+        add(&mut of_hub.v, turn, &rate_slope);
+        add(&mut of_hub.v, spin, &slope);
+        add(&mut of_hub.v, speed, &s.turned.slope(&change));
+        add(&mut of_hub.v, speed * turn, &s.turned.slope(&slope));
+        let force = lateral.bearing_forces(&s.hub);
+        let by_hub = lateral.bearing_change(&s.hub, &of_hub);
+        let mut on_frame = by_hub;
+        if lateral.spins {
+            add(&mut on_frame, 1.0, &lateral.spin_change(&s.frame, &along));
+        }
+        for (df, d) in df.iter_mut().zip(self.hub.free_directions()) {
+            *df += on_frame[d];
+        }
+        if self.hub.is_free() {
+            let turned = s.turned.slope(&slope);
+            df[0] += dot(&by_hub, &slope)
+                + dot(&force, &s.turned.slope(&change))
+                + turn * dot(&force, &turned);
+        }
+        let mut on_modes = s.turned.to_own(&by_hub);
+        // T_theta^T F = -(z x T^T F)
+        let own = s.turned.to_own(&force);
+        add(&mut on_modes, -turn, &s.turned.slope(&own));
+        for (df, phi) in df[self.own..].iter_mut().zip(&shapes.0) {
+            *df += dot(phi, &on_modes);
+        }
+    }
+
+    /// Solves with `c.m M + c.d D + c.k K` of a gear on a bearing, `hub_damping` on its turn.
+    pub(super) fn correct_on_bearing(
+        &self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let Some((lateral, shapes)) = self.lateral() else {
+            return Err(Singular);
+        };
+        let s = self.standing(shapes, at);
+        let own = self.hub.moving();
+        let (mut list, mut n) = ([0; 6], 0);
+        for d in self.hub.free_directions() {
+            list[n] = d;
+            n += 1;
+        }
+        let mass = if lateral.spins {
+            lateral.mass_matrix(&s.frame.x)
+        } else {
+            let mut diagonal = [[0.0; 6]; 6];
+            for (d, mass) in lateral.masses().into_iter().enumerate() {
+                diagonal[d][d] = if d == own { self.hub.inertia } else { mass };
+            }
+            diagonal
+        };
+        // What the hub answers to its six directions.
+        let mut b = [[0.0; 6]; 6];
+        for d in 0..6 {
+            let mut along = Motion::default();
+            (along.x[d], along.v[d]) = (c.k, c.d);
+            let change = lateral.bearing_change(&s.hub, &along);
+            for i in 0..6 {
+                b[i][d] = -change[i];
+            }
+        }
+        b[own][own] += c.d * hub_damping;
+        let slope = s.turned.slope(&s.off);
+        let size = n + 6;
+        let mut a = [0.0; 144];
+        let mut y = [0.0; 12];
+        y[..n].copy_from_slice(&x[..n]);
+        let e = |i: usize, k: usize| {
+            let along = f64::from(u8::from(list[k] == i));
+            along + if list[k] == own { slope[i] } else { 0.0 }
+        };
+        for (i, &di) in list[..n].iter().enumerate() {
+            let mut along = Motion::default();
+            for (k, &dk) in list[..n].iter().enumerate() {
+                let mut change = 0.0;
+                if lateral.spins {
+                    (along.x, along.v) = ([0.0; 6], [0.0; 6]);
+                    (along.x[dk], along.v[dk]) = (c.k, c.d);
+                    change = lateral.spin_change(&s.frame, &along)[di];
+                }
+                a[i * size + k] = c.m * mass[di][dk] - change;
+            }
+            for j in 0..6 {
+                a[i * size + n + j] = -e(j, i);
+            }
+        }
+        // P D^-1 P^T and P D^-1 r_q, own axes first.
+        let (mut give, mut flow) = ([[0.0; 6]; 6], [0.0; 6]);
+        for (k, phi) in shapes.0.iter().enumerate() {
+            let i = self.own + k;
+            let (w, z) = (self.omega[i], self.zeta[i]);
+            let d = c.m + c.d * 2.0 * z * w + c.k * w * w;
+            if d == 0.0 {
+                return Err(Singular);
+            }
+            x[i] /= d;
+            add(&mut flow, x[i], phi);
+            for (row, p) in give.iter_mut().zip(phi) {
+                add(row, p / d, phi);
+            }
+        }
+        let flow = s.turned.to_hub(&flow);
+        let columns = give.map(|row| s.turned.to_hub(&row));
+        let mut turned = [[0.0; 6]; 6];
+        for j in 0..6 {
+            let column = s.turned.to_hub(&columns.map(|row| row[j]));
+            for i in 0..6 {
+                turned[i][j] = column[i];
+            }
+        }
+        for i in 0..6 {
+            let row = n + i;
+            for k in 0..n {
+                a[row * size + k] = (0..6).map(|j| b[i][j] * e(j, k)).sum();
+            }
+            for j in 0..6 {
+                let through: f64 = (0..6).map(|l| b[i][l] * turned[l][j]).sum();
+                a[row * size + n + j] = f64::from(u8::from(i == j)) + through;
+            }
+            y[row] = -dot(&b[i], &flow);
+        }
+        solve_in_place(&mut a[..size * size], &mut y[..size])?;
+        x[..n].copy_from_slice(&y[..n]);
+        let mut force = [0.0; 6];
+        force.copy_from_slice(&y[n..size]);
+        let force = s.turned.to_own(&force);
+        for (k, phi) in shapes.0.iter().enumerate() {
+            let i = self.own + k;
+            let (w, z) = (self.omega[i], self.zeta[i]);
+            let d = c.m + c.d * 2.0 * z * w + c.k * w * w;
+            x[i] += dot(phi, &force) / d;
+        }
+        Ok(())
+    }
+
+    /// The rigid part of the mass matrix over the free directions of the hub, row-major, and their number.
+    pub(super) fn hub_mass(&self, at: At<'_>) -> ([f64; 36], usize) {
+        let n = self.own;
+        let mut out = [0.0; 36];
+        match self.hub.lateral.as_deref().filter(|l| l.spins) {
+            Some(lateral) => {
+                let mass = lateral.mass_matrix(&self.hub.motion(at.t, at.q, at.v).x);
+                for (i, di) in self.hub.free_directions().enumerate() {
+                    for (j, dj) in self.hub.free_directions().enumerate() {
+                        out[i * n + j] = mass[di][dj];
+                    }
+                }
+            }
+            None => {
+                for i in 0..n {
+                    out[i * n + i] = self.hub.masses[i];
+                }
+            }
+        }
+        (out, n)
+    }
+}

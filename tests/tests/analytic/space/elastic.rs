@@ -1,0 +1,207 @@
+//! Elastic gears on bearings and on axes that are not parallel.
+
+use super::*;
+use gearbench_integrators::SecondOrderSystem;
+use gearbench_integrators::dense_solve::solve_in_place;
+use gearbench_integrators::system::{At, Coeffs};
+use gearbench_models::spec::{ContactSpec, ModelSpec, Parameters, PointContact, Value};
+
+/// The made-up elastic gear with nodes over the width.
+pub fn toy() -> ModelSpec {
+    let number = |key: &str, x: f64| (key.to_string(), Value::Number(x));
+    ModelSpec {
+        id: "elastic-toy".into(),
+        parameters: Parameters::from([
+            number("rows", 11.0),
+            number("columns", 5.0),
+            number("modes", 6.0),
+            number("residual_m_per_n", 2e-9),
+        ]),
+    }
+}
+
+pub fn on_points(damping: f64) -> ContactSpec {
+    ContactSpec {
+        points: Some(PointContact {
+            damping,
+            ..PointContact::new(1e15)
+        }),
+        ..contact(1.5e10)
+    }
+}
+
+/// Pairs that press on each other on bearings, both axes tilted, and what they are.
+fn pressed() -> Vec<(&'static str, Scene, State)> {
+    let mut all = Vec::new();
+    let teeth = || movable(5.3e8, 4.8e-3, 0.0);
+    for (name, helix, models, damping, spins) in [
+        ("spur", 0.0, [toy(), toy()], 0.0, false),
+        ("helical", 0.25, [toy(), toy()], 0.0, false),
+        ("helical with dashpots", 0.25, [toy(), toy()], 2e8, false),
+        ("helical with spin terms", 0.25, [toy(), toy()], 0.0, true),
+        ("on a rigid gear", 0.25, [toy(), rigid()], 0.0, false),
+        ("on movable teeth", 0.25, [teeth(), toy()], 0.0, false),
+    ] {
+        let mut spec = helical_pair(helix, 0.0, true);
+        tilt(&mut spec, 0, 4e-4, -2e-4);
+        tilt(&mut spec, 1, -3e-4, 3e-4);
+        for gear in &mut spec.gears {
+            gear.lateral = on_bearings();
+            if let Some(l) = &mut gear.lateral {
+                l.spin = if spins { SpinTerms::On } else { SpinTerms::Off };
+            }
+        }
+        let scene = build(&spec, &models, &on_points(damping));
+        let mut numbers = Numbers::new(5);
+        let mut s = displaced(&scene, &spec, 0.05, &mut numbers);
+        for g in scene.gears() {
+            let first = g.range().start + g.model.hub().first();
+            let elastic = g.id == "elastic-toy";
+            for i in first..g.range().end {
+                if elastic {
+                    s.q[i] = 3e-6 * numbers.draw() / 1e2;
+                }
+                s.v[i] = 1e-2 * numbers.draw();
+            }
+        }
+        all.push((name, scene, s));
+    }
+    all
+}
+
+fn force(scene: &mut Scene, at: At<'_>) -> Vec<f64> {
+    let mut f = vec![0.0; at.q.len()];
+    scene.force(at, &mut f);
+    f
+}
+
+/// Largest entry over what is typical of its coordinate's force.
+fn off(scene: &Scene, found: &[f64], expected: &[f64]) -> f64 {
+    let (scale, _) = scales(scene);
+    let weighted = |x: &[f64]| {
+        let all = x.iter().zip(&scale).map(|(x, s)| (x * s).abs());
+        all.fold(0.0_f64, f64::max)
+    };
+    let difference: Vec<f64> = found.iter().zip(expected).map(|(a, b)| a - b).collect();
+    weighted(&difference) / weighted(expected)
+}
+
+#[test]
+fn forces_in_space_derive_from_one_potential() {
+    for (name, mut scene, s) in pressed() {
+        if name.contains("dashpots") {
+            continue;
+        }
+        let still = vec![0.0; s.v.len()];
+        let at = At {
+            v: &still,
+            ..s.at()
+        };
+        let f = force(&mut scene, at);
+        let (scale, _) = scales(&scene);
+        let mut slopes = vec![0.0; f.len()];
+        for i in 0..f.len() {
+            let h = 1e-4 * scale[i];
+            let mut energy = |by: f64| {
+                let mut q = s.q.clone();
+                q[i] += by;
+                let mut out = Outputs::default();
+                scene.output(At { q: &q, ..at }, &mut out);
+                out.energy.strain + out.energy.contact
+            };
+            slopes[i] = (energy(-h) - energy(h)) / (2.0 * h);
+        }
+        let off = off(&scene, &f, &slopes);
+        let touching = scene.contact_forces(at).len();
+        println!("{name}: {touching} points, forces beside slopes of the energy {off:.1e}");
+        assert!(touching > 3, "{name}: {touching} points touch");
+        assert!(off < 2e-5, "{name}: {off:.2e}");
+    }
+}
+
+#[test]
+fn tangents_in_space_are_slopes_of_the_forces() {
+    for (name, mut scene, s) in pressed() {
+        let (scale, rates) = scales(&scene);
+        let mut numbers = Numbers::new(9);
+        // Apart, bearings and spin terms are all there is; under contact directions that turn with the state are left out.
+        let mut apart = s.clone();
+        apart.q[scene.gears()[0].range().start] -= 8e-4;
+        let touching = [apart, s].map(|s| (scene.contact_forces(s.at()).len(), s));
+        // Movable teeth have places of their own and stay.
+        let parts = !name.contains("movable");
+        assert!((touching[0].0 == 0 || !parts) && touching[1].0 > 3);
+        for (points, s) in touching {
+            let mut worst = 0.0_f64;
+            for _ in 0..4 {
+                let dq: Vec<f64> = scale.iter().map(|x| x * numbers.draw()).collect();
+                let dv: Vec<f64> = rates.iter().map(|x| x * numbers.draw()).collect();
+                let h = 1e-5;
+                let mut moved = |by: f64| {
+                    let q: Vec<f64> = s.q.iter().zip(&dq).map(|(q, d)| q + by * d).collect();
+                    let v: Vec<f64> = s.v.iter().zip(&dv).map(|(v, d)| v + by * d).collect();
+                    force(
+                        &mut scene,
+                        At {
+                            q: &q,
+                            v: &v,
+                            ..s.at()
+                        },
+                    )
+                };
+                let (up, down) = (moved(h), moved(-h));
+                let slopes: Vec<f64> = (up.iter().zip(&down))
+                    .map(|(a, b)| (a - b) / (2.0 * h))
+                    .collect();
+                let mut tangent = vec![0.0; slopes.len()];
+                scene.tangent_times(s.at(), &dq, &dv, &mut tangent);
+                worst = worst.max(off(&scene, &tangent, &slopes));
+            }
+            println!("{name}, {points} points: tangent beside differences {worst:.1e}");
+            let limit = if points == 0 { 1e-6 } else { 2e-2 };
+            assert!(worst < limit, "{name}: {worst:.2e}");
+        }
+    }
+}
+
+#[test]
+fn the_newton_correction_is_the_inverse_of_mass_and_tangent() {
+    let c = Coeffs {
+        m: 1.0,
+        d: 5e-7,
+        k: 2.5e-13,
+    };
+    for (name, mut scene, s) in pressed() {
+        let n = s.q.len();
+        let mut numbers = Numbers::new(3);
+        let (scale, _) = scales(&scene);
+        let rhs: Vec<f64> = scale.iter().map(|x| numbers.draw() / x).collect();
+        let mut x = rhs.clone();
+        scene.correct(s.at(), c, &mut x).unwrap();
+        let mut a = vec![0.0; n * n];
+        for j in 0..n {
+            let mut unit = vec![0.0; n];
+            unit[j] = 1.0;
+            let mut mass = vec![0.0; n];
+            scene.apply_mass(s.at(), &unit, &mut mass);
+            let (mut dq, mut dv) = (unit.clone(), unit);
+            (dq[j], dv[j]) = (c.k, c.d);
+            let mut df = vec![0.0; n];
+            scene.tangent_times(s.at(), &dq, &dv, &mut df);
+            for i in 0..n {
+                a[i * n + j] = c.m * mass[i] - df[i];
+            }
+        }
+        let mut expected = rhs;
+        solve_in_place(&mut a, &mut expected).unwrap();
+        let largest = |v: &[f64]| {
+            v.iter()
+                .zip(&scale)
+                .fold(0.0_f64, |m, (x, s)| m.max((x / s).abs()))
+        };
+        let difference: Vec<f64> = x.iter().zip(&expected).map(|(a, b)| a - b).collect();
+        let off = largest(&difference) / largest(&expected);
+        println!("{name}: correction {off:.1e}");
+        assert!(off < 1e-5, "{name}: {off:.2e}");
+    }
+}
