@@ -133,11 +133,22 @@ impl Elastic {
         }
     }
 
-    /// What `J(q)` has grown by, and, in `turned`, `C q`.
-    fn grown(&self, i: &Integrals, q: &[f64], outward: &mut [f64], turned: &mut [f64]) -> f64 {
+    /// `J(q)` and, in `turned`, `C q`.
+    fn turning_mass(
+        &self,
+        i: &Integrals,
+        q: &[f64],
+        outward: &mut [f64],
+        turned: &mut [f64],
+    ) -> f64 {
         i.outward(q, outward);
         i.coriolis(q, turned);
-        dot(&i.radial, q) + dot(outward, q)
+        self.hub.inertia + dot(&i.radial, q) + dot(outward, q)
+    }
+
+    /// What `J(q)` has grown by, and, in `turned`, `C q`.
+    fn grown(&self, i: &Integrals, q: &[f64], outward: &mut [f64], turned: &mut [f64]) -> f64 {
+        self.turning_mass(i, q, outward, turned) - self.hub.inertia
     }
 
     /// `f <- M^-1 f` of a gear that is free to turn, or to move aside.
@@ -148,8 +159,10 @@ impl Elastic {
         let [outward, turned, _] = room.each_mut().map(|x| sized(x, modes.len()));
         let couples = self.spinning().filter(|_| self.turns());
         if let Some(i) = couples {
-            let grown = self.grown(i, &at.q[n..], outward, turned);
-            hub[0] += grown - dot(turned, turned);
+            // Spin terms of the rigid body leave the inertia about its own axis as it is but for tilts.
+            let tilted = hub[0] - self.hub.inertia;
+            let inertia = self.turning_mass(i, &at.q[n..], outward, turned) + tilted;
+            hub[0] = inertia - dot(turned, turned);
             on_hub[0] += dot(turned, modes);
         }
         solve_in_place(&mut hub[..n * n], on_hub)?;
