@@ -2,15 +2,19 @@
 //! of a model.
 
 use super::super::SceneFile;
+use gearbench_models::Vec3;
 use gearbench_models::spec::{Body, GearSpec, Mount, mesh_layout};
 use gearbench_reference::stored::{GearData, ImpactParameters};
 use gearbench_reference::{REFERENCES, reference};
 use gearbench_reports::numbers::{digits_apart, short};
+use nalgebra::Rotation3;
 
 /// Relative deviation of a length, angle or speed that is still the same one.
 const SAME: f64 = 1e-4;
 /// Relative deviation of an inertia: of the exact outline from that of a faceted mesh.
 const SAME_INERTIA: f64 = 0.03;
+/// Angle between axes that are the same [rad].
+const SAME_TILT: f64 = 1e-5;
 
 /// A quantity that differs: its name, the scene's value and the reference's in a unit.
 struct Differs(Vec<String>);
@@ -84,9 +88,15 @@ fn gear(g: &GearSpec, of: Option<&GearData>, whole: &ImpactParameters, differs: 
     let name = |what: &str| format!("{what} of `{}`", g.name);
     differs.look(&name("teeth"), (p.teeth.into(), of.teeth.into()), "", 0.0);
     common(g, whole, of.helix_angle_deg, differs);
-    // Axes of scenes are parallel.
-    let tilt = 1e3 * of.tilt.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
-    differs.look(&name("inclination"), (0.0, tilt), "mrad", 0.0);
+    let tilt = Vec3::from(of.tilt);
+    let axis = Rotation3::new(tilt) * Vec3::z();
+    if g.axes[2].cross(&axis).norm() > SAME_TILT {
+        let [own, of] = [&g.axes[2], &axis].map(|a| format!("({:.6}, {:.6}, {:.6})", a.x, a.y, a.z));
+        differs.say(&name("axis"), &own, &of, "");
+    }
+    if g.lateral.is_some() {
+        differs.say(&name("mount"), "on a bearing", "held aside of its turn", "");
+    }
     if (p.profile_shift - of.profile_shift).abs() > SAME {
         let [a, b] = [p.profile_shift, of.profile_shift].map(|x| short(x, 4));
         differs.say(&name("profile shift"), &a, &b, "");
