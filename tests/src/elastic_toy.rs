@@ -161,6 +161,7 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
         residual,
         near_field: None,
         integrals: None,
+        lateral: None,
     }
 }
 

@@ -53,6 +53,24 @@ pub struct Reduced {
     pub near_field: Option<Arc<Vec<Vec<f64>>>>,
     /// Inertia integrals of the kept modes, for gears that turn fast.
     pub integrals: Option<Integrals>,
+    /// Of a hub that is free beside its own motion.
+    pub lateral: Option<Arc<LateralShapes>>,
+}
+
+/// How modes move a hub that is free beside its own motion, and the gear as a rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LateralShapes {
+    /// Directions beside the hub's own in which it is free: translations along own x, y, z, rotations about them.
+    pub free: [bool; 6],
+    /// Translation [m] and rotation [rad] of the hub beyond the frame by unit coordinate of each mode, own axes; zero in
+    /// directions that are held and in that of the own motion.
+    pub hub: Vec<[f64; 6]>,
+    /// Mass of the gear with what is added at the hub [kg].
+    pub mass: f64,
+    /// Its centre of mass, own frame [m].
+    pub centre: [f64; 3],
+    /// Its tensor of inertia about the centre of mass, row-major [kg m^2].
+    pub inertia: [f64; 9],
 }
 
 /// Static compliance of the modes that were cut.
@@ -195,7 +213,9 @@ impl Reduced {
             ("participations", self.participation.len(), modes),
             ("momenta", self.momentum.len(), modes),
         ];
-        for (what, found, expected) in lengths {
+        let lateral = self.lateral.as_deref();
+        let of_hub = lateral.map(|l| ("lateral hub shapes", l.hub.len(), modes));
+        for (what, found, expected) in lengths.into_iter().chain(of_hub) {
             if found != expected {
                 return Some(format!("{found} {what}, expected {expected}"));
             }
@@ -256,7 +276,16 @@ impl Reduced {
             finite(c) && finite(&r.hub) && r.hub_hub.is_finite()
         });
         let inertia = self.inertia.is_finite() && self.inertia > 0.0;
+        let lateral = lateral.is_none_or(|l| {
+            let positive = l.mass > 0.0 && [0, 4, 8].iter().all(|k| l.inertia[*k] > 0.0);
+            positive
+                && l.mass.is_finite()
+                && finite(l.hub.as_flattened())
+                && finite(&l.centre)
+                && finite(&l.inertia)
+        });
         (!(residual
+            && lateral
             && inertia
             && finite(&self.shapes)
             && finite(&self.hub)

@@ -75,6 +75,7 @@ fn gear(mount: Mount, terms: SpinTerms) -> Elastic {
         momentum: vec![[0.0; 2]; MODES],
         unbalance: [0.0; 2],
         integrals: Some(integrals()),
+        lateral: None,
     };
     let hub = Hub::new(mount, Vec3::zeros(), None, 1.0);
     let placement = Placement::new(&hub, 0.0);
