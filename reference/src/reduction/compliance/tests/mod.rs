@@ -399,7 +399,7 @@ fn few_modes_leave_little_of_the_compliance_of_a_hub() {
             },
         );
         for (d, k, most) in [
-            (0, 1e8, (2e-3, 2e-3)),
+            (0, 1e8, (5e-3, 2e-3)),
             (2, 1e8, (0.05, 0.003)),
             (3, 1e5, (0.12, 0.03)),
         ] {
