@@ -92,6 +92,14 @@ impl Gear {
         density * self.face_width() * std::f64::consts::FRAC_PI_2 * seat2 * seat2
     }
 
+    /// Mass (kg) of the same core, none where there is a bore.
+    pub fn core_mass(&self, density: f64) -> f64 {
+        if self.params().bore_radius > 0.0 {
+            return 0.0;
+        }
+        density * self.face_width() * std::f64::consts::PI * self.seat_radius().powi(2)
+    }
+
     /// One pitch of the outline (m), counter-clockwise: from the middle of the tooth space at
     /// `-pi/z` over tooth 0 (centred on +x) to the middle of the next space at `+pi/z`.
     /// `points` (at least 6) per flank, half of them on the fillet.

@@ -7,7 +7,11 @@ use crate::spec::{Body, Freedom, GearSpec, LateralSpec, Mount, SpinTerms, UPRIGH
 use nalgebra::Matrix3;
 use std::sync::Arc;
 
-pub(super) fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
+/// The hub of a gear.
+///
+/// # Errors
+/// The mount is not for this gear, or a number of bearing or body cannot be.
+pub fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
     let own = g.inertia.unwrap_or_else(|| match &g.body {
         Body::Gear(gear) => gear.mass_properties(g.material.density).izz,
         Body::Rack(rack) => rack.mass(g.material.density),

@@ -40,4 +40,5 @@ pub use assembled::Scene;
 pub use channels::{Channel, OfGear, OfMesh};
 pub use contacts::ContactForce;
 pub use friction::MeshFriction;
+pub use hubs::hub_of;
 pub use members::{SceneGear, SceneMesh};

@@ -11,9 +11,12 @@
 //! [`of_mesh`] takes any mesh: modes of the whole.
 //!
 //! A free gear has one mode without frequency, `e / sqrt(J)` with the rigid motion `e` and `J = e^T M e`; it is
-//! checked and left out. All others hold no momentum, `phi^T M e = 0`.
+//! checked and left out. All others hold no momentum, `phi^T M e = 0`. A hub that is free beside its own motion has as many
+//! rigid modes as free directions (`rigid`).
 
 use super::error::ReductionError;
+use super::integrals::Moments;
+use super::rigid::{self, Moved, RigidMass};
 use super::surface::Surface;
 use super::{Basis, Mounting, Wanted, compliance, integrals, near_field};
 use crate::assembly::tie::{MassKind, Tie};
@@ -23,7 +26,7 @@ use crate::modes::cyclic::{self, CyclicModes, Part, Sector};
 use crate::modes::{self, Options, Target};
 use crate::vector::dot;
 use gearbench_models::gear::elastic::inertia::Integrals;
-use gearbench_models::gear::elastic::reduced::Residual;
+use gearbench_models::gear::elastic::reduced::{LateralShapes, Residual};
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 
@@ -54,6 +57,8 @@ struct Shape {
     momentum: f64,
     /// `phi^T M e_x` and `phi^T M e_y`, likewise.
     linear: [f64; 2],
+    /// In the directions beside the own one.
+    moved: Moved,
 }
 
 /// Modes of a gear by its whole mesh.
@@ -72,8 +77,8 @@ pub fn of_mesh(
     let assembly = assemble(&mesh.mesh, material)?;
     let motions = mounting.motions();
     let tie = Tie::new(&mesh.mesh.nodes, &mesh.bore, &motions);
-    let added = [mounting.added_inertia];
-    let reduced = tie.reduce(&assembly, &added[..motions.len()], MassKind::Consistent);
+    let added = mounting.added_in_motions();
+    let reduced = tie.reduce(&assembly, &added, MassKind::Consistent);
     let rigid = mounting.rigid(&mesh.mesh.nodes);
     let mut pull = vec![0.0; rigid.len()];
     assembly.mass.apply(&rigid, &mut pull);
@@ -89,36 +94,44 @@ pub fn of_mesh(
 
     let target = wanted.target(motions.len(), tie.coordinates());
     let found = modes::find(&reduced, target, &Options::default())?;
+    let skip = motions.len();
+    let lateral =
+        (mounting.is_lateral()).then(|| rigid::OfMesh::new(mounting, &mesh.mesh.nodes, &mass));
+    // A mode over the coordinates of the tie, and at all nodes.
+    let expand = |mode: usize, full: &mut [f64]| -> Vec<f64> {
+        let mut vector: Vec<f64> = found.vectors.col(mode).iter().copied().collect();
+        tie.expand(&vector, full);
+        if let Some(lateral) = lateral.as_ref().filter(|_| mode >= skip) {
+            lateral.clean(&tie, &mut vector, full);
+            tie.expand(&vector, full);
+        }
+        vector
+    };
     let mut full = vec![0.0; rigid.len()];
     let shapes = (0..found.omega2.len())
         .map(|mode| {
-            let vector: Vec<f64> = found.vectors.col(mode).iter().copied().collect();
-            tie.expand(&vector, &mut full);
+            let vector = expand(mode, &mut full);
+            let hub = &vector[3 * tie.free.len()..];
             let mut flanks = vec![0.0; nodes.directions.len()];
             nodes.along_directions(&full, &mut flanks);
             Shape {
                 omega2: found.omega2[mode],
                 flanks,
-                hub: if mounting.free {
-                    vector[vector.len() - 1]
-                } else {
-                    0.0
-                },
+                hub: if mounting.free { hub[0] } else { 0.0 },
                 momentum: dot(&full, &pull),
                 linear: [0, 1].map(|axis| {
                     let along = masses.iter().zip(full[axis..].iter().step_by(3));
                     along.map(|(m, u)| m * u).sum()
                 }),
+                moved: (lateral.as_ref()).map_or_else(Moved::default, |l| l.moved(&full, hub)),
             }
         })
         .collect();
-    let skip = motions.len();
     let integrals = if found.omega2.len() < skip {
         None
     } else {
         let of_mode = |mode: usize, u: &mut [f64]| {
-            let vector: Vec<f64> = found.vectors.col(skip + mode).iter().copied().collect();
-            tie.expand(&vector, u);
+            expand(skip + mode, u);
         };
         let modes = found.omega2.len() - skip;
         integrals::of_mesh(&mass, &mesh.mesh.nodes, modes, of_mode)
@@ -129,6 +142,8 @@ pub fn of_mesh(
         unbalance,
         unknowns: tie.coordinates(),
         near_field,
+        lateral: (mounting.is_lateral())
+            .then(|| rigid::body(&Moments::of(&mass, &mesh.mesh.nodes), mounting)),
     };
     finish(nodes, mounting, body, shapes, (residual, integrals))
 }
@@ -154,19 +169,26 @@ pub fn of_sector(
     let masses = nodal_masses(&assembly);
     let mass = assembly.mass;
     let inertia = mounting.added_inertia + teeth * dot(&rigid, &pull);
-    let hub = if mounting.free {
-        cyclic::Hub::turning(mounting.added_inertia)
-    } else {
-        cyclic::Hub::fixed()
+    let hub = cyclic::Hub {
+        motions: mounting.motions(),
+        added_inertia: mounting.added_in_motions(),
     };
     let own = hub.motions.len();
     let search = Sector::new(sector, material, &hub)?;
     let target = wanted.target(own, search.unknowns() * sector.teeth as usize);
-    let found = search.find(target, &Options::default())?;
+    let mut found = search.find(target, &Options::default())?;
+    let lateral = mounting.is_lateral().then(|| {
+        let nodes = &sector.mesh.nodes;
+        rigid::OfSector::new(mounting, nodes, &sector.bore, &mass, sector.teeth)
+    });
+    if let Some(lateral) = &lateral {
+        lateral.clean(&mut found);
+    }
     let bore = sector.bore.first().copied().unwrap_or(0) as usize;
     let shapes = (0..found.modes.len())
         .map(|mode| Shape {
             linear: cyclic_momentum(&found, mode, &masses),
+            moved: (lateral.as_ref()).map_or_else(Moved::default, |l| l.moved(&found, mode)),
             ..cyclic_shape(&found, mode, &nodes, &rigid, &pull, bore)
         })
         .collect();
@@ -179,6 +201,10 @@ pub fn of_sector(
         unbalance: [0.0; 2],
         unknowns: found.unknowns + own,
         near_field: near_field.map(|own| vec![own; sector.teeth as usize].concat()),
+        lateral: (mounting.is_lateral()).then(|| {
+            let sector = Moments::of(&mass, &sector.mesh.nodes);
+            rigid::round(rigid::body(&sector.repeated(found.teeth), mounting))
+        }),
     };
     finish(nodes, mounting, body, shapes, (residual, integrals))
 }
@@ -189,6 +215,8 @@ struct Body {
     unbalance: [f64; 2],
     unknowns: usize,
     near_field: Option<Vec<Vec<f64>>>,
+    /// Of a hub that is free beside its own motion, without modes.
+    lateral: Option<LateralShapes>,
 }
 
 /// `M e_x`, one entry per node: the mass matrix is the same along all axes.
@@ -278,7 +306,40 @@ fn cyclic_shape(
         hub,
         momentum,
         linear: [0.0; 2],
+        moved: Moved::default(),
     }
+}
+
+/// Takes out the rigid modes of a hub that is free in several directions, and keeps how the others move it.
+fn take_rigid(
+    body: &mut LateralShapes,
+    mounting: &Mounting,
+    shapes: &mut Vec<Shape>,
+) -> Result<(), ReductionError> {
+    let count = mounting.directions().count();
+    let mass = RigidMass::of(body, mounting);
+    let shares = shapes.iter().map(|s| mass.share(&s.moved.momentum));
+    let shares = shares.chain(std::iter::repeat(0.0)).take(count);
+    let share = shares.fold(1.0_f64, |least, s| {
+        if (s - 1.0).abs() > (least - 1.0).abs() {
+            s
+        } else {
+            least
+        }
+    });
+    if (share - 1.0).abs() > RIGID {
+        return Err(ReductionError::NotRigid { share });
+    }
+    shapes.drain(..count);
+    for s in shapes.iter_mut() {
+        // The mass at the hub moves with it.
+        for (p, h) in s.linear.iter_mut().zip(s.moved.hub) {
+            *p += mounting.added_mass * h;
+        }
+        s.moved.hub[mounting.own()] = 0.0;
+    }
+    body.hub = shapes.iter().map(|s| s.moved.hub).collect();
+    Ok(())
 }
 
 /// Takes out the rigid mode, finds families, and lays the shapes out node by node.
@@ -294,8 +355,11 @@ fn finish(
         unbalance,
         unknowns,
         near_field,
+        mut lateral,
     } = body;
-    if mounting.free {
+    if let Some(body) = &mut lateral {
+        take_rigid(body, mounting, &mut shapes)?;
+    } else if mounting.free {
         let share = shapes.first().map_or(0.0, |s| {
             (s.momentum + mounting.added_inertia * s.hub).powi(2) / inertia
         });
@@ -349,6 +413,11 @@ fn finish(
         compliance,
         near_field: near_field.map(Arc::new),
         integrals: integrals.map(Arc::new),
+        added: match lateral {
+            Some(_) => [mounting.added_mass, mounting.added_tilting],
+            None => [0.0; 2],
+        },
+        lateral: lateral.map(Arc::new),
     })
 }
 

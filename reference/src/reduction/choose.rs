@@ -16,7 +16,7 @@
 
 use super::{Basis, Kept, ReductionError, without_modes};
 use gearbench_models::contact::points::reference_areas;
-use gearbench_models::gear::elastic::reduced::Reduced;
+use gearbench_models::gear::elastic::reduced::{LateralShapes, Reduced};
 use gearbench_models::spec::PointRule;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -219,7 +219,7 @@ pub fn reduced(
         residual,
         near_field: basis.near_field.clone(),
         integrals: basis.integrals.as_ref().map(|i| i.of_modes(kept)),
-        lateral: None,
+        lateral: basis.lateral_of(kept),
     })
 }
 
@@ -246,6 +246,15 @@ impl Basis {
         self.compliance.flanks.between(i, j, self.directions())
     }
 
+    /// How some of its modes move a hub that is free beside its own motion.
+    fn lateral_of(&self, kept: &[usize]) -> Option<Arc<LateralShapes>> {
+        let lateral = self.lateral.as_ref()?;
+        Some(Arc::new(LateralShapes {
+            hub: kept.iter().map(|&i| lateral.hub[i]).collect(),
+            ..(**lateral).clone()
+        }))
+    }
+
     /// The basis with some of its modes only, ascending; the compliance is that of the whole mesh as before.
     pub fn with_modes(&self, kept: &[usize]) -> Basis {
         let modes = self.omega.len();
@@ -259,6 +268,7 @@ impl Basis {
             participation: pick(&self.participation),
             momentum: kept.iter().map(|&i| self.momentum[i]).collect(),
             integrals: (self.integrals.as_ref()).map(|i| Arc::new(i.of_modes(kept))),
+            lateral: self.lateral_of(kept),
             ..self.clone()
         }
     }

@@ -13,6 +13,13 @@
 //! so the hub held serves every mount and every inertia added at the hub. Unit torque at the hub is one more column
 //! with `X = g = 0` and `a = 1`. `A` does not depend on the support: rigid motion neither enters nor leaves it.
 //!
+//! A hub that is free in several directions has as many motions `e_p`: with the matrix `J_pq = e_p^T M e_q` and what is added,
+//! vectors `a_k`, `g_k` and the matrix `Gamma` over them,
+//!
+//! ```text
+//! A_kl = X_kl + b_k^T (Gamma b_l - g_l) - g_k^T b_l,   b_k = J^-1 a_k
+//! ```
+//!
 //! **What the mesh does not resolve.** A line load `p` flattens a half space by the logarithm of the length it is
 //! spread over (H. Hertz 1881; K. L. Johnson, *Contact Mechanics*, 1985, section 4.2), elements of length `h` spread it
 //! over about `h`: the compliance of a row of nodes grows by `2 (1 - nu^2) ln 2 / (pi E)` each time `h` is halved, 5 %
@@ -28,17 +35,19 @@
 //! | [`of_sector`] | gears made of copies of a sector: forces on one tooth, one small problem per harmonic |
 
 use super::error::ReductionError;
-use super::mounting::Mounting;
+use super::mounting::{Mounting, field};
+use super::rigid::{self, CyclicMotion};
 use super::surface::Surface;
 use super::truncation::{symmetrise, symmetrise_blocks};
 use crate::assembly::Assembly;
 use crate::assembly::tie::{HubMotion, MassKind, Tie};
 use crate::limits;
 use crate::mesh::GearMesh;
-use crate::modes::cyclic::{Hub, Sector};
+use crate::modes::cyclic::{Column, Hub, Sector};
 use crate::solve::{Cholesky, SolveMemory};
 use crate::vector::dot;
-use faer::{Mat, Par};
+use faer::prelude::Solve;
+use faer::{Mat, Par, c64};
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 use gearbench_models::stiffness::Material;
@@ -52,63 +61,129 @@ const BLOCK: usize = 48;
 struct Held {
     /// `X` between the flank nodes, in the layout of the result.
     flanks: FlankCompliance,
-    /// Turn per force, `a_k` [m] (rack: 1).
-    effective_radius: Vec<f64>,
-    /// `g_k` [kg m^2 m/N] and the like.
+    /// Motions of the hub, `n`: the free ones; that of a held hub.
+    motions: usize,
+    /// Displacement outwards per unit of each motion, `a_k`, `n` per row.
+    arms: Vec<f64>,
+    /// `g_k`, `n` per row.
     inertial: Vec<f64>,
-    /// `gamma`.
-    hub: f64,
-    /// `J` without what is added.
-    inertia: f64,
+    /// `Gamma`, `n x n`.
+    hub: Vec<f64>,
+    /// `J` without what is added, `n x n`.
+    inertia: Vec<f64>,
 }
 
 impl Held {
     /// The compliance on a mount.
     fn mounted(self, mounting: &Mounting) -> Residual {
+        let rows = self.arms.len() / self.motions;
+        if mounting.is_lateral() {
+            return self.mounted_lateral(mounting);
+        }
         let Held {
             mut flanks,
-            effective_radius,
+            arms,
             inertial,
             hub,
             inertia,
+            ..
         } = self;
         if !mounting.free {
             return Residual {
                 flanks,
-                hub: vec![0.0; effective_radius.len()],
+                hub: vec![0.0; rows],
                 hub_hub: 0.0,
             };
         }
-        let inertia = inertia + mounting.added_inertia;
-        let gamma = hub / (inertia * inertia);
-        let relief = |k: usize, l: usize| {
-            effective_radius[k] * effective_radius[l] * gamma
-                - (inertial[k] * effective_radius[l] + effective_radius[k] * inertial[l]) / inertia
+        let inertia = inertia[0] + mounting.added_inertia;
+        let gamma = hub[0] / (inertia * inertia);
+        // Teeth that are alike move alike.
+        let alike = match &flanks {
+            FlankCompliance::Full(_) => rows,
+            FlankCompliance::Cyclic { per_tooth, .. } => *per_tooth,
         };
-        match &mut flanks {
-            FlankCompliance::Full(c) => {
-                let n = effective_radius.len();
-                for (k, row) in c.chunks_exact_mut(n).enumerate() {
-                    for (l, c) in row.iter_mut().enumerate() {
-                        *c += relief(k, l);
-                    }
-                }
-            }
-            // Teeth are alike: what a rigid turn brings is the same for all pairs of them.
-            FlankCompliance::Cyclic {
-                per_tooth, blocks, ..
-            } => {
-                let m = *per_tooth;
-                for (i, c) in blocks.iter_mut().enumerate() {
-                    *c += relief((i / m) % m, i % m);
+        add_relief(&mut flanks, rows, |k, l| {
+            let k = k % alike;
+            arms[k] * arms[l] * gamma - (inertial[k] * arms[l] + arms[k] * inertial[l]) / inertia
+        });
+        let hub_to = |k: usize| arms[k] * gamma - inertial[k] / inertia;
+        Residual {
+            hub: (0..rows).map(hub_to).collect(),
+            hub_hub: gamma,
+            flanks,
+        }
+    }
+
+    /// `J^-1` with what is added at the hub.
+    fn inverse(&self, mounting: &Mounting) -> Mat<f64> {
+        let n = self.motions;
+        let added = mounting.added_in_motions();
+        let inertia = Mat::from_fn(n, n, |p, q| {
+            self.inertia[p * n + q] + if p == q { added[p] } else { 0.0 }
+        });
+        inertia.partial_piv_lu().solve(Mat::<f64>::identity(n, n))
+    }
+
+    /// `Gamma`.
+    fn gamma(&self) -> Mat<f64> {
+        let n = self.motions;
+        Mat::from_fn(n, n, |p, q| self.hub[p * n + q])
+    }
+
+    /// Displacements of the hub in its free directions by unit loads on it there, against inertia relief: such a load is a
+    /// column with `X = g = 0` and a unit vector as `a`.
+    fn hub_compliance(&self, mounting: &Mounting) -> Mat<f64> {
+        let inverse = self.inverse(mounting);
+        inverse.transpose() * self.gamma() * &inverse
+    }
+
+    /// The same on a hub that is free in several directions.
+    fn mounted_lateral(self, mounting: &Mounting) -> Residual {
+        let n = self.motions;
+        let rows = self.arms.len() / n;
+        let (inverse, gamma) = (self.inverse(mounting), self.gamma());
+        let hub = self.hub_compliance(mounting);
+        // Rows of `b`, and of `Gamma b - g`.
+        let of_rows = |x: &[f64]| Mat::from_fn(x.len() / n, n, |k, p| x[k * n + p]);
+        let b = of_rows(&self.arms) * inverse.transpose();
+        let g = of_rows(&self.inertial);
+        let h = &b * gamma.transpose() - &g;
+        let mut flanks = self.flanks;
+        add_relief(&mut flanks, rows, |k, l| {
+            (0..n)
+                .map(|p| b[(k, p)] * h[(l, p)] - g[(k, p)] * b[(l, p)])
+                .sum()
+        });
+        let own = |k: usize| -> f64 { (0..n).map(|p| h[(k, p)] * inverse[(p, 0)]).sum() };
+        Residual {
+            hub: match mounting.free {
+                true => (0..rows).map(own).collect(),
+                false => vec![0.0; rows],
+            },
+            hub_hub: if mounting.free { hub[(0, 0)] } else { 0.0 },
+            flanks,
+        }
+    }
+}
+
+/// Adds what rigid motion brings between two rows.
+fn add_relief(flanks: &mut FlankCompliance, rows: usize, relief: impl Fn(usize, usize) -> f64) {
+    match flanks {
+        FlankCompliance::Full(c) => {
+            for (k, row) in c.chunks_exact_mut(rows).enumerate() {
+                for (l, c) in row.iter_mut().enumerate() {
+                    *c += relief(k, l);
                 }
             }
         }
-        let hub_to = |k: usize| effective_radius[k] * gamma - inertial[k] / inertia;
-        Residual {
-            hub: (0..effective_radius.len()).map(hub_to).collect(),
-            hub_hub: gamma,
-            flanks,
+        // Teeth are alike: rows of any tooth, columns of tooth 0.
+        FlankCompliance::Cyclic {
+            per_tooth, blocks, ..
+        } => {
+            let m = *per_tooth;
+            for (i, c) in blocks.iter_mut().enumerate() {
+                *c += relief(i / m, i % m);
+            }
         }
     }
 }
@@ -120,6 +195,15 @@ pub fn of_assembly(
     surface: &Surface,
     mounting: &Mounting,
 ) -> Result<Residual, ReductionError> {
+    Ok(held_of_assembly(gear, assembly, surface, mounting)?.mounted(mounting))
+}
+
+fn held_of_assembly(
+    gear: &GearMesh,
+    assembly: &Assembly,
+    surface: &Surface,
+    mounting: &Mounting,
+) -> Result<Held, ReductionError> {
     let nodes = &gear.mesh.nodes;
     let n = surface.directions.len();
     check_memory(n, 24.0 * (n as f64).powi(2))?;
@@ -162,30 +246,60 @@ pub fn of_assembly(
     let mut compliance = solved.concat();
     symmetrise(&mut compliance, n);
 
-    let unit = mounting.rigid(nodes);
-    let mut image = vec![0.0; unit.len()];
-    assembly.mass.apply(&unit, &mut image);
-    let inertia = dot(&unit, &image);
-    let mut load = vec![0.0; tie.coordinates()];
-    tie.gather(&image, &mut load);
-    let mut response = Mat::from_fn(load.len(), 1, |i, _| load[i]);
+    let motions = relieved(mounting);
+    let n = motions.len();
+    let fields: Vec<Vec<f64>> = motions.iter().map(|m| field(*m, nodes)).collect();
+    let mut inertia = vec![0.0; n * n];
+    let mut response = Mat::zeros(tie.coordinates(), n);
+    let mut pulls = vec![vec![0.0; tie.coordinates()]; n];
+    let mut image = vec![0.0; 3 * nodes.len()];
+    for (q, unit) in fields.iter().enumerate() {
+        assembly.mass.apply(unit, &mut image);
+        for (p, unit) in fields.iter().enumerate() {
+            inertia[p * n + q] = dot(unit, &image);
+        }
+        tie.gather(&image, &mut pulls[q]);
+        for (i, f) in pulls[q].iter().enumerate() {
+            response[(i, q)] = *f;
+        }
+    }
     factor.solve_many(response.as_mut(), Par::Seq);
-    let along = |load: &Load| work(load, |i| response[(i, 0)]);
+    let along =
+        |load: &Load| -> Vec<f64> { (0..n).map(|q| work(load, |i| response[(i, q)])).collect() };
+    let of_pulls = |(p, q): (usize, usize)| -> f64 {
+        let u = response.col(q).iter();
+        pulls[p].iter().zip(u).map(|(a, b)| a * b).sum()
+    };
     Ok(Held {
         flanks: FlankCompliance::Full(compliance),
-        effective_radius: effective_radii(surface, mounting),
-        inertial: columns.iter().map(along).collect(),
-        hub: load
-            .iter()
-            .zip(response.col(0).iter())
-            .map(|(a, b)| a * b)
-            .sum(),
+        motions: n,
+        arms: arms(surface, &motions),
+        inertial: columns.iter().flat_map(along).collect(),
+        hub: (0..n * n).map(|i| of_pulls((i / n, i % n))).collect(),
         inertia,
+    })
+}
+
+/// The free motions of a hub; that of a held one.
+fn relieved(mounting: &Mounting) -> Vec<HubMotion> {
+    let motions = mounting.motions();
+    match motions.is_empty() {
+        true => vec![mounting.motion],
+        false => motions,
     }
-    .mounted(mounting))
 }
 
 /// Compliance of a whole gear from one sector of it; `surface` is that of [`Surface::of_sector`].
+pub fn of_sector(
+    sector: &GearMesh,
+    material: &Material,
+    surface: &Surface,
+    mounting: &Mounting,
+) -> Result<Residual, ReductionError> {
+    Ok(held_of_sector(sector, material, surface, mounting)?.mounted(mounting))
+}
+
+/// The same with the hub held.
 ///
 /// With the forces on tooth 0 alone the load of every harmonic is that tooth's, and the teeth respond by the inverse
 /// transform, in the frame turned with each:
@@ -193,12 +307,12 @@ pub fn of_assembly(
 /// ```text
 /// X_d = 1/z sum_n exp(i d mu_n) C^T K_n^-1 C,   mu_n = 2 pi n / z
 /// ```
-pub fn of_sector(
+fn held_of_sector(
     sector: &GearMesh,
     material: &Material,
     surface: &Surface,
     mounting: &Mounting,
-) -> Result<Residual, ReductionError> {
+) -> Result<Held, ReductionError> {
     let teeth = sector.teeth as usize;
     if surface.nodes() == 0 || !surface.nodes().is_multiple_of(teeth.max(1)) {
         return Err(ReductionError::Mismatch(format!(
@@ -216,7 +330,8 @@ pub fn of_sector(
     let (m, unknowns) = (per_tooth as f64, cyclic.unknowns() as f64);
     check_memory(per_tooth, 24.0 * m * m * teeth as f64 + 64.0 * m * unknowns)?;
     let columns = columns(surface, per_tooth, |node| cyclic.place_of(node))?;
-    let found = cyclic.static_responses(&columns, &mounting.rigid(&sector.mesh.nodes))?;
+    let found = cyclic.static_responses(&columns)?;
+    let relief = relief_of_sector(&cyclic, sector, &columns, mounting)?;
     let m = per_tooth;
     let mut blocks = vec![0.0; teeth * m * m];
     for (n, g) in found.compliance.iter().enumerate() {
@@ -236,12 +351,77 @@ pub fn of_sector(
             per_tooth,
             blocks,
         },
-        effective_radius: effective_radii(surface, mounting),
-        inertial: found.inertial.repeat(teeth),
-        hub: found.hub * teeth as f64,
-        inertia: found.inertia * teeth as f64,
+        arms: arms(surface, &relieved(mounting)),
+        ..relief
+    })
+}
+
+/// What inertia relief needs of a gear made of copies of a sector: each motion has a harmonic of its own.
+fn relief_of_sector(
+    cyclic: &Sector,
+    sector: &GearMesh,
+    columns: &[Column],
+    mounting: &Mounting,
+) -> Result<Held, ReductionError> {
+    let (teeth, m) = (sector.teeth as usize, columns.len());
+    let directions: Vec<usize> = mounting.directions().collect();
+    let directions = match directions.is_empty() {
+        true => vec![mounting.own()],
+        false => directions,
+    };
+    let place = |d: usize| directions.iter().position(|own| *own == d).unwrap_or(0);
+    let n = directions.len();
+    let all = directions.iter().copied();
+    let motions = rigid::cyclic_motions(mounting, all, &sector.mesh.nodes, sector.teeth);
+    let mut inertial = vec![0.0; teeth * m * n];
+    let (mut hub, mut inertia) = (vec![0.0; n * n], vec![0.0; n * n]);
+    for harmonic in [0, 1] {
+        let own: Vec<&CyclicMotion> = motions.iter().filter(|m| m.harmonic == harmonic).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let fields: Vec<&[c64]> = own.iter().map(|m| m.field.as_slice()).collect();
+        let found = cyclic.inertial_responses(harmonic, columns, &fields)?;
+        for (p, motion) in own.iter().enumerate() {
+            let [a, b] = motion.directions.map(place);
+            for tooth in 0..teeth {
+                // Re(w exp(i t mu)) by the real part of the motion, Im of it by the imaginary one.
+                let turns = std::f64::consts::TAU * tooth as f64 / teeth as f64;
+                let (sin, cos) = (f64::from(harmonic) * turns).sin_cos();
+                for k in 0..m {
+                    let w = found.inertial[k * own.len() + p];
+                    let row = &mut inertial[(tooth * m + k) * n..][..n];
+                    if harmonic == 0 {
+                        row[a] = w.re;
+                    } else {
+                        row[a] = w.re * cos - w.im * sin;
+                        row[b] = w.re * sin + w.im * cos;
+                    }
+                }
+            }
+            for (q, with) in own.iter().enumerate() {
+                let [c, d] = with.directions.map(place);
+                for (out, of) in [(&mut hub, &found.hub), (&mut inertia, &found.inertia)] {
+                    let h = of[p * own.len() + q];
+                    if harmonic == 0 {
+                        out[a * n + c] = h.re * teeth as f64;
+                        continue;
+                    }
+                    let h = 0.5 * teeth as f64 * h;
+                    (out[a * n + c], out[b * n + d]) = (h.re, h.re);
+                    (out[a * n + d], out[b * n + c]) = (h.im, -h.im);
+                }
+            }
+        }
     }
-    .mounted(mounting))
+    Ok(Held {
+        flanks: FlankCompliance::Full(Vec::new()),
+        motions: n,
+        arms: Vec::new(),
+        inertial,
+        hub,
+        inertia,
+    })
 }
 
 /// Checks the memory of a compliance [bytes] before it is computed.
@@ -254,11 +434,11 @@ fn check_memory(flank_nodes: usize, bytes: f64) -> Result<(), ReductionError> {
     )?)
 }
 
-/// `a_k = e^T c_k`: how far unit rigid motion moves each flank node outwards.
-fn effective_radii(surface: &Surface, mounting: &Mounting) -> Vec<f64> {
+/// `a_k = e^T c_k`: how far each unit motion moves each flank node outwards, a row per node.
+fn arms(surface: &Surface, motions: &[HubMotion]) -> Vec<f64> {
     let positions = surface.positions();
     (positions.iter().zip(&surface.directions))
-        .map(|(x, n)| mounting.motion.of(x).dot(n))
+        .flat_map(|(x, n)| motions.iter().map(move |m| m.of(x).dot(n)))
         .collect()
 }
 

@@ -27,14 +27,14 @@ const MOST_MODES: usize = 2000;
 const BLOCK: usize = 64;
 
 /// Moments of the undeformed body: mass, first moment, second moment `int X X^T dm`.
-struct Moments {
+pub(super) struct Moments {
     mass: f64,
     first: Vec3,
     second: [f64; 9],
 }
 
 impl Moments {
-    fn of(mass: &ScalarMatrix, nodes: &[Vec3]) -> Self {
+    pub(super) fn of(mass: &ScalarMatrix, nodes: &[Vec3]) -> Self {
         let places: Vec<f64> = nodes
             .iter()
             .flat_map(|x| -> [f64; 3] { (*x).into() })
@@ -60,7 +60,7 @@ impl Moments {
     }
 
     /// Of this body and its copies turned by `teeth` equal angles.
-    fn repeated(&self, teeth: u32) -> Self {
+    pub(super) fn repeated(&self, teeth: u32) -> Self {
         let mut sum = Moments {
             mass: self.mass * f64::from(teeth),
             first: Vec3::zeros(),
@@ -83,7 +83,7 @@ impl Moments {
     }
 
     /// Integrals without modes.
-    fn integrals(&self) -> Integrals {
+    pub(super) fn integrals(&self) -> Integrals {
         let trace = self.second[0] + self.second[4] + self.second[8];
         let mut tensor = self.second.map(|s| -s);
         for i in [0, 4, 8] {

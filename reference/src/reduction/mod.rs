@@ -8,12 +8,13 @@
 //! R = B (K^+ - Phi_e Omega^-2 Phi_e^T) B^T,   K^+ = P^T K_c^-1 P,   P = I - M Phi_r Phi_r^T
 //! ```
 //!
-//! with the rigid motion `Phi_r` that the mount leaves free (inertia relief) and any support `c` that holds it.
+//! with the rigid motions `Phi_r` that the mount leaves free (inertia relief) and any support `c` that holds it.
 //!
 //! | part | owns |
 //! |---|---|
 //! | `surface` | flank nodes in order, their normals, areas and place in the mesh |
 //! | `near_field` | what the elements about a flank do to a line load |
+//! | `rigid` | rigid motions of a hub that is free in several directions, momentum of modes in them |
 //! | `integrals` | inertia integrals of the floating frame |
 //! | `basis` | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
 //! | `compliance` | static compliance of the whole mesh; what kept modes carry is taken out of it by `without_modes` |
@@ -36,6 +37,8 @@ mod error;
 mod estimate;
 mod geometry;
 mod integrals;
+#[cfg(test)]
+mod lateral_tests;
 mod mounting;
 mod near_field;
 mod of_gear;
@@ -44,6 +47,7 @@ mod parameters;
 #[cfg(test)]
 mod reaction_tests;
 mod request;
+mod rigid;
 mod shared;
 pub mod store;
 mod surface;
@@ -54,9 +58,9 @@ mod truncation;
 
 pub use error::ReductionError;
 pub use geometry::Toothing;
-pub use mounting::Mounting;
+pub use mounting::{DIRECTIONS, Mounting, mount_text};
 pub(crate) use near_field::of_flanks as near_field_of_flanks;
-pub use of_gear::{OfGear, of_gear};
+pub use of_gear::{OfGear, mounting_of, of_gear};
 pub use parameters::ElasticParameters;
 pub use request::Request;
 pub(crate) use surface::Surface;
@@ -64,7 +68,7 @@ pub(crate) use truncation::{Kept, without_modes};
 
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::inertia::Integrals;
-use gearbench_models::gear::elastic::reduced::Residual;
+use gearbench_models::gear::elastic::reduced::{LateralShapes, Residual};
 use gearbench_models::geometry::Flanks;
 use std::sync::Arc;
 
@@ -106,8 +110,12 @@ pub struct Basis {
     /// [`Reduced`](gearbench_models::gear::elastic::reduced::Reduced); `None` where that
     /// cannot be told: helical teeth of other elements than hexahedra of eight nodes.
     pub near_field: Option<Arc<Vec<Vec<f64>>>>,
-    /// Inertia integrals of all modes; `None` where they are too many.
+    /// Inertia integrals of all modes over the mesh, without what is added at the hub; `None` where they are too many.
     pub integrals: Option<Arc<Integrals>>,
+    /// Mass [kg], and inertia about the axes beside the own one [kg m^2], added at a hub that is free beside its own motion.
+    pub added: [f64; 2],
+    /// Of a hub that is free beside its own motion.
+    pub lateral: Option<Arc<LateralShapes>>,
 }
 
 /// Which modes are wanted, rigid motion not counted.

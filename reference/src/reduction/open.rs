@@ -1,6 +1,8 @@
 //! Stored reductions in a scene: opened once, and held against the gear that takes them.
 
 use super::Toothing;
+use super::mounting::mount_text;
+use super::of_gear::{added_of, free_in_own_frame};
 use super::store::{self, Motion, StoreError, Stored};
 use gearbench_models::gear::table::GearContext;
 use gearbench_models::spec::Body;
@@ -88,14 +90,18 @@ pub fn misfit(stored: &Stored, context: &GearContext<'_>) -> Option<String> {
             ));
         }
     }
-    let free = context.hub.is_free();
-    if free != basis.free {
-        let word = |free| if free { "free" } else { "held" };
+    let free = (context.hub.is_free(), free_in_own_frame(context));
+    let of_basis = (
+        basis.free,
+        basis.lateral.as_ref().map_or([false; 6], |l| l.free),
+    );
+    if free != of_basis {
+        let [own, of] = [free, of_basis].map(|(free, lateral)| mount_text(free, &lateral));
+        let shown = |mount: &str| mount.replace(',', ", ");
         return Some(format!(
-            "its hub is {}, but the mount of `{name}` leaves it {}; reduce the gear with `--mount {}`",
-            word(basis.free),
-            word(free),
-            word(free)
+            "its hub is {}, but the mount of `{name}` leaves it {}; reduce the gear with `--mount {own}`",
+            shown(&of),
+            shown(&own)
         ));
     }
     let off = (basis.added_inertia - context.added_inertia).abs();
@@ -104,6 +110,21 @@ pub fn misfit(stored: &Stored, context: &GearContext<'_>) -> Option<String> {
             "{:e} is added to its hub, but {:e} to that of `{name}`; reduce the gear with `--added-inertia {:e}`",
             basis.added_inertia, context.added_inertia, context.added_inertia
         ));
+    }
+    if let Some(lateral) = &basis.lateral {
+        let [mass, tilting] = match added_of(context) {
+            Ok(added) => added,
+            Err(e) => return Some(e.reason.to_string()),
+        };
+        let off = (basis.added[0] - mass).abs() > 1e-6 * lateral.mass
+            || (basis.added[1] - tilting).abs() > 1e-6 * lateral.inertia[0];
+        if off {
+            return Some(format!(
+                "{:e} kg and {:e} kg m^2 across its axis are added to its hub, but {mass:e} and {tilting:e} to that of `{name}`; \
+                 reduce the gear with `--added-mass {mass:e} --added-tilting {tilting:e}`",
+                basis.added[0], basis.added[1]
+            ));
+        }
     }
     let (a, b) = (&meta.material, &context.material);
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-3 * a.abs().max(b.abs());

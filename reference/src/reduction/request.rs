@@ -108,6 +108,15 @@ impl Request<'_> {
         }
         h.number(self.mounting.added_inertia);
         h.count(usize::from(self.sector));
+        if self.mounting.is_lateral() {
+            h.text("lateral");
+            self.mounting
+                .lateral
+                .iter()
+                .for_each(|free| h.count(usize::from(*free)));
+            h.number(self.mounting.added_mass);
+            h.number(self.mounting.added_tilting);
+        }
         if self.along_profile {
             h.text("along the profile");
         }

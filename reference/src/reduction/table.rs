@@ -93,9 +93,12 @@ fn damping(reader: &Reader<'_>, given: &ElasticParameters) -> Result<ModalDampin
     })
 }
 
-/// Contact lies evenly over the face width of a spur toothing without crowning.
-fn even_over_width(body: &Toothing) -> bool {
-    match body {
+/// Contact lies evenly over the face width of a spur toothing without crowning whose hub does not move sideways.
+fn even_over_width(context: &GearContext<'_>) -> bool {
+    if context.hub.lateral.is_some() {
+        return false;
+    }
+    match context.body {
         Toothing::Gear(g) => {
             let p = g.params();
             p.helix_angle == 0.0 && p.modifications.lead_crowning == 0.0
@@ -221,7 +224,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         count,
         highest,
         candidates,
-        even_over_width: even_over_width(context.body),
+        even_over_width: even_over_width(context),
     };
     let kept = match target {
         None => choose::choose(&basis, &choice),

@@ -4,6 +4,7 @@ use crate::cli::values::{number, positive_load};
 use crate::tools::mesh::arguments::units;
 use clap::Args;
 use gearbench_reference::deck::Units;
+use gearbench_reference::reduction::DIRECTIONS;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -11,6 +12,7 @@ Examples:
   gearbench reduce gear.inp                              nothing is written: what the deck holds, modes, compliance
   gearbench reduce gear.inp.gz --modes 200 --out gear.npz
   gearbench reduce old.inp --gear wheel --mount held --max-frequency 80e3 --out wheel.npz
+  gearbench reduce gear.inp --mount free,x,y,z,tilt_x,tilt_y --added-mass 0.4 --out floating.npz
   gearbench reduce turned.inp --axis 0,0.2,1 --axis-point 0.1,0,0 --out turned.npz
   gearbench reduce a.inp b.inp --modes 100 --out reduced/      one file each: reduced/a.npz, reduced/b.npz
   gearbench reduce spur_impact --modes 200 --out spur.npz      spur-pinion.npz, spur-wheel.npz
@@ -63,12 +65,21 @@ pub struct Reduce {
     /// Also store how flanks move along their profile, which friction loads
     #[arg(long)]
     pub along_profile: bool,
-    /// The hub is free to move or held [default: free; of a scene as its gear is mounted]
-    #[arg(long, value_name = "MOUNT", value_parser = ["free", "held"])]
-    pub mount: Option<String>,
+    /// The hub is `free` to move or `held`, then, with commas, its free directions beside that in the gear's own frame: some
+    /// of x, y, z, tilt_x, tilt_y, tilt_z [default: free; of a scene as its gear is mounted]
+    #[arg(long, value_name = "MOUNT", value_parser = mount)]
+    pub mount: Option<(bool, [bool; 6])>,
     /// Inertia added at the hub [kg m^2], mass of a rack [kg] [default: 0; of a scene that of its gear]
     #[arg(long, value_name = "J", value_parser = not_negative)]
     pub added_inertia: Option<f64>,
+    /// Mass added at a hub that is free in translations beside its own motion [kg]; of a rack --added-inertia [default: 0; of a
+    /// scene that of its gear]
+    #[arg(long, value_name = "KG", value_parser = not_negative)]
+    pub added_mass: Option<f64>,
+    /// Inertia added at a hub that tilts, about each axis beside that of its own motion [kg m^2] [default: 0; of a scene that of
+    /// its gear]
+    #[arg(long, value_name = "J", value_parser = not_negative)]
+    pub added_tilting: Option<f64>,
     /// Young's modulus [Pa] [default: as the deck says, else steel]
     #[arg(long, value_name = "PA", value_parser = modulus)]
     pub young: Option<f64>,
@@ -90,6 +101,26 @@ fn three(text: &str, expected: &str) -> Result<[f64; 3], String> {
     three
         .filter(|x| x.iter().all(|x| x.is_finite()))
         .ok_or_else(|| expected.to_owned())
+}
+
+fn mount(text: &str) -> Result<(bool, [bool; 6]), String> {
+    let mut words = text.split(',').map(str::trim);
+    let free = match words.next() {
+        Some("free") => true,
+        Some("held") => false,
+        _ => return Err("expected `free` or `held` first".into()),
+    };
+    let mut lateral = [false; 6];
+    for word in words {
+        let direction = DIRECTIONS.iter().position(|d| *d == word).ok_or_else(|| {
+            format!(
+                "expected some of {} behind it, found `{word}`",
+                DIRECTIONS.join(", ")
+            )
+        })?;
+        lateral[direction] = true;
+    }
+    Ok((free, lateral))
 }
 
 fn direction(text: &str) -> Result<[f64; 3], String> {

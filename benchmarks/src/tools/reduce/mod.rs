@@ -14,6 +14,7 @@ use gearbench_models::Vec3;
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::GearContext;
 use gearbench_models::kinematics::{Hub, Placement};
+use gearbench_models::scene::hub_of;
 use gearbench_models::spec::{Body, GearSpec, Parameters};
 use gearbench_models::stiffness::Material;
 use gearbench_reference::deck::{self, BodyShape, DeckGear};
@@ -126,7 +127,7 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     let gears = chosen(gears, args.gear.as_deref(), input, |g| g.name.clone())?;
     let stem = stem(input);
     let jobs = gears.into_iter().map(|g| {
-        let free = args.mount.as_deref() != Some("held");
+        let free = args.mount.is_none_or(|m| m.0);
         let added = args.added_inertia.unwrap_or(0.0);
         Ok(Job {
             name: match one {
@@ -137,10 +138,13 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
                 true => format!("deck {input}"),
                 false => format!("deck {input}, gear {}", g.name),
             },
-            mounting: match g.shape {
-                BodyShape::Gear => Mounting::gear(free, added),
-                BodyShape::Rack { .. } => Mounting::rack(free, added),
-            },
+            mounting: mounted(
+                args,
+                match g.shape {
+                    BodyShape::Gear => Mounting::gear(free, added),
+                    BodyShape::Rack { .. } => Mounting::rack(free, added),
+                },
+            )?,
             material: material(args, g.material)?,
             found: g.found,
             mesh: g.mesh,
@@ -239,7 +243,9 @@ fn of_scene(
     parameters: &Parameters,
 ) -> Result<Job, Refusal> {
     let rack = matches!(g.body, Body::Rack(_));
-    let hub = Hub::new(g.mount.clone(), g.position.into(), rack.then(Vec3::y), 1.0);
+    let mut hub = Hub::new(g.mount.clone(), g.position.into(), rack.then(Vec3::y), 1.0);
+    let of_scene = |e| Refusal::Input(miette::miette!("scene `{scene}`, gear `{}`: {e}", g.name));
+    hub.lateral = hub_of(g).map_err(of_scene)?.lateral;
     let material = material(args, g.material)?;
     let context = GearContext {
         name: &g.name,
@@ -258,7 +264,7 @@ fn of_scene(
     let given = ElasticParameters::read(parameters).map(|p| p.mesh);
     let of = given
         .and_then(|mesh| Ok((of_gear(ElasticParameters::MODEL, &context, &mesh)?, mesh)))
-        .map_err(|e| Refusal::Input(miette::miette!("scene `{scene}`, gear `{}`: {e}", g.name)))?;
+        .map_err(of_scene)?;
     let (of, given) = of;
     let mesh = match given.mesh {
         Some(text) => format!("mesh {text}"),
@@ -270,16 +276,28 @@ fn of_scene(
         mesh: of.mesh,
         sector: of.sector,
         material,
-        mounting: Mounting {
-            free: args
-                .mount
-                .as_deref()
-                .map_or(of.mounting.free, |m| m == "free"),
-            ..of.mounting
-        },
+        mounting: mounted(args, of.mounting)?,
         found: of.found,
         notes: of.notes,
     })
+}
+
+/// A mounting with what the command line says of it.
+fn mounted(args: &Arguments, of: Mounting) -> Result<Mounting, Refusal> {
+    let mass = args.added_mass.unwrap_or(of.added_mass);
+    let tilting = args.added_tilting.unwrap_or(of.added_tilting);
+    let (free, lateral) = args.mount.unwrap_or((of.free, of.lateral));
+    let mounting = Mounting { free, ..of }.with_added(mass, tilting);
+    let mounting = mounting.lateral(lateral);
+    let mounting = mounting.map_err(|why| refuse(&why.cause, &why.help))?;
+    let given = args.added_mass.is_some() || args.added_tilting.is_some();
+    if given && !mounting.is_lateral() {
+        return Err(refuse(
+            "--added-mass and --added-tilting move with a hub that is free beside its own motion, and this one is held",
+            "free it, for example with --mount free,x,y, or leave them out",
+        ));
+    }
+    Ok(mounting)
 }
 
 /// Where each gear is written to.
@@ -357,7 +375,8 @@ fn reduce(args: &Arguments, job: &Job, bar: &indicatif::ProgressBar) -> Result<D
                 count,
                 candidates: basis.omega.len(),
                 highest: args.max_frequency.map_or(f64::INFINITY, |f| TAU * f),
-                even_over_width: Toothing::of(&basis, meta.motion, meta.teeth).straight,
+                even_over_width: basis.lateral.is_none()
+                    && Toothing::of(&basis, meta.motion, meta.teeth).straight,
             },
         );
         meta.asked = format!(

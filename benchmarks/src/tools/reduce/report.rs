@@ -7,7 +7,7 @@ use gearbench_models::gear::elastic::reduced::FlankCompliance;
 use gearbench_reference::mesh;
 use gearbench_reference::recognise::{Involute, Reading};
 use gearbench_reference::reduction::store::Motion;
-use gearbench_reference::reduction::{Basis, Toothing};
+use gearbench_reference::reduction::{Basis, DIRECTIONS, Toothing, mount_text};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -75,7 +75,7 @@ pub(super) fn told(job: &Job, done: &Done) -> Value {
     let (basis, meta) = (&*done.basis, &done.meta);
     let shown = Toothing::of(basis, meta.motion, meta.teeth);
     let hertz: Vec<f64> = basis.omega.iter().map(|w| w / TAU).collect();
-    json!({
+    let mut told = json!({
         "name": job.name,
         "source": job.source,
         "notes": job.notes,
@@ -108,7 +108,16 @@ pub(super) fn told(job: &Job, done: &Done) -> Value {
         "compliance_in_modes": compliance(basis).map(|(_, _, share)| share),
         "from_cache": done.hit,
         "seconds": done.seconds,
-    })
+    });
+    if let Some(l) = &basis.lateral {
+        told["mount"] = json!(mount_text(basis.free, &l.free));
+        told["body"] = json!({
+            "mass_kg": l.mass,
+            "centre_m": l.centre,
+            "inertia_kgm2": l.inertia.as_chunks::<3>().0,
+        });
+    }
+    told
 }
 
 /// `1 flank`, `2 flanks`.
@@ -234,7 +243,15 @@ fn of_bore(job: &Job, motion: Motion, basis: &Basis) -> String {
     let nodes = &job.mesh.mesh.nodes;
     let bore = &job.mesh.bore;
     let held = some(bore.len(), "node");
-    let hub = hub(motion, basis.free);
+    let beside = match &basis.lateral {
+        Some(l) => {
+            let free = DIRECTIONS.iter().zip(l.free).filter(|(_, free)| *free);
+            let names: Vec<&str> = free.map(|(name, _)| *name).collect();
+            format!(" and free in {}", names.join(", "))
+        }
+        None => String::new(),
+    };
+    let hub = format!("{}{beside}", hub(motion, basis.free));
     match (motion, bore.first()) {
         (Motion::Turn, Some(&first)) => {
             let radius = nodes[first as usize].xy().norm();

@@ -213,7 +213,9 @@ impl Reduced {
             ("participations", self.participation.len(), modes),
             ("momenta", self.momentum.len(), modes),
         ];
-        for (what, found, expected) in lengths {
+        let lateral = self.lateral.as_deref();
+        let of_hub = lateral.map(|l| ("lateral hub shapes", l.hub.len(), modes));
+        for (what, found, expected) in lengths.into_iter().chain(of_hub) {
             if found != expected {
                 return Some(format!("{found} {what}, expected {expected}"));
             }
@@ -274,7 +276,16 @@ impl Reduced {
             finite(c) && finite(&r.hub) && r.hub_hub.is_finite()
         });
         let inertia = self.inertia.is_finite() && self.inertia > 0.0;
+        let lateral = lateral.is_none_or(|l| {
+            let positive = l.mass > 0.0 && [0, 4, 8].iter().all(|k| l.inertia[*k] > 0.0);
+            positive
+                && l.mass.is_finite()
+                && finite(l.hub.as_flattened())
+                && finite(&l.centre)
+                && finite(&l.inertia)
+        });
         (!(residual
+            && lateral
             && inertia
             && finite(&self.shapes)
             && finite(&self.hub)

@@ -19,6 +19,7 @@ mod statics;
 mod tests;
 
 pub use sector::Sector;
+pub(crate) use statics::Column;
 
 use super::{ModesError, Options, Report, Target};
 use crate::assembly::tie::HubMotion;

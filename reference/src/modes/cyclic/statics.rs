@@ -3,22 +3,27 @@
 use super::Sector;
 use crate::modes::ModesError;
 use crate::solve::{Cholesky, Scalar, Symbolic};
-use crate::vector::{self, turned};
+use crate::vector::turned;
 use faer::{Mat, Par, c64};
 use gearbench_models::Vec3;
 use std::sync::Arc;
 
-/// Responses of all harmonics.
+/// Responses of all harmonics to forces on one tooth.
 #[derive(Clone, Debug)]
 pub(crate) struct StaticResponses {
     /// `C^T K_n^-1 C` per harmonic from 0 to z/2, row by row.
     pub compliance: Vec<Vec<c64>>,
-    /// `C^T K_0^-1 M e`.
-    pub inertial: Vec<f64>,
-    /// `(M e)^T K_0^-1 M e` of one sector, free nodes only.
-    pub hub: f64,
-    /// `e^T M e` of one sector.
-    pub inertia: f64,
+}
+
+/// Responses to the inertia of rigid motions `e` of one harmonic, sums over one sector; all row by row.
+#[derive(Clone, Debug)]
+pub(crate) struct InertialResponses {
+    /// `C^T K_n^-1 M e`.
+    pub inertial: Vec<c64>,
+    /// `(M e_p)^H K_n^-1 M e_q`, free nodes only.
+    pub hub: Vec<c64>,
+    /// `e_p^H M e_q`.
+    pub inertia: Vec<c64>,
 }
 
 /// A direction at a free node of the sector: `(place, direction)`.
@@ -42,12 +47,10 @@ impl Sector {
         }
     }
 
-    /// Responses along some columns to unit forces along them on tooth 0, and to the motion `e` that is the same in
-    /// every sector, three displacements per node of the sector.
+    /// Responses along some columns to unit forces along them on tooth 0.
     pub(crate) fn static_responses(
         &self,
         columns: &[Column],
-        e: &[f64],
     ) -> Result<StaticResponses, ModesError> {
         let teeth = self.teeth();
         let harmonics = teeth / 2 + 1;
@@ -60,31 +63,88 @@ impl Sector {
                 self.harmonic_compliance::<c64>(n, columns, &symbolic)
             }
         })?;
-        let mut image = vec![0.0; e.len()];
-        self.assembly.mass.apply(e, &mut image);
-        let inertia = vector::dot(e, &image);
-        // The high cut is the low cut of the next sector.
-        let pitch = std::f64::consts::TAU / f64::from(teeth);
-        let mut load = vec![0.0; self.unknowns()];
-        for (&(place, high), f) in self.place.iter().zip(image.chunks_exact(3)) {
-            if place == super::sector::HELD {
-                continue;
-            }
-            let f = Vec3::from_column_slice(f);
-            let f = if high { turned(f, -pitch) } else { f };
-            for axis in 0..3 {
-                load[3 * place as usize + axis] += f[axis];
-            }
+        Ok(StaticResponses { compliance })
+    }
+
+    /// Responses along some columns to the inertia of motions of a harmonic, three displacements per node of the sector.
+    pub(crate) fn inertial_responses(
+        &self,
+        harmonic: u32,
+        columns: &[Column],
+        motions: &[&[c64]],
+    ) -> Result<InertialResponses, ModesError> {
+        match harmonic {
+            0 => self.inertial_responses_of::<f64>(harmonic, columns, motions),
+            _ => self.inertial_responses_of::<c64>(harmonic, columns, motions),
         }
-        let mut x = Mat::from_fn(load.len(), 1, |i, _| load[i]);
-        let stiffness = self.matrices::<f64>(0).stiffness;
+    }
+
+    fn inertial_responses_of<T: Scalar>(
+        &self,
+        harmonic: u32,
+        columns: &[Column],
+        motions: &[&[c64]],
+    ) -> Result<InertialResponses, ModesError> {
+        // The high cut is the low cut of the next sector.
+        let pitch = std::f64::consts::TAU / f64::from(self.teeth());
+        let (sin, cos) = self.phase(harmonic).sin_cos();
+        let back = c64::new(cos, -sin);
+        let mut images = Vec::new();
+        let mut loads = vec![vec![c64::new(0.0, 0.0); self.unknowns()]; motions.len()];
+        for (motion, load) in motions.iter().zip(&mut loads) {
+            let image = [0, 1].map(|part| {
+                let of = |c: &c64| if part == 0 { c.re } else { c.im };
+                let e: Vec<f64> = motion.iter().map(of).collect();
+                let mut image = vec![0.0; e.len()];
+                self.assembly.mass.apply(&e, &mut image);
+                image
+            });
+            for (node, &(place, high)) in self.place.iter().enumerate() {
+                if place == super::sector::HELD {
+                    continue;
+                }
+                let [re, im] = image.each_ref().map(|image| {
+                    let f = Vec3::from_column_slice(&image[3 * node..][..3]);
+                    if high { turned(f, -pitch) } else { f }
+                });
+                for axis in 0..3 {
+                    let f = c64::new(re[axis], im[axis]);
+                    load[3 * place as usize + axis] += if high { f * back } else { f };
+                }
+            }
+            images.push(image);
+        }
+        let mut x = Mat::from_fn(self.unknowns(), motions.len(), |i, p| {
+            T::complex(loads[p][i].re, loads[p][i].im)
+        });
+        let symbolic = Arc::new(self.symbolic()?);
+        let stiffness = self.matrices::<T>(harmonic).stiffness;
         Cholesky::with_symbolic(stiffness.as_ref(), symbolic, Some(Par::Seq))?
             .solve_many(x.as_mut(), Par::Seq);
-        Ok(StaticResponses {
-            compliance,
-            inertial: columns.iter().map(|c| dot(c, x.col(0)).re).collect(),
-            hub: load.iter().zip(x.col(0).iter()).map(|(f, x)| f * x).sum(),
-            inertia,
+        let n = motions.len();
+        let pairs = || (0..n).flat_map(|p| (0..n).map(move |q| (p, q)));
+        let number = |x: &T| {
+            let [re, im] = x.parts();
+            c64::new(re, im)
+        };
+        let sum = |of: &mut dyn Iterator<Item = c64>| of.fold(c64::new(0.0, 0.0), |s, x| s + x);
+        Ok(InertialResponses {
+            inertial: (columns.iter())
+                .flat_map(|c| (0..n).map(|p| dot(c, x.col(p))).collect::<Vec<_>>())
+                .collect(),
+            hub: pairs()
+                .map(|(p, q)| {
+                    let u = x.col(q).iter().map(number);
+                    sum(&mut loads[p].iter().zip(u).map(|(f, u)| f.conj() * u))
+                })
+                .collect(),
+            inertia: pairs()
+                .map(|(p, q)| {
+                    let [re, im] = &images[q];
+                    let image = re.iter().zip(im).map(|(re, im)| c64::new(*re, *im));
+                    sum(&mut motions[p].iter().zip(image).map(|(e, f)| e.conj() * f))
+                })
+                .collect(),
         })
     }
 

@@ -139,6 +139,7 @@ fn the_key_tells_all_apart_that_the_basis_depends_on() {
     let mut harder = base;
     harder.material.poisson = 0.29;
     let slide = HubMotion::Slide(Vec3::x());
+    let lateral = |free| Mounting::gear(true, 0.0).lateral(free);
     let others = [
         stiffer,
         denser,
@@ -162,6 +163,10 @@ fn the_key_tells_all_apart_that_the_basis_depends_on() {
             motion: slide,
             ..Mounting::rack(true, 0.0)
         }),
+        mounted(lateral([true; 6]).unwrap()),
+        mounted(lateral([true, true, false, false, false, false]).unwrap()),
+        mounted(lateral([true; 6]).unwrap().with_added(0.1, 0.0)),
+        mounted(lateral([true; 6]).unwrap().with_added(0.0, 0.1)),
     ];
     for r in others {
         assert_eq!(r.mesh_hash(), base.mesh_hash());

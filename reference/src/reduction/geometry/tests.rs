@@ -32,6 +32,8 @@ pub(in crate::reduction) fn bare(mesh: &GearMesh) -> Basis {
         },
         near_field: None,
         integrals: None,
+        added: [0.0; 2],
+        lateral: None,
     }
 }
 

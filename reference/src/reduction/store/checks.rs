@@ -3,8 +3,9 @@
 use super::Meta;
 use super::error::{StoreError, StoreErrorKind, unusable, value};
 use super::names::{
-    ADDED, COMPLIANCE, FAMILY, HUB, HUB_FLANK, HUB_HUB, INERTIA, MOMENTUM, NODES, NORMALS, OMEGA,
-    PARTICIPATION, ROWS, SHAPES, TOOTH, UNBALANCE, YOUNG, sign,
+    ADDED, ADDED_MASS, BODY_CENTRE, BODY_INERTIA, BODY_MASS, COMPLIANCE, FAMILY, HUB, HUB_FLANK,
+    HUB_HUB, INERTIA, LATERAL_HUB, MOMENTUM, NODES, NORMALS, OMEGA, PARTICIPATION, ROWS, SHAPES,
+    TOOTH, UNBALANCE, YOUNG, sign,
 };
 use crate::reduction::Basis;
 use gearbench_models::Vec3;
@@ -33,6 +34,9 @@ pub(super) fn problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
             ));
         }
     }
+    if let Some(problem) = lateral_problem(b) {
+        return Some(problem);
+    }
     if b.integrals.as_ref().is_some_and(|i| !i.fits(modes)) {
         return Some(value(
             "integrals",
@@ -41,6 +45,46 @@ pub(super) fn problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
         ));
     }
     flanks_problem(&b.flanks, nodes, meta.teeth).or_else(|| numbers_problem(b, meta))
+}
+
+/// A hub that is free beside its own motion: lengths, finite numbers, a body.
+fn lateral_problem(b: &Basis) -> Option<StoreError> {
+    let l = b.lateral.as_ref()?;
+    if l.hub.len() != b.omega.len() {
+        let found = format!("{} rows", l.hub.len());
+        let expected = format!("{} rows", b.omega.len());
+        return Some(unusable(
+            StoreErrorKind::Shape,
+            LATERAL_HUB,
+            expected,
+            found,
+        ));
+    }
+    let finite: [(&str, &[f64]); 5] = [
+        (LATERAL_HUB, l.hub.as_flattened()),
+        (BODY_MASS, &[l.mass]),
+        (BODY_CENTRE, &l.centre),
+        (BODY_INERTIA, &l.inertia),
+        (ADDED_MASS, &b.added),
+    ];
+    for (array, x) in finite {
+        if let Some(x) = x.iter().find(|x| !x.is_finite()) {
+            return Some(value(array, "finite numbers", x.to_string()));
+        }
+    }
+    let [mass, tilting] = b.added;
+    if mass < 0.0 || tilting < 0.0 || mass >= l.mass {
+        return Some(value(
+            BODY_MASS,
+            "a positive mass that holds what is added at the hub",
+            format!("{} with {mass} added", l.mass),
+        ));
+    }
+    let least = [0, 4, 8]
+        .map(|k| l.inertia[k])
+        .into_iter()
+        .fold(f64::MAX, f64::min);
+    (least <= 0.0).then(|| value(BODY_INERTIA, "positive inertias", least.to_string()))
 }
 
 /// Flank nodes are numbered through, tooth by tooth, left before right.

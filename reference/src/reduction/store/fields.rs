@@ -8,7 +8,7 @@ use super::names::{
     NEAR_FIELD, NODES, NORMALS, OMEGA, PARTICIPATION, POISSON, ROWS, SHAPES, SIDE, TOOTH,
     UNBALANCE, YOUNG, sign,
 };
-use super::{Meta, Motion, Stored, checks, inertia};
+use super::{Meta, Motion, Stored, checks, inertia, lateral};
 use crate::reduction::Basis;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
@@ -67,6 +67,9 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
     if let Some(integrals) = &b.integrals {
         inertia::write(&mut w, integrals)?;
     }
+    if let Some(l) = &b.lateral {
+        lateral::write(&mut w, l, b.added)?;
+    }
     w.finish()
 }
 
@@ -94,8 +97,17 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
         Some(true) => Some(Arc::new(read_near_field(r, &flanks)?)),
         _ => None,
     };
+    let (lateral, added) = match entries.flag(meta::LATERAL) {
+        Some(true) => {
+            let (lateral, added) = lateral::read(r, modes)?;
+            (Some(Arc::new(lateral)), added)
+        }
+        _ => (None, [0.0; 2]),
+    };
     let basis = Basis {
         flanks,
+        lateral,
+        added,
         near_field,
         normals: vectors(&normals),
         along_profile,

@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 /// Entry of reductions that have it; others leave it out.
 pub(super) const ALONG_PROFILE: &str = "along_profile";
 pub(super) const NEAR_FIELD: &str = "near_field";
+pub(super) const LATERAL: &str = "lateral";
 
 pub(super) fn text(b: &Basis, meta: &Meta) -> String {
     let mut entries = json!({
@@ -38,6 +39,9 @@ pub(super) fn text(b: &Basis, meta: &Meta) -> String {
     }
     if b.near_field.is_some() {
         entries[NEAR_FIELD] = json!(true);
+    }
+    if b.lateral.is_some() {
+        entries[LATERAL] = json!(true);
     }
     entries.to_string()
 }

@@ -12,6 +12,7 @@ mod checks;
 mod error;
 mod fields;
 mod inertia;
+mod lateral;
 mod meta;
 mod names;
 mod npy;

@@ -173,7 +173,7 @@ impl Sector {
     }
 
     /// Angle from one sector to the next in a harmonic.
-    fn phase(&self, harmonic: u32) -> f64 {
+    pub(super) fn phase(&self, harmonic: u32) -> f64 {
         std::f64::consts::TAU * f64::from(harmonic) / f64::from(self.teeth)
     }
 

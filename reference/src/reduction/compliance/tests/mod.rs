@@ -7,7 +7,8 @@ use crate::assembly::assemble;
 use crate::assembly::tie::Reduced;
 use crate::mesh::{GearMeshParams, Tooth, gear, rack, sector};
 use crate::modes::{self, Options, cyclic};
-use crate::reduction::{Kept, without_modes};
+use crate::reduction::choose::{self, Choice, Criterion};
+use crate::reduction::{Kept, Wanted, basis, without_modes};
 use crate::test_support::{self, coarse, largest, stub, tied};
 use faer::Side;
 use gearbench_models::geometry::Gear;
@@ -70,6 +71,10 @@ fn all_modes_carry_everything_and_what_is_left_never_pulls() {
         (&wheel, Mounting::gear(true, 1e-3)),
         (&bar, Mounting::rack(true, 0.2)),
         (&bar, Mounting::rack(false, 0.0)),
+        (&wheel, floating(Mounting::gear(true, 1e-3))),
+        (&wheel, floating(Mounting::gear(false, 0.0))),
+        (&bar, floating(Mounting::rack(true, 0.2))),
+        (&bar, floating(Mounting::rack(false, 0.0))),
     ];
     for (mesh, mounting) in cases {
         let surface = Surface::new(mesh).unwrap();
@@ -120,7 +125,7 @@ fn deflections_at_rest_are_those_of_the_finite_elements() {
                 }
             })
             .collect();
-        let effective_radius = effective_radii(&surface, &mounting);
+        let effective_radius = arms(&surface, &[mounting.motion]);
         let torque: f64 = forces
             .iter()
             .zip(&effective_radius)
@@ -337,5 +342,86 @@ fn a_line_load_flattens_the_flank_by_the_logarithm_of_the_elements() {
     for (on, between) in [coarse, fine] {
         let less = 1.0 - between / on;
         assert!((0.05..0.12).contains(&less), "{less}");
+    }
+}
+
+/// Unit loads on a floating hub move it, beyond rigid motion, by what its modes say.
+#[test]
+fn modes_carry_the_loads_of_bearings() {
+    let mesh = gear(&stub(6, 0.0), &coarse(1, 1)).unwrap();
+    let surface = Surface::new(&mesh).unwrap();
+    let mounting = floating(Mounting::gear(true, 1e-5));
+    let assembly = assemble(&mesh.mesh, &STEEL).unwrap();
+    let total = held_of_assembly(&mesh, &assembly, &surface, &mounting).unwrap();
+    let total = total.hub_compliance(&mounting);
+    let (tie, r) = matrices(&mesh, &mounting);
+    let all = modes::lowest(&r, tie.coordinates(), &Options::default()).unwrap();
+    let first = 3 * tie.free.len();
+    let of_modes = |p: usize, q: usize| -> f64 {
+        let of =
+            |i: usize| all.vectors[(first + p, i)] * all.vectors[(first + q, i)] / all.omega2[i];
+        (6..all.omega2.len()).map(of).sum()
+    };
+    for (p, q) in (0..6).flat_map(|p| (0..6).map(move |q| (p, q))) {
+        let scale = (total[(p, p)] * total[(q, q)]).sqrt();
+        assert!(
+            (of_modes(p, q) - total[(p, q)]).abs() < 1e-8 * scale,
+            "{p} {q}"
+        );
+    }
+}
+
+/// What a hundred modes leave of the static compliance of a floating hub is little beside a radial bearing of 1e8 N/m; along the
+/// axis and in tilts a narrow gear yields more. The gear is that of the shipped impact.
+#[test]
+fn few_modes_leave_little_of_the_compliance_of_a_hub() {
+    let g = test_support::gear(20, 4e-3, |p| {
+        p.face_width = 10e-3;
+        p.bore_radius = 15e-3;
+    });
+    let mesh = sector(&g, &test_support::counted(8, 4, 2)).unwrap();
+    let surface = Surface::of_sector(&mesh).unwrap();
+    let none = Mounting::gear(true, 0.0).lateral([true; 6]).unwrap();
+    for (what, mounting) in [("light", none), ("0.1 kg", none.with_added(0.1, 1e-5))] {
+        let total = held_of_sector(&mesh, &STEEL, &surface, &mounting).unwrap();
+        let total = total.hub_compliance(&mounting);
+        let wanted = Wanted::Count(400);
+        let basis = basis::of_sector(&mesh, &STEEL, &mounting, wanted, false).unwrap();
+        let hub = &basis.lateral.as_ref().unwrap().hub;
+        let kept = choose::choose(
+            &basis,
+            &Choice {
+                by: Criterion::FlankCompliance,
+                count: 100,
+                candidates: 400,
+                highest: f64::INFINITY,
+                even_over_width: false,
+            },
+        );
+        for (d, k, most) in [
+            (0, 1e8, (5e-3, 2e-3)),
+            (2, 1e8, (0.05, 0.003)),
+            (3, 1e5, (0.12, 0.03)),
+        ] {
+            let at = mounting.directions().position(|own| own == d).unwrap();
+            let total = total[(at, at)];
+            let of = |modes: &[usize]| -> f64 {
+                modes
+                    .iter()
+                    .map(|&i| (hub[i][d] / basis.omega[i]).powi(2))
+                    .sum()
+            };
+            let lowest: Vec<usize> = (0..100).collect();
+            let [chosen, lowest] = [&kept, &lowest].map(|modes| total - of(modes));
+            assert!(total > 0.0 && chosen > -1e-9 * total && lowest > -1e-9 * total);
+            let [chosen, lowest] = [chosen, lowest].map(|left| k * left);
+            let (by_choice, by_frequency) = most;
+            assert!(
+                chosen < by_choice && lowest < by_frequency,
+                "{what}, direction {d}: of a bearing's compliance the hub has {:.3e}, 100 chosen modes leave {chosen:.3e}, the \
+                 lowest {lowest:.3e}",
+                k * total
+            );
+        }
     }
 }

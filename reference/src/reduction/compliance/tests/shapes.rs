@@ -17,7 +17,7 @@ impl Shapes {
         count: Option<usize>,
     ) -> Self {
         let (tie, r) = matrices(mesh, mounting);
-        let rigid = usize::from(mounting.free);
+        let rigid = mounting.motions().len();
         let count = count.map_or(tie.coordinates(), |c| c + rigid);
         let found = modes::lowest(&r, count, &Options::default()).unwrap();
         let kept = count - rigid;
@@ -36,7 +36,7 @@ impl Shapes {
                 s.shapes[k * kept + i] = *a;
             }
             if mounting.free {
-                s.hub[i] = reduced[reduced.len() - 1];
+                s.hub[i] = reduced[3 * tie.free.len()];
             }
         }
         s
@@ -64,8 +64,7 @@ impl Shapes {
 }
 
 pub(super) fn matrices(mesh: &GearMesh, mounting: &Mounting) -> (Tie, Reduced) {
-    let added = &[mounting.added_inertia][..usize::from(mounting.free)];
-    tied(mesh, &mounting.motions(), added)
+    tied(mesh, &mounting.motions(), &mounting.added_in_motions())
 }
 
 pub(super) fn dense(r: &Residual) -> Vec<f64> {
@@ -105,8 +104,19 @@ pub(super) fn definiteness(r: &Residual) -> f64 {
     values[0] / values[n]
 }
 
-pub(super) fn mountings() -> [Mounting; 3] {
+/// A hub that is free in all directions but its own motion, if that is held.
+pub(super) fn floating(mounting: Mounting) -> Mounting {
+    let mounting = mounting.with_added(0.03, 4e-5);
+    mounting.lateral([true; 6]).unwrap()
+}
+
+pub(super) fn mountings() -> [Mounting; 6] {
+    let tilting = Mounting::gear(true, 0.0);
+    let tilting = tilting.lateral([false, false, true, true, true, false]);
     [
+        floating(Mounting::gear(true, 2e-4)),
+        floating(Mounting::gear(false, 0.0)),
+        tilting.unwrap(),
         Mounting::gear(false, 0.0),
         Mounting::gear(true, 0.0),
         Mounting::gear(true, 3e-4),

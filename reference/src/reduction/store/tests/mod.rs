@@ -7,7 +7,7 @@ use super::*;
 use crate::hash::Hash;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::inertia::Integrals;
-use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
+use gearbench_models::gear::elastic::reduced::{FlankCompliance, LateralShapes, Residual};
 use gearbench_models::geometry::{FlankGrid, Flanks, Side};
 
 /// Numbers without a pattern in (-1, 1).
@@ -75,6 +75,16 @@ pub(in crate::reduction) fn example(teeth: u32, modes: usize, cyclic: bool) -> (
             hub_hub: f64::MIN_POSITIVE,
         },
         // One kind of gear with them, one without.
+        added: if cyclic { [0.1, 2e-5] } else { [0.0; 2] },
+        lateral: cyclic.then(|| {
+            Arc::new(LateralShapes {
+                free: [true, true, false, true, true, false],
+                hub: some(6 * modes).as_chunks().0.to_vec(),
+                mass: 0.4,
+                centre: [0.0, -1e-9, 1e-3],
+                inertia: [1e-4, 0.0, 1e-9, 0.0, 1e-4, 0.0, 1e-9, 0.0, 2e-4],
+            })
+        }),
         integrals: cyclic.then(|| {
             Arc::new(Integrals {
                 mass: 0.3,
@@ -161,6 +171,10 @@ fn every_bit_comes_back() {
         let bytes = to_bytes(&basis, &meta).unwrap();
         let back = read_bytes("x.npz", &bytes).unwrap();
         assert_eq!(all_bits(&back.basis), all_bits(&basis));
+        assert_eq!(
+            (&back.basis.lateral, back.basis.added),
+            (&basis.lateral, basis.added)
+        );
         assert_eq!(back.meta, meta);
         assert_eq!(
             to_bytes(&back.basis, &back.meta).unwrap(),
@@ -207,6 +221,8 @@ fn some_modes_of_a_basis_make_a_basis() {
     for (new, &old) in kept.iter().enumerate() {
         assert_eq!(some.omega[new], basis.omega[old]);
         assert_eq!(some.momentum[new], basis.momentum[old]);
+        let hub = |b: &Basis, mode: usize| b.lateral.as_ref().map(|l| l.hub[mode]);
+        assert_eq!(hub(&some, new), hub(&basis, old));
         for node in 0..basis.normals.len() {
             assert_eq!(some.shapes[node * 3 + new], basis.shapes[node * 6 + old]);
         }
