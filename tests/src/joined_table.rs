@@ -10,9 +10,10 @@ pub fn models() -> Vec<Model> {
     [MODELS, &[elastic_web::MODEL]].concat()
 }
 
-/// All models, with the test gears that bring flanks.
+/// All models, finite elements and the test gears that bring flanks with them.
 pub fn models_with_flanks() -> Vec<Model> {
     let mut table = models();
+    table.extend_from_slice(gearbench_reference::MODELS);
     table.extend([
         flank_test_gears::RIGID,
         nodal_test_gear::NODAL,

@@ -91,7 +91,8 @@ fn gear(g: &GearSpec, of: Option<&GearData>, whole: &ImpactParameters, differs: 
     let tilt = Vec3::from(of.tilt);
     let axis = Rotation3::new(tilt) * Vec3::z();
     if g.axes[2].cross(&axis).norm() > SAME_TILT {
-        let [own, of] = [&g.axes[2], &axis].map(|a| format!("({:.6}, {:.6}, {:.6})", a.x, a.y, a.z));
+        let [own, of] =
+            [&g.axes[2], &axis].map(|a| format!("({:.6}, {:.6}, {:.6})", a.x, a.y, a.z));
         differs.say(&name("axis"), &own, &of, "");
     }
     if g.lateral.is_some() {

@@ -205,3 +205,73 @@ fn the_newton_correction_is_the_inverse_of_mass_and_tangent() {
         assert!(off < 1e-5, "{name}: {off:.2e}");
     }
 }
+
+/// Reduced gears from coarse meshes.
+pub fn reduced() -> ModelSpec {
+    let number = |key: &str, x: f64| (key.to_string(), Value::Number(x));
+    ModelSpec {
+        id: "elastic".into(),
+        parameters: Parameters::from([
+            number("flank_elements", 5.0),
+            number("fillet_elements", 2.0),
+            number("across_elements", 4.0),
+            number("rim_elements", 2.0),
+            number("width_elements", 3.0),
+            number("modes", 20.0),
+        ]),
+    }
+}
+
+/// On no bearing forces on both gears are one wrench; on one, all that the ground exerts goes through it.
+#[test]
+fn contact_of_elastic_gears_adds_no_momentum() {
+    for (name, models) in [
+        ("made-up", [toy(), toy()]),
+        ("reduced", [reduced(), reduced()]),
+        ("on a rigid gear", [reduced(), rigid()]),
+    ] {
+        for bearing in [false, true] {
+            let mut spec = helical_pair(0.25, 0.0, true);
+            tilt(&mut spec, 0, 4e-4, -2e-4);
+            for gear in &mut spec.gears {
+                gear.lateral = if bearing { on_bearings() } else { afloat() };
+                if let Some(l) = &mut gear.lateral {
+                    l.spin = SpinTerms::Off;
+                }
+            }
+            let mut scene = build(&spec, &models, &on_points(0.0));
+            let mut numbers = Numbers::new(3);
+            let mut worst = 0.0_f64;
+            for place in 0..6 {
+                let mut s = displaced(&scene, &spec, 0.08 * f64::from(place) - 0.25, &mut numbers);
+                for g in scene.gears() {
+                    let modes = g.range().start + g.model.hub().first()..g.range().end;
+                    s.q[modes]
+                        .iter_mut()
+                        .for_each(|q| *q = 1e-7 * numbers.draw());
+                }
+                let mut f = force(&mut scene, s.at());
+                assert!(scene.contact_forces(s.at()).len() > 3);
+                for g in scene.gears().iter().filter(|_| bearing) {
+                    // What the bearing exerts on the hub where the modes have brought it, taken as one wrench there.
+                    let (hub, own) = (&g.model.hub().hub, g.at(s.at()));
+                    let lateral = hub.lateral.as_ref().unwrap();
+                    let at_hub = g.model.hub_motion(own);
+                    let frame = hub.motion(own.t, own.q, own.v);
+                    let exerted = lateral.bearing_forces(&at_hub);
+                    let first = g.range().start;
+                    for (k, d) in hub.free_directions().enumerate() {
+                        f[first + k] -= exerted[d];
+                    }
+                    // The hub stands off the frame: its force and its moments turn with it.
+                    let off = |d: usize| at_hub.x[d] - frame.x[d];
+                    f[first] -= off(0) * exerted[1] - off(1) * exerted[0];
+                    f[first] -= off(3) * exerted[4] - off(4) * exerted[3];
+                }
+                worst = worst.max(work_of_rigid_motions(&scene, &s, &f));
+            }
+            println!("{name}, bearing {bearing}: momentum within {worst:.1e}");
+            assert!(worst < 1e-9, "{name}: {worst:.2e}");
+        }
+    }
+}

@@ -121,50 +121,9 @@ fn contact_in_space_adds_no_momentum() {
             s.v.iter_mut().for_each(|v| *v = 0.01 * numbers.draw());
             let mut f = vec![0.0; s.q.len()];
             scene.force(s.at(), &mut f);
-            // All bodies moved along, then turned about the axes of space: no work is done.
-            for direction in 0..6 {
-                let axis = [Vec3::x(), Vec3::y(), Vec3::z()][direction % 3];
-                let (mut work, mut scale) = (0.0, 0.0_f64);
-                for g in scene.gears() {
-                    let hub = &g.model.hub().hub;
-                    let own = g.at(s.at());
-                    let frame = hub.frame(own.t, own.q);
-                    // Rows of unit motions tell the hub's rates.
-                    let (spin, velocity) = if direction < 3 {
-                        (Vec3::zeros(), axis)
-                    } else {
-                        (axis, axis.cross(&frame.origin))
-                    };
-                    let rates = rates_of(hub, own.q, &velocity, &spin);
-                    for (k, d) in hub.free_directions().enumerate() {
-                        let part = f[g.range().start + k] * rates[d];
-                        work += part;
-                        scale = scale.max(part.abs());
-                    }
-                }
-                if scale > 1e-3 {
-                    worst = worst.max(work.abs() / scale);
-                }
-            }
+            worst = worst.max(work_of_rigid_motions(&scene, &s, &f));
         }
         println!("{name}: momentum within {worst:.1e}");
         assert!(worst < 1e-10, "{name}: {worst:.2e}");
     }
-}
-
-/// Rates of the six directions of a hub that moves at a velocity and a spin.
-fn rates_of(hub: &Hub, q: &[f64], v: &Vec3, w: &Vec3) -> [f64; 6] {
-    let motion = hub.motion(0.0, q, &[]);
-    let [e0, e1, e2] = hub.axes;
-    let (sa, ca) = motion.x[3].sin_cos();
-    let (sb, cb) = motion.x[4].sin_cos();
-    let axes = nalgebra::Matrix3::from_columns(&[
-        Vec3::x(),
-        Vec3::new(0.0, ca, sa),
-        Vec3::new(sb, -sa * cb, ca * cb),
-    ]);
-    let local = |x: &Vec3| Vec3::new(e0.dot(x), e1.dot(x), e2.dot(x));
-    let angles = axes.try_inverse().unwrap() * local(w);
-    let u = local(v);
-    [u.x, u.y, u.z, angles.x, angles.y, angles.z]
 }
