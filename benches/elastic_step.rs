@@ -14,7 +14,7 @@ use gearbench_models::scene::Scene;
 use gearbench_models::spec::Value;
 use nalgebra::DMatrix;
 use std::hint::black_box;
-use support::helical::{Motion, compare};
+use support::helical::{Motion, bearings, compare};
 use support::ratio::{by_turns, ratios, seconds};
 use support::scenes::{changed, file, run};
 
@@ -149,6 +149,11 @@ fn main() {
         for motion in [Motion::Impact, Motion::Load(75.0)] {
             for helix in [8.0, 15.0, 25.0] {
                 compare(&mut criterion, helix, motion, label);
+            }
+            if label == "elastic" {
+                for helix in [0.0, 15.0] {
+                    bearings(&mut criterion, helix, motion, label);
+                }
             }
         }
     }

@@ -18,8 +18,12 @@ pub enum Motion {
     Load(f64),
 }
 
-/// The scene at a helix angle [deg].
-pub fn scene(helix: f64, motion: Motion, label: &str) -> (Scene, f64) {
+/// Stiff bearings that couple no directions.
+const BEARING: &str =
+    "bearing = { stiffness = [5.0e8, 5.0e8, 2.0e8, 2.0e5, 2.0e5, 0.0] }\nspin_terms = \"off\"";
+
+/// The scene at a helix angle [deg], on bearings or on hubs that only turn.
+pub fn scene(helix: f64, motion: Motion, label: &str, bearings: bool) -> (Scene, f64) {
     let (torque, wheel) = match motion {
         Motion::Impact => (0.0, 0.0),
         Motion::Load(torque) => (torque, -20.0 * 2.0 / 3.0),
@@ -34,6 +38,7 @@ pub fn scene(helix: f64, motion: Motion, label: &str) -> (Scene, f64) {
     ] {
         text = text.replace(word, &format!("{x:?}"));
     }
+    text = text.replace("BEARING", if bearings { BEARING } else { "" });
     let file = SceneFile::unbuilt("helical", &text, Origin::Shipped, false)
         .unwrap_or_else(|e| panic!("{e:?}"));
     (built(&file, label, &[]), file.duration)
@@ -88,16 +93,43 @@ fn counts(scene: &mut Scene, end: f64) -> Counts {
     c
 }
 
-/// Time of a step [s] of both by turns.
+/// Time of a step [s] of a helical mesh and of the same mesh without helix angle, by turns.
 #[allow(clippy::print_stdout)]
-pub fn compare(criterion: &mut Ratios, helix: f64, motion: Motion, label: &str) -> [f64; 2] {
-    let mut scenes = [helix, 0.0].map(|helix| scene(helix, motion, label));
+pub fn compare(criterion: &mut Ratios, helix: f64, motion: Motion, label: &str) {
+    let scenes = [helix, 0.0].map(|helix| scene(helix, motion, label, false));
+    let id = format!("{label}, {helix} degrees, {motion:?}");
+    side_by_side(
+        criterion,
+        ("helical / spur", &id, 3.0),
+        ["helical", "spur"],
+        scenes,
+    );
+}
+
+/// The same of a mesh on bearings and on hubs that only turn.
+pub fn bearings(criterion: &mut Ratios, helix: f64, motion: Motion, label: &str) {
+    let scenes = [true, false].map(|bearings| scene(helix, motion, label, bearings));
+    let id = format!("{label}, {helix} degrees, {motion:?}");
+    side_by_side(
+        criterion,
+        ("bearings / none", &id, 1.2),
+        ["bearings", "none"],
+        scenes,
+    );
+}
+
+#[allow(clippy::print_stdout)]
+fn side_by_side(
+    criterion: &mut Ratios,
+    (group, id, bar): (&str, &str, f64),
+    names: [&str; 2],
+    mut scenes: [(Scene, f64); 2],
+) {
     let counts = [0, 1].map(|k| {
         let (scene, end) = &mut scenes[k];
         counts(scene, *end)
     });
-    let id = format!("{label}, {helix} degrees, {motion:?}");
-    let times = by_turns(criterion, "helical / spur", &id, || {
+    let times = by_turns(criterion, group, id, || {
         [0, 1].map(|k| {
             let (scene, end) = &mut scenes[k];
             let mut method = gearbench_integrators::table::TRIGONOMETRIC.build();
@@ -106,8 +138,11 @@ pub fn compare(criterion: &mut Ratios, helix: f64, motion: Motion, label: &str) 
             wall / work.steps as f64
         })
     });
-    println!("{id}: ratio {:.2} (bar 3)", times[0] / times[1]);
-    for (k, name) in ["helical", "spur"].into_iter().enumerate() {
+    println!(
+        "{id}, {group}: ratio {:.2} (bar {bar})",
+        times[0] / times[1]
+    );
+    for (k, name) in names.into_iter().enumerate() {
         let c = counts[k];
         let per = |n: usize| n as f64 / c.touching.max(1) as f64;
         println!(
@@ -123,5 +158,4 @@ pub fn compare(criterion: &mut Ratios, helix: f64, motion: Motion, label: &str) 
             per(c.nodes)
         );
     }
-    times
 }

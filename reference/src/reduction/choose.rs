@@ -12,7 +12,10 @@
 //!
 //! with the reference areas `A_k` of the flank nodes. Where contact lies evenly over the face width, on spur
 //! toothing without crowning, `b` is first averaged over each row of nodes: shapes that are odd over the width then
-//! do not count.
+//! do not count. On helical gears it is averaged along the lines of
+//! contact.
+
+mod lines;
 
 use super::{Basis, Kept, ReductionError, without_modes};
 use gearbench_models::contact::points::reference_areas;
@@ -69,6 +72,18 @@ pub fn highest_for_step(h: f64) -> f64 {
 
 /// Mean compliance [m/N] that each mode gives to the flanks, `c_i`.
 pub fn flank_compliances(basis: &Basis, even_over_width: bool) -> Vec<f64> {
+    let (mut sums, total) = match lines::means(basis) {
+        Some(along_lines) if !even_over_width => along_lines,
+        _ => means(basis, even_over_width),
+    };
+    for (s, w) in sums.iter_mut().zip(&basis.omega) {
+        *s /= total * w * w;
+    }
+    sums
+}
+
+/// Squares of the shapes at the nodes, or of their means over rows, times areas, and the sum of these.
+fn means(basis: &Basis, even_over_width: bool) -> (Vec<f64>, f64) {
     let modes = basis.omega.len();
     let mut sums = vec![0.0; modes];
     let mut total = 0.0;
@@ -92,10 +107,7 @@ pub fn flank_compliances(basis: &Basis, even_over_width: bool) -> Vec<f64> {
             total += area;
         }
     }
-    for (s, w) in sums.iter_mut().zip(&basis.omega) {
-        *s /= total * w * w;
-    }
-    sums
+    (sums, total)
 }
 
 /// Modes that are kept or truncated together.
