@@ -128,11 +128,38 @@ fn held_modes_are_those_of_calculix() {
 }
 
 #[test]
+fn a_floating_hub_is_told_and_does_not_suit_a_held_one() {
+    let folder = cached();
+    let input = deck("impA_g1_C3D8");
+    let told = folder.says(&format!(
+        "reduce {input} --modes 20 --mount free,x,y,z,tilt_x,tilt_y --added-mass 0.1 --out floating.npz"
+    ));
+    let words = "free to turn and free in x, y, z, tilt_x, tilt_y";
+    assert!(told.contains(words), "{told}");
+    let basis = store::read(&folder.at("floating.npz")).unwrap().basis;
+    let lateral = basis.lateral.as_ref().unwrap();
+    assert_eq!(lateral.free, [true, true, true, true, true, false]);
+    assert_eq!(
+        (lateral.hub.len(), basis.added),
+        (basis.omega.len(), [0.1, 0.0])
+    );
+    let scene = repository("benchmarks/examples/foreign_gears.toml");
+    let scene = std::fs::read_to_string(scene).unwrap();
+    let wrong = scene.replace("reduced/impA_g1_C3D8.npz", "floating.npz");
+    folder.write("wrong.toml", &wrong);
+    let words = [
+        "its hub is free, x, y, z, tilt_x, tilt_y, but the mount of `pinion` leaves it free",
+        "`--mount free`",
+    ];
+    folder.refuses("compare wrong.toml", &words);
+}
+
+#[test]
 fn what_cannot_be_reduced_is_refused_and_nothing_is_written() {
     let folder = cached();
     let (gear, beam) = (deck("impA_g1_C3D8"), deck("beam_C3D8"));
     folder.write("no.inp", "*NODE\n1, 0., 0.\n");
-    let cases: [(String, &[&str]); 11] = [
+    let cases: [(String, &[&str]); 14] = [
         (beam, &["beam_C3D8.inp.gz", "or a node set `bore`"]),
         ("no.inp".into(), &["no.inp", "expected"]),
         ("missing.inp".into(), &["missing.inp", "readable deck"]),
@@ -154,6 +181,18 @@ fn what_cannot_be_reduced_is_refused_and_nothing_is_written() {
             &["no elastic model `nothing`"],
         ),
         (format!("{gear} --poisson 0.5"), &["Poisson", "--poisson"]),
+        (
+            format!("{gear} --mount free,x"),
+            &["translations along x and y", "hold or free both"],
+        ),
+        (
+            format!("{gear} --mount free,sideways"),
+            &["x, y, z, tilt_x, tilt_y, tilt_z", "`sideways`"],
+        ),
+        (
+            format!("{gear} --added-mass 0.1"),
+            &["this one is held", "--mount free,x,y"],
+        ),
         (
             format!("{gear} --out gear.txt"),
             &["gear.txt", "ends in .npz"],

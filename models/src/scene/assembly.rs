@@ -203,18 +203,13 @@ impl Scene {
             for i in mesh.gears {
                 let hub = gears[i].model.hub();
                 let upright = hub.axes[2] == UPRIGHT[2] && hub.lateral.is_none();
-                let nodes_alone = |i: &usize| {
-                    let model = &gears[*i].model;
-                    model.flanks().is_some() && model.displacement().is_none()
-                };
-                let fixed = strips.is_some() || mesh.gears.iter().any(nodes_alone);
-                if fixed && !upright {
+                if strips.is_some() && !upright {
                     return Err(BuildError::gear(
                         &spec.gears[i].name,
                         GearPart::Mount,
                         (
-                            "contact with an elastic gear needs hubs about z that only turn",
-                            "use rigid gears or movable teeth, or take bearing, directions and tilt of the axis away",
+                            "contact on half-spaces needs hubs about z that only turn",
+                            "take the elements' own contact, or take bearing, directions and tilt of the axis away",
                         ),
                     ));
                 }

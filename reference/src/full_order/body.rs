@@ -1,7 +1,7 @@
 //! What a full-order gear is made of: its mesh in the assembled position, stiffness, mass, and the inertia
 //! that couples its nodes to the hub. Nothing here changes in time.
 
-use super::frame::unit_motion;
+use super::held::{self, Held};
 use crate::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::element::ElementError;
@@ -10,7 +10,7 @@ use crate::mesh::GearMesh;
 use crate::vector::dot;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Flanks;
-use gearbench_models::kinematics::Placement;
+use gearbench_models::kinematics::{Hub, Placement};
 use gearbench_models::spec::Mount;
 use gearbench_models::stiffness::Material;
 
@@ -46,6 +46,22 @@ pub struct Body {
     pub held_mass: f64,
     /// The same times the place [kg m].
     pub held_moment: Vec3,
+    /// What the hub holds, where it moves in several directions or about a tilted axis: the matrices are then those of the free
+    /// nodes alone.
+    pub held: Option<Held>,
+    /// What is added at such a hub: mass [kg], inertias about its axes [kg m^2].
+    pub added: (f64, Vec3),
+}
+
+/// What is added at a hub of several directions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Added {
+    /// In its own motion [kg m^2], of a rack [kg].
+    pub own: f64,
+    /// Mass [kg].
+    pub mass: f64,
+    /// About each axis beside that of the own motion [kg m^2].
+    pub tilting: f64,
 }
 
 /// Memory of a gear of `n` unknowns, `FACTORED n^(4/3)`: the fill of nested dissection in three dimensions (George 1973),
@@ -65,16 +81,74 @@ impl Body {
         mass: MassKind,
         added_inertia: f64,
     ) -> Result<Body, ElementError> {
+        let slide = placement.slides.then_some(placement.hub.axes[0]);
+        let pose = placement.pose(0.0);
+        let moves = matches!(mount, Mount::Revolute | Mount::Prismatic);
+        let motion = slide.map_or(HubMotion::Turn, HubMotion::Slide);
+        let motions = if moves { vec![motion] } else { Vec::new() };
+        let (body, _) = Self::placed(
+            mesh,
+            material,
+            |x| pose.point(x) - placement.hub.origin,
+            (motion, &motions),
+            matches!(mount, Mount::Driven(_)),
+            (mass, added_inertia),
+        )?;
+        Ok(body)
+    }
+
+    /// The same on a hub that moves in several directions, or about a tilted axis.
+    pub fn floating(
+        mesh: GearMesh,
+        material: &Material,
+        placement: &Placement,
+        hub: &Hub,
+        mass: MassKind,
+        added: Added,
+    ) -> Result<Body, ElementError> {
+        let axes = &hub.axes;
+        let pose = placement.pose(0.0);
+        let place = |x: &Vec3| pose.point(x) - placement.hub.origin;
+        let (motion, about) = match hub.slide {
+            None => (HubMotion::TurnAbout(axes[2]), added.own),
+            Some(slide) => (HubMotion::Slide(slide), added.tilting),
+        };
+        let (mut body, image_of_held) = Self::placed(
+            mesh,
+            material,
+            place,
+            (motion, &held::motions()),
+            hub.is_driven(),
+            (mass, added.own),
+        )?;
+        let at_hub = (added.mass, Vec3::new(added.tilting, added.tilting, about));
+        let (reduced, held) = Held::split(&body.reduced, image_of_held, axes, at_hub);
+        (body.reduced, body.held, body.added) = (reduced, Some(held), at_hub);
+        Ok(body)
+    }
+
+    /// A mesh whose nodes are brought to their places from the hub's centre; of the held nodes also what couples them to each
+    /// free one by their mass: `M_fb 1` and `M_fb X_b`.
+    #[expect(
+        clippy::type_complexity,
+        reason = "both parts of one sum over the mass matrix"
+    )]
+    fn placed(
+        mesh: GearMesh,
+        material: &Material,
+        to_place: impl Fn(&Vec3) -> Vec3,
+        (motion, motions): (HubMotion, &[HubMotion]),
+        driven: bool,
+        (mass, added_inertia): (MassKind, f64),
+    ) -> Result<(Body, Vec<(u32, f64, Vec3)>), ElementError> {
         let GearMesh {
             mut mesh,
             bore,
             flanks,
             ..
         } = mesh;
-        let slide = placement.slides.then_some(placement.hub.axes[0]);
-        let pose = placement.pose(0.0);
         for x in &mut mesh.nodes {
-            *x = pose.point(x) - placement.hub.origin;
+            *x = to_place(x);
         }
         if mass == MassKind::Consistent {
             let unknowns = 3 * mesh.nodes.len();
@@ -88,18 +162,20 @@ impl Body {
         }
         let mut assembly = assemble(&mesh, material)?;
         let position = mesh.nodes;
-        let motion = slide.map_or(HubMotion::Turn, HubMotion::Slide);
-        let moves = matches!(mount, Mount::Revolute | Mount::Prismatic);
-        let motions: &[HubMotion] = if moves { &[motion] } else { &[] };
         let tie = Tie::new(&position, &bore, motions);
         let (free, place) = (tie.free.clone(), tie.place.clone());
-        if matches!(mount, Mount::Driven(_)) {
+        if driven {
             assembly.mass.decouple(|node| place[node] == Tie::HELD);
         }
-        let added = [added_inertia];
-        let reduced = tie.reduce(&assembly, &added[..motions.len()], mass);
+        // Of several motions what is added is another matter.
+        let added: Vec<f64> = match motions {
+            [_] => vec![added_inertia],
+            all => vec![0.0; all.len()],
+        };
+        let reduced = tie.reduce(&assembly, &added, mass);
 
-        let unit = |node: usize| unit_motion(&position[node].into(), slide.as_ref());
+        let unit = |node: usize| -> [f64; 3] { motion.of(&position[node]).into() };
+        let turns = !matches!(motion, HubMotion::Slide(_));
         let nodes = position.len();
         let mut motion_of = vec![0.0; 3 * nodes];
         let mut held_motion = vec![0.0; 3 * nodes];
@@ -110,7 +186,7 @@ impl Body {
         for &node in &bore {
             let node = node as usize;
             held_motion[3 * node..][..3].copy_from_slice(&unit(node));
-            if slide.is_none() {
+            if turns {
                 let x = &position[node];
                 held_place[3 * node..][..2].copy_from_slice(&[x.x, x.y]);
             }
@@ -141,8 +217,24 @@ impl Body {
             held_moment += Vec3::new(m[0], m[1], 0.0);
             held_mass += m[2];
         }
+        let of_held = if motions.len() > 1 {
+            held_masses(&bore, &position, &free, times_mass)
+        } else {
+            Vec::new()
+        };
+        if motions.len() > 1 {
+            let image = times_mass(
+                &position
+                    .iter()
+                    .flat_map(|x| [x.x, x.y, x.z])
+                    .collect::<Vec<_>>(),
+            );
+            held_moment = (bore.iter())
+                .map(|n| Vec3::from_column_slice(&image[3 * *n as usize..][..3]))
+                .sum();
+        }
         let grip = grip(&assembly, &place, free.len());
-        Ok(Body {
+        let body = Body {
             flanks: Flanks::new(flanks),
             position,
             assembly,
@@ -157,7 +249,10 @@ impl Body {
             grip,
             held_mass,
             held_moment,
-        })
+            held: None,
+            added: (0.0, Vec3::zeros()),
+        };
+        Ok((body, of_held))
     }
 
     /// `y = M x` over all nodes, three components each.
@@ -177,6 +272,28 @@ fn times_mass(assembly: &Assembly, mass: MassKind, x: &[f64], y: &mut [f64]) {
             }
         }
     }
+}
+
+/// `M_fb 1` and `M_fb X_b` per place among the free nodes that has any.
+fn held_masses(
+    bore: &[u32],
+    position: &[Vec3],
+    free: &[u32],
+    times_mass: impl Fn(&[f64]) -> Vec<f64>,
+) -> Vec<(u32, f64, Vec3)> {
+    let (mut ones, mut places) = (vec![0.0; 3 * position.len()], vec![0.0; 3 * position.len()]);
+    for &node in bore {
+        let node = node as usize;
+        ones[3 * node] = 1.0;
+        places[3 * node..][..3].copy_from_slice(position[node].as_slice());
+    }
+    let (ones, places) = (times_mass(&ones), times_mass(&places));
+    let of = |(k, &node): (u32, &u32)| {
+        let at = 3 * node as usize;
+        let moment = Vec3::from_column_slice(&places[at..][..3]);
+        (ones[at] != 0.0 || moment != Vec3::zeros()).then_some((k, ones[at], moment))
+    };
+    (0..).zip(free).filter_map(of).collect()
 }
 
 /// [`Body::grip`].

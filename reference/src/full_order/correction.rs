@@ -293,7 +293,7 @@ impl Correction {
 }
 
 /// Steps on a grid differ by rounding: their weights are the same to a correction.
-fn same(a: &[f64; 3], b: &[f64; 3]) -> bool {
+pub(super) fn same<const N: usize>(a: &[f64; N], b: &[f64; N]) -> bool {
     a.iter()
         .zip(b)
         .all(|(a, b)| (a - b).abs() <= 1e-9 * b.abs())

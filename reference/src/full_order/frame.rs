@@ -1,10 +1,11 @@
 //! The floating frame of a full-order gear: it stands on the hub.
 //!
 //! A node is at `x = c + R(theta) (X + u)` when the hub turns, and at `x = c + X + s e + u` when it slides along
-//! `e`. `X` is the undeformed position, already turned into the assembled position, `u` the elastic
-//! displacement, zero at the nodes that the hub holds.
+//! `e`; at `x = c + s + R (X + u)` when it moves in several directions. `X` is the undeformed position, already turned into
+//! the assembled position, `u` the elastic displacement, zero at the nodes that the hub holds.
 
 use gearbench_models::Vec3;
+use nalgebra::Matrix3;
 
 /// Where the frame stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +19,13 @@ pub enum Frame {
     },
     /// Moved along the slide.
     Moved(Vec3),
+    /// Turned about any axis and shifted.
+    Posed {
+        /// From the assembled position to where it stands.
+        turn: Matrix3<f64>,
+        /// [m]
+        shift: Vec3,
+    },
 }
 
 impl Frame {
@@ -39,6 +47,7 @@ impl Frame {
         match self {
             Frame::Turned { cos, sin } => [cos * x - sin * y, sin * x + cos * y, z],
             Frame::Moved(_) => [x, y, z],
+            Frame::Posed { turn, .. } => (turn * Vec3::new(x, y, z)).into(),
         }
     }
 
@@ -48,12 +57,13 @@ impl Frame {
         match self {
             Frame::Turned { cos, sin } => [cos * x + sin * y, cos * y - sin * x, z],
             Frame::Moved(_) => [x, y, z],
+            Frame::Posed { turn, .. } => turn.tr_mul(&Vec3::new(x, y, z)).into(),
         }
     }
 
     /// Turns the directions of all nodes from the frame into space.
     pub fn all_to_space(self, x: &mut [f64]) {
-        if let Frame::Turned { .. } = self {
+        if !matches!(self, Frame::Moved(_)) {
             for v in x.chunks_exact_mut(3) {
                 v.copy_from_slice(&self.to_space([v[0], v[1], v[2]]));
             }
@@ -62,7 +72,7 @@ impl Frame {
 
     /// Turns the directions of all nodes from space into the frame.
     pub fn all_to_frame(self, x: &mut [f64]) {
-        if let Frame::Turned { .. } = self {
+        if !matches!(self, Frame::Moved(_)) {
             for v in x.chunks_exact_mut(3) {
                 v.copy_from_slice(&self.to_frame([v[0], v[1], v[2]]));
             }
@@ -83,6 +93,11 @@ impl Frame {
                 ]
             }
             Frame::Moved(s) => [d[0] - s.x, d[1] - s.y, d[2] - s.z],
+            Frame::Posed { turn, shift } => {
+                let d = Vec3::new(d[0], d[1], d[2]) - shift;
+                let back = (turn - Matrix3::identity()).tr_mul(position);
+                (turn.tr_mul(&d) + back).into()
+            }
         }
     }
 
@@ -99,6 +114,9 @@ impl Frame {
                 ]
             }
             Frame::Moved(s) => [s.x, s.y, s.z],
+            Frame::Posed { turn, shift } => {
+                (shift + (turn - Matrix3::identity()) * position).into()
+            }
         }
     }
 }

@@ -15,7 +15,9 @@
 //! Shabana, *Dynamics of Multibody Systems*, ch. 5) written in absolute coordinates; large turns, small strains.
 
 use super::body::Body;
+use super::border::Border;
 use super::correction::Correction;
+use super::floating::hub_with;
 use super::frame::unit_motion;
 use super::kinematics::{add3, dot3, node3};
 use super::lines::Lines;
@@ -24,7 +26,7 @@ use crate::vector::dot;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 use gearbench_models::Vec3;
 use gearbench_models::gear::{
-    CoupledMass, DeformedLines, FlankNodes, FlankSurface, GearModel, HubBody, HubState, LargeGear,
+    CoupledMass, DeformedLines, FlankSurface, GearModel, HubBody, HubState, LargeGear,
 };
 use gearbench_models::kinematics::{Hub, Point, Row, Wrench};
 use gearbench_models::spec::Mount;
@@ -38,8 +40,10 @@ pub(super) struct Nodal {
     /// What stiffness or mass makes of it.
     pub(super) g: Vec<f64>,
     /// A second direction, for tangents.
-    du: Vec<f64>,
-    dg: Vec<f64>,
+    pub(super) du: Vec<f64>,
+    pub(super) dg: Vec<f64>,
+    /// Over the coordinates.
+    pub(super) momentum: Vec<f64>,
 }
 
 /// A gear with all its nodal displacements.
@@ -47,10 +51,11 @@ pub(super) struct Nodal {
 pub struct FullOrder {
     pub(super) hub: HubBody,
     pub(super) body: Body,
-    /// Coordinates of the hub: 0 or 1; those of the nodes follow.
+    /// Coordinates of the hub, 0 or 1 where it moves in no more than one direction; those of the nodes follow.
     pub(super) own: usize,
     pub(super) scratch: RefCell<Nodal>,
     pub(super) correction: RefCell<Correction>,
+    pub(super) border: RefCell<Option<Border>>,
     pub(super) lines: Lines,
 }
 
@@ -59,34 +64,51 @@ impl FullOrder {
     /// that of the mesh with what is added.
     pub fn new(mut hub: Hub, effective_base_radius: f64, body: Body) -> Self {
         hub.inertia = body.inertia;
+        if let Some(held) = &body.held {
+            hub = hub_with(hub, held);
+        }
         let n = 3 * body.position.len();
         let zeros = || vec![0.0; n];
         let own = hub.coordinates();
         let count = 3 * body.free.len();
+        let of_hub = HubBody::new(hub, effective_base_radius);
         let masses = if body.mass == MassKind::Lumped {
             let of_nodes = body
                 .free
                 .iter()
                 .map(|&node| body.assembly.lumped[node as usize]);
             let of_nodes = of_nodes.flat_map(|m| [m; 3]);
-            std::iter::repeat_n(body.hub_inertia, own)
-                .chain(of_nodes)
-                .collect()
+            let hub = match body.held {
+                None => vec![body.hub_inertia; own],
+                Some(_) => of_hub.masses.clone(),
+            };
+            hub.into_iter().chain(of_nodes).collect()
         } else {
             Vec::new()
         };
+        let scales = match body.held {
+            None => vec![effective_base_radius; own],
+            Some(_) => of_hub.scales.clone(),
+        };
+        let hub = HubBody {
+            own: count,
+            scales: (scales.into_iter())
+                .chain(std::iter::repeat_n(1.0, count))
+                .collect(),
+            masses,
+            conservative: true,
+            // The bearing holds the body that stands on the hub, not the few nodes that the hub holds.
+            characteristic_time: f64::INFINITY,
+            ..of_hub
+        };
+        // Where the hub borders the nodes, these are corrected as on a held one.
+        let border = body.held.as_ref().and_then(|_| Border::new(&hub, count));
+        let inner = if border.is_some() { 0 } else { own };
         FullOrder {
             own,
-            correction: RefCell::new(Correction::new(&body.reduced, own)),
-            hub: HubBody {
-                own: count,
-                scales: std::iter::repeat_n(effective_base_radius, own)
-                    .chain(std::iter::repeat_n(1.0, count))
-                    .collect(),
-                masses,
-                conservative: true,
-                ..HubBody::new(hub, effective_base_radius)
-            },
+            correction: RefCell::new(Correction::new(&body.reduced, inner)),
+            border: RefCell::new(border),
+            hub,
             body,
             lines: Lines::default(),
             scratch: RefCell::new(Nodal {
@@ -94,6 +116,7 @@ impl FullOrder {
                 g: zeros(),
                 du: zeros(),
                 dg: zeros(),
+                momentum: Vec::new(),
             }),
         }
     }
@@ -120,6 +143,9 @@ impl GearModel for FullOrder {
     }
 
     fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _discrete: &mut [f64]) {
+        if self.held().is_some() {
+            return self.floating_initialise(speed, q, v);
+        }
         q.fill(0.0);
         v[..self.own].fill(speed);
         for (k, &node) in self.body.free.iter().enumerate() {
@@ -136,7 +162,10 @@ impl GearModel for FullOrder {
         };
         // The nodes say all of a point's motion but what lies above their face, which turns with the hub.
         let mut prescribed = 0.0;
-        if self.slide().is_none() {
+        if self.held().is_some() {
+            let bulge = self.bulge(at, p, &corners, &weights);
+            prescribed = self.floating_row(at, &bulge, n, row);
+        } else if self.slide().is_none() {
             let bulge = self.bulge(at, p, &corners, &weights);
             let along = dot3(unit_motion(&bulge.into(), None), n.as_slice());
             if self.own == 0 {
@@ -155,6 +184,9 @@ impl GearModel for FullOrder {
     }
 
     fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
+        if let Some(held) = self.held() {
+            return self.floating_forces(held, at, f);
+        }
         let frame = self.frame(at);
         let mut nodal = self.scratch.borrow_mut();
         let Nodal { u, g, .. } = &mut *nodal;
@@ -176,9 +208,12 @@ impl GearModel for FullOrder {
     }
 
     fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+        if let Some(held) = self.held() {
+            return self.floating_tangent(held, at, [dq, dv], df);
+        }
         let frame = self.frame(at);
         let mut nodal = self.scratch.borrow_mut();
-        let Nodal { u, g, du, dg } = &mut *nodal;
+        let Nodal { u, g, du, dg, .. } = &mut *nodal;
         self.elastic(frame, at.q, u);
         self.body.assembly.stiffness.apply(u, g);
         let (dhub, dspeed) = if self.own > 0 {
@@ -233,13 +268,13 @@ impl GearModel for FullOrder {
         hub_damping: f64,
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular> {
-        let frame = self.frame(at);
-        self.correction
-            .get_mut()
-            .solve(frame, c, hub_damping, rhs_to_x)
+        FullOrder::solve(self, at, (c, hub_damping), rhs_to_x)
     }
 
     fn energy(&self, at: At<'_>) -> Energy {
+        if let Some(held) = self.held() {
+            return self.floating_energy(held, at);
+        }
         let frame = self.frame(at);
         let speed = self.hub.speed(at.t, at.v);
         let mut nodal = self.scratch.borrow_mut();
@@ -257,6 +292,9 @@ impl GearModel for FullOrder {
     }
 
     fn powers(&self, at: At<'_>) -> Power {
+        if self.held().is_some() {
+            return self.floating_powers(at);
+        }
         Power {
             external: self.driven_power(at),
             ..Power::default()
@@ -264,6 +302,9 @@ impl GearModel for FullOrder {
     }
 
     fn hub_state(&self, at: At<'_>) -> HubState {
+        if self.held().is_some() {
+            return self.floating_state(at);
+        }
         let frame = self.frame(at);
         let (displacement, speed) = (
             self.hub.displacement(at.t, at.q),
@@ -290,6 +331,9 @@ impl GearModel for FullOrder {
     /// that of the nodes beside them (consistent mass, no drive), those are taken to move rigidly in this: the share
     /// of one layer of elements in the acceleration of the rest is left out.
     fn mount_reaction(&self, at: At<'_>, _forces: &[f64], _contact: &Wrench) -> Wrench {
+        if self.held().is_some() {
+            return self.floating_reaction(at);
+        }
         let frame = self.frame(at);
         let speed = self.hub.speed(at.t, at.v);
         let prescribed = self.hub.prescribed_acceleration(at.t);
@@ -340,24 +384,7 @@ impl GearModel for FullOrder {
     }
 
     fn coupled_mass(&self) -> Option<&dyn CoupledMass> {
-        (self.body.mass != MassKind::Lumped).then_some(self)
-    }
-}
-
-impl FlankNodes for FullOrder {
-    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
-        let frame = self.frame(at);
-        let d = &at.q[self.own..];
-        for (&node, x) in nodes.iter().zip(out) {
-            let place = self.body.place[node as usize];
-            let reference = &self.body.position[node as usize];
-            let moved = if place == Tie::HELD {
-                Vec3::from(frame.carried(reference))
-            } else {
-                Vec3::from_column_slice(&d[3 * place as usize..][..3])
-            };
-            *x = self.hub.centre + reference + moved;
-        }
+        (self.body.mass != MassKind::Lumped || self.held().is_some()).then_some(self)
     }
 }
 

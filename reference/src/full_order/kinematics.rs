@@ -17,6 +17,9 @@ impl FullOrder {
     }
 
     pub(super) fn frame(&self, at: At<'_>) -> Frame {
+        if self.held().is_some() {
+            return self.stand(at).frame();
+        }
         Frame::at(self.hub.displacement(at.t, at.q), self.slide())
     }
 
@@ -105,6 +108,23 @@ impl FullOrder {
             x.z + u[3 * node + 2],
         ];
         unit_motion(&place, self.slide())
+    }
+}
+
+impl FlankNodes for FullOrder {
+    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
+        let frame = self.frame(at);
+        let d = &at.q[self.own..];
+        for (&node, x) in nodes.iter().zip(out) {
+            let place = self.body.place[node as usize];
+            let reference = &self.body.position[node as usize];
+            let moved = if place == Tie::HELD {
+                Vec3::from(frame.carried(reference))
+            } else {
+                Vec3::from_column_slice(&d[3 * place as usize..][..3])
+            };
+            *x = self.hub.centre + reference + moved;
+        }
     }
 }
 

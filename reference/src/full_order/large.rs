@@ -9,22 +9,41 @@ use crate::assembly::tie::Tie;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 use gearbench_models::gear::{CoupledMass, LargeGear};
 
+impl FullOrder {
+    /// `x <- A^-1 x`.
+    pub(super) fn solve(
+        &self,
+        at: At<'_>,
+        (c, hub_damping): (Coeffs, f64),
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let (mut nodes, mut border) = (self.correction.borrow_mut(), self.border.borrow_mut());
+        match (&mut *border, self.held()) {
+            (Some(border), Some(held)) => {
+                border.solve(&mut nodes, (&self.hub, held), at, (c, hub_damping), x)
+            }
+            _ => nodes.solve(self.frame(at), c, hub_damping, x),
+        }
+    }
+}
+
 impl CoupledMass for FullOrder {
     fn solve(&self, at: At<'_>, f_to_a: &mut [f64]) {
-        let frame = self.frame(at);
         let mass_only = Coeffs {
             m: 1.0,
             d: 0.0,
             k: 0.0,
         };
         // The mass matrix is positive definite: its factorisation does not fail.
-        let solved = (self.correction.borrow_mut()).solve(frame, mass_only, 0.0, f_to_a);
-        if solved.is_err() {
+        if FullOrder::solve(self, at, (mass_only, 0.0), f_to_a).is_err() {
             f_to_a.fill(f64::NAN);
         }
     }
 
     fn apply(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        if let Some(held) = self.held() {
+            return self.floating_mass(held, at, x, y);
+        }
         let frame = self.frame(at);
         let speed = if self.own > 0 { x[0] } else { 0.0 };
         let mut nodal = self.scratch.borrow_mut();
@@ -56,10 +75,12 @@ impl LargeGear for FullOrder {
         coordinates: &[u32],
         g: &mut [f64],
     ) -> Result<(), Singular> {
-        let frame = self.frame(at);
-        self.correction
-            .borrow_mut()
-            .flexibility(frame, c, hub_damping, coordinates, g)
+        let (mut nodes, mut border) = (self.correction.borrow_mut(), self.border.borrow_mut());
+        if let (Some(border), Some(held)) = (&mut *border, self.held()) {
+            let (hub, weights) = ((&self.hub, held), (c, hub_damping));
+            return border.flexibility(&mut nodes, hub, at, weights, (coordinates, g));
+        }
+        nodes.flexibility(self.frame(at), c, hub_damping, coordinates, g)
     }
 
     fn add_response(
@@ -70,10 +91,12 @@ impl LargeGear for FullOrder {
         (coordinates, forces): (&[u32], &[f64]),
         x: &mut [f64],
     ) -> Result<(), Singular> {
-        let frame = self.frame(at);
-        self.correction
-            .borrow_mut()
-            .add_response(frame, c, hub_damping, coordinates, forces, x)
+        let (mut nodes, mut border) = (self.correction.borrow_mut(), self.border.borrow_mut());
+        if let (Some(border), Some(held)) = (&mut *border, self.held()) {
+            let (hub, weights) = ((&self.hub, held), (c, hub_damping));
+            return border.add_response(&mut nodes, hub, at, weights, (coordinates, forces), x);
+        }
+        nodes.add_response(self.frame(at), c, hub_damping, coordinates, forces, x)
     }
 
     fn factorisations(&self) -> u64 {

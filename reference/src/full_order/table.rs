@@ -1,16 +1,17 @@
 //! The line of `fe` in the table of gear models.
 
-use super::body::Body;
+use super::body::{Added, Body};
 use super::gear::FullOrder;
 use super::lines::Lines;
 use crate::assembly::tie::MassKind;
 use crate::mesh_source::{self, MeshParameters, Reader, Source, optional};
+use crate::reduction::added_of;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
-use gearbench_models::spec::Body as Toothing;
+use gearbench_models::spec::{Body as Toothing, UPRIGHT};
 use serde::{Deserialize, Serialize};
 
 const MODEL: &str = "fe";
@@ -83,6 +84,18 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
             ),
         ));
     }
+    // A hub that moves in several directions, or turns about a tilted axis.
+    let floats = context.hub.lateral.is_some()
+        || (context.hub.slide.is_none() && context.hub.axes != UPRIGHT);
+    if floats && context.lines.is_some() {
+        return Err(reader.error(
+            "mesh",
+            (
+                "half-spaces touch lines of full finite elements whose hub is about z and moves in its own direction alone",
+                "give the contact local = \"mesh\", hold the hub, or take the model `elastic`",
+            ),
+        ));
+    }
     let lines = match context.lines {
         None => Lines::default(),
         Some(strips) => Lines::new(
@@ -93,15 +106,23 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         )
         .map_err(|e| reader.error("mesh", e))?,
     };
-    let body = Body::new(
-        mesh,
-        &context.material,
-        &context.placement,
-        &context.hub.mount,
-        mass,
-        context.added_inertia,
-    )
-    .map_err(|e| reader.error("mesh", e.to_string()))?;
+    let (hub, material, placement) = (context.hub, &context.material, &context.placement);
+    let own = context.added_inertia;
+    let body = if floats {
+        let [added, tilting] = added_of(context)?;
+        let added = Added {
+            own,
+            mass: match context.body {
+                Toothing::Gear(_) => added,
+                Toothing::Rack(_) => own,
+            },
+            tilting,
+        };
+        Body::floating(mesh, material, placement, hub, mass, added)
+    } else {
+        Body::new(mesh, material, placement, &hub.mount, mass, own)
+    };
+    let body = body.map_err(|e| reader.error("mesh", e.to_string()))?;
     let gear = FullOrder::new(context.hub.clone(), context.effective_radius, body);
     Ok(Box::new(gear.with_lines(lines)))
 }

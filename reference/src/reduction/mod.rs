@@ -60,6 +60,7 @@ pub use error::ReductionError;
 pub use geometry::Toothing;
 pub use mounting::{DIRECTIONS, Mounting, mount_text};
 pub(crate) use near_field::of_flanks as near_field_of_flanks;
+pub(crate) use of_gear::added_of;
 pub use of_gear::{OfGear, mounting_of, of_gear};
 pub use parameters::ElasticParameters;
 pub use request::Request;

@@ -2,6 +2,7 @@
 
 pub mod arguments;
 mod found;
+mod mounting;
 mod report;
 
 use crate::cli::answer::Answer;
@@ -25,6 +26,7 @@ use gearbench_reference::reduction::store::{self, Meta, Motion};
 use gearbench_reference::reduction::{
     Basis, ElasticParameters, Mounting, ReductionError, Request, Toothing, Wanted, cache, of_gear,
 };
+use mounting::mounted;
 use serde_json::json;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -280,24 +282,6 @@ fn of_scene(
         found: of.found,
         notes: of.notes,
     })
-}
-
-/// A mounting with what the command line says of it.
-fn mounted(args: &Arguments, of: Mounting) -> Result<Mounting, Refusal> {
-    let mass = args.added_mass.unwrap_or(of.added_mass);
-    let tilting = args.added_tilting.unwrap_or(of.added_tilting);
-    let (free, lateral) = args.mount.unwrap_or((of.free, of.lateral));
-    let mounting = Mounting { free, ..of }.with_added(mass, tilting);
-    let mounting = mounting.lateral(lateral);
-    let mounting = mounting.map_err(|why| refuse(&why.cause, &why.help))?;
-    let given = args.added_mass.is_some() || args.added_tilting.is_some();
-    if given && !mounting.is_lateral() {
-        return Err(refuse(
-            "--added-mass and --added-tilting move with a hub that is free beside its own motion, and this one is held",
-            "free it, for example with --mount free,x,y, or leave them out",
-        ));
-    }
-    Ok(mounting)
 }
 
 /// Where each gear is written to.

@@ -1,5 +1,6 @@
 //! Forces, tangents, mass and corrections of a ring without teeth.
 
+mod floating;
 mod mount;
 
 use super::FullOrder;

@@ -1,0 +1,24 @@
+//! How a gear that is reduced is mounted.
+
+use super::arguments::Reduce as Arguments;
+use super::refuse;
+use crate::cli::terminal::Refusal;
+use gearbench_reference::reduction::Mounting;
+
+/// A mounting with what the command line says of it.
+pub(super) fn mounted(args: &Arguments, of: Mounting) -> Result<Mounting, Refusal> {
+    let mass = args.added_mass.unwrap_or(of.added_mass);
+    let tilting = args.added_tilting.unwrap_or(of.added_tilting);
+    let (free, lateral) = args.mount.unwrap_or((of.free, of.lateral));
+    let mounting = Mounting { free, ..of }.with_added(mass, tilting);
+    let mounting = mounting.lateral(lateral);
+    let mounting = mounting.map_err(|why| refuse(&why.cause, &why.help))?;
+    let given = args.added_mass.is_some() || args.added_tilting.is_some();
+    if given && !mounting.is_lateral() {
+        return Err(refuse(
+            "--added-mass and --added-tilting move with a hub that is free beside its own motion, and this one is held",
+            "free it, for example with --mount free,x,y, or leave them out",
+        ));
+    }
+    Ok(mounting)
+}
