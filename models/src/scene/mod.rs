@@ -33,6 +33,7 @@ mod nodal_newton;
 mod outputs;
 mod placement;
 mod scales;
+mod shafts;
 mod system;
 mod workspace;
 

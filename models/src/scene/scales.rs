@@ -3,7 +3,7 @@
 use super::members::SceneGear;
 use crate::gear::Magnitudes;
 use crate::kinematics::Hub;
-use crate::spec::{Body, GearSpec, MeshSpec, Mount, SceneSpec, effective_radius};
+use crate::spec::{self, Body, GearSpec, MeshSpec, SceneSpec, effective_radius};
 
 /// Typical deflection, speed and time of the meshes of a scene.
 #[derive(Clone, Copy, Debug)]
@@ -66,11 +66,7 @@ impl Scales {
 
 /// Speed of a hub at the start: a prescribed motion says itself how fast its gear moves.
 pub(super) fn initial_speed(g: &GearSpec) -> f64 {
-    match &g.mount {
-        Mount::Driven(p) => p.value(0.0),
-        Mount::Fixed => 0.0,
-        Mount::Revolute | Mount::Prismatic => g.speed,
-    }
+    spec::initial_speed(&g.mount, g.speed)
 }
 
 /// Mass along the line of action that a hub stands for [kg]; infinite when it is held.
