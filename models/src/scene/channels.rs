@@ -64,7 +64,7 @@ pub enum Channel {
     Mesh(usize, OfMesh),
     /// Of a gear, or behind them of a body on a shaft.
     Gear(usize, OfGear),
-    /// Torque in a shaft between two stations, counted shaft by shaft, positive where the far one is turned ahead [N m].
+    /// Torque that a station exerts on the next one through their shaft, counted shaft by shaft [N m].
     ShaftTorque(usize),
 }
 

@@ -28,10 +28,11 @@ impl Scales {
         let sides = mesh.gears.map(|i| (&spec.gears[i], &gears[i]));
         let mass = reduced_mass(sides.map(|(s, g)| hub_mass(s, g.model.hub())));
         let own = reduced_mass(sides.map(|(_, g)| g.model.hub().contact_mass));
-        let along = sides.map(|(s, _)| {
+        let along = mesh.gears.map(|i| {
+            let s = &spec.gears[i];
             let speed = initial_speed(s);
-            let force =
-                s.loads.iter().map(|l| l.greatest(0.0)).sum::<f64>() / effective_radius(&s.body);
+            let load: f64 = spec.loads_at(i).map(|l| l.greatest(0.0)).sum();
+            let force = load / effective_radius(&s.body);
             (speed * effective_radius(&s.body), force)
         });
         let fastest = along[0].0.abs().max(along[1].0.abs());

@@ -138,6 +138,22 @@ impl SceneSpec {
         self.shafts.iter().flat_map(ShaftSpec::bodies)
     }
 
+    /// Loads on the hub of a gear, and on the bodies of its shaft.
+    pub fn loads_at(&self, gear: usize) -> impl Iterator<Item = &Load> {
+        let carries = move |s: &&ShaftSpec| {
+            let stations = s.stations.iter();
+            let mut gears = stations.map(|s| matches!(s.carries, Carried::Gear(i) if i == gear));
+            gears.any(|own| own)
+        };
+        let bodies = self
+            .shafts
+            .iter()
+            .filter(carries)
+            .flat_map(ShaftSpec::bodies);
+        let own = self.gears.get(gear).into_iter().flat_map(|g| &g.loads);
+        own.chain(bodies.flat_map(|b| &b.loads))
+    }
+
     /// Name of what a shaft carries at a station.
     pub fn station_name<'a>(&'a self, station: &'a Station) -> &'a str {
         match &station.carries {

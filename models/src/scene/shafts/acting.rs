@@ -239,11 +239,10 @@ impl Scene {
         }
     }
 
-    /// Torques between stations, positive where what stands behind is turned ahead of what stands before [N m].
+    /// Torques that stations exert on the next through the shaft [N m].
     pub(in crate::scene) fn fill_shaft_torques(&self, channels: &mut [f64]) {
         for (channel, link) in channels.iter_mut().zip(&self.shafts.torques) {
-            // A row counts the turn of the far end positive, which the link turns back.
-            *channel = link.map_or(0.0, |i| -self.work.shafts.acting[i]);
+            *channel = link.map_or(0.0, |i| self.work.shafts.acting[i]);
         }
     }
 

@@ -60,7 +60,7 @@ fn a_cantilever_bends_exactly() {
             stations,
             vec![bar(length, D, m, n)],
         )]);
-        let mut scene = built(&spec, &[], &contact(1e9));
+        let mut scene = build(&spec, &[], &contact(1e9));
         let s = scene.initial();
         let tip = scene.gears()[1].range().start;
         // Own turn first, then x, y, z and tilts.
@@ -162,7 +162,7 @@ fn a_free_beam_has_timoshenkos_frequencies() {
     assert!(bending[0] < slender && bending[0] > 0.98 * slender);
     let mut errors = Vec::new();
     for n in [8, 16, 32] {
-        let f = frequencies(&mut built(&free_beam(length, n), &[], &contact(1e9)));
+        let f = frequencies(&mut build(&free_beam(length, n), &[], &contact(1e9)));
         assert!(f[5] < 1e-3 * f[6], "{f:?}");
         println!("{n} elements: {:?} Hz", &f[6..12]);
         assert!((f[6] / f[7] - 1.0).abs() < 1e-9 && (f[8] / f[9] - 1.0).abs() < 1e-9);
@@ -207,7 +207,7 @@ fn a_beam_on_bearings_whirls_at_its_frequency() {
             sideways(length, "right", held.clone(), Bearing::default()),
         ];
         let spec = alone(vec![shaft("beam", stations, vec![bar(length, D, m, n)])]);
-        let f = frequencies(&mut built(&spec, &[], &contact(1e9)));
+        let f = frequencies(&mut build(&spec, &[], &contact(1e9)));
         let first = f.iter().find(|f| **f > 1.0).copied().unwrap_or(0.0);
         errors.push((first / exact - 1.0).abs());
     }
@@ -219,7 +219,7 @@ fn a_beam_on_bearings_whirls_at_its_frequency() {
 /// A free beam in motion keeps momentum, linear and angular, and energy as methods do.
 #[test]
 fn a_free_beam_keeps_momentum_and_energy() {
-    let mut scene = built(&free_beam(0.6, 5), &[], &contact(1e9));
+    let mut scene = build(&free_beam(0.6, 5), &[], &contact(1e9));
     let mut s = scene.initial();
     let mut numbers = Numbers::new(11);
     for g in scene.gears() {
@@ -283,7 +283,7 @@ fn corrections_of_beams_invert_tangents() {
         stations,
         vec![bar(0.6, D, Material::STEEL, 4)],
     )]);
-    let mut scene = built(&spec, &[], &contact(1e9));
+    let mut scene = build(&spec, &[], &contact(1e9));
     let s = scene.initial();
     for k in [0.0, 1e-12, 1e-8] {
         let c = Coeffs { m: 1.0, d: 0.0, k };

@@ -7,7 +7,7 @@ mod torsion;
 use gearbench_integrators::{Coeffs, SecondOrderSystem, State};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    BodySpec, Carried, ContactSpec, ModelSpec, SceneSpec, Section, SectionKind, ShaftSpec, Station,
+    BodySpec, Carried, SceneSpec, Section, SectionKind, ShaftSpec, Station,
 };
 use gearbench_models::stiffness::Material;
 use gearbench_tests::*;
@@ -67,10 +67,6 @@ pub fn alone(shafts: Vec<ShaftSpec>) -> SceneSpec {
         meshes: vec![],
         shafts,
     }
-}
-
-pub fn built(spec: &SceneSpec, models: &[ModelSpec], contact: &ContactSpec) -> Scene {
-    build(spec, models, contact)
 }
 
 /// A matrix of a scene, column by column.

@@ -31,14 +31,14 @@ fn a_rigid_shaft_is_one_body() {
             continue;
         }
         let both = [subject.spec.clone(), subject.spec.clone()];
-        let mut one = built(&with_flywheel(false), &both, &subject.contact);
-        let mut two = built(&with_flywheel(true), &both, &subject.contact);
+        let mut one = build(&with_flywheel(false), &both, &subject.contact);
+        let mut two = build(&with_flywheel(true), &both, &subject.contact);
         let wheel = one.gears()[1].range().start;
         let flywheel = two.gears()[2].range().start;
         for method in methods_of(&mut two) {
             let id = method.info.id;
             let resolution = resolution(method.info, 1e-7, 1e-8);
-            let a = run(&mut one, id, resolution.clone(), time).unwrap(id);
+            let a = run(&mut one, id, resolution, time).unwrap(id);
             let b = run(&mut two, id, resolution, time).unwrap(id);
             let off = (a.state.v[wheel] - b.state.v[wheel]).abs() / a.state.v[wheel].abs();
             let apart = (b.state.v[flywheel] - b.state.v[0]).abs();
@@ -68,10 +68,8 @@ fn rigid_gears_on_a_rigid_shaft_differ_by_rounding() {
         };
         let both = [rigid(), rigid()];
         let ends = [false, true].map(|on_shaft| {
-            let mut scene = built(&with_flywheel(on_shaft), &both, &contact(1.5e10));
-            run(&mut scene, id, resolution.clone(), 3e-4)
-                .unwrap(id)
-                .state
+            let mut scene = build(&with_flywheel(on_shaft), &both, &contact(1.5e10));
+            run(&mut scene, id, resolution, 3e-4).unwrap(id).state
         });
         let off = (ends[0].v[1] / ends[1].v[1] - 1.0).abs();
         let apart = (ends[1].v[2] - ends[1].v[0]).abs() / ends[1].v[0].abs();
@@ -109,7 +107,7 @@ pub fn two_stages() -> SceneSpec {
 fn a_compound_train_passes_its_torque() {
     use gearbench_integrators::{EquilibriumOptions, equilibrium};
     for model in [rigid(), movable(5e8, 2e-3, 0.0)] {
-        let mut scene = built(&two_stages(), &vec![model.clone(); 4], &contact(2e10));
+        let mut scene = build(&two_stages(), &vec![model.clone(); 4], &contact(2e10));
         let mut s = scene.initial();
         equilibrium(&mut scene, &mut s, &EquilibriumOptions::default()).unwrap();
         let torque = channel(&mut scene, &s, "shaft_torque:0");
@@ -128,7 +126,7 @@ fn corrections_with_rigid_shafts_invert_tangents() {
         let both = [subject.spec.clone(), subject.spec.clone()];
         let mut spec = with_flywheel(true);
         spec.meshes[0].start = start(Side::Left, -1e-6);
-        let mut scene = built(&spec, &both, &subject.contact);
+        let mut scene = build(&spec, &both, &subject.contact);
         let mut s = scene.initial();
         scene.begin(&mut s, false);
         for (d, k) in [(0.0, 1e-13), (1e-6, 1e-12), (1e-4, 1e-9)] {
