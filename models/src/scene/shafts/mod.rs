@@ -18,7 +18,8 @@
 //! | module | owns |
 //! |---|---|
 //! | `beam` | elements as modes of deformation |
-//! | `plan` | shafts as nodes and elements; refusals |
+//! | `plan` | shafts as nodes and elements |
+//! | `together` | what members of a shaft have in common; refusals |
 //! | `links` | links from elements, their forces, energies and damping |
 //! | `acting` | links in a scene: forces, tangents, corrections, what is reported |
 
@@ -26,6 +27,7 @@ mod acting;
 mod beam;
 mod links;
 mod plan;
+mod together;
 
 pub(super) use acting::ShaftWork;
 pub(super) use links::Shafts;

@@ -5,6 +5,7 @@
 //! sections; all of these are rigid bodies on hubs of their own.
 
 use super::beam::{self, Lump, Mode};
+use super::together::{axis_of, check_names, gears_of, rigid_mount, share_mount};
 use crate::Vec3;
 use crate::error::BuildError;
 use crate::gear::rigid::{self, Rigid};
@@ -12,15 +13,13 @@ use crate::kinematics::Hub;
 use crate::scene::hubs::{Across, lateral_of, round_tensor};
 use crate::scene::members::SceneGear;
 use crate::spec::{
-    Body, BodySpec, Carried, Freedom, GearSpec, LateralSpec, Load, Mount, SceneSpec, Section,
-    ShaftDamping, ShaftSpec, UPRIGHT, effective_radius, initial_speed,
+    BodySpec, Carried, Freedom, GearSpec, LateralSpec, Load, SceneSpec, Section, ShaftDamping,
+    ShaftSpec, effective_radius, initial_speed,
 };
 use std::borrow::Cow;
 
 /// Share of the length of a shaft within which two places are one.
 const SAME: f64 = 1e-9;
-/// How far gears of a shaft may stand off its axis [m], and the sine between axes.
-const OFF_AXIS: f64 = 1e-6;
 
 /// An element between two members.
 #[derive(Clone, Debug)]
@@ -152,82 +151,6 @@ impl Plan {
     }
 }
 
-fn check_names(spec: &SceneSpec) -> Result<(), BuildError> {
-    let mut seen: Vec<&str> = spec.gears.iter().map(|g| g.name.as_str()).collect();
-    let mut carried = vec![None; spec.gears.len()];
-    for (k, shaft) in spec.shafts.iter().enumerate() {
-        if spec.shafts[..k].iter().any(|s| s.name == shaft.name) {
-            return Err(shaft.refuse(("there is another shaft of this name", "rename one")));
-        }
-        for station in &shaft.stations {
-            match &station.carries {
-                Carried::Body(body) if seen.contains(&body.name.as_str()) => {
-                    return Err(shaft.refuse((
-                        format!(
-                            "the name `{}` is taken by a gear or another body",
-                            body.name
-                        ),
-                        "rename one",
-                    )));
-                }
-                Carried::Body(body) => seen.push(&body.name),
-                Carried::Gear(i) => {
-                    let Some(other) = carried.get_mut(*i) else {
-                        return Err(shaft.refuse(format!("there is no gear number {i}")));
-                    };
-                    let name = &spec.gears[*i].name;
-                    if let Some(other) = other.replace(&shaft.name) {
-                        return Err(shaft.refuse((
-                            format!("the gear `{name}` stands on the shaft `{other}` already"),
-                            "a gear stands on one shaft, once",
-                        )));
-                    }
-                    if matches!(spec.gears[*i].body, Body::Rack(_)) {
-                        return Err(shaft.refuse((
-                            format!("`{name}` is a rack, which slides"),
-                            "put gears on the shaft",
-                        )));
-                    }
-                }
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Gears of a shaft with their places.
-fn gears_of<'a>(
-    spec: &'a SceneSpec,
-    shaft: &'a ShaftSpec,
-) -> impl Iterator<Item = (&'a GearSpec, f64)> {
-    shaft.stations.iter().filter_map(|s| match s.carries {
-        Carried::Gear(i) => Some((&spec.gears[i], s.place)),
-        Carried::Body(_) => None,
-    })
-}
-
-/// Axes of a shaft, a point on it, and the place of that point: those of its first gear.
-fn axis_of(spec: &SceneSpec, shaft: &ShaftSpec) -> Result<([Vec3; 3], Vec3, f64), BuildError> {
-    let Some((first, place)) = gears_of(spec, shaft).next() else {
-        return Ok((UPRIGHT, Vec3::zeros(), 0.0));
-    };
-    let (axes, point) = (first.axes, Vec3::from(first.position));
-    for (gear, _) in gears_of(spec, shaft).skip(1) {
-        let off = (Vec3::from(gear.position) - point).cross(&axes[2]).norm();
-        let tilted = gear.axes[2].cross(&axes[2]).norm();
-        if off > OFF_AXIS || tilted > OFF_AXIS || gear.axes[2].dot(&axes[2]) < 0.0 {
-            return Err(shaft.refuse((
-                format!(
-                    "`{}` does not stand on the axis of `{}`: it is {off:.3e} m off it, and tilted by {tilted:.3e} rad",
-                    gear.name, first.name
-                ),
-                "give both the same position_m across the axis, and the same axis",
-            )));
-        }
-    }
-    Ok((axes, point, place))
-}
-
 /// The nodes of a shaft in order.
 fn nodes(shaft: &ShaftSpec, named: &mut usize, unnamed: &mut usize) -> Vec<Node> {
     let mut places: Vec<(f64, Option<usize>)> = (shaft.stations.iter().enumerate())
@@ -304,69 +227,6 @@ fn shaft_speed(spec: &SceneSpec, shaft: &ShaftSpec) -> f64 {
         Carried::Body(body) => initial_speed(&body.mount, body.speed),
     });
     speeds.into_iter().find(|s| *s != 0.0).unwrap_or(0.0)
-}
-
-fn mounts<'a>(
-    spec: &'a SceneSpec,
-    shaft: &'a ShaftSpec,
-) -> impl Iterator<Item = (&'a str, &'a Mount, f64)> {
-    shaft.stations.iter().map(|s| match &s.carries {
-        Carried::Gear(i) => {
-            let g = &spec.gears[*i];
-            (g.name.as_str(), &g.mount, g.speed)
-        }
-        Carried::Body(b) => (b.name.as_str(), &b.mount, b.speed),
-    })
-}
-
-/// The mount that holds or drives a rigid shaft as a whole.
-fn rigid_mount(spec: &SceneSpec, shaft: &ShaftSpec) -> Option<Mount> {
-    if !shaft.sections.is_empty() {
-        return None;
-    }
-    let held = |m: &&Mount| matches!(m, Mount::Fixed | Mount::Driven(_));
-    mounts(spec, shaft).map(|m| m.1).find(held).cloned()
-}
-
-/// All that a rigid shaft carries turns alike, however one of them is held or driven.
-fn share_mount(with: &mut SceneSpec, shaft: &ShaftSpec) -> Result<(), BuildError> {
-    if !shaft.sections.is_empty() {
-        return Ok(());
-    }
-    let mut speed: Option<(&str, f64)> = None;
-    for (name, mount, own) in mounts(with, shaft) {
-        match (mount, speed) {
-            (Mount::Revolute, Some((other, speed))) if speed != own => {
-                return Err(shaft.refuse((
-                    format!(
-                        "it is rigid, but `{other}` starts at {speed} rad/s and `{name}` at {own} rad/s"
-                    ),
-                    "give both the same speed",
-                )));
-            }
-            (Mount::Revolute, None) => speed = Some((name, own)),
-            _ => {}
-        }
-    }
-    let Some(shared) = rigid_mount(with, shaft) else {
-        return Ok(());
-    };
-    if let Some((name, ..)) = mounts(with, shaft)
-        .find(|(_, mount, _)| !matches!(mount, Mount::Revolute) && **mount != shared)
-    {
-        return Err(shaft.refuse((
-            format!(
-                "it is rigid, but `{name}` is held or driven otherwise than what stands before it"
-            ),
-            "hold or drive one of them, or give the sections of an elastic shaft",
-        )));
-    }
-    for station in &shaft.stations {
-        if let Carried::Gear(i) = station.carries {
-            with.gears[i].mount = shared.clone();
-        }
-    }
-    Ok(())
 }
 
 /// A gear with what the shaft adds at its place.

@@ -1,13 +1,14 @@
 //! Shafts: exact frequencies and deflections, what all methods keep, rigid shafts against bodies of one piece.
 
 mod beams;
+mod frequencies;
 mod rigid;
 mod torsion;
 
 use gearbench_integrators::{Coeffs, SecondOrderSystem, State};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    BodySpec, Carried, SceneSpec, Section, SectionKind, ShaftSpec, Station,
+    BodySpec, Carried, Modelling, SceneSpec, Section, SectionKind, ShaftSpec, Station,
 };
 use gearbench_models::stiffness::Material;
 use gearbench_tests::*;
@@ -67,6 +68,16 @@ pub fn alone(shafts: Vec<ShaftSpec>) -> SceneSpec {
         meshes: vec![],
         shafts,
     }
+}
+
+/// A scene with one model for all its gears.
+pub fn of_subject(spec: &SceneSpec, subject: &Subject) -> Scene {
+    let modelling = Modelling {
+        gears: vec![subject.spec.clone(); spec.gears.len()],
+        contacts: vec![subject.contact.clone(); spec.meshes.len()],
+    };
+    Scene::build(spec, &modelling, gearbench::models::models())
+        .unwrap_or_else(|e| panic!("{}: {e}", subject.name))
 }
 
 /// A matrix of a scene, column by column.

@@ -9,7 +9,7 @@ const FLYWHEEL: f64 = 2e-3;
 
 /// The impact of case A with a flywheel on the pinion: on a rigid shaft, or added to its hub.
 fn with_flywheel(on_shaft: bool) -> SceneSpec {
-    let mut spec = case_a(1e-6);
+    let mut spec = case_of_body(1e-6);
     if on_shaft {
         let mut flywheel = body(0.1, "flywheel", FLYWHEEL);
         if let Carried::Body(b) = &mut flywheel.carries {
@@ -30,9 +30,8 @@ fn a_rigid_shaft_is_one_body() {
         if ["fe", "elastic-web"].contains(&subject.model.id) {
             continue;
         }
-        let both = [subject.spec.clone(), subject.spec.clone()];
-        let mut one = build(&with_flywheel(false), &both, &subject.contact);
-        let mut two = build(&with_flywheel(true), &both, &subject.contact);
+        let mut one = of_subject(&with_flywheel(false), &subject);
+        let mut two = of_subject(&with_flywheel(true), &subject);
         let wheel = one.gears()[1].range().start;
         let flywheel = two.gears()[2].range().start;
         for method in methods_of(&mut two) {
@@ -46,7 +45,9 @@ fn a_rigid_shaft_is_one_body() {
                 "{} {id}: wheel {off:.1e} off, shaft {apart:.1e} rad/s",
                 subject.name
             );
-            assert!(off < 2e-3, "{} {id}: {off}", subject.name);
+            // Few modes of a free hub stand for one with a flywheel.
+            let bound = if subject.flanks { 5e-2 } else { 2e-3 };
+            assert!(off < bound, "{} {id}: {off}", subject.name);
             assert!(b.ledger.residual_relative().abs() < 1e-2);
         }
     }
@@ -123,10 +124,9 @@ fn a_compound_train_passes_its_torque() {
 #[test]
 fn corrections_with_rigid_shafts_invert_tangents() {
     for subject in subjects() {
-        let both = [subject.spec.clone(), subject.spec.clone()];
         let mut spec = with_flywheel(true);
         spec.meshes[0].start = start(Side::Left, -1e-6);
-        let mut scene = build(&spec, &both, &subject.contact);
+        let mut scene = of_subject(&spec, &subject);
         let mut s = scene.initial();
         scene.begin(&mut s, false);
         for (d, k) in [(0.0, 1e-13), (1e-6, 1e-12), (1e-4, 1e-9)] {
