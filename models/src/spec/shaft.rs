@@ -138,6 +138,12 @@ impl ShaftSpec {
                 return Err(self.refuse((format!("section {}: {}", i + 1, why.0), why.1)));
             }
         }
+        if !length.is_finite() {
+            return Err(self.refuse((
+                "its sections are longer than any number",
+                "give lengths in metres",
+            )));
+        }
         let damping = match self.damping {
             ShaftDamping::None => 0.0,
             ShaftDamping::Time(x) | ShaftDamping::Ratio(x) => x,

@@ -2,7 +2,9 @@
 
 use crate::Vec3;
 use crate::error::BuildError;
-use crate::spec::{Body, Carried, GearSpec, Mount, SceneSpec, ShaftSpec, UPRIGHT};
+use crate::spec::{
+    Body, Carried, Freedom, GearSpec, LateralSpec, Mount, SceneSpec, ShaftSpec, UPRIGHT,
+};
 
 /// How far gears of a shaft may stand off its axis [m], and the sine between axes.
 const OFF_AXIS: f64 = 1e-6;
@@ -112,6 +114,21 @@ pub(super) fn rigid_mount(spec: &SceneSpec, shaft: &ShaftSpec) -> Option<Mount> 
 pub(super) fn share_mount(with: &mut SceneSpec, shaft: &ShaftSpec) -> Result<(), BuildError> {
     if !shaft.sections.is_empty() {
         return Ok(());
+    }
+    let moved = |l: &Option<Box<LateralSpec>>| {
+        let directions = l.iter().flat_map(|l| &l.directions);
+        directions
+            .into_iter()
+            .any(|d| matches!(d, Freedom::Driven(_)))
+    };
+    let driven = gears_of(with, shaft).find(|(g, _)| moved(&g.lateral));
+    let driven = driven.map(|(g, _)| g.name.as_str());
+    let body = shaft.bodies().find(|b| moved(&b.lateral));
+    if let Some(name) = driven.or(body.map(|b| b.name.as_str())) {
+        return Err(shaft.refuse((
+            format!("it is rigid, but a direction of `{name}` is driven"),
+            "give the sections of an elastic shaft, or hold the direction",
+        )));
     }
     let mut speed: Option<(&str, f64)> = None;
     for (name, mount, own) in mounts(with, shaft) {

@@ -3,7 +3,7 @@
 use super::*;
 use gearbench_integrators::{Events, Resolution};
 use gearbench_models::geometry::Side;
-use gearbench_models::spec::{GearSpec, Load, Mount, Profile};
+use gearbench_models::spec::{Freedom, GearSpec, Load, Mount, Profile};
 
 const FLYWHEEL: f64 = 2e-3;
 
@@ -195,5 +195,16 @@ fn shafts_that_cannot_be_are_refused() {
             vec![coupling(0.2, -1.0)],
         ),
         &["section 1", "is not positive"],
+    );
+    let mut pushed = body(0.2, "b", 1.0);
+    if let Carried::Body(b) = &mut pushed.carries {
+        b.speed = 20.0;
+        let mut lateral = Box::new(gearbench_models::spec::LateralSpec::default());
+        lateral.directions[0] = Freedom::Driven(Profile::Constant(1e-3));
+        b.lateral = Some(lateral);
+    }
+    refused(
+        &one(vec![on(0.0, 0), pushed], vec![]),
+        &["a direction of `b` is driven", "sections"],
     );
 }
