@@ -110,6 +110,7 @@ impl Problem {
                     path_coordinate: None,
                 },
             }],
+            shafts: vec![],
         };
         let rigid = ModelSpec {
             id: "rigid".into(),

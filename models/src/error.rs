@@ -118,6 +118,11 @@ pub enum Subject {
         /// What of it.
         part: MeshPart,
     },
+    /// A shaft.
+    Shaft {
+        /// Its name.
+        name: String,
+    },
     /// A parameter of a gear model.
     Parameter {
         /// Name of the gear that takes the model, where it is known.
@@ -137,6 +142,7 @@ impl fmt::Display for Subject {
             Subject::Scene => f.write_str("scene"),
             Subject::Gear { name, .. } => write!(f, "gear `{name}`"),
             Subject::Mesh { gears: [a, b], .. } => write!(f, "mesh of `{a}` and `{b}`"),
+            Subject::Shaft { name } => write!(f, "shaft `{name}`"),
             Subject::Parameter {
                 gear, model, key, ..
             } => {
@@ -175,6 +181,12 @@ impl BuildError {
     pub fn mesh(gears: [&str; 2], part: MeshPart, why: impl Into<Reason>) -> Self {
         let gears = gears.map(str::to_owned);
         Self::about(Subject::Mesh { gears, part }, why)
+    }
+
+    /// An error about a shaft.
+    pub fn shaft(name: &str, why: impl Into<Reason>) -> Self {
+        let name = name.into();
+        Self::about(Subject::Shaft { name }, why)
     }
 
     /// An error about a model's parameter.

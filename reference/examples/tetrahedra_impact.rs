@@ -168,6 +168,7 @@ fn run(mesh: &str, points: PointContact, folder: &Path) -> Result<Vec<f64>, Fail
                 path_coordinate: None,
             },
         }],
+        shafts: vec![],
     };
     let modelling = Modelling {
         gears: models(mesh, folder)?,

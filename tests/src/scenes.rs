@@ -76,6 +76,7 @@ pub fn pair_of(a: GearSpec, b: GearSpec, start: Start) -> SceneSpec {
     SceneSpec {
         gears: vec![a, b],
         meshes: vec![mesh([0, 1], start)],
+        shafts: vec![],
     }
 }
 

@@ -41,5 +41,6 @@ pub(crate) mod referenced;
 pub mod run;
 pub mod runner;
 pub(crate) mod settings;
+mod shaft_text;
 pub mod status;
 pub(crate) mod thin;

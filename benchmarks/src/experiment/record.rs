@@ -8,7 +8,7 @@ use gearbench_integrators::system::{Outputs, Report};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::geometry::Side;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
-use gearbench_models::spec::{Body, Modelling, SceneSpec, effective_radius};
+use gearbench_models::spec::{Body, Modelling, SceneSpec, ShaftSpec, effective_radius};
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::histories::Histories;
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
@@ -91,9 +91,33 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
             columns.push(column(Channel::Gear(g, OfGear::Speed)));
         }
     }
+    columns.extend(
+        of_shafts(spec)
+            .filter(|c| matches!(c, Channel::ShaftTorque(_)))
+            .map(column),
+    );
     let mut series = series.finite_prefix();
     series.force = history.pieces.as_ref().map(|p| p.history.clone());
     series
+}
+
+/// Torques between the stations of shafts, then how bodies on them move.
+fn of_shafts(spec: &SceneSpec) -> impl Iterator<Item = Channel> + '_ {
+    let between = |s: &ShaftSpec| s.stations.len().saturating_sub(1);
+    let torques = spec.shafts.iter().map(between).sum();
+    let first = spec.gears.len();
+    let bodies = spec.bodies().enumerate().flat_map(move |(i, body)| {
+        let aside: &[OfGear] = match body.lateral {
+            Some(_) => OfGear::aside(),
+            None => &[],
+        };
+        let own = [OfGear::HubSpeed, OfGear::Displacement, OfGear::MountTorque];
+        let bearing = [OfGear::BearingX, OfGear::BearingY, OfGear::BearingZ];
+        let bearing = bearing.into_iter().filter(|_| !aside.is_empty());
+        let all = own.into_iter().chain(bearing).chain(aside.iter().copied());
+        all.map(move |what| Channel::Gear(first + i, what))
+    });
+    (0..torques).map(Channel::ShaftTorque).chain(bodies)
 }
 
 /// Torques of a gear.
@@ -162,6 +186,9 @@ pub fn histories(job: &Job<'_>, scene: &Scene, history: &History) -> Histories {
             (OfGear::aside().iter()).for_each(|what| add(Channel::Gear(g, *what)));
         }
     }
+    of_shafts(spec)
+        .filter(|c| matches!(c, Channel::Gear(..)))
+        .for_each(&mut add);
     if !job.torques {
         let of_hubs = |g| values(Channel::Gear(g, OfGear::Displacement));
         further.extend(further_errors(spec, of_hubs));
@@ -252,6 +279,7 @@ pub fn ledger_record(
     // Without loads a mesh of two free gears keeps L1/r1 - L2/r2 (both counter-clockwise positive) as long as
     // its forces stay on the lines of action.
     let two_free = job.scene.gears.len() == 2
+        && job.scene.shafts.is_empty()
         && job.scene.gears.iter().all(|g| {
             g.loads.is_empty()
                 && g.lateral.is_none()

@@ -1,5 +1,6 @@
 //! What a reader must know of a scene, beside the results of a study.
 
+use super::shaft_text::shaft_text;
 use crate::scene_file::{ModelChoice, SceneFile, formula_limits};
 use gearbench_integrators::Resolution;
 use gearbench_models::spec::{
@@ -23,6 +24,9 @@ pub fn settings(
     );
     for g in &scene.spec.gears {
         row(&format!("gear {}", g.name), gear_text(g));
+    }
+    for s in &scene.spec.shafts {
+        row(&format!("shaft {}", s.name), shaft_text(&scene.spec, s));
     }
     for m in &scene.spec.meshes {
         let [a, b] = m.gears.map(|i| &scene.spec.gears[i]);

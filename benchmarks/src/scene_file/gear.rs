@@ -173,7 +173,7 @@ keys! {
 
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum MaterialChoice {
+pub(super) enum MaterialChoice {
     #[default]
     Steel,
     SteelIso6336,
@@ -316,7 +316,7 @@ fn axis(given: Option<[f64; 3]>, at: &Place<'_>) -> Result<Option<Vec3>, SceneEr
 }
 
 /// An initial speed, which only a free hub has.
-fn initial_speed(
+pub(super) fn initial_speed(
     speed: Option<f64>,
     mount: &Mount,
     key: &str,
@@ -384,7 +384,7 @@ impl RackKeys {
     }
 }
 
-fn material(choice: &MaterialChoice, at: &Place<'_>) -> Result<Material, SceneError> {
+pub(super) fn material(choice: &MaterialChoice, at: &Place<'_>) -> Result<Material, SceneError> {
     let keys = match choice {
         MaterialChoice::Steel => return Ok(Material::STEEL),
         MaterialChoice::SteelIso6336 => return Ok(Material::STEEL_ISO),

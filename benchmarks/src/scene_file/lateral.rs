@@ -17,6 +17,7 @@ use gearbench_models::spec::{Bearing, Freedom, LateralSpec, Load, Profile, SpinT
 use serde::de::{Deserialize, Deserializer, Error};
 
 keys! {
+    #[derive(Default)]
     pub(super) struct BearingKeys {
         /// stiffness along x, y, z in N/m and of tilts about x, y, z in N m/rad, in the axes of the hub, for example [1e8, 1e8, 5e7, 1e5, 1e5, 0.0]
         stiffness: Option<[f64; 6]>,

@@ -51,6 +51,11 @@ impl SceneFile {
                     GearPart::Mount => gear.first(&["bearing", "directions", "mount", "axis"]),
                 }
             }
+            Subject::Shaft { name } => {
+                let index = self.spec.shafts.iter().position(|s| s.name == *name);
+                let shafts = self.document.at("shafts");
+                index.map_or_else(|| model.clone(), |i| shafts.member(i).first(&["name"]))
+            }
             Subject::Mesh { gears, part } => self.place_of_mesh(model, gears, *part),
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! A gear without `position_m` is placed by its first mesh: at `centre_distance_m`, or at the distance that
 //! leaves the normal backlash `backlash_m`, in the direction `direction_deg` from its mate. The first gear
-//! of the first mesh stands at the origin unless it says otherwise.
+//! of the first mesh stands at the origin unless it says otherwise. Gears of one shaft stand on one axis, as far apart as there.
 
 use super::error::SceneError;
 use super::gear::GearDraft;
@@ -11,6 +11,7 @@ use super::lateral::{MisalignmentKeys, misaligned};
 use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Degrees, GearName, Positive};
+use super::shaft::{OnShaft, place_by_shaft};
 use gearbench_models::Vec3;
 use gearbench_models::error::Reason;
 use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, Side};
@@ -47,6 +48,7 @@ keys! {
 pub(super) fn meshes(
     list: &[MeshKeys],
     gears: &mut [GearDraft],
+    shafts: &[OnShaft],
     root: &Place<'_>,
 ) -> Result<Vec<MeshSpec>, SceneError> {
     direct(gears);
@@ -66,6 +68,7 @@ pub(super) fn meshes(
                 "remove one of the two meshes",
             ));
         }
+        place_by_shaft(shafts, gears, &mut placed, pair);
         put(keys, gears, pair, &mut placed, &at)?;
         let built = pair_at(&gears[pair[0]], &gears[pair[1]], &at)?;
         let again = pair.map(|i| std::mem::replace(&mut seen[i], true));

@@ -38,6 +38,7 @@ mod profile;
 pub(crate) mod reading;
 pub mod references;
 mod selection;
+mod shaft;
 pub mod shipped;
 pub mod source;
 mod stiffness;
@@ -94,6 +95,8 @@ keys! {
         gears: InOrder<gear::ToothedKeys>,
         /// tables [[meshes]]
         meshes: Vec<mesh::MeshKeys>,
+        /// tables [[shafts]] of what several gears, or gears and bodies without teeth, stand on
+        shafts: Option<Vec<shaft::ShaftKeys>>,
         /// tables [[models]], the configurations to compare
         models: Vec<model::ModelKeys>,
         /// tables [calibration.NAME.LABEL] of fitted constants, as `gearbench identify` writes them beside the scene
@@ -219,7 +222,10 @@ impl SceneFile {
         if drafts.is_empty() {
             return Err(root.missing("gears", &SceneKeys::TABLE));
         }
-        let meshes = mesh::meshes(&keys.meshes, &mut drafts, &root)?;
+        let shafts = keys.shafts.unwrap_or_default();
+        let shafts = shaft::shafts(shafts, &mut drafts, &root.key("shafts"))?;
+        let on_shafts = shaft::groups(&shafts);
+        let meshes = mesh::meshes(&keys.meshes, &mut drafts, &on_shafts, &root)?;
         let own = Calibration::of(keys.calibration, &root.key("calibration"))?;
         let find = |scene: &str| load::find_calibration(scene, (&name, &own), &origin);
         let context = model::Context {
@@ -251,6 +257,7 @@ impl SceneFile {
         let mut spec = SceneSpec {
             gears: gears.collect(),
             meshes,
+            shafts,
         };
         let misalignments = drafts.iter().map(|draft| draft.misalignment.as_ref());
         mesh::misalign(&mut spec, misalignments, &root.key("gears"))?;

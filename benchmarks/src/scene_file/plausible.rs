@@ -17,6 +17,7 @@ use super::usual::{
 };
 use super::{ModelChoice, SceneFile};
 use gearbench_integrators::{Resolution, Scheme};
+use gearbench_models::Vec3;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Body, ContactSpec, GearSpec, Load, Mount, effective_radius};
 use gearbench_models::stiffness::{Material, PairStiffness};
@@ -220,7 +221,7 @@ fn loads(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(
     Ok(())
 }
 
-/// Gears lie in one plane: those that do not mesh must have room beside each other.
+/// Gears that do not mesh must have room beside each other, across their axes or along them.
 fn overlap(scene: &SceneFile) -> Result<(), SceneError> {
     let gears = &scene.spec.gears;
     let mesh = |a: usize, b: usize| {
@@ -233,7 +234,10 @@ fn overlap(scene: &SceneFile) -> Result<(), SceneError> {
             };
             let [dx, dy] = [0, 1].map(|k| second.position[k] - first.position[k]);
             let (distance, room) = (dx.hypot(dy), ga.r_tip() + gb.r_tip());
-            if distance >= room || mesh(a, b) {
+            let along =
+                (Vec3::from(second.position) - Vec3::from(first.position)).dot(&first.axes[2]);
+            let apart = along.abs() >= 0.5 * (ga.face_width() + gb.face_width());
+            if distance >= room || apart || mesh(a, b) {
                 continue;
             }
             let root = scene.document.at("");

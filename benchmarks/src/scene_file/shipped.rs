@@ -40,6 +40,7 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("misaligned"),
     shipped!("backlash_parametric"),
     shipped!("backlash_forced"),
+    shipped!("driveline"),
 ];
 
 /// A shipped scene by name.

@@ -2,6 +2,7 @@
 
 use super::linear_path::OneSpring;
 use super::members::{SceneGear, SceneMesh};
+use super::shafts::Shafts;
 use super::workspace::Workspace;
 use crate::gear::{FreeFlight, Magnitudes};
 use crate::spec::{Mount, Profile};
@@ -11,6 +12,7 @@ use gearbench_integrators::system::State;
 pub struct Scene {
     pub(super) gears: Vec<SceneGear>,
     pub(super) meshes: Vec<SceneMesh>,
+    pub(super) shafts: Shafts,
     pub(super) channels: Vec<String>,
     pub(super) magnitudes: Magnitudes,
     pub(super) characteristic_time: f64,
@@ -49,7 +51,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The gears.
+    /// The gears, and behind them the bodies of shafts.
     pub fn gears(&self) -> &[SceneGear] {
         &self.gears
     }

@@ -12,6 +12,7 @@ use super::mesh_assembly::{friction_of, lines_of_action};
 use super::nodal::{Nodal, islands};
 use super::placement::{assemble, check_start, views};
 use super::scales::{Scales, initial_speed};
+use super::shafts::{Carrier, Plan, Shafts};
 use super::workspace::Workspace;
 use crate::contact::Search;
 use crate::contact::pairs::{LinesOfAction, Roster};
@@ -52,6 +53,8 @@ impl Scene {
                 modelling.contacts.len()
             )));
         }
+        let (with_shafts, plan) = Plan::of(spec)?;
+        let spec = with_shafts.as_ref();
         let layouts = spec
             .meshes
             .iter()
@@ -111,20 +114,10 @@ impl Scene {
                 speed: initial_speed(g),
                 parameters: &model.parameters,
             };
-            gears.push(SceneGear {
-                name: g.name.clone(),
-                id: model.id.clone(),
-                model: row.build(&context).map_err(|e| e.of_gear(&g.name))?,
-                loads: g.loads.clone(),
-                offset: 0,
-                n: 0,
-                discrete: (0, 0),
-                internal: true,
-                follows: Follows::Several,
-                places: 0,
-                constant_load: None,
-            });
+            let built = row.build(&context).map_err(|e| e.of_gear(&g.name))?;
+            gears.push(SceneGear::new(&g.name, &model.id, built, &g.loads));
         }
+        gears.extend(plan.bodies.iter().map(Carrier::member));
 
         let mut meshes = Vec::new();
         let mut seen = vec![0u8; spec.gears.len()];
@@ -235,7 +228,7 @@ impl Scene {
             });
         }
         refuse_two_laws(spec, &gears, &meshes)?;
-        Ok(Self::lay_out(spec, gears, meshes, &scales, phases))
+        Ok(Self::lay_out(spec, gears, meshes, (&scales, &plan), phases))
     }
 
     /// Offsets, initial state, buffers.
@@ -243,7 +236,7 @@ impl Scene {
         spec: &SceneSpec,
         mut gears: Vec<SceneGear>,
         mut meshes: Vec<SceneMesh>,
-        scales: &Scales,
+        (scales, plan): (&Scales, &Plan),
         phases: Vec<f64>,
     ) -> Scene {
         let (mut n, mut discrete, mut event_functions) = (0, 1, 0);
@@ -279,10 +272,12 @@ impl Scene {
             v: vec![0.0; n],
             discrete: vec![0.0; discrete],
         };
-        for (g, s) in gears.iter_mut().zip(&spec.gears) {
+        let speeds = spec.gears.iter().map(initial_speed);
+        let speeds = speeds.chain(plan.bodies.iter().map(|b| b.speed));
+        for (g, speed) in gears.iter_mut().zip(speeds) {
             let range = g.range();
             g.model.initialise(
-                initial_speed(s),
+                speed,
                 &mut initial.q[range.clone()],
                 &mut initial.v[range],
                 &mut initial.discrete[g.discrete.0..][..g.discrete.1],
@@ -299,8 +294,8 @@ impl Scene {
             .iter()
             .map(|g| g.model.hub().characteristic_time)
             .fold(scales.characteristic_time, f64::min);
-        let channels = channels::names(meshes.len(), gears.iter().map(|g| g.name.as_str()));
-        let one_spring = OneSpring::of(&gears, &meshes);
+        let channels = channels::names(&meshes, &gears, plan.spans);
+        let one_spring = OneSpring::of(&gears, &meshes).filter(|_| plan.elements.is_empty());
         let rosters = meshes.iter().map(|_| Roster::default()).collect();
         let fields = meshes.iter().any(|m| m.nodal);
         let nodal = Nodal::new(&gears, &meshes);
@@ -320,7 +315,6 @@ impl Scene {
                 .and_then(LinearMotion::oscillators)
                 .is_some()
         };
-        let oscillators = gears.iter().all(linear);
         let one_mass = |i: &usize| {
             let model = &gears[*i].model;
             model.displacement().is_some() || (model.teeth().is_none() && model.flanks().is_none())
@@ -335,23 +329,26 @@ impl Scene {
         let sticks = |m: &SceneMesh| m.friction.as_ref().is_some_and(|f| f.law.sticks());
         let remembers = meshes.iter().any(sticks);
         let cuts_vibration = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
-        Scene {
+        let mut shafts = Shafts::new(plan, &gears, &mass);
+        let mut scene = Scene {
+            oscillators: gears.iter().all(linear),
             gears,
             meshes,
-            oscillators,
+            shafts: Shafts::default(),
             one_spring,
             cuts_vibration,
             flights: Vec::new(),
             channels,
             magnitudes: scales.magnitudes(),
-            characteristic_time,
+            characteristic_time: characteristic_time.min(shafts.characteristic_time),
             n,
             discrete,
             event_functions,
             fields,
             in_space,
             condenses,
-            implicit_dissipation,
+            // What a rigid shaft joins has no mass of its own.
+            implicit_dissipation: implicit_dissipation && shafts.rigid().is_empty(),
             remembers,
             locates,
             tracks,
@@ -368,7 +365,11 @@ impl Scene {
             },
             initial,
             phases,
-        }
+        };
+        shafts.note_masses(&scene.inverse_mass);
+        scene.shafts = shafts;
+        scene.oscillators &= !scene.rigid_shafts_swing();
+        scene
     }
 }
 

@@ -2,6 +2,7 @@
 //! [`Outputs::channels`](gearbench_integrators::Outputs), and in which unit.
 
 use super::assembled::Scene;
+use super::members::{SceneGear, SceneMesh};
 use crate::spec::{Body, SceneSpec};
 
 /// A quantity of a mesh.
@@ -61,8 +62,10 @@ pub enum OfGear {
 pub enum Channel {
     /// Of a mesh.
     Mesh(usize, OfMesh),
-    /// Of a gear.
+    /// Of a gear, or behind them of a body on a shaft.
     Gear(usize, OfGear),
+    /// Torque that a station exerts on the next one through their shaft, counted shaft by shaft [N m].
+    ShaftTorque(usize),
 }
 
 impl OfMesh {
@@ -177,11 +180,19 @@ impl Channel {
                 };
                 format!("{quantity}{of}_{}", what.unit())
             }
+            Channel::ShaftTorque(span) => {
+                let spans = scene.shafts.iter().flat_map(|s| {
+                    let pairs = s.stations.windows(2);
+                    pairs.map(|p| [0, 1].map(|k| scene.station_name(&p[k])))
+                });
+                let [a, b] = spans.into_iter().nth(span).unwrap_or_default();
+                format!("shaft_torque_{a}_{b}_nm")
+            }
             Channel::Gear(g, what) => {
-                let gear = &scene.gears[g];
-                let slides = matches!(gear.body, Body::Rack(_));
+                let body = scene.gears.get(g).map(|gear| &gear.body);
+                let slides = matches!(body, Some(Body::Rack(_)));
                 let unit = what.unit(slides);
-                let name = &gear.name;
+                let name = scene.member_name(g);
                 match what {
                     OfGear::BearingX => format!("bearing_{name}_x_{unit}"),
                     OfGear::BearingY => format!("bearing_{name}_y_{unit}"),
@@ -199,11 +210,14 @@ impl Channel {
     }
 }
 
-/// Names of all channels of a scene, in order: of its meshes by number, then of its gears by name.
-pub(super) fn names<'a>(meshes: usize, gears: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let of_meshes = (0..meshes).flat_map(|m| OfMesh::ALL.map(|c| format!("{}:{m}", c.name())));
-    let of_gears = gears.flat_map(|g| OfGear::ALL.map(|c| format!("{}:{g}", c.name())));
-    of_meshes.chain(of_gears).collect()
+/// Names of all channels of a scene, in order: of its meshes by number, of its gears by name, of its shafts by number.
+pub(super) fn names(meshes: &[SceneMesh], gears: &[SceneGear], torques: usize) -> Vec<String> {
+    let meshes = 0..meshes.len();
+    let of_meshes = meshes.flat_map(|m| OfMesh::ALL.map(|c| format!("{}:{m}", c.name())));
+    let of_gear = |g: &SceneGear| OfGear::ALL.map(|c| format!("{}:{}", c.name(), g.name));
+    let of_shafts = (0..torques).map(|t| format!("shaft_torque:{t}"));
+    let of_gears = gears.iter().flat_map(of_gear);
+    of_meshes.chain(of_gears).chain(of_shafts).collect()
 }
 
 impl Scene {
@@ -214,6 +228,9 @@ impl Scene {
             Channel::Mesh(m, what) => (m < meshes).then_some(OfMesh::ALL.len() * m + what as usize),
             Channel::Gear(g, what) => (g < self.gears.len())
                 .then_some(OfMesh::ALL.len() * meshes + OfGear::ALL.len() * g + what as usize),
+            Channel::ShaftTorque(span) => (span < self.shafts.torques.len()).then_some(
+                OfMesh::ALL.len() * meshes + OfGear::ALL.len() * self.gears.len() + span,
+            ),
         }
     }
 

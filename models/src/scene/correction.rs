@@ -23,23 +23,38 @@ impl Scene {
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular> {
         self.evaluate_contacts(at);
+        if self.shafts.is_empty() {
+            return self.correct_contacts(at, c, false, rhs_to_x);
+        }
+        self.correct_with_shafts(at, c, rhs_to_x)
+    }
+
+    /// The correction with the contacts of the last evaluation; those of tooth pairs with the links of shafts beside them,
+    /// where these are wanted.
+    pub(super) fn correct_contacts(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        links: bool,
+        rhs_to_x: &mut [f64],
+    ) -> Result<(), Singular> {
         let n = self.n;
         self.correct_gears(at, c, rhs_to_x)?;
         if self.fields {
             return self.correct_nodal(at, c, rhs_to_x);
         }
         let m = self.work.active.len();
-        if m == 0 {
+        if m == 0 && !links {
             return Ok(());
         }
-        if self.condenses_now(c) {
+        if !links && self.condenses_now(c) {
             let work = &mut self.work;
             let contacts = (work.active.as_slice(), work.rows.as_slice());
             return (work.condensed).correct(&mut self.gears, contacts, at, c, rhs_to_x);
         }
         self.tangents_of_contacts(at)?;
-        let plain = self.work.tangents[0].plain;
-        if m == 1 && plain && self.meshes[self.work.active[0].mesh].friction.is_none() {
+        let plain = m == 1 && !links && self.work.tangents[0].plain;
+        if plain && self.meshes[self.work.active[0].mesh].friction.is_none() {
             return self.correct_one_contact(at, c, rhs_to_x);
         }
 
@@ -51,6 +66,10 @@ impl Scene {
         for i in 0..m {
             self.terms_of_contact(at, c, i, &mut v, &mut z);
         }
+        let of_contacts = v.len() / n;
+        if links {
+            self.terms_of_shafts(c, &mut v, &mut z);
+        }
         let terms = v.len() / n;
         let mut result = Ok(());
         let mut small = std::mem::take(&mut self.work.small);
@@ -59,7 +78,11 @@ impl Scene {
         rhs.clear();
         for i in 0..terms {
             if result.is_ok() {
-                result = self.correct_gears(at, c, &mut z[i * n..][..n]);
+                let column = &mut z[i * n..][..n];
+                result = match i.checked_sub(of_contacts) {
+                    None => self.correct_gears(at, c, column),
+                    Some(link) => self.correct_of_link(at, c, link, column),
+                };
             }
         }
         let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
@@ -67,7 +90,12 @@ impl Scene {
             let vi = &v[i * n..][..n];
             for j in 0..terms {
                 // A = A0 - U V: the forces enter the residual with the opposite sign of stiffness.
-                let unit = if i == j { 1.0 } else { 0.0 };
+                let own = i.checked_sub(of_contacts);
+                let unit = match own {
+                    _ if i != j => 0.0,
+                    None => 1.0,
+                    Some(link) => self.unit_of_link(link),
+                };
                 small.push(unit - dot(vi, &z[j * n..][..n]));
             }
             rhs.push(dot(vi, rhs_to_x));
@@ -88,7 +116,7 @@ impl Scene {
     }
 
     /// Whether the condensed correction serves the contacts at hand.
-    fn condenses_now(&self, c: Coeffs) -> bool {
+    pub(super) fn condenses_now(&self, c: Coeffs) -> bool {
         self.condenses
             && self.work.active.iter().all(|a| {
                 let candidate = &self.work.candidates[a.candidate];

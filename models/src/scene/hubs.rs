@@ -12,11 +12,7 @@ use std::sync::Arc;
 /// # Errors
 /// The mount is not for this gear, or a number of bearing or body cannot be.
 pub fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
-    let own = g.inertia.unwrap_or_else(|| match &g.body {
-        Body::Gear(gear) => gear.mass_properties(g.material.density).izz,
-        Body::Rack(rack) => rack.mass(g.material.density),
-    });
-    let inertia = own + g.added_inertia;
+    let inertia = own_inertia(g) + g.added_inertia;
     if !(inertia > 0.0 && inertia.is_finite()) {
         return Err(BuildError::gear(
             &g.name,
@@ -55,22 +51,64 @@ pub fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
         ));
     }
     hub.lateral = match &g.lateral {
-        Some(lateral) => lateral_of(g, lateral, &mut hub)?.map(Arc::new),
+        Some(lateral) => {
+            let of = Across {
+                name: &g.name,
+                mount: &g.mount,
+                speed: g.speed,
+                mass: g.body.mass(g.material.density),
+                tensor: round_tensor(g),
+            };
+            lateral_of(&of, lateral, &mut hub)?.map(Arc::new)
+        }
         None => None,
     };
     Ok(hub)
+}
+
+/// Inertia about the axis of a body, without what is added at its hub.
+fn own_inertia(g: &GearSpec) -> f64 {
+    g.inertia.unwrap_or_else(|| match &g.body {
+        Body::Gear(gear) => gear.mass_properties(g.material.density).izz,
+        Body::Rack(rack) => rack.mass(g.material.density),
+    })
+}
+
+/// Inertia tensor of a body with three or more equal sectors, about its hub.
+pub(super) fn round_tensor(g: &GearSpec) -> Matrix3<f64> {
+    let about = own_inertia(g) + g.added_inertia;
+    let added = g.lateral.as_ref().map_or(0.0, |l| l.added_mass);
+    let own = g.lateral.as_ref().and_then(|l| l.mass);
+    let mass = own.unwrap_or_else(|| g.body.mass(g.material.density)) + added;
+    let width = g.body.face_width();
+    let along = match g.body {
+        Body::Gear(_) => about - g.added_inertia,
+        Body::Rack(_) => 0.0,
+    };
+    let across = 0.5 * along + mass * width * width / 12.0;
+    Matrix3::from_diagonal(&Vec3::new(across, across, about))
+}
+
+/// What a body on a hub is that may move sideways.
+pub(super) struct Across<'a> {
+    pub name: &'a str,
+    pub mount: &'a Mount,
+    pub speed: f64,
+    /// Its own mass [kg] and inertia tensor [kg m^2] where none are given.
+    pub mass: f64,
+    pub tensor: Matrix3<f64>,
 }
 
 /// Share of the lowest natural frequency of the tilt from which on the speed of a hub counts.
 const SLOW: f64 = 1e-3;
 
 /// The lateral directions of a hub and its body; `None` where all are held.
-fn lateral_of(
-    g: &GearSpec,
+pub(super) fn lateral_of(
+    g: &Across<'_>,
     lateral: &LateralSpec,
     hub: &mut Hub,
 ) -> Result<Option<Lateral>, BuildError> {
-    let error = |why: Reason| BuildError::gear(&g.name, GearPart::Mount, why);
+    let error = |why: Reason| BuildError::gear(g.name, GearPart::Mount, why);
     let own = hub.moving();
     let mut directions = lateral.directions.clone();
     directions[own] = Freedom::Held;
@@ -141,18 +179,8 @@ fn lateral_of(
                 .into(),
         ));
     }
-    let toothing = g.body.mass(g.material.density);
-    let mass = lateral.mass.unwrap_or(toothing) + lateral.added_mass;
-    let inertia = lateral.inertia.unwrap_or_else(|| {
-        // Of a body with three or more equal sectors, about any line across the axis.
-        let width = g.body.face_width();
-        let along = match g.body {
-            Body::Gear(_) => hub.inertia - g.added_inertia,
-            Body::Rack(_) => 0.0,
-        };
-        let across = 0.5 * along + mass * width * width / 12.0;
-        Matrix3::from_diagonal(&Vec3::new(across, across, hub.inertia))
-    });
+    let mass = lateral.mass.unwrap_or(g.mass) + lateral.added_mass;
+    let inertia = lateral.inertia.unwrap_or(g.tensor);
     if own == 5 {
         if lateral.inertia.is_some() {
             hub.inertia = inertia[(2, 2)];
@@ -163,7 +191,7 @@ fn lateral_of(
     let positive = inertia.symmetric_eigenvalues().iter().all(|x| *x > 0.0);
     if mass <= 0.0 || mass.is_nan() || !positive || inertia != inertia.transpose() {
         return Err(BuildError::gear(
-            &g.name,
+            g.name,
             GearPart::Inertia,
             (
                 format!("mass {mass:.4e} kg and the inertia tensor are not positive"),
@@ -176,7 +204,7 @@ fn lateral_of(
         inertia,
         centre: lateral.centre_of_mass,
     };
-    let fastest = match &g.mount {
+    let fastest = match g.mount {
         Mount::Driven(p) => p.greatest(),
         _ => g.speed.abs(),
     };

@@ -34,6 +34,23 @@ pub struct SceneGear {
 }
 
 impl SceneGear {
+    /// A gear that has not found its place yet.
+    pub(super) fn new(name: &str, id: &str, model: Box<dyn GearModel>, loads: &[Load]) -> Self {
+        SceneGear {
+            name: name.into(),
+            id: id.into(),
+            model,
+            loads: loads.to_vec(),
+            offset: 0,
+            n: 0,
+            discrete: (0, 0),
+            internal: true,
+            follows: Follows::Several,
+            places: 0,
+            constant_load: None,
+        }
+    }
+
     /// The gear's own slice of a state.
     #[inline(always)]
     pub fn at<'a>(&self, at: At<'a>) -> At<'a> {

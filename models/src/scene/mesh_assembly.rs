@@ -238,17 +238,18 @@ pub(super) fn friction_of(
     Some(MeshFriction::new(law, teeth, helix != 0.0, l.face_width))
 }
 
-/// Largest force along the line of action that loads put on a mesh [N]: those on its own gears, else those on any gear
+/// Largest force along the line of action that loads put on a mesh [N]: those on its own gears and their shafts, else those on any gear
 /// of the scene, whose torque a train hands on.
 fn load_of(spec: &SceneSpec, mesh: &MeshSpec) -> f64 {
-    let of = |g: &GearSpec| {
-        let sum: f64 = g.loads.iter().map(|l| l.greatest(initial_speed(g))).sum();
-        sum / effective_radius(&g.body)
+    let of = |i: usize| {
+        let speed = initial_speed(&spec.gears[i]);
+        let sum: f64 = spec.loads_at(i).map(|l| l.greatest(speed)).sum();
+        sum / effective_radius(&spec.gears[i].body)
     };
-    let own = mesh.gears.map(|i| of(&spec.gears[i]));
+    let own = mesh.gears.map(of);
     let own = own[0].max(own[1]);
     if own > 0.0 {
         return own;
     }
-    spec.gears.iter().map(of).fold(0.0, f64::max)
+    (0..spec.gears.len()).map(of).fold(0.0, f64::max)
 }

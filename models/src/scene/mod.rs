@@ -5,6 +5,8 @@
 //! (Woodbury), so a gear brings whatever structure its coordinates have. Where a gear has many coordinates of which
 //! contacts touch few, both are condensed to these.
 //!
+//! Shafts join hubs by links, springs or constraints (`shafts`); bodies without teeth stand behind the gears.
+//!
 //! Contacts of flank points have no event functions: a scene with such a mesh reports none and is never located.
 //!
 //! Discrete state layout: `[located, gears..., meshes...]`; a mesh holds its search's discrete state and then per
@@ -33,6 +35,7 @@ mod nodal_newton;
 mod outputs;
 mod placement;
 mod scales;
+mod shafts;
 mod system;
 mod workspace;
 

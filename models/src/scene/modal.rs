@@ -32,7 +32,9 @@ impl ModalSplit for Scene {
                 linear.add_other_forces(g.at(at), &mut a[g.range()]);
             }
         }
+        self.add_shafts(at, a);
         self.add_contacts(at, a);
+        self.hold_shafts(at, a);
         self.solve_mass(at, a);
     }
 
@@ -47,6 +49,7 @@ impl ModalSplit for Scene {
                 linear.add_other_forces(g.at(at), &mut a[g.range()]);
             }
         }
+        self.add_shafts(at, a);
         self.evaluate_after(at, kick, a);
         self.add_contact_forces(a);
         self.solve_mass(at, a);
@@ -54,6 +57,9 @@ impl ModalSplit for Scene {
 
     fn steady(&mut self, at: At<'_>, a: &mut [f64]) -> f64 {
         a.fill(0.0);
+        if !self.shafts.is_empty() {
+            return at.t;
+        }
         for g in &self.gears {
             let swings_aside = g.model.hub().lateral.is_some() && g.model.displacement().is_some();
             if swings_aside || g.steady_load(at.t).is_none() {

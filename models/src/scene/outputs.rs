@@ -80,6 +80,7 @@ impl Scene {
             c[1] = hub.speed;
             c[2] = hub.displacement;
         }
+        self.add_shaft_books(at, &mut energy, &mut power);
         for (a, rows) in self.work.active.iter().zip(&self.work.rows) {
             let mesh = &self.meshes[a.mesh];
             let c = &self.work.candidates[a.candidate];
@@ -209,7 +210,10 @@ impl Scene {
             }
         }
         self.add_contact_forces(&mut forces);
-        let (of_meshes, of_gears) = channels.split_at_mut(PER_MESH * self.meshes.len());
+        self.evaluate_links(at, &forces);
+        let (of_meshes, others) = channels.split_at_mut(PER_MESH * self.meshes.len());
+        let (of_gears, of_shafts) = others.split_at_mut(PER_GEAR * self.gears.len());
+        self.fill_shaft_torques(of_shafts);
         let of_gears = of_gears.chunks_exact_mut(PER_GEAR);
         for (i, (g, c)) in self.gears.iter().zip(of_gears).enumerate() {
             let mut contact = Wrench {
@@ -224,6 +228,7 @@ impl Scene {
                     }
                 }
             }
+            self.add_links_on(i, &mut forces, &mut contact);
             let r = g
                 .model
                 .mount_reaction(g.at(at), &forces[g.range()], &contact);

@@ -3,7 +3,7 @@
 use super::members::SceneGear;
 use crate::gear::Magnitudes;
 use crate::kinematics::Hub;
-use crate::spec::{Body, GearSpec, MeshSpec, Mount, SceneSpec, effective_radius};
+use crate::spec::{self, Body, GearSpec, MeshSpec, SceneSpec, effective_radius};
 
 /// Typical deflection, speed and time of the meshes of a scene.
 #[derive(Clone, Copy, Debug)]
@@ -28,10 +28,11 @@ impl Scales {
         let sides = mesh.gears.map(|i| (&spec.gears[i], &gears[i]));
         let mass = reduced_mass(sides.map(|(s, g)| hub_mass(s, g.model.hub())));
         let own = reduced_mass(sides.map(|(_, g)| g.model.hub().contact_mass));
-        let along = sides.map(|(s, _)| {
+        let along = mesh.gears.map(|i| {
+            let s = &spec.gears[i];
             let speed = initial_speed(s);
-            let force =
-                s.loads.iter().map(|l| l.greatest(0.0)).sum::<f64>() / effective_radius(&s.body);
+            let load: f64 = spec.loads_at(i).map(|l| l.greatest(0.0)).sum();
+            let force = load / effective_radius(&s.body);
             (speed * effective_radius(&s.body), force)
         });
         let fastest = along[0].0.abs().max(along[1].0.abs());
@@ -66,11 +67,7 @@ impl Scales {
 
 /// Speed of a hub at the start: a prescribed motion says itself how fast its gear moves.
 pub(super) fn initial_speed(g: &GearSpec) -> f64 {
-    match &g.mount {
-        Mount::Driven(p) => p.value(0.0),
-        Mount::Fixed => 0.0,
-        Mount::Revolute | Mount::Prismatic => g.speed,
-    }
+    spec::initial_speed(&g.mount, g.speed)
 }
 
 /// Mass along the line of action that a hub stands for [kg]; infinite when it is held.

@@ -34,6 +34,7 @@ impl SecondOrderSystem for Scene {
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         self.force_without_contact(at, f);
         self.add_contacts(at, f);
+        self.hold_shafts(at, f);
     }
 
     fn force_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, f: &mut [f64]) {
@@ -97,6 +98,7 @@ impl SecondOrderSystem for Scene {
 
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
+        self.add_shaft_tangent([dq, dv], df);
         for g in &mut self.gears {
             let own = g.at(at);
             let range = g.range();
@@ -118,6 +120,7 @@ impl SecondOrderSystem for Scene {
         }
         if self.in_space {
             self.add_contact_differences(at, [dq, dv], df);
+            self.hold_shafts(at, df);
             return;
         }
         self.evaluate_contacts(at);
@@ -153,6 +156,7 @@ impl SecondOrderSystem for Scene {
         if self.fields {
             self.add_nodal_tangent([dq, dv], df);
         }
+        self.hold_shafts(at, df);
     }
 
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
@@ -170,9 +174,10 @@ impl SecondOrderSystem for Scene {
 }
 
 impl Scene {
-    /// Internal forces and loads.
+    /// Internal forces and loads, and what elastic shafts exert.
     fn force_without_contact(&mut self, at: At<'_>, f: &mut [f64]) {
         f.fill(0.0);
+        self.add_shafts(at, f);
         for g in &mut self.gears {
             if g.internal {
                 let own = g.at(at);
@@ -247,7 +252,7 @@ impl Report for Scene {
         let gear = |g: &SceneGear| g.model.hub().has_powers() || !g.loads.is_empty();
         // Elastic contact has a potential.
         let loses = |m: &SceneMesh| m.law.is_dissipative() || m.friction.is_some();
-        self.gears.iter().any(gear) || self.meshes.iter().any(loses)
+        self.gears.iter().any(gear) || self.meshes.iter().any(loses) || self.shafts.damped
     }
 
     fn has_jumps(&self) -> bool {

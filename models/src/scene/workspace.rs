@@ -3,6 +3,7 @@
 use super::active::{Active, Answer, Tangent};
 use super::condensed::Condensed;
 use super::nodal::{Nodal, Reduced};
+use super::shafts::ShaftWork;
 use crate::contact::Candidate;
 use crate::contact::pairs::{Pressed, Roster};
 use crate::kinematics::Row;
@@ -62,6 +63,7 @@ pub(super) struct Workspace {
     /// where that is no part of the first.
     pub rows: Vec<[Row; 4]>,
     pub condensed: Condensed,
+    pub shafts: ShaftWork,
     /// Contacts of gears with fields.
     pub nodal: Nodal,
     /// Their tangent.

@@ -6,6 +6,7 @@ mod model;
 mod mount;
 mod points;
 mod scene;
+mod shaft;
 
 pub use layout::{MeshLayout, effective_radius, layout_axes, mesh_layout, stiffness_curve};
 pub use load::{Load, Profile};
@@ -15,3 +16,5 @@ pub use points::{
     CoarseSearch, LocalContact, MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind,
 };
 pub use scene::{Body, ContactSpec, GearSpec, MeshSpec, SceneSpec, Start};
+pub(crate) use shaft::initial_speed;
+pub use shaft::{BodySpec, Carried, Section, SectionKind, ShaftDamping, ShaftSpec, Station};

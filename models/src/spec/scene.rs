@@ -3,6 +3,7 @@
 use super::load::Load;
 use super::mount::{LateralSpec, Mount};
 use super::points::PointContact;
+use super::shaft::{BodySpec, Carried, ShaftSpec, Station};
 use crate::Vec3;
 use crate::geometry::{Gear, Rack, Side};
 use crate::law::{Damping, Friction};
@@ -127,4 +128,45 @@ pub struct SceneSpec {
     pub gears: Vec<GearSpec>,
     /// Meshes.
     pub meshes: Vec<MeshSpec>,
+    /// Shafts that join gears with each other and with bodies without teeth.
+    pub shafts: Vec<ShaftSpec>,
+}
+
+impl SceneSpec {
+    /// The bodies without teeth, shaft by shaft; in an assembled scene they stand behind the gears.
+    pub fn bodies(&self) -> impl Iterator<Item = &BodySpec> {
+        self.shafts.iter().flat_map(ShaftSpec::bodies)
+    }
+
+    /// Loads on the hub of a gear, and on the bodies of its shaft.
+    pub fn loads_at(&self, gear: usize) -> impl Iterator<Item = &Load> {
+        let carries = move |s: &&ShaftSpec| {
+            let stations = s.stations.iter();
+            let mut gears = stations.map(|s| matches!(s.carries, Carried::Gear(i) if i == gear));
+            gears.any(|own| own)
+        };
+        let bodies = self
+            .shafts
+            .iter()
+            .filter(carries)
+            .flat_map(ShaftSpec::bodies);
+        let own = self.gears.get(gear).into_iter().flat_map(|g| &g.loads);
+        own.chain(bodies.flat_map(|b| &b.loads))
+    }
+
+    /// Name of what a shaft carries at a station.
+    pub fn station_name<'a>(&'a self, station: &'a Station) -> &'a str {
+        match &station.carries {
+            Carried::Gear(i) => &self.gears[*i].name,
+            Carried::Body(body) => &body.name,
+        }
+    }
+
+    /// Name of a gear or, behind them, of a body on a shaft.
+    pub fn member_name(&self, member: usize) -> &str {
+        match self.gears.get(member) {
+            Some(gear) => &gear.name,
+            None => (self.bodies().nth(member - self.gears.len())).map_or("", |b| b.name.as_str()),
+        }
+    }
 }

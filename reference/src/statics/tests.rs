@@ -46,6 +46,7 @@ fn pair(side: Side) -> SceneSpec {
                 path_coordinate: None,
             },
         }],
+        shafts: vec![],
     }
 }
 

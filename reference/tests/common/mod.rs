@@ -34,6 +34,7 @@ pub fn scene(gears: [Gear; 2], material: Material, distance: f64) -> SceneSpec {
                 path_coordinate: None,
             },
         }],
+        shafts: vec![],
     }
 }
 

@@ -18,6 +18,7 @@ mod records;
 mod refusals;
 mod rows;
 mod running;
+mod shafts;
 mod space;
 mod statics;
 mod tangents;

@@ -212,6 +212,7 @@ fn train(torque: f64) -> SceneSpec {
             mesh([0, 1], start(Side::Left, 2e-6)),
             mesh([1, 2], start(Side::Right, 2e-6)),
         ],
+        shafts: vec![],
     }
 }
 

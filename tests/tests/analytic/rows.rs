@@ -250,6 +250,7 @@ fn idler_train() -> SceneSpec {
             mesh([0, 1], start(Side::Left, 3e-6)),
             mesh([1, 2], start(Side::Right, 3e-6)),
         ],
+        shafts: vec![],
     }
 }
 

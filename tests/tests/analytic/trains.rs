@@ -50,7 +50,12 @@ fn train(models: [ModelSpec; 3], mounts: [Mount; 3], torques: [f64; 2], side: Si
         mesh([0, 1], start(Side::Left, -1e-7)),
         mesh([1, 2], start(side, -1e-7)),
     ];
-    build(&SceneSpec { gears, meshes }, &models, &contact(2e10))
+    let spec = SceneSpec {
+        gears,
+        meshes,
+        shafts: vec![],
+    };
+    build(&spec, &models, &contact(2e10))
 }
 
 #[test]
@@ -99,6 +104,7 @@ fn a_train_carries_its_load_in_motion() {
     let spec = SceneSpec {
         gears: vec![first, idler, last],
         meshes,
+        shafts: vec![],
     };
     let damping = Damping::KelvinVoigtRatio { ratio: 0.15 };
     let contact = ContactSpec {

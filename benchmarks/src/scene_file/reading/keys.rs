@@ -3,7 +3,7 @@
 use super::super::SceneKeys;
 use super::super::{
     calibrated, contact, contact_points, deviations, gear, lateral, mesh, model, profile,
-    references, stiffness, study_plan,
+    references, shaft, stiffness, study_plan,
 };
 use crate::studies::{check, precision, stability, sweep};
 
@@ -39,6 +39,9 @@ pub(in super::super) fn tables() -> impl Iterator<Item = &'static Table> {
         &gear::MaterialKeys::TABLE,
         &mesh::MeshKeys::TABLE,
         &mesh::StartKeys::TABLE,
+        &shaft::ShaftKeys::TABLE,
+        &shaft::StationKeys::TABLE,
+        &shaft::SectionKeys::TABLE,
         &model::ModelKeys::TABLE,
         &model::OfGearKeys::TABLE,
         &references::ReferenceKeys::TABLE,

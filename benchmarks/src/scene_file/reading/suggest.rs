@@ -43,10 +43,8 @@ const NOT_DONE: &[(&[&str], &str)] = &[
         &["internal", "ring", "planet", "carrier", "sun", "annulus"],
         "there are no internal gears and no planetary stages",
     ),
-    (
-        &["shaft", "housing", "support"],
-        "each gear has a shaft of its own",
-    ),
+    (&["shaft"], "what turns together stands in `[[shafts]]`"),
+    (&["housing", "support"], "housings are not modelled"),
     (
         &["helix_dev", "helix_slope", "lead_dev", "lead_slope"],
         "no deviations of the helix",

@@ -54,6 +54,11 @@ fn bearings_and_axes() {
 }
 
 #[test]
+fn shafts() {
+    refused(BASE, SHAFTS);
+}
+
+#[test]
 fn what_cannot_be() {
     refused(BASE, IMPOSSIBLE);
 }
@@ -306,7 +311,7 @@ const IMPOSSIBLE: &str = r##"
 
 const NOT_DONE: &str = r##"
 10: teeth = 20 => teeth = 20\nshaft_diameter_m = 0.03
-    unknown key `shaft_diameter_m` | each gear has a shaft of its own | docs/limits.md
+    unknown key `shaft_diameter_m` | what turns together stands in `[[shafts]]` | docs/limits.md
 10: teeth = 20 => teeth = 20\ninternal = true
     there are no internal gears | docs/limits.md
 10: teeth = 20 => teeth = 20\nhelix_slope_m = 1e-5
@@ -336,4 +341,33 @@ const LATERAL: &str = r#"
     [x, y] or [x, y, z]
     22: mount = "revolute" => position_m = [0.1001, 0.0, 0.05] && speed_rad_s = 20.0 => position_m = [0.0, 0.0] && centre_distance_m = 0.1001\n =>
     the face widths do not meet | third coordinates
+"#;
+
+const SHAFTS: &str = r#"
+    27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }]\n[[models]]
+    shaft `s`: a rigid shaft joins at least two | name two
+    27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { gear = "wheel", at_m = 0.1 }]\n[[models]]
+    does not stand on the axis of `pinion` | the same axis
+    28: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { at_m = 0.1 }]\n[[models]]
+    neither a gear nor a body
+    28: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0, inertia_kgm2 = 1.0 }]\n[[models]]
+    stands beside a gear | [gears.pinion]
+    28: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "a b", at_m = 0.1 }]\n[[models]]
+    becomes that of columns | letters
+    28: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "nobody", at_m = 0.0 }]\n[[models]]
+    nobody
+    27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.3, inertia_kgm2 = 1e-3 }]\nsections = [{ length_m = 0.2, diameter_m = 0.02 }]\n[[models]]
+    is not on the shaft | sum of the lengths
+    29: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2, inertia_kgm2 = 1e-3 }]\nsections = [{ length_m = 0.2 }]\n[[models]]
+    neither a diameter nor a torsional stiffness
+    27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2, inertia_kgm2 = 1e-3 }]\nsections = [{ length_m = 0.2, diameter_m = 0.02, inner_diameter_m = 0.03 }]\n[[models]]
+    no wall is left
+    27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2 }]\nsections = [{ length_m = 0.2, stiffness_nm_per_rad = 1e3 }]\n[[models]]
+    nothing has inertia | give the body an inertia
+    30: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2, inertia_kgm2 = 1e-3 }]\nsections = [{ length_m = 0.2, diameter_m = 0.02 }]\ndamping_s = 1e-6\ndamping_ratio = 0.1\n[[models]]
+    given twice | a ratio or a time
+    27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2, inertia_kgm2 = 1e-3 }]\ndamping_ratio = 0.1\n[[models]]
+    no effect on a rigid shaft
+    27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2, inertia_kgm2 = 1e-3 }]\n[[models]]
+    starts at 20 rad/s | the same speed
 "#;

@@ -28,6 +28,12 @@ pub fn outside(problem: &Problem, prepared: &Prepared) -> Vec<String> {
             scene.meshes.len()
         ));
     }
+    if let Some(shaft) = scene.shafts.first() {
+        found.push(format!(
+            "it has the shaft `{}`; checked were gears by themselves",
+            shaft.name
+        ));
+    }
     for g in &scene.gears {
         let (teeth, module, width, spur, plain) = match &g.body {
             Body::Gear(gear) => {

@@ -93,6 +93,12 @@ impl Pair {
                 spec.meshes.len()
             ));
         };
+        if let Some(shaft) = spec.shafts.first() {
+            return Err(format!(
+                "a sweep is of two gears by themselves, but the scene has the shaft `{}`",
+                shaft.name
+            ));
+        }
         let (Body::Gear(first), Body::Gear(second)) = (&a.body, &b.body) else {
             return Err("a sweep is of two gears; a rack comes to its end".into());
         };

@@ -20,6 +20,7 @@ fn tumbling() -> SceneSpec {
     SceneSpec {
         gears: vec![body],
         meshes: vec![],
+        shafts: vec![],
     }
 }
 

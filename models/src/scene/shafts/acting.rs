@@ -1,0 +1,281 @@
+//! What the links of shafts do in a scene.
+
+use super::links::{Link, small};
+use crate::kinematics::Wrench;
+use crate::scene::assembled::Scene;
+use crate::scene::members::SceneGear;
+use gearbench_integrators::dense_solve::solve_in_place;
+use gearbench_integrators::system::{At, Coeffs, Energy, Power, SecondOrderSystem, Singular};
+
+impl Scene {
+    /// Adds what elastic shafts exert.
+    #[inline]
+    pub(in crate::scene) fn add_shafts(&self, at: At<'_>, f: &mut [f64]) {
+        for link in self.shafts.springs() {
+            link.add_to(link.force(&self.gears, at), f);
+        }
+    }
+
+    /// Takes from forces what rigid shafts do not let act.
+    #[inline]
+    pub(in crate::scene) fn hold_shafts(&mut self, at: At<'_>, f: &mut [f64]) {
+        if !self.shafts.rigid().is_empty() {
+            self.hold_rigid(at, f);
+        }
+    }
+
+    /// The same; leaves the forces along the rows in `work.shafts.forces`.
+    fn hold_rigid(&mut self, at: At<'_>, f: &mut [f64]) {
+        let mut work = std::mem::take(&mut self.work.shafts);
+        let n = f.len();
+        work.x.clear();
+        work.x.extend_from_slice(f);
+        self.solve_mass(at, &mut work.x);
+        work.small.clear();
+        if self.shafts.inverse.is_empty() {
+            work.z.clear();
+            work.z.resize(n * self.shafts.rigid().len(), 0.0);
+            for (k, column) in work.z.chunks_exact_mut(n).enumerate() {
+                self.shafts.rigid()[k].add_to(1.0, column);
+                self.solve_mass(at, column);
+            }
+            work.small.extend(small(self.shafts.rigid(), &work.z, n));
+        } else {
+            work.small.extend_from_slice(&self.shafts.small);
+        }
+        let rigid = self.shafts.rigid();
+        work.forces.clear();
+        work.forces.extend(rigid.iter().map(|l| -l.dot(&work.x)));
+        match solve_in_place(&mut work.small, &mut work.forces) {
+            Ok(()) => {
+                for (link, force) in rigid.iter().zip(&work.forces) {
+                    link.add_to(*force, f);
+                }
+            }
+            // Dependent links were left out, so that only masses that are no numbers come here.
+            Err(Singular) => f.fill(f64::NAN),
+        }
+        self.work.shafts = work;
+    }
+
+    /// Adds the tangent of elastic shafts.
+    pub(in crate::scene) fn add_shaft_tangent(&self, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
+        for l in self.shafts.springs() {
+            l.add_to(-(l.stiffness * l.dot(dq) + l.damping * l.dot(dv)), df);
+        }
+    }
+
+    /// Appends the rows and columns of the links to those of contacts in a Newton correction.
+    pub(in crate::scene) fn terms_of_shafts(&self, c: Coeffs, v: &mut Vec<f64>, z: &mut Vec<f64>) {
+        for link in &self.shafts.links {
+            let from = v.len();
+            v.resize(from + self.n, 0.0);
+            z.resize(from + self.n, 0.0);
+            link.add_to(-answer(link, c), &mut v[from..]);
+            link.add_to(1.0, &mut z[from..]);
+        }
+    }
+
+    /// `z <- A0^-1 z` for the column of a link: of the gears that it joins.
+    pub(in crate::scene) fn correct_of_link(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        link: usize,
+        z: &mut [f64],
+    ) -> Result<(), Singular> {
+        for member in self.shafts.links[link].members {
+            let g = &mut self.gears[member];
+            let (own, range, viscous) = (g.at(at), g.range(), g.viscous());
+            if !range.is_empty() {
+                g.model.correct(own, c, viscous, &mut z[range])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The correction with all links.
+    pub(in crate::scene) fn correct_with_shafts(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let rhs = if c.m == 0.0 { x.to_vec() } else { Vec::new() };
+        let found = if self.fields || self.condenses_now(c) {
+            self.correct_links_after(at, c, x)
+        } else {
+            self.correct_contacts(at, c, true, x)
+        };
+        if found.is_ok() || c.m != 0.0 {
+            return found;
+        }
+        // Without its links a body on a shaft meets no stiffness; with them it may.
+        x.copy_from_slice(&rhs);
+        self.correct_statics(at, c, x)
+    }
+
+    /// The correction without mass from a dense matrix, `P^T A + s C C^T` where rigid shafts project by `P`: any `s` gives
+    /// the solution that they allow.
+    fn correct_statics(&mut self, at: At<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
+        let n = self.n;
+        let (mut dq, mut dv, mut df) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        let mut a = vec![0.0; n * n];
+        for j in 0..n {
+            (dq[j], dv[j]) = (c.k, c.d);
+            self.tangent_times(at, &dq, &dv, &mut df);
+            (dq[j], dv[j]) = (0.0, 0.0);
+            for (i, df) in df.iter().enumerate() {
+                a[i * n + j] = -df;
+            }
+        }
+        let stiffest = (0..n).fold(0.0_f64, |m, i| m.max(a[i * n + i].abs()));
+        for link in self.shafts.rigid() {
+            for &(i, wi) in &link.row {
+                for &(j, wj) in &link.row {
+                    a[i * n + j] += stiffest * wi * wj;
+                }
+            }
+        }
+        solve_in_place(&mut a, x)
+    }
+
+    /// Adds the links to `x = B^-1 rhs` with a correction `B` that has all contacts, where these have a form of their own.
+    fn correct_links_after(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let (n, count) = (self.n, self.shafts.links.len());
+        self.correct_contacts(at, c, false, x)?;
+        let (mut v, mut z) = (Vec::new(), Vec::new());
+        self.terms_of_shafts(c, &mut v, &mut z);
+        for column in z.chunks_exact_mut(n) {
+            self.correct_contacts(at, c, false, column)?;
+        }
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
+        let (mut small, mut y) = (Vec::with_capacity(count * count), Vec::new());
+        for (i, row) in v.chunks_exact(n).enumerate() {
+            let own = self.unit_of_link(i);
+            let line = z.chunks_exact(n).enumerate();
+            small.extend(line.map(|(j, z)| if i == j { own } else { 0.0 } - dot(row, z)));
+            y.push(dot(row, x));
+        }
+        solve_in_place(&mut small, &mut y)?;
+        for (y, z) in y.iter().zip(z.chunks_exact(n)) {
+            x.iter_mut().zip(z).for_each(|(x, z)| *x += y * z);
+        }
+        Ok(())
+    }
+
+    /// Diagonal of the equation of a link's force in a correction: a rigid one gives no way.
+    pub(in crate::scene) fn unit_of_link(&self, link: usize) -> f64 {
+        f64::from(u8::from(!self.shafts.links[link].is_rigid()))
+    }
+
+    /// Adds energy and powers of elastic shafts.
+    pub(in crate::scene) fn add_shaft_books(
+        &self,
+        at: At<'_>,
+        energy: &mut Energy,
+        power: &mut Power,
+    ) {
+        for link in self.shafts.springs() {
+            let [d, rate] = link.deformation(&self.gears, at);
+            energy.strain += 0.5 * link.stiffness * d * d;
+            power.dissipated += link.damping * rate * rate;
+            if !link.driven.is_empty() {
+                let force = link.stiffness * d + link.damping * rate;
+                power.external += force * link.drift(&self.gears, at);
+            }
+        }
+    }
+
+    /// What all links exert along their rows, into `work.shafts.acting`; `contacts` are the forces of contacts and loads.
+    pub(in crate::scene) fn evaluate_links(&mut self, at: At<'_>, contacts: &[f64]) {
+        let mut acting = std::mem::take(&mut self.work.shafts.acting);
+        acting.clear();
+        acting.extend(
+            self.shafts
+                .springs()
+                .iter()
+                .map(|l| l.force(&self.gears, at)),
+        );
+        if !self.shafts.rigid().is_empty() {
+            let mut f = contacts.to_vec();
+            for g in self.gears.iter_mut().filter(|g| g.internal) {
+                let (own, range) = (g.at(at), g.range());
+                g.model.forces(own, &mut f[range]);
+            }
+            for (link, force) in self.shafts.springs().iter().zip(&acting) {
+                link.add_to(*force, &mut f);
+            }
+            self.hold_rigid(at, &mut f);
+            acting.extend_from_slice(&self.work.shafts.forces);
+        }
+        self.work.shafts.acting = acting;
+    }
+
+    /// Adds what the links exert on a member, forces on its coordinates and as a wrench.
+    pub(in crate::scene) fn add_links_on(&self, member: usize, f: &mut [f64], wrench: &mut Wrench) {
+        for (link, force) in self.shafts.links.iter().zip(&self.work.shafts.acting) {
+            if !link.members.contains(&member) {
+                continue;
+            }
+            let range = self.gears[member].range();
+            for &(i, w) in link.row.iter().filter(|(i, _)| range.contains(i)) {
+                f[i] += force * w;
+            }
+            let hub = self.gears[member].model.hub();
+            for s in link.shares.iter().filter(|s| s.member == member) {
+                let on = force * s.weight;
+                match s.direction {
+                    5 => wrench.torque += on,
+                    d @ 0..3 => wrench.force += on * hub.axes[d],
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    /// Torques that stations exert on the next through the shaft [N m].
+    pub(in crate::scene) fn fill_shaft_torques(&self, channels: &mut [f64]) {
+        for (channel, link) in channels.iter_mut().zip(&self.shafts.torques) {
+            *channel = link.map_or(0.0, |i| self.work.shafts.acting[i]);
+        }
+    }
+
+    /// Coordinates that rigid shafts join are no oscillators, or none that swing.
+    pub(in crate::scene) fn rigid_shafts_swing(&self) -> bool {
+        let swings = |g: &SceneGear, i: usize| {
+            let of = g.model.linear().and_then(|l| l.oscillators());
+            of.is_none_or(|o| o.omega[i - g.offset] != 0.0 || o.zeta[i - g.offset] != 0.0)
+        };
+        let owner = |i: usize| self.gears.iter().find(|g| g.range().contains(&i));
+        let rows = self.shafts.rigid().iter().flat_map(|l| &l.row);
+        rows.into_iter()
+            .any(|&(i, _)| owner(i).is_none_or(|g| swings(g, i)))
+    }
+}
+
+/// How a link's force answers to its deformation in a correction; of a rigid one by its sign alone.
+fn answer(link: &Link, c: Coeffs) -> f64 {
+    if link.is_rigid() {
+        1.0
+    } else {
+        c.k * link.stiffness + c.d * link.damping
+    }
+}
+
+/// Buffers.
+#[derive(Default)]
+pub(in crate::scene) struct ShaftWork {
+    /// Of rigid links: accelerations, columns, equations, forces.
+    x: Vec<f64>,
+    z: Vec<f64>,
+    small: Vec<f64>,
+    forces: Vec<f64>,
+    /// What all links exert at the state that is reported.
+    acting: Vec<f64>,
+}

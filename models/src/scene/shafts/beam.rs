@@ -1,0 +1,155 @@
+//! A beam element as six springs: Timoshenko's stiffness matrix by its modes of deformation.
+//!
+//! With the displacements `u` and turns `theta` of both ends in the axes of the shaft, whose third is its axis, and
+//! `Phi = 12 E I / (kappa G A l^2)`,
+//!
+//! ```text
+//! stretching     u3_b - u3_a                                       E A / l
+//! torsion        theta3_b - theta3_a                               G J / l
+//! bending        theta2_b - theta2_a                               E I / l
+//!   with shear   (theta2_a + theta2_b)/2 - (u1_b - u1_a)/l         12 E I / (l (1 + Phi))
+//! ```
+//!
+//! and the same in the plane of `u2` and `-theta1`. These are all eigenvectors of deformation of the 12 x 12 matrix of
+//! J. S. Przemieniecki, *Theory of Matrix Structural Analysis* (1968), section 5.6: a beam loaded at its ends is exact.
+//! Shear coefficient of a tube by G. R. Cowper, *J. Appl. Mech.* 33 (1966) 335, with `m` the ratio of diameters:
+//! `kappa = 6 (1 + nu) (1 + m^2)^2 / ((7 + 6 nu) (1 + m^2)^2 + (20 + 12 nu) m^2)`.
+
+use crate::spec::{Section, SectionKind};
+use std::f64::consts::PI;
+
+/// Weights of the six directions of a hub, three translations, three rotations.
+pub(in crate::scene) type Six = [f64; 6];
+
+/// How a piece of a shaft deforms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::scene) enum Way {
+    Torsion,
+    Stretching,
+    Bending,
+}
+
+/// A mode of deformation of an element: how much of it the motion of either end makes, and its stiffness, infinite where it
+/// is rigid [N m/rad], [N/m].
+#[derive(Clone, Copy, Debug)]
+pub(in crate::scene) struct Mode {
+    pub way: Way,
+    pub ends: [Six; 2],
+    pub stiffness: f64,
+}
+
+/// What half an element adds to the body at its end.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Lump {
+    /// [kg]
+    pub mass: f64,
+    /// About the axis and across it [kg m^2].
+    pub polar: f64,
+    pub across: f64,
+}
+
+impl Lump {
+    pub fn add(&mut self, other: &Lump) {
+        self.mass += other.mass;
+        self.polar += other.polar;
+        self.across += other.across;
+    }
+}
+
+/// One at a direction.
+fn unit(direction: usize, value: f64) -> Six {
+    let mut six = [0.0; 6];
+    six[direction] = value;
+    six
+}
+
+fn difference(way: Way, direction: usize, stiffness: f64) -> Mode {
+    Mode {
+        way,
+        ends: [unit(direction, -1.0), unit(direction, 1.0)],
+        stiffness,
+    }
+}
+
+/// Direction of the displacement, of the turn, and the sign of the slope that the turn is, in both planes of bending.
+const PLANES: [(usize, usize, f64); 2] = [(0, 4, 1.0), (1, 3, -1.0)];
+
+/// The modes of an element of a length [m] that is a piece of a section.
+pub(super) fn elastic(section: &Section, length: f64) -> Vec<Mode> {
+    match &section.kind {
+        SectionKind::Coupling { stiffness } => {
+            let k = stiffness * section.length / length;
+            vec![difference(Way::Torsion, 5, k)]
+        }
+        SectionKind::Round {
+            diameters: [outer, inner],
+            material,
+        } => {
+            let (area, second) = properties(*outer, *inner);
+            let (e, nu) = (material.young, material.poisson);
+            let g = e / (2.0 * (1.0 + nu));
+            let m2 = (inner / outer).powi(2);
+            let kappa = 6.0 * (1.0 + nu) * (1.0 + m2).powi(2)
+                / ((7.0 + 6.0 * nu) * (1.0 + m2).powi(2) + (20.0 + 12.0 * nu) * m2);
+            let phi = 12.0 * e * second / (kappa * g * area * length * length);
+            let mut modes = vec![
+                difference(Way::Torsion, 5, 2.0 * g * second / length),
+                difference(Way::Stretching, 2, e * area / length),
+            ];
+            for (across, turn, sign) in PLANES {
+                modes.push(difference(Way::Bending, turn, e * second / length));
+                let mut ends = [unit(turn, 0.5), unit(turn, 0.5)];
+                ends[0][across] = sign / length;
+                ends[1][across] = -sign / length;
+                modes.push(Mode {
+                    way: Way::Bending,
+                    ends,
+                    stiffness: 12.0 * e * second / (length * (1.0 + phi)),
+                });
+            }
+            modes
+        }
+    }
+}
+
+/// What a rigid piece of a length [m] allows none of.
+pub(super) fn rigid(length: f64) -> Vec<Mode> {
+    let mut modes = vec![
+        difference(Way::Torsion, 5, f64::INFINITY),
+        difference(Way::Stretching, 2, f64::INFINITY),
+    ];
+    for (across, turn, sign) in PLANES {
+        modes.push(difference(Way::Bending, turn, f64::INFINITY));
+        let mut shift = difference(Way::Bending, across, f64::INFINITY);
+        shift.ends[0][turn] = -sign * length;
+        modes.push(shift);
+    }
+    modes
+}
+
+/// Half of an element: mass, and rotary inertia of the cross-sections, lumped at its end.
+pub(super) fn lump(section: &Section, length: f64) -> Lump {
+    match &section.kind {
+        SectionKind::Coupling { .. } => Lump::default(),
+        SectionKind::Round {
+            diameters: [outer, inner],
+            material,
+        } => {
+            let (area, second) = properties(*outer, *inner);
+            let half = 0.5 * length * material.density;
+            Lump {
+                mass: half * area,
+                polar: 2.0 * half * second,
+                across: half * second,
+            }
+        }
+    }
+}
+
+/// Area [m^2] and second moment [m^4] of a ring.
+fn properties(outer: f64, inner: f64) -> (f64, f64) {
+    (
+        0.25 * PI * (outer * outer - inner * inner),
+        PI / 64.0 * (outer.powi(4) - inner.powi(4)),
+    )
+}

@@ -1,0 +1,304 @@
+//! Links from the elements of shafts, and what each of them knows.
+
+use super::beam::Way;
+use super::plan::{Element, Plan};
+use crate::kinematics::Direction;
+use crate::scene::members::SceneGear;
+use crate::spec::ShaftDamping;
+use gearbench_integrators::system::At;
+use nalgebra::{DMatrix, SymmetricEigen};
+
+/// Weights below this share of the largest are rounding of axes that are turned against each other.
+const ROUNDING: f64 = 1e-13;
+/// Share of the highest eigenvalue below which one is that of a rigid motion.
+const AT_REST: f64 = 1e-9;
+/// A rigid link that adds less than this to those before it says nothing new.
+const DEPENDENT: f64 = 1e-12;
+
+/// How the motion of a member along one of its directions deforms a link.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Share {
+    pub member: usize,
+    pub direction: usize,
+    pub weight: f64,
+}
+
+/// A mode of deformation of a piece of a shaft between two members.
+#[derive(Clone, Debug)]
+pub(in crate::scene) struct Link {
+    pub way: Way,
+    /// Coordinates of the scene and their weights.
+    pub row: Vec<(usize, f64)>,
+    /// Driven directions.
+    pub(super) driven: Vec<Share>,
+    /// All directions, held ones too.
+    pub(super) shares: Vec<Share>,
+    pub members: [usize; 2],
+    /// Infinite where it is rigid.
+    pub stiffness: f64,
+    pub damping: f64,
+    shaft: usize,
+}
+
+impl Link {
+    pub fn is_rigid(&self) -> bool {
+        self.stiffness.is_infinite()
+    }
+
+    /// `row . x`.
+    pub fn dot(&self, x: &[f64]) -> f64 {
+        self.row.iter().map(|&(i, w)| w * x[i]).sum()
+    }
+
+    /// `y += factor row`.
+    pub fn add_to(&self, factor: f64, y: &mut [f64]) {
+        for &(i, w) in &self.row {
+            y[i] += factor * w;
+        }
+    }
+
+    /// The part of the rate of deformation that driven hubs make.
+    pub fn drift(&self, gears: &[SceneGear], at: At<'_>) -> f64 {
+        let of = |s: &Share| {
+            let own = gears[s.member].at(at);
+            let motion = gears[s.member].model.hub().motion(own.t, own.q, own.v);
+            s.weight * motion.v[s.direction]
+        };
+        self.driven.iter().map(of).sum()
+    }
+
+    /// Deformation and its rate.
+    pub fn deformation(&self, gears: &[SceneGear], at: At<'_>) -> [f64; 2] {
+        let (mut d, mut rate) = (self.dot(at.q), self.dot(at.v));
+        for s in &self.driven {
+            let own = gears[s.member].at(at);
+            let motion = gears[s.member].model.hub().motion(own.t, own.q, own.v);
+            d += s.weight * motion.x[s.direction];
+            rate += s.weight * motion.v[s.direction];
+        }
+        [d, rate]
+    }
+
+    /// What an elastic link exerts along its row.
+    pub fn force(&self, gears: &[SceneGear], at: At<'_>) -> f64 {
+        let [d, rate] = self.deformation(gears, at);
+        -(self.stiffness * d + self.damping * rate)
+    }
+}
+
+/// The shafts of a scene.
+#[derive(Clone, Debug, Default)]
+pub(in crate::scene) struct Shafts {
+    /// Elastic ones, then rigid ones.
+    pub links: Vec<Link>,
+    /// How many are elastic.
+    pub elastic: usize,
+    /// Links whose torques are reported, by span; none where the hubs are held.
+    pub torques: Vec<Option<usize>>,
+    /// Something damps.
+    pub damped: bool,
+    /// Shortest natural time of a link on the members that it joins [s].
+    pub characteristic_time: f64,
+    /// For rigid links of constant diagonal masses: `M^-1 C`, column by column, and `C^T M^-1 C`.
+    pub(super) inverse: Vec<f64>,
+    pub(super) small: Vec<f64>,
+}
+
+impl Shafts {
+    /// Links of a plan between members with their offsets; `mass` is the diagonal of the mass matrix.
+    pub fn new(plan: &Plan, gears: &[SceneGear], mass: &[f64]) -> Self {
+        let mut of_spans = Vec::new();
+        let mut all = Vec::new();
+        for element in &plan.elements {
+            let links = of_element(element, gears);
+            if element.begins {
+                let torsion = links.iter().position(|l| l.way == Way::Torsion);
+                of_spans.push(torsion.map(|k| all.len() + k));
+            }
+            all.extend(links);
+        }
+        for (shaft, damping) in plan.damping.iter().enumerate() {
+            for way in [Way::Torsion, Way::Stretching, Way::Bending] {
+                let mut own: Vec<&mut Link> = (all.iter_mut())
+                    .filter(|l| l.shaft == shaft && l.way == way && !l.is_rigid())
+                    .collect();
+                let time = match damping {
+                    ShaftDamping::None => 0.0,
+                    ShaftDamping::Time(time) => *time,
+                    ShaftDamping::Ratio(ratio) => {
+                        lowest(&own, mass).map_or(0.0, |w| 2.0 * ratio / w)
+                    }
+                };
+                own.iter_mut().for_each(|l| l.damping = time * l.stiffness);
+            }
+        }
+        // Elastic ones first; rigid ones that say something new.
+        let (mut places, mut links) = (vec![None; all.len()], Vec::new());
+        for (i, link) in all.iter().enumerate().filter(|(_, l)| !l.is_rigid()) {
+            places[i] = Some(links.len());
+            links.push(link.clone());
+        }
+        let elastic = links.len();
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        for (i, link) in all.iter().enumerate().filter(|(_, l)| l.is_rigid()) {
+            let mut row = vec![0.0; mass.len()];
+            link.add_to(1.0, &mut row);
+            row.iter_mut().zip(mass).for_each(|(r, m)| *r /= m.sqrt());
+            let size = dot(&row, &row);
+            for known in &basis {
+                let along = dot(known, &row);
+                row.iter_mut().zip(known).for_each(|(r, k)| *r -= along * k);
+            }
+            let left = dot(&row, &row);
+            if left > DEPENDENT * size {
+                row.iter_mut().for_each(|r| *r /= left.sqrt());
+                basis.push(row);
+                places[i] = Some(links.len());
+                links.push(link.clone());
+            }
+        }
+        let fastest = |l: &Link| {
+            let yielding: f64 = l.row.iter().map(|&(i, w)| w * w / mass[i]).sum();
+            (l.stiffness * yielding).sqrt()
+        };
+        Shafts {
+            elastic,
+            torques: of_spans.iter().map(|s| s.and_then(|i| places[i])).collect(),
+            damped: links.iter().any(|l| l.damping > 0.0),
+            characteristic_time: (links[..elastic].iter())
+                .map(|l| fastest(l).recip())
+                .fold(f64::INFINITY, f64::min),
+            links,
+            inverse: Vec::new(),
+            small: Vec::new(),
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.links.is_empty()
+    }
+
+    pub fn springs(&self) -> &[Link] {
+        &self.links[..self.elastic]
+    }
+
+    pub fn rigid(&self) -> &[Link] {
+        &self.links[self.elastic..]
+    }
+
+    /// Notes the products with the inverse of a constant diagonal mass.
+    pub fn note_masses(&mut self, inverse_mass: &[f64]) {
+        let n = inverse_mass.len();
+        let rigid = &self.links[self.elastic..];
+        if rigid.is_empty() || n == 0 {
+            return;
+        }
+        let mut inverse = vec![0.0; n * rigid.len()];
+        for (link, column) in rigid.iter().zip(inverse.chunks_exact_mut(n)) {
+            link.add_to(1.0, column);
+            column
+                .iter_mut()
+                .zip(inverse_mass)
+                .for_each(|(x, m)| *x *= m);
+        }
+        self.small = small(rigid, &inverse, n);
+        self.inverse = inverse;
+    }
+}
+
+/// `C^T Z`, row by row.
+pub(super) fn small(links: &[Link], columns: &[f64], n: usize) -> Vec<f64> {
+    let row = |l: &Link| -> Vec<f64> { columns.chunks_exact(n).map(|z| l.dot(z)).collect() };
+    links.iter().flat_map(row).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The links of an element that something free, or driven, takes part in.
+fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
+    let mut links = Vec::new();
+    for mode in &element.modes {
+        let mut link = Link {
+            way: mode.way,
+            row: Vec::new(),
+            driven: Vec::new(),
+            shares: Vec::new(),
+            members: element.members,
+            stiffness: mode.stiffness,
+            damping: 0.0,
+            shaft: element.shaft,
+        };
+        for (end, &member) in mode.ends.iter().zip(&element.members) {
+            let gear = &gears[member];
+            let hub = gear.model.hub();
+            let largest = end.iter().fold(0.0_f64, |m, w| m.max(w.abs()));
+            let free: Vec<usize> = hub.free_directions().collect();
+            for (direction, what) in hub.directions().iter().enumerate() {
+                // Along the direction of the hub, by the axes of the shaft.
+                let first = 3 * (direction / 3);
+                let axis = &hub.axes[direction % 3];
+                let weight: f64 = (0..3)
+                    .map(|k| end[first + k] * element.axes[k].dot(axis))
+                    .sum();
+                if weight.abs() <= ROUNDING * largest {
+                    continue;
+                }
+                let share = Share {
+                    member,
+                    direction,
+                    weight,
+                };
+                link.shares.push(share);
+                match what {
+                    Direction::Held => {}
+                    Direction::Driven(_) => link.driven.push(share),
+                    Direction::Free => {
+                        let own = free.iter().position(|d| *d == direction).unwrap_or(0);
+                        link.row.push((gear.offset + own, weight));
+                        if direction == hub.moving() {
+                            let shapes = hub.hub_shapes.iter().enumerate();
+                            let first = gear.offset + hub.first();
+                            link.row
+                                .extend(shapes.map(|(i, h)| (first + i, weight * h)));
+                        }
+                    }
+                }
+            }
+        }
+        if !link.row.is_empty() {
+            links.push(link);
+        }
+    }
+    links
+}
+
+/// The lowest angular frequency above zero of some elastic links and the masses that they join [rad/s].
+fn lowest(links: &[&mut Link], mass: &[f64]) -> Option<f64> {
+    let mut touched: Vec<usize> = links
+        .iter()
+        .flat_map(|l| l.row.iter().map(|r| r.0))
+        .collect();
+    touched.sort_unstable();
+    touched.dedup();
+    let n = touched.len();
+    if n == 0 {
+        return None;
+    }
+    let mut matrix = DMatrix::<f64>::zeros(n, n);
+    for link in links {
+        let of = |i: usize, w: f64| (touched.binary_search(&i).unwrap_or(0), w / mass[i].sqrt());
+        for &(i, wi) in &link.row {
+            for &(j, wj) in &link.row {
+                let ((i, wi), (j, wj)) = (of(i, wi), of(j, wj));
+                matrix[(i, j)] += link.stiffness * wi * wj;
+            }
+        }
+    }
+    let eigenvalues = SymmetricEigen::new(matrix).eigenvalues;
+    let highest = eigenvalues.iter().fold(0.0_f64, |m, x| m.max(*x));
+    let above = eigenvalues.iter().filter(|x| **x > AT_REST * highest);
+    let lowest = above.fold(f64::INFINITY, |m, x| m.min(*x));
+    lowest.is_finite().then(|| lowest.sqrt())
+}

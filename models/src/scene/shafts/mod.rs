@@ -1,0 +1,34 @@
+//! Shafts in an assembled scene: links between hubs, springs where a shaft is elastic, constraints where it is rigid.
+//!
+//! A link measures how a piece of a shaft deforms, `d = r . q + p(t)`, linear in the motions of two hubs; driven hubs make
+//! `p`. An elastic piece exerts `-(k d + c d') r`. A rigid one has `r . q'' = 0`: the forces of a scene are taken less what
+//! violates that,
+//!
+//! ```text
+//! f <- f - C (C^T M^-1 C)^-1 C^T M^-1 f,    C = [r_1 ..]
+//! ```
+//!
+//! so that every method that adds accelerations keeps the links to rounding, and no stiffness enters. Newton corrections
+//! take both kinds as low-rank terms: with `z = A^-1 r` the links' forces `y` solve `(1/kappa + r . z) y = -r . x`,
+//! `kappa = c_k k + c_d c`, or infinite.
+//!
+//! Motions are those of the hubs in their directions, linear: tilts are small, turns any. The shaft is round and its axes do
+//! not turn with it. Its mass stands on the nodes (`beam::lump`).
+//!
+//! | module | owns |
+//! |---|---|
+//! | `beam` | elements as modes of deformation |
+//! | `plan` | shafts as nodes and elements |
+//! | `together` | what members of a shaft have in common; refusals |
+//! | `links` | links from elements, their forces, energies and damping |
+//! | `acting` | links in a scene: forces, tangents, corrections, what is reported |
+
+mod acting;
+mod beam;
+mod links;
+mod plan;
+mod together;
+
+pub(super) use acting::ShaftWork;
+pub(super) use links::Shafts;
+pub(super) use plan::{Carrier, Plan};

@@ -1,0 +1,303 @@
+//! The shafts of a scene as bodies and elements: nodes where something stands, where a section ends and where it is
+//! divided; what of the shaft's own mass goes to each.
+//!
+//! Gears keep their places in the scene. Bodies without teeth follow them, those with names first, then the nodes within
+//! sections; all of these are rigid bodies on hubs of their own.
+
+use super::beam::{self, Lump, Mode};
+use super::together::{axis_of, check_names, gears_of, rigid_mount, share_mount};
+use crate::Vec3;
+use crate::error::BuildError;
+use crate::gear::rigid::{self, Rigid};
+use crate::kinematics::Hub;
+use crate::scene::hubs::{Across, lateral_of, round_tensor};
+use crate::scene::members::SceneGear;
+use crate::spec::{
+    BodySpec, Carried, Freedom, GearSpec, LateralSpec, Load, SceneSpec, Section, ShaftDamping,
+    ShaftSpec, effective_radius, initial_speed,
+};
+use std::borrow::Cow;
+
+/// Share of the length of a shaft within which two places are one.
+const SAME: f64 = 1e-9;
+
+/// An element between two members.
+#[derive(Clone, Debug)]
+pub(in crate::scene) struct Element {
+    pub members: [usize; 2],
+    pub modes: Vec<Mode>,
+    /// Its shaft.
+    pub shaft: usize,
+    /// It is the first between a station and the next.
+    pub begins: bool,
+    /// Axes of the shaft.
+    pub axes: [Vec3; 3],
+}
+
+/// A body on a shaft, ready to become a member of the scene.
+#[derive(Clone, Debug)]
+pub(in crate::scene) struct Carrier {
+    pub name: String,
+    pub hub: Hub,
+    /// Length by which its turn moves flanks [m].
+    pub radius: f64,
+    pub loads: Vec<Load>,
+    pub speed: f64,
+}
+
+impl Carrier {
+    /// It as a member of a scene.
+    pub fn member(&self) -> SceneGear {
+        let model = Rigid::new(self.hub.clone(), self.radius);
+        SceneGear::new(&self.name, rigid::MODEL, Box::new(model), &self.loads)
+    }
+}
+
+/// All shafts of a scene.
+#[derive(Clone, Debug, Default)]
+pub(in crate::scene) struct Plan {
+    /// Members behind the gears.
+    pub bodies: Vec<Carrier>,
+    pub elements: Vec<Element>,
+    pub damping: Vec<ShaftDamping>,
+    /// Number of pieces between stations, each of which reports its torque.
+    pub spans: usize,
+}
+
+/// A node of a shaft.
+struct Node {
+    place: f64,
+    station: Option<usize>,
+    lump: Lump,
+    /// Place among the members of the scene.
+    member: usize,
+}
+
+impl Plan {
+    /// That of a scene; with it the scene whose gears have what their shafts add to them.
+    pub fn of(spec: &SceneSpec) -> Result<(Cow<'_, SceneSpec>, Plan), BuildError> {
+        let mut plan = Plan::default();
+        if spec.shafts.is_empty() {
+            return Ok((Cow::Borrowed(spec), plan));
+        }
+        check_names(spec)?;
+        let mut with = spec.clone();
+        let mut named = spec.gears.len();
+        let mut unnamed = named + spec.bodies().count();
+        let mut within = Vec::new();
+        for (index, shaft) in spec.shafts.iter().enumerate() {
+            shaft.check()?;
+            let axes = axis_of(spec, shaft)?;
+            let nodes = nodes(shaft, &mut named, &mut unnamed);
+            share_mount(&mut with, shaft)?;
+            let bends = bends(spec, shaft);
+            let radius = (shaft.stations.iter())
+                .find_map(|s| match s.carries {
+                    Carried::Gear(i) => Some(effective_radius(&spec.gears[i].body)),
+                    Carried::Body(_) => None,
+                })
+                .unwrap_or(1.0);
+            for node in &nodes {
+                let station = node.station.map(|s| &shaft.stations[s].carries);
+                if let Some(Carried::Gear(i)) = station {
+                    add_to_gear(&mut with.gears[*i], &node.lump);
+                    continue;
+                }
+                let own = BodySpec::new(&format!("{} {}", shaft.name, node.member), 0.0);
+                let mut body = match station {
+                    Some(Carried::Body(body)) => body.as_ref().clone(),
+                    _ => BodySpec {
+                        speed: shaft_speed(spec, shaft),
+                        ..own
+                    },
+                };
+                if let Some(mount) = rigid_mount(spec, shaft) {
+                    body.mount = mount;
+                }
+                let centre = axes.1 + (node.place - axes.2) * axes.0[2];
+                let carrier = carrier(shaft, &body, node, (&axes.0, centre), (bends, radius))?;
+                match node.station {
+                    Some(_) => plan.bodies.push(carrier),
+                    None => within.push(carrier),
+                }
+            }
+            plan.add_elements(shaft, index, &nodes, axes.0);
+            plan.damping.push(shaft.damping);
+        }
+        plan.bodies.append(&mut within);
+        Ok((Cow::Owned(with), plan))
+    }
+
+    fn add_elements(&mut self, shaft: &ShaftSpec, index: usize, nodes: &[Node], axes: [Vec3; 3]) {
+        for pair in nodes.windows(2) {
+            let length = pair[1].place - pair[0].place;
+            let modes = match section_at(shaft, 0.5 * (pair[0].place + pair[1].place)) {
+                Some(section) => beam::elastic(section, length),
+                None => beam::rigid(length),
+            };
+            // Torques are told between stations: ends that carry nothing have none.
+            let begins = pair[0]
+                .station
+                .is_some_and(|s| s + 1 < shaft.stations.len());
+            self.spans += usize::from(begins);
+            self.elements.push(Element {
+                members: [pair[0].member, pair[1].member],
+                modes,
+                shaft: index,
+                begins,
+                axes,
+            });
+        }
+    }
+}
+
+/// The nodes of a shaft in order.
+fn nodes(shaft: &ShaftSpec, named: &mut usize, unnamed: &mut usize) -> Vec<Node> {
+    let mut places: Vec<(f64, Option<usize>)> = (shaft.stations.iter().enumerate())
+        .map(|(k, s)| (s.place, Some(k)))
+        .collect();
+    let mut from = 0.0;
+    for section in &shaft.sections {
+        let n = section.divisions;
+        places.extend((0..=n).map(|k| (from + section.length * k as f64 / n as f64, None)));
+        from += section.length;
+    }
+    // Stations come before the ends of sections at the same place, which are then left out.
+    let same = SAME * shaft.length();
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut kept: Vec<(f64, Option<usize>)> = Vec::new();
+    for (place, station) in places {
+        match kept.last_mut() {
+            Some(last) if place - last.0 <= same && (last.1.is_none() || station.is_none()) => {
+                if station.is_some() {
+                    *last = (place, station);
+                }
+            }
+            _ => kept.push((place, station)),
+        }
+    }
+    let mut nodes: Vec<Node> = Vec::new();
+    for (place, station) in kept {
+        let next = |count: &mut usize| {
+            *count += 1;
+            *count - 1
+        };
+        let member = match station.map(|s| &shaft.stations[s].carries) {
+            Some(Carried::Gear(i)) => *i,
+            Some(Carried::Body(_)) => next(named),
+            None => next(unnamed),
+        };
+        nodes.push(Node {
+            place,
+            station,
+            lump: Lump::default(),
+            member,
+        });
+    }
+    for i in 1..nodes.len() {
+        let length = nodes[i].place - nodes[i - 1].place;
+        let middle = 0.5 * (nodes[i].place + nodes[i - 1].place);
+        if let Some(section) = section_at(shaft, middle) {
+            let half = beam::lump(section, length);
+            nodes[i - 1].lump.add(&half);
+            nodes[i].lump.add(&half);
+        }
+    }
+    nodes
+}
+
+fn section_at(shaft: &ShaftSpec, place: f64) -> Option<&Section> {
+    let mut from = 0.0;
+    shaft.sections.iter().find(|s| {
+        from += s.length;
+        place < from
+    })
+}
+
+/// Something on the shaft may move sideways: then all of it may that its mount does not hold.
+fn bends(spec: &SceneSpec, shaft: &ShaftSpec) -> bool {
+    gears_of(spec, shaft).any(|(g, _)| g.lateral.is_some())
+        || shaft.bodies().any(|b| b.lateral.is_some())
+}
+
+/// Speed at which the shaft turns at first: that of the first that does.
+fn shaft_speed(spec: &SceneSpec, shaft: &ShaftSpec) -> f64 {
+    let speeds = shaft.stations.iter().map(|s| match &s.carries {
+        Carried::Gear(i) => initial_speed(&spec.gears[*i].mount, spec.gears[*i].speed),
+        Carried::Body(body) => initial_speed(&body.mount, body.speed),
+    });
+    speeds.into_iter().find(|s| *s != 0.0).unwrap_or(0.0)
+}
+
+/// A gear with what the shaft adds at its place.
+fn add_to_gear(gear: &mut GearSpec, lump: &Lump) {
+    let tensor = round_tensor(gear);
+    gear.added_inertia += lump.polar;
+    if let Some(lateral) = &mut gear.lateral {
+        let own = lateral.inertia.unwrap_or(tensor);
+        let ring = Vec3::new(lump.across, lump.across, lump.polar);
+        lateral.inertia = Some(own + nalgebra::Matrix3::from_diagonal(&ring));
+        lateral.added_mass += lump.mass;
+    }
+}
+
+/// The hub of a body.
+fn carrier(
+    shaft: &ShaftSpec,
+    body: &BodySpec,
+    node: &Node,
+    (axes, centre): (&[Vec3; 3], Vec3),
+    (bends, radius): (bool, f64),
+) -> Result<Carrier, BuildError> {
+    let inertia = body.inertia + node.lump.polar;
+    if inertia <= 0.0 {
+        return Err(shaft.refuse((
+            format!(
+                "at {} m nothing has inertia: neither `{}` nor the shaft",
+                node.place, body.name
+            ),
+            "give the body an inertia, or the shaft sections with a diameter and a density",
+        )));
+    }
+    let mut hub = Hub::new(body.mount.clone(), centre, None, inertia);
+    hub.axes = *axes;
+    if bends {
+        let free = || {
+            Box::new(LateralSpec {
+                directions: [const { Freedom::Free }; 6],
+                ..LateralSpec::default()
+            })
+        };
+        let mut lateral = body.lateral.clone().unwrap_or_else(free);
+        let half = 0.5 * body.inertia;
+        let own = Vec3::new(half, half, body.inertia);
+        let ring = Vec3::new(node.lump.across, node.lump.across, node.lump.polar);
+        let own = lateral
+            .inertia
+            .unwrap_or(nalgebra::Matrix3::from_diagonal(&own));
+        lateral.added_mass += node.lump.mass;
+        lateral.inertia = Some(own + nalgebra::Matrix3::from_diagonal(&ring));
+        let of = Across {
+            name: &body.name,
+            mount: &body.mount,
+            speed: body.speed,
+            mass: 0.0,
+            tensor: nalgebra::Matrix3::zeros(),
+        };
+        hub.lateral = lateral_of(&of, &lateral, &mut hub)
+            .map_err(|e| {
+                shaft.refuse((
+                    format!("body `{}`: {}", body.name, e.reason.cause),
+                    e.reason.help,
+                ))
+            })?
+            .map(std::sync::Arc::new);
+    }
+    Ok(Carrier {
+        name: body.name.clone(),
+        hub,
+        radius,
+        loads: body.loads.clone(),
+        speed: initial_speed(&body.mount, body.speed),
+    })
+}

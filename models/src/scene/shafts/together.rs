@@ -1,0 +1,167 @@
+//! What the members of a shaft have to have in common: names of their own, one axis, and where it is rigid one motion.
+
+use crate::Vec3;
+use crate::error::BuildError;
+use crate::spec::{
+    Body, Carried, Freedom, GearSpec, LateralSpec, Mount, SceneSpec, ShaftSpec, UPRIGHT,
+};
+
+/// How far gears of a shaft may stand off its axis [m], and the sine between axes.
+const OFF_AXIS: f64 = 1e-6;
+
+pub(super) fn check_names(spec: &SceneSpec) -> Result<(), BuildError> {
+    let mut seen: Vec<&str> = spec.gears.iter().map(|g| g.name.as_str()).collect();
+    let mut carried = vec![None; spec.gears.len()];
+    for (k, shaft) in spec.shafts.iter().enumerate() {
+        if spec.shafts[..k].iter().any(|s| s.name == shaft.name) {
+            return Err(shaft.refuse(("there is another shaft of this name", "rename one")));
+        }
+        for station in &shaft.stations {
+            match &station.carries {
+                Carried::Body(body) if seen.contains(&body.name.as_str()) => {
+                    return Err(shaft.refuse((
+                        format!(
+                            "the name `{}` is taken by a gear or another body",
+                            body.name
+                        ),
+                        "rename one",
+                    )));
+                }
+                Carried::Body(body) => seen.push(&body.name),
+                Carried::Gear(i) => {
+                    let Some(other) = carried.get_mut(*i) else {
+                        return Err(shaft.refuse(format!("there is no gear number {i}")));
+                    };
+                    let name = &spec.gears[*i].name;
+                    if let Some(other) = other.replace(&shaft.name) {
+                        return Err(shaft.refuse((
+                            format!("the gear `{name}` stands on the shaft `{other}` already"),
+                            "a gear stands on one shaft, once",
+                        )));
+                    }
+                    if matches!(spec.gears[*i].body, Body::Rack(_)) {
+                        return Err(shaft.refuse((
+                            format!("`{name}` is a rack, which slides"),
+                            "put gears on the shaft",
+                        )));
+                    }
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Gears of a shaft with their places.
+pub(super) fn gears_of<'a>(
+    spec: &'a SceneSpec,
+    shaft: &'a ShaftSpec,
+) -> impl Iterator<Item = (&'a GearSpec, f64)> {
+    shaft.stations.iter().filter_map(|s| match s.carries {
+        Carried::Gear(i) => Some((&spec.gears[i], s.place)),
+        Carried::Body(_) => None,
+    })
+}
+
+/// Axes of a shaft, a point on it, and the place of that point: those of its first gear.
+pub(super) fn axis_of(
+    spec: &SceneSpec,
+    shaft: &ShaftSpec,
+) -> Result<([Vec3; 3], Vec3, f64), BuildError> {
+    let Some((first, place)) = gears_of(spec, shaft).next() else {
+        return Ok((UPRIGHT, Vec3::zeros(), 0.0));
+    };
+    let (axes, point) = (first.axes, Vec3::from(first.position));
+    for (gear, _) in gears_of(spec, shaft).skip(1) {
+        let off = (Vec3::from(gear.position) - point).cross(&axes[2]).norm();
+        let tilted = gear.axes[2].cross(&axes[2]).norm();
+        if off > OFF_AXIS || tilted > OFF_AXIS || gear.axes[2].dot(&axes[2]) < 0.0 {
+            return Err(shaft.refuse((
+                format!(
+                    "`{}` does not stand on the axis of `{}`: it is {off:.3e} m off it, and tilted by {tilted:.3e} rad",
+                    gear.name, first.name
+                ),
+                "give both the same position_m across the axis, and the same axis",
+            )));
+        }
+    }
+    Ok((axes, point, place))
+}
+
+fn mounts<'a>(
+    spec: &'a SceneSpec,
+    shaft: &'a ShaftSpec,
+) -> impl Iterator<Item = (&'a str, &'a Mount, f64)> {
+    shaft.stations.iter().map(|s| match &s.carries {
+        Carried::Gear(i) => {
+            let g = &spec.gears[*i];
+            (g.name.as_str(), &g.mount, g.speed)
+        }
+        Carried::Body(b) => (b.name.as_str(), &b.mount, b.speed),
+    })
+}
+
+/// The mount that holds or drives a rigid shaft as a whole.
+pub(super) fn rigid_mount(spec: &SceneSpec, shaft: &ShaftSpec) -> Option<Mount> {
+    if !shaft.sections.is_empty() {
+        return None;
+    }
+    let held = |m: &&Mount| matches!(m, Mount::Fixed | Mount::Driven(_));
+    mounts(spec, shaft).map(|m| m.1).find(held).cloned()
+}
+
+/// All that a rigid shaft carries turns alike, however one of them is held or driven.
+pub(super) fn share_mount(with: &mut SceneSpec, shaft: &ShaftSpec) -> Result<(), BuildError> {
+    if !shaft.sections.is_empty() {
+        return Ok(());
+    }
+    let moved = |l: &Option<Box<LateralSpec>>| {
+        let directions = l.iter().flat_map(|l| &l.directions);
+        directions
+            .into_iter()
+            .any(|d| matches!(d, Freedom::Driven(_)))
+    };
+    let driven = gears_of(with, shaft).find(|(g, _)| moved(&g.lateral));
+    let driven = driven.map(|(g, _)| g.name.as_str());
+    let body = shaft.bodies().find(|b| moved(&b.lateral));
+    if let Some(name) = driven.or(body.map(|b| b.name.as_str())) {
+        return Err(shaft.refuse((
+            format!("it is rigid, but a direction of `{name}` is driven"),
+            "give the sections of an elastic shaft, or hold the direction",
+        )));
+    }
+    let mut speed: Option<(&str, f64)> = None;
+    for (name, mount, own) in mounts(with, shaft) {
+        match (mount, speed) {
+            (Mount::Revolute, Some((other, speed))) if speed != own => {
+                return Err(shaft.refuse((
+                    format!(
+                        "it is rigid, but `{other}` starts at {speed} rad/s and `{name}` at {own} rad/s"
+                    ),
+                    "give both the same speed",
+                )));
+            }
+            (Mount::Revolute, None) => speed = Some((name, own)),
+            _ => {}
+        }
+    }
+    let Some(shared) = rigid_mount(with, shaft) else {
+        return Ok(());
+    };
+    if let Some((name, ..)) = mounts(with, shaft)
+        .find(|(_, mount, _)| !matches!(mount, Mount::Revolute) && **mount != shared)
+    {
+        return Err(shaft.refuse((
+            format!(
+                "it is rigid, but `{name}` is held or driven otherwise than what stands before it"
+            ),
+            "hold or drive one of them, or give the sections of an elastic shaft",
+        )));
+    }
+    for station in &shaft.stations {
+        if let Carried::Gear(i) = station.carries {
+            with.gears[i].mount = shared.clone();
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,169 @@
+//! Shafts: exact frequencies and deflections, what all methods keep, rigid shafts against bodies of one piece.
+
+mod beams;
+mod frequencies;
+mod rigid;
+mod torsion;
+
+use gearbench_integrators::{Coeffs, SecondOrderSystem, State};
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{
+    BodySpec, Carried, Modelling, SceneSpec, Section, SectionKind, ShaftSpec, Station,
+};
+use gearbench_models::stiffness::Material;
+use gearbench_tests::*;
+use nalgebra::{DMatrix, SymmetricEigen};
+use std::f64::consts::TAU;
+
+/// A station with a body that turns freely.
+pub fn body(place: f64, name: &str, inertia: f64) -> Station {
+    Station {
+        place,
+        carries: Carried::Body(Box::new(BodySpec::new(name, inertia))),
+    }
+}
+
+/// A station with a gear.
+pub fn on(place: f64, gear: usize) -> Station {
+    Station {
+        place,
+        carries: Carried::Gear(gear),
+    }
+}
+
+/// A torsional spring [N m/rad] of a length [m].
+pub fn coupling(length: f64, stiffness: f64) -> Section {
+    Section {
+        length,
+        kind: SectionKind::Coupling { stiffness },
+        divisions: 1,
+    }
+}
+
+/// A round bar.
+pub fn bar(length: f64, diameter: f64, material: Material, divisions: usize) -> Section {
+    Section {
+        length,
+        kind: SectionKind::Round {
+            diameters: [diameter, 0.0],
+            material,
+        },
+        divisions,
+    }
+}
+
+pub fn shaft(name: &str, stations: Vec<Station>, sections: Vec<Section>) -> ShaftSpec {
+    ShaftSpec {
+        name: name.into(),
+        stations,
+        sections,
+        ..ShaftSpec::default()
+    }
+}
+
+/// A scene of shafts alone.
+pub fn alone(shafts: Vec<ShaftSpec>) -> SceneSpec {
+    SceneSpec {
+        gears: vec![],
+        meshes: vec![],
+        shafts,
+    }
+}
+
+/// A scene with one model for all its gears.
+pub fn of_subject(spec: &SceneSpec, subject: &Subject) -> Scene {
+    let modelling = Modelling {
+        gears: vec![subject.spec.clone(); spec.gears.len()],
+        contacts: vec![subject.contact.clone(); spec.meshes.len()],
+    };
+    Scene::build(spec, &modelling, gearbench::models::models())
+        .unwrap_or_else(|e| panic!("{}: {e}", subject.name))
+}
+
+/// A matrix of a scene, column by column.
+fn matrix(n: usize, mut column: impl FnMut(&[f64], &mut [f64])) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(n, n);
+    let (mut unit, mut y) = (vec![0.0; n], vec![0.0; n]);
+    for j in 0..n {
+        unit[j] = 1.0;
+        column(&unit, &mut y);
+        unit[j] = 0.0;
+        (0..n).for_each(|i| out[(i, j)] = y[i]);
+    }
+    out
+}
+
+/// Mass and stiffness matrices at a state.
+pub fn matrices(scene: &mut Scene, s: &State) -> [DMatrix<f64>; 2] {
+    let n = s.q.len();
+    let zero = vec![0.0; n];
+    let mass = matrix(n, |x, y| scene.apply_mass(s.at(), x, y));
+    let stiffness = matrix(n, |x, y| {
+        scene.tangent_times(s.at(), x, &zero, y);
+        y.iter_mut().for_each(|y| *y = -*y);
+    });
+    [mass, stiffness]
+}
+
+/// Natural frequencies of an assembled scene about its initial state [Hz], ascending.
+pub fn frequencies(scene: &mut Scene) -> Vec<f64> {
+    let s = scene.initial();
+    squares(scene, &s)
+        .iter()
+        .map(|x| x.max(0.0).sqrt() / TAU)
+        .collect()
+}
+
+/// Squares of angular frequencies, ascending.
+pub fn squares(scene: &mut Scene, s: &State) -> Vec<f64> {
+    let [mass, stiffness] = matrices(scene, s);
+    let n = s.q.len();
+    let scale: Vec<f64> = (0..n).map(|i| mass[(i, i)].sqrt().recip()).collect();
+    let scaled = DMatrix::from_fn(n, n, |i, j| {
+        0.5 * (stiffness[(i, j)] + stiffness[(j, i)]) * scale[i] * scale[j]
+    });
+    let mut found: Vec<f64> = SymmetricEigen::new(scaled)
+        .eigenvalues
+        .iter()
+        .copied()
+        .collect();
+    found.sort_by(f64::total_cmp);
+    found
+}
+
+/// The correction of a scene solves the equations whose matrix its tangents make.
+pub fn corrects(scene: &mut Scene, s: &State, c: Coeffs, rigid: bool, what: &str) {
+    let n = s.q.len();
+    let mut rng = Numbers::new(7);
+    // Of the size that moves each coordinate alike.
+    let (of_q, _) = scales(scene);
+    let wanted = rng.vector(&of_q);
+    let held = if rigid {
+        held(scene, s, &wanted)
+    } else {
+        wanted
+    };
+    let mut rhs = vec![0.0; n];
+    scene.apply_mass(s.at(), &held, &mut rhs);
+    rhs.iter_mut().for_each(|x| *x *= c.m);
+    let (dq, dv): (Vec<f64>, Vec<f64>) = held.iter().map(|x| (c.k * x, c.d * x)).unzip();
+    let mut df = vec![0.0; n];
+    scene.tangent_times(s.at(), &dq, &dv, &mut df);
+    rhs.iter_mut().zip(&df).for_each(|(r, d)| *r -= d);
+    scene.correct(s.at(), c, &mut rhs).unwrap();
+    for (i, (x, w)) in rhs.iter().zip(&held).enumerate() {
+        assert!((x - w).abs() < 1e-7 * of_q[i], "{what}: {i}, {x} for {w}");
+    }
+}
+
+/// A direction that rigid shafts allow: accelerations by changes of force.
+fn held(scene: &mut Scene, s: &State, wanted: &[f64]) -> Vec<f64> {
+    let n = s.q.len();
+    let (mut x, zero) = (vec![0.0; n], vec![0.0; n]);
+    scene.tangent_times(s.at(), wanted, &zero, &mut x);
+    scene.solve_mass(s.at(), &mut x);
+    let (of_q, _) = scales(scene);
+    let sizes = x.iter().zip(&of_q).map(|(x, s)| (x / s).abs());
+    let largest = sizes.fold(0.0, f64::max);
+    x.iter().map(|x| x / largest).collect()
+}
