@@ -126,3 +126,58 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let gear = FullOrder::new(context.hub.clone(), context.effective_radius, body);
     Ok(Box::new(gear.with_lines(lines)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_support;
+    use gearbench_models::Vec3;
+    use gearbench_models::gear::elastic::lines::Strips;
+    use gearbench_models::kinematics::{BodyMass, Lateral};
+    use gearbench_models::spec::{Bearing, Freedom, Mount, Parameters, Value};
+    use gearbench_models::stiffness::Material;
+    use nalgebra::Matrix3;
+    use std::sync::Arc;
+
+    /// Coordinates of a gear, of them those of its hub, that is free sideways with a mass added, on axes of its own.
+    fn built(more: f64, lines: Option<Strips>) -> Result<(usize, usize), BuildError> {
+        let gear = test_support::stub(9, 0.0);
+        let mass = gear.mass_properties(Material::STEEL.density).mass;
+        let body = Toothing::Gear(gear);
+        let mut hub = test_support::hub(Mount::Revolute, None);
+        hub.axes = [Vec3::y(), Vec3::z(), Vec3::x()];
+        let mut directions = [const { Freedom::Held }; 6];
+        directions[..2].fill(Freedom::Free);
+        hub.lateral = Some(Arc::new(Lateral {
+            directions,
+            bearing: Bearing::default(),
+            body: BodyMass {
+                mass: mass + more,
+                inertia: Matrix3::identity(),
+                centre: Vec3::zeros(),
+            },
+            spins: false,
+        }));
+        let counts = ["flank", "fillet", "across", "rim", "width"];
+        let parameters: Parameters = counts
+            .map(|key| (format!("{key}_elements"), Value::Number(3.0)))
+            .into();
+        let context = GearContext {
+            lines,
+            ..test_support::context(&body, &hub, &parameters)
+        };
+        let gear = ROW.build(&context)?;
+        Ok((gear.hub().len(), gear.hub().coordinates()))
+    }
+
+    #[test]
+    fn a_hub_that_moves_sideways_has_its_directions() {
+        let (all, hub) = built(0.1, None).unwrap();
+        assert_eq!(hub, 3);
+        assert_eq!(all % 3, 0);
+        let e = built(-0.1, None).unwrap_err().to_string();
+        assert!(e.contains("leave `mass_kg` out"), "{e}");
+        let e = built(0.0, Some(Strips::Layers)).unwrap_err().to_string();
+        assert!(e.contains("local = \"mesh\""), "{e}");
+    }
+}
