@@ -40,6 +40,10 @@ keys! {
         profile_shift: f64,
         /// helix angle in degrees, right hand positive, default 0
         helix_angle_deg: Option<Degrees>,
+        /// angle in degrees by whose tangent the profile shift, in metres, grows along the axis: a conical gear (beveloid), `profile_shift` being that of the middle of the face; default 0
+        profile_shift_angle_deg: Option<Degrees>,
+        /// angle of the tip cone of a conical gear in degrees, default the profile-shift angle; `addendum_factor` is that of the middle of the face
+        tip_cone_angle_deg: Option<Degrees>,
         /// face width in metres, for example 0.01
         face_width_m: f64,
         /// addendum over module, default 1
@@ -346,6 +350,10 @@ impl GearKeys {
             pressure_angle: (self.pressure_angle_deg).map_or(default.pressure_angle, |a| a.0),
             profile_shift: self.profile_shift,
             helix_angle: self.helix_angle_deg.map_or(0.0, |a| a.0),
+            profile_shift_angle: self.profile_shift_angle_deg.map_or(0.0, |a| a.0),
+            tip_cone_angle: (self.tip_cone_angle_deg)
+                .or(self.profile_shift_angle_deg)
+                .map_or(0.0, |a| a.0),
             face_width: self.face_width_m,
             addendum: self.addendum_factor.unwrap_or(default.addendum),
             dedendum: self.dedendum_factor.unwrap_or(default.dedendum),
