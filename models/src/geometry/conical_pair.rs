@@ -29,8 +29,8 @@ use crate::Vec3;
 /// Corrections of the length of roll of the nearest place of a section.
 const MOST_CORRECTIONS: usize = 60;
 
-/// Divisions of the face width by the golden section in search of the nearest section.
-const DIVISIONS: usize = 50;
+/// Halvings of the face width in search of the nearest section.
+const HALVINGS: usize = 50;
 
 /// Repetitions that bring the contact to the middle of its path.
 const REPETITIONS: usize = 6;
@@ -81,6 +81,8 @@ struct Nearest {
     /// Heights of both gears [m].
     height: [f64; 2],
     distance: f64,
+    /// Change of the distance over the height.
+    rise: f64,
 }
 
 /// A pair of gears of which at least one is conical.
@@ -309,17 +311,16 @@ impl ConicalPair {
         (maps, ahead)
     }
 
-    /// The section of gear 1 that is nearest to gear 2 on the common face width.
+    /// The section of gear 1 that is nearest to gear 2 on the common face width: both flanks are convex.
     fn nearest_of_all(&self, side: Side) -> Nearest {
-        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
         let half = 0.5 * self.face_width;
         let (mut low, mut high) = (self.heights[0] - half, self.heights[0] + half);
-        for _ in 0..DIVISIONS {
-            let [x, y] = [high - golden * (high - low), low + golden * (high - low)];
-            if self.nearest(0, side, x).distance < self.nearest(0, side, y).distance {
-                high = y;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if self.nearest(0, side, middle).rise > 0.0 {
+                high = middle;
             } else {
-                low = x;
+                low = middle;
             }
         }
         self.nearest(0, side, 0.5 * (low + high))
@@ -337,6 +338,7 @@ impl ConicalPair {
             roll: [0.0; 2],
             height: [height; 2],
             distance: f64::INFINITY,
+            rise: 0.0,
         };
         for _ in 0..MOST_CORRECTIONS {
             let (p, base) = of_own.point(psi, roll, height);
@@ -346,7 +348,11 @@ impl ConicalPair {
             found.roll[other] = near.roll - near.distance / of_mate.cos_helix;
             found.height[other] = place.z;
             found.distance = near.distance;
-            let slope = frame.turn(&base).dot(&frame_mate.turn(&near.gradient));
+            let normal = frame_mate.turn(&near.gradient);
+            let twist = of_own.tan_helix / rb;
+            let upwards = frame.turn(&Vec3::new(-twist * p.y, twist * p.x, 1.0));
+            found.rise = upwards.dot(&normal);
+            let slope = frame.turn(&base).dot(&normal);
             let bend = of_mate.cos_helix * (1.0 + roll / near.roll.max(0.01 * rb)) / rb;
             let step = -slope / bend;
             roll = (roll + step).clamp(0.01 * rb, 3.0 * rb);
