@@ -1,5 +1,6 @@
 //! Conical gears (beveloids) on axes that meet: the pair of seed 000 against an independent tooth-contact analysis.
 
+mod loaded;
 mod tooth_contact;
 
 use super::*;
