@@ -1,5 +1,7 @@
 //! `[gears.NAME]`: toothing, material, hub, mount, speed, loads.
 
+mod params;
+
 use super::deviations::{DeviationKeys, deviations};
 use super::error::SceneError;
 use super::geometry::geometry;
@@ -12,9 +14,7 @@ use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Degrees, NotNegative, Positive};
 use gearbench_models::Vec3;
-use gearbench_models::geometry::{
-    Deviations, Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, TipRelief,
-};
+use gearbench_models::geometry::{Gear, Rack, ReliefShape};
 use gearbench_models::spec::{Body, GearSpec, Load, Mount, UPRIGHT};
 use gearbench_models::stiffness::{Material, Property, StiffnessError};
 use serde::Deserialize;
@@ -338,57 +338,6 @@ fn initial_speed(
             "use the mount \"revolute\" (a rack: \"prismatic\") for a body that moves freely",
         ),
         (speed, _) => Ok(speed.unwrap_or(0.0)),
-    }
-}
-
-impl GearKeys {
-    fn params(&self, deviations: Deviations) -> GearParams {
-        let default = GearParams::default();
-        GearParams {
-            teeth: self.teeth,
-            module: self.module_m,
-            pressure_angle: (self.pressure_angle_deg).map_or(default.pressure_angle, |a| a.0),
-            profile_shift: self.profile_shift,
-            helix_angle: self.helix_angle_deg.map_or(0.0, |a| a.0),
-            profile_shift_angle: self.profile_shift_angle_deg.map_or(0.0, |a| a.0),
-            tip_cone_angle: (self.tip_cone_angle_deg)
-                .or(self.profile_shift_angle_deg)
-                .map_or(0.0, |a| a.0),
-            face_width: self.face_width_m,
-            addendum: self.addendum_factor.unwrap_or(default.addendum),
-            dedendum: self.dedendum_factor.unwrap_or(default.dedendum),
-            tip_radius: self.tip_radius_factor.unwrap_or(default.tip_radius),
-            thinning: self.thinning_m,
-            bore_radius: self.bore_radius_m,
-            modifications: Modifications {
-                tip_relief: self.tip_relief.as_ref().map(|relief| TipRelief {
-                    amount: relief.amount_m,
-                    start_radius: relief.start_radius_m,
-                    shape: relief.shape.unwrap_or(ReliefShape::Linear),
-                }),
-                profile_crowning: self.profile_crowning_m,
-                lead_crowning: self.lead_crowning_m,
-            },
-            deviations,
-        }
-    }
-}
-
-impl RackKeys {
-    fn params(&self) -> RackParams {
-        let default = RackParams::default();
-        RackParams {
-            teeth: self.teeth,
-            module: self.module_m,
-            pressure_angle: (self.pressure_angle_deg).map_or(default.pressure_angle, |a| a.0),
-            face_width: self.face_width_m,
-            addendum: self.addendum_factor.unwrap_or(default.addendum),
-            dedendum: self.dedendum_factor.unwrap_or(default.dedendum),
-            tip_radius: self.tip_radius_factor.unwrap_or(default.tip_radius),
-            thinning: self.thinning_m,
-            body_height: self.body_height_m.unwrap_or(1.5 * self.module_m),
-            helix_angle: self.helix_angle_deg.map_or(0.0, |a| a.0),
-        }
     }
 }
 

@@ -60,7 +60,7 @@ pub(super) fn keys_of(e: &GeometryError) -> &'static [&'static str] {
         E::UnequalModules { .. } => &["module_m"],
         E::UnequalPressureAngles { .. } => &["pressure_angle_deg"],
         E::HelixMismatch { .. } => &["helix_angle_deg"],
-        E::FaceEnd { .. } | E::ConicalOnRack => &["profile_shift_angle_deg", "tip_cone_angle_deg"],
+        E::Conical(_) => &["profile_shift_angle_deg", "tip_cone_angle_deg"],
         _ => &[],
     }
 }

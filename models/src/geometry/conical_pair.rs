@@ -17,20 +17,19 @@
 //! (beveloid gears on crossed axes, Mech. Mach. Theory 2016 to 2020) have the same as two lines of action of crossed helical
 //! gears.
 
+mod member;
+
 use super::Side;
+use super::conical::ConicalError;
 use super::error::GeometryError;
 use super::frame::Frame;
 use super::gear::Gear;
-use super::helicoid::InvoluteHelicoid;
 use super::meshing::{FORM_SLACK, SLACK, check_clearance, check_same_rack};
 use super::pair::{Mate, Pair, Second};
-use crate::Vec3;
+use member::{Member, Nearest, common_face, index, nearest};
 
-/// Corrections of the length of roll of the nearest place of a section.
-const MOST_CORRECTIONS: usize = 60;
-
-/// Halvings of the face width in search of the nearest section.
-const HALVINGS: usize = 50;
+/// Secants in search of the nearest section.
+const MOST_SECANTS: usize = 40;
 
 /// Repetitions that bring the contact to the middle of its path.
 const REPETITIONS: usize = 6;
@@ -56,33 +55,6 @@ impl RollMap {
     pub fn roll(&self, s: f64) -> f64 {
         (s - self.shift) / self.scale
     }
-}
-
-/// One of the gears, where it stands.
-#[derive(Clone, Copy, Debug)]
-struct Member {
-    flanks: [InvoluteHelicoid; 2],
-    frame: Frame,
-    /// Direction to the mate in its axes [rad].
-    towards: f64,
-    r_base: f64,
-    cos_helix: f64,
-    pitch: f64,
-    half_angle: f64,
-    r_tip: f64,
-    tip_slope: f64,
-}
-
-/// Where a section is nearest to the mate.
-#[derive(Clone, Copy, Debug)]
-struct Nearest {
-    /// Lengths of roll of both gears [m].
-    roll: [f64; 2],
-    /// Heights of both gears [m].
-    height: [f64; 2],
-    distance: f64,
-    /// Change of the distance over the height.
-    rise: f64,
 }
 
 /// A pair of gears of which at least one is conical.
@@ -181,7 +153,9 @@ impl ConicalPair {
             .sum();
         let backlash = 2.0 * length + self.pair.base_pitch - arcs;
         if backlash < -SLACK * self.pair.distance {
-            return Err(GeometryError::ConicalOverlap { overlap: -backlash });
+            return Err(GeometryError::Conical(ConicalError::Overlap {
+                overlap: -backlash,
+            }));
         }
         self.pair.backlash_base = backlash.max(0.0);
         self.pair.backlash_circ = self.pair.backlash_base / alpha.cos();
@@ -244,6 +218,9 @@ impl ConicalPair {
             self.angles[i][0] += sigma * by / self.members[0].r_base;
             self.angles[i][1] -= sigma * by / self.members[1].r_base;
             near = self.nearest_of_all(side);
+            if by.abs() < 1e-14 * self.members[0].r_base {
+                break;
+            }
         }
         let mate = &self.members[1];
         self.angles[i][1] +=
@@ -311,101 +288,43 @@ impl ConicalPair {
         (maps, ahead)
     }
 
+    /// Where a transverse section of gear `own` is nearest to its mate, at the angles at which the flanks touch.
+    fn nearest(&self, own: usize, side: Side, height: f64) -> Nearest {
+        nearest(&self.members, self.angles[index(side)], (own, side), height)
+    }
+
     /// The section of gear 1 that is nearest to gear 2 on the common face width: both flanks are convex.
     fn nearest_of_all(&self, side: Side) -> Nearest {
         let half = 0.5 * self.face_width;
-        let (mut low, mut high) = (self.heights[0] - half, self.heights[0] + half);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if self.nearest(0, side, middle).rise > 0.0 {
-                high = middle;
+        let at = |z: f64| self.nearest(0, side, z);
+        let [low, high] = [-half, half].map(|z| at(self.heights[0] + z));
+        if low.rise >= 0.0 || high.rise <= 0.0 {
+            return if low.distance < high.distance {
+                low
             } else {
-                low = middle;
-            }
+                high
+            };
         }
-        self.nearest(0, side, 0.5 * (low + high))
-    }
-
-    /// Where a transverse section of gear `own` is nearest to its mate, at the angles at which the flanks touch.
-    fn nearest(&self, own: usize, side: Side, height: f64) -> Nearest {
-        let (i, other) = (index(side), 1 - own);
-        let [of_own, of_mate] = [own, other].map(|k| &self.members[k].flanks[i]);
-        let [psi, psi_mate] = [own, other].map(|k| self.angles[i][k]);
-        let [frame, frame_mate] = [own, other].map(|k| &self.members[k].frame);
-        let rb = of_own.base_radius;
-        let mut roll = 0.4 * rb;
-        let mut found = Nearest {
-            roll: [0.0; 2],
-            height: [height; 2],
-            distance: f64::INFINITY,
-            rise: 0.0,
-        };
-        for _ in 0..MOST_CORRECTIONS {
-            let (p, base) = of_own.point(psi, roll, height);
-            let place = frame_mate.point_back(&frame.point(&p));
-            let near = of_mate.near(psi_mate, &place);
-            found.roll[own] = roll;
-            found.roll[other] = near.roll - near.distance / of_mate.cos_helix;
-            found.height[other] = place.z;
-            found.distance = near.distance;
-            let normal = frame_mate.turn(&near.gradient);
-            let twist = of_own.tan_helix / rb;
-            let upwards = frame.turn(&Vec3::new(-twist * p.y, twist * p.x, 1.0));
-            found.rise = upwards.dot(&normal);
-            let slope = frame.turn(&base).dot(&normal);
-            let bend = of_mate.cos_helix * (1.0 + roll / near.roll.max(0.01 * rb)) / rb;
-            let step = -slope / bend;
-            roll = (roll + step).clamp(0.01 * rb, 3.0 * rb);
-            if step.abs() < 1e-11 * rb {
+        // The regula falsi, which halves the weight of an end that stays (Illinois).
+        let mut ends = [(low.height[0], low.rise), (high.height[0], high.rise)];
+        let (mut near, mut last) = (low, None);
+        for _ in 0..MOST_SECANTS {
+            let [(a, f), (b, g)] = ends;
+            near = at(b - g * (b - a) / (g - f));
+            let moved = (near.height[0], near.rise);
+            let end = usize::from(near.rise > 0.0);
+            let step = (ends[end].0 - near.height[0]).abs();
+            ends[end] = moved;
+            if last == Some(end) {
+                ends[1 - end].1 *= 0.5;
+            }
+            last = Some(end);
+            if step < 1e-14 * half || near.rise == 0.0 {
                 break;
             }
         }
-        found
+        near
     }
-}
-
-impl Member {
-    fn new(gear: &Gear, frame: Frame, to_mate: Vec3) -> Self {
-        Member {
-            flanks: Side::BOTH.map(|side| *gear.flank(side)),
-            frame,
-            towards: (frame.axes[1].dot(&to_mate)).atan2(frame.axes[0].dot(&to_mate)),
-            r_base: gear.r_base(),
-            cos_helix: gear.base_helix_angle().cos(),
-            pitch: gear.pitch_angle(),
-            half_angle: gear.half_angle_base(),
-            r_tip: gear.r_tip(),
-            tip_slope: gear.params().tip_cone_angle.tan(),
-        }
-    }
-}
-
-fn index(side: Side) -> usize {
-    usize::from(side == Side::Right)
-}
-
-/// Middle of the common face width from the middles of both, and its size [m].
-fn common_face(gears: [&Gear; 2], members: &[Member; 2]) -> Result<([f64; 2], f64), GeometryError> {
-    let [a, b] = members;
-    let apart = (b.frame.origin - a.frame.origin).norm();
-    // Where the middle of each face comes nearest to the mate.
-    let front = |m: &Member| {
-        let (sin, cos) = m.towards.sin_cos();
-        let radius = apart * m.r_base / (a.r_base + b.r_base);
-        m.frame.point(&Vec3::new(radius * cos, radius * sin, 0.0))
-    };
-    let up = |m: &Member, x: &Vec3| m.frame.point_back(x).z;
-    let offset = 0.5 * (up(a, &front(b)) - up(b, &front(a)));
-    let half = gears.map(|g| 0.5 * g.face_width());
-    let (low, high) = (
-        (-half[0]).max(offset - half[1]),
-        half[0].min(offset + half[1]),
-    );
-    if high <= low {
-        return Err(GeometryError::FacesApart { offset });
-    }
-    let middle = 0.5 * (low + high);
-    Ok(([middle, middle - offset], high - low))
 }
 
 impl Pair {

@@ -1,5 +1,6 @@
 //! Why a geometry is refused: one variant per cause, each with the numbers and a way out.
 
+use super::conical::ConicalError;
 use super::quantity::Quantity;
 use crate::error::{Reason, reasoned};
 
@@ -81,18 +82,8 @@ pub enum GeometryError {
         below: f64,
         reduce_by: f64,
     },
-    /// Conical gears whose teeth are too thick for each other where they stand.
-    ConicalOverlap { overlap: f64 },
-    /// Conical gears whose faces are not in front of each other.
-    FacesApart { offset: f64 },
-    /// A tooth of a conical gear that cannot be at one end of its face.
-    FaceEnd {
-        height: f64,
-        profile_shift: f64,
-        why: Box<GeometryError>,
-    },
-    /// Conical gears mesh with gears.
-    ConicalOnRack,
+    /// What only conical gears are refused for.
+    Conical(ConicalError),
     /// Contact would be lost between one tooth pair and the next.
     ContactRatio { value: f64 },
 }
@@ -330,34 +321,7 @@ impl GeometryError {
                      m, or change profile shift or distance"
                 ),
             ),
-            Self::ConicalOverlap { overlap } => (
-                format!("flanks overlap: where the conical gears stand the backlash is {:.3e} m", -overlap),
-                "move one along its axis towards the side where its teeth are thinner, lower a profile shift, or thin \
-                     the teeth"
-                    .to_owned(),
-            ),
-            Self::FacesApart { offset } => (
-                format!("the face widths do not meet: their middles are {offset:.4e} m apart along the axis"),
-                "give positions that bring the gears in front of each other".to_owned(),
-            ),
-            Self::FaceEnd {
-                height,
-                profile_shift,
-                why,
-            } => {
-                let Reason { cause, help } = why.reason();
-                (
-                    format!(
-                        "at the height {height:.4} m, the end of the face where the profile shift is \
-                         {profile_shift:.4}: {cause}"
-                    ),
-                    format!("{help}, there; or take a smaller profile-shift angle or face width"),
-                )
-            }
-            Self::ConicalOnRack => (
-                "a conical gear meshes with a rack".to_owned(),
-                "conical gears mesh with gears, conical or cylindrical".to_owned(),
-            ),
+            Self::Conical(why) => return why.reason(),
             Self::ContactRatio { value } => (
                 format!("contact ratio {value:.4} is below 1: contact is lost between tooth pairs"),
                 "reduce the distance, or use a larger addendum, more teeth or a smaller \

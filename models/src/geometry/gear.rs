@@ -22,7 +22,6 @@ use super::error::{GeometryError, finite};
 use super::fillet::{Fillet, ToolTip};
 use super::helicoid::InvoluteHelicoid;
 use super::involute::{inv, inv_inverse, inv_of_tangent};
-use super::modification::Modifications;
 use super::parameters::GearParams;
 use super::quantity::Quantity;
 
@@ -47,7 +46,7 @@ pub struct Gear {
     pub(super) fillet: Fillet,
     deviations: Option<Arc<ToothDeviations>>,
     /// Left and right.
-    flanks: [InvoluteHelicoid; 2],
+    pub(super) flanks: [InvoluteHelicoid; 2],
 }
 
 impl Gear {
@@ -174,70 +173,6 @@ impl Gear {
         };
         gear.check_depth_of_modifications()?;
         Ok(gear)
-    }
-
-    /// The same with the flanks that a tilted rack cuts.
-    fn conical(mut self) -> Result<Self, GeometryError> {
-        if self.deviates() {
-            return Err(GeometryError::Deviations {
-                what: "deviations of single teeth",
-                found: "a conical gear".to_owned(),
-                expected: "a cylindrical one, or no deviations".to_owned(),
-            });
-        }
-        self.flanks = [Side::Left, Side::Right]
-            .map(|side| InvoluteHelicoid::of_tilted_rack(&self.params, side));
-        for end in [-0.5, 0.5] {
-            let height = end * self.face_width();
-            let section = self.section(height);
-            let profile_shift = section.profile_shift;
-            Gear::new(section).map_err(|why| GeometryError::FaceEnd {
-                height,
-                profile_shift,
-                why: Box::new(why),
-            })?;
-        }
-        Ok(self)
-    }
-
-    /// The cylindrical gear with the profile shift and the tip radius of a transverse section, without modifications.
-    fn section(&self, height: f64) -> GearParams {
-        let p = &self.params;
-        let grown = height * p.profile_shift_angle.tan();
-        let tip = height * p.tip_cone_angle.tan();
-        GearParams {
-            profile_shift: p.profile_shift + grown / p.module,
-            addendum: p.addendum + (tip - grown) / p.module,
-            profile_shift_angle: 0.0,
-            tip_cone_angle: 0.0,
-            modifications: Modifications::default(),
-            ..p.clone()
-        }
-    }
-
-    /// Whether profile shift or tip radius vary along the axis: a conical gear (beveloid). Radii, thicknesses and angles of
-    /// it that name no height or side are those of the cylindrical gear with the profile shift of its middle section.
-    pub fn is_conical(&self) -> bool {
-        self.params.profile_shift_angle != 0.0 || self.params.tip_cone_angle != 0.0
-    }
-
-    /// A flank of a tooth at the angle zero.
-    pub fn flank(&self, side: Side) -> &InvoluteHelicoid {
-        &self.flanks[usize::from(side == Side::Right)]
-    }
-
-    /// Tip radius (m) at a height over the middle of the face width (m).
-    pub fn r_tip_at(&self, height: f64) -> f64 {
-        self.r_tip + height * self.params.tip_cone_angle.tan()
-    }
-
-    /// Length of roll (m) of a flank at the tip, at a height over the middle of the face width (m).
-    pub fn roll_length_tip_at(&self, side: Side, height: f64) -> f64 {
-        if !self.is_conical() {
-            return self.roll_length_tip();
-        }
-        let (tip, base) = (self.r_tip_at(height), self.flank(side).base_radius);
-        ((tip - base) * (tip + base)).max(0.0).sqrt()
     }
 
     /// The modifications must leave some tooth at the tip.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use super::conical::ConicalError;
 use super::error::{GeometryError, not_negative, positive};
 use super::gear::Gear;
 use super::involute::inv;
@@ -90,7 +91,7 @@ impl Pair {
         if let Mate::Rack(_) = mate
             && gear.is_conical()
         {
-            return Err(GeometryError::ConicalOnRack);
+            return Err(GeometryError::Conical(ConicalError::OnRack));
         }
         let pair = match mate {
             Mate::Gear(two) => {

@@ -20,6 +20,7 @@
 //! *Gear Geometry and Applied Theory* (2nd ed., 2004), chapters 6, 10 and 11; each module names
 //! its own.
 
+mod conical;
 mod conical_pair;
 mod deviation;
 mod error;
@@ -43,6 +44,7 @@ mod refusal_tests;
 #[cfg(test)]
 mod sweep_tests;
 
+pub use conical::ConicalError;
 pub use conical_pair::{ConicalPair, RollMap};
 pub use deviation::{Deviations, FlankDeviations, GivenDeviations, IsoTolerances};
 pub use error::GeometryError;

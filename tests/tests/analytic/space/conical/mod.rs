@@ -205,3 +205,25 @@ fn transmission_error_of_conical_gears_is_that_of_the_tooth_contact_analysis() {
         }
     }
 }
+
+#[test]
+fn only_rigid_gears_and_movable_teeth_are_conical() {
+    use gearbench_models::spec::ModelSpec;
+    let spec = seed_pair(0.0, 0.0);
+    for (id, words) in [("elastic", "conical"), ("fe", "conical")] {
+        let model = ModelSpec {
+            id: id.into(),
+            parameters: std::collections::BTreeMap::new(),
+        };
+        let modelling = gearbench_models::spec::Modelling {
+            gears: vec![model.clone(), model],
+            contacts: vec![contact(1.5e10)],
+        };
+        let refused = Scene::build(&spec, &modelling, gearbench::models::models());
+        let why = refused.err().expect("it is refused").to_string();
+        assert!(
+            why.contains(words) && why.contains("rigid gears"),
+            "{id}: {why}"
+        );
+    }
+}
