@@ -59,7 +59,7 @@ keys! {
         #[serde(default)]
         bore_radius_m: f64,
         /// { amount_m, start_radius_m, shape = "linear" or "parabolic" }
-        tip_relief: Option<ReliefKeys>,
+        tip_relief: Option<Box<ReliefKeys>>,
         /// material removed at tip and root by profile crowning in metres, default 0
         #[serde(default)]
         profile_crowning_m: f64,

@@ -87,8 +87,8 @@ impl Gear {
                 expected: "a cylindrical one, or no deviations".to_owned(),
             });
         }
-        self.flanks = [Side::Left, Side::Right]
-            .map(|side| InvoluteHelicoid::of_tilted_rack(self.params(), side));
+        let cut = |side| InvoluteHelicoid::of_tilted_rack(self.params(), side);
+        self.flanks = Box::new(Side::BOTH.map(cut));
         for end in [-0.5, 0.5] {
             let height = end * self.face_width();
             let section = self.section(height);

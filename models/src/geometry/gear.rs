@@ -46,7 +46,7 @@ pub struct Gear {
     pub(super) fillet: Fillet,
     deviations: Option<Arc<ToothDeviations>>,
     /// Left and right.
-    pub(super) flanks: [InvoluteHelicoid; 2],
+    pub(super) flanks: Box<[InvoluteHelicoid; 2]>,
 }
 
 impl Gear {
@@ -158,13 +158,13 @@ impl Gear {
             roll: [s_form, s_tip, s_relief],
             fillet,
             deviations,
-            flanks: [Side::Left, Side::Right].map(|side| InvoluteHelicoid {
+            flanks: Box::new(Side::BOTH.map(|side| InvoluteHelicoid {
                 side,
                 base_radius: r_base,
                 tan_helix: beta_b.tan(),
                 cos_helix: beta_b.cos(),
                 half_angle: chi,
-            }),
+            })),
         };
         let gear = if gear.is_conical() {
             gear.conical()?
