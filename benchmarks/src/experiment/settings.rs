@@ -105,8 +105,16 @@ fn gear_text(g: &GearSpec) -> String {
     let toothing = match &g.body {
         Body::Gear(x) => {
             let p = x.params();
+            let conical = match x.is_conical() {
+                true => format!(
+                    ", conical: profile shift {} deg, tip {} deg, mass and stiffness of the middle section",
+                    short(p.profile_shift_angle.to_degrees(), 5),
+                    short(p.tip_cone_angle.to_degrees(), 5)
+                ),
+                false => String::new(),
+            };
             format!(
-                "z = {}, m = {} mm, x = {}, b = {} mm, helix {} deg",
+                "z = {}, m = {} mm, x = {}, b = {} mm, helix {} deg{conical}",
                 p.teeth,
                 short(p.module * 1e3, 4),
                 short(p.profile_shift, 4),

@@ -1,7 +1,6 @@
 //! Ranges of the stiffness formulas, and where a scene leaves them.
 
 use super::{ModelChoice, SceneError, SceneFile};
-use gearbench_models::geometry::Pair;
 use gearbench_models::spec::{Body, ContactSpec, SceneSpec, mesh_layout};
 use gearbench_models::stiffness::build_with_warnings;
 
@@ -16,14 +15,12 @@ pub(crate) fn formula_limits(
         return Vec::new();
     };
     let materials = [a.material, b.material];
-    let pair = Pair::new(ga, &b.body, l.distance).ok();
-    let built = pair.and_then(|pair| {
-        let stiffness = &contact.stiffness;
-        build_with_warnings(stiffness, ga, &b.body, &pair, materials, l.face_width).ok()
-    });
-    built.map_or_else(Vec::new, |b| {
-        b.warnings.iter().map(ToString::to_string).collect()
-    })
+    let stiffness = &contact.stiffness;
+    let built = build_with_warnings(stiffness, ga, &b.body, &l.pair, materials, l.face_width);
+    built.map_or_else(
+        |_| Vec::new(),
+        |b| b.warnings.iter().map(ToString::to_string).collect(),
+    )
 }
 
 impl SceneFile {

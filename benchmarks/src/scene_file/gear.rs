@@ -1,5 +1,7 @@
 //! `[gears.NAME]`: toothing, material, hub, mount, speed, loads.
 
+mod params;
+
 use super::deviations::{DeviationKeys, deviations};
 use super::error::SceneError;
 use super::geometry::geometry;
@@ -12,9 +14,7 @@ use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Degrees, NotNegative, Positive};
 use gearbench_models::Vec3;
-use gearbench_models::geometry::{
-    Deviations, Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, TipRelief,
-};
+use gearbench_models::geometry::{Gear, Rack, ReliefShape};
 use gearbench_models::spec::{Body, GearSpec, Load, Mount, UPRIGHT};
 use gearbench_models::stiffness::{Material, Property, StiffnessError};
 use serde::Deserialize;
@@ -40,6 +40,10 @@ keys! {
         profile_shift: f64,
         /// helix angle in degrees, right hand positive, default 0
         helix_angle_deg: Option<Degrees>,
+        /// angle in degrees by whose tangent the profile shift, in metres, grows along the axis: a conical gear (beveloid), `profile_shift` being that of the middle of the face; default 0
+        profile_shift_angle_deg: Option<Degrees>,
+        /// angle of the tip cone of a conical gear in degrees, default the profile-shift angle; `addendum_factor` is that of the middle of the face
+        tip_cone_angle_deg: Option<Degrees>,
         /// face width in metres, for example 0.01
         face_width_m: f64,
         /// addendum over module, default 1
@@ -55,7 +59,7 @@ keys! {
         #[serde(default)]
         bore_radius_m: f64,
         /// { amount_m, start_radius_m, shape = "linear" or "parabolic" }
-        tip_relief: Option<ReliefKeys>,
+        tip_relief: Option<Box<ReliefKeys>>,
         /// material removed at tip and root by profile crowning in metres, default 0
         #[serde(default)]
         profile_crowning_m: f64,
@@ -334,53 +338,6 @@ pub(super) fn initial_speed(
             "use the mount \"revolute\" (a rack: \"prismatic\") for a body that moves freely",
         ),
         (speed, _) => Ok(speed.unwrap_or(0.0)),
-    }
-}
-
-impl GearKeys {
-    fn params(&self, deviations: Deviations) -> GearParams {
-        let default = GearParams::default();
-        GearParams {
-            teeth: self.teeth,
-            module: self.module_m,
-            pressure_angle: (self.pressure_angle_deg).map_or(default.pressure_angle, |a| a.0),
-            profile_shift: self.profile_shift,
-            helix_angle: self.helix_angle_deg.map_or(0.0, |a| a.0),
-            face_width: self.face_width_m,
-            addendum: self.addendum_factor.unwrap_or(default.addendum),
-            dedendum: self.dedendum_factor.unwrap_or(default.dedendum),
-            tip_radius: self.tip_radius_factor.unwrap_or(default.tip_radius),
-            thinning: self.thinning_m,
-            bore_radius: self.bore_radius_m,
-            modifications: Modifications {
-                tip_relief: self.tip_relief.as_ref().map(|relief| TipRelief {
-                    amount: relief.amount_m,
-                    start_radius: relief.start_radius_m,
-                    shape: relief.shape.unwrap_or(ReliefShape::Linear),
-                }),
-                profile_crowning: self.profile_crowning_m,
-                lead_crowning: self.lead_crowning_m,
-            },
-            deviations,
-        }
-    }
-}
-
-impl RackKeys {
-    fn params(&self) -> RackParams {
-        let default = RackParams::default();
-        RackParams {
-            teeth: self.teeth,
-            module: self.module_m,
-            pressure_angle: (self.pressure_angle_deg).map_or(default.pressure_angle, |a| a.0),
-            face_width: self.face_width_m,
-            addendum: self.addendum_factor.unwrap_or(default.addendum),
-            dedendum: self.dedendum_factor.unwrap_or(default.dedendum),
-            tip_radius: self.tip_radius_factor.unwrap_or(default.tip_radius),
-            thinning: self.thinning_m,
-            body_height: self.body_height_m.unwrap_or(1.5 * self.module_m),
-            helix_angle: self.helix_angle_deg.map_or(0.0, |a| a.0),
-        }
     }
 }
 

@@ -32,6 +32,8 @@ pub(super) fn keys_of(e: &GeometryError) -> &'static [&'static str] {
             Q::Thinning => &["thinning_m"],
             Q::FaceWidth => &["face_width_m"],
             Q::ProfileShift => &["profile_shift"],
+            Q::ProfileShiftAngle => &["profile_shift_angle_deg"],
+            Q::TipConeAngle => &["tip_cone_angle_deg", "profile_shift_angle_deg"],
             Q::BoreRadius => &["bore_radius_m"],
             Q::ProfileCrowning => &["profile_crowning_m"],
             Q::LeadCrowning => &["lead_crowning_m"],
@@ -58,6 +60,7 @@ pub(super) fn keys_of(e: &GeometryError) -> &'static [&'static str] {
         E::UnequalModules { .. } => &["module_m"],
         E::UnequalPressureAngles { .. } => &["pressure_angle_deg"],
         E::HelixMismatch { .. } => &["helix_angle_deg"],
+        E::Conical(_) => &["profile_shift_angle_deg", "tip_cone_angle_deg"],
         _ => &[],
     }
 }

@@ -16,7 +16,8 @@ use gearbench_models::Vec3;
 use gearbench_models::error::Reason;
 use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, Side};
 use gearbench_models::spec::{
-    Body, MeshSpec, SceneSpec, Start, UPRIGHT, layout_axes, mesh_layout, turned_to,
+    Body, GearSpec, MeshSpec, SceneSpec, Start, UPRIGHT, layout_axes, mesh_layout,
+    pair_of as at_positions, turned_to,
 };
 
 keys! {
@@ -174,6 +175,13 @@ fn put(
     }
     let distance = match (keys.centre_distance_m, keys.backlash_m) {
         (Some(distance), None) => distance.0,
+        (None, Some(_)) if [a, b].iter().any(|i| is_conical(&gears[*i].spec.body)) => {
+            return at.key("backlash_m").refuse(
+                "the backlash of conical gears does not tell where they stand",
+                "no place follows from this",
+                "give `centre_distance_m` for parallel axes, or `position_m` and `axis` to the gears",
+            );
+        }
         (None, Some(backlash)) => for_backlash(&gears[a].spec.body, &gears[b].spec.body, backlash)
             .map_err(|e| refusal(&gears[a], &gears[b], &e, at))?,
         (Some(_), Some(_)) => {
@@ -201,6 +209,10 @@ fn put(
     placed[new] = true;
     set_facing(&mut gears[b], direction);
     Ok(())
+}
+
+fn is_conical(body: &Body) -> bool {
+    matches!(body, Body::Gear(gear) if gear.is_conical())
 }
 
 /// From one place to another in axes.
@@ -245,22 +257,11 @@ fn rack_distance(gear: &Gear, rack: &Rack, backlash: f64) -> f64 {
 
 /// The pair at its positions.
 fn pair_at(a: &GearDraft, b: &GearDraft, at: &Place<'_>) -> Result<Pair, SceneError> {
-    let Body::Gear(gear) = &a.spec.body else {
-        unreachable!("`pair_of` refuses a rack as the first gear")
-    };
-    let (pa, pb) = (
-        a.position.unwrap_or_default(),
-        b.position.unwrap_or_default(),
-    );
-    let [dx, dy, _] = in_axes(&layout_axes(&a.spec, &b.spec), pa, pb);
-    let distance = match &b.spec.body {
-        Body::Gear(_) => dx.hypot(dy),
-        Body::Rack(_) => {
-            let direction = b.spec.facing + std::f64::consts::PI;
-            dx * direction.cos() + dy * direction.sin()
-        }
-    };
-    Pair::new(gear, &b.spec.body, distance).map_err(|e| refusal(a, b, &e, at))
+    let [one, two] = [a, b].map(|g| GearSpec {
+        position: g.position.unwrap_or_default(),
+        ..g.spec.clone()
+    });
+    at_positions(&one, &two).map_err(|e| refusal(a, b, &e, at))
 }
 
 /// A refusal of a pair: at the two keys that disagree, or at what sets the distance.

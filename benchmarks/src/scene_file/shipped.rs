@@ -38,6 +38,8 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("hammer"),
     shipped!("helical_loaded"),
     shipped!("misaligned"),
+    shipped!("beveloid"),
+    shipped!("beveloid_corrected"),
     shipped!("backlash_parametric"),
     shipped!("backlash_forced"),
     shipped!("driveline"),

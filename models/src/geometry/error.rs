@@ -1,5 +1,6 @@
 //! Why a geometry is refused: one variant per cause, each with the numbers and a way out.
 
+use super::conical::ConicalError;
 use super::quantity::Quantity;
 use crate::error::{Reason, reasoned};
 
@@ -81,6 +82,8 @@ pub enum GeometryError {
         below: f64,
         reduce_by: f64,
     },
+    /// What only conical gears are refused for.
+    Conical(ConicalError),
     /// Contact would be lost between one tooth pair and the next.
     ContactRatio { value: f64 },
 }
@@ -118,7 +121,10 @@ impl GeometryError {
                 expected,
             } => (
                 match what {
-                    Quantity::PressureAngle | Quantity::HelixAngle => {
+                    Quantity::PressureAngle
+                    | Quantity::HelixAngle
+                    | Quantity::ProfileShiftAngle
+                    | Quantity::TipConeAngle => {
                         format!("{} is {:.6} degrees", what.name(), value.to_degrees())
                     }
                     _ => format!("{} is {value}", what.name()),
@@ -315,6 +321,7 @@ impl GeometryError {
                      m, or change profile shift or distance"
                 ),
             ),
+            Self::Conical(why) => return why.reason(),
             Self::ContactRatio { value } => (
                 format!("contact ratio {value:.4} is below 1: contact is lost between tooth pairs"),
                 "reduce the distance, or use a larger addendum, more teeth or a smaller \

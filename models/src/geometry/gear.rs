@@ -20,6 +20,7 @@ use super::Side;
 use super::deviation::{ToothDeviations, Toothing};
 use super::error::{GeometryError, finite};
 use super::fillet::{Fillet, ToolTip};
+use super::helicoid::InvoluteHelicoid;
 use super::involute::{inv, inv_inverse, inv_of_tangent};
 use super::parameters::GearParams;
 use super::quantity::Quantity;
@@ -44,6 +45,8 @@ pub struct Gear {
     roll: [f64; 3],
     pub(super) fillet: Fillet,
     deviations: Option<Arc<ToothDeviations>>,
+    /// Left and right.
+    pub(super) flanks: Box<[InvoluteHelicoid; 2]>,
 }
 
 impl Gear {
@@ -155,6 +158,18 @@ impl Gear {
             roll: [s_form, s_tip, s_relief],
             fillet,
             deviations,
+            flanks: Box::new(Side::BOTH.map(|side| InvoluteHelicoid {
+                side,
+                base_radius: r_base,
+                tan_helix: beta_b.tan(),
+                cos_helix: beta_b.cos(),
+                half_angle: chi,
+            })),
+        };
+        let gear = if gear.is_conical() {
+            gear.conical()?
+        } else {
+            gear
         };
         gear.check_depth_of_modifications()?;
         Ok(gear)

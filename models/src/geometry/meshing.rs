@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use super::conical::ConicalError;
 use super::error::{GeometryError, not_negative, positive};
 use super::gear::Gear;
 use super::involute::inv;
@@ -11,16 +12,16 @@ use super::rack::Rack;
 
 /// Relative slack on lengths that decide a refusal, far above rounding and far below any tolerance
 /// of manufacture.
-const SLACK: f64 = 1e-10;
+pub(super) const SLACK: f64 = 1e-10;
 
 /// How far a tip may pass the start of the mate's involute, in modules along the line of action,
 /// before it counts as interference: ISO 53 rounds the tip radius factor 0.25 / (1 - sin 20 deg) =
 /// 0.3799 to 0.38, so that a standard gear on a standard rack would miss by 1e-4. The path of
 /// contact is then cut at the form circle.
-const FORM_SLACK: f64 = 2e-4;
+pub(super) const FORM_SLACK: f64 = 2e-4;
 
 /// Refuses members cut by different basic racks.
-fn check_same_rack(gear: &Gear, mate: Mate<'_>) -> Result<(), GeometryError> {
+pub(super) fn check_same_rack(gear: &Gear, mate: Mate<'_>) -> Result<(), GeometryError> {
     // Normal module, normal pressure angle and helix angle.
     let of_gear = |g: &Gear| {
         let p = g.params();
@@ -61,7 +62,7 @@ fn backlash_constant(one: &Gear, two: &Gear) -> f64 {
 }
 
 /// Refuses tips that run into the root of their mate.
-fn check_clearance(
+pub(super) fn check_clearance(
     names: [&'static str; 2],
     clearance: [f64; 2],
     distance: f64,
@@ -75,7 +76,7 @@ fn check_clearance(
 }
 
 impl Pair {
-    /// Sets a gear and its mate at a centre distance, or at a distance from the gear's centre to the reference line of
+    /// Sets a gear and its mate on parallel axes at a centre distance, or at a distance from the gear's centre to the reference line of
     /// a rack (m).
     ///
     /// # Errors
@@ -87,6 +88,11 @@ impl Pair {
         distance: f64,
     ) -> Result<Self, GeometryError> {
         let mate = mate.into();
+        if let Mate::Rack(_) = mate
+            && gear.is_conical()
+        {
+            return Err(GeometryError::Conical(ConicalError::OnRack));
+        }
         let pair = match mate {
             Mate::Gear(two) => {
                 positive(Quantity::CentreDistance, distance)?;

@@ -20,11 +20,15 @@
 //! *Gear Geometry and Applied Theory* (2nd ed., 2004), chapters 6, 10 and 11; each module names
 //! its own.
 
+mod conical;
+mod conical_pair;
 mod deviation;
 mod error;
 mod fillet;
 mod flanks;
+mod frame;
 mod gear;
+mod helicoid;
 mod involute;
 mod meshing;
 mod modification;
@@ -40,10 +44,14 @@ mod refusal_tests;
 #[cfg(test)]
 mod sweep_tests;
 
+pub use conical::ConicalError;
+pub use conical_pair::{ConicalPair, RollMap};
 pub use deviation::{Deviations, FlankDeviations, GivenDeviations, IsoTolerances};
 pub use error::GeometryError;
 pub use flanks::{FlankGrid, Flanks};
+pub use frame::Frame;
 pub use gear::Gear;
+pub use helicoid::{InvoluteHelicoid, Near};
 pub use involute::{inv, inv_inverse};
 pub use modification::{Modifications, ReliefShape, TipRelief};
 pub use outline::MassProperties;

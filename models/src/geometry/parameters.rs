@@ -20,6 +20,11 @@ pub struct GearParams {
     pub profile_shift: f64,
     /// Helix angle at the reference circle (rad); right hand positive, 0 for a spur gear.
     pub helix_angle: f64,
+    /// Profile-shift angle (rad) of a conical gear (beveloid): the profile shift `x m_n` grows by its tangent along the
+    /// axis; `profile_shift` is that of the middle of the face width. 0 for a cylindrical gear.
+    pub profile_shift_angle: f64,
+    /// Angle of the tip cone (rad): the tip radius grows by its tangent along the axis.
+    pub tip_cone_angle: f64,
     /// Face width (m).
     pub face_width: f64,
     /// Addendum factor h_a* of the basic rack.
@@ -47,6 +52,8 @@ impl Default for GearParams {
             pressure_angle: 20f64.to_radians(),
             profile_shift: 0.0,
             helix_angle: 0.0,
+            profile_shift_angle: 0.0,
+            tip_cone_angle: 0.0,
             face_width: 10e-3,
             addendum: 1.0,
             dedendum: 1.25,
@@ -156,6 +163,17 @@ impl GearParams {
             self.face_width,
         )?;
         finite(Quantity::ProfileShift, self.profile_shift)?;
+        for (what, angle) in [
+            (Quantity::ProfileShiftAngle, self.profile_shift_angle),
+            (Quantity::TipConeAngle, self.tip_cone_angle),
+        ] {
+            check(
+                what,
+                angle,
+                angle.abs() <= FRAC_PI_4,
+                "an angle from -45 to 45 degrees (0.785 rad)",
+            )?;
+        }
         not_negative(Quantity::BoreRadius, self.bore_radius)
     }
 }

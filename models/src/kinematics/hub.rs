@@ -1,5 +1,6 @@
 //! The hub that carries a gear: where it is, how its mount lets it move, what the mount exerts.
 
+use super::HubFrame;
 use super::freedom::{self, Lateral, Motion};
 use super::row::Row;
 use crate::Vec3;
@@ -24,40 +25,6 @@ pub enum Direction<'a> {
     Free,
     /// Its speed is prescribed as a function of time.
     Driven(&'a Profile),
-}
-
-/// Axes of a hub and its origin in space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HubFrame {
-    /// The third is that of the gear.
-    pub axes: [Vec3; 3],
-    /// [m]
-    pub origin: Vec3,
-}
-
-impl HubFrame {
-    /// A point in space in these axes [m].
-    #[inline]
-    pub fn point_back(&self, x: &Vec3) -> Vec3 {
-        let r = x - self.origin;
-        Vec3::new(
-            self.axes[0].dot(&r),
-            self.axes[1].dot(&r),
-            self.axes[2].dot(&r),
-        )
-    }
-
-    /// A direction in these axes, in space.
-    #[inline]
-    pub fn turn(&self, x: &Vec3) -> Vec3 {
-        self.axes[0] * x.x + self.axes[1] * x.y + self.axes[2] * x.z
-    }
-
-    /// A point in these axes, in space [m].
-    #[inline]
-    pub fn point(&self, x: &Vec3) -> Vec3 {
-        self.origin + self.turn(x)
-    }
 }
 
 /// Where a hub is and how it moves; shared by all gear models.

@@ -7,8 +7,9 @@ mod pose;
 mod row;
 mod view;
 
+pub use crate::geometry::Frame as HubFrame;
 pub use freedom::{BodyMass, Lateral, Motion};
-pub use hub::{Direction, Hub, HubFrame, Wrench};
+pub use hub::{Direction, Hub, Wrench};
 pub use point::{Locus, Point, Tooth};
 pub use pose::{Placement, Pose};
 pub use row::Row;

@@ -4,7 +4,7 @@
 //! +x; a rack has its reference line on y and its teeth pointing to -x. A gear turns about its centre by
 //! phase + displacement. A rack travels along its slide, which is its own y.
 
-use super::hub::{Hub, HubFrame};
+use super::{Hub, HubFrame};
 use crate::Vec3;
 
 /// The assembled position of a gear's own frame.

@@ -12,8 +12,8 @@ pub struct MeshView {
     /// Transverse working pressure angle [rad].
     pub working_pressure_angle: f64,
     /// Angle between the centreline of a tooth and its flank's origin on the base circle [rad]; for a rack
-    /// half the tooth thickness on the pitch line [m].
-    pub half_angle_base: f64,
+    /// half the tooth thickness on the pitch line [m]; of left and right flanks, which differ on conical gears.
+    pub half_angle_base: [f64; 2],
     /// Range of the gear's own path coordinate (from its own tangent point) over the path of contact [m].
     pub path: [f64; 2],
     /// The same with the edges of both tips before and behind the path of contact, as far as they may touch [m].
@@ -25,6 +25,12 @@ pub struct MeshView {
 }
 
 impl MeshView {
+    /// Half angle on the base circle of a flank [rad]; of a rack half the tooth thickness [m].
+    #[inline]
+    pub fn half_angle_of(&self, side: Side) -> f64 {
+        self.half_angle_base[usize::from(side == Side::Right)]
+    }
+
     /// Derivative of a left flank's path coordinate by the tooth's angle [m] (displacement [-] for a rack).
     pub fn path_per_displacement(&self) -> f64 {
         self.base_radius
@@ -36,15 +42,14 @@ impl MeshView {
     #[inline]
     pub fn path_coordinate(&self, side: Side, angle: f64) -> f64 {
         let sign = side.sign();
+        let half_angle = self.half_angle_of(side);
         match self.base_radius {
             Some(rb) => {
-                rb * (sign * (angle - self.direction)
-                    + self.working_pressure_angle
-                    + self.half_angle_base)
+                rb * (sign * (angle - self.direction) + self.working_pressure_angle + half_angle)
             }
             None => {
                 // The lower side of a rack tooth meets the left flanks of a gear at its left.
-                -(sign * angle - self.half_angle_base) * self.working_pressure_angle.cos()
+                -(sign * angle - half_angle) * self.working_pressure_angle.cos()
             }
         }
     }

@@ -194,6 +194,19 @@ impl Scene {
                 (Search::Pairs(Box::new(search)), law, on_lines)
             };
             for i in mesh.gears {
+                if with_flanks
+                    && let Body::Gear(gear) = &spec.gears[i].body
+                    && gear.is_conical()
+                {
+                    return Err(BuildError::gear(
+                        &spec.gears[i].name,
+                        GearPart::Model,
+                        (
+                            "contact with an elastic gear needs cylindrical gears, but this one is conical",
+                            "use rigid gears or movable teeth for conical gears and those that they mesh with",
+                        ),
+                    ));
+                }
                 let hub = gears[i].model.hub();
                 let upright = hub.axes[2] == UPRIGHT[2] && hub.lateral.is_none();
                 if strips.is_some() && !upright {

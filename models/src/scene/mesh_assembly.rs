@@ -8,6 +8,7 @@ use crate::contact::pairs::{
     FlankForm, Helicoid, LinesOfAction, MeshGeometry, Plane, Separation, Slice, Spatial,
 };
 use crate::error::{BuildError, MeshPart, Reason};
+use crate::geometry::Side;
 use crate::kinematics::{Hub, MeshView};
 use crate::law::{Damping, Law, LawError, MeshFilm, MeshLoad};
 use crate::spec::{
@@ -71,7 +72,7 @@ pub(super) fn lines_of_action(
         stiffness_curve(a, b, l, contact).map_err(|e| error(MeshPart::Stiffness, e.reason()))?;
     let views = views(l, a, b, mesh.gears.map(|i| phases[i]));
     let hubs = [hub_of(a)?, hub_of(b)?];
-    let in_space = is_spatial(&hubs);
+    let in_space = is_spatial(&hubs) || l.conical.is_some();
     let sliced = if in_space { sliced_gear([a, b]) } else { 0 };
     let many = in_space || varies_over_width(&a.body) || varies_over_width(&b.body);
     let count = strips
@@ -91,11 +92,18 @@ pub(super) fn lines_of_action(
             let along = 0.5 * l.face_width * zeta;
             // Helices of mates are opposite.
             let offset = |k: usize| (l.heights[k] + along) * base_helix.tan();
+            let ahead = [offset(0), -offset(1)];
+            let z = l.heights[sliced] + along;
+            let conical = l
+                .conical
+                .as_deref()
+                .map(|pair| Side::BOTH.map(|side| pair.section(sliced, side, z)));
             Slice {
                 zeta,
-                z: l.heights[sliced] + along,
+                z,
                 weight: 1.0 / count as f64,
-                offset: [offset(0), -offset(1)],
+                offset: conical.map_or([ahead, ahead.map(|x| -x)], |both| both.map(|of| of.1)),
+                rolls: conical.map(|both| Box::new(both.map(|of| of.0))),
                 separation: [
                     separations[0].raised(lead(&a.body, zeta)),
                     separations[1].raised(lead(&b.body, zeta)),
@@ -128,6 +136,10 @@ pub(super) fn lines_of_action(
             }),
             sliced,
             length: l.length,
+            roll_scale: l
+                .conical
+                .as_ref()
+                .map_or([[1.0; 2]; 2], |pair| pair.roll_scale()),
             base_pitch: l.base_pitch,
             phases: mesh.gears.map(|i| phases[i]),
         });

@@ -8,11 +8,12 @@ use crate::spec::{Body, GearSpec, MeshLayout, MeshSpec, SceneSpec};
 
 /// How gear a and gear b are seen by a mesh, given their phases (angle or displacement of tooth 0).
 pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2]) -> [MeshView; 2] {
-    let gear_view = |g: &Gear, direction: f64, path: [f64; 2], assembled: f64| MeshView {
+    let conical = l.conical.as_deref();
+    let gear_view = |g: &Gear, k: usize, path: [f64; 2], assembled: f64| MeshView {
         base_radius: Some(g.r_base()),
-        direction,
+        direction: l.towards[k],
         working_pressure_angle: l.working_pressure_angle,
-        half_angle_base: g.half_angle_base(),
+        half_angle_base: conical.map_or([g.half_angle_base(); 2], |c| c.half_angles[k]),
         path,
         touching: path,
         pitch: g.pitch_angle(),
@@ -20,16 +21,16 @@ pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2])
     };
     let other = [l.length - l.path[1], l.length - l.path[0]];
     let first = match &a.body {
-        Body::Gear(g) => gear_view(g, l.towards[0], l.path, phase[0]),
+        Body::Gear(g) => gear_view(g, 0, l.path, phase[0]),
         Body::Rack(_) => unreachable!("mesh_layout refuses a rack as the first gear"),
     };
     let second = match &b.body {
-        Body::Gear(g) => gear_view(g, l.towards[1], other, phase[1]),
+        Body::Gear(g) => gear_view(g, 1, other, phase[1]),
         Body::Rack(r) => MeshView {
             base_radius: None,
             direction: 0.0,
             working_pressure_angle: l.working_pressure_angle,
-            half_angle_base: r.half_thickness_reference(),
+            half_angle_base: [r.half_thickness_reference(); 2],
             path: other,
             touching: other,
             pitch: r.pitch(),
@@ -40,6 +41,10 @@ pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2])
     let followed = [0, 1].map(|k| engagement(l, a, &views, k).followed());
     for (k, view) in views.iter_mut().enumerate() {
         view.touching = [view.path[0] - followed[1 - k], view.path[1] + followed[k]];
+        if let Some(conical) = conical {
+            view.touching[0] -= conical.margin;
+            view.touching[1] += conical.margin;
+        }
     }
     views
 }
@@ -64,12 +69,11 @@ pub(super) fn engagement(
 }
 
 /// Angle (or displacement) that puts a flank of tooth 0 at a path coordinate of its own.
-fn phase_at(view: &MeshView, sign: f64, s: f64) -> f64 {
+fn phase_at(view: &MeshView, side: Side, s: f64) -> f64 {
+    let (sign, half_angle) = (side.sign(), view.half_angle_of(side));
     match view.base_radius {
-        Some(rb) => {
-            view.direction + sign * (s / rb - view.working_pressure_angle - view.half_angle_base)
-        }
-        None => sign * (view.half_angle_base - s / view.working_pressure_angle.cos()),
+        Some(rb) => view.direction + sign * (s / rb - view.working_pressure_angle - half_angle),
+        None => sign * (half_angle - s / view.working_pressure_angle.cos()),
     }
 }
 
@@ -79,7 +83,7 @@ pub(super) fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f
     for (mesh, l) in spec.meshes.iter().zip(layouts) {
         let [ia, ib] = mesh.gears;
         let (a, b) = (&spec.gears[ia], &spec.gears[ib]);
-        let sign = mesh.start.side.sign();
+        let side = mesh.start.side;
         let wanted = mesh.start.path_coordinate.unwrap_or(l.pitch_point);
         if !(l.path[0]..=l.path[1]).contains(&wanted) {
             return Err(BuildError::mesh(
@@ -110,18 +114,18 @@ pub(super) fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f
                     Some(_) => 0.0,
                 };
                 let s = wanted - of_first;
-                phase[ia] = Some(phase_at(&va, sign, s));
+                phase[ia] = Some(phase_at(&va, side, s));
                 phase[ib] =
-                    Some(phase_at(&vb, sign, l.length - s - mesh.start.gap) - l.rack_offset);
+                    Some(phase_at(&vb, side, l.length - s - mesh.start.gap) - l.rack_offset);
             }
             (Some(p), None) => {
                 let s = nearest(&va, p, wanted);
                 phase[ib] =
-                    Some(phase_at(&vb, sign, l.length - s - mesh.start.gap) - l.rack_offset);
+                    Some(phase_at(&vb, side, l.length - s - mesh.start.gap) - l.rack_offset);
             }
             (None, Some(p)) => {
                 let s = nearest(&vb, p + l.rack_offset, l.length - wanted);
-                phase[ia] = Some(phase_at(&va, sign, l.length - s - mesh.start.gap));
+                phase[ia] = Some(phase_at(&va, side, l.length - s - mesh.start.gap));
             }
             (Some(_), Some(_)) => {}
         }

@@ -4,7 +4,7 @@ use super::mount::turned_to;
 use super::scene::{Body, ContactSpec, GearSpec};
 use crate::Vec3;
 use crate::error::{BuildError, MeshPart, Reason};
-use crate::geometry::{Mate, Pair};
+use crate::geometry::{ConicalPair, Frame, GeometryError, Mate, Pair};
 use crate::stiffness::{self, StiffnessCurve};
 
 /// Quantities of a pair that do not depend on the model.
@@ -34,6 +34,10 @@ pub struct MeshLayout {
     pub face_width: f64,
     /// Its middle along the axis, from the middle of the face width of each gear [m].
     pub heights: [f64; 2],
+    /// The pair in its transverse plane; of conical gears the cylindrical one that stands for them.
+    pub pair: Pair,
+    /// Conical gears where they stand.
+    pub conical: Option<Box<ConicalPair>>,
     /// Offset of a rack's reference point along its slide, seen from the first gear [m].
     pub(crate) rack_offset: f64,
 }
@@ -75,6 +79,37 @@ fn towards(a: &GearSpec, b: &GearSpec, direction: f64) -> [f64; 2] {
     [seen(&a.axes, apart), seen(&b.axes, -apart)]
 }
 
+/// The pair of two gears at their positions, in the transverse plane.
+///
+/// # Errors
+/// [`GeometryError`] where they do not mesh there.
+pub fn pair_of(a: &GearSpec, b: &GearSpec) -> Result<Pair, GeometryError> {
+    match conical_pair(a, b)? {
+        Some(conical) => Ok(conical.pair),
+        None => {
+            let Body::Gear(gear) = &a.body else {
+                unreachable!("a rack comes second")
+            };
+            Pair::new(gear, &b.body, in_plane(a, b).1)
+        }
+    }
+}
+
+/// Direction from the first gear to the second, distance of the axes (to the reference line of a rack), offset along a rack,
+/// offset along the axes.
+fn in_plane(a: &GearSpec, b: &GearSpec) -> (f64, f64, f64, f64) {
+    let apart = Vec3::from(b.position) - Vec3::from(a.position);
+    let [dx, dy, dz] = layout_axes(a, b).map(|axis| axis.dot(&apart));
+    match &b.body {
+        Body::Gear(_) => (dy.atan2(dx), dx.hypot(dy), 0.0, dz),
+        Body::Rack(_) => {
+            let direction = b.facing + std::f64::consts::PI;
+            let (sin, cos) = (direction.sin(), direction.cos());
+            (direction, dx * cos + dy * sin, -dx * sin + dy * cos, dz)
+        }
+    }
+}
+
 /// The mesh of two gears at their positions.
 pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError> {
     let error = |why: Reason| BuildError::mesh([&a.name, &b.name], MeshPart::Layout, why);
@@ -87,22 +122,19 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
                 .into(),
         ));
     };
-    let apart = Vec3::from(b.position) - Vec3::from(a.position);
-    let axes = layout_axes(a, b);
-    let [dx, dy, dz] = axes.map(|axis| axis.dot(&apart));
-    let (direction, distance, offset) = match &b.body {
-        Body::Gear(_) => (dy.atan2(dx), dx.hypot(dy), 0.0),
-        Body::Rack(_) => {
-            let direction = b.facing + std::f64::consts::PI;
-            let (sin, cos) = (direction.sin(), direction.cos());
-            (direction, dx * cos + dy * sin, -dx * sin + dy * cos)
-        }
+    let (direction, distance, offset, dz) = in_plane(a, b);
+    let conical = conical_pair(a, b).map_err(|e| error(e.reason()))?;
+    let pair = match &conical {
+        Some(conical) => conical.pair.clone(),
+        None => Pair::new(ga, &b.body, distance).map_err(|e| error(e.reason()))?,
     };
-    let pair = Pair::new(ga, &b.body, distance).map_err(|e| error(e.reason()))?;
+    let distance = conical
+        .as_ref()
+        .map_or(distance, |_| pair.centre_distance());
     let alpha = pair.working_pressure_angle();
     let half = [&a.body, &b.body].map(|body| 0.5 * body.face_width());
     let (low, high) = ((-half[0]).max(dz - half[1]), half[0].min(dz + half[1]));
-    if high <= low {
+    if high <= low && conical.is_none() {
         return Err(error(
             (
                 format!(
@@ -116,6 +148,10 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
     let (face_width, middle) = match dz == 0.0 {
         true => (pair.face_width(), 0.0),
         false => (high - low, 0.5 * (low + high)),
+    };
+    let (face_width, heights) = match &conical {
+        Some(conical) => (conical.face_width, conical.heights),
+        None => (face_width, [middle, middle - dz]),
     };
     Ok(MeshLayout {
         direction,
@@ -132,9 +168,25 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
         contact_ratio: pair.contact_ratio(),
         backlash: pair.backlash_base(),
         face_width,
-        heights: [middle, middle - dz],
+        heights,
         rack_offset: offset,
+        pair,
+        conical: conical.map(Box::new),
     })
+}
+
+/// Two gears of which at least one is conical, where they stand.
+fn conical_pair(a: &GearSpec, b: &GearSpec) -> Result<Option<ConicalPair>, GeometryError> {
+    match [&a.body, &b.body] {
+        [Body::Gear(one), Body::Gear(two)] if one.is_conical() || two.is_conical() => {
+            let frames = [a, b].map(|g| Frame {
+                axes: g.axes,
+                origin: g.position.into(),
+            });
+            ConicalPair::new([one, two], frames).map(Some)
+        }
+        _ => Ok(None),
+    }
 }
 
 /// Stiffness of a tooth pair along the path of contact of a mesh.
@@ -148,13 +200,11 @@ pub fn stiffness_curve(
         unreachable!("mesh_layout refuses a rack as the first gear")
     };
     let materials = [a.material, b.material];
-    let pair =
-        Pair::new(ga, &b.body, l.distance).expect("the pair was built when the mesh was laid out");
     stiffness::build(
         &contact.stiffness,
         ga,
         &b.body,
-        &pair,
+        &l.pair,
         materials,
         l.face_width,
     )

@@ -8,7 +8,9 @@ mod points;
 mod scene;
 mod shaft;
 
-pub use layout::{MeshLayout, effective_radius, layout_axes, mesh_layout, stiffness_curve};
+pub use layout::{
+    MeshLayout, effective_radius, layout_axes, mesh_layout, pair_of, stiffness_curve,
+};
 pub use load::{Load, Profile};
 pub use model::{ModelSpec, Modelling, Parameters, Value};
 pub use mount::{Bearing, Freedom, LateralSpec, Mount, SpinTerms, UPRIGHT, turned_to};

@@ -76,6 +76,10 @@ pub enum MeshError {
         "a sector is one tooth: it cannot have fine and coarse teeth; mesh the whole gear or drop one of both"
     )]
     SectorWithFineTeeth,
+    #[error(
+        "the gear is conical, and meshes are made of cylindrical ones; use rigid gears or movable teeth for conical gears"
+    )]
+    Conical,
     #[error("a rack has neither a web nor sectors: leave them out")]
     RackWithWebOrSector,
     #[error(transparent)]

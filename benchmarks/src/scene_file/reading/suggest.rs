@@ -63,7 +63,7 @@ const NOT_DONE: &[(&[&str], &str)] = &[
     ),
     (
         &["bevel", "cone", "hypoid", "worm", "crossed"],
-        "gears are cylindrical",
+        "gears are cylindrical or conical (beveloid)",
     ),
     (
         &["yield", "plastic", "fatigue", "s_n"],

@@ -49,6 +49,11 @@ fn gears_and_meshes() {
 }
 
 #[test]
+fn conical_gears() {
+    refused(BASE, CONICAL);
+}
+
+#[test]
 fn bearings_and_axes() {
     refused(BASE, LATERAL);
 }
@@ -318,6 +323,23 @@ const NOT_DONE: &str = r##"
     no deviations of the helix | docs/limits.md
 24: start =  => misalignment_deg = 0.1\nstart = 
     unknown key `misalignment_deg` | known are gears
+"##;
+
+const CONICAL: &str = r##"
+10: teeth = 20 => teeth = 20\nbevel_angle_deg = 5
+    unknown key `bevel_angle_deg` | gears are cylindrical or conical (beveloid) | docs/limits.md
+9: teeth = 20 => profile_shift_angle_deg = 60\nteeth = 20
+    profile-shift angle is 60 | -45 to 45 degrees
+9: teeth = 20 => tip_cone_angle_deg = -50\nteeth = 20
+    angle of the tip cone is -50 | -45 to 45 degrees
+9: teeth = 20 => profile_shift_angle_deg = 40\nteeth = 20
+    at the height -0.0050 m, the end of the face where the profile shift is -1.04 | smaller profile-shift angle
+10: teeth = 20 => profile_shift_angle_deg = 5\ndeviations = { class = 6 }\nteeth = 20
+    found a conical gear
+24: teeth = 20 => profile_shift_angle_deg = 3\nteeth = 20 && centre_distance_m = 0.1001 => backlash_m = 1e-4
+    the backlash of conical gears does not tell where they stand | `position_m` and `axis`
+25: teeth = 20 => profile_shift_angle_deg = 3\nprofile_shift = 0.3\nteeth = 20
+    flanks overlap | thin
 "##;
 
 const LATERAL: &str = r#"

@@ -264,7 +264,7 @@ pub fn movable_teeth(
 ) -> Result<Modelling, BuildError> {
     let [a, b] = scene.meshes[0].gears.map(|i| &scene.gears[i]);
     let layout = mesh_layout(a, b)?;
-    let rows = compliances(a, b, layout.distance, layout.face_width)?;
+    let rows = compliances(a, b, &layout.pair, layout.face_width)?;
     let at_pitch = (rows.iter())
         .min_by(|x, y| {
             let off = |r: &ComplianceRow| (r.s - layout.pitch_point).abs();
@@ -310,10 +310,9 @@ pub fn movable_teeth(
 fn compliances(
     a: &GearSpec,
     b: &GearSpec,
-    distance: f64,
+    pair: &gearbench_models::geometry::Pair,
     width: f64,
 ) -> Result<Vec<ComplianceRow>, BuildError> {
-    use gearbench_models::geometry::Pair;
     let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
     let Body::Gear(one) = &a.body else {
         return Err(error(
@@ -322,9 +321,7 @@ fn compliances(
         ));
     };
     let materials = [a.material, b.material];
-    let pair =
-        Pair::new(one, &b.body, distance).map_err(|e| error(MeshPart::Layout, e.reason()))?;
-    let mate = ((&b.body).into(), &pair);
+    let mate = ((&b.body).into(), pair);
     compliance_table(one, mate, ANALYTIC, materials, width, 33)
         .map(|t| t.rows)
         .map_err(|e| error(MeshPart::Stiffness, e.reason()))

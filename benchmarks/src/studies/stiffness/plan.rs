@@ -3,7 +3,7 @@
 use crate::scene_file::formula_limits;
 use gearbench_models::gear::rigid;
 use gearbench_models::gear::table::{Model, properties_of};
-use gearbench_models::geometry::{Mate, Pair};
+use gearbench_models::geometry::Mate;
 use gearbench_models::spec::{Body, LocalContact, Modelling, PointRule, SceneSpec, mesh_layout};
 use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, PairStiffness, ToothModel, iso_of,
@@ -82,12 +82,11 @@ pub fn iso_values(spec: &SceneSpec) -> Option<[f64; 2]> {
         return None;
     };
     let layout = mesh_layout(a, b).ok()?;
-    let pair = Pair::new(gear, &b.body, layout.distance).ok()?;
     let mate = match &b.body {
         Body::Gear(g) => Mate::Gear(g),
         Body::Rack(r) => Mate::Rack(r),
     };
-    let iso = iso_of(gear, (mate, &pair), [a.material, b.material]).ok()?;
+    let iso = iso_of(gear, (mate, &layout.pair), [a.material, b.material]).ok()?;
     Some([iso.c_prime, iso.c_gamma_alpha])
 }
 

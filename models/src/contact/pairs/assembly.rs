@@ -75,7 +75,7 @@ impl LinesOfAction {
         }
         for l in 0..loa.lines.len() {
             let (side, slice) = (loa.lines[l].side, loa.lines[l].slice);
-            let offset = loa.slices[slice].offset.map(|x| side.sign() * x);
+            let offset = loa.slices[slice].offset[side_index(side)];
             let teeth = [0, 1].map(|pair| loa.teeth(side, pair));
             loa.lines[l].ascending = [0, 1].map(|k| teeth[1][k].index > teeth[0][k].index);
             loa.lines[l].map = [0, 1].map(|k| {

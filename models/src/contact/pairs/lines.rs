@@ -5,7 +5,7 @@ use super::spatial::{Spatial, Touch};
 use crate::Vec3;
 use crate::contact::party::Party;
 use crate::gear::{GearModel, ToothCoordinates};
-use crate::geometry::{Gear, Side};
+use crate::geometry::{Gear, RollMap, Side};
 use crate::kinematics::{HubFrame, MeshView, Tooth};
 use crate::law::Law;
 use crate::stiffness::StiffnessCurve;
@@ -21,8 +21,11 @@ pub struct Slice {
     pub z: f64,
     /// Share of the stiffness.
     pub weight: f64,
-    /// Offset of the path coordinates of left flanks of both gears by the helix [m].
-    pub offset: [f64; 2],
+    /// Offset of the path coordinates of both gears by the helix, of left and right flanks [m].
+    pub offset: [[f64; 2]; 2],
+    /// How lengths of roll of both gears become path coordinates where these are others, on left and right flanks: of conical
+    /// gears.
+    pub rolls: Option<Box<[[RollMap; 2]; 2]>>,
     /// How far the flanks of both gears stand off the involutes.
     pub separation: [Separation; 2],
 }

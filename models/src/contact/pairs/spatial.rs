@@ -1,13 +1,7 @@
 //! Flanks of gears whose axes are not parallel, or whose hubs move sideways: where the slices of a pair touch.
 //!
-//! An involute helicoid that turns moves parallel to itself, so that the distance of a point from it is known in closed
-//! form, with `rho` the length of roll of the involute through the point, `tau` the angle of its tangent point on the base
-//! circle, `psi` that of the tooth, `sigma` = +1 on left flanks, -1 on right ones, and `chi` half the tooth on the base
-//! circle:
-//!
-//! ```text
-//! D = cos(beta_b) (rho - r_b (chi + sigma (psi - tau)) - sigma z tan(beta_b)),   grad D = outward unit normal
-//! ```
+//! Each side of the teeth of a gear is an [involute helicoid](crate::geometry::InvoluteHelicoid), whose distance `D` from a
+//! point is known in closed form; those of both sides differ on conical gears.
 //!
 //! A slice is the transverse section of one gear, the **sliced** one, at a height `z`; its curve is an involute over `rho_1`.
 //! The gap of a slice is the least distance of its points from the mate's flank, what modifications remove included:
@@ -32,11 +26,10 @@
 
 mod flanks;
 
-use super::lines::{Line, LinesOfAction, Mover, PairState};
+use super::lines::{Line, LinesOfAction, Mover, PairState, side_index};
 use crate::Vec3;
-use crate::geometry::Side;
+use crate::geometry::{Near, Side};
 use crate::kinematics::{HubFrame, Tooth};
-use flanks::Near;
 pub use flanks::{FlankForm, Helicoid, Plane};
 
 /// Corrections of the length of roll.
@@ -77,6 +70,8 @@ pub struct Spatial {
     pub sliced: usize,
     /// Distance between the tangent points [m].
     pub length: f64,
+    /// Path coordinate per length of roll of both gears, on left and right flanks.
+    pub roll_scale: [[f64; 2]; 2],
     /// Base pitch [m].
     pub base_pitch: f64,
     /// Angle (place on the slide) of tooth 0 of both gears at the assembled position.
@@ -111,9 +106,10 @@ impl Spatial {
             false,
         );
         let (rho, near, x, base) = found;
+        let tip = own.tip(side, z);
         // Of the foot on the mate.
         let foot = match mate {
-            FlankForm::Involute(h) => near.roll - near.distance / h.cos_helix,
+            FlankForm::Involute(h) => near.roll - near.distance / h.flank(side).cos_helix,
             FlankForm::Plane(_) => near.roll - near.distance * near.gradient.y,
         };
         let mut rolls = [0.0; 2];
@@ -136,21 +132,16 @@ impl Spatial {
             path,
         };
         let plain = !own.modified && !mate.is_modified();
-        let inside = rho <= own.tip && !mate.is_beyond(foot);
+        let beyond = mate.is_beyond(side, foot, mate.height(frames[j], &x));
+        let inside = rho <= tip && !beyond;
         if (plain && inside) || near.distance > 4.0 * FAR * self.base_pitch {
             return touch(near.distance, x, outward(&near.gradient));
         }
-        if mate.is_beyond(foot) {
+        if beyond {
             return self.edge_of_mate(side, z, frames, [tooth, of_mate], &x, touch);
         }
-        let (rho, near, x, _) = self.least(
-            side,
-            z,
-            frames,
-            [tooth, of_mate],
-            (least, own.tip, rho),
-            true,
-        );
+        let (rho, near, x, _) =
+            self.least(side, z, frames, [tooth, of_mate], (least, tip, rho), true);
         let [e, _, _] = own.removed(tooth.0, side, rho, z);
         touch(near.distance + e, x, outward(&near.gradient))
     }
@@ -170,17 +161,20 @@ impl Spatial {
         let FlankForm::Involute(own) = &self.flanks[i] else {
             unreachable!("a rack is never the sliced gear")
         };
+        let rb = own.flank(side).base_radius;
         let mut rho = start.clamp(low, high);
         let (mut from, mut to) = (low, high);
         let mut found = false;
         for correction in 0.. {
-            let (p, base) = own.point(side, tooth.2, rho, z);
+            let (p, base) = own.flank(side).point(tooth.2, rho, z);
             let x = frames[i].point(&p);
             let base = frames[i].turn(&base);
             let place = frames[j].point_back(&x);
             // Far flanks are told by their distance, modified ones by their slope.
             let near = match &self.flanks[j] {
-                FlankForm::Involute(h) if !exact && correction != 1 => h.directed(side, &place),
+                FlankForm::Involute(h) if !exact && correction != 1 => {
+                    h.flank(side).directed(&place)
+                }
                 flank => flank.near(of_mate, &place, exact),
             };
             let removed = if exact {
@@ -188,17 +182,17 @@ impl Spatial {
             } else {
                 0.0
             };
-            let per_roll = rho / own.base_radius;
+            let per_roll = rho / rb;
             let slope = per_roll * base.dot(&frames[j].turn(&near.gradient)) + removed;
             // Curvature of both involutes; a modification bends little beside them.
             let bend = match &self.flanks[j] {
                 FlankForm::Involute(h) => {
                     let other = near.roll.max(low);
-                    h.cos_helix * (rho + other) / other
+                    h.flank(side).cos_helix * (rho + other) / other
                 }
                 FlankForm::Plane(p) => p.cos * (1.0 + p.tan_pressure.powi(2)).sqrt(),
             };
-            let bend = per_roll / own.base_radius * bend;
+            let bend = per_roll / rb * bend;
             let step = -slope / bend;
             let ends = (rho == low && step < 0.0) || (rho == high && step > 0.0);
             let far = !exact
@@ -210,7 +204,7 @@ impl Spatial {
             }
             // Modifications bend the flank as well, which the curvature leaves out.
             let enough = if exact { 1e-5 * FOUND } else { FOUND };
-            found = step.abs() <= enough * own.base_radius;
+            found = step.abs() <= enough * rb;
             // Kinks of modifications: the sign of the slope brackets the least.
             if slope > 0.0 {
                 to = rho;
@@ -247,9 +241,13 @@ impl Spatial {
         for _ in 0..3 {
             let (p, t) = match &self.flanks[j] {
                 FlankForm::Involute(h) => {
-                    let (p, _) = h.point(side, of_mate.2, h.tip, height);
-                    let turn = h.tan_helix / h.base_radius;
-                    (p, Vec3::new(-turn * p.y, turn * p.x, 1.0))
+                    let (flank, tip) = (h.flank(side), h.tip(side, height));
+                    let (p, base) = flank.point(of_mate.2, tip, height);
+                    let turn = flank.tan_helix / flank.base_radius;
+                    let along = Vec3::new(-turn * p.y, turn * p.x, 1.0);
+                    // On a cone the edge moves along the profile as well.
+                    let rise = h.tip_rise(side, height) * tip / flank.base_radius;
+                    (p, along + rise * base)
                 }
                 FlankForm::Plane(plane) => {
                     let off = side.sign() * (plane.half_thickness - plane.tip * plane.tan_pressure);
@@ -269,8 +267,8 @@ impl Spatial {
         let near = own.near(tooth, &frames[i].point_back(&edge), true);
         let (removed, by_height) = match &self.flanks[j] {
             FlankForm::Involute(h) => {
-                let [e, _, by_z] = h.removed(of_mate.0, side, h.tip, height);
-                (e, by_z)
+                let [e, by_roll, by_z] = h.removed(of_mate.0, side, h.tip(side, height), height);
+                (e, by_z + by_roll * h.tip_rise(side, height))
             }
             FlankForm::Plane(_) => (0.0, 0.0),
         };
@@ -297,13 +295,15 @@ impl Spatial {
         let sigma = side.sign();
         let outward = sigma * frames[i].axes[2].cross(base);
         let normal = frames[j].turn(&near.gradient);
-        let turning = -outward.dot(&normal) / own.base_radius;
+        let rb = own.flank(side).base_radius;
+        let turning = -outward.dot(&normal) / rb;
         let couple = base.cross(&normal);
         let FlankForm::Involute(other) = &self.flanks[j] else {
             // On a rack the place is that of the gear's own flank.
             return [Vec3::zeros(), couple / turning];
         };
-        let per_roll = rho / own.base_radius;
+        let other = other.flank(side);
+        let per_roll = rho / rb;
         let of_mate = frames[j].turn(&near.base);
         let (across, roll) = (
             base.dot(&of_mate),
@@ -319,7 +319,8 @@ impl Spatial {
         let along = (lever * across + outward.dot(base)) * per_roll;
         let still = lever * of_mate + sigma * other.tan_helix * axis;
         let foot = [along * own_roll[0] - still, along * own_roll[1]];
-        [0, 1].map(|k| 0.5 * (own_roll[k] - foot[k]))
+        let scale = self.roll_scale[side_index(side)];
+        [0, 1].map(|k| 0.5 * (scale[i] * own_roll[k] - scale[j] * foot[k]))
     }
 }
 
@@ -343,11 +344,14 @@ impl LinesOfAction {
             (teeth[k].index, spatial.phases[k] + first + turned)
         });
         let z = self.slices[line.slice].z;
+        let maps = &self.slices[line.slice].rolls;
+        let maps = maps.as_ref().map(|maps| maps[side_index(line.side)]);
         let guess = s[spatial.sliced];
+        let guess = maps.map_or(guess, |maps| maps[spatial.sliced].roll(guess));
         let touch = spatial.touch(line.side, z, [&frames[0].0, &frames[1].0], angles, guess);
         PairState {
             teeth,
-            s: touch.roll,
+            s: maps.map_or(touch.roll, |maps| [0, 1].map(|k| maps[k].s(touch.roll[k]))),
             gap: touch.gap,
             scale: [1.0; 2],
             curvature: [0.0; 2],

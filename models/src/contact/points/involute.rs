@@ -130,11 +130,11 @@ pub(super) fn path_at_zero(o: &Owner<'_>, side: Side, outermost: f64) -> (f64, i
     match v.base_radius {
         Some(rb) => (
             rb * (sign * (outermost + o.phase - v.direction) + v.working_pressure_angle),
-            tooth(outermost - sign * v.half_angle_base),
+            tooth(outermost - sign * v.half_angle_of(side)),
         ),
         None => (
             -sign * (v.assembled + outermost) * v.working_pressure_angle.cos(),
-            tooth(outermost + sign * v.half_angle_base),
+            tooth(outermost + sign * v.half_angle_of(side)),
         ),
     }
 }

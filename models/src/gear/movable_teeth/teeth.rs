@@ -252,9 +252,12 @@ impl MovableTeeth {
 
     /// Teeth that a mesh may touch on either flank, on each side of the nearest one.
     fn half_window(view: &MeshView) -> i64 {
-        let reach = |s: f64| match view.base_radius {
-            Some(rb) => (s / rb - view.working_pressure_angle - view.half_angle_base).abs(),
-            None => (view.half_angle_base - s / view.working_pressure_angle.cos()).abs(),
+        let reach = |s: f64| {
+            let of = |half_angle: f64| match view.base_radius {
+                Some(rb) => (s / rb - view.working_pressure_angle - half_angle).abs(),
+                None => (half_angle - s / view.working_pressure_angle.cos()).abs(),
+            };
+            view.half_angle_base.map(of).into_iter().fold(0.0, f64::max)
         };
         let widest = reach(view.touching[0]).max(reach(view.touching[1])) / view.pitch;
         (widest - 0.5 + HYSTERESIS + MARGIN).ceil().max(0.0) as i64

@@ -2,6 +2,7 @@
 //! lines of action, contact rows, momentum, the same scene turned, mirrored and exchanged.
 
 mod bodies;
+mod conical;
 mod elastic;
 mod flanks;
 mod invariance;
@@ -127,7 +128,12 @@ pub fn tilt(spec: &mut SceneSpec, gear: usize, x: f64, y: f64) {
 
 /// A state that presses the flanks, with hubs aside and tilted.
 pub fn displaced(scene: &Scene, spec: &SceneSpec, roll: f64, numbers: &mut Numbers) -> State {
-    let mut s = rolled(scene, spec, roll, 1.5e-5);
+    let Body::Gear(first) = &spec.gears[0].body else {
+        unreachable!("a rack comes second")
+    };
+    // Flanks of conical gears stand off each other over the width.
+    let press = if first.is_conical() { 6e-5 } else { 1.5e-5 };
+    let mut s = rolled(scene, spec, roll, press);
     for g in scene.gears() {
         let hub = g.model.hub();
         let own = hub.moving();
@@ -152,6 +158,8 @@ pub fn floating() -> Vec<(&'static str, SceneSpec)> {
         ("modified", helical_pair(-0.2, 0.0, true)),
         ("tilted", helical_pair(0.2, 0.0, true)),
         ("rack", rack_pair(0.2)),
+        ("conical", conical::seed_pair(0.0, 0.0)),
+        ("conical, crowned", conical::seed_pair(2e-5, 1e-5)),
     ];
     tilt(&mut all[3].1, 0, 2e-3, -1e-3);
     tilt(&mut all[3].1, 1, -1e-3, 3e-3);

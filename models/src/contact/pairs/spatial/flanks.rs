@@ -1,8 +1,8 @@
 //! Flanks as distances: involute helicoids with what is removed from them, and the planes of racks.
 
 use crate::Vec3;
-use crate::geometry::{Gear, Rack, Side};
-use std::f64::consts::{PI, TAU};
+use crate::contact::pairs::lines::side_index;
+use crate::geometry::{Frame, Gear, InvoluteHelicoid, Near, Rack, Side};
 
 /// A flank of a tooth at the angle zero (place zero of a rack), in the axes of its hub.
 #[derive(Clone, Debug)]
@@ -13,15 +13,13 @@ pub enum FlankForm {
     Plane(Plane),
 }
 
-/// An involute helicoid and what is removed from it.
+/// The involute helicoids of the left and right flanks of a gear, how far they go, and what is removed from them.
 #[derive(Clone, Debug)]
 pub struct Helicoid {
     gear: Gear,
-    pub(super) base_radius: f64,
-    pub(super) tan_helix: f64,
-    pub(super) cos_helix: f64,
-    half_angle: f64,
-    pub(super) tip: f64,
+    flanks: [InvoluteHelicoid; 2],
+    tips: [f64; 2],
+    tip_slope: f64,
     pub(super) modified: bool,
 }
 
@@ -36,54 +34,52 @@ pub struct Plane {
     pub(super) tip: f64,
 }
 
-/// A point near a flank.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Near {
-    /// Distance along the normal, outward positive, removed material included [m].
-    pub(super) distance: f64,
-    /// Its gradient, in the axes of the hub.
-    pub(super) gradient: Vec3,
-    /// Length of roll [m] (height over the reference line of a rack), and the base radius through the tangent point.
-    pub(super) roll: f64,
-    pub(super) base: Vec3,
-}
-
-/// Angle in (-pi, pi].
-fn wrapped(angle: f64) -> f64 {
-    if angle.abs() <= PI {
-        angle
-    } else {
-        angle - TAU * (angle / TAU).round()
-    }
-}
-
 impl Helicoid {
     /// Of a gear.
     pub fn new(gear: &Gear) -> Self {
-        let helix = gear.base_helix_angle();
         Helicoid {
-            base_radius: gear.r_base(),
-            tan_helix: helix.tan(),
-            cos_helix: helix.cos(),
-            half_angle: gear.half_angle_base(),
-            tip: gear.roll_length_tip(),
+            flanks: Side::BOTH.map(|side| *gear.flank(side)),
+            tips: Side::BOTH.map(|side| gear.roll_length_tip_at(side, 0.0)),
+            tip_slope: gear.params().tip_cone_angle.tan(),
             modified: !gear.params().modifications.is_none() || gear.deviates(),
             gear: gear.clone(),
         }
     }
 
-    /// Material removed at a roll and height [m], and its slopes.
+    /// The flank of a side.
+    #[inline]
+    pub(super) fn flank(&self, side: Side) -> &InvoluteHelicoid {
+        &self.flanks[side_index(side)]
+    }
+
+    /// Length of roll at the tip, at a height.
+    #[inline]
+    pub(super) fn tip(&self, side: Side, z: f64) -> f64 {
+        if self.tip_slope == 0.0 {
+            self.tips[side_index(side)]
+        } else {
+            self.gear.roll_length_tip_at(side, z)
+        }
+    }
+
+    /// Change of that length over the height.
+    pub(super) fn tip_rise(&self, side: Side, z: f64) -> f64 {
+        self.tip_slope * self.gear.r_tip_at(z) / self.tip(side, z)
+    }
+
+    /// Material removed at a roll and height [m], and its slopes. On conical gears modifications follow the tip cone.
     pub(super) fn removed(&self, tooth: i64, side: Side, roll: f64, z: f64) -> [f64; 3] {
         if !self.modified {
             return [0.0; 3];
         }
         let half = 0.5 * self.gear.face_width();
+        let base_radius = self.flank(side).base_radius;
         let of = |roll: f64, z: f64| {
-            let radius = self.base_radius.hypot(roll);
+            let radius = base_radius.hypot(roll) - self.tip_slope * z;
             self.gear.flank_deviation(radius, z / half)
         };
         // Second differences of smooth modifications are exact enough at a thousandth of their lengths.
-        let (h, w) = (1e-4 * self.tip, 1e-3 * half);
+        let (h, w) = (1e-4 * self.tips[side_index(side)], 1e-3 * half);
         let [own, slope, _] = self.gear.tooth_deviation_at_roll(tooth, side, roll);
         [
             of(roll, z) + own,
@@ -92,41 +88,9 @@ impl Helicoid {
         ]
     }
 
-    /// The point of the transverse section at `z`, and the direction of its base radius.
-    pub(super) fn point(&self, side: Side, psi: f64, roll: f64, z: f64) -> (Vec3, Vec3) {
-        let sigma = side.sign();
-        let rb = self.base_radius;
-        let tau = psi + z * self.tan_helix / rb + sigma * (self.half_angle - roll / rb);
-        let (sin, cos) = tau.sin_cos();
-        let along = sigma * roll;
-        let x = Vec3::new(rb * cos - along * sin, rb * sin + along * cos, z);
-        (x, Vec3::new(cos, sin, 0.0))
-    }
-
-    /// The same without the distance, which takes most of the time.
-    pub(super) fn directed(&self, side: Side, p: &Vec3) -> Near {
-        let (sigma, rb) = (side.sign(), self.base_radius);
-        let square = p.x * p.x + p.y * p.y;
-        let roll = (square - rb * rb).max(0.0).sqrt();
-        let (c, s) = (
-            (rb * p.x + sigma * roll * p.y) / square,
-            (rb * p.y - sigma * roll * p.x) / square,
-        );
-        Near {
-            distance: 0.0,
-            gradient: sigma * self.cos_helix * Vec3::new(-s, c, -self.tan_helix),
-            roll,
-            base: Vec3::new(c, s, 0.0),
-        }
-    }
-
     pub(super) fn near(&self, (tooth, side, psi): (i64, Side, f64), p: &Vec3, exact: bool) -> Near {
-        let (sigma, rb) = (side.sign(), self.base_radius);
-        let mut near = self.directed(side, p);
+        let mut near = self.flank(side).near(psi, p);
         let roll = near.roll;
-        let ahead = psi + p.z * self.tan_helix / rb - near.base.y.atan2(near.base.x);
-        let angle = wrapped(ahead - sigma * (roll / rb - self.half_angle));
-        near.distance = -sigma * rb * angle * self.cos_helix;
         if exact && self.modified && roll > 0.0 {
             let [e, by_roll, by_z] = self.removed(tooth, side, roll, p.z);
             near.distance += e;
@@ -172,14 +136,22 @@ impl FlankForm {
         }
     }
 
+    /// Height of the gear at a point in space; nothing depends on that of a rack.
+    pub(super) fn height(&self, frame: &Frame, x: &Vec3) -> f64 {
+        match self {
+            FlankForm::Involute(h) if h.tip_slope != 0.0 => frame.point_back(x).z,
+            _ => 0.0,
+        }
+    }
+
     pub(super) fn is_modified(&self) -> bool {
         matches!(self, FlankForm::Involute(h) if h.modified)
     }
 
-    /// Whether a length of roll (height) lies beyond the tip.
-    pub(super) fn is_beyond(&self, roll: f64) -> bool {
+    /// Whether a length of roll (height) at a height of the gear lies beyond the tip.
+    pub(super) fn is_beyond(&self, side: Side, roll: f64, z: f64) -> bool {
         match self {
-            FlankForm::Involute(h) => roll > h.tip,
+            FlankForm::Involute(h) => roll > h.tip(side, z),
             FlankForm::Plane(p) => roll > p.tip,
         }
     }

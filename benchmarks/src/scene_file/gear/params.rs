@@ -1,0 +1,57 @@
+//! Keys of a toothing as the parameters of the geometry.
+
+use super::{GearKeys, RackKeys};
+use gearbench_models::geometry::{
+    Deviations, GearParams, Modifications, RackParams, ReliefShape, TipRelief,
+};
+
+impl GearKeys {
+    pub(super) fn params(&self, deviations: Deviations) -> GearParams {
+        let default = GearParams::default();
+        GearParams {
+            teeth: self.teeth,
+            module: self.module_m,
+            pressure_angle: (self.pressure_angle_deg).map_or(default.pressure_angle, |a| a.0),
+            profile_shift: self.profile_shift,
+            helix_angle: self.helix_angle_deg.map_or(0.0, |a| a.0),
+            profile_shift_angle: self.profile_shift_angle_deg.map_or(0.0, |a| a.0),
+            tip_cone_angle: (self.tip_cone_angle_deg)
+                .or(self.profile_shift_angle_deg)
+                .map_or(0.0, |a| a.0),
+            face_width: self.face_width_m,
+            addendum: self.addendum_factor.unwrap_or(default.addendum),
+            dedendum: self.dedendum_factor.unwrap_or(default.dedendum),
+            tip_radius: self.tip_radius_factor.unwrap_or(default.tip_radius),
+            thinning: self.thinning_m,
+            bore_radius: self.bore_radius_m,
+            modifications: Modifications {
+                tip_relief: self.tip_relief.as_ref().map(|relief| TipRelief {
+                    amount: relief.amount_m,
+                    start_radius: relief.start_radius_m,
+                    shape: relief.shape.unwrap_or(ReliefShape::Linear),
+                }),
+                profile_crowning: self.profile_crowning_m,
+                lead_crowning: self.lead_crowning_m,
+            },
+            deviations,
+        }
+    }
+}
+
+impl RackKeys {
+    pub(super) fn params(&self) -> RackParams {
+        let default = RackParams::default();
+        RackParams {
+            teeth: self.teeth,
+            module: self.module_m,
+            pressure_angle: (self.pressure_angle_deg).map_or(default.pressure_angle, |a| a.0),
+            face_width: self.face_width_m,
+            addendum: self.addendum_factor.unwrap_or(default.addendum),
+            dedendum: self.dedendum_factor.unwrap_or(default.dedendum),
+            tip_radius: self.tip_radius_factor.unwrap_or(default.tip_radius),
+            thinning: self.thinning_m,
+            body_height: self.body_height_m.unwrap_or(1.5 * self.module_m),
+            helix_angle: self.helix_angle_deg.map_or(0.0, |a| a.0),
+        }
+    }
+}

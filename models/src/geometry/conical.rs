@@ -1,0 +1,214 @@
+//! Conical gears (beveloids): profile shift and tip radius that grow along the axis, flanks that differ, and what only they
+//! are refused for.
+//!
+//! ```text
+//! x(z) m_n = x m_n + z tan(theta)      r_a(z) = r + m_n (h_a* + x) + z tan(theta_a)
+//! ```
+//!
+//! with the height `z` over the middle of the face width, the profile-shift angle `theta` and the angle of the tip cone
+//! `theta_a`. Flanks are those of [`InvoluteHelicoid`]; each end of the face has to be a gear that can be cut.
+
+use super::Side;
+use super::error::GeometryError;
+use super::gear::Gear;
+use super::helicoid::InvoluteHelicoid;
+use super::modification::Modifications;
+use super::parameters::GearParams;
+use crate::error::Reason;
+
+/// What only conical gears are refused for. Lengths in metre.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "what the fields are the messages say")]
+pub enum ConicalError {
+    /// Teeth are too thick for each other where the gears stand.
+    Overlap { overlap: f64 },
+    /// The faces are not in front of each other.
+    FacesApart { offset: f64 },
+    /// A tooth that cannot be at one end of its face.
+    FaceEnd {
+        height: f64,
+        profile_shift: f64,
+        why: Box<GeometryError>,
+    },
+    /// Conical gears mesh with gears.
+    OnRack,
+}
+
+impl ConicalError {
+    /// Cause and way out.
+    pub fn reason(&self) -> Reason {
+        let (cause, help) = match self {
+            Self::Overlap { overlap } => (
+                format!(
+                    "flanks overlap: where the conical gears stand the backlash is {:.3e} m",
+                    -overlap
+                ),
+                "move one along its axis towards the side where its teeth are thinner, lower a profile shift, or thin \
+                 the teeth"
+                    .to_owned(),
+            ),
+            Self::FacesApart { offset } => (
+                format!(
+                    "the face widths do not meet: their middles are {offset:.4e} m apart along the axis"
+                ),
+                "give positions that bring the gears in front of each other".to_owned(),
+            ),
+            Self::FaceEnd {
+                height,
+                profile_shift,
+                why,
+            } => {
+                let Reason { cause, help } = why.reason();
+                (
+                    format!(
+                        "at the height {height:.4} m, the end of the face where the profile shift is \
+                         {profile_shift:.4}: {cause}"
+                    ),
+                    format!("{help}, there; or take a smaller profile-shift angle or face width"),
+                )
+            }
+            Self::OnRack => (
+                "a conical gear meshes with a rack".to_owned(),
+                "conical gears mesh with gears, conical or cylindrical".to_owned(),
+            ),
+        };
+        Reason { cause, help }
+    }
+}
+
+impl Gear {
+    /// The same with the flanks that a tilted rack cuts.
+    pub(super) fn conical(mut self) -> Result<Self, GeometryError> {
+        if self.deviates() {
+            return Err(GeometryError::Deviations {
+                what: "deviations of single teeth",
+                found: "a conical gear".to_owned(),
+                expected: "a cylindrical one, or no deviations".to_owned(),
+            });
+        }
+        let cut = |side| InvoluteHelicoid::of_tilted_rack(self.params(), side);
+        self.flanks = Box::new(Side::BOTH.map(cut));
+        for end in [-0.5, 0.5] {
+            let height = end * self.face_width();
+            let section = self.section(height);
+            let profile_shift = section.profile_shift;
+            Gear::new(section).map_err(|why| {
+                GeometryError::Conical(ConicalError::FaceEnd {
+                    height,
+                    profile_shift,
+                    why: Box::new(why),
+                })
+            })?;
+        }
+        Ok(self)
+    }
+
+    /// The cylindrical gear with the profile shift and the tip radius of a transverse section, without modifications.
+    fn section(&self, height: f64) -> GearParams {
+        let p = self.params();
+        let grown = height * p.profile_shift_angle.tan();
+        let tip = height * p.tip_cone_angle.tan();
+        GearParams {
+            profile_shift: p.profile_shift + grown / p.module,
+            addendum: p.addendum + (tip - grown) / p.module,
+            profile_shift_angle: 0.0,
+            tip_cone_angle: 0.0,
+            modifications: Modifications::default(),
+            ..p.clone()
+        }
+    }
+
+    /// Whether profile shift or tip radius vary along the axis: a conical gear (beveloid). Radii, thicknesses and angles of
+    /// it that name no height or side are those of the cylindrical gear with the profile shift of its middle section.
+    pub fn is_conical(&self) -> bool {
+        self.params().profile_shift_angle != 0.0 || self.params().tip_cone_angle != 0.0
+    }
+
+    /// A flank of a tooth at the angle zero.
+    pub fn flank(&self, side: Side) -> &InvoluteHelicoid {
+        &self.flanks[usize::from(side == Side::Right)]
+    }
+
+    /// Tip radius (m) at a height over the middle of the face width (m).
+    pub fn r_tip_at(&self, height: f64) -> f64 {
+        self.r_tip() + height * self.params().tip_cone_angle.tan()
+    }
+
+    /// Length of roll (m) of a flank at the tip, at a height over the middle of the face width (m).
+    pub fn roll_length_tip_at(&self, side: Side, height: f64) -> f64 {
+        if !self.is_conical() {
+            return self.roll_length_tip();
+        }
+        let (tip, base) = (self.r_tip_at(height), self.flank(side).base_radius);
+        ((tip - base) * (tip + base)).max(0.0).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn params(profile_shift_angle: f64, helix_angle: f64) -> GearParams {
+        GearParams {
+            teeth: 35,
+            module: 6.5e-3,
+            profile_shift: 0.25,
+            profile_shift_angle,
+            tip_cone_angle: profile_shift_angle,
+            helix_angle,
+            face_width: 0.09,
+            ..GearParams::default()
+        }
+    }
+
+    #[test]
+    fn a_rack_that_is_not_tilted_cuts_a_cylindrical_gear() {
+        for helix in [-0.2, 0.0, 0.3] {
+            let gear = Gear::new(params(0.0, helix)).unwrap();
+            assert!(!gear.is_conical());
+            for side in Side::BOTH {
+                let cut = InvoluteHelicoid::of_tilted_rack(gear.params(), side);
+                let own = gear.flank(side);
+                for (x, y) in [
+                    (cut.base_radius, own.base_radius),
+                    (cut.tan_helix, own.tan_helix),
+                    (cut.half_angle, own.half_angle),
+                ] {
+                    assert!((x - y).abs() < 1e-14, "{x} {y}");
+                }
+            }
+        }
+    }
+
+    /// The flank of a section is that of the cylindrical gear with its profile shift, but for what the tilt does to the
+    /// pressure angle: at small angles the thickness differs by their square.
+    #[test]
+    fn teeth_grow_as_their_profile_shift_does() {
+        let gear = Gear::new(params(1e-3, 0.0)).unwrap();
+        let r = gear.r_reference();
+        for height in [-0.04, 0.03] {
+            let section = Gear::new(gear.section(height)).unwrap();
+            for side in Side::BOTH {
+                let flank = gear.flank(side);
+                let roll = (r * r - flank.base_radius * flank.base_radius).sqrt();
+                let (x, _) = flank.point(0.0, roll, height);
+                let half = side.sign() * x.y.atan2(x.x);
+                assert!((half - section.half_angle_reference()).abs() < 1e-7);
+            }
+            assert!((gear.r_tip_at(height) - section.r_tip()).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn ends_of_the_face_that_cannot_be_cut_are_refused() {
+        let refused = |p: GearParams| Gear::new(p).unwrap_err().to_string();
+        let pointed = refused(params(0.5, 0.0));
+        assert!(pointed.contains("end of the face"), "{pointed}");
+        let deviating = GearParams {
+            deviations: crate::geometry::Deviations::Class { class: 6, seed: 1 },
+            ..params(0.05, 0.0)
+        };
+        assert!(refused(deviating).contains("conical"));
+    }
+}

@@ -1,0 +1,37 @@
+//! Right-handed axes and their origin in space.
+
+use crate::Vec3;
+
+/// Axes of a hub and its origin in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// The third is that of the gear.
+    pub axes: [Vec3; 3],
+    /// [m]
+    pub origin: Vec3,
+}
+
+impl Frame {
+    /// A point in space in these axes [m].
+    #[inline]
+    pub fn point_back(&self, x: &Vec3) -> Vec3 {
+        let r = x - self.origin;
+        Vec3::new(
+            self.axes[0].dot(&r),
+            self.axes[1].dot(&r),
+            self.axes[2].dot(&r),
+        )
+    }
+
+    /// A direction in these axes, in space.
+    #[inline]
+    pub fn turn(&self, x: &Vec3) -> Vec3 {
+        self.axes[0] * x.x + self.axes[1] * x.y + self.axes[2] * x.z
+    }
+
+    /// A point in these axes, in space [m].
+    #[inline]
+    pub fn point(&self, x: &Vec3) -> Vec3 {
+        self.origin + self.turn(x)
+    }
+}
