@@ -20,6 +20,7 @@
 //! *Gear Geometry and Applied Theory* (2nd ed., 2004), chapters 6, 10 and 11; each module names
 //! its own.
 
+mod contact_lines;
 mod deviation;
 mod error;
 mod fillet;
@@ -39,18 +40,21 @@ mod reference_tests;
 mod refusal_tests;
 #[cfg(test)]
 mod sweep_tests;
+mod topography;
 
+pub use contact_lines::ContactLines;
 pub use deviation::{Deviations, FlankDeviations, GivenDeviations, IsoTolerances};
 pub use error::GeometryError;
 pub use flanks::{FlankGrid, Flanks};
 pub use gear::Gear;
 pub use involute::{inv, inv_inverse};
-pub use modification::{Modifications, ReliefShape, TipRelief};
+pub use modification::{EndRelief, Modifications, ReliefShape, TipRelief};
 pub use outline::MassProperties;
 pub use pair::{Mate, Pair};
 pub use parameters::{GearParams, RackParams};
 pub use quantity::Quantity;
 pub use rack::Rack;
+pub use topography::Topography;
 
 use crate::Vec3;
 
@@ -82,6 +86,13 @@ impl Side {
             Self::Left => 1.0,
             Self::Right => -1.0,
         }
+    }
+
+    /// 0 for the left flank, 1 for the right one.
+    #[inline]
+    #[must_use]
+    pub fn index(self) -> usize {
+        usize::from(self == Self::Right)
     }
 
     /// The other flank.

@@ -96,10 +96,7 @@ fn damping(reader: &Reader<'_>, given: &ElasticParameters) -> Result<ModalDampin
 /// Contact lies evenly over the face width of a spur toothing without crowning.
 fn even_over_width(body: &Toothing) -> bool {
     match body {
-        Toothing::Gear(g) => {
-            let p = g.params();
-            p.helix_angle == 0.0 && p.modifications.lead_crowning == 0.0
-        }
+        Toothing::Gear(g) => !g.varies_over_width(),
         Toothing::Rack(r) => r.params().helix_angle == 0.0,
     }
 }

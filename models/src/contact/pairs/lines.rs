@@ -23,8 +23,8 @@ pub struct Slice {
     pub weight: f64,
     /// Offset of the path coordinates of left flanks of both gears by the helix [m].
     pub offset: [f64; 2],
-    /// How far the flanks of both gears stand off the involutes.
-    pub separation: [Separation; 2],
+    /// How far the left and the right flanks of both gears stand off the involutes.
+    pub separation: [[Separation; 2]; 2],
 }
 
 /// What a mesh of two gears looks like in its transverse plane.

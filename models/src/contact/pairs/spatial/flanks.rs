@@ -80,7 +80,7 @@ impl Helicoid {
         let half = 0.5 * self.gear.face_width();
         let of = |roll: f64, z: f64| {
             let radius = self.base_radius.hypot(roll);
-            self.gear.flank_deviation(radius, z / half)
+            self.gear.flank_deviation(side, radius, z / half)
         };
         // Second differences of smooth modifications are exact enough at a thousandth of their lengths.
         let (h, w) = (1e-4 * self.tip, 1e-3 * half);
