@@ -19,6 +19,7 @@ mod condensed;
 mod contacts;
 mod correction;
 mod coupled;
+mod deformed;
 mod direct;
 mod events;
 mod free_flight;
@@ -38,6 +39,7 @@ mod workspace;
 
 pub use assembled::Scene;
 pub use channels::{Channel, OfGear, OfMesh};
-pub use contacts::ContactForce;
+pub use contacts::{ContactExtent, ContactForce};
+pub use deformed::DeformedFlank;
 pub use friction::MeshFriction;
 pub use members::{SceneGear, SceneMesh};
