@@ -284,3 +284,7 @@ impl Grid {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "flanks_tests.rs"]
+mod tests;

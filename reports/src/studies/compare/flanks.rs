@@ -302,7 +302,9 @@ fn over_run(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
                 for (k, value) in grid.values.iter().enumerate().filter(|(_, v)| **v > 0.0) {
                     let (i, j) = ((k / grid.columns) as f64, (k % grid.columns) as f64);
                     let (x, y) = (r.x0 + j * w, r.y1 - (i + 1.0) * h);
-                    c.fill(&Rect::new(x, y, x + w, y + h), colour(value / greatest));
+                    // A hair over the neighbours, that no ground shines through between them.
+                    let cell = Rect::new(x, y - 0.1, (x + w + 0.1).min(r.x1), y + h);
+                    c.fill(&cell, colour(value / greatest));
                 }
             });
             bar(c, (top, top + MAP), b.load.value, greatest);
@@ -323,7 +325,7 @@ fn over_width(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
     let mut curves = Vec::new();
     let mut greatest = 0.0_f64;
     for b in all {
-        for (k, tooth) in teeth(b.load).into_iter().enumerate() {
+        for tooth in teeth(b.load) {
             let mut columns: Vec<(f64, f64, f64)> = Vec::new();
             let mut of: Vec<&FlankPatch> = (b.load.patches.iter())
                 .filter(|p| p.tooth == tooth)
@@ -343,7 +345,7 @@ fn over_width(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
                 .map(|(height, width, force)| (1e3 * height, force / width))
                 .collect();
             greatest = points.iter().map(|p| p.1).fold(greatest, f64::max);
-            curves.push((b, k, points));
+            curves.push((b, tooth, points));
         }
     }
     let several = curves.iter().any(|(_, _, points)| points.len() > 1);
@@ -362,6 +364,12 @@ fn over_width(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
             &format!("force per width [{}N/m]", prefix.symbol),
         )
     };
+    panel.marks = (curves.iter())
+        .filter_map(|(_, tooth, points)| {
+            let most = points.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+            Some(((most.0, most.1 * prefix.factor), format!("tooth {tooth}")))
+        })
+        .collect();
     panel.curves = curves
         .into_iter()
         .map(|(b, _, points)| {
