@@ -47,47 +47,6 @@ fn patches_of_elastic_flanks_bear_the_force() {
     assert!(grid.instants > 10 && over_run >= 0.999 * greatest);
 }
 
-/// Both flanks give way along the force: together with the overlap under the pressure by what the hubs have come closer
-/// since the flanks met.
-#[test]
-fn deformed_flanks_make_room_for_the_approach() {
-    let run = run_of(&coarse("modes = 4"), TRIGONOMETRIC.at_step(1e-6));
-    let picture = run.contacts.as_ref().unwrap();
-    let force = force_of(picture);
-    let along = [0, 1].map(|k| picture.contacts.iter().map(|c| c.force[k]).sum::<f64>() / force);
-    let yields = ["a", "b"].map(|gear| {
-        let sections = picture.deformed.iter().filter(|s| s.gear == gear);
-        let sign = if gear == "a" { -1.0 } else { 1.0 };
-        let of = sections.flat_map(|s| &s.displacements);
-        of.map(|d| sign * (d[0] * along[0] + d[1] * along[1]))
-            .fold(0.0, f64::max)
-    });
-    let series = run.series.as_ref().unwrap();
-    let nearest = (0..series.time_s.len())
-        .min_by(|a, b| {
-            let off = |i: usize| (series.time_s[i] - picture.time_s).abs();
-            off(*a).total_cmp(&off(*b))
-        })
-        .unwrap();
-    let errors = series
-        .columns
-        .iter()
-        .find(|c| c.name == "transmission_error_m")
-        .unwrap();
-    let approach = errors.values[nearest];
-    let deepest = picture.flanks[0]
-        .patches
-        .iter()
-        .map(|p| p.value)
-        .fold(0.0, f64::max)
-        / 2e15;
-    let given = yields[0] + yields[1] + deepest;
-    assert!(
-        (0.8..1.25).contains(&(given / approach)),
-        "{yields:?} and {deepest:e} m of {approach:e} m"
-    );
-}
-
 /// Slices of rigid flanks: forces per width times the widths are the force.
 #[test]
 fn slices_of_rigid_flanks_bear_the_force() {

@@ -16,7 +16,8 @@ pub struct DeformedFlank {
     pub tooth: u32,
     /// Side of it.
     pub side: Side,
-    /// Nodes from the root to the tip where the hub alone takes them [m].
+    /// Nodes from the root to the tip where the rigid motion takes them [m]: that of the hub, of reduced gears that of their
+    /// mean axes.
     pub with_hub: Vec<Vec3>,
     /// How far they are off that place [m].
     pub displacement: Vec<Vec3>,
@@ -62,9 +63,17 @@ impl Scene {
             let column = (0..grid.columns).min_by(|a, b| off(a).total_cmp(&off(b)));
             let place = |row: usize| row * grid.columns + column.unwrap_or(0);
             let nodes: Vec<u32> = (0..grid.rows).map(|r| grid.nodes[place(r)]).collect();
-            let with_hub: Vec<Vec3> = (0..grid.rows)
-                .map(|r| placed(&grid.positions[place(r)]))
-                .collect();
+            let with_hub: Vec<Vec3> = match surface.displacement {
+                None => (0..grid.rows)
+                    .map(|r| placed(&grid.positions[place(r)]))
+                    .collect(),
+                // Displacements count from the rigid motion that the nodes tell.
+                Some(_) => {
+                    let mut found = vec![Vec3::zeros(); nodes.len()];
+                    surface.nodes.positions(own, &nodes, &mut found);
+                    found
+                }
+            };
             let displacement = match surface.displacement {
                 None => {
                     let mut found = vec![Vec3::zeros(); nodes.len()];

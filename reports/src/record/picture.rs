@@ -61,7 +61,7 @@ pub struct DeformedSection {
     pub tooth: i64,
     /// Side of it, `left` or `right`.
     pub side: String,
-    /// Where the hub alone would take the nodes \[m\].
+    /// Where the rigid motion takes the nodes \[m\].
     pub points: Vec<[f64; 2]>,
     /// How far they are off that place \[m\].
     pub displacements: Vec<[f64; 2]>,

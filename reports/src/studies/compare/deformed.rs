@@ -103,7 +103,7 @@ pub fn deformed(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         title: title.into(),
         caption: format!(
             "Sections of the flanks in contact and of their neighbours at the height of the largest load, at {}. Dashed: where \
-             the hubs alone would take the nodes; full: with displacements {} times as large, up to {}. Rings: contacts.",
+             the rigid motion takes the nodes; full: with displacements {} times as large, up to {}. Rings: contacts.",
             quantity(snapshot.time_s, "s", 3),
             short(times, 3),
             quantity(most, "m", 3)
