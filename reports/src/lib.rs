@@ -25,8 +25,9 @@ pub use force::ForceHistory;
 pub use histories::{ContactEvent, Histories, PairSample};
 pub use metrics::{Finished, Metric, Unfinished, compare};
 pub use record::{
-    ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, Part, ReferenceSeries,
-    Results, Run, SCHEMA, Status, Study, StudyHeader, Tolerance, finite,
+    ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue,
+    Ledger, Machine, Metrics, Outline, Part, ReferenceSeries, Results, Run, SCHEMA, Status, Study,
+    StudyHeader, Tolerance, finite,
 };
 pub use series::{Column, TimeSeries, decimate};
 pub use store::{RECORD, ReportError, load_results, report_from, write_results};

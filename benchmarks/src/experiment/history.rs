@@ -15,6 +15,40 @@ const ROW_DISTANCE: f64 = 0.1;
 /// Rows kept beyond the grid at most: those are for pictures.
 const MOST_ROWS: usize = 100_000;
 
+/// Numbers that the states for pictures may have in all.
+const MOST_NUMBERS: usize = 4_000_000;
+
+/// Some states of a run, at equal numbers of samples from each other however long it is.
+#[derive(Clone, Debug, Default)]
+pub struct Instants {
+    /// The states.
+    pub states: Vec<State>,
+    /// Samples from one to the next, as a power of two.
+    doubled: u32,
+    seen: u64,
+}
+
+impl Instants {
+    /// Every state is seen; every second one of those kept is given up where they become too many.
+    fn take(&mut self, sample: &State) {
+        let most = (MOST_NUMBERS / (2 * sample.q.len()).max(1)).clamp(8, 128);
+        if self.seen.is_multiple_of(1 << self.doubled) {
+            if self.states.len() == most {
+                let mut place = 0;
+                self.states.retain(|_| {
+                    place += 1;
+                    place % 2 == 1
+                });
+                self.doubled += 1;
+            }
+            if self.seen.is_multiple_of(1 << self.doubled) {
+                self.states.push(sample.clone());
+            }
+        }
+        self.seen += 1;
+    }
+}
+
 /// Records channels of a run.
 #[derive(Clone, Debug, Default)]
 pub struct History {
@@ -39,6 +73,8 @@ pub struct History {
     pub pieces_from: f64,
     /// State at the largest force.
     pub peak_state: Option<State>,
+    /// States in contact, for pictures; none where nobody asks for contacts.
+    pub instants: Instants,
     /// Largest force [N].
     pub peak: f64,
     /// Least normal force of any contact [N].
@@ -124,6 +160,9 @@ impl History {
                 Some(s) => s.copy_from(&self.sample),
                 none => *none = Some(self.sample.clone()),
             }
+        }
+        if force > 0.0 && self.contacts.is_some() {
+            self.instants.take(&self.sample);
         }
         let changes = (force > 0.0) != self.in_contact;
         if keep || (changes && self.keeps_steps()) {

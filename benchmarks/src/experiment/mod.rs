@@ -28,6 +28,7 @@ pub mod configuration;
 pub(crate) mod contact_log;
 pub(crate) mod converged;
 pub mod error;
+pub(crate) mod flanks;
 pub(crate) mod force;
 pub(crate) mod history;
 pub mod interruption;

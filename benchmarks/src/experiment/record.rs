@@ -370,6 +370,8 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
         outlines,
         line_of_action: line,
         contacts,
+        flanks: Vec::new(),
+        deformed: Vec::new(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! One model under one integrator: a row of the record. A run that fails is a row as well.
 
 use super::contact_log::ContactLog;
+use super::flanks::{deformed_sections, flank_loads};
 use super::history::History;
 use super::interruption;
 use super::journal::JournalError;
@@ -20,7 +21,7 @@ use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::limits::{self, TooMuchMemory};
-use gearbench_reports::record::Run;
+use gearbench_reports::record::{ContactSnapshot, Run};
 use std::time::{Duration, Instant};
 
 /// A run that took longer [s] is not repeated without observers: what they cost is small beside it.
@@ -302,10 +303,17 @@ fn timed_from(
                 .on_lines_of_action()
                 .then_some([start_momenta, end_momenta]),
         ),
-        contacts: history
-            .peak_state
-            .as_ref()
-            .map(|s| snapshot(job.scene, scene, s)),
+        contacts: history.peak_state.as_ref().map(|s| ContactSnapshot {
+            flanks: match job.histories {
+                true => flank_loads(job, scene, s, &history.instants.states),
+                false => Vec::new(),
+            },
+            deformed: match job.histories {
+                true => deformed_sections(job.scene, scene, s),
+                false => Vec::new(),
+            },
+            ..snapshot(job.scene, scene, s)
+        }),
         series: Some(series),
         histories: job.histories.then(|| histories(job, scene, history)),
         ..reduction(scene, job.modelling)

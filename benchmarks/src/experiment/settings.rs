@@ -3,11 +3,29 @@
 use super::shaft_text::shaft_text;
 use crate::scene_file::{ModelChoice, SceneFile, formula_limits};
 use gearbench_integrators::Resolution;
+use gearbench_models::geometry::Pair;
 use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, Load, LocalContact, ModelSpec, Mount, PointRule, Profile,
     SpinTerms, SurfaceKind, Value, mesh_layout,
 };
 use gearbench_reports::numbers::short;
+
+/// Overlap of helical teeth, and length of all contact lines over a mesh cycle.
+fn contact_lines_text(gear: &Body, mate: &Body, distance: f64) -> Option<String> {
+    let Body::Gear(gear) = gear else {
+        return None;
+    };
+    let pair = Pair::new(gear, mate, distance).ok()?;
+    let lines = pair.contact_lines();
+    let [least, greatest, mean] =
+        [lines.least, lines.greatest, lines.mean].map(|l| short(l * 1e3, 5));
+    (pair.overlap_ratio() > 0.0).then(|| {
+        format!(
+            "{least} to {greatest} mm long in all over a mesh cycle, {mean} mm in the mean; overlap ratio {}",
+            short(pair.overlap_ratio(), 4)
+        )
+    })
+}
 
 /// What a reader must know of the scene: geometry, positions, loads, models and where their constants come
 /// from, conventions of the stiffness.
@@ -41,6 +59,9 @@ pub fn settings(
                     short(l.backlash * 1e6, 4)
                 ),
             );
+            if let Some(lines) = contact_lines_text(&a.body, &b.body, l.distance) {
+                row(&format!("contact lines {} - {}", a.name, b.name), lines);
+            }
         }
     }
     for choice in choices {

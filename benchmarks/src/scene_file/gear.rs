@@ -8,6 +8,8 @@ use super::geometry::geometry;
 use super::lateral::{
     BearingKeys, DirectionKeys, LateralKeys, MisalignmentKeys, Position, Spin, lateral,
 };
+use super::material::{MaterialChoice, material};
+use super::modifications::{BySide, EndReliefKeys, Measured, TopographyKeys, topography};
 use super::plausible::pressure_angle;
 use super::profile::{GearLoad, GearMount, RackLoad, RackMount};
 use super::reading::Place;
@@ -16,15 +18,15 @@ use super::reading::values::{Degrees, NotNegative, Positive};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{Gear, Rack, ReliefShape};
 use gearbench_models::spec::{Body, GearSpec, Load, Mount, UPRIGHT};
-use gearbench_models::stiffness::{Material, Property, StiffnessError};
 use serde::Deserialize;
+use std::path::{Path, PathBuf};
 
 /// A gear or a rack of the file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename = "<kind=gear>", rename_all = "kebab-case")]
 pub(super) enum ToothedKeys {
-    Gear(GearKeys),
-    Rack(RackKeys),
+    Gear(Box<GearKeys>),
+    Rack(Box<RackKeys>),
 }
 
 keys! {
@@ -66,6 +68,14 @@ keys! {
         /// material removed at both face ends by lead crowning in metres, default 0
         #[serde(default)]
         lead_crowning_m: f64,
+        /// relief at the ends of the face: { low = { amount_m, length_m, shape = "linear" or "parabolic" }, high = { .. } }
+        end_relief: Option<EndReliefKeys>,
+        /// material removed towards the upper end of the face (below 0 the lower one), growing linearly from the other, in metres: a number or { left, right }, default 0
+        helix_slope_m: Option<BySide>,
+        /// how much more the tip has removed over the form circle at the upper end of the face than at the lower one, in metres: a number or { left, right }, default 0
+        twist_m: Option<BySide>,
+        /// measured flanks on a grid: { both = "flank.csv", unit_m = 1e-6 }, or left and right as lists of rows
+        topography: Option<Box<TopographyKeys>>,
         /// deviations of single teeth: { class = 6, seed = 1 } of ISO 1328-1, or measured
         deviations: Option<Box<DeviationKeys>>,
         /// "steel" (default), "steel-iso6336", or { young_pa, poisson, density_kg_m3 }
@@ -164,25 +174,6 @@ keys! {
         /// "linear" (default) or "parabolic"
         shape: Option<ReliefShape>,
     }
-
-    pub(super) struct MaterialKeys {
-        /// Young's modulus in pascal, for example 2.1e11
-        young_pa: f64,
-        /// Poisson's ratio, for example 0.3
-        poisson: f64,
-        /// density in kg/m^3, for example 7850
-        density_kg_m3: f64,
-    }
-}
-
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum MaterialChoice {
-    #[default]
-    Steel,
-    SteelIso6336,
-    #[serde(rename = "<table>")]
-    Own(MaterialKeys),
 }
 
 /// A gear as read, before the meshes have placed it.
@@ -197,6 +188,8 @@ pub(super) struct GearDraft {
     pub(super) misalignment: Option<MisalignmentKeys>,
     /// Facing of a rack given in the file [rad].
     pub(super) facing: Option<f64>,
+    /// Files that its measured flanks were read from.
+    pub(super) files: Vec<PathBuf>,
 }
 
 /// What gears and racks have in common.
@@ -218,7 +211,12 @@ struct Hub {
 }
 
 /// Checks and builds one gear or rack.
-pub(super) fn gear(name: &str, keys: ToothedKeys, at: &Place<'_>) -> Result<GearDraft, SceneError> {
+pub(super) fn gear(
+    name: &str,
+    keys: ToothedKeys,
+    folder: Option<&Path>,
+    at: &Place<'_>,
+) -> Result<GearDraft, SceneError> {
     let angle = match &keys {
         ToothedKeys::Gear(keys) => keys.pressure_angle_deg,
         ToothedKeys::Rack(keys) => keys.pressure_angle_deg,
@@ -226,10 +224,16 @@ pub(super) fn gear(name: &str, keys: ToothedKeys, at: &Place<'_>) -> Result<Gear
     if let Some(angle) = angle {
         pressure_angle(angle.0, at)?;
     }
+    let measured = match &keys {
+        ToothedKeys::Gear(keys) => {
+            topography(keys.topography.as_deref(), folder, &at.key("topography"))?
+        }
+        ToothedKeys::Rack(_) => Measured::default(),
+    };
     let body = match &keys {
         ToothedKeys::Gear(keys) => {
             let deviations = deviations(keys.deviations.as_deref(), &at.key("deviations"))?;
-            Gear::new(keys.params(deviations)).map(Body::Gear)
+            Gear::new(keys.params(deviations, measured.sides)).map(Body::Gear)
         }
         ToothedKeys::Rack(keys) => Rack::new(keys.params()).map(Body::Rack),
     };
@@ -286,6 +290,7 @@ pub(super) fn gear(name: &str, keys: ToothedKeys, at: &Place<'_>) -> Result<Gear
         misalignment: hub.misalignment,
         axis: axis(hub.axis, &at.key("axis"))?,
         facing: hub.facing.map(|f| f.0),
+        files: measured.files,
         spec: GearSpec {
             name: name.to_owned(),
             body,
@@ -339,30 +344,4 @@ pub(super) fn initial_speed(
         ),
         (speed, _) => Ok(speed.unwrap_or(0.0)),
     }
-}
-
-pub(super) fn material(choice: &MaterialChoice, at: &Place<'_>) -> Result<Material, SceneError> {
-    let keys = match choice {
-        MaterialChoice::Steel => return Ok(Material::STEEL),
-        MaterialChoice::SteelIso6336 => return Ok(Material::STEEL_ISO),
-        MaterialChoice::Own(keys) => keys,
-    };
-    let material = Material {
-        young: keys.young_pa,
-        poisson: keys.poisson,
-        density: keys.density_kg_m3,
-    };
-    material.check().map_err(|e| {
-        let key = match &e {
-            StiffnessError::Material { property, .. } => match property {
-                Property::Young => "young_pa",
-                Property::Poisson => "poisson",
-                Property::Density => "density_kg_m3",
-            },
-            _ => "young_pa",
-        };
-        let help = "steel has young_pa = 2.1e11, poisson = 0.3, density_kg_m3 = 7850";
-        at.key(key).error(e.to_string(), "this value", help)
-    })?;
-    Ok(material)
 }

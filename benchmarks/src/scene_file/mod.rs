@@ -31,8 +31,10 @@ mod geometry;
 mod lateral;
 mod load;
 mod locate;
+mod material;
 mod mesh;
 mod model;
+mod modifications;
 mod plausible;
 mod profile;
 pub(crate) mod reading;
@@ -176,6 +178,8 @@ pub struct SceneFile {
     pub models: Vec<ModelChoice>,
     /// What a study does by default.
     pub study: Study,
+    /// Files that measured flanks of its gears were read from.
+    pub flank_files: Vec<PathBuf>,
     /// Where it came from.
     pub origin: Origin,
     /// What is odd about it, though not wrong.
@@ -216,8 +220,12 @@ impl SceneFile {
             ..
         } = keys;
         let root = document.at("");
+        let folder = match &origin {
+            Origin::File(path) => path.parent(),
+            Origin::Shipped => None,
+        };
         let mut drafts = (keys.gears.0.into_iter())
-            .map(|(name, keys)| gear::gear(&name, keys, &root.key("gears").key(&name)))
+            .map(|(name, keys)| gear::gear(&name, keys, folder, &root.key("gears").key(&name)))
             .collect::<Result<Vec<_>, _>>()?;
         if drafts.is_empty() {
             return Err(root.missing("gears", &SceneKeys::TABLE));
@@ -234,10 +242,7 @@ impl SceneFile {
             gears: &drafts,
             meshes: meshes.len(),
             models: model_table(),
-            folder: match &origin {
-                Origin::File(path) => path.parent(),
-                Origin::Shipped => None,
-            },
+            folder,
             calibrations: if calibrated { Some(&find) } else { None },
         };
         let mut models = model::models(keys.models, &context, &root.key("models"))?;
@@ -249,7 +254,6 @@ impl SceneFile {
         }
         let labels: Vec<&str> = models.iter().map(|m| m.label.as_str()).collect();
         let study = study_plan::study(keys.study, &labels, &root.key("study"))?;
-        let folder = context.folder;
         let gears = drafts.iter().map(|draft| GearSpec {
             position: draft.position.unwrap_or_default(),
             ..draft.spec.clone()
@@ -285,6 +289,7 @@ impl SceneFile {
             spec,
             models,
             study,
+            flank_files: drafts.into_iter().flat_map(|draft| draft.files).collect(),
             origin,
             odd: Vec::new(),
             document,

@@ -12,8 +12,9 @@
 //! ```
 
 use super::error::SceneError;
-use super::gear::{GearDraft, MaterialChoice, initial_speed, material};
+use super::gear::{GearDraft, initial_speed};
 use super::lateral::{BearingKeys, DirectionKeys, LateralKeys, Spin, lateral};
+use super::material::{MaterialChoice, material};
 use super::profile::{GearLoad, GearMount};
 use super::reading::Place;
 use super::reading::keys::keys;

@@ -71,7 +71,9 @@ impl SceneFile {
         let tables = self.references.iter().filter_map(|r| r.file());
         let tables = tables.map(|path| path.display().to_string());
         let read = self.models.iter().flat_map(|m| files(&m.modelling));
-        let read = read.map(str::to_owned).chain(tables);
+        let flanks = self.flank_files.iter();
+        let flanks = flanks.map(|path| path.display().to_string());
+        let read = read.map(str::to_owned).chain(tables).chain(flanks);
         Source {
             version: env!("CARGO_PKG_VERSION").into(),
             name: match &self.origin {

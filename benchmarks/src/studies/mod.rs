@@ -23,5 +23,5 @@ pub mod stability;
 pub(crate) mod stiffness;
 pub(crate) mod sweep;
 #[cfg(test)]
-mod test_scene;
+pub(crate) mod test_scene;
 pub(crate) mod truncation;

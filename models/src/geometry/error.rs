@@ -44,6 +44,10 @@ pub enum GeometryError {
     BoreTooLarge { bore: f64, r_root: f64 },
     /// Tip relief starts outside the involute flank.
     ReliefStart { start: f64, r_form: f64, r_tip: f64 },
+    /// An end relief is longer than the face is wide.
+    EndRelief { length: f64, width: f64 },
+    /// A topography that is no grid, or does not lie on the flank.
+    Topography { found: String, expected: String },
     /// Modifications take away the whole tip of a tooth.
     ModificationTooDeep { removed: f64, available: f64 },
     /// Deviations of teeth that do not fit the gear.
@@ -227,6 +231,14 @@ impl GeometryError {
                     "choose a start radius from {r_form:.6} m (form) to below {r_tip:.6} m \
                      (tip)"
                 ),
+            ),
+            Self::EndRelief { length, width } => (
+                format!("an end relief is {length:.6} m long, but the face is {width:.6} m wide"),
+                format!("choose a length up to {width:.6} m"),
+            ),
+            Self::Topography { found, expected } => (
+                format!("a flank topography has {found}"),
+                format!("give {expected}"),
             ),
             Self::ModificationTooDeep { removed, available } => (
                 format!(

@@ -22,6 +22,7 @@ use super::error::{GeometryError, finite};
 use super::fillet::{Fillet, ToolTip};
 use super::helicoid::InvoluteHelicoid;
 use super::involute::{inv, inv_inverse, inv_of_tangent};
+use super::modification::FlankRange;
 use super::parameters::GearParams;
 use super::quantity::Quantity;
 
@@ -31,7 +32,7 @@ const SEAT: f64 = 0.5;
 /// An external involute gear that can be cut: parameters and derived quantities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gear {
-    params: GearParams,
+    params: Box<GearParams>,
     alpha_t: f64,
     beta_b: f64,
     r: f64,
@@ -128,7 +129,9 @@ impl Gear {
         }
         let fillet = Fillet::new(tip, r)?;
 
-        params.modifications.check(r_form, r_tip)?;
+        params
+            .modifications
+            .check([r_form, r_tip], params.face_width)?;
         let roll_of = |radius: f64| (radius * radius - r_base * r_base).max(0.0).sqrt();
         let s_tip = roll_of(r_tip);
         let s_relief = params
@@ -145,7 +148,7 @@ impl Gear {
         };
         let deviations = ToothDeviations::new(&params.deviations, toothing)?.map(Arc::new);
         let gear = Self {
-            params,
+            params: Box::new(params),
             alpha_t,
             beta_b,
             r,
@@ -178,7 +181,13 @@ impl Gear {
     /// The modifications must leave some tooth at the tip.
     fn check_depth_of_modifications(&self) -> Result<(), GeometryError> {
         let each = self.deviations.as_ref().map_or(0.0, |d| d.greatest());
-        let removed = self.flank_deviation(self.r_tip, 1.0) + each * self.beta_b.cos();
+        let of_all = [Side::Left, Side::Right].map(|side| {
+            let ends = [-1.0, 1.0].map(|zeta| self.flank_deviation(side, self.r_tip, zeta));
+            ends[0].max(ends[1])
+        });
+        let measured = self.params.modifications.topography.iter().flatten();
+        let measured = measured.map(|t| 2.0 * t.greatest()).fold(0.0, f64::max);
+        let removed = of_all[0].max(of_all[1]) + measured + each * self.beta_b.cos();
         // The tooth centreline is r_b times the half angle away, measured along the line of action.
         let available = self.r_base * self.half_angle_at(self.r_tip) * self.beta_b.cos();
         if removed < available {
@@ -308,17 +317,30 @@ impl Gear {
         (p.r2.sqrt(), 0.5 * self.pitch_angle() - p.delta)
     }
 
-    /// Material removed normal to the flank (m), 0 or above, by relief and crowning at radius `r`
-    /// (m) and at `zeta` in [-1, 1] over the face width. Below the form radius the value there.
-    pub fn flank_deviation(&self, r: f64, zeta: f64) -> f64 {
-        if self.params.modifications.is_none() {
+    /// Material removed normal to the flanks of a side (m) by its modifications at radius `r` (m) and at `zeta` in [-1, 1]
+    /// over the face width; below 0 only where a measured topography says so. Below the form radius the value there.
+    pub fn flank_deviation(&self, side: Side, r: f64, zeta: f64) -> f64 {
+        let modifications = &self.params.modifications;
+        if modifications.is_none() {
             return 0.0;
         }
-        let [s_form, s_tip, s_relief] = self.roll;
-        let s = self.roll_length(r);
-        self.params
-            .modifications
-            .removed(s, s_form, s_tip, s_relief, zeta)
+        let range = FlankRange {
+            roll: self.roll,
+            r_base: self.r_base,
+            half_width: 0.5 * self.params.face_width,
+        };
+        modifications.removed(side, self.roll_length(r), &range, zeta)
+    }
+
+    /// The part of it that varies over the width alone (m).
+    pub fn lead_deviation(&self, side: Side, zeta: f64) -> f64 {
+        let half_width = 0.5 * self.params.face_width;
+        self.params.modifications.over_width(side, zeta, half_width)
+    }
+
+    /// Whether flanks are not the same in all transverse sections, turned by the helix or not.
+    pub fn varies_over_width(&self) -> bool {
+        self.params.helix_angle != 0.0 || self.params.modifications.vary_over_width()
     }
 
     #[cfg(test)]

@@ -22,6 +22,7 @@
 
 mod conical;
 mod conical_pair;
+mod contact_lines;
 mod deviation;
 mod error;
 mod fillet;
@@ -43,9 +44,11 @@ mod reference_tests;
 mod refusal_tests;
 #[cfg(test)]
 mod sweep_tests;
+mod topography;
 
 pub use conical::ConicalError;
 pub use conical_pair::{ConicalPair, RollMap};
+pub use contact_lines::ContactLines;
 pub use deviation::{Deviations, FlankDeviations, GivenDeviations, IsoTolerances};
 pub use error::GeometryError;
 pub use flanks::{FlankGrid, Flanks};
@@ -53,12 +56,13 @@ pub use frame::Frame;
 pub use gear::Gear;
 pub use helicoid::{InvoluteHelicoid, Near};
 pub use involute::{inv, inv_inverse};
-pub use modification::{Modifications, ReliefShape, TipRelief};
+pub use modification::{EndRelief, Modifications, ReliefShape, TipRelief};
 pub use outline::MassProperties;
 pub use pair::{Mate, Pair};
 pub use parameters::{GearParams, RackParams};
 pub use quantity::Quantity;
 pub use rack::Rack;
+pub use topography::Topography;
 
 use crate::Vec3;
 
@@ -90,6 +94,13 @@ impl Side {
             Self::Left => 1.0,
             Self::Right => -1.0,
         }
+    }
+
+    /// 0 for the left flank, 1 for the right one.
+    #[inline]
+    #[must_use]
+    pub fn index(self) -> usize {
+        usize::from(self == Self::Right)
     }
 
     /// The other flank.

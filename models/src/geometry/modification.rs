@@ -1,22 +1,47 @@
-//! Flank modifications as data: tip relief, profile crowning, lead crowning.
+//! Flank modifications as data: tip relief, profile crowning, lead crowning, end relief, helix slope, twist, and a measured
+//! topography.
 //!
 //! Amounts are the material removed normal to the flank. Along the profile they vary with the
 //! length of roll `s = sqrt(r^2 - r_b^2)` (equal to the path coordinate), as they do on a profile
 //! measurement chart: relief as `((s - s_0)/(s_a - s_0))^n` with n = 1 or 2 from its start to the
-//! tip, crowning as a parabola about the middle of the flank. Terms of ISO 21771-1 (flank
-//! modifications); relief after H. Walker, *The Engineer* 166 (1938).
+//! tip, crowning as a parabola about the middle of the flank. Over the width they vary with `zeta` in [-1, 1] and with
+//! `eta = (2 s - s_f - s_a)/(s_a - s_f)` in [-1, 1] over the profile:
+//!
+//! ```text
+//! end relief    C ((l - t)/l)^n        n = 1 or 2, t <= l the distance to the end of the face
+//! helix slope   (C zeta + |C|)/2       grows linearly from one end to the other, towards the upper one for C > 0
+//! twist         (S zeta eta + |S|)/4   the profile slope (tip over form circle) varies by S from the lower to the upper end
+//! topography    as given on a grid, see `topography`
+//! ```
+//!
+//! Terms of ISO 21771-1 (flank modifications); relief after H. Walker, *The Engineer* 166 (1938).
 
-use super::error::{GeometryError, not_negative, positive};
+use std::sync::Arc;
+
+use super::Side;
+use super::error::{GeometryError, finite, not_negative, positive};
 use super::quantity::Quantity;
+use super::topography::Topography;
 
-/// Course of a relief from its start to the tip.
+/// Course of a relief from its start to the tip or the end of the face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ReliefShape {
-    /// Grows in proportion to the length of roll.
+    /// Grows in proportion to the length of roll, or the distance.
     Linear,
     /// Grows with its square: smooth at the start.
     Parabolic,
+}
+
+impl ReliefShape {
+    /// Share of the amount at a part of the way; 0 before the start.
+    fn at(self, part: f64) -> f64 {
+        let part = part.max(0.0);
+        match self {
+            ReliefShape::Linear => part,
+            ReliefShape::Parabolic => part * part,
+        }
+    }
 }
 
 /// Tip relief of both flanks.
@@ -30,8 +55,19 @@ pub struct TipRelief {
     pub shape: ReliefShape,
 }
 
-/// Modifications of both flanks of every tooth; the default is none.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Relief of both flanks at one end of the face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EndRelief {
+    /// Material removed at the end, normal to the flank (m), above 0.
+    pub amount: f64,
+    /// Distance from the end at which the relief starts (m), up to the face width.
+    pub length: f64,
+    /// Course from the start to the end.
+    pub shape: ReliefShape,
+}
+
+/// Modifications of every tooth; the default is none. What has two values for the sides has that of left flanks first.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Modifications {
     /// Tip relief, if any.
     pub tip_relief: Option<TipRelief>,
@@ -39,6 +75,26 @@ pub struct Modifications {
     pub profile_crowning: f64,
     /// Lead crowning: material removed at both ends of the face (m), 0 or above.
     pub lead_crowning: f64,
+    /// End relief at the lower and the upper end of the face, along the gear's own axis.
+    pub end_relief: [Option<EndRelief>; 2],
+    /// Helix slope of left and right flanks: material removed at the upper end (m), at the lower one where below 0.
+    pub helix_slope: [f64; 2],
+    /// Twist of left and right flanks: how much more the tip has removed over the form circle at the upper end than at the
+    /// lower one (m).
+    pub twist: [f64; 2],
+    /// Measured topographies of left and right flanks.
+    pub topography: [Option<Arc<Topography>>; 2],
+}
+
+/// What the places on a flank are told by.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FlankRange {
+    /// Length of roll at the form circle, at the tip and at the start of the tip relief (m).
+    pub roll: [f64; 3],
+    /// Base radius (m).
+    pub r_base: f64,
+    /// Half the face width (m).
+    pub half_width: f64,
 }
 
 impl Modifications {
@@ -47,10 +103,32 @@ impl Modifications {
         *self == Self::default()
     }
 
-    /// Checks signs and that the relief starts on the involute; radii in metre.
-    pub(super) fn check(&self, r_form: f64, r_tip: f64) -> Result<(), GeometryError> {
+    /// Whether they are not the same all over the width.
+    pub fn vary_over_width(&self) -> bool {
+        self.lead_crowning != 0.0
+            || self.end_relief.iter().any(Option::is_some)
+            || self.helix_slope != [0.0; 2]
+            || Side::BOTH.iter().any(|side| self.vary_jointly(*side))
+    }
+
+    /// Whether what is removed of the flanks of a side is more than a sum of a part along the profile and one over the
+    /// width.
+    pub fn vary_jointly(&self, side: Side) -> bool {
+        let k = side.index();
+        self.twist[k] != 0.0 || self.topography[k].is_some()
+    }
+
+    /// Whether left and right flanks are mirror images.
+    pub fn are_symmetric(&self) -> bool {
+        let same = |pair: [f64; 2]| pair[0] == pair[1];
+        same(self.helix_slope) && same(self.twist) && self.topography[0] == self.topography[1]
+    }
+
+    /// Checks signs and that reliefs start on the involute; radii and width in metre.
+    pub(super) fn check(&self, radii: [f64; 2], width: f64) -> Result<(), GeometryError> {
         not_negative(Quantity::ProfileCrowning, self.profile_crowning)?;
         not_negative(Quantity::LeadCrowning, self.lead_crowning)?;
+        let [r_form, r_tip] = radii;
         if let Some(relief) = &self.tip_relief {
             positive(Quantity::ReliefAmount, relief.amount)?;
             positive(Quantity::ReliefStart, relief.start_radius)?;
@@ -62,23 +140,63 @@ impl Modifications {
                 });
             }
         }
+        for relief in self.end_relief.iter().flatten() {
+            positive(Quantity::EndReliefAmount, relief.amount)?;
+            positive(Quantity::EndReliefLength, relief.length)?;
+            if relief.length > width {
+                return Err(GeometryError::EndRelief {
+                    length: relief.length,
+                    width,
+                });
+            }
+        }
+        for slope in self.helix_slope {
+            finite(Quantity::HelixSlope, slope)?;
+        }
+        for twist in self.twist {
+            finite(Quantity::Twist, twist)?;
+        }
+        for topography in self.topography.iter().flatten() {
+            topography.check(radii, width)?;
+        }
         Ok(())
     }
 
-    /// Material removed (m) at length of roll `s`, given those of the form circle, of the tip and
-    /// of the start of the relief; `zeta` in [-1, 1] runs over the face width.
-    pub(super) fn removed(&self, s: f64, s_form: f64, s_tip: f64, s_relief: f64, zeta: f64) -> f64 {
+    /// What is removed over the width alone (m), at `zeta` in [-1, 1].
+    pub(super) fn over_width(&self, side: Side, zeta: f64, half_width: f64) -> f64 {
+        let mut removed = self.lead_crowning * zeta * zeta;
+        for (relief, sign) in self.end_relief.iter().zip([-1.0, 1.0]) {
+            if let Some(relief) = relief {
+                let to_the_end = half_width * (1.0 - sign * zeta);
+                removed += relief.amount * relief.shape.at(1.0 - to_the_end / relief.length);
+            }
+        }
+        let slope = self.helix_slope[side.index()];
+        if slope != 0.0 {
+            removed += 0.5 * (slope * zeta + slope.abs());
+        }
+        removed
+    }
+
+    /// Material removed (m) of the flanks of a side at length of roll `s`; `zeta` in [-1, 1] runs over the face width.
+    pub(super) fn removed(&self, side: Side, s: f64, of: &FlankRange, zeta: f64) -> f64 {
+        let [s_form, s_tip, s_relief] = of.roll;
         let s = s.clamp(s_form, s_tip);
         let relief = self.tip_relief.map_or(0.0, |relief| {
-            let part = ((s - s_relief) / (s_tip - s_relief)).max(0.0);
-            relief.amount
-                * match relief.shape {
-                    ReliefShape::Linear => part,
-                    ReliefShape::Parabolic => part * part,
-                }
+            relief.amount * relief.shape.at((s - s_relief) / (s_tip - s_relief))
         });
         let height = (2.0 * s - s_form - s_tip) / (s_tip - s_form);
-        relief + self.profile_crowning * height * height + self.lead_crowning * zeta * zeta
+        let mut removed = relief
+            + self.profile_crowning * height * height
+            + self.over_width(side, zeta, of.half_width);
+        if self.vary_jointly(side) {
+            let twist = self.twist[side.index()];
+            removed += 0.25 * (twist * zeta * height + twist.abs());
+            if let Some(topography) = &self.topography[side.index()] {
+                removed += topography.removed(s, of, zeta);
+            }
+        }
+        removed
     }
 }
 
@@ -86,6 +204,8 @@ impl Modifications {
 mod tests {
     use super::*;
     use crate::geometry::{Gear, GearParams};
+
+    const LEFT: Side = Side::Left;
 
     fn gear(shape: ReliefShape) -> Gear {
         Gear::new(GearParams {
@@ -99,6 +219,7 @@ mod tests {
                 }),
                 profile_crowning: 4e-6,
                 lead_crowning: 6e-6,
+                ..Modifications::default()
             },
             ..GearParams::default()
         })
@@ -108,7 +229,7 @@ mod tests {
     #[test]
     fn amounts_are_reached_where_they_are_defined() {
         let g = gear(ReliefShape::Linear);
-        let at = |r, zeta| g.flank_deviation(r, zeta);
+        let at = |r, zeta| g.flank_deviation(LEFT, r, zeta);
         assert!((at(g.r_tip(), 0.0) - 24e-6).abs() < 1e-18);
         assert!((at(g.r_tip(), -1.0) - 30e-6).abs() < 1e-18);
         assert!((at(g.r_form(), 0.0) - 4e-6).abs() < 1e-15);
@@ -123,11 +244,12 @@ mod tests {
         let (linear, parabolic) = (gear(ReliefShape::Linear), gear(ReliefShape::Parabolic));
         let s = 0.5 * (linear.roll_length(46.5e-3) + linear.roll_length_tip());
         let r = linear.r_base().hypot(s);
-        let difference = linear.flank_deviation(r, 0.0) - parabolic.flank_deviation(r, 0.0);
+        let difference =
+            linear.flank_deviation(LEFT, r, 0.0) - parabolic.flank_deviation(LEFT, r, 0.0);
         assert!((difference - 5e-6).abs() < 1e-15, "half against a quarter");
         assert_eq!(
-            linear.flank_deviation(46.5e-3, 0.3),
-            parabolic.flank_deviation(46.5e-3, 0.3)
+            linear.flank_deviation(LEFT, 46.5e-3, 0.3),
+            parabolic.flank_deviation(LEFT, 46.5e-3, 0.3)
         );
     }
 
@@ -138,6 +260,6 @@ mod tests {
             ..GearParams::default()
         })
         .unwrap();
-        assert_eq!(plain.flank_deviation(plain.r_tip(), 1.0), 0.0);
+        assert_eq!(plain.flank_deviation(LEFT, plain.r_tip(), 1.0), 0.0);
     }
 }

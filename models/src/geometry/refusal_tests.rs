@@ -147,6 +147,7 @@ fn modifications_must_stay_on_the_flank() {
                 }),
                 profile_crowning,
                 lead_crowning: 0.0,
+                ..Modifications::default()
             },
             ..standard(20)
         })

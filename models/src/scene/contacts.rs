@@ -38,6 +38,17 @@ pub struct ContactForce {
     pub gap: f64,
     /// Pressure, of a line between flanks.
     pub pressure: Option<LinePressure>,
+    /// What part of the flank it stands for.
+    pub extent: ContactExtent,
+}
+
+/// What part of a flank a contact stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ContactExtent {
+    /// A share of the common face width: a slice of lines of action, a line between flanks.
+    Width(f64),
+    /// An area [m^2]; 1 where nodes count alike.
+    Area(f64),
 }
 
 impl Scene {
@@ -186,6 +197,10 @@ impl Scene {
                 }),
                 gap: a.gap,
                 pressure: self.pressure(p, a.force.n),
+                extent: match p.line {
+                    Some(_) => ContactExtent::Width(p.share),
+                    None => ContactExtent::Area(p.share),
+                },
             }
         });
         self.work
@@ -207,6 +222,10 @@ impl Scene {
                     on_hubs: [0, 1].map(|k| self.on_hub(at, c, k)),
                     gap: c.gap,
                     pressure: None,
+                    extent: match self.meshes[c.mesh].search.pairs() {
+                        Some(_) => ContactExtent::Width(candidate.share),
+                        None => ContactExtent::Area(candidate.share),
+                    },
                 }
             })
             .chain(nodal)

@@ -22,38 +22,58 @@ const DEFAULT_SLICES: usize = 16;
 /// Samples of a modified flank along the path.
 const FLANK_SAMPLES: usize = 257;
 
-/// Separation of the flanks of gear `k` of a mesh in the middle of the width.
-fn separation(
+/// Separations of the left and the right flanks of gear `k` of a mesh at places of the common width in [-1, 1].
+fn separations(
     l: &MeshLayout,
     gears: [&GearSpec; 2],
     views: &[MeshView; 2],
     k: usize,
-) -> Separation {
+    places: &[f64],
+) -> [Vec<Separation>; 2] {
     let of = engagement(l, gears[0], views, k);
-    let start = views[k].touching[0];
-    match &gears[k].body {
-        Body::Gear(g) if !g.params().modifications.is_none() => {
-            let rb = g.r_base();
-            let removed = |s: f64| g.flank_deviation(rb.hypot(s), 0.0);
-            Separation::new(&of, start, FLANK_SAMPLES, Some(&removed))
+    let new = |removed: Option<&dyn Fn(f64) -> f64>| {
+        Separation::new(&of, views[k].touching[0], FLANK_SAMPLES, removed)
+    };
+    let modified = match &gears[k].body {
+        Body::Gear(g) if !g.params().modifications.is_none() => Some(g),
+        _ => None,
+    };
+    let Some(g) = modified else {
+        let plain = vec![new(None); places.len()];
+        return [plain.clone(), plain];
+    };
+    let rb = g.r_base();
+    let at = |side: Side, zeta: f64| new(Some(&|s| g.flank_deviation(side, rb.hypot(s), zeta)));
+    let own = |zeta: &f64| own_place(l, g.face_width(), k, *zeta);
+    let of_side = |side: Side| -> Vec<Separation> {
+        if g.params().modifications.vary_jointly(side) {
+            return places.iter().map(|zeta| at(side, own(zeta))).collect();
         }
-        _ => Separation::new(&of, start, FLANK_SAMPLES, None),
+        let middle = at(side, 0.0);
+        let more = |zeta: f64| g.lead_deviation(side, zeta) - g.lead_deviation(side, 0.0);
+        places
+            .iter()
+            .map(|zeta| middle.raised(more(own(zeta))))
+            .collect()
+    };
+    let left = of_side(Side::Left);
+    if g.params().modifications.are_symmetric() {
+        return [left.clone(), left];
     }
+    [left, of_side(Side::Right)]
 }
 
-/// What is removed at a place of the width more than in its middle [m].
-fn lead(body: &Body, zeta: f64) -> f64 {
-    match body {
-        Body::Gear(g) => g.params().modifications.lead_crowning * zeta * zeta,
-        Body::Rack(_) => 0.0,
+/// A place of the common width of a mesh on the width of one of its gears, both in [-1, 1].
+fn own_place(l: &MeshLayout, width: f64, k: usize, zeta: f64) -> f64 {
+    if l.heights[k] == 0.0 && l.face_width == width {
+        return zeta;
     }
+    (l.heights[k] + 0.5 * l.face_width * zeta) / (0.5 * width)
 }
 
 pub(super) fn varies_over_width(body: &Body) -> bool {
     match body {
-        Body::Gear(g) => {
-            g.params().helix_angle != 0.0 || g.params().modifications.lead_crowning != 0.0
-        }
+        Body::Gear(g) => g.varies_over_width(),
         Body::Rack(r) => r.params().helix_angle != 0.0,
     }
 }
@@ -85,10 +105,12 @@ pub(super) fn lines_of_action(
         ));
     }
     let base_helix = a.body.base_helix_angle();
-    let separations = [0, 1].map(|k| separation(l, [a, b], &views, k));
-    let slices = (0..count)
-        .map(|i| {
-            let zeta = (2 * i + 1) as f64 / count as f64 - 1.0;
+    let places: Vec<f64> = (0..count)
+        .map(|i| (2 * i + 1) as f64 / count as f64 - 1.0)
+        .collect();
+    let separations = [0, 1].map(|k| separations(l, [a, b], &views, k, &places));
+    let slices = (places.iter().enumerate())
+        .map(|(i, &zeta)| {
             let along = 0.5 * l.face_width * zeta;
             // Helices of mates are opposite.
             let offset = |k: usize| (l.heights[k] + along) * base_helix.tan();
@@ -104,10 +126,8 @@ pub(super) fn lines_of_action(
                 weight: 1.0 / count as f64,
                 offset: conical.map_or([ahead, ahead.map(|x| -x)], |both| both.map(|of| of.1)),
                 rolls: conical.map(|both| Box::new(both.map(|of| of.0))),
-                separation: [
-                    separations[0].raised(lead(&a.body, zeta)),
-                    separations[1].raised(lead(&b.body, zeta)),
-                ],
+                separation: Side::BOTH
+                    .map(|side| [0, 1].map(|k| separations[k][side.index()][i].clone())),
             }
         })
         .collect();

@@ -21,6 +21,7 @@ mod condensed;
 mod contacts;
 mod correction;
 mod coupled;
+mod deformed;
 mod direct;
 mod events;
 mod free_flight;
@@ -41,7 +42,8 @@ mod workspace;
 
 pub use assembled::Scene;
 pub use channels::{Channel, OfGear, OfMesh};
-pub use contacts::ContactForce;
+pub use contacts::{ContactExtent, ContactForce};
+pub use deformed::DeformedFlank;
 pub use friction::MeshFriction;
 pub use hubs::hub_of;
 pub use members::{SceneGear, SceneMesh};

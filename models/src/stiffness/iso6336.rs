@@ -6,7 +6,7 @@
 //! c'th = 1/q'      c' = 0.8 c'th CR CB (E / E_steel) cos(beta)
 //! CB   = mean over both gears of [1 + 0.5 (1.2 - hfP/mn)] [1 - 0.02 (20 - alpha_n in deg)]
 //! CR   = 1 + ln(bs/b) / (5 exp(sR / (5 mn)))
-//! c_ga = c' (0.75 eps_alpha + 0.25)                       E = 2 E1 E2 / (E1 + E2)
+//! c_ga = c' (0.75 eps_alpha + 0.25)      c_gb = 0.85 c_ga     E = 2 E1 E2 / (E1 + E2)
 //! ```
 //!
 //! Index 1 is the pinion, the gear with fewer teeth; a rack has `1/zn2 = 0`. `c'` is the *greatest*
@@ -96,6 +96,13 @@ pub struct Iso6336 {
     pub c_b: f64,
     /// Limits of the norm that are not kept.
     pub warnings: Vec<StiffnessWarning>,
+}
+
+impl Iso6336 {
+    /// Mean stiffness of the mesh for the load over the width `c_gamma_beta`.
+    pub fn c_gamma_beta(&self) -> f64 {
+        0.85 * self.c_gamma_alpha
+    }
 }
 
 /// Evaluates ISO 6336-1.

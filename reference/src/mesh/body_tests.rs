@@ -4,9 +4,11 @@ use super::tests::{assert_conforming, bored, params, small, spur};
 use super::*;
 use crate::test_support::{self, layered};
 use gearbench_models::geometry::{
-    Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, TipRelief,
+    EndRelief, Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, TipRelief,
+    Topography,
 };
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 fn a_rack(helix: f64) -> Rack {
     test_support::rack(6, 4e-3, |p| {
@@ -184,6 +186,8 @@ fn modifications_are_laid_normal_to_the_flank() {
         })
         .unwrap()
     };
+    let rows = [vec![1e-6, 4e-6, 0.0], vec![0.0, -2e-6, 3e-6]];
+    let measured = Topography::new(&rows, None, None).unwrap();
     let modified = with(Modifications {
         tip_relief: Some(TipRelief {
             amount: 60e-6,
@@ -192,6 +196,17 @@ fn modifications_are_laid_normal_to_the_flank() {
         }),
         profile_crowning: 10e-6,
         lead_crowning: 20e-6,
+        end_relief: [
+            None,
+            Some(EndRelief {
+                amount: 5e-6,
+                length: 4e-3,
+                shape: ReliefShape::Parabolic,
+            }),
+        ],
+        helix_slope: [6e-6, -3e-6],
+        twist: [-8e-6, 4e-6],
+        topography: [None, Some(Arc::new(measured))],
     });
     let p = layered(ElementKind::C3D20, 2);
     let (a, b) = (gear(&plain, &p).unwrap(), gear(&modified, &p).unwrap());
@@ -200,7 +215,7 @@ fn modifications_are_laid_normal_to_the_flank() {
     for (f, g) in a.flanks.iter().zip(&b.flanks) {
         for (x, y) in f.positions.iter().zip(&g.positions) {
             assert_eq!(x.z, y.z);
-            let removed = modified.flank_deviation(x.xy().norm(), x.z / 5e-3);
+            let removed = modified.flank_deviation(f.side, x.xy().norm(), x.z / 5e-3);
             let centre = f64::from(f.tooth) * plain.pitch_angle() + twist * y.z;
             let angle = (y.y.atan2(y.x) - centre + PI).rem_euclid(2.0 * PI) - PI;
             let found =

@@ -12,7 +12,7 @@ use super::width::planes;
 use super::{ElementKind, GearMesh, Part};
 use crate::limits;
 use gearbench_models::Vec3;
-use gearbench_models::geometry::{Gear, Rack};
+use gearbench_models::geometry::{Gear, Rack, Side};
 
 /// Memory of a node with its share of elements and sets while a mesh is made [bytes].
 const NODE_BYTES: f64 = 160.0;
@@ -249,8 +249,9 @@ impl Plan<'_> {
 
     /// Shift of the flank of tooth 0 by its modifications [m] in (radial, tangential) coordinates of the plane
     /// z = 0: along the transverse normal, which is the line of action, so that end faces stay plane.
-    fn shift(&self, g: &Gear, roll: f64, zeta: f64) -> [f64; 2] {
-        let amount = g.flank_deviation(g.r_base().hypot(roll), zeta) / g.base_helix_angle().cos();
+    fn shift(&self, g: &Gear, (side, roll): (Side, f64), zeta: f64) -> [f64; 2] {
+        let removed = g.flank_deviation(side, g.r_base().hypot(roll), zeta);
+        let amount = removed / g.base_helix_angle().cos();
         let tangent_at = g.half_angle_at_roll(roll) - (roll / g.r_base()).atan();
         [amount * tangent_at.sin(), -amount * tangent_at.cos()]
     }
@@ -269,7 +270,12 @@ impl Plan<'_> {
         for (l, &z) in self.planes.iter().enumerate() {
             let (sin, cos) = (turn as f64 * g.pitch_angle() + self.twist(z)).sin_cos();
             for f in &t.section.followers {
-                let [x, y] = self.shift(g, f.roll, z / half);
+                let side = if f.side > 0.0 {
+                    Side::Left
+                } else {
+                    Side::Right
+                };
+                let [x, y] = self.shift(g, (side, f.roll), z / half);
                 let (x, y) = (f.weight * x, f.weight * f.side * y);
                 out[f.point as usize * self.planes.len() + l] +=
                     Vec3::new(cos * x - sin * y, sin * x + cos * y, 0.0);

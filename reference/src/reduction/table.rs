@@ -99,10 +99,7 @@ fn even_over_width(context: &GearContext<'_>) -> bool {
         return false;
     }
     match context.body {
-        Toothing::Gear(g) => {
-            let p = g.params();
-            p.helix_angle == 0.0 && p.modifications.lead_crowning == 0.0
-        }
+        Toothing::Gear(g) => !g.varies_over_width(),
         Toothing::Rack(r) => r.params().helix_angle == 0.0,
     }
 }

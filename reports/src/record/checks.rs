@@ -1,6 +1,6 @@
 //! What a record must satisfy to be saved, and the form in which it is saved.
 
-use crate::record::{ContactSnapshot, Results, Run, SCHEMA, Steady};
+use crate::record::{ContactSnapshot, FlankLoad, Results, Run, SCHEMA, Steady};
 use crate::series::TimeSeries;
 
 impl Results {
@@ -95,6 +95,8 @@ fn finite_picture(mut picture: ContactSnapshot) -> Option<ContactSnapshot> {
     picture
         .contacts
         .retain(|c| finite(&c.point) && finite(&c.force));
+    picture.flanks.retain(FlankLoad::is_sound);
+    (picture.deformed).retain(|d| d.points.iter().chain(&d.displacements).all(finite));
     picture.line_of_action = picture
         .line_of_action
         .filter(|l| finite(&l[0]) && finite(&l[1]));

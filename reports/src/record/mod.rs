@@ -14,7 +14,10 @@ use crate::metrics::Metric;
 use crate::series::TimeSeries;
 pub use crate::studies::sweep::{Bearing, StaticCycle, Steady};
 pub use crate::studies::{Part, Study};
-pub use picture::{ContactPoint, ContactSnapshot, Outline};
+pub use picture::{
+    ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue,
+    Outline,
+};
 pub use run::{Run, Status};
 use serde::{Deserialize, Serialize};
 pub use source::Source;

@@ -15,6 +15,12 @@ pub struct ContactSnapshot {
     pub line_of_action: Option<[[f64; 2]; 2]>,
     /// Contacts that carry force.
     pub contacts: Vec<ContactPoint>,
+    /// What the flanks bear.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub flanks: Vec<FlankLoad>,
+    /// Sections of deformed flanks of elastic gears.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub deformed: Vec<DeformedSection>,
 }
 
 /// The closed outline of one gear.
@@ -43,4 +49,114 @@ pub struct ContactPoint {
     /// Half its width \[m\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub half_width_m: Option<f64>,
+}
+
+/// A section of a flank of an elastic gear, from the root to the tip.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct DeformedSection {
+    /// Name of the gear.
+    pub gear: String,
+    /// The tooth, counted from 1.
+    pub tooth: i64,
+    /// Side of it, `left` or `right`.
+    pub side: String,
+    /// Where the rigid motion takes the nodes \[m\].
+    pub points: Vec<[f64; 2]>,
+    /// How far they are off that place \[m\].
+    pub displacements: Vec<[f64; 2]>,
+}
+
+/// What the flanks of the first gear of a mesh bear.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FlankLoad {
+    /// The mesh, counted from 1.
+    pub mesh: usize,
+    /// Name of the gear.
+    pub gear: String,
+    /// Side of its teeth, `left` or `right`.
+    pub side: String,
+    /// What the values are.
+    pub value: FlankValue,
+    /// Lengths of roll at the form circle and at the tip \[m\].
+    pub roll_m: [f64; 2],
+    /// Lower and upper end of the face from its middle \[m\].
+    pub width_m: [f64; 2],
+    /// Contacts at the instant of the snapshot.
+    pub patches: Vec<FlankPatch>,
+    /// The greatest of several instants of the run, teeth laid on each other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over_run: Option<FlankGrid>,
+}
+
+/// What a flank is coloured by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FlankValue {
+    /// Pressure \[Pa\].
+    #[default]
+    Pressure,
+    /// Force per width \[N/m\].
+    LineLoad,
+}
+
+/// A contact on a flank.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FlankPatch {
+    /// The tooth, counted from 1.
+    pub tooth: i64,
+    /// Length of roll \[m\].
+    pub roll_m: f64,
+    /// Height of its middle along the axis, from the middle of the face \[m\].
+    pub height_m: f64,
+    /// Extent along the length of roll, 0 of a line, and over the width \[m\].
+    pub size_m: [f64; 2],
+    /// Normal force \[N\].
+    pub force_n: f64,
+    /// Pressure or force per width \[Pa, N/m\].
+    pub value: f64,
+}
+
+/// Values over a flank: rows from the form circle to the tip at equal steps of the length of roll, columns from the lower to
+/// the upper end of the face; 0 where nothing touched.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FlankGrid {
+    /// Instants that were looked at.
+    pub instants: usize,
+    /// Rows over the profile.
+    pub rows: usize,
+    /// Columns over the width.
+    pub columns: usize,
+    /// Row by row \[Pa, N/m\].
+    pub values: Vec<f64>,
+}
+
+impl FlankLoad {
+    /// Whether all numbers are finite and the grid has as many values as it says.
+    pub(super) fn is_sound(&self) -> bool {
+        let patch = |p: &FlankPatch| {
+            let numbers = [
+                p.roll_m,
+                p.height_m,
+                p.size_m[0],
+                p.size_m[1],
+                p.force_n,
+                p.value,
+            ];
+            numbers.iter().all(|x| x.is_finite())
+        };
+        let grid = |g: &FlankGrid| {
+            g.values.len() == g.rows.saturating_mul(g.columns)
+                && g.values.iter().all(|x| x.is_finite())
+        };
+        let ends = self.roll_m.iter().chain(&self.width_m);
+        self.patches.iter().all(patch)
+            && self.over_run.as_ref().is_none_or(grid)
+            && ends.clone().all(|x| x.is_finite())
+            && self.roll_m[0] < self.roll_m[1]
+            && self.width_m[0] < self.width_m[1]
+    }
 }

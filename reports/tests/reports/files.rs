@@ -139,6 +139,9 @@ fn the_report_is_a_function_of_the_record() {
             "force.svg",
             "speeds.svg",
             "mesh.svg",
+            "flanks.svg",
+            "flanks_over_run.svg",
+            "load_over_width.svg",
             "runtime.svg",
             "accuracy.svg",
             PAGE,
@@ -285,6 +288,7 @@ fn a_second_study_replaces_the_first_and_spares_the_rest() {
     assert!(files.contains_key("run02-rigid-velocity-verlet.csv"));
     assert!(!files.keys().any(|n| n.starts_with("run03")));
     assert!(!files.contains_key("mesh.svg"));
+    assert!(!files.contains_key("flanks.svg"));
     assert!(!files.keys().any(|n| n.starts_with(".staging")));
 }
 

@@ -10,6 +10,7 @@ mod free_flight;
 mod friction;
 mod history_errors;
 mod kinematics;
+mod modifications;
 mod mounts;
 mod movable_teeth;
 mod nodal;

@@ -142,6 +142,7 @@ fn helical_and_modified_flanks_in_slices() {
         }),
         profile_crowning: 5e-6,
         lead_crowning: 4e-6,
+        ..Modifications::default()
     };
     let crowned = Modifications {
         profile_crowning: 8e-6,
@@ -157,8 +158,8 @@ fn helical_and_modified_flanks_in_slices() {
     for (name, a, b, x) in [
         (
             "relief",
-            modified(spur(20), relief),
-            modified(spur(30), crowned),
+            modified(spur(20), relief.clone()),
+            modified(spur(30), crowned.clone()),
             distance,
         ),
         (

@@ -1,12 +1,18 @@
 //! Keys of a toothing as the parameters of the geometry.
 
+use super::super::modifications::{by_side, end_reliefs};
 use super::{GearKeys, RackKeys};
 use gearbench_models::geometry::{
-    Deviations, GearParams, Modifications, RackParams, ReliefShape, TipRelief,
+    Deviations, GearParams, Modifications, RackParams, ReliefShape, TipRelief, Topography,
 };
+use std::sync::Arc;
 
 impl GearKeys {
-    pub(super) fn params(&self, deviations: Deviations) -> GearParams {
+    pub(super) fn params(
+        &self,
+        deviations: Deviations,
+        topography: [Option<Arc<Topography>>; 2],
+    ) -> GearParams {
         let default = GearParams::default();
         GearParams {
             teeth: self.teeth,
@@ -32,6 +38,10 @@ impl GearKeys {
                 }),
                 profile_crowning: self.profile_crowning_m,
                 lead_crowning: self.lead_crowning_m,
+                end_relief: end_reliefs(self.end_relief.as_ref()),
+                helix_slope: by_side(self.helix_slope_m.as_ref()),
+                twist: by_side(self.twist_m.as_ref()),
+                topography,
             },
             deviations,
         }

@@ -2,8 +2,8 @@
 
 use super::super::SceneKeys;
 use super::super::{
-    calibrated, contact, contact_points, deviations, gear, lateral, mesh, model, profile,
-    references, shaft, stiffness, study_plan,
+    calibrated, contact, contact_points, deviations, gear, lateral, material, mesh, model,
+    modifications, profile, references, shaft, stiffness, study_plan,
 };
 use crate::studies::{check, precision, stability, sweep};
 
@@ -34,9 +34,13 @@ pub(in super::super) fn tables() -> impl Iterator<Item = &'static Table> {
         &lateral::BearingKeys::TABLE,
         &lateral::DirectionKeys::TABLE,
         &lateral::MisalignmentKeys::TABLE,
+        &modifications::EndReliefKeys::TABLE,
+        &modifications::EndKeys::TABLE,
+        &modifications::SideKeys::TABLE,
+        &modifications::TopographyKeys::TABLE,
         &deviations::DeviationKeys::TABLE,
         &deviations::FlankKeys::TABLE,
-        &gear::MaterialKeys::TABLE,
+        &material::MaterialKeys::TABLE,
         &mesh::MeshKeys::TABLE,
         &mesh::StartKeys::TABLE,
         &shaft::ShaftKeys::TABLE,

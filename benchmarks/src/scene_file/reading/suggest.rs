@@ -45,10 +45,7 @@ const NOT_DONE: &[(&[&str], &str)] = &[
     ),
     (&["shaft"], "what turns together stands in `[[shafts]]`"),
     (&["housing", "support"], "housings are not modelled"),
-    (
-        &["helix_dev", "helix_slope", "lead_dev", "lead_slope"],
-        "no deviations of the helix",
-    ),
+    (&["helix_dev", "lead_dev"], "no deviations of the helix"),
     (
         &[
             "oil",

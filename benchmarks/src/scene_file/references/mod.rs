@@ -343,7 +343,7 @@ fn named(
 }
 
 /// Paths count from the folder of the scene file, else from where the command runs.
-fn located(file: &str, folder: Option<&Path>) -> PathBuf {
+pub(super) fn located(file: &str, folder: Option<&Path>) -> PathBuf {
     let beside = folder.map(|folder| folder.join(file));
     match beside {
         Some(beside) if beside.exists() || !Path::new(file).exists() => beside,

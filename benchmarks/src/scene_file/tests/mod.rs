@@ -1,6 +1,7 @@
 //! Tests of the scene format: what is read, what is refused and in which words, what never panics.
 
 mod contacts;
+mod modifications;
 mod plausible;
 mod precision;
 mod referenced;

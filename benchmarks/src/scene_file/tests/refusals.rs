@@ -200,6 +200,20 @@ const GEARS: &str = r##"
     bore too large | smaller bore
 10: teeth = 20 => teeth = 20\naddendum_factor = 3
     pointed
+10: teeth = 20 => teeth = 20\nend_relief = { low = { amount_m = 1e-5, length_m = 1.0 } }
+    the face is | choose a length up to
+10: teeth = 20 => teeth = 20\ntopography = { both = "none.csv" }
+    cannot be read | paths count from the folder of the scene file
+10: teeth = 20 => teeth = 20\ntopography = { both = [[0, 1], [0]], left = [[0, 1], [0, 1]] }
+    say what is removed of the same flanks | remove one
+10: teeth = 20 => teeth = 20\ntopography = { both = [[0, 1e-6], [0]] }
+    1 amounts in row 2 | 2 as in the first row
+10: teeth = 20 => teeth = 20\ntopography = { both = [[0, 1], [0, 1]] }
+    flank modifications take
+10: teeth = 20 => teeth = 20\ntopography = { unit_m = 1e-6 }
+    no amounts | a CSV file
+10: teeth = 20 => teeth = 20\ntwist_m = "much"
+    a number or a table
 10: teeth = 20 => teeth = 20\ndeviations = { class = 6, seed = 1, runout_m = 1e-5 }
     `runout_m` stands beside `class`
 10: teeth = 20 => teeth = 20\ndeviations = { seed = 1 }
@@ -319,7 +333,7 @@ const NOT_DONE: &str = r##"
     unknown key `shaft_diameter_m` | what turns together stands in `[[shafts]]` | docs/limits.md
 10: teeth = 20 => teeth = 20\ninternal = true
     there are no internal gears | docs/limits.md
-10: teeth = 20 => teeth = 20\nhelix_slope_m = 1e-5
+10: teeth = 20 => teeth = 20\nhelix_deviation_m = 1e-5
     no deviations of the helix | docs/limits.md
 24: start =  => misalignment_deg = 0.1\nstart = 
     unknown key `misalignment_deg` | known are gears

@@ -245,10 +245,7 @@ fn refined(
 /// Contact lies evenly over the face width.
 fn even_over_width(body: &Body) -> bool {
     match body {
-        Body::Gear(g) => {
-            let p = g.params();
-            p.helix_angle == 0.0 && p.modifications.lead_crowning == 0.0
-        }
+        Body::Gear(g) => !g.varies_over_width(),
         Body::Rack(r) => r.params().helix_angle == 0.0,
     }
 }

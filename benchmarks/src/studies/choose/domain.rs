@@ -38,15 +38,12 @@ pub fn outside(problem: &Problem, prepared: &Prepared) -> Vec<String> {
         let (teeth, module, width, spur, plain) = match &g.body {
             Body::Gear(gear) => {
                 let p = gear.params();
-                let m = &p.modifications;
-                let plain =
-                    m.lead_crowning == 0.0 && m.profile_crowning == 0.0 && m.tip_relief.is_none();
                 (
                     Some(p.teeth),
                     p.module,
                     p.face_width,
                     p.helix_angle == 0.0,
-                    plain,
+                    p.modifications.is_none(),
                 )
             }
             Body::Rack(r) => {

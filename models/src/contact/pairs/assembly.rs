@@ -35,10 +35,12 @@ impl LinesOfAction {
                     origin,
                     map: [PathMap::default(); 2],
                     ascending: [true; 2],
-                    plain: slice.separation.iter().all(Separation::is_plain)
+                    plain: slice.separation[side.index()]
+                        .iter()
+                        .all(Separation::is_plain)
                         && g.deviating.iter().all(Option::is_none),
                     slack: 0.0,
-                    tips: [0, 1].map(|k| slice.separation[k].edge()[0]),
+                    tips: [0, 1].map(|k| slice.separation[side.index()][k].edge()[0]),
                 });
             }
         }
@@ -118,7 +120,7 @@ impl LinesOfAction {
             return Vec::new();
         }
         let of = |line: &Line| {
-            let modified: f64 = (self.slices[line.slice].separation.iter())
+            let modified: f64 = (self.slices[line.slice].separation[line.side.index()].iter())
                 .map(Separation::lowest)
                 .sum();
             let gears = self.mesh.deviating.iter().flatten();

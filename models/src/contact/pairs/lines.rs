@@ -26,8 +26,8 @@ pub struct Slice {
     /// How lengths of roll of both gears become path coordinates where these are others, on left and right flanks: of conical
     /// gears.
     pub rolls: Option<Box<[[RollMap; 2]; 2]>>,
-    /// How far the flanks of both gears stand off the involutes.
-    pub separation: [Separation; 2],
+    /// How far the left and the right flanks of both gears stand off the involutes.
+    pub separation: [[Separation; 2]; 2],
 }
 
 /// What a mesh of two gears looks like in its transverse plane.

@@ -156,7 +156,8 @@ impl LinesOfAction {
 
     /// Adds what the flanks of a pair stand off their involutes.
     fn separate(&self, line: &Line, p: &mut PairState) {
-        for (k, separation) in self.slices[line.slice].separation.iter().enumerate() {
+        let separations = &self.slices[line.slice].separation[line.side.index()];
+        for (k, separation) in separations.iter().enumerate() {
             let [e, slope, curvature] = separation.eval(p.s[k]);
             p.gap += e;
             p.scale[k] -= slope / self.helix_cos;

@@ -16,6 +16,8 @@ use crate::spec::Body;
 const ROWS: usize = 49;
 /// Nodes over the width where the flank varies over it.
 const COLUMNS: usize = 17;
+/// The most of them.
+const MOST_COLUMNS: usize = 129;
 
 /// Grids of all flanks of a body.
 pub(super) fn flanks(body: &Body) -> Flanks {
@@ -54,10 +56,20 @@ fn grid(
     }
 }
 
+/// Nodes over the width: no fewer than a measured flank has, and four over each end relief.
+fn columns(g: &Gear) -> usize {
+    let m = &g.params().modifications;
+    let measured = m.topography.iter().flatten().map(|t| t.size()[1]);
+    let reliefs = m.end_relief.iter().flatten();
+    let reliefs = reliefs.map(|r| (4.0 * g.face_width() / r.length).ceil() as usize + 1);
+    measured
+        .chain(reliefs)
+        .fold(COLUMNS, usize::max)
+        .min(MOST_COLUMNS)
+}
+
 fn gear(g: &Gear) -> Vec<FlankGrid> {
-    let p = g.params();
-    let plain = p.helix_angle == 0.0 && p.modifications.lead_crowning == 0.0;
-    let size = [ROWS, if plain { 2 } else { COLUMNS }];
+    let size = [ROWS, if g.varies_over_width() { columns(g) } else { 2 }];
     let rb = g.r_base();
     let (low, high) = (g.roll_length_form(), g.roll_length_tip());
     let twist = g.base_helix_angle().tan() / rb;
@@ -73,7 +85,7 @@ fn gear(g: &Gear) -> Vec<FlankGrid> {
                 let angle = centre + side.sign() * g.half_angle_at(r);
                 // The normal touches the base circle, an angle atan(s / r_b) behind the point.
                 let normal = angle - side.sign() * (s / rb).atan();
-                let removed = g.flank_deviation(r, zeta) / g.base_helix_angle().cos();
+                let removed = g.flank_deviation(side, r, zeta) / g.base_helix_angle().cos();
                 let (sin, cos) = normal.sin_cos();
                 let out = side.sign() * Vec3::new(-sin, cos, 0.0);
                 Vec3::new(r * angle.cos(), r * angle.sin(), z) - removed * out

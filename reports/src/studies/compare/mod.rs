@@ -2,7 +2,9 @@
 
 mod channels;
 mod cost;
+mod deformed;
 mod finding;
+mod flanks;
 mod glance;
 pub(super) mod histories;
 mod mesh;
@@ -27,19 +29,22 @@ pub struct CompareRecord {
 
 /// What the study says of a record.
 pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyReport, DrawError> {
-    let charts = [
+    let before = [
         histories::force(view)?,
         pressure::pressure(view)?,
         histories::speeds(view)?,
         channels::channels(view)?,
         mesh::mesh(view)?,
-        cost::runtime(view)?,
-        cost::accuracy(view)?,
     ];
+    let behind = [cost::runtime(view)?, cost::accuracy(view)?];
+    let charts = (before.into_iter().flatten())
+        .chain(flanks::flanks(view)?)
+        .chain(deformed::deformed(view)?)
+        .chain(behind.into_iter().flatten());
     Ok(StudyReport {
         finding: finding::finding(view),
         tables: html! { (glance::glance(view)) (timing::timing(view, part)) },
-        charts: charts.into_iter().flatten().collect(),
+        charts: charts.collect(),
         details: runs::all(view),
         csv: Vec::new(),
         ..StudyReport::default()

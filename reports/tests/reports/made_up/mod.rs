@@ -6,8 +6,9 @@
 mod studies;
 
 use gearbench_reports::{
-    ContactPoint, ContactSnapshot, Finished, Ledger, Machine, Metric, Metrics, Outline, Part,
-    ReferenceSeries, Results, Run, Status, StudyHeader, TimeSeries, Tolerance, compare,
+    ContactPoint, ContactSnapshot, Finished, FlankGrid, FlankLoad, FlankPatch, FlankValue, Ledger,
+    Machine, Metric, Metrics, Outline, Part, ReferenceSeries, Results, Run, Status, StudyHeader,
+    TimeSeries, Tolerance, compare,
 };
 use std::f64::consts::PI;
 pub use studies::{identify_results, mode_results, penalty_results, sweep_results};
@@ -140,6 +141,51 @@ pub fn snapshot(forces: &[(f64, f64, &str)]) -> ContactSnapshot {
         ],
         line_of_action: Some([end(-0.0137), end(0.0205)]),
         contacts: contacts.collect(),
+        flanks: vec![flank(forces)],
+        deformed: Vec::new(),
+    }
+}
+
+/// A flank with an ellipse of pressure for each force.
+fn flank(forces: &[(f64, f64, &str)]) -> FlankLoad {
+    let mut patches = Vec::new();
+    for (tooth, (s, force, _)) in (1..).zip(forces) {
+        for (i, j) in (0..9).flat_map(|i| (0..16).map(move |j| (i, j))) {
+            let (u, v) = (f64::from(i) / 4.0 - 1.0, f64::from(j) / 7.5 - 1.0);
+            let pressure = 5e8 * (1.0 - u * u - 0.8 * v * v).max(0.0).sqrt();
+            patches.push(FlankPatch {
+                tooth,
+                roll_m: 0.0137 + s + 2e-4 * u,
+                height_m: 4.7e-3 * v,
+                size_m: [5e-5, 6.25e-4],
+                force_n: force / 90.0 * pressure / 5e8,
+                value: pressure,
+            });
+        }
+    }
+    let cells = (0..32).flat_map(|i| (0..16).map(move |j| (i, j)));
+    FlankLoad {
+        mesh: 1,
+        gear: "gear 1".into(),
+        side: "left".into(),
+        value: FlankValue::Pressure,
+        roll_m: [2e-3, 23e-3],
+        width_m: [-5e-3, 5e-3],
+        patches,
+        over_run: Some(FlankGrid {
+            instants: 40,
+            rows: 32,
+            columns: 16,
+            values: cells
+                .map(|(i, j)| {
+                    if (4..28).contains(&i) {
+                        1e7 * f64::from(i + j)
+                    } else {
+                        0.0
+                    }
+                })
+                .collect(),
+        }),
     }
 }
 

@@ -54,6 +54,7 @@ pub fn helical_pair(helix: f64, gap: f64, modified: bool) -> SceneSpec {
             }),
             profile_crowning: 5e-6,
             lead_crowning: 8e-6,
+            ..Modifications::default()
         }
     } else {
         Modifications::default()

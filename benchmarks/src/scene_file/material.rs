@@ -1,0 +1,56 @@
+//! `material` of a gear: a steel by its name, or numbers.
+
+use super::error::SceneError;
+use super::reading::Place;
+use super::reading::keys::keys;
+use gearbench_models::stiffness::{Material, Property, StiffnessError};
+use serde::Deserialize;
+
+keys! {
+    pub(super) struct MaterialKeys {
+        /// Young's modulus in pascal, for example 2.1e11
+        young_pa: f64,
+        /// Poisson's ratio, for example 0.3
+        poisson: f64,
+        /// density in kg/m^3, for example 7850
+        density_kg_m3: f64,
+    }
+}
+
+/// A steel, or a material of one's own.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum MaterialChoice {
+    #[default]
+    Steel,
+    SteelIso6336,
+    #[serde(rename = "<table>")]
+    Own(MaterialKeys),
+}
+
+/// The material of a choice.
+pub(super) fn material(choice: &MaterialChoice, at: &Place<'_>) -> Result<Material, SceneError> {
+    let keys = match choice {
+        MaterialChoice::Steel => return Ok(Material::STEEL),
+        MaterialChoice::SteelIso6336 => return Ok(Material::STEEL_ISO),
+        MaterialChoice::Own(keys) => keys,
+    };
+    let material = Material {
+        young: keys.young_pa,
+        poisson: keys.poisson,
+        density: keys.density_kg_m3,
+    };
+    material.check().map_err(|e| {
+        let key = match &e {
+            StiffnessError::Material { property, .. } => match property {
+                Property::Young => "young_pa",
+                Property::Poisson => "poisson",
+                Property::Density => "density_kg_m3",
+            },
+            _ => "young_pa",
+        };
+        let help = "steel has young_pa = 2.1e11, poisson = 0.3, density_kg_m3 = 7850";
+        at.key(key).error(e.to_string(), "this value", help)
+    })?;
+    Ok(material)
+}

@@ -1,0 +1,226 @@
+//! Flank modifications of a gear that vary over its width: end relief, helix slope, twist, and a measured topography.
+//!
+//! ```toml
+//! end_relief = { low = { amount_m = 10e-6, length_m = 2e-3 }, high = { amount_m = 10e-6, length_m = 2e-3, shape = "parabolic" } }
+//! helix_slope_m = { left = 8e-6 }
+//! twist_m = 5e-6
+//! topography = { unit_m = 1e-6, left = "left.csv", right = [[0, 1, 0], [0, 0, 0], [2, 3, 2]] }
+//! ```
+
+use super::error::SceneError;
+use super::geometry::geometry;
+use super::reading::Place;
+use super::reading::keys::keys;
+use super::reading::values::Positive;
+use super::references::located;
+use gearbench_models::geometry::{EndRelief, ReliefShape, Topography};
+use gearbench_reference::data::decode;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Files larger than this are no topography [bytes].
+const MOST_BYTES: u64 = 64 << 20;
+
+keys! {
+    pub(super) struct EndReliefKeys {
+        /// at the lower end of the face, along the gear's axis: { amount_m, length_m, shape = "linear" or "parabolic" }
+        low: Option<EndKeys>,
+        /// the same at the upper end
+        high: Option<EndKeys>,
+    }
+
+    pub(super) struct EndKeys {
+        /// material removed at the end of the face, normal to the flank, in metres
+        amount_m: f64,
+        /// distance from the end at which the relief starts in metres
+        length_m: f64,
+        /// "linear" (default) or "parabolic"
+        shape: Option<ReliefShape>,
+    }
+
+    pub(super) struct SideKeys {
+        /// of left (counter-clockwise) flanks in metres, default 0
+        left: Option<f64>,
+        /// of right flanks in metres, default 0
+        right: Option<f64>,
+    }
+
+    pub(super) struct TopographyKeys {
+        /// material removed of left flanks: rows from root to tip, each from the lower to the upper end of the face, as a list of lists or a CSV file of numbers
+        left: Option<AmountKeys>,
+        /// the same of right flanks
+        right: Option<AmountKeys>,
+        /// the same of both sides
+        both: Option<AmountKeys>,
+        /// what one unit of the amounts is in metres, default 1; for micrometres 1e-6
+        unit_m: Option<Positive>,
+        /// radii of the first and the last row in metres; left out, form circle and tip
+        radii_m: Option<[f64; 2]>,
+        /// heights of the first and the last column from the middle of the face in metres; left out, its ends
+        heights_m: Option<[f64; 2]>,
+    }
+}
+
+/// One value for both sides, or one for each.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) enum BySide {
+    #[serde(rename = "<number>")]
+    Both(f64),
+    #[serde(rename = "<table>")]
+    Each(SideKeys),
+}
+
+#[derive(Clone, Debug, Deserialize)]
+enum AmountKeys {
+    #[serde(rename = "<text>")]
+    File(String),
+    #[serde(rename = "<list>")]
+    Rows(Vec<Vec<f64>>),
+}
+
+/// End reliefs at the lower and the upper end of the face.
+pub(super) fn end_reliefs(keys: Option<&EndReliefKeys>) -> [Option<EndRelief>; 2] {
+    let of = |end: &EndKeys| EndRelief {
+        amount: end.amount_m,
+        length: end.length_m,
+        shape: end.shape.unwrap_or(ReliefShape::Linear),
+    };
+    keys.map_or([None, None], |keys| {
+        [&keys.low, &keys.high].map(|end| end.as_ref().map(of))
+    })
+}
+
+/// Values of left and right flanks, 0 where none is given.
+pub(super) fn by_side(keys: Option<&BySide>) -> [f64; 2] {
+    match keys {
+        None => [0.0; 2],
+        Some(BySide::Both(value)) => [*value; 2],
+        Some(BySide::Each(sides)) => [sides.left, sides.right].map(Option::unwrap_or_default),
+    }
+}
+
+/// Measured flanks of both sides, and the files they were read from.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Measured {
+    pub(super) sides: [Option<Arc<Topography>>; 2],
+    pub(super) files: Vec<PathBuf>,
+}
+
+/// Reads the topographies of a gear; files lie beside the scene, in `folder`.
+pub(super) fn topography(
+    keys: Option<&TopographyKeys>,
+    folder: Option<&Path>,
+    at: &Place<'_>,
+) -> Result<Measured, SceneError> {
+    let mut measured = Measured::default();
+    let Some(keys) = keys else {
+        return Ok(measured);
+    };
+    let sides = [("left", &keys.left), ("right", &keys.right)];
+    if let (Some(_), Some((key, _))) = (&keys.both, sides.iter().find(|(_, k)| k.is_some())) {
+        return Err(at.key("both").against(
+            (&at.key(key), "this"),
+            format!("`both` and `{key}` say what is removed of the same flanks"),
+            "and this",
+            "remove one",
+        ));
+    }
+    if keys.both.is_none() && sides.iter().all(|(_, k)| k.is_none()) {
+        return at.refuse(
+            "the topography has no amounts",
+            "here",
+            "add `both`, `left` or `right`: rows from root to tip, or a CSV file",
+        );
+    }
+    let unit = keys.unit_m.map_or(1.0, f64::from);
+    let mut read = |key: &str, amounts: &AmountKeys| {
+        let place = at.key(key);
+        let mut rows = match amounts {
+            AmountKeys::Rows(rows) => rows.clone(),
+            AmountKeys::File(file) => {
+                let path = located(file, folder);
+                let rows = rows_of(&path, &place)?;
+                measured.files.push(path);
+                rows
+            }
+        };
+        rows.iter_mut().flatten().for_each(|x| *x *= unit);
+        let grid = Topography::new(&rows, keys.radii_m, keys.heights_m);
+        grid.map(Arc::new).map_err(|e| geometry(at, &e))
+    };
+    if let Some(both) = &keys.both {
+        let grid = read("both", both)?;
+        measured.sides = [Some(grid.clone()), Some(grid)];
+        return Ok(measured);
+    }
+    for (i, (key, amounts)) in sides.into_iter().enumerate() {
+        let grid = amounts.as_ref().map(|a| read(key, a)).transpose()?;
+        measured.sides[i] = grid;
+    }
+    Ok(measured)
+}
+
+/// Rows of numbers of a CSV file: commas, semicolons, tabs or blanks between them, lines that begin with `#` passed over;
+/// with anything else than commas a comma may be the decimal sign.
+fn rows_of(path: &Path, at: &Place<'_>) -> Result<Vec<Vec<f64>>, SceneError> {
+    let shown = path.display();
+    let refuse =
+        |found: String, help: &str| at.refuse(format!("`{shown}` {found}"), "this file", help);
+    let size = match std::fs::metadata(path) {
+        Ok(found) if found.is_file() => found.len(),
+        Ok(_) => {
+            return refuse(
+                "is no file".into(),
+                "give the path of a CSV file of numbers",
+            );
+        }
+        Err(e) => {
+            let help = "paths count from the folder of the scene file";
+            return refuse(format!("cannot be read: {e}"), help);
+        }
+    };
+    if size > MOST_BYTES {
+        let found = format!("has {size} bytes");
+        return refuse(found, "give at most 1000 rows of 1000 amounts");
+    }
+    let bytes = match std::fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(e) => return refuse(format!("cannot be read: {e}"), "check its permissions"),
+    };
+    let (text, _) = match decode(&bytes) {
+        Ok(text) => text,
+        Err(e) => return refuse(format!("is {}, not {}", e.found, e.expected), &e.help),
+    };
+    let mut rows = Vec::new();
+    for (i, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let sign = [';', '\t', ','].into_iter().find(|c| line.contains(*c));
+        let cells: Vec<&str> = match sign {
+            Some(sign) => line.split(sign).map(str::trim).collect(),
+            None => line.split_whitespace().collect(),
+        };
+        let mut row = Vec::with_capacity(cells.len());
+        for (j, cell) in cells.iter().enumerate() {
+            let decimal = match sign {
+                Some(',') => (*cell).to_owned(),
+                _ => cell.replace(',', "."),
+            };
+            let Ok(value) = decimal.parse::<f64>() else {
+                let found = format!(
+                    "has `{}` in line {}, column {}, where a number is expected",
+                    cell.chars().take(40).collect::<String>(),
+                    i + 1,
+                    j + 1
+                );
+                return refuse(found, "lines of names begin with `#`");
+            };
+            row.push(value);
+        }
+        rows.push(row);
+    }
+    Ok(rows)
+}

@@ -1,0 +1,155 @@
+//! Flanks of elastic gears as they are deformed at a state, for pictures.
+//!
+//! A node of a reduced gear moves with the hub, and outward by `a = B q + r T - R F` (and along the profile where the gear
+//! knows that); nodes of finite elements say where they are.
+
+use super::assembled::Scene;
+use crate::Vec3;
+use crate::gear::FlankDisplacement;
+use crate::geometry::{FlankGrid, Side};
+use gearbench_integrators::system::At;
+
+/// A section of a flank.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeformedFlank {
+    /// Tooth of the gear, from 0.
+    pub tooth: u32,
+    /// Side of it.
+    pub side: Side,
+    /// Nodes from the root to the tip where the rigid motion takes them [m]: that of the hub, of reduced gears that of their
+    /// mean axes.
+    pub with_hub: Vec<Vec3>,
+    /// How far they are off that place [m].
+    pub displacement: Vec<Vec3>,
+}
+
+impl Scene {
+    /// Sections of the flanks of some teeth of a gear, at the column of nodes nearest to a height on its axis [m]; none of
+    /// gears without nodes, and of racks.
+    pub fn deformed_flanks(
+        &mut self,
+        at: At<'_>,
+        gear: usize,
+        teeth: &[u32],
+        height: f64,
+    ) -> Vec<DeformedFlank> {
+        self.evaluate_contacts(at);
+        let g = &self.gears[gear];
+        let (Some(surface), None) = (g.model.surface(), g.model.hub().slide) else {
+            return Vec::new();
+        };
+        let own = g.at(at);
+        let frame = g.model.hub().hub.frame(own.t, own.q);
+        let turn = self.phases()[gear] + g.model.hub_state(own).displacement;
+        let (sin, cos) = turn.sin_cos();
+        let placed = |p: &Vec3| {
+            frame.point(&Vec3::new(
+                cos * p.x - sin * p.y,
+                sin * p.x + cos * p.y,
+                p.z,
+            ))
+        };
+        let turned = |d: &Vec3| {
+            frame.turn(&Vec3::new(
+                cos * d.x - sin * d.y,
+                sin * d.x + cos * d.y,
+                d.z,
+            ))
+        };
+        let grids = surface.flanks.grids().iter();
+        let mut out = Vec::new();
+        for grid in grids.filter(|grid| teeth.contains(&grid.tooth)) {
+            let off = |c: &usize| (grid.positions[*c].z - height).abs();
+            let column = (0..grid.columns).min_by(|a, b| off(a).total_cmp(&off(b)));
+            let place = |row: usize| row * grid.columns + column.unwrap_or(0);
+            let nodes: Vec<u32> = (0..grid.rows).map(|r| grid.nodes[place(r)]).collect();
+            let with_hub: Vec<Vec3> = match surface.displacement {
+                None => (0..grid.rows)
+                    .map(|r| placed(&grid.positions[place(r)]))
+                    .collect(),
+                // Displacements count from the rigid motion that the nodes tell.
+                Some(_) => {
+                    let mut found = vec![Vec3::zeros(); nodes.len()];
+                    surface.nodes.positions(own, &nodes, &mut found);
+                    found
+                }
+            };
+            let displacement = match surface.displacement {
+                None => {
+                    let mut found = vec![Vec3::zeros(); nodes.len()];
+                    surface.nodes.positions(own, &nodes, &mut found);
+                    found.iter().zip(&with_hub).map(|(x, p)| x - p).collect()
+                }
+                Some(field) => {
+                    let normals = (0..grid.rows).map(|r| normal(grid, column.unwrap_or(0), r));
+                    let outward = self.outward(field, own, gear, &nodes, 0);
+                    let further = field.along_profile();
+                    let along = further.map(|by| self.outward(field, own, gear, &nodes, by));
+                    (normals.enumerate())
+                        .map(|(r, n)| {
+                            let tangent = Vec3::new(-n.y, n.x, 0.0);
+                            let along = along.as_ref().map_or(0.0, |a| a[r]);
+                            turned(&(outward[r] * n + along * tangent))
+                        })
+                        .collect()
+                }
+            };
+            out.push(DeformedFlank {
+                tooth: grid.tooth,
+                side: grid.side,
+                with_hub,
+                displacement,
+            });
+        }
+        out
+    }
+
+    /// Displacements of nodes, outward, or along the profile with what is added to their numbers for that [m].
+    fn outward(
+        &self,
+        field: &dyn FlankDisplacement,
+        at: At<'_>,
+        gear: usize,
+        nodes: &[u32],
+        further: u32,
+    ) -> Vec<f64> {
+        let asked: Vec<u32> = nodes.iter().map(|n| n + further).collect();
+        let n = asked.len();
+        let mut out = vec![0.0; n];
+        field.displacements(at.q, &asked, &mut out);
+        let of = &self.work.nodal.gears[gear];
+        let mut by_load = vec![0.0; n];
+        field.hub_compliance(&asked, &mut by_load);
+        for (a, r) in out.iter_mut().zip(&by_load) {
+            *a += r * of.load;
+        }
+        let forces = of.nodes.iter().zip(&of.force);
+        let forces = forces.chain(of.along.iter().zip(&of.rub));
+        let pressed: Vec<(u32, f64)> = forces
+            .filter(|(_, f)| **f != 0.0)
+            .map(|(k, f)| (*k, *f))
+            .collect();
+        if !field.is_compliant() || pressed.is_empty() {
+            return out;
+        }
+        let mut all = asked;
+        all.extend(pressed.iter().map(|p| p.0));
+        let mut compliance = vec![0.0; all.len() * all.len()];
+        field.compliance(&all, &mut compliance);
+        for (k, a) in out.iter_mut().enumerate() {
+            let row = &compliance[k * all.len() + n..(k + 1) * all.len()];
+            *a -= row.iter().zip(&pressed).map(|(r, p)| r * p.1).sum::<f64>();
+        }
+        out
+    }
+}
+
+/// Outward normal of a flank at a node, in the transverse plane of its gear.
+fn normal(grid: &FlankGrid, column: usize, row: usize) -> Vec3 {
+    let at = |r: usize| grid.positions[r * grid.columns + column];
+    let along = at((row + 1).min(grid.rows - 1)) - at(row.saturating_sub(1));
+    // From the root to the tip; left flanks look counter-clockwise.
+    let sign = grid.side.sign();
+    let normal = sign * Vec3::new(-along.y, along.x, 0.0);
+    normal / normal.norm().max(f64::MIN_POSITIVE)
+}
