@@ -32,6 +32,7 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("spur_impact", calibrated),
     shipped!("spur_impact_large", calibrated),
     shipped!("helical_impact"),
+    shipped!("helical_tilted"),
     shipped!("rack_pinion"),
     shipped!("spur_rotation"),
     shipped!("loaded_mesh"),

@@ -118,6 +118,7 @@ impl Scene {
             gears.push(SceneGear::new(&g.name, &model.id, built, &g.loads));
         }
         gears.extend(plan.bodies.iter().map(Carrier::member));
+        plan.check(&gears)?;
 
         let mut meshes = Vec::new();
         let mut seen = vec![0u8; spec.gears.len()];

@@ -125,16 +125,19 @@ pub fn ranked(basis: &Basis, choice: &Choice) -> Vec<Family> {
         Criterion::Frequency => Vec::new(),
         Criterion::FlankCompliance => flank_compliances(basis, choice.even_over_width),
     };
+    ranked_by(basis, choice, &compliances)
+}
+
+/// The same by compliances of all modes; with none by frequency.
+fn ranked_by(basis: &Basis, choice: &Choice, compliances: &[f64]) -> Vec<Family> {
     let mut families = Vec::new();
     let mut first = 0;
     for same in basis.family.chunk_by(|a, b| a == b) {
         let modes = first..first + same.len();
         first = modes.end;
-        let rank = match choice.by {
-            Criterion::Frequency => -basis.omega[modes.start],
-            Criterion::FlankCompliance => {
-                compliances[modes.clone()].iter().sum::<f64>() / same.len() as f64
-            }
+        let rank = match compliances {
+            [] => -basis.omega[modes.start],
+            _ => compliances[modes.clone()].iter().sum::<f64>() / same.len() as f64,
         };
         if modes.end <= choice.candidates && basis.omega[modes.end - 1] <= choice.highest {
             families.push(Family { modes, rank });
@@ -144,11 +147,45 @@ pub fn ranked(basis: &Basis, choice: &Choice) -> Vec<Family> {
     families
 }
 
-/// The modes of a choice, ascending. A family that has no room any more is passed over for smaller ones, but not
+/// Part of the modes that are chosen for the hub, where it moves aside of its own motion.
+const FOR_HUB: f64 = 0.25;
+
+/// What each mode gives of the compliance of a hub in its lateral directions, each direction by the sum over all modes:
+/// a bearing feels what modes chosen for the flanks alone would leave out. `None` for a hub that only turns.
+fn hub_compliances(basis: &Basis) -> Option<Vec<f64>> {
+    let lateral = basis.lateral.as_ref()?;
+    let of = |d: usize| {
+        let modes = lateral.hub.iter().zip(&basis.omega);
+        modes.map(move |(phi, w)| (phi[d] / w).powi(2))
+    };
+    let mut sums = vec![0.0; basis.omega.len()];
+    for d in 0..6 {
+        let total: f64 = of(d).sum();
+        if total > 0.0 {
+            for (sum, c) in sums.iter_mut().zip(of(d)) {
+                *sum += c / total;
+            }
+        }
+    }
+    Some(sums)
+}
+
+/// The modes of a choice, ascending; of a hub that moves aside a quarter of them are those that move it most. A family that has no room any more is passed over for smaller ones, but not
 /// where all modes below some frequency are meant.
 pub fn choose(basis: &Basis, choice: &Choice) -> Vec<usize> {
     let mut kept = Vec::new();
+    if let (Criterion::FlankCompliance, Some(of_hub)) = (choice.by, hub_compliances(basis)) {
+        let room = (FOR_HUB * choice.count.min(basis.omega.len()) as f64) as usize;
+        for family in ranked_by(basis, choice, &of_hub) {
+            if family.modes.len() <= room.saturating_sub(kept.len()) {
+                kept.extend(family.modes);
+            }
+        }
+    }
     for family in ranked(basis, choice) {
+        if kept.contains(&family.modes.start) {
+            continue;
+        }
         if family.modes.len() <= choice.count.saturating_sub(kept.len()) {
             kept.extend(family.modes);
         } else if choice.by == Criterion::Frequency {

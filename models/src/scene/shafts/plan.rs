@@ -7,7 +7,7 @@
 use super::beam::{self, Lump, Mode};
 use super::together::{axis_of, check_names, gears_of, rigid_mount, share_mount};
 use crate::Vec3;
-use crate::error::BuildError;
+use crate::error::{BuildError, GearPart};
 use crate::gear::rigid::{self, Rigid};
 use crate::kinematics::Hub;
 use crate::scene::hubs::{Across, lateral_of, round_tensor};
@@ -74,6 +74,24 @@ struct Node {
 }
 
 impl Plan {
+    /// Refuses elastic gears whose hubs move sideways: modes move those, and links between hubs do not know them.
+    pub fn check(&self, gears: &[SceneGear]) -> Result<(), BuildError> {
+        let joined = self.elements.iter().flat_map(|e| e.members);
+        for gear in joined.map(|member| &gears[member]) {
+            if gear.model.displacement().is_some() && gear.model.hub().lateral.is_some() {
+                return Err(BuildError::gear(
+                    &gear.name,
+                    GearPart::Mount,
+                    (
+                        "an elastic gear on a shaft holds its hub sideways, but this one moves",
+                        "take its bearing and directions away, or use a rigid gear, movable teeth or `fe`",
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// That of a scene; with it the scene whose gears have what their shafts add to them.
     pub fn of(spec: &SceneSpec) -> Result<(Cow<'_, SceneSpec>, Plan), BuildError> {
         let mut plan = Plan::default();

@@ -371,8 +371,8 @@ fn modes_carry_the_loads_of_bearings() {
     }
 }
 
-/// What a hundred modes leave of the static compliance of a floating hub is little beside a radial bearing of 1e8 N/m; along the
-/// axis and in tilts a narrow gear yields more, and modes chosen for their flanks leave most of that out. The gear is that of the shipped impact.
+/// What a hundred modes leave of the static compliance of a floating hub is little beside a bearing, also along the axis and in
+/// tilts, where a narrow gear yields more. The gear is that of the shipped impact.
 #[test]
 fn few_modes_leave_little_of_the_compliance_of_a_hub() {
     let g = test_support::gear(20, 4e-3, |p| {
@@ -399,9 +399,9 @@ fn few_modes_leave_little_of_the_compliance_of_a_hub() {
             },
         );
         for (d, k, most) in [
-            (0, 1e8, (4.5e-3, 1.8e-3)),
-            (2, 1e8, (0.027, 2.5e-3)),
-            (3, 1e5, (0.11, 0.021)),
+            (0, 1e8, (5e-4, 1.8e-3)),
+            (2, 1e8, (7e-4, 2.5e-3)),
+            (3, 1e5, (3e-3, 0.021)),
         ] {
             let at = mounting.directions().position(|own| own == d).unwrap();
             let total = total[(at, at)];
