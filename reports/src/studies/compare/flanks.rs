@@ -3,13 +3,14 @@
 //! A flank is drawn with the face width across and the length of roll upwards, from the form circle to the tip. Colours run
 //! evenly in lightness from dark to light (viridis, S. van der Walt and N. Smith, 2015): readable without seeing colour.
 
+mod over_width;
+
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame, NAME_SIZE, TICK_SIZE, tick_label};
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw};
 use crate::drawing::geometry::Rect;
-use crate::drawing::legend::Entry;
-use crate::drawing::panel::{Curve, Panel, WIDTH, chart};
-use crate::drawing::style::{look, marker, model_stroke};
+use crate::drawing::panel::WIDTH;
+use crate::drawing::style::{look, marker};
 use crate::numbers::{Prefix, counted, quantity};
 use crate::record::{FlankLoad, FlankPatch, FlankValue, Run};
 use crate::view::View;
@@ -320,84 +321,16 @@ fn over_run(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
     }))
 }
 
-/// Force per width at the peak, of each tooth.
-fn over_width(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
-    let mut curves = Vec::new();
-    let mut greatest = 0.0_f64;
-    for b in all {
-        for tooth in teeth(b.load) {
-            let mut columns: Vec<(f64, f64, f64)> = Vec::new();
-            let mut of: Vec<&FlankPatch> = (b.load.patches.iter())
-                .filter(|p| p.tooth == tooth)
-                .collect();
-            of.sort_by(|a, b| a.height_m.total_cmp(&b.height_m));
-            for p in of {
-                match columns.last_mut() {
-                    Some((height, width, force)) if p.height_m - *height < 1e-3 * *width => {
-                        *force += p.force_n;
-                    }
-                    _ => columns.push((p.height_m, p.size_m[1], p.force_n)),
-                }
-            }
-            let points: Vec<(f64, f64)> = columns
-                .iter()
-                .filter(|(_, width, _)| *width > 0.0)
-                .map(|(height, width, force)| (1e3 * height, force / width))
-                .collect();
-            greatest = points.iter().map(|p| p.1).fold(greatest, f64::max);
-            curves.push((b, tooth, points));
-        }
-    }
-    let several = curves.iter().any(|(_, _, points)| points.len() > 1);
-    if !several || greatest <= 0.0 {
-        return Ok(None);
-    }
-    let prefix = Prefix::of(greatest, 1.0);
-    let [x, _] = axes(all[0].load);
-    let title = "Load over the width at peak force";
-    let mut panel = Panel {
-        x_name: Some("place over the width [mm]".into()),
-        y: Some(Axis::from_zero(greatest * prefix.factor)),
-        ..Panel::new(
-            220.0,
-            &x,
-            &format!("force per width [{}N/m]", prefix.symbol),
-        )
-    };
-    panel.marks = (curves.iter())
-        .filter_map(|(_, tooth, points)| {
-            let most = points.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-            Some(((most.0, most.1 * prefix.factor), format!("tooth {tooth}")))
-        })
-        .collect();
-    panel.curves = curves
-        .into_iter()
-        .map(|(b, _, points)| {
-            let points = points
-                .into_iter()
-                .map(|(x, y)| (x, y * prefix.factor))
-                .collect();
-            Curve {
-                marker: Some((look(b.style), 2.6, true)),
-                ..Curve::line(model_stroke(b.style), points)
-            }
-        })
-        .collect();
-    let legend: Vec<Entry> = (all.iter())
-        .map(|b| Entry::history(b.label, model_stroke(b.style), Some(b.style)))
-        .collect();
-    let caption = "Normal force per width of the face at the instant of the highest contact force, one curve for each tooth in \
-                   contact."
-        .to_owned();
-    chart("load_over_width.svg", title, &caption, &legend, &[panel]).map(Some)
-}
-
 /// Maps at the peak and over the run, load over the width; none where no run knows its flanks.
 pub fn flanks(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let all = chosen(view);
     if all.is_empty() {
         return Ok(Vec::new());
     }
-    let charts = [Some(at_peak(&all)?), over_run(&all)?, over_width(&all)?];
+    let charts = [
+        Some(at_peak(&all)?),
+        over_run(&all)?,
+        over_width::over_width(&all)?,
+    ];
     Ok(charts.into_iter().flatten().collect())
 }
