@@ -49,6 +49,8 @@ mod reaction_tests;
 mod request;
 mod rigid;
 mod shared;
+#[cfg(test)]
+mod spin_tests;
 pub mod store;
 mod surface;
 pub(crate) mod table;
