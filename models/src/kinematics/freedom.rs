@@ -196,6 +196,18 @@ impl Lateral {
         (v, w, c, inertia)
     }
 
+    /// The mass matrix with the terms that act; `inertia` is that of the own motion without spin terms.
+    pub fn mass(&self, x: &[f64; 6], own: usize, inertia: f64) -> [[f64; 6]; 6] {
+        if self.spins {
+            return self.mass_matrix(x);
+        }
+        let mut diagonal = [[0.0; 6]; 6];
+        for (d, mass) in self.masses().into_iter().enumerate() {
+            diagonal[d][d] = if d == own { inertia } else { mass };
+        }
+        diagonal
+    }
+
     /// The mass matrix in the six directions, spin terms and all.
     pub fn mass_matrix(&self, x: &[f64; 6]) -> [[f64; 6]; 6] {
         let (v, w, _, inertia) = self.unit_motions(x);
@@ -274,15 +286,7 @@ impl Lateral {
             n += 1;
         }
         let list = &list[..n];
-        let mass = if self.spins {
-            self.mass_matrix(&m.x)
-        } else {
-            let mut diagonal = [[0.0; 6]; 6];
-            for (d, mass) in self.masses().into_iter().enumerate() {
-                diagonal[d][d] = if d == own { inertia } else { mass };
-            }
-            diagonal
-        };
+        let mass = self.mass(&m.x, own, inertia);
         let mut a = [0.0; 36];
         for (j, &dj) in list.iter().enumerate() {
             let mut along = Motion::default();

@@ -9,8 +9,9 @@ use super::hubs::hub_of;
 use super::linear_path::OneSpring;
 use super::members::{SceneGear, SceneMesh};
 use super::mesh_assembly::{friction_of, lines_of_action};
-use super::nodal::{Nodal, islands};
+use super::nodal::Nodal;
 use super::placement::{assemble, check_start, views};
+use super::plausible::{check_load, refuse_two_laws};
 use super::scales::{Scales, initial_speed};
 use super::shafts::{Carrier, Plan, Shafts};
 use super::workspace::Workspace;
@@ -22,9 +23,7 @@ use crate::gear::table::{GearContext, Model};
 use crate::geometry::Side;
 use crate::kinematics::Placement;
 use crate::law::Law;
-use crate::spec::{
-    Body, Load, Modelling, Mount, SceneSpec, UPRIGHT, effective_radius, mesh_layout,
-};
+use crate::spec::{Body, Modelling, Mount, SceneSpec, UPRIGHT, effective_radius, mesh_layout};
 use gearbench_integrators::system::State;
 
 /// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
@@ -384,47 +383,5 @@ impl Scene {
         scene.shafts = shafts;
         scene.oscillators &= !scene.rigid_shafts_swing();
         scene
-    }
-}
-
-/// Meshes that residual compliance couples are solved together, by one kind of law.
-fn refuse_two_laws(
-    spec: &SceneSpec,
-    gears: &[SceneGear],
-    meshes: &[SceneMesh],
-) -> Result<(), BuildError> {
-    for island in islands(gears, meshes) {
-        let soft = island.meshes.iter().find(|m| !meshes[**m].hard);
-        let hard = island.meshes.iter().find(|m| meshes[**m].hard);
-        if let (Some(&soft), Some(&hard)) = (soft, hard) {
-            let name = |m: usize, k: usize| spec.gears[meshes[m].gears[k]].name.as_str();
-            return Err(BuildError::mesh(
-                [name(hard, 0), name(hard, 1)],
-                MeshPart::Contact,
-                (
-                    format!(
-                        "its contact is hard, but that of `{}` and `{}`, coupled by the compliance of a gear, has a penalty",
-                        name(soft, 0),
-                        name(soft, 1)
-                    ),
-                    "give both the same law",
-                ),
-            ));
-        }
-    }
-    Ok(())
-}
-
-fn check_load(gear: &str, load: &Load) -> Result<(), BuildError> {
-    let problem = match load {
-        Load::Applied(p) => p.problem(),
-        Load::Viscous(c) if !(c.is_finite() && *c >= 0.0) => {
-            Some(format!("viscous coefficient {c} is not zero or positive"))
-        }
-        Load::Viscous(_) => None,
-    };
-    match problem {
-        Some(p) => Err(BuildError::gear(gear, GearPart::Load, format!("load: {p}"))),
-        None => Ok(()),
     }
 }

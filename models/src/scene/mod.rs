@@ -35,6 +35,7 @@ mod nodal;
 mod nodal_newton;
 mod outputs;
 mod placement;
+mod plausible;
 mod scales;
 mod shafts;
 mod system;

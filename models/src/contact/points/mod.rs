@@ -14,6 +14,7 @@
 //! about the flanks do (`coarse`).
 
 mod coarse;
+mod corners;
 mod flanked;
 mod generated;
 mod involute;

@@ -1,5 +1,6 @@
 //! The search between [twisted](super::twisted) flanks: sections tell which points are wanted, surfaces where they are.
 
+use super::corners::{Corners, weights};
 use super::flanked::Near;
 use super::mesh_flanks::MeshFlanks;
 use super::patch::Patch;
@@ -12,9 +13,9 @@ use super::stand::Stand;
 use super::surface::Shape;
 use super::twisted::{BESIDE, SectionMap, Twisted, TwistedCell};
 use crate::Vec3;
-use crate::contact::nodal::{GapBound, GearNodes, NodalParty, NodalPoint, NodalPoints, UNUSED};
+use crate::contact::nodal::{GapBound, NodalParty, NodalPoint, NodalPoints};
 use crate::contact::party::SearchWork;
-use crate::geometry::{Flanks, Side};
+use crate::geometry::Side;
 use crate::kinematics::{Pose, Tooth};
 
 /// Buffers; they grow and stay.
@@ -88,53 +89,6 @@ impl Twisted {
         work.nodes = sides.iter().map(|s| s.nodes.nodes.len()).sum();
         work
     }
-}
-
-/// Corners of a face among the nodes of its gear, with their displacements.
-#[derive(Clone, Copy)]
-struct Corners {
-    face: (usize, usize),
-    slots: [u32; 4],
-    displacements: [f64; 4],
-}
-
-impl Corners {
-    /// Those of a face; none without a field.
-    #[inline]
-    fn of(side: &mut NodalParty<'_>, shape: &Shape, row: usize, column: usize) -> Self {
-        let Some(field) = side.field else {
-            return Corners {
-                face: (row, column),
-                slots: [UNUSED; 4],
-                displacements: [0.0; 4],
-            };
-        };
-        let nodes = shape.corners(row, column);
-        let slots = side.nodes.meet(field, side.party.at, &nodes);
-        Corners {
-            face: (row, column),
-            slots,
-            displacements: GearNodes::at(&side.nodes.displacement, &slots),
-        }
-    }
-
-    #[inline]
-    fn highest(&self) -> f64 {
-        let [a, b, c, d] = self.displacements;
-        a.max(b).max(c.max(d))
-    }
-
-    #[inline]
-    fn at(&self, w: &[f64; 4]) -> f64 {
-        let a = &self.displacements;
-        w[0] * a[0] + w[1] * a[1] + w[2] * a[2] + w[3] * a[3]
-    }
-}
-
-/// Bilinear weights of the corners of a face.
-#[inline]
-fn weights(a: f64, b: f64) -> [f64; 4] {
-    Flanks::weights([2.0 * a - 1.0, 2.0 * b - 1.0])
 }
 
 /// A face of the slave at a place over the width.
