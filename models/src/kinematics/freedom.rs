@@ -280,11 +280,7 @@ impl Lateral {
         x: &mut [f64],
     ) -> Result<(), Singular> {
         let directions = free.then_some(own).into_iter().chain(self.free(own));
-        let (mut list, mut n) = ([0; 6], 0);
-        for d in directions {
-            list[n] = d;
-            n += 1;
-        }
+        let (list, n) = listed(directions);
         let list = &list[..n];
         let mass = self.mass(&m.x, own, inertia);
         let mut a = [0.0; 36];
@@ -301,6 +297,16 @@ impl Lateral {
         }
         solve_in_place(&mut a[..n * n], &mut x[..n])
     }
+}
+
+/// Some of the six directions in a row, and how many.
+pub fn listed(directions: impl Iterator<Item = usize>) -> ([usize; 6], usize) {
+    let (mut list, mut n) = ([0; 6], 0);
+    for d in directions {
+        list[n] = d;
+        n += 1;
+    }
+    (list, n)
 }
 
 /// Change of forces along changes of place and rate, by central differences.

@@ -8,7 +8,7 @@ mod row;
 mod view;
 
 pub use crate::geometry::Frame as HubFrame;
-pub use freedom::{BodyMass, Lateral, Motion};
+pub use freedom::{BodyMass, Lateral, Motion, listed};
 pub use hub::{Direction, Hub, Wrench};
 pub use point::{Locus, Point, Tooth};
 pub use pose::{Placement, Pose};

@@ -7,6 +7,7 @@
 //! ```
 
 use super::{Elastic, Motion, add, dot};
+use crate::kinematics::listed;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 
@@ -24,11 +25,7 @@ impl Elastic {
         };
         let s = self.standing(shapes, at);
         let own = self.hub.moving();
-        let (mut list, mut n) = ([0; 6], 0);
-        for d in self.hub.free_directions() {
-            list[n] = d;
-            n += 1;
-        }
+        let (list, n) = listed(self.hub.free_directions());
         let mass = lateral.mass(&s.frame.x, own, self.hub.inertia);
         // What the hub answers to its six directions.
         let mut b = [[0.0; 6]; 6];
@@ -50,19 +47,18 @@ impl Elastic {
             let along = f64::from(u8::from(list[k] == i));
             along + if list[k] == own { slope[i] } else { 0.0 }
         };
-        for (i, &di) in list[..n].iter().enumerate() {
-            let mut along = Motion::default();
-            for (k, &dk) in list[..n].iter().enumerate() {
-                let mut change = 0.0;
-                if lateral.spins {
-                    (along.x, along.v) = ([0.0; 6], [0.0; 6]);
-                    (along.x[dk], along.v[dk]) = (c.k, c.d);
-                    change = lateral.spin_change(&s.frame, &along)[di];
-                }
-                a[i * size + k] = c.m * mass[di][dk] - change;
+        for (k, &dk) in list[..n].iter().enumerate() {
+            let mut change = [0.0; 6];
+            if lateral.spins {
+                let mut along = Motion::default();
+                (along.x[dk], along.v[dk]) = (c.k, c.d);
+                change = lateral.spin_change(&s.frame, &along);
+            }
+            for (i, &di) in list[..n].iter().enumerate() {
+                a[i * size + k] = c.m * mass[di][dk] - change[di];
             }
             for j in 0..6 {
-                a[i * size + n + j] = -e(j, i);
+                a[k * size + n + j] = -e(j, k);
             }
         }
         // P D^-1 P^T and P D^-1 r_q, own axes first.
