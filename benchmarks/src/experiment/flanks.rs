@@ -94,9 +94,7 @@ pub fn flank_loads(
 /// Contacts of a mesh at a state, by side.
 fn at(scene: &mut Scene, state: &State, mesh: usize, flank: &Flank<'_>) -> Vec<Borne> {
     let forces = scene.contact_forces(state.at());
-    let gear = &scene.gears()[flank.index];
-    let own = gear.at(state.at());
-    let frame = gear.model.hub().hub.frame(own.t, own.q);
+    let frame = scene.hub_frame(flank.index, state.at());
     let mut out = Vec::new();
     for side in Side::BOTH {
         let of_side = |f: &&ContactForce| f.mesh == mesh && f.side == side;
@@ -205,8 +203,7 @@ pub fn deformed_sections(
             {
                 let numbers = [-1, 0, 1].map(|by| (f.teeth[k].index + by).rem_euclid(teeth) as u32);
                 near.extend(numbers);
-                let own = scene.gears()[i].at(peak.at());
-                let frame = scene.gears()[i].model.hub().hub.frame(own.t, own.q);
+                let frame = scene.hub_frame(i, peak.at());
                 if f.normal_force > greatest.0 {
                     greatest = (f.normal_force, frame.point_back(&f.x).z);
                 }

@@ -326,7 +326,8 @@ pub fn ledger_record(
 pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSnapshot {
     let phases = scene.phases().to_vec();
     let mut outlines = Vec::new();
-    for ((g, s), phase) in spec.gears.iter().zip(scene.gears()).zip(&phases) {
+    for (i, (g, phase)) in spec.gears.iter().zip(&phases).enumerate() {
+        let s = &scene.gears()[i];
         let displacement = s.model.hub_state(s.at(state.at())).displacement;
         let (turn, shift, points) = match &g.body {
             Body::Gear(gear) => (phase + displacement, 0.0, gear.outline(24)),
@@ -340,7 +341,11 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
             }
         };
         let (sin, cos) = turn.sin_cos();
-        let centre = scene.in_plane(&g.position.into());
+        let centre = match scene.is_carried(i) {
+            true => scene.hub_frame(i, state.at()).origin,
+            false => g.position.into(),
+        };
+        let centre = scene.in_plane(&centre);
         let points = points
             .into_iter()
             .map(|[x, y]| {

@@ -20,7 +20,8 @@ use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Count, GearName, NotNegative, Positive};
 use gearbench_models::spec::{
-    BodySpec, Carried, Load, Mount, Section, SectionKind, ShaftDamping, ShaftSpec, Station,
+    BodySpec, Carried, Load, Mount, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec,
+    Station, effective_radius, initial_speed as speed_at_start,
 };
 
 keys! {
@@ -66,6 +67,8 @@ keys! {
         centre_of_mass_m: Option<[f64; 3]>,
         /// "auto" (default), "on" or "off"
         spin_terms: Option<Spin>,
+        /// of a body: names of the gears whose axes go round with it, which makes it a planet carrier
+        planets: Option<Vec<GearName>>,
     }
 
     pub(super) struct SectionKeys {
@@ -191,6 +194,7 @@ fn carried(
                 "inertia_tensor_kgm2",
                 "centre_of_mass_m",
                 "spin_terms",
+                "planets",
             ];
             if let Some(key) = of_body.into_iter().find(|key| at.has(key)) {
                 return at.key(key).refuse(
@@ -263,7 +267,44 @@ fn carried(
         mount,
         lateral,
         loads: keys.loads.into_iter().flatten().map(Load::from).collect(),
+        planets: (keys.planets.iter().flatten())
+            .filter_map(|planet| gears.iter().position(|g| g.spec.name == planet.0))
+            .collect(),
     })))
+}
+
+/// Planets that give no speed roll on the first gear that they mesh with on the axis of their carrier.
+pub(super) fn roll_planets(spec: &mut SceneSpec, gears: &Place<'_>) {
+    let turning = |spec: &SceneSpec| -> Vec<(Vec<usize>, f64)> {
+        let carriers = spec.bodies().filter(|b| !b.planets.is_empty());
+        carriers
+            .map(|b| (b.planets.clone(), speed_at_start(&b.mount, b.speed)))
+            .collect()
+    };
+    for (planets, carrier) in turning(spec) {
+        // One after the other: the second of two planets in mesh rolls on the first.
+        let mut known: Vec<usize> = (0..spec.gears.len())
+            .filter(|g| !planets.contains(g) || gears.key(&spec.gears[*g].name).has("speed_rad_s"))
+            .collect();
+        while let Some((planet, mate)) = spec.meshes.iter().find_map(|mesh| {
+            match mesh
+                .gears
+                .map(|g| (planets.contains(&g), known.contains(&g)))
+            {
+                [(true, false), (_, true)] => Some((mesh.gears[0], mesh.gears[1])),
+                [(_, true), (true, false)] => Some((mesh.gears[1], mesh.gears[0])),
+                _ => None,
+            }
+        }) {
+            let of = |g: usize| {
+                let g = &spec.gears[g];
+                (effective_radius(&g.body), speed_at_start(&g.mount, g.speed))
+            };
+            let ((own, _), (radius, speed)) = (of(planet), of(mate));
+            spec.gears[planet].speed = carrier - radius / own * (speed - carrier);
+            known.push(planet);
+        }
+    }
 }
 
 fn section(keys: SectionKeys, at: &Place<'_>) -> Result<Section, SceneError> {

@@ -1,5 +1,6 @@
 //! The assembled system: gears, meshes, sizes, buffers. What it does stands in the modules beside.
 
+use super::carriers::Carriers;
 use super::linear_path::OneSpring;
 use super::members::{SceneGear, SceneMesh};
 use super::shafts::Shafts;
@@ -13,6 +14,7 @@ pub struct Scene {
     pub(super) gears: Vec<SceneGear>,
     pub(super) meshes: Vec<SceneMesh>,
     pub(super) shafts: Shafts,
+    pub(super) carriers: Carriers,
     pub(super) channels: Vec<String>,
     pub(super) magnitudes: Magnitudes,
     pub(super) characteristic_time: f64,

@@ -3,6 +3,7 @@
 use super::assembled::Scene;
 use super::assembly_lines::{flank_lines, is_half_space, lines_of, strips};
 use super::assembly_points::flank_points;
+use super::carriers::{Carriers, Sets, grounded};
 use super::channels;
 use super::direct::Follows;
 use super::hubs::hub_of;
@@ -13,7 +14,7 @@ use super::nodal::Nodal;
 use super::placement::{assemble, check_start, views};
 use super::plausible::{check_load, refuse_two_laws};
 use super::scales::{Scales, initial_speed};
-use super::shafts::{Carrier, Plan, Shafts};
+use super::shafts::{Plan, ShaftBody, Shafts};
 use super::workspace::Workspace;
 use crate::contact::Search;
 use crate::contact::pairs::{LinesOfAction, Roster};
@@ -52,7 +53,8 @@ impl Scene {
                 modelling.contacts.len()
             )));
         }
-        let (with_shafts, plan) = Plan::of(spec)?;
+        let (freed, sets) = grounded(spec)?;
+        let (with_shafts, plan) = Plan::of(&freed)?;
         let spec = with_shafts.as_ref();
         let layouts = spec
             .meshes
@@ -116,8 +118,9 @@ impl Scene {
             let built = row.build(&context).map_err(|e| e.of_gear(&g.name))?;
             gears.push(SceneGear::new(&g.name, &model.id, built, &g.loads));
         }
-        gears.extend(plan.bodies.iter().map(Carrier::member));
+        gears.extend(plan.bodies.iter().map(ShaftBody::member));
         plan.check(&gears)?;
+        sets.check(&gears)?;
 
         let mut meshes = Vec::new();
         let mut seen = vec![0u8; spec.gears.len()];
@@ -241,7 +244,14 @@ impl Scene {
             });
         }
         refuse_two_laws(spec, &gears, &meshes)?;
-        Ok(Self::lay_out(spec, gears, meshes, (&scales, &plan), phases))
+        let joined = (&plan, &sets);
+        Ok(Self::lay_out(
+            spec,
+            gears,
+            meshes,
+            (&scales, joined),
+            phases,
+        ))
     }
 
     /// Offsets, initial state, buffers.
@@ -249,7 +259,7 @@ impl Scene {
         spec: &SceneSpec,
         mut gears: Vec<SceneGear>,
         mut meshes: Vec<SceneMesh>,
-        (scales, plan): (&Scales, &Plan),
+        (scales, (plan, sets)): (&Scales, (&Plan, &Sets)),
         phases: Vec<f64>,
     ) -> Scene {
         let (mut n, mut discrete, mut event_functions) = (0, 1, 0);
@@ -308,7 +318,8 @@ impl Scene {
             .map(|g| g.model.hub().characteristic_time)
             .fold(scales.characteristic_time, f64::min);
         let channels = channels::names(&meshes, &gears, plan.spans);
-        let one_spring = OneSpring::of(&gears, &meshes).filter(|_| plan.elements.is_empty());
+        let one_spring = OneSpring::of(&gears, &meshes);
+        let one_spring = one_spring.filter(|_| plan.elements.is_empty() && sets.is_empty());
         let rosters = meshes.iter().map(|_| Roster::default()).collect();
         let fields = meshes.iter().any(|m| m.nodal);
         let nodal = Nodal::new(&gears, &meshes);
@@ -336,18 +347,21 @@ impl Scene {
         // Ports of a kick know one motion of a hub.
         let sideways = gears.iter().any(|g| g.model.hub().lateral.is_some());
         let implicit_dissipation = diagonal
+            && sets.is_empty()
             && !sideways
             && damped.clone().next().is_some()
             && damped.all(|m| m.gears.iter().all(one_mass));
         let sticks = |m: &SceneMesh| m.friction.as_ref().is_some_and(|f| f.law.sticks());
         let remembers = meshes.iter().any(sticks);
         let cuts_vibration = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
-        let mut shafts = Shafts::new(plan, &gears, &mass);
+        let mut shafts = Shafts::new(plan, &sets.ground, &gears, &mass);
+        let carriers = Carriers::new(sets, &gears);
         let mut scene = Scene {
-            oscillators: gears.iter().all(linear),
+            oscillators: carriers.is_empty() && gears.iter().all(linear),
             gears,
             meshes,
             shafts: Shafts::default(),
+            carriers,
             one_spring,
             cuts_vibration,
             flights: Vec::new(),

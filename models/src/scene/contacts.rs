@@ -176,6 +176,18 @@ impl Scene {
 
     /// Contact forces at a state, for pictures and reports.
     pub fn contact_forces(&mut self, at: At<'_>) -> Vec<ContactForce> {
+        let mut found = self.seen(at, Self::seen_forces);
+        if !self.carriers.is_empty() {
+            for contact in &mut found {
+                contact.x = self.carriers.place(contact.mesh, at, contact.x);
+                contact.force = self.carriers.direction(contact.mesh, at, contact.force);
+            }
+        }
+        found
+    }
+
+    /// The same where carriers do not turn.
+    fn seen_forces(&mut self, at: At<'_>) -> Vec<ContactForce> {
         self.evaluate_contacts(at);
         let nodal = self.work.nodal.active.iter().filter(|a| a.force.n > 0.0);
         let nodal = nodal.map(|a| {

@@ -22,8 +22,8 @@ impl Scene {
         c: Coeffs,
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular> {
-        self.evaluate_contacts(at);
-        if self.shafts.is_empty() {
+        self.seen(at, |scene, seen| scene.evaluate_contacts(seen));
+        if self.shafts.is_empty() && self.carriers.is_empty() {
             return self.correct_contacts(at, c, false, rhs_to_x);
         }
         self.correct_with_shafts(at, c, rhs_to_x)

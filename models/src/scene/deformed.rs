@@ -33,6 +33,21 @@ impl Scene {
         teeth: &[u32],
         height: f64,
     ) -> Vec<DeformedFlank> {
+        let mut found = self.seen(at, |scene, seen| {
+            scene.seen_deformed(seen, gear, teeth, height)
+        });
+        self.carriers.lift(gear, at, &mut found);
+        found
+    }
+
+    /// The same where carriers do not turn.
+    fn seen_deformed(
+        &mut self,
+        at: At<'_>,
+        gear: usize,
+        teeth: &[u32],
+        height: f64,
+    ) -> Vec<DeformedFlank> {
         self.evaluate_contacts(at);
         let g = &self.gears[gear];
         let (Some(surface), None) = (g.model.surface(), g.model.hub().slide) else {

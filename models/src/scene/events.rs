@@ -13,41 +13,7 @@ impl Events for Scene {
         if out.is_empty() {
             return;
         }
-        for m in 0..self.meshes.len() {
-            if self.watch_directly(at, m, out) {
-                continue;
-            }
-            let mesh = &self.meshes[m];
-            let (a, b) = parties(&self.gears, mesh, at);
-            let (zone, slots) =
-                out[mesh.event_functions..][..mesh.zones + mesh.slots].split_at_mut(mesh.zones);
-            let Some(pairs) = mesh.search.pairs() else {
-                continue;
-            };
-            pairs.watch(a, b, &at.discrete[mesh.search_discrete()], zone, slots);
-            // Gaps are all that open contacts and contacts without damping need.
-            let modes = &at.discrete[mesh.modes()];
-            let (mut closed, mut overlap) = (false, false);
-            for (g, mode) in slots.iter_mut().zip(modes.chunks_exact(2)) {
-                if mode[0] != 0.0 {
-                    closed = true;
-                    *g = -*g;
-                } else {
-                    overlap |= *g <= 0.0;
-                }
-            }
-            let coupled = closed && pairs.couples();
-            if (closed || overlap) && mesh.law.is_dissipative() || coupled {
-                let wanted = if coupled {
-                    Wanted::Watched(modes)
-                } else if overlap {
-                    Wanted::Listed
-                } else {
-                    Wanted::Closed(modes)
-                };
-                self.damped_events(at, m, wanted, out);
-            }
-        }
+        self.seen(at, |scene, seen| scene.watch(seen, out));
     }
 
     fn next_breakpoint(&self, t: f64) -> f64 {
@@ -60,6 +26,9 @@ impl Events for Scene {
                 }
             }
         }
+        for ground in self.shafts.grounds() {
+            next = next.min(ground.next_breakpoint(t));
+        }
         next
     }
 
@@ -71,7 +40,44 @@ impl Events for Scene {
         }
         self.work.nodal.forget();
         self.work.reported.forget();
-        // Contacts of an earlier run let go of their teeth.
+        self.seen_state(s, Self::let_go);
+        s.discrete[0] = f64::from(u8::from(located && self.locates));
+        self.seen_state(s, Self::begin_contacts);
+    }
+
+    fn transition(&mut self, s: &mut State, event: usize) -> Change {
+        self.seen_state(s, |scene, seen| scene.switch(seen, event))
+    }
+
+    fn commit(&mut self, s: &mut State) -> Change {
+        let mut change = Change::None;
+        for g in &mut self.gears {
+            let range = g.range();
+            let State { t, q, v, discrete } = s;
+            let own = &mut discrete[g.discrete.0..][..g.discrete.1];
+            let Some(teeth) = g.model.teeth() else {
+                continue;
+            };
+            if teeth.commit(*t, &mut q[range.clone()], &mut v[range], own) == Change::Restart {
+                change = Change::Restart;
+            }
+        }
+        if s.discrete[0] == 0.0 && self.tracks {
+            self.seen_state(s, Self::track_modes);
+        }
+        if self.remembers {
+            self.seen_state(s, Self::remember_friction);
+        }
+        if self.cuts_vibration && self.cut_off_vibration(s) {
+            change = Change::Restart;
+        }
+        change
+    }
+}
+
+impl Scene {
+    /// Contacts of an earlier run let go of their teeth.
+    fn let_go(&mut self, s: &mut State) {
         for m in 0..self.meshes.len() {
             for slot in 0..self.meshes[m].slots {
                 if s.discrete[self.meshes[m].slot(slot)] != 0.0 {
@@ -79,27 +85,10 @@ impl Events for Scene {
                 }
             }
         }
-        s.discrete[0] = f64::from(u8::from(located && self.locates));
-        for i in 0..self.meshes.len() {
-            let mesh = &self.meshes[i];
-            let range = mesh.search_discrete();
-            if let Some(pairs) = mesh.search.pairs() {
-                let mut zone = vec![0.0; range.len()];
-                let (a, b) = parties(&self.gears, mesh, s.at());
-                pairs.begin(a, b, &mut zone);
-                s.discrete[range].copy_from_slice(&zone);
-            }
-            for slot in 0..mesh.slots {
-                let at = mesh.slot(slot);
-                s.discrete[at] = 0.0;
-                s.discrete[at + 1] = 0.0;
-            }
-        }
-        self.begin_friction(s);
-        self.refresh_modes(s, None);
     }
 
-    fn transition(&mut self, s: &mut State, event: usize) -> Change {
+    /// Flips what an event function watches.
+    fn switch(&mut self, s: &mut State, event: usize) -> Change {
         let m = self
             .meshes
             .iter()
@@ -161,33 +150,66 @@ impl Events for Scene {
         Change::Restart
     }
 
-    fn commit(&mut self, s: &mut State) -> Change {
-        let mut change = Change::None;
-        for g in &mut self.gears {
-            let range = g.range();
-            let State { t, q, v, discrete } = s;
-            let own = &mut discrete[g.discrete.0..][..g.discrete.1];
-            let Some(teeth) = g.model.teeth() else {
-                continue;
-            };
-            if teeth.commit(*t, &mut q[range.clone()], &mut v[range], own) == Change::Restart {
-                change = Change::Restart;
+    /// Zones and modes of all meshes from a state as contacts see it.
+    fn begin_contacts(&mut self, s: &mut State) {
+        for i in 0..self.meshes.len() {
+            let mesh = &self.meshes[i];
+            let range = mesh.search_discrete();
+            if let Some(pairs) = mesh.search.pairs() {
+                let mut zone = vec![0.0; range.len()];
+                let (a, b) = parties(&self.gears, mesh, s.at());
+                pairs.begin(a, b, &mut zone);
+                s.discrete[range].copy_from_slice(&zone);
+            }
+            for slot in 0..mesh.slots {
+                let at = mesh.slot(slot);
+                s.discrete[at] = 0.0;
+                s.discrete[at + 1] = 0.0;
             }
         }
-        if s.discrete[0] == 0.0 && self.tracks {
-            self.track_modes(s);
-        }
-        if self.remembers {
-            self.remember_friction(s);
-        }
-        if self.cuts_vibration && self.cut_off_vibration(s) {
-            change = Change::Restart;
-        }
-        change
+        self.begin_friction(s);
+        self.refresh_modes(s, None);
     }
-}
 
-impl Scene {
+    /// Event functions at a state as contacts see it.
+    fn watch(&mut self, at: At<'_>, out: &mut [f64]) {
+        for m in 0..self.meshes.len() {
+            if self.watch_directly(at, m, out) {
+                continue;
+            }
+            let mesh = &self.meshes[m];
+            let (a, b) = parties(&self.gears, mesh, at);
+            let (zone, slots) =
+                out[mesh.event_functions..][..mesh.zones + mesh.slots].split_at_mut(mesh.zones);
+            let Some(pairs) = mesh.search.pairs() else {
+                continue;
+            };
+            pairs.watch(a, b, &at.discrete[mesh.search_discrete()], zone, slots);
+            // Gaps are all that open contacts and contacts without damping need.
+            let modes = &at.discrete[mesh.modes()];
+            let (mut closed, mut overlap) = (false, false);
+            for (g, mode) in slots.iter_mut().zip(modes.chunks_exact(2)) {
+                if mode[0] != 0.0 {
+                    closed = true;
+                    *g = -*g;
+                } else {
+                    overlap |= *g <= 0.0;
+                }
+            }
+            let coupled = closed && pairs.couples();
+            if (closed || overlap) && mesh.law.is_dissipative() || coupled {
+                let wanted = if coupled {
+                    Wanted::Watched(modes)
+                } else if overlap {
+                    Wanted::Listed
+                } else {
+                    Wanted::Closed(modes)
+                };
+                self.damped_events(at, m, wanted, out);
+            }
+        }
+    }
+
     /// Event functions of a mesh's closed or overlapping contacts with a damper, from the force.
     fn damped_events(&mut self, at: At<'_>, m: usize, wanted: Wanted<'_>, out: &mut [f64]) {
         let Scene {

@@ -67,8 +67,9 @@ impl Scene {
             let modes = at.discrete[m.modes()].chunks_exact(2);
             !m.clearances.is_empty() && modes.into_iter().all(|mode| mode[0] == 0.0)
         };
-        // What stands on a shaft does not fly by itself.
-        if !self.shafts.is_empty() || !self.meshes.iter().all(open) {
+        // What stands on a shaft or a carrier does not fly by itself.
+        let alone = self.shafts.is_empty() && self.carriers.is_empty();
+        if !alone || !self.meshes.iter().all(open) {
             return at.t;
         }
         self.flights.clear();

@@ -5,6 +5,8 @@
 //! (Woodbury), so a gear brings whatever structure its coordinates have. Where a gear has many coordinates of which
 //! contacts touch few, both are condensed to these.
 //!
+//! Planetary sets are seen from their carriers (`carriers`).
+//!
 //! Shafts join hubs by links, springs or constraints (`shafts`); bodies without teeth stand behind the gears.
 //!
 //! Contacts of flank points have no event functions: a scene with such a mesh reports none and is never located.
@@ -16,6 +18,7 @@ mod assembled;
 mod assembly;
 mod assembly_lines;
 mod assembly_points;
+mod carriers;
 pub mod channels;
 mod condensed;
 mod contacts;

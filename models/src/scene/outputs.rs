@@ -44,7 +44,7 @@ impl Scene {
         if self.work.reported.is(at) {
             return;
         }
-        self.evaluate_contacts(at);
+        self.seen(at, |scene, seen| scene.evaluate_contacts(seen));
         if self.fields && self.meshes.iter().all(|m| m.nodal) {
             self.work.reported.keep(at);
         }
@@ -64,10 +64,12 @@ impl Scene {
             if books {
                 let e = g.model.energy(own);
                 energy.kinetic += e.kinetic;
-                energy.strain += e.strain;
                 let p = g.model.powers(own);
-                power.dissipated += p.dissipated;
                 power.external += p.external;
+                if !self.carriers.carries(i) {
+                    energy.strain += e.strain;
+                    power.dissipated += p.dissipated;
+                }
             }
             let hub = g.model.hub_state(own);
             if g.model.hub().is_free() {
@@ -81,6 +83,52 @@ impl Scene {
             c[2] = hub.displacement;
         }
         self.add_shaft_books(at, &mut energy, &mut power);
+        self.seen(at, |scene, seen| {
+            scene.add_contact_output(seen, out, (&mut energy, &mut power), books);
+        });
+        for m in 0..self.meshes.len() {
+            let of_mesh = &mut out.channels[PER_MESH * m..][..PER_MESH];
+            let places = [OfMesh::X, OfMesh::Y, OfMesh::Z].map(|c| c as usize);
+            let force = self
+                .carriers
+                .direction(m, at, places.map(|c| of_mesh[c]).into());
+            let [x, y, z]: [f64; 3] = force.into();
+            places
+                .iter()
+                .zip([x, y, z])
+                .for_each(|(c, x)| of_mesh[*c] = x);
+            let axis = &self.meshes[m].axis;
+            let transverse = match axis.z == 1.0 {
+                true => x.hypot(y),
+                false => Vec3::new(x, y, z).cross(axis).norm(),
+            };
+            of_mesh[OfMesh::Transverse as usize] = transverse;
+            of_mesh[OfMesh::Force as usize] = match axis.z == 1.0 {
+                true => transverse.hypot(z),
+                false => Vec3::new(x, y, z).norm(),
+            };
+        }
+        self.fill_reactions(at, &mut out.channels);
+        power.external += self.power_of_grounds(at.t);
+        out.energy = energy;
+        out.power = power;
+    }
+
+    /// What contacts, and gears on carriers by their pins and teeth, add; at the state that they see.
+    fn add_contact_output(
+        &mut self,
+        at: At<'_>,
+        out: &mut Outputs,
+        (energy, power): (&mut Energy, &mut Power),
+        books: bool,
+    ) {
+        let per_gear = PER_MESH * self.meshes.len();
+        for (i, g) in self.gears.iter().enumerate() {
+            if books && self.carriers.carries(i) {
+                energy.strain += g.model.energy(g.at(at)).strain;
+                power.dissipated += g.model.powers(g.at(at)).dissipated;
+            }
+        }
         for (a, rows) in self.work.active.iter().zip(&self.work.rows) {
             let mesh = &self.meshes[a.mesh];
             let c = &self.work.candidates[a.candidate];
@@ -107,25 +155,8 @@ impl Scene {
             power.dissipated += nodal.dissipated(&self.gears, &self.meshes, at);
         }
         if self.fields {
-            self.add_nodal_output(at, out, &mut energy, &mut power);
+            self.add_nodal_output(at, out, energy, power);
         }
-        for m in 0..self.meshes.len() {
-            let of_mesh = &mut out.channels[PER_MESH * m..][..PER_MESH];
-            let [x, y, z] = [OfMesh::X, OfMesh::Y, OfMesh::Z].map(|c| of_mesh[c as usize]);
-            let axis = &self.meshes[m].axis;
-            let transverse = match axis.z == 1.0 {
-                true => x.hypot(y),
-                false => Vec3::new(x, y, z).cross(axis).norm(),
-            };
-            of_mesh[OfMesh::Transverse as usize] = transverse;
-            of_mesh[OfMesh::Force as usize] = match axis.z == 1.0 {
-                true => transverse.hypot(z),
-                false => Vec3::new(x, y, z).norm(),
-            };
-        }
-        self.fill_reactions(at, &mut out.channels);
-        out.energy = energy;
-        out.power = power;
     }
 
     /// What contacts of gears with fields add. Energy of the residual compliance counts as that of contact; a load
@@ -209,11 +240,15 @@ impl Scene {
                 hub.add_load(load, &mut forces[g.range()]);
             }
         }
-        self.add_contact_forces(&mut forces);
+        self.relative_forces(at, &mut forces, |scene, _, f| scene.add_contact_forces(f));
         self.evaluate_links(at, &forces);
         let (of_meshes, others) = channels.split_at_mut(PER_MESH * self.meshes.len());
         let (of_gears, of_shafts) = others.split_at_mut(PER_GEAR * self.gears.len());
         self.fill_shaft_torques(of_shafts);
+        let mut relative = std::mem::take(&mut self.work.relative);
+        self.carriers.see(at, &mut relative);
+        let (q, v) = (&relative.q, &relative.v);
+        let seen = At { q, v, ..at };
         let of_gears = of_gears.chunks_exact_mut(PER_GEAR);
         for (i, (g, c)) in self.gears.iter().zip(of_gears).enumerate() {
             let mut contact = Wrench {
@@ -229,13 +264,21 @@ impl Scene {
                 }
             }
             self.add_links_on(i, &mut forces, &mut contact);
-            let r = g
-                .model
-                .mount_reaction(g.at(at), &forces[g.range()], &contact);
+            // Pins are seen from the carrier, bearings on the ground from there.
+            let pinned = self.carriers.carries(i);
+            let own = g.at(if pinned { seen } else { at });
+            if pinned {
+                contact.force = self.carriers.direction_at(i, at, contact.force, -1.0);
+            }
+            let mut r = g.model.mount_reaction(own, &forces[g.range()], &contact);
+            if pinned {
+                r.force = self.carriers.direction_at(i, at, r.force, 1.0);
+            }
+            r.torque += self.torque_of_ground(i);
             let hub = g.model.hub();
             let mut x = [0.0; 6];
             if hub.lateral.is_some() {
-                x = g.model.hub_motion(g.at(at)).x;
+                x = g.model.hub_motion(own).x;
             }
             let of_mount = [r.force.x, r.force.y, r.torque, r.force.z];
             let [all, shifts, tilts] = [&of_mount[..], &x[..3], &x[3..5]];
@@ -245,5 +288,6 @@ impl Scene {
             }
         }
         self.work.rhs = forces;
+        self.work.relative = relative;
     }
 }

@@ -33,7 +33,7 @@ impl SecondOrderSystem for Scene {
 
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         self.force_without_contact(at, f);
-        self.add_contacts(at, f);
+        self.add_relative_forces(at, f);
         self.hold_shafts(at, f);
     }
 
@@ -99,15 +99,17 @@ impl SecondOrderSystem for Scene {
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
         self.add_shaft_tangent([dq, dv], df);
-        for g in &mut self.gears {
+        for (i, g) in self.gears.iter_mut().enumerate() {
             let own = g.at(at);
             let range = g.range();
-            g.model.tangent(
-                own,
-                &dq[range.clone()],
-                &dv[range.clone()],
-                &mut df[range.clone()],
-            );
+            if !self.carriers.carries(i) {
+                g.model.tangent(
+                    own,
+                    &dq[range.clone()],
+                    &dv[range.clone()],
+                    &mut df[range.clone()],
+                );
+            }
             let hub = g.model.hub();
             if hub.is_free() && !g.loads.is_empty() {
                 let along = At {
@@ -118,7 +120,7 @@ impl SecondOrderSystem for Scene {
                 hub.add_load(load, &mut df[range]);
             }
         }
-        if self.in_space {
+        if self.in_space || !self.carriers.is_empty() {
             self.add_contact_differences(at, [dq, dv], df);
             self.hold_shafts(at, df);
             return;
@@ -174,12 +176,12 @@ impl SecondOrderSystem for Scene {
 }
 
 impl Scene {
-    /// Internal forces and loads, and what elastic shafts exert.
+    /// Internal forces and loads, and what elastic shafts exert; gears on carriers have their own with contacts.
     fn force_without_contact(&mut self, at: At<'_>, f: &mut [f64]) {
         f.fill(0.0);
         self.add_shafts(at, f);
-        for g in &mut self.gears {
-            if g.internal {
+        for (i, g) in self.gears.iter_mut().enumerate() {
+            if g.internal && !self.carriers.carries(i) {
                 let own = g.at(at);
                 let range = g.range();
                 g.model.forces(own, &mut f[range]);
@@ -191,7 +193,7 @@ impl Scene {
         }
     }
 
-    /// The tangent of contacts whose rows turn with the gears, by central differences.
+    /// The tangent of contacts whose rows turn with the gears or their carriers, by central differences.
     fn add_contact_differences(&mut self, at: At<'_>, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let (moved, sped) = (largest(dq), largest(dv));
@@ -213,7 +215,7 @@ impl Scene {
                 };
                 let (q, v) = (by(at.q, dq, k == 0), by(at.v, dv, k == 1));
                 f.fill(0.0);
-                self.add_contacts(At { q: &q, v: &v, ..at }, &mut f);
+                self.add_relative_forces(At { q: &q, v: &v, ..at }, &mut f);
                 for (df, f) in df.iter_mut().zip(&f) {
                     *df += 0.5 / h * f;
                 }

@@ -1,6 +1,7 @@
 //! Buffers of a scene.
 
 use super::active::{Active, Answer, Tangent};
+use super::carriers::RelativeState;
 use super::condensed::Condensed;
 use super::nodal::{Nodal, Reduced};
 use super::shafts::ShaftWork;
@@ -64,6 +65,8 @@ pub(super) struct Workspace {
     pub rows: Vec<[Row; 4]>,
     pub condensed: Condensed,
     pub shafts: ShaftWork,
+    /// The state as seen from carriers.
+    pub relative: RelativeState,
     /// Contacts of gears with fields.
     pub nodal: Nodal,
     /// Their tangent.

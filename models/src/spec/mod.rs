@@ -18,5 +18,6 @@ pub use points::{
     CoarseSearch, LocalContact, MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind,
 };
 pub use scene::{Body, ContactSpec, GearSpec, MeshSpec, SceneSpec, Start};
-pub(crate) use shaft::initial_speed;
-pub use shaft::{BodySpec, Carried, Section, SectionKind, ShaftDamping, ShaftSpec, Station};
+pub use shaft::{
+    BodySpec, Carried, Section, SectionKind, ShaftDamping, ShaftSpec, Station, initial_speed,
+};

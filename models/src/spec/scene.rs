@@ -138,6 +138,17 @@ impl SceneSpec {
         self.shafts.iter().flat_map(ShaftSpec::bodies)
     }
 
+    /// The first gear on the axis of a planet carrier: it meshes with a planet and is none.
+    pub fn centre_of(&self, carrier: &BodySpec) -> Option<&GearSpec> {
+        let planets = &carrier.planets;
+        let other = |m: &MeshSpec| match m.gears.map(|g| planets.contains(&g)) {
+            [true, false] => Some(m.gears[1]),
+            [false, true] => Some(m.gears[0]),
+            _ => None,
+        };
+        self.meshes.iter().find_map(other).map(|i| &self.gears[i])
+    }
+
     /// Loads on the hub of a gear, and on the bodies of its shaft.
     pub fn loads_at(&self, gear: usize) -> impl Iterator<Item = &Load> {
         let carries = move |s: &&ShaftSpec| {

@@ -54,6 +54,9 @@ pub struct BodySpec {
     pub speed: f64,
     /// Torques about the axis.
     pub loads: Vec<Load>,
+    /// Gears of the scene whose axes go round with it, by index: a planet carrier. A planet with a bearing stands on an
+    /// elastic pin, others on rigid ones.
+    pub planets: Vec<usize>,
 }
 
 /// A piece of an elastic shaft with one cross-section.
@@ -107,6 +110,7 @@ impl BodySpec {
             lateral: None,
             speed: 0.0,
             loads: Vec::new(),
+            planets: Vec::new(),
         }
     }
 }
@@ -161,7 +165,9 @@ impl ShaftSpec {
             )));
         }
         let rigid = self.sections.is_empty();
-        if self.stations.len() < 2 && rigid {
+        // A carrier may stand alone.
+        let carries = self.bodies().any(|b| !b.planets.is_empty());
+        if self.stations.len() < 2 && rigid && !carries {
             return Err(self.refuse((
                 format!(
                     "a rigid shaft joins at least two, but carries {}",
@@ -273,7 +279,7 @@ impl Section {
 }
 
 /// Speed of a body at the start [rad/s].
-pub(crate) fn initial_speed(mount: &Mount, speed: f64) -> f64 {
+pub fn initial_speed(mount: &Mount, speed: f64) -> f64 {
     match mount {
         Mount::Driven(p) => p.value(0.0),
         Mount::Fixed => 0.0,

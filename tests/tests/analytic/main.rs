@@ -15,6 +15,7 @@ mod mounts;
 mod movable_teeth;
 mod nodal;
 mod one_line;
+mod planets;
 mod records;
 mod refusals;
 mod rows;

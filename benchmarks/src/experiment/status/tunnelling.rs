@@ -40,6 +40,8 @@ struct Pair {
     backlash: f64,
     module: f64,
     displacement: [usize; 2],
+    /// Coordinate and channel of the carrier that the gears are seen from, of a planetary set.
+    carrier: Option<[usize; 2]>,
     /// Channels of the lateral directions, the first five.
     sideways: [Vec<usize>; 2],
     force: usize,
@@ -51,6 +53,10 @@ impl Pair {
     /// Approach and its rate.
     fn at(&self, s: &State) -> [f64; 2] {
         let mut sum = [0.0; 2];
+        if let Some([carrier, _]) = self.carrier {
+            let both = self.effective_radii[0] + self.effective_radii[1];
+            sum = [-both * s.q[carrier], -both * s.v[carrier]];
+        }
         for (((hub, own), radius), lateral) in
             (self.hubs.iter().zip(self.effective_radii)).zip(&self.lateral)
         {
@@ -102,6 +108,17 @@ impl TunnellingDetector {
                 let g = &scene.gears()[i];
                 (g.model.hub().hub.clone(), g.range())
             });
+            let carrier = scene.carrier_of_mesh(m);
+            if carrier.is_some() && hubs.iter().any(|(hub, _)| hub.lateral.is_some()) {
+                return None;
+            }
+            let carrier = match carrier {
+                Some((coordinate, body)) => {
+                    let channel = Channel::Gear(body, OfGear::Displacement);
+                    Some([coordinate, scene.channel(channel)?])
+                }
+                None => None,
+            };
             let mut lateral = [[0.0; 6]; 2];
             let pairs = scene.meshes()[m].search.pairs();
             if let Some((x, n)) = pairs.and_then(|p| p.middle_of(mesh.start.side)) {
@@ -117,6 +134,7 @@ impl TunnellingDetector {
                 m,
                 Pair {
                     hubs,
+                    carrier,
                     lateral,
                     effective_radii: [along(1.0, 0.0), along(0.0, 1.0)],
                     gap: mesh.start.gap,
@@ -204,7 +222,9 @@ impl TunnellingDetector {
                     let sideways = pair.lateral[k].iter().zip(&pair.sideways[k]);
                     own + sideways.map(|(along, c)| along * row[*c]).sum::<f64>()
                 };
-                let depth = pair.depth(along(0) + along(1));
+                let radii = pair.effective_radii[0] + pair.effective_radii[1];
+                let turned = pair.carrier.map_or(0.0, |[_, c]| radii * row[c]);
+                let depth = pair.depth(along(0) + along(1) - turned);
                 let soft = self.deflection * DEFLECTIONS;
                 let earlier = |known: Option<(usize, f64, f64)>| known.is_none_or(|k| *t < k.1);
                 if depth > (PASSED * pair.module).max(soft) && earlier(passed) {

@@ -45,7 +45,8 @@ impl Scene {
         }
         let rigid = self.shafts.rigid();
         work.forces.clear();
-        work.forces.extend(rigid.iter().map(|l| -l.dot(&work.x)));
+        let missing = |l: &Link| l.acceleration(at.t) - l.dot(&work.x);
+        work.forces.extend(rigid.iter().map(missing));
         match solve_in_place(&mut work.small, &mut work.forces) {
             Ok(()) => {
                 for (link, force) in rigid.iter().zip(&work.forces) {
@@ -102,7 +103,8 @@ impl Scene {
         x: &mut [f64],
     ) -> Result<(), Singular> {
         let rhs = if c.m == 0.0 { x.to_vec() } else { Vec::new() };
-        let found = if self.fields || self.condenses_now(c) {
+        let apart = self.fields || !self.carriers.is_empty() || self.condenses_now(c);
+        let found = if apart {
             self.correct_links_after(at, c, x)
         } else {
             self.correct_contacts(at, c, true, x)
@@ -148,11 +150,11 @@ impl Scene {
         x: &mut [f64],
     ) -> Result<(), Singular> {
         let (n, count) = (self.n, self.shafts.links.len());
-        self.correct_contacts(at, c, false, x)?;
+        self.correct_sets(at, c, x)?;
         let (mut v, mut z) = (Vec::new(), Vec::new());
         self.terms_of_shafts(c, &mut v, &mut z);
         for column in z.chunks_exact_mut(n) {
-            self.correct_contacts(at, c, false, column)?;
+            self.correct_sets(at, c, column)?;
         }
         let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
         let (mut small, mut y) = (Vec::with_capacity(count * count), Vec::new());
@@ -192,7 +194,8 @@ impl Scene {
         }
     }
 
-    /// What all links exert along their rows, into `work.shafts.acting`; `contacts` are the forces of contacts and loads.
+    /// What all links exert along their rows, into `work.shafts.acting`; `contacts` are the forces of contacts and loads, and
+    /// what gears on carriers have of their own.
     pub(in crate::scene) fn evaluate_links(&mut self, at: At<'_>, contacts: &[f64]) {
         let mut acting = std::mem::take(&mut self.work.shafts.acting);
         acting.clear();
@@ -204,10 +207,15 @@ impl Scene {
         );
         if !self.shafts.rigid().is_empty() {
             let mut f = contacts.to_vec();
-            for g in self.gears.iter_mut().filter(|g| g.internal) {
-                let (own, range) = (g.at(at), g.range());
-                g.model.forces(own, &mut f[range]);
+            for (i, g) in self.gears.iter_mut().enumerate() {
+                if g.internal && !self.carriers.carries(i) {
+                    let (own, range) = (g.at(at), g.range());
+                    g.model.forces(own, &mut f[range]);
+                }
             }
+            self.relative_forces(at, &mut f, |scene, seen, f| {
+                scene.add_carried_forces(seen, f)
+            });
             for (link, force) in self.shafts.springs().iter().zip(&acting) {
                 link.add_to(*force, &mut f);
             }
@@ -237,6 +245,20 @@ impl Scene {
                 }
             }
         }
+    }
+
+    /// Torque with which the ground holds or drives a member of a planetary set [N m].
+    pub(in crate::scene) fn torque_of_ground(&self, member: usize) -> f64 {
+        let links = self.shafts.links.iter().zip(&self.work.shafts.acting);
+        let own = links.filter(|(l, _)| l.ground.as_ref().is_some_and(|g| g.member == member));
+        own.map(|(_, force)| force).sum()
+    }
+
+    /// Power that what drives gears of planetary sets puts in, by the forces of the last [`Self::evaluate_links`] [W].
+    pub(in crate::scene) fn power_of_grounds(&self, t: f64) -> f64 {
+        let links = self.shafts.links.iter().zip(&self.work.shafts.acting);
+        let power = links.filter_map(|(l, force)| Some(force * l.ground.as_ref()?.motion(t)[0]));
+        power.sum()
     }
 
     /// Torques that stations exert on the next through the shaft [N m].

@@ -3,6 +3,7 @@
 use super::beam::Way;
 use super::plan::{Element, Plan};
 use crate::kinematics::Direction;
+use crate::scene::carriers::Ground;
 use crate::scene::members::SceneGear;
 use crate::spec::ShaftDamping;
 use gearbench_integrators::system::At;
@@ -37,7 +38,10 @@ pub(in crate::scene) struct Link {
     /// Infinite where it is rigid.
     pub stiffness: f64,
     pub damping: f64,
-    shaft: usize,
+    /// The shaft that it is a piece of; none of what holds a gear of a planetary set.
+    shaft: Option<usize>,
+    /// A rigid link to the ground, and how that moves.
+    pub(super) ground: Option<Ground>,
 }
 
 impl Link {
@@ -79,6 +83,11 @@ impl Link {
         [d, rate]
     }
 
+    /// What a rigid link lets its row accelerate by.
+    pub fn acceleration(&self, t: f64) -> f64 {
+        self.ground.as_ref().map_or(0.0, |g| g.motion(t)[1])
+    }
+
     /// What an elastic link exerts along its row.
     pub fn force(&self, gears: &[SceneGear], at: At<'_>) -> f64 {
         let [d, rate] = self.deformation(gears, at);
@@ -105,8 +114,9 @@ pub(in crate::scene) struct Shafts {
 }
 
 impl Shafts {
-    /// Links of a plan between members with their offsets; `mass` is the diagonal of the mass matrix.
-    pub fn new(plan: &Plan, gears: &[SceneGear], mass: &[f64]) -> Self {
+    /// Links of a plan between members with their offsets, and those that hold and drive gears of planetary sets; `mass` is
+    /// the diagonal of the mass matrix.
+    pub fn new(plan: &Plan, ground: &[Ground], gears: &[SceneGear], mass: &[f64]) -> Self {
         let mut of_spans = Vec::new();
         let mut all = Vec::new();
         for element in &plan.elements {
@@ -117,10 +127,11 @@ impl Shafts {
             }
             all.extend(links);
         }
+        all.extend(ground.iter().map(|g| of_ground(g, gears)));
         for (shaft, damping) in plan.damping.iter().enumerate() {
             for way in [Way::Torsion, Way::Stretching, Way::Bending] {
                 let mut own: Vec<&mut Link> = (all.iter_mut())
-                    .filter(|l| l.shaft == shaft && l.way == way && !l.is_rigid())
+                    .filter(|l| l.shaft == Some(shaft) && l.way == way && !l.is_rigid())
                     .collect();
                 let time = match damping {
                     ShaftDamping::None => 0.0,
@@ -186,6 +197,11 @@ impl Shafts {
         &self.links[self.elastic..]
     }
 
+    /// What holds and drives gears of planetary sets.
+    pub fn grounds(&self) -> impl Iterator<Item = &Ground> {
+        self.rigid().iter().filter_map(|l| l.ground.as_ref())
+    }
+
     /// Notes the products with the inverse of a constant diagonal mass.
     pub fn note_masses(&mut self, inverse_mass: &[f64]) {
         let n = inverse_mass.len();
@@ -228,7 +244,8 @@ fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
             members: element.members,
             stiffness: mode.stiffness,
             damping: 0.0,
-            shaft: element.shaft,
+            shaft: Some(element.shaft),
+            ground: None,
         };
         for (end, &member) in mode.ends.iter().zip(&element.members) {
             let gear = &gears[member];
@@ -272,6 +289,30 @@ fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
         }
     }
     links
+}
+
+/// A rigid link between the ground and what turns freely.
+fn of_ground(ground: &Ground, gears: &[SceneGear]) -> Link {
+    let gear = &gears[ground.member];
+    let hub = gear.model.hub();
+    let first = gear.offset + hub.first();
+    let shapes = hub.hub_shapes.iter().enumerate();
+    let shapes = shapes.map(|(i, h)| (first + i, *h));
+    Link {
+        way: Way::Torsion,
+        row: std::iter::once((gear.offset, 1.0)).chain(shapes).collect(),
+        driven: Vec::new(),
+        shares: vec![Share {
+            member: ground.member,
+            direction: hub.moving(),
+            weight: 1.0,
+        }],
+        members: [ground.member; 2],
+        stiffness: f64::INFINITY,
+        damping: 0.0,
+        shaft: None,
+        ground: Some(ground.clone()),
+    }
 }
 
 /// The lowest angular frequency above zero of some elastic links and the masses that they join [rad/s].

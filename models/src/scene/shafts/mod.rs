@@ -31,4 +31,4 @@ mod together;
 
 pub(super) use acting::ShaftWork;
 pub(super) use links::Shafts;
-pub(super) use plan::{Carrier, Plan};
+pub(super) use plan::{Plan, ShaftBody};

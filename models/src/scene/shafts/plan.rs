@@ -36,7 +36,7 @@ pub(in crate::scene) struct Element {
 
 /// A body on a shaft, ready to become a member of the scene.
 #[derive(Clone, Debug)]
-pub(in crate::scene) struct Carrier {
+pub(in crate::scene) struct ShaftBody {
     pub name: String,
     pub hub: Hub,
     /// Length by which its turn moves flanks [m].
@@ -45,7 +45,7 @@ pub(in crate::scene) struct Carrier {
     pub speed: f64,
 }
 
-impl Carrier {
+impl ShaftBody {
     /// It as a member of a scene.
     pub fn member(&self) -> SceneGear {
         let model = Rigid::new(self.hub.clone(), self.radius);
@@ -57,7 +57,7 @@ impl Carrier {
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct Plan {
     /// Members behind the gears.
-    pub bodies: Vec<Carrier>,
+    pub bodies: Vec<ShaftBody>,
     pub elements: Vec<Element>,
     pub damping: Vec<ShaftDamping>,
     /// Number of pieces between stations, each of which reports its torque.
@@ -133,10 +133,10 @@ impl Plan {
                     body.mount = mount;
                 }
                 let centre = axes.1 + (node.place - axes.2) * axes.0[2];
-                let carrier = carrier(shaft, &body, node, (&axes.0, centre), (bends, radius))?;
+                let built = shaft_body(shaft, &body, node, (&axes.0, centre), (bends, radius))?;
                 match node.station {
-                    Some(_) => plan.bodies.push(carrier),
-                    None => within.push(carrier),
+                    Some(_) => plan.bodies.push(built),
+                    None => within.push(built),
                 }
             }
             plan.add_elements(shaft, index, &nodes, axes.0);
@@ -260,13 +260,13 @@ fn add_to_gear(gear: &mut GearSpec, lump: &Lump) {
 }
 
 /// The hub of a body.
-fn carrier(
+fn shaft_body(
     shaft: &ShaftSpec,
     body: &BodySpec,
     node: &Node,
     (axes, centre): (&[Vec3; 3], Vec3),
     (bends, radius): (bool, f64),
-) -> Result<Carrier, BuildError> {
+) -> Result<ShaftBody, BuildError> {
     let inertia = body.inertia + node.lump.polar;
     if inertia <= 0.0 {
         return Err(shaft.refuse((
@@ -311,7 +311,7 @@ fn carrier(
             })?
             .map(std::sync::Arc::new);
     }
-    Ok(Carrier {
+    Ok(ShaftBody {
         name: body.name.clone(),
         hub,
         radius,

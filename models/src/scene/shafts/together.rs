@@ -3,7 +3,7 @@
 use crate::Vec3;
 use crate::error::BuildError;
 use crate::spec::{
-    Body, Carried, Freedom, GearSpec, LateralSpec, Mount, SceneSpec, ShaftSpec, UPRIGHT,
+    Body, Carried, Freedom, GearSpec, LateralSpec, Mount, SceneSpec, ShaftSpec, Station, UPRIGHT,
 };
 
 /// How far gears of a shaft may stand off its axis [m], and the sine between axes.
@@ -69,7 +69,14 @@ pub(super) fn axis_of(
     shaft: &ShaftSpec,
 ) -> Result<([Vec3; 3], Vec3, f64), BuildError> {
     let Some((first, place)) = gears_of(spec, shaft).next() else {
-        return Ok((UPRIGHT, Vec3::zeros(), 0.0));
+        // A carrier stands on the axis of the gears that its planets mesh with.
+        let carries = |s: &Station| match &s.carries {
+            Carried::Body(body) => Some((spec.centre_of(body)?, s.place)),
+            Carried::Gear(_) => None,
+        };
+        let carrier = shaft.stations.iter().find_map(carries);
+        let of = |(g, place): (&GearSpec, f64)| (g.axes, Vec3::from(g.position), place);
+        return Ok(carrier.map_or((UPRIGHT, Vec3::zeros(), 0.0), of));
     };
     let (axes, point) = (first.axes, Vec3::from(first.position));
     for (gear, _) in gears_of(spec, shaft).skip(1) {

@@ -133,6 +133,17 @@ pub fn squares(scene: &mut Scene, s: &State) -> Vec<f64> {
 
 /// The correction of a scene solves the equations whose matrix its tangents make.
 pub fn corrects(scene: &mut Scene, s: &State, c: Coeffs, rigid: bool, what: &str) {
+    corrects_within(scene, s, c, (rigid, 1e-7), what);
+}
+
+/// The same to a part of what moves each coordinate alike.
+pub fn corrects_within(
+    scene: &mut Scene,
+    s: &State,
+    c: Coeffs,
+    (rigid, within): (bool, f64),
+    what: &str,
+) {
     let n = s.q.len();
     let mut rng = Numbers::new(7);
     // Of the size that moves each coordinate alike.
@@ -152,7 +163,7 @@ pub fn corrects(scene: &mut Scene, s: &State, c: Coeffs, rigid: bool, what: &str
     rhs.iter_mut().zip(&df).for_each(|(r, d)| *r -= d);
     scene.correct(s.at(), c, &mut rhs).unwrap();
     for (i, (x, w)) in rhs.iter().zip(&held).enumerate() {
-        assert!((x - w).abs() < 1e-7 * of_q[i], "{what}: {i}, {x} for {w}");
+        assert!((x - w).abs() < within * of_q[i], "{what}: {i}, {x} for {w}");
     }
 }
 

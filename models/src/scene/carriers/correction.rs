@@ -1,0 +1,117 @@
+//! Newton corrections of scenes with carriers.
+//!
+//! In the relative state a carrier's motion is a frame that the others stand in, `x = J x~`: contacts, pins and teeth see
+//! `x~_g` alone, inertia and what acts from the ground see `x_g = R x~_g + B x_c`. With the product `a_j = R^T A_0 B e_j` of the
+//! absolute part and the correction `S` of the gears with all contacts in the relative state,
+//!
+//! ```text
+//! y_j = S a_j,    x~_g = S R^T r_g - sum_j y_j x_cj
+//! sum_j (A_0,ij + b_i . a_j - a_i . y_j) x_cj = r_ci + b_i . R^T r_g - a_i . S R^T r_g
+//! ```
+//!
+//! for the coordinates `i`, `j` of carriers, `b_j = R^T B e_j`. Bearings of gears on the ground count as the same in all radial
+//! directions, and how forces turn with the carrier is left to the iteration.
+
+use crate::scene::assembled::Scene;
+use gearbench_integrators::dense_solve::solve_in_place;
+use gearbench_integrators::system::{At, Coeffs, SecondOrderSystem, Singular};
+
+impl Scene {
+    /// The correction of gears and contacts without links, at a state of the scene whose contacts are at hand.
+    pub(in crate::scene) fn correct_sets(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        if self.carriers.is_empty() {
+            return self.correct_contacts(at, c, false, x);
+        }
+        self.seen(at, |scene, seen| scene.correct_relative(at, seen, c, x))
+    }
+
+    fn correct_relative(
+        &mut self,
+        at: At<'_>,
+        seen: At<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let n = x.len();
+        let of_carriers = self.carriers.coordinates();
+        let columns: Vec<Vec<f64>> = (of_carriers.iter())
+            .map(|&j| self.carriers.motion_of(j, seen, n))
+            .collect();
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
+        // Right-hand sides in the relative state.
+        let mut relative = x.to_vec();
+        self.carriers.turn_back(at, &mut relative);
+        let on_carriers: Vec<f64> = (of_carriers.iter().zip(&columns))
+            .map(|(&j, b)| x[j] + dot(b, &relative))
+            .collect();
+        let products: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|b| self.absolute_product(seen, c, b))
+            .collect();
+        let own: Vec<Vec<f64>> = (of_carriers.iter())
+            .map(|&j| {
+                let mut unit = vec![0.0; n];
+                unit[j] = 1.0;
+                self.absolute_product(seen, c, &unit)
+            })
+            .collect();
+        of_carriers.iter().for_each(|&j| relative[j] = 0.0);
+        self.correct_contacts(seen, c, false, &mut relative)?;
+        let mut answers = products.clone();
+        for y in &mut answers {
+            self.correct_contacts(seen, c, false, y)?;
+        }
+        let m = of_carriers.len();
+        let mut small = Vec::with_capacity(m * m);
+        let mut motion = Vec::with_capacity(m);
+        for (i, &of) in of_carriers.iter().enumerate() {
+            for j in 0..m {
+                let a = own[j][of] + dot(&columns[i], &products[j]);
+                small.push(a - dot(&products[i], &answers[j]));
+            }
+            motion.push(on_carriers[i] - dot(&products[i], &relative));
+        }
+        solve_in_place(&mut small, &mut motion)?;
+        for (y, by) in answers.iter().zip(&motion) {
+            relative.iter_mut().zip(y).for_each(|(x, y)| *x -= by * y);
+        }
+        for (b, by) in columns.iter().zip(&motion) {
+            relative.iter_mut().zip(b).for_each(|(x, b)| *x += by * b);
+        }
+        self.carriers.turn_forth(at, &mut relative);
+        x.copy_from_slice(&relative);
+        for (&j, by) in of_carriers.iter().zip(&motion) {
+            x[j] = *by;
+        }
+        Ok(())
+    }
+
+    /// `A_0 x` of what does not go with the carriers: inertia, bearings and loads on the ground.
+    fn absolute_product(&mut self, seen: At<'_>, c: Coeffs, x: &[f64]) -> Vec<f64> {
+        let n = x.len();
+        let mut y = vec![0.0; n];
+        self.apply_mass(seen, x, &mut y);
+        y.iter_mut().for_each(|y| *y *= c.m);
+        let [dq, dv] = [c.k, c.d].map(|by| x.iter().map(|x| by * x).collect::<Vec<f64>>());
+        let mut df = vec![0.0; n];
+        for (i, g) in self.gears.iter_mut().enumerate() {
+            let (own, range) = (g.at(seen), g.range());
+            if range.is_empty() {
+                continue;
+            }
+            if !self.carriers.carries(i) {
+                let along = [&dq[range.clone()], &dv[range.clone()]];
+                g.model
+                    .tangent(own, along[0], along[1], &mut df[range.clone()]);
+            }
+            df[range.start] -= g.viscous() * dv[range.start];
+        }
+        y.iter_mut().zip(&df).for_each(|(y, df)| *y -= df);
+        y
+    }
+}

@@ -1,0 +1,314 @@
+//! The state of a scene as seen from its carriers.
+
+use super::plan::Sets;
+use crate::Vec3;
+use crate::kinematics::HubFrame;
+use crate::scene::deformed::DeformedFlank;
+use crate::scene::members::SceneGear;
+use gearbench_integrators::system::At;
+use std::ops::Range;
+
+/// A carrier and the gears that are seen from it.
+#[derive(Clone, Debug)]
+pub(in crate::scene) struct Carrier {
+    /// Its coordinate `theta_c`, and those of its displacements along x, y and z where it has them.
+    pub(super) turn: usize,
+    pub(super) shift: [Option<usize>; 3],
+    pub(super) members: Vec<Member>,
+    /// Axes of the carrier, and a point on its axis at the start.
+    axes: [Vec3; 3],
+    centre: Vec3,
+}
+
+/// A gear that is seen from a carrier.
+#[derive(Clone, Debug)]
+pub(super) struct Member {
+    pub gear: usize,
+    /// Coordinates that are angles.
+    pub turns: Vec<Range<usize>>,
+    /// Coordinates of its displacements across the axis, and along it.
+    pub across: Option<[usize; 2]>,
+    pub along: Option<usize>,
+    /// From the axis of the carrier at the start [m].
+    pub place: [f64; 2],
+}
+
+/// Buffers of a relative state.
+#[derive(Default)]
+pub(in crate::scene) struct RelativeState {
+    pub q: Vec<f64>,
+    pub v: Vec<f64>,
+    pub f: Vec<f64>,
+}
+
+/// The carriers of a scene.
+#[derive(Clone, Debug, Default)]
+pub(in crate::scene) struct Carriers {
+    pub(super) all: Vec<Carrier>,
+    /// By gear: whether it stands on a carrier.
+    carried: Vec<bool>,
+    /// By mesh: the carrier that it is seen from.
+    of_mesh: Vec<Option<usize>>,
+}
+
+impl Carriers {
+    /// Those of a plan between gears with their offsets.
+    pub fn new(sets: &Sets, gears: &[SceneGear]) -> Self {
+        let mut carried = vec![false; gears.len()];
+        let all = sets.all.iter().map(|set| {
+            let body = &gears[set.body];
+            let hub = &body.model.hub().hub;
+            let of = |gear: &SceneGear, direction: usize| {
+                let hub = &gear.model.hub().hub;
+                let found = hub.free_directions().position(|d| d == direction);
+                found.map(|k| gear.offset + k)
+            };
+            let members = set.gears.iter().map(|(gear, on_carrier)| {
+                carried[*gear] = *on_carrier;
+                let g = &gears[*gear];
+                let own = g.model.hub();
+                // Teeth have angles as the hub does; displacements of modes and nodes are those of a body that turns.
+                let teeth = g
+                    .model
+                    .teeth()
+                    .map(|_| g.offset + own.first()..g.offset + g.n);
+                let off = own.centre - hub.centre;
+                Member {
+                    gear: *gear,
+                    turns: std::iter::once(g.offset..g.offset + 1)
+                        .chain(teeth)
+                        .collect(),
+                    across: of(g, 0).zip(of(g, 1)).map(|(x, y)| [x, y]),
+                    along: of(g, 2),
+                    place: [hub.axes[0].dot(&off), hub.axes[1].dot(&off)],
+                }
+            });
+            Carrier {
+                turn: body.offset,
+                shift: [0, 1, 2].map(|d| of(body, d)),
+                members: members.collect(),
+                axes: hub.axes,
+                centre: hub.centre,
+            }
+        });
+        Carriers {
+            all: all.collect(),
+            carried,
+            of_mesh: sets.of_mesh.clone(),
+        }
+    }
+
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+
+    /// Whether a gear stands on a carrier.
+    #[inline]
+    pub fn carries(&self, gear: usize) -> bool {
+        self.carried.get(gear).copied().unwrap_or(false)
+    }
+
+    /// The relative state.
+    pub fn see(&self, at: At<'_>, to: &mut RelativeState) {
+        to.q.clear();
+        to.q.extend_from_slice(at.q);
+        to.v.clear();
+        to.v.extend_from_slice(at.v);
+        for carrier in &self.all {
+            let (turn, spin) = (at.q[carrier.turn], at.v[carrier.turn]);
+            let shift = |x: &[f64]| carrier.shift.map(|i| i.map_or(0.0, |i| x[i]));
+            let (place, speed) = (shift(at.q), shift(at.v));
+            let (sin, cos) = turn.sin_cos();
+            for m in &carrier.members {
+                for i in m.turns.iter().cloned().flatten() {
+                    to.q[i] -= turn;
+                    to.v[i] -= spin;
+                }
+                if let Some([ix, iy]) = m.across {
+                    let [px, py] = m.place;
+                    let (x, y) = (px + at.q[ix] - place[0], py + at.q[iy] - place[1]);
+                    let (x, y) = (cos * x + sin * y, cos * y - sin * x);
+                    let (vx, vy) = (at.v[ix] - speed[0], at.v[iy] - speed[1]);
+                    (to.q[ix], to.q[iy]) = (x - px, y - py);
+                    to.v[ix] = cos * vx + sin * vy + spin * y;
+                    to.v[iy] = cos * vy - sin * vx - spin * x;
+                }
+                if let Some(i) = m.along {
+                    to.q[i] -= place[2];
+                    to.v[i] -= speed[2];
+                }
+            }
+        }
+    }
+
+    /// Adds forces of a relative state to those of the coordinates: `f += J^T f~`.
+    pub fn pull_back(&self, at: At<'_>, relative: &RelativeState, f: &mut [f64]) {
+        let from = &relative.f;
+        f.iter_mut().zip(from).for_each(|(f, r)| *f += r);
+        for carrier in &self.all {
+            let (sin, cos) = at.q[carrier.turn].sin_cos();
+            for m in &carrier.members {
+                for i in m.turns.iter().cloned().flatten() {
+                    f[carrier.turn] -= from[i];
+                }
+                if let Some([ix, iy]) = m.across {
+                    let (fx, fy) = (from[ix], from[iy]);
+                    let (x, y) = (m.place[0] + relative.q[ix], m.place[1] + relative.q[iy]);
+                    let (ax, ay) = (cos * fx - sin * fy, sin * fx + cos * fy);
+                    f[ix] += ax - fx;
+                    f[iy] += ay - fy;
+                    f[carrier.turn] -= x * fy - y * fx;
+                    for (i, force) in carrier.shift.iter().zip([ax, ay]) {
+                        if let Some(i) = i {
+                            f[*i] -= force;
+                        }
+                    }
+                }
+                if let (Some(own), Some(of_carrier)) = (m.along, carrier.shift[2]) {
+                    f[of_carrier] -= from[own];
+                }
+            }
+        }
+    }
+
+    /// Coordinates of carriers.
+    pub fn coordinates(&self) -> Vec<usize> {
+        let of = |c: &Carrier| [Some(c.turn), c.shift[0], c.shift[1], c.shift[2]];
+        self.all.iter().flat_map(of).flatten().collect()
+    }
+
+    /// How the gears of a set move in space, turned back with its carrier, by a unit of one of the carrier's coordinates while
+    /// they rest as seen from it.
+    pub fn motion_of(&self, coordinate: usize, seen: At<'_>, n: usize) -> Vec<f64> {
+        let mut b = vec![0.0; n];
+        for carrier in &self.all {
+            let turns = carrier.turn == coordinate;
+            let along = carrier.shift.iter().position(|i| *i == Some(coordinate));
+            for m in &carrier.members {
+                if turns {
+                    m.turns.iter().cloned().flatten().for_each(|i| b[i] = 1.0);
+                }
+                if let Some([ix, iy]) = m.across {
+                    let place = [m.place[0] + seen.q[ix], m.place[1] + seen.q[iy]];
+                    let (sin, cos) = carrier.angle(seen);
+                    (b[ix], b[iy]) = match along {
+                        _ if turns => (-place[1], place[0]),
+                        Some(0) => (cos, -sin),
+                        Some(1) => (sin, cos),
+                        _ => (0.0, 0.0),
+                    };
+                }
+                if let (Some(i), Some(2)) = (m.along, along) {
+                    b[i] = 1.0;
+                }
+            }
+        }
+        b
+    }
+
+    /// Turns the parts of a vector that lie across the axes back with the carriers, and forth.
+    pub fn turn_back(&self, at: At<'_>, x: &mut [f64]) {
+        self.turn_across(at, x, -1.0);
+    }
+
+    /// The other way.
+    pub fn turn_forth(&self, at: At<'_>, x: &mut [f64]) {
+        self.turn_across(at, x, 1.0);
+    }
+
+    fn turn_across(&self, at: At<'_>, x: &mut [f64], sign: f64) {
+        for carrier in &self.all {
+            let (sin, cos) = (sign * at.q[carrier.turn]).sin_cos();
+            for [ix, iy] in carrier.members.iter().filter_map(|m| m.across) {
+                (x[ix], x[iy]) = (cos * x[ix] - sin * x[iy], sin * x[ix] + cos * x[iy]);
+            }
+        }
+    }
+
+    /// The carrier that a mesh is seen from.
+    pub(super) fn carrier_of(&self, mesh: usize) -> Option<&Carrier> {
+        let carrier = self.of_mesh.get(mesh).copied().flatten()?;
+        Some(&self.all[carrier])
+    }
+
+    /// A direction in the frame that a mesh is seen from, in space.
+    pub fn direction(&self, mesh: usize, at: At<'_>, x: Vec3) -> Vec3 {
+        match self.carrier_of(mesh) {
+            Some(carrier) => carrier.turned(at.q[carrier.turn], &x),
+            None => x,
+        }
+    }
+
+    /// A direction in the frame that a gear is seen from, in space; `sign` -1: the other way.
+    pub fn direction_at(&self, gear: usize, at: At<'_>, x: Vec3, sign: f64) -> Vec3 {
+        match self.of_gear(gear) {
+            Some(carrier) => carrier.turned(sign * at.q[carrier.turn], &x),
+            None => x,
+        }
+    }
+
+    fn of_gear(&self, gear: usize) -> Option<&Carrier> {
+        let mut carriers = self.all.iter();
+        carriers.find(|c| c.members.iter().any(|m| m.gear == gear))
+    }
+
+    /// A place in that frame [m], in space.
+    pub fn place(&self, mesh: usize, at: At<'_>, x: Vec3) -> Vec3 {
+        match self.carrier_of(mesh) {
+            Some(carrier) => {
+                let turned = carrier.turned(at.q[carrier.turn], &(x - carrier.centre));
+                carrier.moved(at) + turned
+            }
+            None => x,
+        }
+    }
+
+    /// Sections of flanks that are seen from a carrier, in space.
+    pub fn lift(&self, gear: usize, at: At<'_>, flanks: &mut [DeformedFlank]) {
+        let Some(carrier) = self.of_gear(gear) else {
+            return;
+        };
+        let (turn, moved) = (at.q[carrier.turn], carrier.moved(at));
+        for flank in flanks {
+            for x in &mut flank.with_hub {
+                *x = moved + carrier.turned(turn, &(*x - carrier.centre));
+            }
+            for d in &mut flank.displacement {
+                *d = carrier.turned(turn, d);
+            }
+        }
+    }
+
+    /// The frame of a hub in space, from that in the relative state.
+    pub fn frame(&self, gear: usize, at: At<'_>, frame: HubFrame) -> HubFrame {
+        let Some(carrier) = self.of_gear(gear) else {
+            return frame;
+        };
+        let turn = at.q[carrier.turn];
+        HubFrame {
+            axes: frame.axes.map(|axis| carrier.turned(turn, &axis)),
+            origin: carrier.moved(at) + carrier.turned(turn, &(frame.origin - carrier.centre)),
+        }
+    }
+}
+
+impl Carrier {
+    fn turned(&self, turn: f64, x: &Vec3) -> Vec3 {
+        let (sin, cos) = turn.sin_cos();
+        let [a, b, c] = self.axes.map(|axis| axis.dot(x));
+        (cos * a - sin * b) * self.axes[0] + (sin * a + cos * b) * self.axes[1] + c * self.axes[2]
+    }
+
+    /// Sine and cosine of its turn; its own coordinates are the same in the relative state.
+    fn angle(&self, at: At<'_>) -> (f64, f64) {
+        at.q[self.turn].sin_cos()
+    }
+
+    /// Where its axis is now [m].
+    fn moved(&self, at: At<'_>) -> Vec3 {
+        let by = self.shift.iter().zip(&self.axes);
+        let by = by.filter_map(|(i, axis)| i.map(|i| at.q[i] * axis));
+        by.fold(self.centre, |sum, by| sum + by)
+    }
+}

@@ -1,0 +1,132 @@
+//! What a scene does in the relative state: forces, events, frames of hubs.
+
+use super::relative::RelativeState;
+use crate::kinematics::HubFrame;
+use crate::scene::assembled::Scene;
+use gearbench_integrators::system::{At, State};
+
+impl Scene {
+    /// Calls `act` with the state that contacts see: the relative one where there are carriers.
+    pub(in crate::scene) fn seen<R>(
+        &mut self,
+        at: At<'_>,
+        act: impl FnOnce(&mut Self, At<'_>) -> R,
+    ) -> R {
+        if self.carriers.is_empty() {
+            return act(self, at);
+        }
+        let mut relative = std::mem::take(&mut self.work.relative);
+        self.carriers.see(at, &mut relative);
+        let seen = At {
+            q: &relative.q,
+            v: &relative.v,
+            ..at
+        };
+        let result = act(self, seen);
+        self.work.relative = relative;
+        result
+    }
+
+    /// The same for a state whose discrete part is to change.
+    pub(in crate::scene) fn seen_state<R>(
+        &mut self,
+        s: &mut State,
+        act: impl FnOnce(&mut Self, &mut State) -> R,
+    ) -> R {
+        if self.carriers.is_empty() {
+            return act(self, s);
+        }
+        let mut relative = RelativeState::default();
+        self.carriers.see(s.at(), &mut relative);
+        let mut seen = State {
+            t: s.t,
+            q: relative.q,
+            v: relative.v,
+            discrete: std::mem::take(&mut s.discrete),
+        };
+        let result = act(self, &mut seen);
+        s.discrete = seen.discrete;
+        result
+    }
+
+    /// Adds forces that `act` tells of the relative state.
+    #[inline]
+    pub(in crate::scene) fn relative_forces(
+        &mut self,
+        at: At<'_>,
+        f: &mut [f64],
+        act: impl FnOnce(&mut Self, At<'_>, &mut [f64]),
+    ) {
+        if self.carriers.is_empty() {
+            return act(self, at, f);
+        }
+        let mut relative = std::mem::take(&mut self.work.relative);
+        self.carriers.see(at, &mut relative);
+        let RelativeState { q, v, f: own } = &mut relative;
+        own.clear();
+        own.resize(f.len(), 0.0);
+        act(self, At { q, v, ..at }, own);
+        self.carriers.pull_back(at, &relative, f);
+        self.work.relative = relative;
+    }
+
+    /// Adds the forces of contacts, and of what gears on carriers have of their own.
+    #[inline]
+    pub(in crate::scene) fn add_relative_forces(&mut self, at: At<'_>, f: &mut [f64]) {
+        self.relative_forces(at, f, |scene, seen, f| {
+            scene.add_carried_forces(seen, f);
+            scene.add_contacts(seen, f);
+        });
+    }
+
+    /// Adds internal forces of gears on carriers, in the relative state.
+    pub(in crate::scene) fn add_carried_forces(&mut self, seen: At<'_>, f: &mut [f64]) {
+        if self.carriers.is_empty() {
+            return;
+        }
+        for (i, g) in self.gears.iter_mut().enumerate() {
+            if self.carriers.carries(i) && g.internal {
+                let (own, range) = (g.at(seen), g.range());
+                g.model.forces(own, &mut f[range]);
+            }
+        }
+    }
+
+    /// Whether a gear goes round with a carrier.
+    pub fn is_carried(&self, gear: usize) -> bool {
+        self.carriers.carries(gear)
+    }
+
+    /// The coordinate of the carrier that a mesh is seen from, and which member of the scene it is.
+    pub fn carrier_of_mesh(&self, mesh: usize) -> Option<(usize, usize)> {
+        let carrier = self.carriers.carrier_of(mesh)?;
+        let body = self
+            .gears
+            .iter()
+            .position(|g| g.offset == carrier.turn && g.n > 0)?;
+        Some((carrier.turn, body))
+    }
+
+    /// The state as gears of planetary sets are seen from their carriers.
+    pub fn relative_state(&self, s: &State) -> State {
+        let mut relative = RelativeState::default();
+        self.carriers.see(s.at(), &mut relative);
+        let RelativeState { q, v, .. } = relative;
+        State {
+            q,
+            v,
+            t: s.t,
+            discrete: s.discrete.clone(),
+        }
+    }
+
+    /// Axes of a hub, not turned with the gear, and its origin in space [m].
+    pub fn hub_frame(&mut self, gear: usize, at: At<'_>) -> HubFrame {
+        let frame = self.seen(at, |scene, seen| {
+            let g = &scene.gears[gear];
+            let own = g.at(seen);
+            g.model.hub().hub.frame(own.t, own.q)
+        });
+        self.carriers.frame(gear, at, frame)
+    }
+}
