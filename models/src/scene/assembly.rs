@@ -138,7 +138,7 @@ impl Scene {
             for i in mesh.gears {
                 seen[i] += 1;
             }
-            check_start(spec, mesh, l, &search)?;
+            check_start(spec, mesh, l, &search, of_gear.iter().all(|n| *n > 0))?;
             for i in mesh.gears {
                 // Pairs take turns in standing for the mesh: that is no jump only where all have one gap.
                 if search.whole_mesh && gears[i].model.hub().own > 0 {

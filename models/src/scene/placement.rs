@@ -4,7 +4,7 @@ use crate::contact::pairs::{Engagement, LinesOfAction};
 use crate::error::{BuildError, MeshPart};
 use crate::geometry::{Gear, Side};
 use crate::kinematics::MeshView;
-use crate::spec::{Body, GearSpec, MeshLayout, MeshSpec, SceneSpec};
+use crate::spec::{Body, GearSpec, MeshLayout, MeshSpec, SceneSpec, effective_radius};
 
 /// How gear a and gear b are seen by a mesh, given their phases (angle or displacement of tooth 0).
 pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2]) -> [MeshView; 2] {
@@ -137,18 +137,40 @@ pub(super) fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f
 /// teeth inside one another.
 const LARGEST_OVERLAP: f64 = 0.01;
 
-/// Refuses starts at which flanks overlap by more than a preload.
+/// Refuses starts at which flanks overlap by more than a preload; `closes` where other meshes place both gears.
 pub(super) fn check_start(
     spec: &SceneSpec,
     mesh: &MeshSpec,
     l: &MeshLayout,
     loa: &LinesOfAction,
+    closes: bool,
 ) -> Result<(), BuildError> {
     let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
     for side in Side::BOTH {
         let gap = loa.assembled_gap(side);
         if gap >= -LARGEST_OVERLAP * l.base_pitch {
             continue;
+        }
+        if closes {
+            // The nearer of the two flanks tells how far off the teeth are.
+            let overlap = Side::BOTH.map(|side| -loa.assembled_gap(side));
+            let least = overlap[0].max(overlap[1]).min(l.base_pitch + gap);
+            let angle = least / effective_radius(&b.body);
+            return Err(BuildError::mesh(
+                [&a.name, &b.name],
+                MeshPart::Start,
+                (
+                    format!(
+                        "this mesh closes a loop that does not close: `{}` would have to be turned by {:.4} degrees more, \
+                         {:.3} of its pitch, than the other meshes have it",
+                        b.name,
+                        angle.to_degrees(),
+                        least / l.base_pitch
+                    ),
+                    "change a position or numbers of teeth: N planets stand evenly around their axis where the teeth of sun \
+                     and ring add up to a multiple of N",
+                ),
+            ));
         }
         let name = if side == Side::Left { "left" } else { "right" };
         return Err(BuildError::mesh(
