@@ -9,7 +9,7 @@ use crate::contact::pairs::{
 };
 use crate::error::{BuildError, MeshPart, Reason};
 use crate::geometry::Side;
-use crate::kinematics::{Hub, MeshView};
+use crate::kinematics::{Direction, Hub, MeshView};
 use crate::law::{Damping, Law, LawError, MeshFilm, MeshLoad};
 use crate::spec::{
     Body, ContactSpec, GearSpec, MeshLayout, MeshSpec, SceneSpec, effective_radius, layout_axes,
@@ -92,7 +92,8 @@ pub(super) fn lines_of_action(
         stiffness_curve(a, b, l, contact).map_err(|e| error(MeshPart::Stiffness, e.reason()))?;
     let views = views(l, a, b, mesh.gears.map(|i| phases[i]));
     let hubs = [hub_of(a)?, hub_of(b)?];
-    let in_space = is_spatial(&hubs) || l.conical.is_some();
+    let planar = l.conical.is_none() && moves_in_plane(&hubs);
+    let in_space = !planar && (is_spatial(&hubs) || l.conical.is_some());
     let sliced = if in_space { sliced_gear([a, b]) } else { 0 };
     let many = in_space || varies_over_width(&a.body) || varies_over_width(&b.body);
     let count = strips
@@ -148,6 +149,9 @@ pub(super) fn lines_of_action(
     };
     let law = law_of(spec, mesh, contact, curve.maximum().1)?;
     let mut search = LinesOfAction::new(geometry.clone(), curve, &law, slices);
+    if planar {
+        search = search.in_plane([a, b].map(|g| g.position.into()));
+    }
     if in_space {
         search = search.in_space(Spatial {
             flanks: [a, b].map(|g| match &g.body {
@@ -169,6 +173,15 @@ pub(super) fn lines_of_action(
 
 /// Angle between axes that counts as none [rad].
 const PARALLEL: f64 = 1e-12;
+
+/// Whether hubs of gears on parallel axes move, but do not tilt.
+fn moves_in_plane(hubs: &[Hub; 2]) -> bool {
+    let [a, b] = hubs;
+    let holds = |hub: &Hub, d: usize| hub.directions()[d] == Direction::Held;
+    let upright = |hub: &Hub| hub.slide.is_none() && holds(hub, 3) && holds(hub, 4);
+    let moves = hubs.iter().any(|hub| hub.lateral.is_some());
+    moves && hubs.iter().all(upright) && a.axes[2].cross(&b.axes[2]).norm() <= PARALLEL
+}
 
 /// Whether flanks have to be looked at in space.
 fn is_spatial(hubs: &[Hub; 2]) -> bool {

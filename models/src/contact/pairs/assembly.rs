@@ -64,6 +64,8 @@ impl LinesOfAction {
             mesh: g,
             lines,
             spatial: None,
+            planar: false,
+            heights: [0.0; 2],
         };
         for side in [Side::Left, Side::Right] {
             let gap = |j: i64| {
@@ -109,9 +111,9 @@ impl LinesOfAction {
         self
     }
 
-    /// Whether flanks are looked at in space.
+    /// Whether contact rows turn with the hubs: flanks are looked at in space, or hubs move sideways.
     pub fn is_spatial(&self) -> bool {
-        self.spatial.is_some()
+        self.planar || self.spatial.is_some()
     }
 
     /// The clearances of the mesh, one per line; none that are linear in the displacements of hubs that move sideways.

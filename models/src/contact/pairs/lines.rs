@@ -78,6 +78,9 @@ pub struct LinesOfAction {
     pub(super) lines: Vec<Line>,
     /// The flanks in space, where axes are not parallel or hubs move sideways.
     pub(super) spatial: Option<Box<Spatial>>,
+    /// Hubs move across and along axes that stay parallel, and how high both centres are at the start [m].
+    pub(super) planar: bool,
+    pub(super) heights: [f64; 2],
 }
 
 /// One flank side of one slice.

@@ -25,6 +25,7 @@ mod coupling;
 mod direct;
 mod flank_lines;
 mod lines;
+mod planar;
 mod search;
 mod separation;
 mod spatial;

@@ -128,6 +128,7 @@ impl LinesOfAction {
         s: [f64; 2],
     ) -> PairState {
         match &self.spatial {
+            None if self.planar => self.pair_in_plane(line, movers, pair, s),
             None => self.pair_on_line(line, pair, s),
             Some(spatial) => {
                 let teeth = self.teeth(line.side, pair);
@@ -155,7 +156,7 @@ impl LinesOfAction {
     }
 
     /// Adds what the flanks of a pair stand off their involutes.
-    fn separate(&self, line: &Line, p: &mut PairState) {
+    pub(super) fn separate(&self, line: &Line, p: &mut PairState) {
         let separations = &self.slices[line.slice].separation[line.side.index()];
         for (k, separation) in separations.iter().enumerate() {
             let [e, slope, curvature] = separation.eval(p.s[k]);
