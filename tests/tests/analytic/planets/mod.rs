@@ -1,5 +1,7 @@
 //! Planetary sets: forces beside the energy, what is conserved, the same set on fixed axes and turned as a whole.
 
+mod frequencies;
+
 use crate::shafts::{body, shaft};
 use gearbench_integrators::{At, Outputs, Report, Resolution, SecondOrderSystem, State};
 use gearbench_models::geometry::Side;
@@ -18,7 +20,7 @@ const CARRIER: usize = 4;
 const DISTANCE: f64 = 0.0801;
 
 /// Free across the axis, on a spring.
-fn across(stiffness: f64, damping: f64) -> Option<Box<LateralSpec>> {
+pub(super) fn across(stiffness: f64, damping: f64) -> Option<Box<LateralSpec>> {
     let mut lateral = LateralSpec {
         bearing: Bearing::default(),
         ..LateralSpec::default()
@@ -68,7 +70,7 @@ fn loose(gap: f64, [of_sun, of_pins, of_carrier]: [f64; 3]) -> SceneSpec {
     spec
 }
 
-fn carrier_of(spec: &mut SceneSpec) -> &mut gearbench_models::spec::BodySpec {
+pub(super) fn carrier_of(spec: &mut SceneSpec) -> &mut gearbench_models::spec::BodySpec {
     match &mut spec.shafts[0].stations[0].carries {
         Carried::Body(body) => body,
         Carried::Gear(_) => unreachable!("a carrier stands there"),
