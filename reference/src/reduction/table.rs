@@ -1,6 +1,6 @@
 //! The line of `elastic` in the table of gear models.
 
-use super::choose::{self, Choice, ModalDamping};
+use super::choose::{self, Choice, Criterion, ModalDamping};
 use super::estimate::Impacts;
 use super::parameters::ElasticParameters;
 use super::{Basis, Wanted, open, shared};
@@ -30,7 +30,7 @@ pub(super) const PARAMETERS: [ParameterInfo; 22] = mesh_source::with_own(&[
     optional("max_frequency_hz", "highest frequency of a mode to keep"),
     optional(
         "choose",
-        "\"flank-compliance\" (default): the modes that yield most at the flanks; \"frequency\": the lowest",
+        "\"flank-compliance\" (default): the modes that yield most at the flanks; \"frequency\": the lowest; \"teeth-in-mesh\": made for the teeth in mesh at the start, for impacts",
     ),
     optional(
         "residual",
@@ -183,6 +183,22 @@ fn stored(reader: &Reader<'_>, path: &str, asked: &Asked) -> Result<Found, Build
     }
 }
 
+/// The eigenmodes of a choice; with a target for the error of the force history, as few as reach it.
+fn kept_of(
+    reader: &Reader<'_>,
+    basis: &Basis,
+    choice: &Choice,
+    target: Option<f64>,
+) -> Result<Vec<usize>, BuildError> {
+    let Some(target) = target else {
+        return Ok(choose::choose(basis, choice));
+    };
+    let radius = reader.context.effective_radius;
+    Impacts::new(basis, radius, choice.even_over_width)
+        .fewest(choice, target)
+        .map_err(|e| reader.error("target_error", e.to_string()))
+}
+
 fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let reader = Reader {
         model: MODEL,
@@ -223,14 +239,26 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         candidates,
         even_over_width: even_over_width(context),
     };
-    let kept = match target {
-        None => choose::choose(&basis, &choice),
-        Some(target) => Impacts::new(&basis, context.effective_radius, choice.even_over_width)
-            .fewest(&choice, target)
-            .map_err(|e| reader.error("target_error", e.to_string()))?,
+    let teeth = match choice.by {
+        Criterion::TeethInMesh => choose::in_mesh(context),
+        Criterion::Frequency | Criterion::FlankCompliance => Vec::new(),
     };
-    let mut reduced = choose::reduced(&basis, &kept, &damping, residual)
-        .map_err(|e| reader.error("modes", e.to_string()))?;
+    if target.is_some() && !teeth.is_empty() {
+        return Err(reader.error(
+            "target_error",
+            (
+                "is estimated for a choice of eigenmodes, but these are made for the teeth in mesh",
+                "give `modes`, or leave `choose` out",
+            ),
+        ));
+    }
+    let reduced = if teeth.is_empty() {
+        let kept = kept_of(&reader, &basis, &choice, target)?;
+        choose::reduced(&basis, &kept, &damping, residual)
+    } else {
+        choose::made_for(&basis, &teeth, &choice).and_then(|made| made.reduced(&damping, residual))
+    };
+    let mut reduced = reduced.map_err(|e| reader.error("modes", e.to_string()))?;
     if let Toothing::Gear(gear) = context.body {
         reduced.flanks.deviate(gear);
     }

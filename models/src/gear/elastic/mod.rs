@@ -25,6 +25,7 @@ mod gear;
 pub mod inertia;
 mod kernels;
 mod lateral;
+pub mod lessened;
 pub mod lines;
 mod quasi_static;
 pub mod reduced;
