@@ -15,7 +15,7 @@ use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{Resolution, Scheme, TimePlan};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{BodySpec, Carried, Modelling, ShaftSpec, Station, Value};
+use gearbench_models::spec::{Modelling, Value};
 use gearbench_reference::ExternalReference;
 use gearbench_reports::metrics;
 use gearbench_reports::record::Run;
@@ -136,76 +136,6 @@ fn few_modes_on_half_spaces_are_full_finite_elements_on_half_spaces() {
             assert!(e.abs() < limit, "{what}: {e:.2e} beyond {limit:.0e}");
         }
     }
-}
-
-/// Modes made for the teeth in mesh: a hundred do for helical gears what a hundred chosen ones do for spur gears.
-#[test]
-#[ignore = "half a minute of full finite elements"]
-fn modes_of_teeth_in_mesh_are_full_finite_elements_of_helical_gears() {
-    let case = load("helical_impact", "fe,elastic");
-    let full = run(&case, "fe", &[], None);
-    for (n, limits) in [(60.0, [0.015, 1e-3, 0.01]), (100.0, [0.01, 1e-3, 0.01])] {
-        let other = [
-            ("modes", Value::Number(n)),
-            ("choose", Value::Text("teeth-in-mesh".into())),
-        ];
-        let found = run(&case, "elastic", &other, None);
-        let what = format!("{} modes of the teeth in mesh", found.modes.unwrap());
-        let e = errors(&what, &found, &full);
-        for (e, limit) in e.iter().zip(limits) {
-            assert!(e.abs() < limit, "{what}: {e:.2e} beyond {limit:.0e}");
-        }
-        let other = [
-            ("modes", Value::Number(n)),
-            ("choose", Value::Text("flank-compliance".into())),
-        ];
-        let chosen = run(&case, "elastic", &other, None);
-        let [of_chosen, ..] = errors("as many chosen ones", &chosen, &full);
-        assert!(e[0] < 0.75 * of_chosen, "{} {of_chosen}", e[0]);
-    }
-}
-
-/// A flywheel on a rigid shaft beside a gear and the same inertia at its hub: modes of the free gear stand for those of one
-/// with the flywheel, the better the more there are.
-#[test]
-fn a_flywheel_on_a_rigid_shaft_is_inertia_at_the_hub() {
-    const INERTIA: f64 = 2e-3;
-    let (scene, _) = load("spur_impact", "elastic");
-    let choice = scene.model("elastic").unwrap();
-    let mut ends = Vec::new();
-    for modes in [50.0, 100.0] {
-        let mut modelling = choice.modelling.clone();
-        change(&mut modelling, &[("modes", Value::Number(modes))]);
-        let [at_hub, on_shaft] = [false, true].map(|on_shaft| {
-            let mut spec = scene.spec_for(choice);
-            if on_shaft {
-                let mut flywheel = BodySpec::new("flywheel", INERTIA);
-                flywheel.speed = spec.gears[0].speed;
-                let carries = [Carried::Gear(0), Carried::Body(Box::new(flywheel))];
-                let place = |(i, carries)| Station {
-                    place: 0.1 * f64::from(i),
-                    carries,
-                };
-                spec.shafts = vec![ShaftSpec {
-                    name: "shaft".into(),
-                    stations: (0u8..).zip(carries).map(place).collect(),
-                    ..ShaftSpec::default()
-                }];
-            } else {
-                spec.gears[0].added_inertia = INERTIA;
-            }
-            let mut built = Scene::build(&spec, &modelling, models()).unwrap();
-            let start = built.initial();
-            let plan = TimePlan::new(1.2e-4, Resolution::Step(2e-7));
-            let (end, _) = watched(&mut built, start, "rk4", &plan, &mut Ledger::default());
-            let wheel = built.gears()[1].range().start;
-            end.v[wheel]
-        });
-        let off = (on_shaft / at_hub - 1.0).abs();
-        println!("{modes} modes: speed of the wheel {off:.1e} off");
-        ends.push(off);
-    }
-    assert!(ends[0] < 3e-3 && ends[1] < 1e-4, "{ends:?}");
 }
 
 /// Change of energy over an impact, and of the gears' momenta against the impulse of the torques; relative.
