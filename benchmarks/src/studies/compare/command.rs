@@ -49,7 +49,7 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
         frames: frames as usize,
         window,
     });
-    let frames = pictures.as_ref().map(|p| absolute(p.folder.clone()));
+    let frames = pictures.as_ref().map(|p| p.folder.clone());
     let plan = Plan { pictures, ..plan };
     let made = folder.run(plan.len(), |runner| compare(&plan, runner));
     folder.finish(
@@ -58,7 +58,10 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
         |results| {
             summarise(results);
             if let Some(frames) = frames.filter(|f| f.exists()) {
-                say(&format!("frames for ParaView: {}", frames.display()));
+                say(&format!(
+                    "frames for ParaView: {}",
+                    absolute(frames).display()
+                ));
             }
         },
     )

@@ -3,14 +3,12 @@
 use super::body::Elastic;
 use super::kernels;
 use crate::Vec3;
-use crate::error::Reason;
-use crate::gear::body::{BodyLoad, Displaced, MeshedBody, Recovery};
+use crate::gear::body::MeshedBody;
 use crate::gear::capabilities::{CoupledMass, FlankNodes, FlankSurface, LinearMotion};
 use crate::gear::flank_displacement::FlankDisplacement;
 use crate::gear::hub_body::{HubBody, HubState};
 use crate::gear::model::GearModel;
 use crate::geometry::Flanks;
-use crate::geometry::swept::Cells;
 use crate::kinematics::{Locus, Motion, Point, Pose, Row, Wrench};
 use crate::spec::Freedom;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
@@ -325,7 +323,7 @@ impl GearModel for Elastic {
 
 impl Elastic {
     #[inline]
-    fn pose(&self, at: At<'_>) -> Pose {
+    pub(super) fn pose(&self, at: At<'_>) -> Pose {
         let displacement = self.hub.displacement(at.t, at.q);
         (self.placement).pose_at(&self.hub, at.t, at.q, displacement)
     }
@@ -364,28 +362,6 @@ impl FlankNodes for Elastic {
         for (x, &node) in out.iter_mut().zip(nodes) {
             *x = pose.point(&self.positions[node as usize]);
         }
-    }
-}
-
-impl Elastic {
-    fn recovered(&self) -> Result<&dyn Recovery, Reason> {
-        let why = "the mesh behind the reduction is not known";
-        (self.recovery.as_deref()).ok_or_else(|| why.into())
-    }
-}
-
-impl MeshedBody for Elastic {
-    fn cells(&self) -> Result<Arc<Cells>, Reason> {
-        self.recovered()?.cells()
-    }
-
-    fn displaced(&self, at: At<'_>, load: &BodyLoad) -> Result<Displaced, Reason> {
-        let [nodes, u] = self.recovered()?.displacements(&at.q[self.own..], load)?;
-        let pose = self.pose(at);
-        Ok(Displaced {
-            rigid: nodes.iter().map(|x| pose.point(x)).collect(),
-            displacement: u.iter().map(|u| pose.turn(u)).collect(),
-        })
     }
 }
 

@@ -26,6 +26,7 @@ pub mod inertia;
 mod kernels;
 mod lateral;
 pub mod lines;
+mod picture;
 mod quasi_static;
 pub mod reduced;
 mod spin;
