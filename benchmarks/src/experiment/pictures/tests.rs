@@ -19,7 +19,7 @@ struct Read {
 impl Read {
     fn of(path: &Path) -> Self {
         let bytes = std::fs::read(path).unwrap();
-        let mark = b"<AppendedData encoding=\"raw\">_";
+        let mark = b"<AppendedData encoding=\"raw\">\n_";
         let head = bytes.windows(mark.len()).position(|w| w == mark).unwrap();
         let (text, data) = bytes.split_at(head + mark.len());
         let text = std::str::from_utf8(text).unwrap();
