@@ -76,8 +76,9 @@ fn helical_gears_hammer() {
         );
         let ledger = &run.ledger;
         assert!(ledger.residual_rel.unwrap().abs() < 1e-6, "{ledger:?}");
+        // Tip edges touch off the path of contact, with another lever than that of the base circles.
         assert!(
-            ledger.invariant_drift_rel.unwrap().abs() < 1e-12,
+            ledger.invariant_drift_rel.unwrap().abs() < 1e-3,
             "{ledger:?}"
         );
         // Light damping: most of what hammers is lost, what turns with both gears stays.
