@@ -16,6 +16,7 @@ mod assembled;
 mod assembly;
 mod assembly_lines;
 mod assembly_points;
+mod bodies;
 pub mod channels;
 mod condensed;
 mod contacts;
@@ -42,6 +43,7 @@ mod system;
 mod workspace;
 
 pub use assembled::Scene;
+pub use bodies::Pictured;
 pub use channels::{Channel, OfGear, OfMesh};
 pub use contacts::{ContactExtent, ContactForce};
 pub use deformed::DeformedFlank;

@@ -3,8 +3,9 @@
 use super::choose::{self, Choice, Criterion, ModalDamping};
 use super::estimate::Impacts;
 use super::parameters::ElasticParameters;
+use super::recovery::{OfMesh, Whole};
 use super::{Basis, Wanted, open, shared};
-use crate::mesh_source::{self, Reader, optional};
+use crate::mesh_source::{self, Reader, Source, optional};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
@@ -13,7 +14,7 @@ use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::spec::Body as Toothing;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 pub(super) const MODEL: &str = "elastic";
 
@@ -113,8 +114,8 @@ struct Asked {
     target: bool,
 }
 
-/// A basis, how many of its modes may be kept, and among how many of the lowest.
-type Found = (Arc<Basis>, usize, usize);
+/// A basis, how many of its modes may be kept, and among how many of the lowest; the mesh it is of.
+type Found = (Arc<Basis>, usize, usize, Option<OfMesh>);
 
 /// The basis of the mesh that the parameters name.
 fn computed(
@@ -135,7 +136,24 @@ fn computed(
     let basis = shared::basis_of(&of.request(reader.context.material, wanted))
         .map_err(|e| reader.error("mesh", e.to_string()))?;
     let candidates = shared::lowest(&basis, wanted);
-    Ok((basis, count, candidates))
+    let whole = match Source::read(reader, &given.mesh)? {
+        Source::Generated(params) if of.sector => {
+            Whole::Generated(reader.context.body.clone(), params)
+        }
+        _ => Whole::AtHand,
+    };
+    let mesh = OfMesh {
+        mesh: of.mesh,
+        whole,
+        material: reader.context.material,
+        mounting: of.mounting,
+        basis: basis.clone(),
+        kept: Vec::new(),
+        residual: true,
+        strips: reader.context.lines,
+        found: OnceLock::new(),
+    };
+    Ok((basis, count, candidates, Some(mesh)))
 }
 
 /// The basis of a stored reduction, held against the gear and what is asked of it.
@@ -179,7 +197,12 @@ fn stored(reader: &Reader<'_>, path: &str, asked: &Asked) -> Result<Found, Build
                 ),
             ),
         )),
-        _ => Ok((stored.basis.clone(), asked.count.unwrap_or(modes), modes)),
+        _ => Ok((
+            stored.basis.clone(),
+            asked.count.unwrap_or(modes),
+            modes,
+            None,
+        )),
     }
 }
 
@@ -226,7 +249,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         max_frequency,
         target: target.is_some(),
     };
-    let (basis, count, candidates) = match &given.reduction {
+    let (basis, count, candidates, mesh) = match &given.reduction {
         Some(path) => stored(&reader, path, &asked)?,
         None => computed(&reader, &given, &asked)?,
     };
@@ -273,7 +296,14 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         context.placement,
         Arc::new(reduced),
     );
-    let gear = gear.map_err(|e| reader.error("mesh", e))?;
+    let mut gear = gear.map_err(|e| reader.error("mesh", e))?;
+    if let Some(mesh) = mesh {
+        gear = gear.with_recovery(Arc::new(OfMesh {
+            kept,
+            residual,
+            ..mesh
+        }));
+    }
     let gear = gear.with_spin_terms(given.spin_terms.unwrap_or_default());
     let mut gear = gear.map_err(|e| reader.error("spin_terms", e))?;
     gear.decide_spin_terms(context.speed);

@@ -27,6 +27,7 @@ mod kernels;
 mod lateral;
 pub mod lessened;
 pub mod lines;
+mod picture;
 mod quasi_static;
 pub mod reduced;
 mod spin;
