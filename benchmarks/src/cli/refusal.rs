@@ -56,6 +56,7 @@ pub fn refuse_run(e: RunError) -> Refusal {
         RunError::Reference(e) => Refusal::Failed(e),
         RunError::Refused(_) => Refusal::Failed(e.to_string()),
         RunError::Interrupted => Refusal::Interrupted,
+        RunError::Picture(e) => Refusal::Files(e),
         RunError::Journal(e) => Refusal::Files(e.to_string()),
     }
 }

@@ -109,6 +109,7 @@ impl Conditions<'_> {
             forces: false,
             torques: self.torques,
             histories: false,
+            pictures: None,
             events: self.events,
             repeats: self.repeats,
             timeout: self.timeout,

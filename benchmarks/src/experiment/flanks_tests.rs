@@ -1,5 +1,7 @@
 use super::*;
+use crate::experiment::configuration::Configuration;
 use crate::experiment::runner::Runner;
+use crate::models::models;
 use crate::scene_file::{Origin, SceneFile};
 use crate::studies::compare::{Plan, compare};
 use crate::studies::test_scene::coarse;
@@ -91,4 +93,51 @@ contact = { stiffness = "iso6336", slices = 10 }
     );
     assert_eq!(load.over_run.as_ref().unwrap().columns, 10);
     assert!(picture.deformed.is_empty());
+}
+
+/// Sections of teeth under a static load tell the displacement of the body behind them: from the contact to the tips, as the
+/// mesh has it by its stiffness. (Their normals are chords of the grid: near its ends a few degrees off.)
+#[test]
+fn sections_yield_as_the_body_does() {
+    let file = coarse("modes = 6");
+    let of = Configuration::of(&file, &file.models[0]);
+    let mut scene = Scene::build(&of.scene, &of.modelling, models()).unwrap();
+    let mut state = scene.initial();
+    // Five micrometres into each other, at rest.
+    let r_base = 18e-3 * 20_f64.to_radians().cos();
+    state.q[0] += 6e-6 / r_base;
+    state.v.fill(0.0);
+    let pressed: f64 = (scene.contact_forces(state.at()).iter())
+        .map(|f| f.normal_force)
+        .sum();
+    assert!(pressed > 50.0, "{pressed}");
+    let bodies = scene.bodies(&of.scene).unwrap();
+    for (gear, body) in bodies.iter().enumerate() {
+        let found = scene.displaced(state.at(), gear, body).unwrap();
+        let teeth: Vec<u32> = (0..18).collect();
+        let sections = scene.deformed_flanks(state.at(), gear, &teeth, 0.0);
+        let lengths = || sections.iter().flat_map(|s| &s.displacement);
+        let most = lengths().map(|d| d.norm()).fold(0.0, f64::max);
+        assert!(most > 1e-7, "{most:e}");
+        let (mut compared, mut tips) = (0, 0);
+        for section in &sections {
+            let rows = section.with_hub.iter().zip(&section.displacement);
+            for (row, (x, d)) in rows.enumerate() {
+                let near = (found.rigid.iter().zip(&found.displacement))
+                    .find(|(place, _)| (*place - x).norm() < 1e-9);
+                let (_, u) = near.expect("a node of the mesh");
+                if d.norm() > 0.1 * most {
+                    let along = u.dot(d) / d.norm();
+                    assert!(
+                        (along - d.norm()).abs() < 0.1 * most,
+                        "{along:e} {:e}",
+                        d.norm()
+                    );
+                    compared += 1;
+                    tips += usize::from(row + 1 == section.with_hub.len());
+                }
+            }
+        }
+        assert!(compared > 4 && tips > 0, "{compared} {tips}");
+    }
 }

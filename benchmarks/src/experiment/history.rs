@@ -6,6 +6,7 @@
 
 use super::contact_log::ContactLog;
 use super::force::{ForceRecorder, is_located};
+use super::pictures::Frames;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Sink};
 use gearbench_models::scene::{Channel, OfMesh, Scene};
@@ -75,6 +76,8 @@ pub struct History {
     pub peak_state: Option<State>,
     /// States in contact, for pictures; none where nobody asks for contacts.
     pub instants: Instants,
+    /// States at times that are asked for, for pictures of whole bodies.
+    pub frames: Frames,
     /// Largest force [N].
     pub peak: f64,
     /// Least normal force of any contact [N].
@@ -199,6 +202,12 @@ impl History {
 impl Sink for History {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         let t1 = step.to.t;
+        while let Some(&t) = self.frames.times.get(self.frames.states.len())
+            && t <= t1
+        {
+            self.look(step, t.max(step.from.t));
+            self.frames.states.push(self.sample.clone());
+        }
         let mut looks = std::mem::take(&mut self.looks);
         looks.clear();
         let mut pieces = self.pieces.take();

@@ -18,6 +18,7 @@
 //! | `referenced` | references as records keep them |
 //! | [`run`] | one model under one integrator: a row of the record, failed or not |
 //! | `parameters` | parameters of a run for its record |
+//! | [`pictures`] | frames of a run for ParaView |
 //! | [`runner`] | how a study does its work: piece by piece, kept when finished |
 //! | `settings` | what a reader must know of a scene |
 //! | [`status`] | how a run ended: one label for every way a run can go wrong |
@@ -37,6 +38,7 @@ pub mod key;
 pub mod machine;
 pub mod parallel;
 pub(crate) mod parameters;
+pub mod pictures;
 pub(crate) mod record;
 pub(crate) mod referenced;
 pub mod run;

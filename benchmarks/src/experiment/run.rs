@@ -7,6 +7,7 @@ use super::interruption;
 use super::journal::JournalError;
 use super::key::Key;
 use super::parameters::parameters;
+use super::pictures::Pictures;
 use super::record::{
     histories, ledger_record, momenta, reduction, sampled_impulse, snapshot, time_series,
 };
@@ -61,6 +62,8 @@ pub struct Job<'a> {
     pub torques: bool,
     /// Keep what the files of histories hold.
     pub histories: bool,
+    /// Frames for ParaView; none where nobody asks.
+    pub pictures: Option<&'a Pictures>,
     /// Locate events.
     pub events: bool,
     /// Timed repeats.
@@ -78,6 +81,7 @@ impl Job<'_> {
             .and_scene(self.scene, self.modelling)
             .and(&(self.method, self.t_end, self.grid, self.also_steps))
             .and(&(self.forces, self.torques, self.histories))
+            .and(&self.pictures)
             .and(&(self.events, self.repeats))
             .and(&(self.timeout, self.max_steps))
     }
@@ -122,6 +126,9 @@ pub enum RunError {
     /// It would take more memory than it may.
     #[error(transparent)]
     Refused(#[from] TooMuchMemory),
+    /// Its frames cannot be written.
+    #[error("{0}")]
+    Picture(String),
     /// The user ended it.
     #[error("interrupted")]
     Interrupted,
@@ -211,6 +218,12 @@ fn timed_from(
     if job.histories {
         monitor.history.contacts = Some(ContactLog::new(job.scene, scene));
     }
+    // Refused before it runs, not after.
+    let mut bodies = Vec::new();
+    if let Some(pictures) = job.pictures {
+        bodies = scene.bodies(job.scene)?;
+        monitor.history.frames = pictures.begin(scene)?;
+    }
     let start = state.clone();
     let start_momenta = momenta(scene, state);
     let mut work = Work::default();
@@ -232,6 +245,9 @@ fn timed_from(
     let RunMonitor {
         history, ledger, ..
     } = &monitor;
+    if let Some(pictures) = job.pictures {
+        pictures.write(job.scene, scene, (&bodies, &history.frames.states))?;
+    }
     let series = time_series(job, scene, history);
     let end_momenta = momenta(scene, state);
 

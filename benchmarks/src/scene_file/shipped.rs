@@ -37,6 +37,7 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("spur_rotation"),
     shipped!("loaded_mesh"),
     shipped!("hammer"),
+    shipped!("helical_hammer"),
     shipped!("helical_loaded"),
     shipped!("misaligned"),
     shipped!("beveloid"),

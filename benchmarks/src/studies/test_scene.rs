@@ -28,6 +28,14 @@ start = { flank = "left", gap_m = 1e-6 }
 
 const MESH: &str = "flank_elements = 4, fillet_elements = 2, across_elements = 6, rim_elements = 2, width_elements = 1";
 
+/// The pair as full finite elements.
+pub fn coarse_full() -> SceneFile {
+    let text = format!(
+        "{GEARS}\n[[models]]\nmodel = \"fe\"\nparameters = {{ {MESH} }}\ncontact = {{ penalty_pa_per_m = 2e15 }}\n"
+    );
+    SceneFile::unbuilt("coarse.toml", &text, Origin::Shipped, false).expect("a scene")
+}
+
 /// The pair with elastic gears that have further parameters.
 pub fn coarse(parameters: &str) -> SceneFile {
     let text = format!(

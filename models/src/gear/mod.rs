@@ -5,6 +5,7 @@
 //! | `model` | the trait [`GearModel`] |
 //! | `hub_body` | the data that every gear has: [`HubBody`] |
 //! | `capabilities` | what only some gears can do: flank surface, linear motion, teeth, size, coupled mass |
+//! | `body` | bodies of finite elements, for pictures |
 //! | `any` | what follows for any gear from what it hands out |
 //! | [`parameters`] | parameters of models as structs that the models own |
 //! | [`properties`] | properties of a model that studies ask for before a gear is built |
@@ -13,6 +14,7 @@
 //! | [`rigid`], [`movable_teeth`], [`elastic`] | the models of this crate |
 
 mod any;
+mod body;
 pub mod capabilities;
 pub mod elastic;
 mod flank_displacement;
@@ -27,6 +29,7 @@ mod row;
 pub mod table;
 
 pub use any::{add_response, condense_by, condensed, respond_by, work_on_hub};
+pub use body::{BodyLoad, Displaced, MeshedBody, Recovery};
 pub use capabilities::{
     CoupledMass, DeformedLines, FlankNodes, FlankSurface, LargeGear, LinearMotion, Oscillators,
     ToothCoordinates,

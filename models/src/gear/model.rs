@@ -5,6 +5,7 @@
 //! ([`super::capabilities`]), which a gear hands out. A gear may take part in several meshes; the gears of a mesh may
 //! have different models.
 
+use super::body::MeshedBody;
 use super::capabilities::{
     CoupledMass, DeformedLines, FlankSurface, LargeGear, LinearMotion, ToothCoordinates,
 };
@@ -108,6 +109,11 @@ pub trait GearModel {
 
     /// Flanks as lines, for gears that meet half-spaces with the places of their nodes.
     fn deformed_lines(&self) -> Option<&dyn DeformedLines> {
+        None
+    }
+
+    /// Gears whose body is a mesh, for pictures.
+    fn body(&self) -> Option<&dyn MeshedBody> {
         None
     }
 

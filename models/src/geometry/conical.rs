@@ -119,6 +119,15 @@ impl Gear {
         }
     }
 
+    /// The cylindrical gear of a transverse section at a height over the middle of the face width [m]; `None` where all
+    /// sections are that of the gear itself.
+    pub(super) fn at_height(&self, height: f64) -> Option<Gear> {
+        if !self.is_conical() {
+            return None;
+        }
+        Gear::new(self.section(height)).ok()
+    }
+
     /// Whether profile shift or tip radius vary along the axis: a conical gear (beveloid). Radii, thicknesses and angles of
     /// it that name no height or side are those of the cylindrical gear with the profile shift of its middle section.
     pub fn is_conical(&self) -> bool {

@@ -44,6 +44,7 @@ mod reference_tests;
 mod refusal_tests;
 #[cfg(test)]
 mod sweep_tests;
+pub mod swept;
 mod topography;
 
 pub use conical::ConicalError;

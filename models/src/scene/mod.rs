@@ -18,6 +18,7 @@ mod assembled;
 mod assembly;
 mod assembly_lines;
 mod assembly_points;
+mod bodies;
 mod carriers;
 pub mod channels;
 mod condensed;
@@ -45,6 +46,7 @@ mod system;
 mod workspace;
 
 pub use assembled::Scene;
+pub use bodies::Pictured;
 pub use channels::{Channel, OfGear, OfMesh};
 pub use contacts::{ContactExtent, ContactForce};
 pub use deformed::DeformedFlank;

@@ -6,13 +6,15 @@ use crate::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::element::ElementError;
 use crate::limits;
-use crate::mesh::GearMesh;
+use crate::mesh::{GearMesh, vtu};
 use crate::vector::dot;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Flanks;
+use gearbench_models::geometry::swept::Cells;
 use gearbench_models::kinematics::{Hub, Placement};
 use gearbench_models::spec::Mount;
 use gearbench_models::stiffness::Material;
+use std::sync::Arc;
 
 /// A gear's finite elements with the hub's nodes taken out.
 #[derive(Debug)]
@@ -27,6 +29,8 @@ pub struct Body {
     pub place: Vec<u32>,
     /// Flanks, in the gear's own frame (before it is turned into the assembled position).
     pub flanks: Flanks,
+    /// Elements, for pictures.
+    pub cells: Arc<Cells>,
     /// Which mass matrix.
     pub mass: MassKind,
     /// Stiffness and mass over the coordinates in the frame: `3 free`, then the hub's if it is free.
@@ -160,6 +164,7 @@ impl Body {
                 "use fewer elements, or mass = \"lumped\" under an explicit method",
             )?;
         }
+        let cells = Arc::new(vtu::cells(&mesh));
         let mut assembly = assemble(&mesh, material)?;
         let position = mesh.nodes;
         let tie = Tie::new(&position, &bore, motions);
@@ -236,6 +241,7 @@ impl Body {
         let grip = grip(&assembly, &place, free.len());
         let body = Body {
             flanks: Flanks::new(flanks),
+            cells,
             position,
             assembly,
             free,

@@ -26,7 +26,7 @@ use crate::vector::dot;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 use gearbench_models::Vec3;
 use gearbench_models::gear::{
-    CoupledMass, DeformedLines, FlankSurface, GearModel, HubBody, HubState, LargeGear,
+    CoupledMass, DeformedLines, FlankSurface, GearModel, HubBody, HubState, LargeGear, MeshedBody,
 };
 use gearbench_models::kinematics::{Hub, Point, Row, Wrench};
 use gearbench_models::spec::Mount;
@@ -373,6 +373,10 @@ impl GearModel for FullOrder {
             nodes: self,
             displacement: None,
         })
+    }
+
+    fn body(&self) -> Option<&dyn MeshedBody> {
+        Some(self)
     }
 
     fn deformed_lines(&self) -> Option<&dyn DeformedLines> {

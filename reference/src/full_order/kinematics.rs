@@ -6,9 +6,12 @@ use super::gear::FullOrder;
 use crate::assembly::tie::Tie;
 use gearbench_integrators::system::At;
 use gearbench_models::Vec3;
-use gearbench_models::gear::FlankNodes;
+use gearbench_models::error::Reason;
+use gearbench_models::gear::{BodyLoad, Displaced, FlankNodes, MeshedBody};
 use gearbench_models::geometry::Flanks;
+use gearbench_models::geometry::swept::Cells;
 use gearbench_models::kinematics::{Locus, Point};
+use std::sync::Arc;
 
 impl FullOrder {
     #[inline]
@@ -125,6 +128,26 @@ impl FlankNodes for FullOrder {
             };
             *x = self.hub.centre + reference + moved;
         }
+    }
+}
+
+impl MeshedBody for FullOrder {
+    fn cells(&self) -> Result<Arc<Cells>, Reason> {
+        Ok(self.body.cells.clone())
+    }
+
+    fn displaced(&self, at: At<'_>, _: &BodyLoad) -> Result<Displaced, Reason> {
+        let frame = self.frame(at);
+        let nodes: Vec<u32> = (0..self.body.position.len() as u32).collect();
+        let mut x = vec![Vec3::zeros(); nodes.len()];
+        self.positions(at, &nodes, &mut x);
+        let rigid: Vec<Vec3> = (self.body.position.iter())
+            .map(|p| self.hub.centre + p + Vec3::from(frame.carried(p)))
+            .collect();
+        Ok(Displaced {
+            displacement: x.iter().zip(&rigid).map(|(x, rigid)| x - rigid).collect(),
+            rigid,
+        })
     }
 }
 

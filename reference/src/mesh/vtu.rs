@@ -1,11 +1,17 @@
-//! Meshes for ParaView: unstructured grids of VTK in XML (`.vtu`), arrays inline as base64.
+//! Meshes for ParaView: unstructured grids of VTK in XML (`.vtu`) with arrays inline as base64; [frames](write_frame) of runs
+//! have them appended raw.
 //!
 //! After the VTK file formats (The VTK User's Guide, 11th ed., section 19.3): version 1.0, little endian, every
 //! array behind the number of its bytes as `UInt64`. Nodes of quadratic hexahedra have the order of decks.
 //! Written here, not by a library: the format is one page, and what exists reads and writes all of VTK.
 
+mod frame;
+
+pub use frame::{write_collection, write_frame};
+
 use super::{ElementKind, Mesh, Shape};
 use gearbench_models::Vec3;
+use gearbench_models::geometry::swept::Cells;
 use std::io::{self, Write};
 
 /// VTK's number of a kind of cell.
@@ -138,6 +144,25 @@ pub fn write(
     Ok(())
 }
 
+/// The elements of a mesh as cells.
+pub fn cells(mesh: &Mesh) -> Cells {
+    let mut cells = Cells::default();
+    for block in &mesh.blocks {
+        for nodes in block.elements() {
+            let node = |i: usize| match block.kind {
+                ElementKind::C3D6 => nodes[LINEAR_WEDGE[i]],
+                _ => nodes[i],
+            };
+            cells.push(cell_type(block.kind), (0..nodes.len()).map(node));
+        }
+    }
+    cells
+}
+
+fn escaped(text: &str) -> String {
+    (text.replace('&', "&amp;").replace('<', "&lt;")).replace('"', "&quot;")
+}
+
 /// Where nodes stand on a gear, for [`write`]: `bore` is 1 on the bore; `flank` is the number of the tooth from 1
 /// on its left flank and minus that on its right one; `cut` is -1 and 1 on the cuts of a sector; 0 elsewhere.
 pub fn membership(mesh: &Mesh) -> [(&'static str, Vec<i32>); 3] {
@@ -189,10 +214,7 @@ fn array<const N: usize>(
     bytes.extend(values.flatten());
     let length = (bytes.len() - 8) as u64;
     bytes[..8].copy_from_slice(&length.to_le_bytes());
-    let name = name
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('"', "&quot;");
+    let name = escaped(name);
     writeln!(
         out,
         "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"

@@ -14,8 +14,13 @@
 //! toothing without crowning, `b` is first averaged over each row of nodes: shapes that are odd over the width then
 //! do not count. On helical gears it is averaged along the lines of
 //! contact.
+//!
+//! For the teeth that touch in an impact modes can be made in place of chosen ones ([`made_for`]).
 
 mod lines;
+mod teeth;
+
+pub use teeth::{Made, in_mesh, made_for};
 
 use super::{Basis, Kept, ReductionError, without_modes};
 use gearbench_models::contact::points::reference_areas;
@@ -34,6 +39,8 @@ pub enum Criterion {
     /// Largest flank compliance first.
     #[default]
     FlankCompliance,
+    /// Made for the teeth in mesh at the start, for gears that turn by less than a pitch ([`made_for`]).
+    TeethInMesh,
 }
 
 impl Criterion {
@@ -42,6 +49,7 @@ impl Criterion {
         match self {
             Criterion::Frequency => "frequency",
             Criterion::FlankCompliance => "flank-compliance",
+            Criterion::TeethInMesh => "teeth-in-mesh",
         }
     }
 }
@@ -123,7 +131,9 @@ pub struct Family {
 pub fn ranked(basis: &Basis, choice: &Choice) -> Vec<Family> {
     let compliances = match choice.by {
         Criterion::Frequency => Vec::new(),
-        Criterion::FlankCompliance => flank_compliances(basis, choice.even_over_width),
+        Criterion::FlankCompliance | Criterion::TeethInMesh => {
+            flank_compliances(basis, choice.even_over_width)
+        }
     };
     ranked_by(basis, choice, &compliances)
 }
@@ -174,7 +184,8 @@ fn hub_compliances(basis: &Basis) -> Option<Vec<f64>> {
 /// where all modes below some frequency are meant.
 pub fn choose(basis: &Basis, choice: &Choice) -> Vec<usize> {
     let mut kept = Vec::new();
-    if let (Criterion::FlankCompliance, Some(of_hub)) = (choice.by, hub_compliances(basis)) {
+    let by_frequency = choice.by == Criterion::Frequency;
+    if let Some(of_hub) = hub_compliances(basis).filter(|_| !by_frequency) {
         let room = (FOR_HUB * choice.count.min(basis.omega.len()) as f64) as usize;
         for family in ranked_by(basis, choice, &of_hub) {
             if family.modes.len() <= room.saturating_sub(kept.len()) {
@@ -188,7 +199,7 @@ pub fn choose(basis: &Basis, choice: &Choice) -> Vec<usize> {
         }
         if family.modes.len() <= choice.count.saturating_sub(kept.len()) {
             kept.extend(family.modes);
-        } else if choice.by == Criterion::Frequency {
+        } else if by_frequency {
             break;
         }
     }
@@ -214,12 +225,34 @@ impl ModalDamping {
     }
 }
 
+impl Made {
+    /// These modes as the elastic gear takes them, as [`reduced`].
+    pub fn reduced(
+        &self,
+        damping: &ModalDamping,
+        residual: bool,
+    ) -> Result<Reduced, ReductionError> {
+        let all: Vec<usize> = (0..self.basis.omega.len()).collect();
+        with_kept(&self.basis, &all, damping, residual.then_some(&self.rows))
+    }
+}
+
 /// The kept modes of a basis as the elastic gear takes them; `residual`: with the compliance of all others.
 pub fn reduced(
     basis: &Basis,
     kept: &[usize],
     damping: &ModalDamping,
     residual: bool,
+) -> Result<Reduced, ReductionError> {
+    with_kept(basis, kept, damping, residual.then_some(&[]))
+}
+
+/// The same; with the residual compliance where the rows of the teeth are given that the modes are made for, none of a choice.
+fn with_kept(
+    basis: &Basis,
+    kept: &[usize],
+    damping: &ModalDamping,
+    residual: Option<&[u32]>,
 ) -> Result<Reduced, ReductionError> {
     let modes = basis.omega.len();
     let pick = |x: &[f64]| -> Vec<f64> { kept.iter().map(|&i| x[i]).collect() };
@@ -242,8 +275,9 @@ pub fn reduced(
         shapes.extend(kept.iter().map(|&i| row[i]));
     }
     let hub = pick(&basis.hub);
-    let residual = if residual {
+    let residual = if let Some(made_for) = residual {
         let kept = Kept {
+            made_for,
             omega: &omega,
             shapes: &shapes,
             hub: &hub,
@@ -302,6 +336,44 @@ impl Basis {
             hub: kept.iter().map(|&i| lateral.hub[i]).collect(),
             ..(**lateral).clone()
         }))
+    }
+
+    /// The basis with shapes within the span of its modes in place of them, of frequencies `omega`; `v` has a row of as many
+    /// for each mode.
+    pub(super) fn in_span(&self, v: &[f64], omega: Vec<f64>) -> Basis {
+        let (modes, count) = (self.omega.len(), omega.len());
+        let of_modes = |x: &[f64]| -> Vec<f64> {
+            let mut out = vec![0.0; count];
+            for (x, row) in x.iter().zip(v.chunks_exact(count.max(1))) {
+                out.iter_mut().zip(row).for_each(|(out, v)| *out += x * v);
+            }
+            out
+        };
+        let each = |x: &dyn Fn(usize) -> f64| of_modes(&(0..modes).map(x).collect::<Vec<_>>());
+        let momentum = [0, 1].map(|axis| each(&|i| self.momentum[i][axis]));
+        let rows = self.shapes.chunks_exact(modes.max(1));
+        let lateral = self.lateral.as_ref().map(|lateral| {
+            let hub = [0, 1, 2, 3, 4, 5].map(|d| each(&|i| lateral.hub[i][d]));
+            Arc::new(LateralShapes {
+                hub: (0..count)
+                    .map(|k| [0, 1, 2, 3, 4, 5].map(|d| hub[d][k]))
+                    .collect(),
+                ..(**lateral).clone()
+            })
+        });
+        Basis {
+            family: (0..count as u32).collect(),
+            shapes: rows.flat_map(of_modes).collect(),
+            hub: of_modes(&self.hub),
+            participation: of_modes(&self.participation),
+            momentum: (0..count)
+                .map(|k| [momentum[0][k], momentum[1][k]])
+                .collect(),
+            integrals: (self.integrals.as_ref()).map(|i| Arc::new(i.in_span(v, count))),
+            lateral,
+            omega,
+            ..self.clone()
+        }
     }
 
     /// The basis with some of its modes only, ascending; the compliance is that of the whole mesh as before.

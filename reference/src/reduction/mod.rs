@@ -19,6 +19,7 @@
 //! | `basis` | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
 //! | `compliance` | static compliance of the whole mesh; what kept modes carry is taken out of it by `without_modes` |
 //! | [`choose`] | which modes are kept, and with what damping |
+//! | `recovery` | the nodes behind a reduction, for pictures |
 //! | `estimate` | what a choice costs in accuracy, before any scene is run |
 //! | [`of_gear()`], [`Request`] | what a gear of a scene needs, and all that its basis depends on |
 //! | `shared` | one basis for all that need the same |
@@ -46,6 +47,7 @@ mod open;
 mod parameters;
 #[cfg(test)]
 mod reaction_tests;
+mod recovery;
 mod request;
 mod rigid;
 mod shared;

@@ -1,10 +1,11 @@
 //! The line of `elastic` in the table of gear models.
 
-use super::choose::{self, Choice, ModalDamping};
+use super::choose::{self, Choice, Criterion, ModalDamping};
 use super::estimate::Impacts;
 use super::parameters::ElasticParameters;
+use super::recovery::{OfMesh, Whole};
 use super::{Basis, Wanted, open, shared};
-use crate::mesh_source::{self, Reader, optional};
+use crate::mesh_source::{self, Reader, Source, optional};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
@@ -13,7 +14,7 @@ use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::spec::Body as Toothing;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 pub(super) const MODEL: &str = "elastic";
 
@@ -30,7 +31,7 @@ pub(super) const PARAMETERS: [ParameterInfo; 22] = mesh_source::with_own(&[
     optional("max_frequency_hz", "highest frequency of a mode to keep"),
     optional(
         "choose",
-        "\"flank-compliance\" (default): the modes that yield most at the flanks; \"frequency\": the lowest",
+        "\"flank-compliance\" (default): the modes that yield most at the flanks; \"frequency\": the lowest; \"teeth-in-mesh\": made for the teeth in mesh at the start, for impacts",
     ),
     optional(
         "residual",
@@ -113,8 +114,8 @@ struct Asked {
     target: bool,
 }
 
-/// A basis, how many of its modes may be kept, and among how many of the lowest.
-type Found = (Arc<Basis>, usize, usize);
+/// A basis, how many of its modes may be kept, and among how many of the lowest; the mesh it is of.
+type Found = (Arc<Basis>, usize, usize, Option<OfMesh>);
 
 /// The basis of the mesh that the parameters name.
 fn computed(
@@ -135,7 +136,24 @@ fn computed(
     let basis = shared::basis_of(&of.request(reader.context.material, wanted))
         .map_err(|e| reader.error("mesh", e.to_string()))?;
     let candidates = shared::lowest(&basis, wanted);
-    Ok((basis, count, candidates))
+    let whole = match Source::read(reader, &given.mesh)? {
+        Source::Generated(params) if of.sector => {
+            Whole::Generated(reader.context.body.clone(), params)
+        }
+        _ => Whole::AtHand,
+    };
+    let mesh = OfMesh {
+        mesh: of.mesh,
+        whole,
+        material: reader.context.material,
+        mounting: of.mounting,
+        basis: basis.clone(),
+        kept: Vec::new(),
+        residual: true,
+        strips: reader.context.lines,
+        found: OnceLock::new(),
+    };
+    Ok((basis, count, candidates, Some(mesh)))
 }
 
 /// The basis of a stored reduction, held against the gear and what is asked of it.
@@ -179,8 +197,29 @@ fn stored(reader: &Reader<'_>, path: &str, asked: &Asked) -> Result<Found, Build
                 ),
             ),
         )),
-        _ => Ok((stored.basis.clone(), asked.count.unwrap_or(modes), modes)),
+        _ => Ok((
+            stored.basis.clone(),
+            asked.count.unwrap_or(modes),
+            modes,
+            None,
+        )),
     }
+}
+
+/// The eigenmodes of a choice; with a target for the error of the force history, as few as reach it.
+fn kept_of(
+    reader: &Reader<'_>,
+    basis: &Basis,
+    choice: &Choice,
+    target: Option<f64>,
+) -> Result<Vec<usize>, BuildError> {
+    let Some(target) = target else {
+        return Ok(choose::choose(basis, choice));
+    };
+    let radius = reader.context.effective_radius;
+    Impacts::new(basis, radius, choice.even_over_width)
+        .fewest(choice, target)
+        .map_err(|e| reader.error("target_error", e.to_string()))
 }
 
 fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
@@ -210,7 +249,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         max_frequency,
         target: target.is_some(),
     };
-    let (basis, count, candidates) = match &given.reduction {
+    let (basis, count, candidates, mesh) = match &given.reduction {
         Some(path) => stored(&reader, path, &asked)?,
         None => computed(&reader, &given, &asked)?,
     };
@@ -223,14 +262,26 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         candidates,
         even_over_width: even_over_width(context),
     };
-    let kept = match target {
-        None => choose::choose(&basis, &choice),
-        Some(target) => Impacts::new(&basis, context.effective_radius, choice.even_over_width)
-            .fewest(&choice, target)
-            .map_err(|e| reader.error("target_error", e.to_string()))?,
+    let teeth = match choice.by {
+        Criterion::TeethInMesh => choose::in_mesh(context),
+        Criterion::Frequency | Criterion::FlankCompliance => Vec::new(),
     };
-    let mut reduced = choose::reduced(&basis, &kept, &damping, residual)
-        .map_err(|e| reader.error("modes", e.to_string()))?;
+    if target.is_some() && !teeth.is_empty() {
+        return Err(reader.error(
+            "target_error",
+            (
+                "is estimated for a choice of eigenmodes, but these are made for the teeth in mesh",
+                "give `modes`, or leave `choose` out",
+            ),
+        ));
+    }
+    let reduced = if teeth.is_empty() {
+        let kept = kept_of(&reader, &basis, &choice, target)?;
+        choose::reduced(&basis, &kept, &damping, residual)
+    } else {
+        choose::made_for(&basis, &teeth, &choice).and_then(|made| made.reduced(&damping, residual))
+    };
+    let mut reduced = reduced.map_err(|e| reader.error("modes", e.to_string()))?;
     if let Toothing::Gear(gear) = context.body {
         reduced.flanks.deviate(gear);
     }
@@ -245,7 +296,14 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         context.placement,
         Arc::new(reduced),
     );
-    let gear = gear.map_err(|e| reader.error("mesh", e))?;
+    let mut gear = gear.map_err(|e| reader.error("mesh", e))?;
+    if let Some(mesh) = mesh {
+        gear = gear.with_recovery(Arc::new(OfMesh {
+            kept,
+            residual,
+            ..mesh
+        }));
+    }
     let gear = gear.with_spin_terms(given.spin_terms.unwrap_or_default());
     let mut gear = gear.map_err(|e| reader.error("spin_terms", e))?;
     gear.decide_spin_terms(context.speed);

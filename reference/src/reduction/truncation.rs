@@ -11,6 +11,7 @@ use super::error::ReductionError;
 use crate::vector::dot;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
+use gearbench_models::gear::elastic::lessened::Lessened;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 
 /// Teeth may differ by this fraction of the largest compliance of a node and still count as alike.
@@ -25,6 +26,8 @@ pub struct Kept<'a> {
     pub shapes: &'a [f64],
     /// Turn (displacement) of a free hub in each mode; zeros for a held hub.
     pub hub: &'a [f64],
+    /// Rows of the teeth that the modes are made for; none where all teeth have the same of them.
+    pub made_for: &'a [u32],
 }
 
 /// The static compliance without what the kept modes carry.
@@ -61,6 +64,13 @@ pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, Reduc
         *r -= dot(at(k), &h);
     }
     rest.hub_hub -= dot(&h, &h);
+    if let FlankCompliance::Cyclic { .. } = &rest.flanks
+        && !kept.made_for.is_empty()
+    {
+        let less = Lessened::new(rest.flanks, modes, s, kept.made_for);
+        rest.flanks = FlankCompliance::Lessened(Box::new(less));
+        return Ok(rest);
+    }
     match &mut rest.flanks {
         FlankCompliance::Full(c) => {
             subtract(c, &s, &s, nodes, modes);
@@ -78,6 +88,12 @@ pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, Reduc
                 subtract(block, tooth, &s[..m * modes], m, modes);
             }
             symmetrise_blocks(blocks, z, m);
+        }
+        FlankCompliance::Lessened(_) => {
+            return Err(ReductionError::Mismatch(
+                "modes are taken from the compliance of a whole mesh, but some were taken before"
+                    .into(),
+            ));
         }
     }
     Ok(rest)

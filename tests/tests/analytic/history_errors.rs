@@ -100,6 +100,7 @@ impl Impact {
             forces: false,
             torques: false,
             histories: false,
+            pictures: None,
             events: true,
             repeats: 0,
             timeout: NO_BOUND,

@@ -27,6 +27,7 @@ fn history(spec: &SceneSpec) -> TimeSeries {
         forces: false,
         torques: false,
         histories: false,
+        pictures: None,
         events: true,
         repeats: 0,
         timeout: Duration::from_secs(600),

@@ -81,6 +81,7 @@ impl Way {
             forces: false,
             torques: false,
             histories: false,
+            pictures: None,
             events: self.events,
             repeats: 0,
             timeout: NO_BOUND,

@@ -26,6 +26,7 @@ fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
         forces: false,
         torques: false,
         histories: false,
+        pictures: None,
         events: true,
         repeats: 0,
         timeout: NO_BOUND,

@@ -115,6 +115,7 @@ impl<'a> Trial<'a> {
             forces: false,
             torques: false,
             histories: false,
+            pictures: None,
             events: true,
             repeats: 0,
             timeout,

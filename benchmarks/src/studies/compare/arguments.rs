@@ -11,6 +11,7 @@ Examples:
   gearbench compare spur_impact --integrators 'generalised-alpha(rho_inf=0.5)@1e-6'
   gearbench compare spur_impact --models rigid,rigid-iso6336 --out out/norm
   gearbench compare hammer --no-events --repeats 1
+  gearbench compare spur_impact --models elastic --vtu 60 --vtu-window 0,1.5e-4
 
 A run that fails (blow-up, Newton failure, energy growth, ...) is a row of the report, not an abort.
 Errors against the reference are those of the model, errors against `self` those of the integrator.";
@@ -35,6 +36,21 @@ pub struct Compare {
     /// Where results go, how long a run may take, how often it is timed.
     #[command(flatten)]
     pub run: Timed,
+    /// Write so many frames of every run for ParaView, evenly over it: the bodies of all gears, displaced, with contact
+    /// forces and pressures
+    ///
+    /// A run has a file OUT/vtu/RUN.pvd, which names its frames and their times.
+    #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub vtu: Option<u32>,
+    /// First and last time of these frames in seconds [default: the whole run]
+    #[arg(
+        long,
+        value_name = "FROM,TO",
+        value_delimiter = ',',
+        num_args = 1,
+        requires = "vtu"
+    )]
+    pub vtu_window: Vec<f64>,
     /// Do not locate contact events: shows what a method loses when steps run across them
     #[arg(long)]
     pub no_events: bool,
@@ -51,6 +67,8 @@ impl Default for Compare {
             models: None,
             integrators: None,
             run: Timed::default(),
+            vtu: None,
+            vtu_window: Vec::new(),
             no_events: false,
             insist: Insist::default(),
         }

@@ -2,11 +2,11 @@
 
 use super::arguments::Compare;
 use super::summary::summarise;
-use super::{Plan, compare};
+use super::{FramePlan, Plan, compare};
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, references_of, refuse_run};
+use crate::cli::terminal::{Refusal, absolute, references_of, refuse_run, say};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
@@ -41,12 +41,40 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
         }
         None => plan,
     };
+    let window = window(&args.vtu_window, scene.duration)?;
     let output = &args.run.bounded.output;
     let mut folder = StudyFolder::of(output, &scene, Study::Compare.as_str())?;
+    let pictures = args.vtu.map(|frames| FramePlan {
+        folder: folder.path().join("vtu"),
+        frames: frames as usize,
+        window,
+    });
+    let frames = pictures.as_ref().map(|p| p.folder.clone());
+    let plan = Plan { pictures, ..plan };
     let made = folder.run(plan.len(), |runner| compare(&plan, runner));
     folder.finish(
         made.map_err(|e| folder.refuse(refuse_run(e)))?,
         Exit::of_every_run,
-        summarise,
+        |results| {
+            summarise(results);
+            if let Some(frames) = frames.filter(|f| f.exists()) {
+                say(&format!(
+                    "frames for ParaView: {}",
+                    absolute(frames).display()
+                ));
+            }
+        },
     )
+}
+
+/// First and last time of frames: those that are given, else of the whole run.
+fn window(given: &[f64], end: f64) -> Result<[f64; 2], Refusal> {
+    match *given {
+        [] => Ok([0.0, end]),
+        [from, to] if (0.0..to).contains(&from) && to <= end => Ok([from, to]),
+        _ => Err(Refusal::Input(miette::miette!(
+            help = format!("for example --vtu-window 0,{end}"),
+            "--vtu-window: expected two ascending times of the run, which ends at {end} s"
+        ))),
+    }
 }

@@ -11,5 +11,8 @@ mod plan;
 mod run;
 mod summary;
 
-pub use plan::Plan;
+pub use plan::{FramePlan, Plan};
 pub use run::compare;
+
+#[cfg(test)]
+mod shipped_tests;

@@ -2,11 +2,24 @@
 
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
+use crate::experiment::pictures::{Pictures, file_name};
 use crate::experiment::referenced::recorded;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Scheme;
 use gearbench_reference::data::Reference;
 use gearbench_reports::record::{ReferenceSeries, Tolerance};
+use std::path::PathBuf;
+
+/// Frames of every run for ParaView.
+#[derive(Clone, Debug)]
+pub struct FramePlan {
+    /// Where they go.
+    pub folder: PathBuf,
+    /// How many of each run.
+    pub frames: usize,
+    /// First and last time [s].
+    pub window: [f64; 2],
+}
 
 /// What to compare.
 #[derive(Clone, Debug)]
@@ -25,6 +38,8 @@ pub struct Plan<'a> {
     pub published: Option<String>,
     /// What the scene calls accurate enough.
     pub tolerance: Option<Tolerance>,
+    /// Frames for ParaView; none where nobody asks.
+    pub pictures: Option<FramePlan>,
 }
 
 impl Plan<'_> {
@@ -47,6 +62,7 @@ impl Plan<'_> {
             reference_model: scene.study.reference_model.clone(),
             published: scene.study.published.clone(),
             tolerance: scene.tolerance.clone(),
+            pictures: None,
         }
     }
 
@@ -62,6 +78,28 @@ impl Plan<'_> {
     /// Number of runs.
     pub fn len(&self) -> usize {
         self.entries.iter().map(|e| self.methods_of(e).len()).sum()
+    }
+
+    /// The frames of a run: its name is that of its model and its method, with the resolution where the method comes twice.
+    pub(super) fn pictures_of(&self, entry: &Configuration, method: &Scheme) -> Option<Pictures> {
+        let FramePlan {
+            folder,
+            frames,
+            window,
+        } = self.pictures.clone()?;
+        let same = |m: &&Scheme| m.method.to_string() == method.method.to_string();
+        let mut name = format!("{} {}", entry.label, method.method);
+        if self.methods_of(entry).iter().filter(same).count() > 1 {
+            let resolution = method.resolution;
+            let at = resolution.step().or(resolution.tolerance());
+            name += &at.map_or_else(String::new, |at| format!(" {at:e}"));
+        }
+        Some(Pictures {
+            folder,
+            name: file_name(&name),
+            frames,
+            window,
+        })
     }
 
     /// Its own integrators of a configuration, else those of all.

@@ -48,6 +48,11 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
         let mut own: Option<Option<TimeSeries>> = None;
         let mut pictured = false;
         for method in plan.methods_of(entry) {
+            let pictures = plan.pictures_of(entry, method);
+            let own_job = || Job {
+                pictures: pictures.as_ref(),
+                ..job(method)
+            };
             let tell = |what: &dyn Display| {
                 let what = format!("{}, {what}", entry.label);
                 runner.tell(done + runs.len(), plan.len(), &what);
@@ -55,7 +60,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
             tell(&method.method);
             let held = (&references, &plan.tolerance);
             let mut make = || {
-                let mut row = run(&job(method))?;
+                let mut row = run(&own_job())?;
                 row.published_s = entry.published;
                 // The first run says how large the model is.
                 let own = match &mut own {
@@ -72,7 +77,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 measure_against(&mut row, plan, &references, own.as_ref());
                 Ok::<_, RunError>(row)
             };
-            let mut row = match runner.row(job(method).key().and(&held), method, &mut make) {
+            let mut row = match runner.row(own_job().key().and(&held), method, &mut make) {
                 // Not every method is for every model; the record says which pairs it has not.
                 Err(e) if e.leaves_out() => {
                     let pair = format!("{} under {}: {e}", entry.label, method.method);

@@ -337,6 +337,7 @@ fn of_compliance(basis: &Basis) -> Option<String> {
     let layout = match c.flanks {
         FlankCompliance::Full(_) => "between all flank nodes",
         FlankCompliance::Cyclic { .. } => "of one tooth on all",
+        FlankCompliance::Lessened(_) => "of one tooth on all, less some modes",
     };
     Some(format!(
         "{layout}; {own:.4e} m/N in the middle of a flank of tooth {}, {:.1} % of it in the modes",

@@ -5,6 +5,7 @@ use super::lateral::{self, HubShapes};
 use super::reduced::{FlankCompliance, Reduced};
 use crate::Vec3;
 use crate::error::Reason;
+use crate::gear::body::Recovery;
 use crate::gear::hub_body::HubBody;
 use crate::kinematics::{Hub, Placement};
 use std::cell::RefCell;
@@ -35,6 +36,8 @@ pub struct Elastic {
     pub(super) correction: RefCell<QuasiStatic>,
     /// Buffers of the mobility of nodes: weighted shapes, a row.
     pub(super) mobility: RefCell<(Vec<f64>, Vec<f64>)>,
+    /// The nodes behind the reduction, where its mesh is known.
+    pub(super) recovery: Option<Arc<dyn Recovery>>,
 }
 
 /// Whether a gear has the terms, and room to evaluate them.
@@ -190,7 +193,17 @@ impl Elastic {
             spin: Spin::default(),
             correction: RefCell::default(),
             mobility: RefCell::default(),
+            recovery: None,
         })
+    }
+
+    /// The same gear, whose body behind its flanks is known.
+    #[must_use]
+    pub fn with_recovery(self, recovery: Arc<dyn Recovery>) -> Self {
+        Elastic {
+            recovery: Some(recovery),
+            ..self
+        }
     }
 
     /// Whether the hub's own motion is free.

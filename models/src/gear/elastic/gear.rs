@@ -3,6 +3,7 @@
 use super::body::Elastic;
 use super::kernels;
 use crate::Vec3;
+use crate::gear::body::MeshedBody;
 use crate::gear::capabilities::{CoupledMass, FlankNodes, FlankSurface, LinearMotion};
 use crate::gear::flank_displacement::FlankDisplacement;
 use crate::gear::hub_body::{HubBody, HubState};
@@ -306,6 +307,10 @@ impl GearModel for Elastic {
         })
     }
 
+    fn body(&self) -> Option<&dyn MeshedBody> {
+        self.recovery.is_some().then_some(self)
+    }
+
     fn linear(&self) -> Option<&dyn LinearMotion> {
         Some(self)
     }
@@ -318,7 +323,7 @@ impl GearModel for Elastic {
 
 impl Elastic {
     #[inline]
-    fn pose(&self, at: At<'_>) -> Pose {
+    pub(super) fn pose(&self, at: At<'_>) -> Pose {
         let displacement = self.hub.displacement(at.t, at.q);
         (self.placement).pose_at(&self.hub, at.t, at.q, displacement)
     }

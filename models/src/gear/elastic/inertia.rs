@@ -80,6 +80,41 @@ impl Integrals {
         }
     }
 
+    /// The integrals of `count` shapes within the span of the modes, `v` with a row of as many for each mode.
+    pub fn in_span(&self, v: &[f64], count: usize) -> Integrals {
+        let modes = self.modes();
+        // `V^T X` of a matrix with a row for each mode.
+        let across = |x: &[f64], columns: usize| -> Vec<f64> {
+            let mut out = vec![0.0; count * columns];
+            for (row, x) in v.chunks_exact(count.max(1)).zip(x.chunks_exact(columns)) {
+                for (out, v) in out.chunks_exact_mut(columns).zip(row) {
+                    out.iter_mut().zip(x).for_each(|(out, x)| *out += v * x);
+                }
+            }
+            out
+        };
+        let square = |x: &[f64]| -> Vec<f64> {
+            let left = across(x, modes);
+            let mut out = vec![0.0; count * count];
+            for (out, left) in (out.chunks_exact_mut(count.max(1))).zip(left.chunks_exact(modes)) {
+                for (row, l) in v.chunks_exact(count.max(1)).zip(left) {
+                    out.iter_mut().zip(row).for_each(|(out, v)| *out += l * v);
+                }
+            }
+            out
+        };
+        Integrals {
+            mass: self.mass,
+            centre: self.centre,
+            tensor: self.tensor,
+            translation: across(&self.translation, 3),
+            rotation: across(&self.rotation, 3),
+            radial: across(&self.radial, 1),
+            planar: square(&self.planar),
+            gyroscopic: square(&self.gyroscopic),
+        }
+    }
+
     /// Whether all lengths are those of as many modes and all numbers are finite.
     pub fn fits(&self, modes: usize) -> bool {
         let lengths = [

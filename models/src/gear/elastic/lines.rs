@@ -269,7 +269,7 @@ impl Reduced {
 }
 
 /// `L A` of a matrix with rows of so many columns: sums of its rows.
-fn rows_of_sums(a: &[f64], columns: usize, sums: &[Sum]) -> Vec<f64> {
+pub(super) fn rows_of_sums(a: &[f64], columns: usize, sums: &[Sum]) -> Vec<f64> {
     let mut out = vec![0.0; sums.len() * columns];
     for (out, sum) in out.chunks_exact_mut(columns.max(1)).zip(sums) {
         for &(row, w) in sum {
@@ -312,6 +312,9 @@ fn over(of_rows: &FlankCompliance, sums: &[Sum]) -> FlankCompliance {
                     .flat_map(|block| congruence(block, of_tooth))
                     .collect(),
             }
+        }
+        FlankCompliance::Lessened(c) => {
+            FlankCompliance::Lessened(Box::new(c.over(sums, |whole| over(whole, sums))))
         }
     }
 }

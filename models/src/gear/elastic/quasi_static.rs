@@ -95,6 +95,7 @@ impl Elastic {
                     }
                 }
             }
+            FlankCompliance::Lessened(c) => c.give(&rows, width),
         }
         correction.flanks = Some(flanks);
         correction.missing.clear();

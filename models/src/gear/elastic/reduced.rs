@@ -14,6 +14,7 @@
 //! - A hub that moves turns counter-clockwise (a rack travels along its slide) for positive angle, torque and shape.
 
 use super::inertia::Integrals;
+use super::lessened::Lessened;
 use crate::Vec3;
 use crate::geometry::Flanks;
 use std::sync::Arc;
@@ -100,6 +101,8 @@ pub enum FlankCompliance {
         /// The blocks, one after the other.
         blocks: Vec<f64>,
     },
+    /// Of a gear whose teeth are all alike, with modes that are made for some of them.
+    Lessened(Box<Lessened>),
 }
 
 impl FlankCompliance {
@@ -117,11 +120,10 @@ impl FlankCompliance {
                 let apart = (i / m + teeth - j / m) % teeth;
                 blocks[(apart * m + i % m) * m + j % m]
             }
+            FlankCompliance::Lessened(c) => c.between(i as u32, j as u32),
         }
     }
-}
 
-impl FlankCompliance {
     /// Compliances between all of `nodes`, row-major into `out`; `all` is the number of flank nodes.
     pub fn gather(&self, nodes: &[u32], all: usize, out: &mut [f64]) {
         let rows = out.chunks_exact_mut(nodes.len().max(1)).zip(nodes);
@@ -155,7 +157,38 @@ impl FlankCompliance {
                     }
                 }
             }
+            FlankCompliance::Lessened(c) => {
+                for (row, &i) in rows {
+                    for (x, &j) in row.iter_mut().zip(nodes) {
+                        *x = c.between(i, j);
+                    }
+                }
+            }
         }
+    }
+
+    /// What of it does not fit so many rows, if anything.
+    pub(super) fn problem(&self, rows: usize) -> Option<String> {
+        let (c, expected) = match self {
+            FlankCompliance::Full(c) => (c, rows * rows),
+            FlankCompliance::Cyclic {
+                teeth,
+                per_tooth,
+                blocks,
+            } => {
+                if teeth * per_tooth != rows {
+                    return Some(format!(
+                        "{teeth} teeth with {per_tooth} rows of flank nodes, but {rows} in all"
+                    ));
+                }
+                (blocks, teeth * per_tooth * per_tooth)
+            }
+            FlankCompliance::Lessened(c) => return c.problem(rows),
+        };
+        if c.len() != expected {
+            return Some(format!("{} compliances, expected {expected}", c.len()));
+        }
+        (!c.iter().all(|x| x.is_finite())).then(|| "a number is not finite".into())
     }
 }
 
@@ -233,23 +266,8 @@ impl Reduced {
             ));
         }
         if let Some(r) = &self.residual {
-            let (found, expected) = match &r.flanks {
-                FlankCompliance::Full(c) => (c.len(), rows * rows),
-                FlankCompliance::Cyclic {
-                    teeth,
-                    per_tooth,
-                    blocks,
-                } => {
-                    if teeth * per_tooth != rows {
-                        return Some(format!(
-                            "{teeth} teeth with {per_tooth} rows of flank nodes, but {rows} in all"
-                        ));
-                    }
-                    (blocks.len(), teeth * per_tooth * per_tooth)
-                }
-            };
-            if found != expected {
-                return Some(format!("{found} compliances, expected {expected}"));
+            if let Some(problem) = r.flanks.problem(rows) {
+                return Some(problem);
             }
             if r.hub.len() != rows {
                 return Some(format!(
@@ -269,12 +287,8 @@ impl Reduced {
         {
             return Some("frequencies must be positive and damping ratios in [0, 1)".into());
         }
-        let residual = self.residual.as_ref().is_none_or(|r| {
-            let c = match &r.flanks {
-                FlankCompliance::Full(c) | FlankCompliance::Cyclic { blocks: c, .. } => c,
-            };
-            finite(c) && finite(&r.hub) && r.hub_hub.is_finite()
-        });
+        let residual =
+            (self.residual.as_ref()).is_none_or(|r| finite(&r.hub) && r.hub_hub.is_finite());
         let inertia = self.inertia.is_finite() && self.inertia > 0.0;
         let lateral = lateral.is_none_or(|l| {
             let positive = l.mass > 0.0 && [0, 4, 8].iter().all(|k| l.inertia[*k] > 0.0);

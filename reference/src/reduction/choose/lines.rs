@@ -68,6 +68,92 @@ pub(super) fn means(basis: &Basis) -> Option<(Vec<f64>, f64)> {
     Some((sums, total))
 }
 
+/// A force that lies along a line of a flank: by how much it moves each mode, and how much it counts.
+#[derive(Clone, Debug)]
+pub(super) struct Load {
+    /// [1/sqrt(kg)].
+    pub shapes: Vec<f64>,
+    /// Area that the line stands for [m^2], of a force that rises along it the part [`RISING`] of it.
+    pub weight: f64,
+}
+
+/// How much a force that rises from one end of a line to the other, without a mean, counts beside an even one.
+const RISING: f64 = 0.3;
+
+/// A place on a line: along the width, area of its column, and nodes between which it lies.
+type Place = (f64, f64, [(u32, f64); 2]);
+
+/// Forces along the lines of contact of a flank, those of its generators or its rows of nodes: even ones, and, where contact
+/// does not lie evenly over the width, those that rise along the line.
+pub(super) fn loads(basis: &Basis, index: usize, even_over_width: bool) -> Vec<Load> {
+    let grid = &basis.flanks.grids()[index];
+    let areas = reference_areas(&basis.flanks, index, PointRule::Nodes);
+    let flank = Flank::of(basis, grid, &areas);
+    let [low, high] = flank.ends;
+    let helical = (grid.nodes.iter()).any(|n| basis.normals[*n as usize].z.abs() > HELICAL);
+    let node = |row: usize, column: usize| row * grid.columns + column;
+    let lines: Vec<Vec<Place>> = if helical && high - low >= PLANE {
+        let lines = PER_ROW * grid.rows;
+        let on_line = |line: usize| {
+            let at = low + (line as f64 + 0.5) / lines as f64 * (high - low);
+            let columns = (0..grid.columns).filter_map(|column| {
+                let (row, place) = flank.crossing(at, column)?;
+                let [a, b] = [node(row, column), node(row + 1, column)];
+                let parts = [(grid.nodes[a], 1.0 - place), (grid.nodes[b], place)];
+                let area = flank.widths[column] / lines as f64;
+                Some((grid.positions[a].z, area, parts))
+            });
+            columns.collect()
+        };
+        (0..lines).map(on_line).collect()
+    } else {
+        let in_row = |row: usize| {
+            let columns = (0..grid.columns).map(|column| {
+                let i = node(row, column);
+                let parts = [(grid.nodes[i], 1.0), (grid.nodes[i], 0.0)];
+                (grid.positions[i].z, areas[i], parts)
+            });
+            columns.collect()
+        };
+        (0..grid.rows).map(in_row).collect()
+    };
+    let mut loads = Vec::new();
+    for line in lines {
+        let area: f64 = line.iter().map(|p| p.1).sum();
+        if area <= 0.0 {
+            continue;
+        }
+        loads.push(Load {
+            shapes: moved(basis, &line, |_, part| part / area),
+            weight: area,
+        });
+        let middle = line.iter().map(|(z, a, _)| z * a).sum::<f64>() / area;
+        let spread: f64 = line.iter().map(|(z, a, _)| a * (z - middle).powi(2)).sum();
+        if !even_over_width && spread > 0.0 {
+            let scale = (spread * area).sqrt();
+            loads.push(Load {
+                shapes: moved(basis, &line, |z, part| part * (z - middle) / scale),
+                weight: RISING * area,
+            });
+        }
+    }
+    loads
+}
+
+/// How a force along a line, given by place and area, moves the modes.
+fn moved(basis: &Basis, line: &[Place], force: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let mut out = vec![0.0; basis.omega.len()];
+    for (z, area, parts) in line {
+        let force = force(*z, *area);
+        for (node, part) in parts {
+            for (x, b) in out.iter_mut().zip(basis.shapes_at(*node)) {
+                *x += force * part * b;
+            }
+        }
+    }
+    out
+}
+
 /// Directions of the normals of a flank.
 struct Flank {
     rows: usize,

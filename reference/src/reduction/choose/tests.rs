@@ -158,3 +158,59 @@ fn reduced_gears_are_sound_and_damping_is_what_was_asked() {
     let message = reduced(&b, &kept, &strong, true).unwrap_err().to_string();
     assert!(message.contains("damp less"), "{message}");
 }
+
+/// Twice the strain energy of flank nodes `k` and `l` of a reduced gear at an angular frequency: modes and residual compliance.
+fn response(r: &Reduced, k: u32, l: u32, at: f64) -> f64 {
+    let rows = r.rows();
+    let residual = &r.residual.as_ref().unwrap().flanks;
+    let modes = r.shapes_at(k).iter().zip(r.shapes_at(l)).zip(&r.omega);
+    let moving: f64 = modes.map(|((a, b), w)| a * b / (w * w - at * at)).sum();
+    residual.between(k, l, rows) + moving
+}
+
+/// Modes that are made for some teeth are oscillators within the span of all; in statics nothing is lost on any tooth.
+#[test]
+fn modes_made_for_teeth_leave_statics_as_they_are() {
+    let b = gear();
+    let damping = ModalDamping::default();
+    let by = choice(40, Criterion::TeethInMesh);
+    let teeth = [17, 0, 1];
+    let made = made_for(&b, &teeth, &by).unwrap();
+    assert_eq!(made.basis.omega.len(), 40);
+    // Frequencies of a subspace lie among those of the whole.
+    assert!(
+        made.basis
+            .omega
+            .iter()
+            .zip(&b.omega)
+            .all(|(r, w)| r > &(w * (1.0 - 1e-9)))
+    );
+    assert!(made.basis.omega.is_sorted() && made.basis.omega[39] < b.omega[119] * (1.0 + 1e-9));
+    let few = made.reduced(&damping, true).unwrap();
+    assert_eq!(few.problem(), None);
+    let all: Vec<usize> = (0..b.omega.len()).collect();
+    let all = reduced(&b, &all, &damping, true).unwrap();
+    let nodes_of = |tooth: u32| -> Vec<u32> {
+        let grids = b.flanks.grids().iter().filter(|g| g.tooth == tooth);
+        grids.flat_map(|g| g.nodes.clone()).collect()
+    };
+    let near: Vec<u32> = teeth.iter().flat_map(|t| nodes_of(*t)).collect();
+    let far = nodes_of(8);
+    let off = |r: &Reduced, nodes: &[u32], at: f64| {
+        let (mut error, mut sum) = (0.0, 0.0);
+        for &k in nodes {
+            for &l in nodes {
+                let expected = response(&all, k, l, at);
+                error += (response(r, k, l, at) - expected).powi(2);
+                sum += expected * expected;
+            }
+        }
+        f64::sqrt(error / sum)
+    };
+    let both: Vec<u32> = near.iter().chain(&far).copied().collect();
+    assert!(off(&few, &both, 0.0) < 1e-12);
+    // Without the residual compliance, and with none.
+    assert!(made.reduced(&damping, false).unwrap().residual.is_none());
+    let none = made_for(&b, &teeth, &choice(0, Criterion::TeethInMesh)).unwrap();
+    assert_eq!(none.reduced(&damping, true).unwrap().problem(), None);
+}

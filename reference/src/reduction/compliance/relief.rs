@@ -47,7 +47,7 @@ impl Held {
         let gamma = hub[0] / (inertia * inertia);
         // Teeth that are alike move alike.
         let alike = match &flanks {
-            FlankCompliance::Full(_) => rows,
+            FlankCompliance::Full(_) | FlankCompliance::Lessened(_) => rows,
             FlankCompliance::Cyclic { per_tooth, .. } => *per_tooth,
         };
         add_relief(&mut flanks, rows, |k, l| {
@@ -132,6 +132,9 @@ fn add_relief(flanks: &mut FlankCompliance, rows: usize, relief: impl Fn(usize, 
             for (i, c) in blocks.iter_mut().enumerate() {
                 *c += relief(i / m, i % m);
             }
+        }
+        FlankCompliance::Lessened(_) => {
+            unreachable!("nothing is taken from a compliance before it is mounted")
         }
     }
 }

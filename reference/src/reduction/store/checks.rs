@@ -155,6 +155,7 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
                 )
             })
         }
+        FlankCompliance::Lessened(_) => Some("all of it".to_owned()),
     };
     if let Some(expected) = c {
         return Some(unusable(
@@ -165,7 +166,8 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
         ));
     }
     let blocks = match &b.compliance.flanks {
-        FlankCompliance::Full(c) | FlankCompliance::Cyclic { blocks: c, .. } => c,
+        FlankCompliance::Full(c) | FlankCompliance::Cyclic { blocks: c, .. } => c.as_slice(),
+        FlankCompliance::Lessened(_) => &[],
     };
     let finite: [(&str, &[f64]); 11] = [
         (OMEGA, &b.omega),

@@ -47,6 +47,11 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
             per_tooth,
             blocks,
         } => (vec![*teeth, *per_tooth, *per_tooth], blocks),
+        FlankCompliance::Lessened(_) => {
+            return Err(io::Error::other(
+                "a basis holds the compliance of the whole mesh, but modes were taken from this one",
+            ));
+        }
     };
     w.f64s(COMPLIANCE, &shape, blocks.iter().copied())?;
     w.f64s(HUB_FLANK, &[rows], b.compliance.hub.iter().copied())?;

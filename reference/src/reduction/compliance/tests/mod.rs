@@ -272,6 +272,7 @@ fn declines_what_does_not_belong_together() {
         omega: &[0.0],
         shapes: &vec![0.0; a.nodes()],
         hub: &[0.0],
+        made_for: &[],
     };
     assert!(text(without_modes(&total, kept)).contains("rigid"));
     assert!(

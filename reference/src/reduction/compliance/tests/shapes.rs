@@ -47,6 +47,7 @@ impl Shapes {
             omega: &self.omega,
             shapes: &self.shapes,
             hub: &self.hub,
+            made_for: &[],
         }
     }
 

@@ -160,6 +160,7 @@ pub(in crate::reduction) fn all_bits(b: &Basis) -> Vec<u64> {
             all.extend([*teeth as u64, *per_tooth as u64]);
             all.extend(bits(blocks));
         }
+        FlankCompliance::Lessened(_) => panic!("a basis holds the whole compliance"),
     }
     all
 }
