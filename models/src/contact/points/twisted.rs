@@ -55,6 +55,8 @@ pub(super) struct Twisted {
     /// Faces of each flank.
     pub patches: [Vec<Vec<Patch>>; 2],
     pub twists: [Twist; 2],
+    /// Points of the rule on each flank in its own frame, in the order of their areas.
+    pub points: [Vec<Vec<Vec3>>; 2],
     /// Places over the width of the points of each gear, as slave.
     pub cells: [Vec<TwistedCell>; 2],
     /// Points along the profile of a face with their weights; none where points are nodes.
@@ -193,9 +195,18 @@ impl Twisted {
         };
         // Columns of all flanks of a gear stand at the same heights.
         let alike = |g: &Flanked| g.shapes.iter().all(|s| s.z == g.shapes[0].z);
+        let patches =
+            [0, 1].map(|k| -> Vec<Vec<Patch>> { gears[k].shapes.iter().map(Patch::all).collect() });
+        let points = [0, 1].map(|k| {
+            let flanks = gears[k].shapes.iter().zip(&patches[k]);
+            flanks
+                .map(|(shape, patches)| points(shape, patches, rule))
+                .collect()
+        });
         gears.iter().all(alike).then(|| Twisted {
             profiles,
-            patches: [0, 1].map(|k| gears[k].shapes.iter().map(Patch::all).collect()),
+            patches,
+            points,
             twists,
             cells: [of(0), of(1)],
             along: rule.along.clone(),
@@ -278,6 +289,19 @@ impl Twisted {
     pub fn doubt(&self, gap: f64, displacements: f64) -> f64 {
         self.off + SECOND_ORDER * (gap.abs() + displacements)
     }
+}
+
+/// Points of the rule on a flank in its own frame, in the order of their areas.
+fn points(shape: &Shape, patches: &[Patch], rule: &Rule) -> Vec<Vec3> {
+    let mut all = Vec::with_capacity(shape.areas.len());
+    shape.points(
+        rule,
+        |_, _| true,
+        |p| {
+            all.push(patches[p.row * (shape.columns - 1) + p.column].position(p.a, p.b));
+        },
+    );
+    all
 }
 
 /// The profile of a shape in the section at height zero, and how far the shape leaves it when that is twisted [m].
