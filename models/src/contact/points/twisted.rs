@@ -28,6 +28,7 @@
 //! which points are wanted, and where the search in space begins; what is found in the end is that of the surfaces.
 
 use super::flanked::Flanked;
+use super::mesh_flanks::MeshFlanks;
 use super::patch::Patch;
 use super::profile::{NEARLY, Profile, Vec2};
 use super::rule::Rule;
@@ -276,6 +277,36 @@ impl Twisted {
                 }),
             }
         }));
+    }
+
+    /// By how much the path coordinate of a left flank of the first gear grows from the middle to a height [m].
+    #[inline]
+    pub fn path_by_height(&self, of: &MeshFlanks, z: f64) -> f64 {
+        of.gears[0].base_radius.unwrap_or(0.0) * self.twists[0].rate * z
+    }
+
+    /// The place on the profile of the slave `k` that faces the master best, in a section where the first gear's flank stands
+    /// at the path coordinate `s` [m]: where the line of action crosses it, or, where it leaves a flank, the end of that
+    /// flank. `turn` leads to the section of the master.
+    pub fn facing(
+        [first, second]: [&Profile; 2],
+        k: usize,
+        (of, s): (&MeshFlanks, f64),
+        turn: &Turn,
+    ) -> Vec2 {
+        let rb = of.gears[0].base_radius.unwrap_or(0.0);
+        let back = turn.inverse();
+        let [to_second, to_first] = if k == 0 { [turn, &back] } else { [&back, turn] };
+        let x = first.at_height(rb * rb + s.max(0.0).powi(2));
+        let height = second.height(&to_second.point(&x));
+        if k == 1 {
+            return second.at_height(height);
+        }
+        if second.reaches(height) {
+            return x;
+        }
+        let y = second.at_height(height);
+        first.at_height(first.height(&to_first.point(&y)))
     }
 
     /// Height over the middle of the master of a place in a section of the slave.

@@ -4,10 +4,10 @@ use super::corners::{Corners, weights};
 use super::flanked::Near;
 use super::mesh_flanks::MeshFlanks;
 use super::patch::Patch;
-use super::profile::{Profile, Vec2};
+use super::profile::Profile;
 use super::projection::{Begin, Deformed, Fade, MOST_PAST};
 use super::rule::FlankPoint;
-use super::sections::{Cell, Turn};
+use super::sections::Cell;
 use super::spur::{Facing, facing};
 use super::stand::Stand;
 use super::surface::Shape;
@@ -144,35 +144,12 @@ impl<'a> Pass<'a, '_> {
         along - self.twisted.doubt(along, 0.0)
     }
 
-    /// The place on the slave's profile that faces the master best: where the line of action crosses it, or, where it
-    /// leaves a flank, the end of that flank.
-    fn start(&self, z: f64, turn: &Turn) -> Vec2 {
-        let (first, second) = (self.profiles[0], self.profiles[1]);
-        let rb = self.of.gears[0].base_radius.unwrap_or(0.0);
-        let s = self.s + self.side.sign() * rb * self.twisted.twists[0].rate * z;
-        let back = turn.inverse();
-        let [to_second, to_first] = if self.k == 0 {
-            [turn, &back]
-        } else {
-            [&back, turn]
-        };
-        let x = first.at_height(rb * rb + s.max(0.0).powi(2));
-        let height = second.height(&to_second.point(&x));
-        if self.k == 1 {
-            return second.at_height(height);
-        }
-        if second.reaches(height) {
-            return x;
-        }
-        let y = second.at_height(height);
-        first.at_height(first.height(&to_first.point(&y)))
-    }
-
     /// Points at a place over the width: rows from the best place outwards, until they stand off.
     fn cell(&mut self, of_cell: &TwistedCell, map: &SectionMap) {
         let (slave, master) = (self.profiles[self.k], self.profiles[1 - self.k]);
         let mut cell = of_cell.cell;
-        let start = self.start(cell.z, &map.turn);
+        let path = self.s + self.side.sign() * self.twisted.path_by_height(self.of, cell.z);
+        let start = Twisted::facing(self.profiles, self.k, (self.of, path), &map.turn);
         if !self.twisted.parallel {
             let z = Twisted::height(self.frame, of_cell, &start);
             (cell.on, cell.b_on) = self.shapes[1 - self.k].column_at(z);
