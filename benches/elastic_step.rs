@@ -12,9 +12,10 @@ use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, NullSink, Resolution, Sink, TimePlan};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::Value;
+use gearbench_reference::reduction::cache::{self, Cache};
 use nalgebra::DMatrix;
 use std::hint::black_box;
-use support::helical::{Motion, bearings, compare};
+use support::helical::{Motion, against_full, bearings, compare};
 use support::ratio::{by_turns, ratios, seconds};
 use support::scenes::{changed, file, run};
 
@@ -144,6 +145,8 @@ impl Kernel {
 
 #[allow(clippy::print_stdout)]
 fn main() {
+    // Reductions of the gears, which take most of the time, are kept for the next run.
+    cache::choose(Cache::standard());
     let mut criterion = ratios(2.0);
     for label in ["elastic", "elastic-half-space"] {
         for motion in [Motion::Impact, Motion::Load(75.0)] {
@@ -157,6 +160,7 @@ fn main() {
             }
         }
     }
+    against_full(&mut criterion, 15.0);
     if std::env::args().any(|a| a == "--helical") {
         return;
     }

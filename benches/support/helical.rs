@@ -1,4 +1,4 @@
-//! Steps of helical gears beside those of the same mesh without helix angle.
+//! Steps of helical gears beside those of the same mesh without helix angle, on bearings, and of full finite elements.
 
 use super::ratio::{Ratios, by_turns};
 use super::scenes::{built, run};
@@ -8,6 +8,9 @@ use gearbench_integrators::{AcceptedStep, Control, NullSink, Resolution, Sink, T
 use gearbench_models::scene::Scene;
 
 const STEP: f64 = 1e-6;
+
+/// Time of the impact that a turn of full finite elements takes [s], and the step of their explicit method.
+const FULL: (f64, f64) = (4e-7, 2e-8);
 
 /// What the gears do.
 #[derive(Clone, Copy, Debug)]
@@ -115,6 +118,39 @@ pub fn bearings(criterion: &mut Ratios, helix: f64, motion: Motion, label: &str)
         ("bearings / none", &id, 1.2),
         ["bearings", "none"],
         scenes,
+    );
+}
+
+/// Wall time of full finite elements per simulated time beside that of elastic gears: the same gears, mesh, contact and
+/// impact. The explicit method takes the first steps of the impact, the elastic gears all of it.
+#[allow(clippy::print_stdout)]
+pub fn against_full(criterion: &mut Ratios, helix: f64) {
+    let (mut full, _) = scene(helix, Motion::Impact, "fe-lumped", false);
+    let (mut elastic, end) = scene(helix, Motion::Impact, "elastic", false);
+    let times = by_turns(
+        criterion,
+        "fe / elastic",
+        &format!("{helix} degrees"),
+        || {
+            let mut method = gearbench_integrators::table::VELOCITY_VERLET.build();
+            let plan = TimePlan::new(FULL.0, Resolution::Step(FULL.1));
+            let (_, _, wall) = run(&mut full, method.as_mut(), &plan, &mut NullSink);
+            let mut method = gearbench_integrators::table::TRIGONOMETRIC.build();
+            let plan = TimePlan::new(end, Resolution::Step(STEP));
+            let (_, _, beside) = run(&mut elastic, method.as_mut(), &plan, &mut NullSink);
+            [wall / FULL.0, beside / end]
+        },
+    );
+    println!(
+        "{helix} degrees, fe / elastic per simulated time: {:.0} (bar 1000)",
+        times[0] / times[1]
+    );
+    println!(
+        "  fe, {} coordinates: {:.0} ms a microsecond; elastic, {}: {:.3} ms",
+        full.layout().n,
+        times[0] * 1e-3,
+        elastic.layout().n,
+        times[1] * 1e-3
     );
 }
 

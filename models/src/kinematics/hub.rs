@@ -183,8 +183,12 @@ impl Hub {
                 origin: self.centre + along * self.axes[0],
             };
         }
-        let Motion { x, .. } = self.motion(t, q, &[]);
-        let mut turned = freedom::tilted(&x);
+        self.frame_of(&self.motion(t, q, &[]).x)
+    }
+
+    /// The same of a hub that has moved by `x` in its six directions.
+    fn frame_of(&self, x: &[f64; 6]) -> HubFrame {
+        let mut turned = freedom::tilted(x);
         if self.slide.is_some() {
             turned *= freedom::turn(x[5]);
         }
@@ -221,22 +225,15 @@ impl Hub {
     /// The same where the hub is now.
     #[inline]
     pub fn effective_radius_at(&self, t: f64, q: &[f64], x: &Vec3, n: &Vec3) -> f64 {
-        if self.lateral.is_none() {
-            return self.effective_radius(x, n);
-        }
-        let frame = self.frame(t, q);
-        match self.slide {
-            None => frame.axes[2].dot(&(x - frame.origin).cross(n)),
-            Some(slide) => slide.dot(n),
-        }
+        self.effective_radius_on(self.standing(t, q).as_ref(), x, n)
     }
 
     /// Appends `S^T [n; (x - c) x n]` with the free directions `S` to a row; returns the part of `d(x . n)/dt` [m/s]
     /// that driven directions prescribe.
     #[inline]
     pub fn point_row(&self, t: f64, q: &[f64], x: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
-        if self.lateral.is_some() {
-            return self.lateral_row(t, q, x, n, row, true);
+        if let Some(standing) = self.standing(t, q) {
+            return self.lateral_row_on(t, &standing, (x, n), row, true);
         }
         let along = self.effective_radius(x, n);
         if self.is_free() {
@@ -244,55 +241,6 @@ impl Hub {
             return 0.0;
         }
         along * self.speed(t, &[])
-    }
-
-    /// The row of a hub with lateral directions; `own` leaves out that of its own motion where a tooth stands for it.
-    pub fn lateral_row(
-        &self,
-        t: f64,
-        q: &[f64],
-        x: &Vec3,
-        n: &Vec3,
-        row: &mut Row,
-        with_own: bool,
-    ) -> f64 {
-        let Some(lateral) = &self.lateral else {
-            return 0.0;
-        };
-        let motion = self.motion(t, q, &[]);
-        let own = self.moving();
-        let u = Vec3::new(motion.x[0], motion.x[1], motion.x[2]);
-        let r = x - self.centre - self.in_space(&u);
-        // Force and moment in the axes of the hub.
-        let local = |y: &Vec3| {
-            Vec3::new(
-                self.axes[0].dot(y),
-                self.axes[1].dot(y),
-                self.axes[2].dot(y),
-            )
-        };
-        let (force, moment) = (local(n), local(&r.cross(n)));
-        let axes = freedom::rotation_axes(&motion.x);
-        let component = |d: usize| match d {
-            0..3 => force[d],
-            _ => axes[d - 3].dot(&moment),
-        };
-        let first = usize::from(self.is_free());
-        row.push_span(first, lateral.free(own).map(component));
-        let driven = |d: usize| matches!(lateral.directions[d], Freedom::Driven(_)) && d != own;
-        let rates = motion.v;
-        let mut prescribed: f64 = (0..6)
-            .filter(|d| driven(*d))
-            .map(|d| component(d) * rates[d])
-            .sum();
-        if with_own {
-            if self.is_free() {
-                row.push(0, component(own));
-            } else {
-                prescribed += component(own) * self.speed(t, &[]);
-            }
-        }
-        prescribed
     }
 
     /// Whether a part of its motion is prescribed.
@@ -336,5 +284,8 @@ impl Hub {
     }
 }
 
+mod standing;
 #[cfg(test)]
 mod tests;
+
+pub use standing::Standing;

@@ -264,12 +264,19 @@ impl Scene {
     pub(super) fn nodal_drift(&self, a: &NodalActive, along: (Vec3, f64), at: At<'_>) -> f64 {
         let p = &self.work.nodal.found.points[a.point];
         let mesh = &self.meshes[p.mesh as usize];
+        let standings = mesh.gears.map(|g| {
+            let own = self.gears[g].at(at);
+            self.gears[g].model.hub().hub.standing(own.t, own.q)
+        });
         let (effective_radii, mut drift) = rows_of(
             &self.gears,
             mesh,
             p,
             along,
-            &self.work.nodal.found,
+            (
+                &self.work.nodal.found,
+                standings.each_ref().map(Option::as_ref),
+            ),
             at,
             &mut Row::default(),
         );

@@ -30,6 +30,9 @@ pub struct GearNodes {
     stamp: u32,
     /// Residual displacements and forces of the last evaluation by flank node: where an active set begins.
     last: Vec<f64>,
+    /// How much those displacements had changed since the evaluation before [m], where the node had been met there too, and
+    /// the stamp of the last one.
+    changes: Vec<(f64, u32)>,
     pressed: Vec<f64>,
 }
 
@@ -37,7 +40,11 @@ impl GearNodes {
     /// Begins an evaluation with a load on the hub.
     pub fn begin(&mut self, load: f64) {
         for ((&node, &u), &f) in self.nodes.iter().zip(&self.residual).zip(&self.force) {
-            self.last[node as usize] = u;
+            let (change, stamp) = &mut self.changes[node as usize];
+            let followed = stamp.wrapping_add(1) == self.stamp;
+            let last = &mut self.last[node as usize];
+            (*change, *stamp) = (if followed { u - *last } else { 0.0 }, self.stamp);
+            *last = u;
             self.pressed[node as usize] = f;
         }
         self.nodes.clear();
@@ -93,6 +100,7 @@ impl GearNodes {
             && most as usize >= self.last.len()
         {
             self.last.resize(most as usize + 1, 0.0);
+            self.changes.resize(most as usize + 1, (0.0, 0));
             self.pressed.resize(most as usize + 1, 0.0);
         }
         first as u32
@@ -152,10 +160,13 @@ impl GearNodes {
         self.pressed[self.nodes[slot as usize] as usize] > 0.0
     }
 
-    /// Residual displacement of the node at a slot in the last evaluation [m].
+    /// Residual displacement of the node at a slot if it goes on as in the last two evaluations [m].
     #[inline]
-    pub fn before(&self, slot: u32) -> f64 {
-        self.last[self.nodes[slot as usize] as usize]
+    pub fn expected(&self, slot: u32) -> f64 {
+        let node = self.nodes[slot as usize] as usize;
+        let (change, stamp) = self.changes[node];
+        let followed = stamp.wrapping_add(1) == self.stamp;
+        self.last[node] + if followed { change } else { 0.0 }
     }
 }
 

@@ -13,6 +13,7 @@
 //! of centres, the flanks they face on both sides, points of these. Where tooth numbers do not tell the first two, boxes
 //! about the flanks do (`coarse`).
 
+mod chords;
 mod coarse;
 mod corners;
 mod flanked;

@@ -304,7 +304,7 @@ impl MeshFlanks {
             m_active,
             number(master.shape, hit.row, hit.column),
             [hit.a, hit.b],
-            hit.x,
+            hit.spot.x,
         );
         if *k == 0 {
             [of_slave, of_master]

@@ -59,7 +59,12 @@ impl Patch {
     #[inline]
     pub fn eval(&self, a: f64, b: f64) -> Spot {
         let Patch { p, q, r, s } = self;
-        let t: [Vec3; 4] = std::array::from_fn(|i| p[i] + b * q[i]);
+        let t = [
+            p[0] + b * q[0],
+            p[1] + b * q[1],
+            p[2] + b * q[2],
+            p[3] + b * q[3],
+        ];
         let (r2, r3) = (r[0] + a * s[0], r[1] + a * s[1]);
         let square = b * b;
         Spot {
@@ -78,7 +83,12 @@ impl Patch {
     #[inline]
     pub fn position(&self, a: f64, b: f64) -> Vec3 {
         let Patch { p, q, r, s } = self;
-        let t: [Vec3; 4] = std::array::from_fn(|i| p[i] + b * q[i]);
+        let t = [
+            p[0] + b * q[0],
+            p[1] + b * q[1],
+            p[2] + b * q[2],
+            p[3] + b * q[3],
+        ];
         let (r2, r3) = (r[0] + a * s[0], r[1] + a * s[1]);
         t[0] + a * (t[1] + a * (t[2] + a * t[3])) + b * b * (r2 + b * r3)
     }

@@ -5,6 +5,7 @@
 //! [projections on surfaces](super::projection) holds here: beyond an edge the neighbour is asked, between two facets
 //! that both send a point to the other the closest point is their common edge.
 
+use super::chords::{Bulge, Chord, chords, on_curve};
 use super::projection::{NEAR_EDGE, OVERLAP, RIM, beyond_tip};
 use super::rule::Rule;
 use super::surface::Shape;
@@ -21,7 +22,6 @@ const CLOSE: f64 = 1e-4;
 pub(super) const NEARLY: f64 = 1e-2;
 /// Newton iterations on a face.
 const ITERATIONS: usize = 20;
-
 /// A profile, from the root to the tip.
 #[derive(Clone, Debug)]
 pub(super) struct Profile {
@@ -30,9 +30,8 @@ pub(super) struct Profile {
     faceted: bool,
     /// Coefficients of each face.
     curves: Vec<[Vec2; 4]>,
-    /// Outward unit normal of each chord, its distance from the origin [m], and how far the profile may leave it
-    /// within the neighbouring rows.
-    chords: Vec<(Vec2, f64, f64)>,
+    chords: Vec<Chord>,
+    bulges: Vec<Bulge>,
     /// Squared radius [m^2] (height [m] of a rack) of each node.
     heights: Vec<f64>,
     /// Reciprocal differences of these.
@@ -101,17 +100,7 @@ impl Profile {
                 ]
             })
             .collect();
-        let chords = (0..shape.rows - 1)
-            .map(|row| {
-                let along = knots[row + 1] - knots[row];
-                let n = outward(shape.side, &along) / along.norm();
-                (
-                    n,
-                    n.dot(&(0.5 * (knots[row] + knots[row + 1]))),
-                    shape.chord_bound[row],
-                )
-            })
-            .collect();
+        let (chords, bulges) = chords(shape.side, &knots, &curves);
         let points = if rule.is_nodes() {
             knots.clone()
         } else {
@@ -131,6 +120,7 @@ impl Profile {
             heights: shape.heights.clone(),
             curves,
             chords,
+            bulges,
             knots,
             points,
         }
@@ -208,15 +198,20 @@ impl Profile {
     /// A gap [m] that a point facing a face surely has.
     #[inline]
     pub fn clearance_bound(&self, x: &Vec2, row: usize) -> f64 {
-        let (n, d, chord_bound) = &self.chords[row];
-        n.dot(x) - d - chord_bound
+        let chord = &self.chords[row];
+        chord.normal.dot(x) - chord.distance - chord.out
+    }
+
+    /// How much less than at both its ends a face's gap to faces of a master may be in between [m].
+    #[inline]
+    pub fn dip(&self, row: usize, master: &Profile, faces: [usize; 2]) -> f64 {
+        self.bulges[row].dip(faces.map(|face| &master.bulges[face]))
     }
 
     /// Place of a face's curve.
     #[inline]
     pub fn place(&self, row: usize, a: f64) -> Vec2 {
-        let [c0, c1, c2, c3] = &self.curves[row];
-        c0 + a * (c1 + a * (c2 + a * c3))
+        on_curve(&self.curves[row], a)
     }
 
     /// Closest point of a face's curve, continued beyond its ends, once a Newton step is smaller than `close`.
@@ -226,7 +221,7 @@ impl Profile {
         if self.faceted {
             let per = c1.dot(c1).recip();
             a = (c1.dot(&(x - c0)) * per).clamp(-2.0, 3.0);
-            let normal = self.chords[row].0;
+            let normal = self.chords[row].normal;
             return Foot {
                 row,
                 a,
@@ -350,6 +345,6 @@ impl Profile {
 
 /// A tangent towards the tip turned outwards of the tooth.
 #[inline]
-fn outward(side: Side, along: &Vec2) -> Vec2 {
+pub(super) fn outward(side: Side, along: &Vec2) -> Vec2 {
     side.sign() * Vec2::new(-along.y, along.x)
 }

@@ -21,14 +21,37 @@ pub(super) struct Hit {
     /// Place on the face, 0 to 1 within it.
     pub a: f64,
     pub b: f64,
-    /// Position of the closest point [m].
-    pub x: Vec3,
+    /// The closest point [m], with the derivatives there but for what the last correction moved the second ones by.
+    pub spot: Spot,
     /// Unit normal of the flank, out of the tooth.
     pub normal: Vec3,
     /// Distance along it [m], positive outside.
     pub gap: f64,
     /// On an edge between faces, where the place moves in one direction only.
     pub edge: Option<Edge>,
+}
+
+impl Hit {
+    /// How its place answers to a displacement of the point `x` against the flank [1/m].
+    #[inline]
+    pub fn sensitivity(&self, x: &Vec3) -> [Vec3; 2] {
+        let spot = &self.spot;
+        let r = x - spot.x;
+        let aa = spot.along.dot(&spot.along) - spot.bend[0].dot(&r);
+        let ab = spot.along.dot(&spot.across) - spot.bend[1].dot(&r);
+        let bb = spot.across.dot(&spot.across) - spot.bend[2].dot(&r);
+        match self.edge {
+            None => {
+                let per = (aa * bb - ab * ab).recip();
+                [
+                    per * (bb * spot.along - ab * spot.across),
+                    per * (aa * spot.across - ab * spot.along),
+                ]
+            }
+            Some(Edge::Along) => [spot.along / aa, Vec3::zeros()],
+            Some(Edge::Across) => [Vec3::zeros(), spot.across / bb],
+        }
+    }
 }
 
 /// Along which lines of the grid an edge between faces runs.
@@ -195,30 +218,10 @@ impl Deformed<'_> {
             column,
             a,
             b,
-            x: spot.x,
+            spot,
             normal,
             gap: normal.dot(&(x - spot.x)),
             edge: None,
-        }
-    }
-
-    /// How the place of the closest point answers to a displacement of `x` against the flank [1/m].
-    pub fn sensitivity(&self, x: &Vec3, hit: &Hit) -> [Vec3; 2] {
-        let spot = self.face(hit.row, hit.column)(hit.a, hit.b);
-        let r = x - spot.x;
-        let aa = spot.along.dot(&spot.along) - spot.bend[0].dot(&r);
-        let ab = spot.along.dot(&spot.across) - spot.bend[1].dot(&r);
-        let bb = spot.across.dot(&spot.across) - spot.bend[2].dot(&r);
-        match hit.edge {
-            None => {
-                let det = aa * bb - ab * ab;
-                [
-                    (bb * spot.along - ab * spot.across) / det,
-                    (aa * spot.across - ab * spot.along) / det,
-                ]
-            }
-            Some(Edge::Along) => [spot.along / aa, Vec3::zeros()],
-            Some(Edge::Across) => [Vec3::zeros(), spot.across / bb],
         }
     }
 
@@ -257,7 +260,7 @@ impl Deformed<'_> {
         Hit {
             a,
             b,
-            x: spot.x,
+            spot,
             normal,
             gap: normal.dot(&r),
             edge: Some(if turned { Edge::Along } else { Edge::Across }),

@@ -261,7 +261,7 @@ impl FlankPoints {
             teeth: points.map(|p| p.tooth),
             x: *x,
             normal: hit.normal,
-            sensitivity: master.sensitivity(x, hit),
+            sensitivity: hit.sensitivity(x),
             place: [hit.a, hit.b],
             slots,
             weights,

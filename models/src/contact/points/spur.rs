@@ -148,7 +148,6 @@ impl Pair<'_> {
     ) {
         let m = 1 - k;
         let (slave, master) = (self.profile(k), self.profile(m));
-        let chord_bound = &self.shape(k).chord_bound;
         let turn = &self.turns[k];
         let SpurScratch { rows, clear, .. } = buffers;
         // Rows from the best place outwards, until they stand off.
@@ -160,7 +159,7 @@ impl Pair<'_> {
         let mut look = |row: usize, clear: &mut Vec<(f64, usize)>| {
             clear[row] = master.clearance(&turn.point(&slave.knots[row]), from);
             from = clear[row].1;
-            clear[row].0 <= self.limit + chord_bound[row.min(chord_bound.len() - 1)]
+            clear[row].0 <= self.limit + slave.dip(row.min(slave.faces() - 1), master, [from; 2])
         };
         let (mut low, mut high) = (middle, middle + 1);
         let mut on = look(low, clear);
@@ -173,8 +172,10 @@ impl Pair<'_> {
             high += 1;
             on = look(high, clear);
         }
-        let clearance_bound =
-            |row: usize| clear[row].0.min(clear[row + 1].0) > self.limit + chord_bound[row];
+        let clearance_bound = |row: usize| {
+            let (a, b) = (clear[row], clear[row + 1]);
+            a.0.min(b.0) > self.limit + slave.dip(row, master, [a.1, b.1])
+        };
         while low < high && clearance_bound(low) {
             low += 1;
         }

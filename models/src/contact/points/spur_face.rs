@@ -139,7 +139,7 @@ impl Held<'_, '_, '_> {
             let rows = &self.master_rows[faces[0]..=faces[1] + 1];
             rise += Self::rise(self.of_master, rows, m_shape.columns);
         }
-        if c0.0.min(c1.0) - rise > gap_bound.gap() + s_shape.chord_bound[row] {
+        if c0.0.min(c1.0) - rise > gap_bound.gap() + slave.dip(row, master, faces) {
             return;
         }
         let nodes = spur.along.is_empty();

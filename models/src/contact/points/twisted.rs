@@ -28,6 +28,7 @@
 //! which points are wanted, and where the search in space begins; what is found in the end is that of the surfaces.
 
 use super::flanked::Flanked;
+use super::mesh_flanks::MeshFlanks;
 use super::patch::Patch;
 use super::profile::{NEARLY, Profile, Vec2};
 use super::rule::Rule;
@@ -55,6 +56,8 @@ pub(super) struct Twisted {
     /// Faces of each flank.
     pub patches: [Vec<Vec<Patch>>; 2],
     pub twists: [Twist; 2],
+    /// Points of the rule on each flank in its own frame, in the order of their areas.
+    pub points: [Vec<Vec<Vec3>>; 2],
     /// Places over the width of the points of each gear, as slave.
     pub cells: [Vec<TwistedCell>; 2],
     /// Points along the profile of a face with their weights; none where points are nodes.
@@ -193,9 +196,18 @@ impl Twisted {
         };
         // Columns of all flanks of a gear stand at the same heights.
         let alike = |g: &Flanked| g.shapes.iter().all(|s| s.z == g.shapes[0].z);
+        let patches =
+            [0, 1].map(|k| -> Vec<Vec<Patch>> { gears[k].shapes.iter().map(Patch::all).collect() });
+        let points = [0, 1].map(|k| {
+            let flanks = gears[k].shapes.iter().zip(&patches[k]);
+            flanks
+                .map(|(shape, patches)| points(shape, patches, rule))
+                .collect()
+        });
         gears.iter().all(alike).then(|| Twisted {
             profiles,
-            patches: [0, 1].map(|k| gears[k].shapes.iter().map(Patch::all).collect()),
+            patches,
+            points,
             twists,
             cells: [of(0), of(1)],
             along: rule.along.clone(),
@@ -267,6 +279,36 @@ impl Twisted {
         }));
     }
 
+    /// By how much the path coordinate of a left flank of the first gear grows from the middle to a height [m].
+    #[inline]
+    pub fn path_by_height(&self, of: &MeshFlanks, z: f64) -> f64 {
+        of.gears[0].base_radius.unwrap_or(0.0) * self.twists[0].rate * z
+    }
+
+    /// The place on the profile of the slave `k` that faces the master best, in a section where the first gear's flank stands
+    /// at the path coordinate `s` [m]: where the line of action crosses it, or, where it leaves a flank, the end of that
+    /// flank. `turn` leads to the section of the master.
+    pub fn facing(
+        [first, second]: [&Profile; 2],
+        k: usize,
+        (of, s): (&MeshFlanks, f64),
+        turn: &Turn,
+    ) -> Vec2 {
+        let rb = of.gears[0].base_radius.unwrap_or(0.0);
+        let back = turn.inverse();
+        let [to_second, to_first] = if k == 0 { [turn, &back] } else { [&back, turn] };
+        let x = first.at_height(rb * rb + s.max(0.0).powi(2));
+        let height = second.height(&to_second.point(&x));
+        if k == 1 {
+            return second.at_height(height);
+        }
+        if second.reaches(height) {
+            return x;
+        }
+        let y = second.at_height(height);
+        first.at_height(first.height(&to_first.point(&y)))
+    }
+
     /// Height over the middle of the master of a place in a section of the slave.
     pub fn height(seen: &Pose, cell: &TwistedCell, x: &Vec2) -> f64 {
         let own = cell.from_slave.point(x);
@@ -278,6 +320,19 @@ impl Twisted {
     pub fn doubt(&self, gap: f64, displacements: f64) -> f64 {
         self.off + SECOND_ORDER * (gap.abs() + displacements)
     }
+}
+
+/// Points of the rule on a flank in its own frame, in the order of their areas.
+fn points(shape: &Shape, patches: &[Patch], rule: &Rule) -> Vec<Vec3> {
+    let mut all = Vec::with_capacity(shape.areas.len());
+    shape.points(
+        rule,
+        |_, _| true,
+        |p| {
+            all.push(patches[p.row * (shape.columns - 1) + p.column].position(p.a, p.b));
+        },
+    );
+    all
 }
 
 /// The profile of a shape in the section at height zero, and how far the shape leaves it when that is twisted [m].

@@ -4,10 +4,10 @@ use super::corners::{Corners, weights};
 use super::flanked::Near;
 use super::mesh_flanks::MeshFlanks;
 use super::patch::Patch;
-use super::profile::{Profile, Vec2};
+use super::profile::Profile;
 use super::projection::{Begin, Deformed, Fade, MOST_PAST};
 use super::rule::FlankPoint;
-use super::sections::{Cell, Turn};
+use super::sections::Cell;
 use super::spur::{Facing, facing};
 use super::stand::Stand;
 use super::surface::Shape;
@@ -66,7 +66,8 @@ impl Twisted {
                         of,
                         profiles: [0, 1].map(|k| &self.profiles[k][near[k].shape]),
                         shapes: [0, 1].map(|k| &of.gears[k].shapes[near[k].shape]),
-                        patches: [0, 1].map(|k| &*self.patches[k][near[k].shape]),
+                        patches: &self.patches[1 - k][near[1 - k].shape],
+                        points: [0, 1].map(|k| &*self.points[k][near[k].shape]),
                         s: a.s,
                         teeth: [0, 1].map(|k| of.tooth(k, near[k])),
                         side: *side,
@@ -111,7 +112,10 @@ struct Pass<'a, 'b> {
     of: &'a MeshFlanks,
     profiles: [&'a Profile; 2],
     shapes: [&'a Shape; 2],
-    patches: [&'a [Patch]; 2],
+    /// Faces of the master.
+    patches: &'a [Patch],
+    /// Points of both flanks, in the order of their areas.
+    points: [&'a [Vec3]; 2],
     /// Path coordinate of the first gear's flank at height zero [m].
     s: f64,
     teeth: [Tooth; 2],
@@ -140,36 +144,12 @@ impl<'a> Pass<'a, '_> {
         along - self.twisted.doubt(along, 0.0)
     }
 
-    /// The place on the slave's profile that faces the master best: where the line of action crosses it, or, where it
-    /// leaves a flank, the end of that flank.
-    fn start(&self, z: f64, turn: &Turn) -> Vec2 {
-        let (first, second) = (self.profiles[0], self.profiles[1]);
-        let rb = self.of.gears[0].base_radius.unwrap_or(0.0);
-        let s = self.s + self.side.sign() * rb * self.twisted.twists[0].rate * z;
-        let back = turn.inverse();
-        let [to_second, to_first] = if self.k == 0 {
-            [turn, &back]
-        } else {
-            [&back, turn]
-        };
-        let x = first.at_height(rb * rb + s.max(0.0).powi(2));
-        let height = second.height(&to_second.point(&x));
-        if self.k == 1 {
-            return second.at_height(height);
-        }
-        if second.reaches(height) {
-            return x;
-        }
-        let y = second.at_height(height);
-        first.at_height(first.height(&to_first.point(&y)))
-    }
-
     /// Points at a place over the width: rows from the best place outwards, until they stand off.
     fn cell(&mut self, of_cell: &TwistedCell, map: &SectionMap) {
         let (slave, master) = (self.profiles[self.k], self.profiles[1 - self.k]);
-        let chord_bound = &self.shapes[self.k].chord_bound;
         let mut cell = of_cell.cell;
-        let start = self.start(cell.z, &map.turn);
+        let path = self.s + self.side.sign() * self.twisted.path_by_height(self.of, cell.z);
+        let start = Twisted::facing(self.profiles, self.k, (self.of, path), &map.turn);
         if !self.twisted.parallel {
             let z = Twisted::height(self.frame, of_cell, &start);
             (cell.on, cell.b_on) = self.shapes[1 - self.k].column_at(z);
@@ -187,7 +167,7 @@ impl<'a> Pass<'a, '_> {
             from = face;
             let gap = self.in_space(gap);
             self.clear[row] = (gap, face);
-            gap <= self.limit + chord_bound[row.min(chord_bound.len() - 1)]
+            gap <= self.limit + slave.dip(row.min(slave.faces() - 1), master, [face; 2])
         };
         let (mut low, mut high) = (middle, middle + 1);
         let mut on = look(low);
@@ -213,21 +193,21 @@ impl<'a> Pass<'a, '_> {
         let (k, m) = (self.k, 1 - self.k);
         let (s_shape, m_shape) = (self.shapes[k], self.shapes[m]);
         let (c0, c1) = (self.clear[row], self.clear[row + 1]);
-        let least = c0.0.min(c1.0) - s_shape.chord_bound[row];
+        let dip = self.profiles[k].dip(row, self.profiles[m], [c0.1, c1.1]);
+        let least = c0.0.min(c1.0) - dip;
         if least > self.limit {
             return;
         }
         // With the displacements at hand the face may stand off.
         let of_slave = Corners::of(&mut self.sides[k], s_shape, row, cell.column);
-        let mut rise = of_slave.highest();
-        if self.sides[m].field.is_some() {
-            let mut highest = f64::NEG_INFINITY;
-            for face in c0.1.min(c1.1)..=c0.1.max(c1.1) {
-                let corners = Corners::of(&mut self.sides[m], m_shape, face, cell.on);
-                highest = highest.max(corners.highest());
-            }
-            rise += highest;
+        let of_master = Corners::of(&mut self.sides[m], m_shape, c0.1, cell.on);
+        let mut highest = of_master.highest();
+        let others = c0.1.min(c1.1)..=c0.1.max(c1.1);
+        for face in others.filter(|face| *face != c0.1) {
+            let corners = Corners::of(&mut self.sides[m], m_shape, face, cell.on);
+            highest = highest.max(corners.highest());
         }
+        let rise = of_slave.highest() + highest;
         if least - rise > self.gap_bound.gap() {
             return;
         }
@@ -241,7 +221,7 @@ impl<'a> Pass<'a, '_> {
             map,
             of_slave,
             rise,
-            of_master: Corners::of(&mut self.sides[m], m_shape, c0.1, cell.on),
+            of_master,
             master_face: c0.1,
         };
         // Along a convex flank the gap grows outwards.
@@ -283,6 +263,14 @@ impl<'a> Pass<'a, '_> {
         }
         let tip = m_shape.lengths[m_shape.lengths.len() - 1];
         let past = (0.5 * length / tip).min(MOST_PAST);
+        // A point that faces the flank, and surely stands off.
+        let least = self.in_space(master.clearance_bound(&x, face));
+        let least_doubt = twisted.doubt(least, on.rise.abs());
+        if (0.0..=1.0).contains(&place)
+            && (least > self.limit || least - on.rise - least_doubt > self.gap_bound.gap())
+        {
+            return false;
+        }
         let s_weights = weights(a, cell.b);
         // Where the projection in the section leaves the flank the one in space decides.
         let mut begin = Begin {
@@ -317,43 +305,43 @@ impl<'a> Pass<'a, '_> {
                 cell.b_on - along / width,
             ];
         }
-        let area = if nodes {
-            s_shape.areas[(row + i) * s_shape.columns + cell.index]
+        let number = if nodes {
+            (row + i) * s_shape.columns + cell.index
         } else {
             let face = row * (s_shape.columns - 1) + cell.column;
-            s_shape.areas[(face * count + i) * twisted.across + cell.index]
+            (face * count + i) * twisted.across + cell.index
         };
         let point = FlankPoint {
             row,
             column: cell.column,
             a,
             b: cell.b,
-            area,
+            area: s_shape.areas[number],
             length,
         };
-        self.point(&point, &s_weights, on, begin, past);
+        let own = &self.points[k][number];
+        self.point((&point, own), &s_weights, on, begin, past);
         true
     }
 
     /// A point held against the surface of the master, all in the master's own frame.
     fn point(
         &mut self,
-        p: &FlankPoint,
+        (p, own): (&FlankPoint, &Vec3),
         s_weights: &[f64; 4],
         on: &mut FaceOf<'_>,
         begin: Begin,
         past: f64,
     ) {
         let (k, m) = (self.k, 1 - self.k);
-        let (s_shape, m_shape) = (self.shapes[k], self.shapes[m]);
+        let m_shape = self.shapes[m];
         self.work.projections += 1;
-        let own = self.patches[k][p.row * (s_shape.columns - 1) + p.column].position(p.a, p.b);
-        let x = self.frame.point(&own);
+        let x = self.frame.point(own);
         let surface = Deformed {
             shape: m_shape,
             x: &m_shape.positions,
             pose: &Pose::STILL,
-            patches: Some(self.patches[m]),
+            patches: Some(self.patches),
         };
         let Some(hit) = surface.project(&x, begin, past) else {
             return;
@@ -388,9 +376,9 @@ impl<'a> Pass<'a, '_> {
             partner: None,
             line: None,
             teeth: self.teeth,
-            x: self.poses[k].point(&own),
+            x: self.poses[k].point(own),
             normal: pose.turn(&hit.normal),
-            sensitivity: surface.sensitivity(&x, &hit).map(|e| pose.turn(&e)),
+            sensitivity: hit.sensitivity(&x).map(|e| pose.turn(&e)),
             place: [hit.a, hit.b],
             slots,
             weights,

@@ -40,9 +40,10 @@ impl GearModel for MovableTeeth {
         // A tooth outside its window carries no force, so the mean stands for it.
         let i = self.own_or_mean(at.discrete, p.tooth);
         let hub = &self.hub.hub;
-        row.push(i, hub.effective_radius_at(at.t, at.q, &p.x, n));
+        let standing = hub.standing(at.t, at.q);
+        row.push(i, hub.effective_radius_on(standing.as_ref(), &p.x, n));
         // A tooth has a coordinate whatever its hub does: nothing of its turn is prescribed.
-        hub.lateral_row(at.t, at.q, &p.x, n, row, false)
+        standing.map_or(0.0, |s| hub.lateral_row_on(at.t, &s, (&p.x, n), row, false))
     }
 
     fn forces(&mut self, at: At<'_>, f: &mut [f64]) {

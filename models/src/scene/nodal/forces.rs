@@ -4,7 +4,7 @@ use super::islands::{Nodal, NodalActive};
 use crate::Vec3;
 use crate::contact::nodal::{GearNodes, NodalPoint, NodalPoints, UNUSED, weighted};
 use crate::geometry::along_profile;
-use crate::kinematics::Row;
+use crate::kinematics::{Row, Standing};
 use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::At;
 
@@ -66,6 +66,11 @@ impl Nodal {
         }
     }
 
+    /// How the hubs of a mesh stand at the state of the evaluation.
+    fn standings(&self, mesh: &SceneMesh) -> [Option<&Standing>; 2] {
+        mesh.gears.map(|g| self.standings[g].as_ref())
+    }
+
     /// Effective radii of a point along its direction, and the rate of its gap before residual compliance, by the
     /// [velocities](Self::rates) of the nodes.
     fn rate_along(
@@ -99,7 +104,8 @@ impl Nodal {
                 (of_line, row.dot(at.v))
             }
             None => {
-                let (radii, drift) = rows_of(gears, mesh, p, along, &self.found, at, row);
+                let stand = self.standings(mesh);
+                let (radii, drift) = rows_of(gears, mesh, p, along, (&self.found, stand), at, row);
                 (radii, drift + row.dot(at.v))
             }
         };
@@ -236,6 +242,7 @@ impl Nodal {
                 self.deformed_rows(p, gears, mesh, at, row);
             }
             self.rows[i] = rows;
+            let stand = mesh.gears.map(|g| self.standings[g].as_ref());
             let a = &mut self.active[i];
             let [row, sliding] = &mut self.rows[i];
             if a.force.n == 0.0 {
@@ -255,11 +262,11 @@ impl Nodal {
                     let ln_force = self.found.lines[line as usize].ln_force;
                     [0, 1].map(|k| radii[k] + by_place * ln_force[k] / a.force.n)
                 }
-                _ => rows_of(gears, mesh, p, along, &self.found, at, row).0,
+                _ => rows_of(gears, mesh, p, along, (&self.found, stand), at, row).0,
             };
             if mesh.friction.is_some() {
                 let along = (a.sliding.direction, 0.0);
-                rows_of(gears, mesh, p, along, &self.found, at, sliding);
+                rows_of(gears, mesh, p, along, (&self.found, stand), at, sliding);
             }
             for k in 0..2 {
                 self.torque[mesh.gears[k]] += a.effective_radii[k] * a.force.n
@@ -293,13 +300,13 @@ impl Nodal {
 
 /// Effective radii of hubs of gears with a field for a direction of motion of the slave over the master, and, in `row`,
 /// the entries of the others and of the other directions of hubs, whose prescribed part of the speed is returned. With the direction comes the gap that a
-/// point fades out with.
+/// point fades out with, with the points how both hubs stand.
 pub(in crate::scene) fn rows_of(
     gears: &[SceneGear],
     mesh: &SceneMesh,
     p: &NodalPoint,
     (direction, faded): (Vec3, f64),
-    found: &NodalPoints,
+    (found, standings): (&NodalPoints, [Option<&Standing>; 2]),
     at: At<'_>,
     row: &mut Row,
 ) -> ([f64; 2], f64) {
@@ -320,11 +327,12 @@ pub(in crate::scene) fn rows_of(
             }
             _ => {
                 let (hub, own) = (&g.model.hub().hub, g.at(at));
-                effective_radii[k] = sign * hub.effective_radius_at(own.t, own.q, &p.x, &direction);
-                if hub.lateral.is_some() {
+                let stand = standings[k];
+                effective_radii[k] = sign * hub.effective_radius_on(stand, &p.x, &direction);
+                if let Some(stand) = stand {
                     row.target(g.offset, sign);
-                    let aside = hub.lateral_row(own.t, own.q, &p.x, &direction, row, false);
-                    drift += sign * aside;
+                    let along = (&p.x, &direction);
+                    drift += sign * hub.lateral_row_on(own.t, stand, along, row, false);
                 }
             }
         }

@@ -6,7 +6,7 @@ use crate::contact::nodal::{
     Spring,
 };
 use crate::gear::HubBody;
-use crate::kinematics::Row;
+use crate::kinematics::{Row, Standing};
 use crate::law::{FrictionForce, LawForce};
 use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::{At, HalfKick};
@@ -141,6 +141,8 @@ pub(in crate::scene) struct Nodal {
     pub islands: Vec<Island>,
     /// One per gear of the scene.
     pub gears: Vec<GearNodes>,
+    /// How the hubs of the gears stand.
+    pub standings: Vec<Option<Standing>>,
     /// Torque (force along the slide) of the points at hubs of gears that move as one but for a field.
     pub torque: Vec<f64>,
     pub active: Vec<NodalActive>,

@@ -20,6 +20,11 @@ impl Nodal {
         self.torque.fill(0.0);
         self.failed = false;
         self.found.clear();
+        self.standings.clear();
+        self.standings.extend(gears.iter().map(|g| {
+            let own = g.at(at);
+            g.model.hub().hub.standing(own.t, own.q)
+        }));
         for (g, nodes) in gears.iter().zip(&mut self.gears) {
             if g.model.displacement().is_some() {
                 let load = if g.model.hub().is_free() {
@@ -144,7 +149,7 @@ impl Nodal {
                 if nodes.index[slot] != UNUSED {
                     nodes.index[slot] = self.numbers.len() as u32;
                     self.numbers.push(nodes.nodes[slot]);
-                    self.guess.push(nodes.before(slot as u32));
+                    self.guess.push(nodes.expected(slot as u32));
                 }
             }
             let len = self.numbers.len() - begin;
