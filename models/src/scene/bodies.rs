@@ -72,6 +72,22 @@ impl Scene {
         gear: usize,
         body: &Pictured,
     ) -> Result<Displaced, BuildError> {
+        let mut found = self.seen(at, |scene, seen| scene.seen_body(seen, gear, body))?;
+        let Displaced {
+            rigid,
+            displacement,
+        } = &mut found;
+        self.carriers.lift(gear, at, [rigid, displacement]);
+        Ok(found)
+    }
+
+    /// The same where carriers do not turn.
+    fn seen_body(
+        &mut self,
+        at: At<'_>,
+        gear: usize,
+        body: &Pictured,
+    ) -> Result<Displaced, BuildError> {
         let Some(swept) = &body.swept else {
             self.evaluate_contacts(at);
             let g = &self.gears[gear];

@@ -36,7 +36,10 @@ impl Scene {
         let mut found = self.seen(at, |scene, seen| {
             scene.seen_deformed(seen, gear, teeth, height)
         });
-        self.carriers.lift(gear, at, &mut found);
+        for flank in &mut found {
+            let (places, displacements) = (&mut flank.with_hub, &mut flank.displacement);
+            self.carriers.lift(gear, at, [places, displacements]);
+        }
         found
     }
 

@@ -3,7 +3,6 @@
 use super::plan::Sets;
 use crate::Vec3;
 use crate::kinematics::HubFrame;
-use crate::scene::deformed::DeformedFlank;
 use crate::scene::members::SceneGear;
 use gearbench_integrators::system::At;
 use std::ops::Range;
@@ -264,19 +263,17 @@ impl Carriers {
         }
     }
 
-    /// Sections of flanks that are seen from a carrier, in space.
-    pub fn lift(&self, gear: usize, at: At<'_>, flanks: &mut [DeformedFlank]) {
+    /// Places [m] and displacements of a gear that is seen from a carrier, in space.
+    pub fn lift(&self, gear: usize, at: At<'_>, [places, displacements]: [&mut [Vec3]; 2]) {
         let Some(carrier) = self.of_gear(gear) else {
             return;
         };
         let (turn, moved) = (at.q[carrier.turn], carrier.moved(at));
-        for flank in flanks {
-            for x in &mut flank.with_hub {
-                *x = moved + carrier.turned(turn, &(*x - carrier.centre));
-            }
-            for d in &mut flank.displacement {
-                *d = carrier.turned(turn, d);
-            }
+        for x in places {
+            *x = moved + carrier.turned(turn, &(*x - carrier.centre));
+        }
+        for d in displacements {
+            *d = carrier.turned(turn, d);
         }
     }
 

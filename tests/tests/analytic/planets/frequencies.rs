@@ -167,7 +167,10 @@ fn hold(found: &[f64], printed: &[(&[f64], usize)], within: f64, what: &str) {
     assert_eq!(found.len(), wanted.len(), "{what}: {found:?}");
     for (f, w) in found.iter().zip(&wanted) {
         println!("{what}: {f:.4} for {w}");
-        assert!((f - w).abs() <= within, "{what}: {f} Hz for {w} Hz in {found:?}");
+        assert!(
+            (f - w).abs() <= within,
+            "{what}: {f} Hz for {w} Hz in {found:?}"
+        );
     }
 }
 
@@ -223,7 +226,10 @@ fn cooley_and_parkers_planetary_gear() {
     let unit = (10e6_f64 / 1.86).sqrt() / TAU;
     for (n, rotational, translational) in cases {
         let (spec, contacts) = scene_of(&COOLEY_PARKER, n);
-        let found: Vec<f64> = found(&spec, &contacts[0]).iter().map(|f| f / unit).collect();
+        let found: Vec<f64> = found(&spec, &contacts[0])
+            .iter()
+            .map(|f| f / unit)
+            .collect();
         let printed = [(rotational, 1), (translational, 2), (planet, n - 3)];
         hold(&found, &printed, 5.5e-4, &format!("{n} planets"));
     }
