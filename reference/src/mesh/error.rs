@@ -1,6 +1,7 @@
 //! Why a mesh was refused.
 
 use crate::limits::TooMuchMemory;
+use gearbench_models::geometry::GeometryError;
 
 /// A part of a toothed body, for messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -76,10 +77,8 @@ pub enum MeshError {
         "a sector is one tooth: it cannot have fine and coarse teeth; mesh the whole gear or drop one of both"
     )]
     SectorWithFineTeeth,
-    #[error(
-        "the gear is conical, and meshes are made of cylindrical ones; use rigid gears or movable teeth for conical gears"
-    )]
-    Conical,
+    #[error("the section at the height {height:.6} m cannot be meshed: {why}")]
+    Section { height: f64, why: GeometryError },
     #[error("a rack has neither a web nor sectors: leave them out")]
     RackWithWebOrSector,
     #[error(transparent)]

@@ -31,8 +31,11 @@ pub(super) struct Shape {
     profile: Vec<[Vec3; 2]>,
     /// Bulges of the chords over the width, `row * (columns - 1) + column`; empty without any.
     width: Vec<[Vec3; 2]>,
-    /// Squared radius [m^2] (height [m] of a rack) of each row, ascending to the tip.
+    /// Squared radius [m^2] (height [m] of a rack) of each row, ascending to the tip; on a cone, carried along it to the
+    /// middle of the face.
     pub heights: Vec<f64>,
+    /// How radii grow along the axis of a conical gear.
+    pub cone: Option<Cone>,
     /// z of each column [m].
     pub z: Vec<f64>,
     /// Length of the faces along the profile of each row [m].
@@ -44,7 +47,34 @@ pub(super) struct Shape {
     first_face: u32,
 }
 
+/// The flanks of a conical gear.
+#[derive(Clone, Debug)]
+pub(super) struct Cone {
+    /// Tangent of the angle of the tip cone.
+    pub slope: f64,
+    /// Squared radius [m^2] of each node, column by column.
+    squares: Vec<f64>,
+}
+
 impl Shape {
+    /// The same on a conical gear, whose tip cone has a slope; 0 of a cylindrical one.
+    #[must_use]
+    pub fn on_cone(mut self, slope: f64) -> Self {
+        if slope == 0.0 {
+            return self;
+        }
+        let at = |r: usize, c: usize| &self.positions[r * self.columns + c];
+        let middle = self.columns / 2;
+        let carried = |x: &Vec3| (x.xy().norm() - slope * x.z).powi(2);
+        self.heights = (0..self.rows).map(|r| carried(at(r, middle))).collect();
+        let columns = (0..self.columns).flat_map(|c| (0..self.rows).map(move |r| (r, c)));
+        self.cone = Some(Cone {
+            slope,
+            squares: columns.map(|(r, c)| at(r, c).xy().norm_squared()).collect(),
+        });
+        self
+    }
+
     /// The shape of grid `g` of `flanks`; `rack` says how to measure heights.
     pub fn new(flanks: &Flanks, g: usize, kind: SurfaceKind, rule: &Rule, rack: bool) -> Self {
         let FlankGrid {
@@ -89,6 +119,7 @@ impl Shape {
                 .collect(),
             chord_bound: chord_bound(&(0..rows).map(|r| at(r, mid_column)).collect::<Vec<_>>()),
             positions: positions.clone(),
+            cone: None,
             profile,
             width,
             areas: vec![],
@@ -272,13 +303,24 @@ impl Shape {
         (column, (z - low) / (high - low))
     }
 
-    /// Row whose strip holds a height, and where in it, from 0 to 1 (beyond, outside the flank).
+    /// Row whose strip holds a squared radius (height of a rack) at a place over the width, [`Shape::column_at`], and where in
+    /// it, from 0 to 1 (beyond, outside the flank).
     #[inline]
-    pub fn row_at(&self, height: f64) -> (usize, f64) {
-        let h = &self.heights;
-        let above = h.partition_point(|x| *x <= height);
-        let row = above.saturating_sub(1).min(h.len() - 2);
-        (row, (height - h[row]) / (h[row + 1] - h[row]))
+    pub fn row_at(&self, height: f64, (column, b): (usize, f64)) -> (usize, f64) {
+        let Some(cone) = &self.cone else {
+            let h = &self.heights;
+            let above = h.partition_point(|x| *x <= height);
+            let row = above.saturating_sub(1).min(h.len() - 2);
+            return (row, (height - h[row]) / (h[row + 1] - h[row]));
+        };
+        let (near, far) = cone.squares[column * self.rows..].split_at(self.rows);
+        let b = b.clamp(0.0, 1.0);
+        let at = |row: usize| near[row] + b * (far[row] - near[row]);
+        let mut row = 0;
+        while row + 2 < self.rows && height >= at(row + 1) {
+            row += 1;
+        }
+        (row, (height - at(row)) / (at(row + 1) - at(row)))
     }
 }
 

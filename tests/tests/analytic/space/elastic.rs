@@ -41,8 +41,12 @@ fn pressed() -> Vec<(&'static str, Scene, State)> {
         ("helical with spin terms", 0.25, [toy(), toy()], 0.0, true),
         ("on a rigid gear", 0.25, [toy(), rigid()], 0.0, false),
         ("on movable teeth", 0.25, [teeth(), toy()], 0.0, false),
+        ("conical", 0.0, [reduced(), reduced()], 0.0, false),
     ] {
-        let mut spec = helical_pair(helix, 0.0, true);
+        let mut spec = match name {
+            "conical" => conical::seed_pair(1e-5, 5e-6),
+            _ => helical_pair(helix, 0.0, true),
+        };
         tilt(&mut spec, 0, 4e-4, -2e-4);
         tilt(&mut spec, 1, -3e-4, 3e-4);
         for gear in &mut spec.gears {
@@ -229,9 +233,14 @@ fn contact_of_elastic_gears_adds_no_momentum() {
         ("made-up", [toy(), toy()]),
         ("reduced", [reduced(), reduced()]),
         ("on a rigid gear", [reduced(), rigid()]),
+        ("conical", [reduced(), reduced()]),
+        ("conical on a rigid gear", [reduced(), rigid()]),
     ] {
         for bearing in [false, true] {
-            let mut spec = helical_pair(0.25, 0.0, true);
+            let mut spec = match name.starts_with("conical") {
+                true => conical::seed_pair(1e-5, 5e-6),
+                false => helical_pair(0.25, 0.0, true),
+            };
             tilt(&mut spec, 0, 4e-4, -2e-4);
             for gear in &mut spec.gears {
                 gear.lateral = if bearing { on_bearings() } else { afloat() };
