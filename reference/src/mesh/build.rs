@@ -67,14 +67,10 @@ fn plan<'a>(body: Body<'a>, p: &'a GearMeshParams) -> Result<Plan<'a>, MeshError
             (teeth.collect(), r.teeth(), first + n - 1, r.face_width())
         }
     };
-    let above = match body {
-        Body::Gear(g) if g.is_conical() => conical::above_base(g),
-        _ => 0.0,
-    };
     Ok(Plan {
         body,
         params: p,
-        common: Common::new(body, above, p, layers),
+        common: Common::new(body, p, layers),
         planes: planes(p.width, face_width, p.web.as_ref(), refine(p.kind)),
         teeth,
         all_teeth,

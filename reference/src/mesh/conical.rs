@@ -14,16 +14,23 @@ use super::profile::Body;
 use super::section::{Choices, Common, Section, section};
 use gearbench_models::geometry::{Gear, Side};
 
-/// How far above the higher base circle flanks begin at least, over its radius.
-const ABOVE_BASE: f64 = 1e-6;
+/// Part of the form radius by which a base circle may lie above it.
+const FORM_SLACK: f64 = 1e-6;
 
-/// Radius below which no side has a flank [m].
-pub(super) fn above_base(g: &Gear) -> f64 {
-    let highest = Side::BOTH
-        .map(|side| g.flank(side).base_radius)
-        .into_iter()
-        .fold(0.0, f64::max);
-    highest * (1.0 + ABOVE_BASE)
+/// Refuses sections in which one side would be undercut: its base circle lies above the form circle.
+fn check_undercut(g: &Gear, section: &Gear, height: f64) -> Result<(), MeshError> {
+    for side in Side::BOTH {
+        let (base, form) = (g.flank(side).base_radius, section.r_form());
+        if base > form * (1.0 + FORM_SLACK) {
+            return Err(MeshError::Undercut {
+                side,
+                height,
+                base,
+                form,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// The transverse section at a height [m].
@@ -40,10 +47,12 @@ pub(super) fn over_width(
 ) -> Result<(Section, Vec<Layer>), MeshError> {
     let all = planes.iter().map(|z| at_height(g, *z));
     let gears = all.collect::<Result<Vec<Gear>, MeshError>>()?;
-    let above = above_base(g);
+    for (section, z) in gears.iter().zip(planes) {
+        check_undercut(g, section, *z)?;
+    }
     let commons: Vec<Common<'_>> = gears
         .iter()
-        .map(|g| Common::new(Body::Gear(g), above, params, layers))
+        .map(|g| Common::new(Body::Gear(g), params, layers))
         .collect();
     let middle = &commons[commons.len() / 2];
     let of_each = commons.iter().map(|c| Choices::of(c, tooth));

@@ -63,13 +63,12 @@ impl Body<'_> {
         }
     }
 
-    /// Point of the flank at the part `t` of its arc length from the form circle, or from a radius above it [m], to the tip,
-    /// and its length of roll [m] (0 on a rack). The arc length of an involute is `s^2 / (2 r_b)`.
-    pub(super) fn flank(self, t: f64, above: f64) -> (Plane, f64) {
+    /// Point of the flank at the part `t` of its arc length from the form circle to the tip, and its length
+    /// of roll [m] (0 on a rack). The arc length of an involute is `s^2 / (2 r_b)`.
+    pub(super) fn flank(self, t: f64) -> (Plane, f64) {
         match self {
             Body::Gear(g) => {
-                let form = g.roll_length_form();
-                let (a, b) = (form.max(g.roll_length(above)), g.roll_length_tip());
+                let (a, b) = (g.roll_length_form(), g.roll_length_tip());
                 let s = (a * a + (b * b - a * a) * t).sqrt();
                 let point = (g.r_base().hypot(s), g.half_angle_at_roll(s));
                 (self.unroll(point), s)

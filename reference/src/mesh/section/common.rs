@@ -16,8 +16,6 @@ pub(in crate::mesh) struct Common<'a> {
     pub(super) skin_growth: f64,
     pub(super) flank_grading: f64,
     pub(super) flank_focus: Option<Focus>,
-    /// Radius below which there is no flank [m].
-    pub(super) above: f64,
     /// Thickness of the skin in the middle of the tooth space [m].
     pub(super) root_skin: f64,
     /// Unrolled depth of the rim, and of the whole body [m].
@@ -37,19 +35,13 @@ pub(super) fn skin_part(layers: usize, growth: f64, across: usize) -> f64 {
 }
 
 impl<'a> Common<'a> {
-    /// `above` is a radius below which there is no flank, whatever the form circle [m].
-    pub(in crate::mesh) fn new(
-        body: Body<'a>,
-        above: f64,
-        p: &GearMeshParams,
-        layers: usize,
-    ) -> Self {
+    pub(in crate::mesh) fn new(body: Body<'a>, p: &GearMeshParams, layers: usize) -> Self {
         let (refine, skin_growth) = (refine(p.kind), p.skin_growth);
         let depth = body.depth();
         let rim_depth = p
             .web
             .map_or(depth, |w| -body.unrolled_radius(w.outer_radius));
-        let form = body.flank(0.0, above).0[0];
+        let form = body.flank(0.0).0[0];
         let part = skin_part(layers, skin_growth, p.tooth.across);
         let root_skin = (0.7 * part * form).min(0.35 * rim_depth);
         let last = {
@@ -76,7 +68,6 @@ impl<'a> Common<'a> {
             skin_growth,
             flank_grading: p.flank_grading,
             flank_focus: p.flank_focus,
-            above,
             root_skin,
             rim_depth,
             depth,

@@ -82,7 +82,7 @@ impl Surface {
             (None, n) => geometric(n, common.flank_grading.powf(1.0 / (n - 1) as f64), f),
         };
         for &t in places.iter().rev() {
-            let (p, s) = common.body.flank(t, common.above);
+            let (p, s) = common.body.flank(t);
             start.push(p);
             dip.push(0.0);
             follows.push((s, 1.0));

@@ -67,13 +67,16 @@ fn follows(scene: &Scene, spec: &SceneSpec, side: Side, turn: f64) -> f64 {
     let rb = toothing(spec, 1).r_base();
     let cos = toothing(spec, 1).base_helix_angle().cos();
     let mut s = scene.initial();
-    s.q[0] += turn;
+    let [first, second] = [0, 1].map(|k| scene.gears()[k].range().start);
+    s.q[first] += turn;
     let mut by = -turn * ratio(spec);
-    let at_start = s.q[1];
+    let at_start = s.q[second];
     for _ in 0..30 {
-        s.q[1] = at_start + by;
+        s.q[second] = at_start + by;
         let found = candidates(scene, &s);
-        let of_side = found.iter().filter(|(_, c)| is_of(scene, c, side));
+        // What fades over a tip tells no distance.
+        let whole = found.iter().filter(|(_, c)| c.fade >= 1.0);
+        let of_side = whole.filter(|(_, c)| is_of(scene, c, side));
         let gap = of_side.map(|(_, c)| c.gap).fold(f64::INFINITY, f64::min);
         by += side.sign() * gap / (rb * cos);
         if gap.abs() < 1e-13 {
