@@ -88,11 +88,11 @@ fn gaps_of_meshed_cones_are_distances_from_their_helicoids() {
 #[test]
 fn transmission_error_of_meshed_cones_is_that_of_the_tooth_contact_analysis() {
     let spec = seed_pair(2e-5, 1e-5);
-    let mesh = || meshed("elastic", 10.0, 8.0, Some(2.0));
-    let scene = build(&spec, &[mesh(), mesh()], &points(5, 10));
-    for (found, off) in over_a_cycle(&scene, &spec, 6) {
+    let mesh = || meshed("elastic", 20.0, 8.0, Some(2.0));
+    let scene = build(&spec, &[mesh(), mesh()], &points(8, 10));
+    for (found, off) in over_a_cycle(&scene, &spec, 4) {
         println!("meshed: peak to peak {found:.3e} m, analysis within {off:.2e} m");
-        // Of points half a millimetre off the point of contact, on surfaces through nodes.
+        // Points stand beside the point of contact, half a tenth of a millimetre along the profile and one over the width.
         assert!(found > 1e-6, "{found:.2e}");
         assert!(off < 2e-7, "{off:.2e}");
     }
@@ -238,7 +238,7 @@ fn cones_without_angle_are_cylinders() {
         let forces = (0..5).map(|place| {
             let mut s = scene.initial();
             let roll = 0.05 * f64::from(place);
-            for (k, by) in [roll, -roll * ratio(spec) - 4e-4].into_iter().enumerate() {
+            for (k, by) in [roll, -roll * ratio(spec) + 4e-4].into_iter().enumerate() {
                 let at = scene.gears()[k].range().start;
                 s.q[at] += by + phases[k] - scene.phases()[k];
             }
