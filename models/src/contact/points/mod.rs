@@ -14,6 +14,7 @@
 //! about the flanks do (`coarse`).
 
 mod coarse;
+mod cone;
 mod corners;
 mod flanked;
 mod generated;

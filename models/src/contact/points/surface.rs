@@ -9,8 +9,9 @@
 //! surfaces. Between the rows and columns `B` is the bilinearly blended patch of its four edge curves
 //! (S. A. Coons, MIT MAC-TR-41, 1967). `a`, `b` run from 0 to 1, `xi = 2 (a, b) - 1`.
 
+use super::cone::Cone;
 use super::rule::{FlankPoint, Rule};
-use super::spline::{bulge, bulges};
+use super::spline::{bulge, bulges, chord_bound};
 use crate::Vec3;
 use crate::geometry::{FlankGrid, Flanks, Side};
 use crate::kinematics::Pose;
@@ -47,34 +48,7 @@ pub(super) struct Shape {
     first_face: u32,
 }
 
-/// The flanks of a conical gear.
-#[derive(Clone, Debug)]
-pub(super) struct Cone {
-    /// Tangent of the angle of the tip cone.
-    pub slope: f64,
-    /// Squared radius [m^2] of each node, column by column.
-    squares: Vec<f64>,
-}
-
 impl Shape {
-    /// The same on a conical gear, whose tip cone has a slope; 0 of a cylindrical one.
-    #[must_use]
-    pub fn on_cone(mut self, slope: f64) -> Self {
-        if slope == 0.0 {
-            return self;
-        }
-        let at = |r: usize, c: usize| &self.positions[r * self.columns + c];
-        let middle = self.columns / 2;
-        let carried = |x: &Vec3| (x.xy().norm() - slope * x.z).powi(2);
-        self.heights = (0..self.rows).map(|r| carried(at(r, middle))).collect();
-        let columns = (0..self.columns).flat_map(|c| (0..self.rows).map(move |r| (r, c)));
-        self.cone = Some(Cone {
-            slope,
-            squares: columns.map(|(r, c)| at(r, c).xy().norm_squared()).collect(),
-        });
-        self
-    }
-
     /// The shape of grid `g` of `flanks`; `rack` says how to measure heights.
     pub fn new(flanks: &Flanks, g: usize, kind: SurfaceKind, rule: &Rule, rack: bool) -> Self {
         let FlankGrid {
@@ -307,35 +281,14 @@ impl Shape {
     /// it, from 0 to 1 (beyond, outside the flank).
     #[inline]
     pub fn row_at(&self, height: f64, (column, b): (usize, f64)) -> (usize, f64) {
-        let Some(cone) = &self.cone else {
-            let h = &self.heights;
-            let above = h.partition_point(|x| *x <= height);
-            let row = above.saturating_sub(1).min(h.len() - 2);
-            return (row, (height - h[row]) / (h[row + 1] - h[row]));
-        };
-        let (near, far) = cone.squares[column * self.rows..].split_at(self.rows);
-        let b = b.clamp(0.0, 1.0);
-        let at = |row: usize| near[row] + b * (far[row] - near[row]);
-        let mut row = 0;
-        while row + 2 < self.rows && height >= at(row + 1) {
-            row += 1;
+        if let Some(cone) = &self.cone {
+            return cone.row_at(height, (column, b));
         }
-        (row, (height - at(row)) / (at(row + 1) - at(row)))
+        let h = &self.heights;
+        let above = h.partition_point(|x| *x <= height);
+        let row = above.saturating_sub(1).min(h.len() - 2);
+        (row, (height - h[row]) / (h[row + 1] - h[row]))
     }
-}
-
-/// How far the nodes next to each chord of a line lie off it, with room for deformation [m].
-fn chord_bound(line: &[Vec3]) -> Vec<f64> {
-    (0..line.len() - 1)
-        .map(|r| {
-            let chord = line[r + 1] - line[r];
-            let length = chord.norm();
-            let off = |i: usize| (line[i] - line[r]).cross(&chord).norm() / length;
-            let below = r.checked_sub(1).map_or(0.0, off);
-            let above = if r + 2 < line.len() { off(r + 2) } else { 0.0 };
-            1.5 * below.max(above) + 0.01 * length
-        })
-        .collect()
 }
 
 /// A face in the deformed state.
