@@ -12,6 +12,7 @@ use super::Side;
 use super::error::GeometryError;
 use super::gear::Gear;
 use super::helicoid::InvoluteHelicoid;
+use super::involute::inv_of_tangent;
 use super::modification::Modifications;
 use super::parameters::GearParams;
 use crate::error::Reason;
@@ -104,7 +105,7 @@ impl Gear {
         Ok(self)
     }
 
-    /// The cylindrical gear with the profile shift and the tip radius of a transverse section, without modifications.
+    /// Parameters of [`Gear::transverse_section`].
     fn section(&self, height: f64) -> GearParams {
         let p = self.params();
         let grown = height * p.profile_shift_angle.tan();
@@ -125,7 +126,45 @@ impl Gear {
         if !self.is_conical() {
             return None;
         }
-        Gear::new(self.section(height)).ok()
+        self.transverse_section(height).ok()
+    }
+
+    /// The cylindrical gear with the profile shift and the tip radius of the transverse section at a height over the middle of
+    /// the face width (m), without modifications; its bore is the seat of the whole gear. Tip and root circles are those of
+    /// the section, flanks are nearly those of [`Gear::flank`].
+    ///
+    /// # Errors
+    /// [`GeometryError`] for a section that cannot be cut, beyond the ends of the face only.
+    pub fn transverse_section(&self, height: f64) -> Result<Gear, GeometryError> {
+        Gear::new(GearParams {
+            bore_radius: self.seat_radius(),
+            ..self.section(height)
+        })
+    }
+
+    /// Angle (rad) by which the section at a height (m) is turned by the helix. A tilted rack crosses the transverse plane
+    /// with its centreline at `z tan(beta)/cos(theta)` along its rolling motion and `z tan(theta)` further out, where it is
+    /// sheared by `tan(beta) sin(theta)`.
+    pub fn twist_at(&self, height: f64) -> f64 {
+        let p = self.params();
+        height * (p.helix_angle.tan() * p.profile_shift_angle.cos()) / self.r_reference()
+    }
+
+    /// Angle (rad) between the turned centreline of a section, [`Gear::twist_at`], and the exact flank of a side at a radius
+    /// (m) not below the base circle of that side.
+    pub fn half_angle_of_section(&self, side: Side, radius: f64, height: f64) -> f64 {
+        let flank = self.flank(side);
+        let base = flank.base_radius;
+        let roll = ((radius - base) * (radius + base)).max(0.0).sqrt();
+        let turned = height * flank.tan_helix / base - self.twist_at(height);
+        flank.half_angle + side.sign() * turned - inv_of_tangent(roll / base)
+    }
+
+    /// Material removed normal to the flanks of a side (m), as [`Gear::flank_deviation`], at a radius and a height over the
+    /// middle of the face width (m): modifications follow the tip cone.
+    pub fn flank_deviation_at(&self, side: Side, radius: f64, height: f64) -> f64 {
+        let below = radius - height * self.params().tip_cone_angle.tan();
+        self.flank_deviation(side, below, height / (0.5 * self.face_width()))
     }
 
     /// Whether profile shift or tip radius vary along the axis: a conical gear (beveloid). Radii, thicknesses and angles of

@@ -340,7 +340,9 @@ impl Gear {
 
     /// Whether flanks are not the same in all transverse sections, turned by the helix or not.
     pub fn varies_over_width(&self) -> bool {
-        self.params.helix_angle != 0.0 || self.params.modifications.vary_over_width()
+        self.params.helix_angle != 0.0
+            || self.is_conical()
+            || self.params.modifications.vary_over_width()
     }
 
     #[cfg(test)]

@@ -197,7 +197,7 @@ impl Scene {
                 (Search::Pairs(Box::new(search)), law, on_lines)
             };
             for i in mesh.gears {
-                if with_flanks
+                if strips.is_some()
                     && let Body::Gear(gear) = &spec.gears[i].body
                     && gear.is_conical()
                 {
@@ -205,8 +205,8 @@ impl Scene {
                         &spec.gears[i].name,
                         GearPart::Model,
                         (
-                            "contact with an elastic gear needs cylindrical gears, but this one is conical",
-                            "use rigid gears or movable teeth for conical gears and those that they mesh with",
+                            "contact on half-spaces needs cylindrical gears, but this one is conical",
+                            "take the elements' own contact, local = \"mesh\"",
                         ),
                     ));
                 }

@@ -3,11 +3,12 @@
 
 use super::assembly::Assembly;
 use super::checks::{check_counts, check_kind, check_ratios, check_web};
+use super::conical;
 use super::error::MeshError;
 use super::params::{GearMeshParams, Tooth};
 use super::profile::{Body, Plane};
 use super::quality::ElementCheck;
-use super::section::{Common, Section, section};
+use super::section::{Choices, Common, Follower, Section, section};
 use super::width::planes;
 use super::{ElementKind, GearMesh, Part};
 use crate::limits;
@@ -43,14 +44,15 @@ fn plan<'a>(body: Body<'a>, p: &'a GearMeshParams) -> Result<Plan<'a>, MeshError
     check_ratios(p)?;
     let (teeth, all_teeth, first_turn, face_width) = match body {
         Body::Gear(g) => {
-            if g.is_conical() {
-                return Err(MeshError::Conical);
-            }
             if p.sector && p.fine_teeth.is_some() {
                 return Err(MeshError::SectorWithFineTeeth);
             }
             if let Some(w) = &p.web {
                 check_web(w, g, p.width)?;
+                for end in [-0.5, 0.5].iter().filter(|_| g.is_conical()) {
+                    let section = conical::at_height(g, end * g.face_width())?;
+                    check_web(w, &section, p.width)?;
+                }
             }
             let teeth = 0..if p.sector { 1 } else { g.teeth() };
             (teeth.collect(), g.teeth(), 0, g.face_width())
@@ -99,17 +101,31 @@ pub(super) struct Plan<'a> {
     pub(super) layers: usize,
 }
 
+/// Where the points of a section stand in a plane.
+pub(super) struct Layer {
+    /// (radius, angle) or (height, distance) of every point.
+    pub(super) rolled: Vec<[f64; 2]>,
+    /// Points that follow modified flanks.
+    pub(super) followers: Vec<Follower>,
+}
+
 /// A section with its elements over the width.
 pub(super) struct Template {
     pub(super) section: Section,
     /// For every point and plane whether a node stands there.
     pub(super) used: Vec<bool>,
-    /// (radius, angle) or (height, distance) of every point.
-    pub(super) rolled: Vec<[f64; 2]>,
+    /// Of all planes, or of each where they differ.
+    layers: Vec<Layer>,
     /// Quadrilateral and layer of every element.
     pub(super) elements: Vec<(u32, u32)>,
     /// First element of each quadrilateral and layer, `u32::MAX` where the web leaves none.
     pub(super) element_of: Vec<u32>,
+}
+
+impl Template {
+    fn layer(&self, plane: usize) -> &Layer {
+        &self.layers[plane.min(self.layers.len() - 1)]
+    }
 }
 
 impl Plan<'_> {
@@ -136,13 +152,10 @@ impl Plan<'_> {
         let estimate: f64 = self.teeth.iter().map(|&k| self.nodes_of(counts(k))).sum();
         let what = format!("the mesh of about {estimate:.2e} nodes");
         limits::check(what, NODE_BYTES * estimate, "use fewer elements")?;
-        let mut templates = vec![self.template(&self.params.tooth)];
-        templates.extend(
-            self.params
-                .fine_teeth
-                .as_ref()
-                .map(|f| self.template(&f.others)),
-        );
+        let mut templates = vec![self.template(&self.params.tooth)?];
+        if let Some(f) = &self.params.fine_teeth {
+            templates.push(self.template(&f.others)?);
+        }
         let template = |tooth: u32| &templates[usize::from(!fine[tooth as usize])];
         for t in &templates {
             self.check(t)?;
@@ -175,8 +188,21 @@ impl Plan<'_> {
         (self.planes.len() - 1) / refine(self.params.kind)
     }
 
-    fn template(&self, tooth: &Tooth) -> Template {
-        let section = section(&self.common, tooth);
+    fn template(&self, tooth: &Tooth) -> Result<Template, MeshError> {
+        let (section, over_width) = match self.body {
+            Body::Gear(g) if g.is_conical() => {
+                conical::over_width(g, &self.planes, (self.params, tooth, self.layers))?
+            }
+            body => {
+                let section = section(&self.common, tooth, Choices::of(&self.common, tooth));
+                let points = section.points.iter();
+                let layer = Layer {
+                    rolled: points.map(|&p: &Plane| body.rolled(p)).collect(),
+                    followers: section.followers.clone(),
+                };
+                (section, vec![layer])
+            }
+        };
         let f = refine(self.params.kind);
         let (planes, layers) = (self.planes.len(), self.layers_over_width());
         let hollow = |part: Part, layer: usize| {
@@ -203,18 +229,13 @@ impl Plan<'_> {
                 }
             }
         }
-        let rolled = section
-            .points
-            .iter()
-            .map(|&p: &Plane| self.body.rolled(p))
-            .collect();
-        Template {
+        Ok(Template {
             section,
             used,
-            rolled,
+            layers: over_width,
             elements,
             element_of,
-        }
+        })
     }
 
     /// Pitches from tooth 0 to a place.
@@ -242,40 +263,40 @@ impl Plan<'_> {
     /// opposite hand of its mate, so it moves the other way.
     fn twist(&self, z: f64) -> f64 {
         match self.body {
-            Body::Gear(g) => z * g.params().helix_angle.tan() / g.r_reference(),
+            Body::Gear(g) => g.twist_at(z),
             Body::Rack(r) => -z * r.params().helix_angle.tan(),
         }
     }
 
-    /// Shift of the flank of tooth 0 by its modifications [m] in (radial, tangential) coordinates of the plane
-    /// z = 0: along the transverse normal, which is the line of action, so that end faces stay plane.
-    fn shift(&self, g: &Gear, (side, roll): (Side, f64), zeta: f64) -> [f64; 2] {
-        let removed = g.flank_deviation(side, g.r_base().hypot(roll), zeta);
-        let amount = removed / g.base_helix_angle().cos();
-        let tangent_at = g.half_angle_at_roll(roll) - (roll / g.r_base()).atan();
+    /// Shift of the flank of tooth 0 by its modifications [m] in (radial, tangential) coordinates of its section:
+    /// along the transverse normal, which is the line of action, so that end faces stay plane.
+    fn shift(&self, g: &Gear, (side, roll): (Side, f64), z: f64) -> [f64; 2] {
+        let radius = g.r_base().hypot(roll);
+        let (amount, tangent_at) = if g.is_conical() {
+            conical::removed(g, side, radius, z)
+        } else {
+            let removed = g.flank_deviation(side, radius, z / (0.5 * g.face_width()));
+            let tangent_at = g.half_angle_at_roll(roll) - (roll / g.r_base()).atan();
+            (removed / g.base_helix_angle().cos(), tangent_at)
+        };
         [amount * tangent_at.sin(), -amount * tangent_at.cos()]
     }
 
     /// All nodes of one tooth, as [point][plane].
     pub(super) fn positions(&self, t: &Template, turn: i64, out: &mut Vec<Vec3>) {
         out.clear();
-        for p in &t.rolled {
-            out.extend(self.planes.iter().map(|&z| self.place(*p, turn, z)));
+        for p in 0..t.section.points.len() {
+            let planes = self.planes.iter().enumerate();
+            out.extend(planes.map(|(l, &z)| self.place(t.layer(l).rolled[p], turn, z)));
         }
         let Body::Gear(g) = self.body else { return };
         if g.params().modifications.is_none() {
             return;
         }
-        let half = 0.5 * g.face_width();
         for (l, &z) in self.planes.iter().enumerate() {
             let (sin, cos) = (turn as f64 * g.pitch_angle() + self.twist(z)).sin_cos();
-            for f in &t.section.followers {
-                let side = if f.side > 0.0 {
-                    Side::Left
-                } else {
-                    Side::Right
-                };
-                let [x, y] = self.shift(g, (side, f.roll), z / half);
+            for f in &t.layer(l).followers {
+                let [x, y] = self.shift(g, (f.flank(), f.roll), z);
                 let (x, y) = (f.weight * x, f.weight * f.side * y);
                 out[f.point as usize * self.planes.len() + l] +=
                     Vec3::new(cos * x - sin * y, sin * x + cos * y, 0.0);
@@ -337,12 +358,12 @@ mod tests {
     fn an_element_turned_inside_out_is_refused_with_its_place() {
         let (g, p) = (spur(20), small());
         let plan = plan(Body::Gear(&g), &p).unwrap();
-        plan.check(&plan.template(&p.tooth)).unwrap();
+        plan.check(&plan.template(&p.tooth).unwrap()).unwrap();
         for part in [Part::Flank, Part::Fillet, Part::Core, Part::Rim] {
-            let mut bad = plan.template(&p.tooth);
+            let mut bad = plan.template(&p.tooth).unwrap();
             let quad = bad.section.quads.iter().find(|q| q.part == part).unwrap();
             let [a, c] = [quad.nodes[0], quad.nodes[2]].map(|n| n as usize);
-            bad.rolled.swap(a, c);
+            bad.layers[0].rolled.swap(a, c);
             let e = plan.check(&bad).unwrap_err();
             let MeshError::Inverted { at, jacobian, .. } = e else {
                 panic!("{e}")
@@ -351,7 +372,7 @@ mod tests {
             assert!(at.iter().all(|x| x.abs() < g.r_tip()));
             assert!(e.to_string().contains("use "), "{e}");
             // A node that is not a number must not slip through either.
-            bad.rolled[a] = [f64::NAN; 2];
+            bad.layers[0].rolled[a] = [f64::NAN; 2];
             assert!(plan.check(&bad).is_err());
         }
     }

@@ -1,6 +1,7 @@
 //! Why a mesh was refused.
 
 use crate::limits::TooMuchMemory;
+use gearbench_models::geometry::{GeometryError, Side};
 
 /// A part of a toothed body, for messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -76,10 +77,18 @@ pub enum MeshError {
         "a sector is one tooth: it cannot have fine and coarse teeth; mesh the whole gear or drop one of both"
     )]
     SectorWithFineTeeth,
+    #[error("the section at the height {height:.6} m cannot be meshed: {why}")]
+    Section { height: f64, why: GeometryError },
     #[error(
-        "the gear is conical, and meshes are made of cylindrical ones; use rigid gears or movable teeth for conical gears"
+        "at the height {height:.6} m the tilted rack undercuts {side:?} flanks: their base radius {base:.6} m lies above the form \
+         radius {form:.6} m; take a smaller profile-shift angle, helix angle or face width, or a larger profile shift"
     )]
-    Conical,
+    Undercut {
+        side: Side,
+        height: f64,
+        base: f64,
+        form: f64,
+    },
     #[error("a rack has neither a web nor sectors: leave them out")]
     RackWithWebOrSector,
     #[error(transparent)]

@@ -15,6 +15,9 @@ mod assembly;
 mod body_tests;
 mod build;
 mod checks;
+mod conical;
+#[cfg(test)]
+mod conical_tests;
 mod error;
 mod faces;
 mod grading;

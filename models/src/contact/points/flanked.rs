@@ -35,6 +35,7 @@ pub(super) struct Flanked {
     /// The flanks are the gear's own: it says where their nodes are.
     pub own: bool,
     pub rack: bool,
+    pub conical: bool,
     pub placement: Placement,
     pub shapes: Vec<Shape>,
     /// The undeformed nodes, for gears that bring no flanks.
@@ -84,8 +85,12 @@ impl Flanked {
             None => generated::flanks(o.body),
         };
         check(&grids)?;
+        let slope = match o.body {
+            Body::Gear(g) if g.is_conical() => g.params().tip_cone_angle.tan(),
+            _ => 0.0,
+        };
         let shapes: Vec<Shape> = (0..grids.grids().len())
-            .map(|g| Shape::new(&grids, g, kind, rule, rack))
+            .map(|g| Shape::new(&grids, g, kind, rule, rack).on_cone(slope))
             .collect();
         if let Some(s) = shapes
             .iter()
@@ -145,6 +150,7 @@ impl Flanked {
         Ok(Flanked {
             own,
             rack,
+            conical: matches!(o.body, Body::Gear(g) if g.is_conical()),
             placement: Placement::new(o.gear.hub(), o.phase),
             shapes,
             grids,

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! at equal steps of the length of roll `s` from the form circle to the tip, moved into the material by the
-//! flank's modification and by the deviations of each tooth.
+//! flank's modification and by the deviations of each tooth; on conical gears from the form circle to the tip of each
+//! section, on the helicoids of [`InvoluteHelicoid`](crate::geometry::InvoluteHelicoid).
 
 use crate::Vec3;
 use crate::geometry::{FlankGrid, Flanks, Gear, Rack, Side};
@@ -74,6 +75,9 @@ fn gear(g: &Gear) -> Vec<FlankGrid> {
     let (low, high) = (g.roll_length_form(), g.roll_length_tip());
     let twist = g.base_helix_angle().tan() / rb;
     let mut all = Vec::new();
+    if g.is_conical() {
+        return conical(g, size);
+    }
     for tooth in 0..g.teeth() {
         for side in Side::BOTH {
             let first = (all.len() * size[0] * size[1]) as u32;
@@ -89,6 +93,40 @@ fn gear(g: &Gear) -> Vec<FlankGrid> {
                 let (sin, cos) = normal.sin_cos();
                 let out = side.sign() * Vec3::new(-sin, cos, 0.0);
                 Vec3::new(r * angle.cos(), r * angle.sin(), z) - removed * out
+            }));
+        }
+    }
+    all
+}
+
+/// Those of a conical gear: from the form circle of each section to the tip cone, on the helicoid of each side.
+fn conical(g: &Gear, size: [usize; 2]) -> Vec<FlankGrid> {
+    let end = 0.5 * g.face_width();
+    let height = |zeta: f64| end * zeta;
+    let heights = (0..size[1]).map(|c| height(2.0 * c as f64 / (size[1] - 1) as f64 - 1.0));
+    // Sections within the ends of the face can be cut where those at the ends can.
+    let lows: Vec<f64> = heights
+        .map(|z| (g.transverse_section(z)).map_or(g.r_form(), |section| section.r_form()))
+        .collect();
+    let mut all = Vec::new();
+    for tooth in 0..g.teeth() {
+        let psi = f64::from(tooth) * g.pitch_angle();
+        for side in Side::BOTH {
+            let flank = g.flank(side);
+            let base = flank.base_radius;
+            let first = (all.len() * size[0] * size[1]) as u32;
+            all.push(grid(tooth, side, first, size, |t, zeta| {
+                let z = height(zeta);
+                let column = (0.5 * (zeta + 1.0) * (size[1] - 1) as f64).round() as usize;
+                let low = ((lows[column] - base) * (lows[column] + base))
+                    .max(0.0)
+                    .sqrt();
+                let high = g.roll_length_tip_at(side, z);
+                let roll = low + t * (high - low);
+                let (x, towards) = flank.point(psi, roll, z);
+                let removed = g.flank_deviation_at(side, base.hypot(roll), z) / flank.cos_helix;
+                let out = side.sign() * Vec3::new(-towards.y, towards.x, 0.0);
+                x - removed * out
             }));
         }
     }

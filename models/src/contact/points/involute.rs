@@ -68,6 +68,16 @@ pub(super) fn off_involute(o: &Owner<'_>, g: &FlankGrid) -> f64 {
 fn place_of(body: &Body, view: &MeshView, side: Side, x: &Vec3) -> Option<f64> {
     let sign = side.sign();
     match body {
+        Body::Gear(gear) if gear.is_conical() => {
+            let flank = gear.flank(side);
+            let rb = flank.base_radius;
+            let r = x.x.hypot(x.y);
+            let angle = x.y.atan2(x.x) - x.z * flank.tan_helix / rb;
+            let roll = (r * r - rb * rb).max(0.0).sqrt();
+            // The mesh tells places by half angles of its own.
+            let own = angle + sign * (inv((roll / rb).atan()) - flank.half_angle);
+            (r >= rb).then(|| own + sign * view.half_angle_of(side))
+        }
         Body::Gear(gear) => {
             let rb = view.base_radius.unwrap_or_else(|| gear.r_base());
             let r = x.x.hypot(x.y);

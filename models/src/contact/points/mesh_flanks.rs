@@ -12,7 +12,7 @@ use crate::contact::party::Party;
 use crate::error::Reason;
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
-use crate::spec::{Passes, PointContact};
+use crate::spec::{Body, Passes, PointContact};
 
 /// Part of the base pitch up to which undeformed flanks are looked at.
 const REACH: f64 = 0.02;
@@ -64,8 +64,16 @@ impl MeshFlanks {
         };
         let layout = Layout::of(&owners, geometry, &gears);
         let width = gears[0].face_width.min(gears[1].face_width);
-        let beside =
-            BEFORE_AND_AFTER * geometry.base_pitch + 0.5 * width * geometry.base_helix.tan().abs();
+        // Flanks of both sides of a conical gear have helix angles of their own.
+        let steepest = |o: &Owner<'_>| match o.body {
+            Body::Gear(g) if g.is_conical() => Side::BOTH
+                .map(|side| g.flank(side).tan_helix.abs())
+                .into_iter()
+                .fold(0.0, f64::max),
+            _ => geometry.base_helix.tan().abs(),
+        };
+        let steepest = steepest(&owners[0]).max(steepest(&owners[1]));
+        let beside = BEFORE_AND_AFTER * geometry.base_pitch + 0.5 * width * steepest;
         let reach = settings.reach.unwrap_or(REACH * geometry.base_pitch);
         Ok(MeshFlanks {
             gears,

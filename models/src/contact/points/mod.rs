@@ -15,6 +15,7 @@
 
 mod chords;
 mod coarse;
+mod cone;
 mod corners;
 mod flanked;
 mod generated;

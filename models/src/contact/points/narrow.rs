@@ -164,6 +164,16 @@ impl MeshFlanks {
         let (low, tip) = (heights[heights.len() - 2], heights[heights.len() - 1]);
         let per = (tip - low).recip();
         let pose = master.pose;
+        if let Some(cone) = &master.shape.cone {
+            let off = pose.off_axis(x);
+            let radius = off.norm();
+            let carried = radius - cone.slope * pose.height(x);
+            let gradient = off / radius - cone.slope * pose.axes[2];
+            return (
+                (carried * carried - low) * per,
+                2.0 * per * carried * gradient,
+            );
+        }
         let gradient = if self.gears[m].rack {
             -pose.axes[0]
         } else {
@@ -263,8 +273,9 @@ impl MeshFlanks {
     /// than a face beyond root, tip or sides.
     #[inline]
     fn clearance_bound(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
-        let (row, a) = master.shape.row_at(self.height(m, master.pose, x));
         let (column, b) = master.shape.column_at(master.pose.height(x));
+        let height = self.height(m, master.pose, x);
+        let (row, a) = master.shape.row_at(height, (column, b));
         let begin = Begin {
             row,
             column,

@@ -36,6 +36,20 @@ pub(super) fn bulges(points: &[Vec3]) -> Vec<[Vec3; 2]> {
         .collect()
 }
 
+/// How far the nodes next to each chord of a line lie off it, with room for deformation [m].
+pub(super) fn chord_bound(line: &[Vec3]) -> Vec<f64> {
+    (0..line.len() - 1)
+        .map(|r| {
+            let chord = line[r + 1] - line[r];
+            let length = chord.norm();
+            let off = |i: usize| (line[i] - line[r]).cross(&chord).norm() / length;
+            let below = r.checked_sub(1).map_or(0.0, off);
+            let above = if r + 2 < line.len() { off(r + 2) } else { 0.0 };
+            1.5 * below.max(above) + 0.01 * length
+        })
+        .collect()
+}
+
 /// Tangents of the not-a-knot spline with at least three chords `h` of slope `delta`.
 fn not_a_knot(h: &[f64], delta: &[Vec3]) -> Vec<Vec3> {
     let n = h.len() + 1;

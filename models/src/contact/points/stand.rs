@@ -31,8 +31,8 @@ impl Stand {
 pub(super) struct Layout {
     /// From the centre of the first gear to that of the second [m].
     apart: Vec3,
-    /// The axis in common.
-    axis: Vec3,
+    /// Those of both gears: the one in common of cylindrical gears, on which their flanks are the same everywhere.
+    axes: [Vec3; 2],
     /// How far nodes are from the centres of their gears at most [m].
     radii: [f64; 2],
     /// Of the path of contact per length along the axis.
@@ -60,7 +60,10 @@ impl Layout {
         };
         Some(Layout {
             apart,
-            axis: geometry.axes[2],
+            axes: match gears.iter().any(|g| g.conical) {
+                true => [a.axes[2], b.axes[2]],
+                false => [geometry.axes[2]; 2],
+            },
             radii: [0, 1].map(|k| furthest(&gears[k])),
             tan_helix: geometry.base_helix.tan().abs(),
             slides: [0, 1].map(|k| gears[k].rack),
@@ -75,9 +78,9 @@ impl Layout {
             let slide = &pose.axes[1];
             moved -= slide.dot(&moved) * slide;
         }
-        let tilts = poses.iter().zip(self.radii);
+        let tilts = poses.iter().zip(self.radii).zip(&self.axes);
         let tilted: f64 = tilts
-            .map(|(p, radius)| radius * p.axes[2].cross(&self.axis).norm())
+            .map(|((p, radius), axis)| radius * p.axes[2].cross(axis).norm())
             .sum();
         (1.0 + self.tan_helix) * (moved.norm() + tilted)
     }

@@ -9,8 +9,9 @@
 //! surfaces. Between the rows and columns `B` is the bilinearly blended patch of its four edge curves
 //! (S. A. Coons, MIT MAC-TR-41, 1967). `a`, `b` run from 0 to 1, `xi = 2 (a, b) - 1`.
 
+use super::cone::Cone;
 use super::rule::{FlankPoint, Rule};
-use super::spline::{bulge, bulges};
+use super::spline::{bulge, bulges, chord_bound};
 use crate::Vec3;
 use crate::geometry::{FlankGrid, Flanks, Side};
 use crate::kinematics::Pose;
@@ -31,8 +32,11 @@ pub(super) struct Shape {
     profile: Vec<[Vec3; 2]>,
     /// Bulges of the chords over the width, `row * (columns - 1) + column`; empty without any.
     width: Vec<[Vec3; 2]>,
-    /// Squared radius [m^2] (height [m] of a rack) of each row, ascending to the tip.
+    /// Squared radius [m^2] (height [m] of a rack) of each row, ascending to the tip; on a cone, carried along it to the
+    /// middle of the face.
     pub heights: Vec<f64>,
+    /// How radii grow along the axis of a conical gear.
+    pub cone: Option<Cone>,
     /// z of each column [m].
     pub z: Vec<f64>,
     /// Length of the faces along the profile of each row [m].
@@ -89,6 +93,7 @@ impl Shape {
                 .collect(),
             chord_bound: chord_bound(&(0..rows).map(|r| at(r, mid_column)).collect::<Vec<_>>()),
             positions: positions.clone(),
+            cone: None,
             profile,
             width,
             areas: vec![],
@@ -272,28 +277,18 @@ impl Shape {
         (column, (z - low) / (high - low))
     }
 
-    /// Row whose strip holds a height, and where in it, from 0 to 1 (beyond, outside the flank).
+    /// Row whose strip holds a squared radius (height of a rack) at a place over the width, [`Shape::column_at`], and where in
+    /// it, from 0 to 1 (beyond, outside the flank).
     #[inline]
-    pub fn row_at(&self, height: f64) -> (usize, f64) {
+    pub fn row_at(&self, height: f64, (column, b): (usize, f64)) -> (usize, f64) {
+        if let Some(cone) = &self.cone {
+            return cone.row_at(height, (column, b));
+        }
         let h = &self.heights;
         let above = h.partition_point(|x| *x <= height);
         let row = above.saturating_sub(1).min(h.len() - 2);
         (row, (height - h[row]) / (h[row + 1] - h[row]))
     }
-}
-
-/// How far the nodes next to each chord of a line lie off it, with room for deformation [m].
-fn chord_bound(line: &[Vec3]) -> Vec<f64> {
-    (0..line.len() - 1)
-        .map(|r| {
-            let chord = line[r + 1] - line[r];
-            let length = chord.norm();
-            let off = |i: usize| (line[i] - line[r]).cross(&chord).norm() / length;
-            let below = r.checked_sub(1).map_or(0.0, off);
-            let above = if r + 2 < line.len() { off(r + 2) } else { 0.0 };
-            1.5 * below.max(above) + 0.01 * length
-        })
-        .collect()
 }
 
 /// A face in the deformed state.

@@ -166,7 +166,8 @@ impl Twisted {
     /// Twisted profiles of both gears, where their flanks allow it.
     pub fn new(gears: &[Flanked; 2], rule: &Rule, base_pitch: f64, parallel: bool) -> Option<Self> {
         let rising = |s: &Shape| s.z.is_sorted_by(|a, b| a < b);
-        if !gears.iter().all(|g| g.rigid && g.shapes.iter().all(rising)) {
+        let may_be = |g: &Flanked| g.rigid && !g.conical && g.shapes.iter().all(rising);
+        if !gears.iter().all(may_be) {
             return None;
         }
         let twists = [0, 1].map(|k| Twist::of(&gears[k]));

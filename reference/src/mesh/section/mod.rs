@@ -20,11 +20,13 @@ mod common;
 mod surface;
 
 pub(super) use common::Common;
+pub(super) use surface::Choices;
 
 use super::error::Part;
 use super::grading::geometric;
 use super::params::Tooth;
 use super::profile::Plane;
+use gearbench_models::geometry::Side;
 use surface::Surface;
 
 /// A quadrilateral: corners counter-clockwise, then mid-side nodes (if the elements have them).
@@ -55,6 +57,17 @@ pub(super) struct Follower {
     pub weight: f64,
 }
 
+impl Follower {
+    /// The flank it follows.
+    pub fn flank(&self) -> Side {
+        if self.side > 0.0 {
+            Side::Left
+        } else {
+            Side::Right
+        }
+    }
+}
+
 /// One tooth pitch of the section.
 #[derive(Default)]
 pub(super) struct Section {
@@ -68,6 +81,8 @@ pub(super) struct Section {
     /// Left and right flank.
     pub flanks: [FlankLine; 2],
     pub followers: Vec<Follower>,
+    /// Row that ends in the corner of the core.
+    pub corner: usize,
 }
 
 /// Nodes of a block, row by row; what does not exist (centres of quadratic faces) is `u32::MAX`.
@@ -113,9 +128,9 @@ impl Block {
 }
 
 /// Meshes one tooth pitch.
-pub(super) fn section(common: &Common<'_>, tooth: &Tooth) -> Section {
+pub(super) fn section(common: &Common<'_>, tooth: &Tooth, choices: Choices) -> Section {
     let f = common.refine;
-    let surface = Surface::new(common, tooth);
+    let surface = Surface::new(common, tooth, choices);
     let rows = surface.start.len() - 1;
     let (layers, corner) = (f * common.layers, surface.corner);
     let core_columns = f * (tooth.across - 2 * common.layers);
@@ -166,7 +181,10 @@ pub(super) fn section(common: &Common<'_>, tooth: &Tooth) -> Section {
         }
     };
 
-    let mut s = Section::default();
+    let mut s = Section {
+        corner,
+        ..Section::default()
+    };
     let mut skins = [Block::new(rows, layers), Block::new(rows, layers)];
     let mut core = Block::new(corner, core_columns);
     let mut rim = Block::new(rim_columns, levels);

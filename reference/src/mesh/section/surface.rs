@@ -6,6 +6,54 @@ use crate::mesh::params::Tooth;
 use crate::mesh::profile::Plane;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
+/// What a section decides by the shape of its root. Sections over the width of a conical gear decide alike, so that their
+/// elements fit.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::mesh) struct Choices {
+    /// The fillet is next to none: the row into the edge halves its angle.
+    sharp: bool,
+    /// Fillet and root arc have elements of their own.
+    apart: bool,
+    /// Row that ends in the corner of the core; found where it is left out.
+    corner: Option<usize>,
+}
+
+impl Choices {
+    /// Those of one section.
+    pub(in crate::mesh) fn of(common: &Common<'_>, tooth: &Tooth) -> Self {
+        let root = &common.root;
+        let sf = root.fillet_length() / tooth.fillet as f64;
+        let sa = root.arc_length() / tooth.root as f64;
+        // A sharp tool leaves no fillet on a rack, and next to none on large gears: then the row into the edge
+        // halves its angle and ends in the corner of the core.
+        let sharp = sf < 0.05 * sa;
+        Choices {
+            sharp,
+            apart: sa >= 0.35 * sf && !sharp,
+            corner: None,
+        }
+    }
+
+    /// What serves this section and another.
+    #[must_use]
+    pub(in crate::mesh) fn and(self, other: Self) -> Self {
+        Choices {
+            sharp: self.sharp || other.sharp,
+            apart: self.apart && other.apart,
+            ..self
+        }
+    }
+
+    /// The same with a row that ends in the corner of the core.
+    #[must_use]
+    pub(in crate::mesh) fn with_corner(self, row: usize) -> Self {
+        Choices {
+            corner: Some(row),
+            ..self
+        }
+    }
+}
+
 /// The surface of the left half: nodes, rows of the skin, ends of the rows.
 pub(super) struct Surface {
     /// Where a row starts, from the tip to the middle of the space.
@@ -22,7 +70,7 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    pub(super) fn new(common: &Common<'_>, tooth: &Tooth) -> Self {
+    pub(super) fn new(common: &Common<'_>, tooth: &Tooth, choices: Choices) -> Self {
         let f = common.refine;
         let root = &common.root;
         let part = skin_part(common.layers, common.skin_growth, tooth.across);
@@ -46,11 +94,9 @@ impl Surface {
         let (lf, la) = (root.fillet_length(), root.arc_length());
         let (nf, na) = (tooth.fillet, tooth.root);
         let (sf, sa) = (lf / nf as f64, la / na as f64);
-        // A sharp tool leaves no fillet on a rack, and next to none on large gears: then the row into the edge
-        // halves its angle and ends in the corner of the core.
-        let sharp = sf < 0.05 * sa;
+        let sharp = choices.sharp;
         let mut ends = vec![0.0];
-        if sa >= 0.35 * sf && !sharp {
+        if choices.apart {
             ends.extend((1..=nf).map(|i| sf * i as f64));
             ends.extend((1..=na).map(|i| lf + sa * i as f64));
         } else {
@@ -99,13 +145,16 @@ impl Surface {
             dip[j] = 0.5 * (dip[j - 1] + dip[j + 1]);
         }
         // Corner of the core: a whole element from the form circle and from the middle of the space.
-        let corner = (usize::from(!sharp)..nf + na)
-            .map(|k| flank + k * f)
-            .min_by(|&a, &b| {
-                let away = |j: usize| (dip[j] - FRAC_PI_4).abs();
-                away(a).total_cmp(&away(b))
-            })
-            .unwrap_or(flank + f);
+        let nearest = || {
+            (usize::from(!sharp)..nf + na)
+                .map(|k| flank + k * f)
+                .min_by(|&a, &b| {
+                    let away = |j: usize| (dip[j] - FRAC_PI_4).abs();
+                    away(a).total_cmp(&away(b))
+                })
+                .unwrap_or(flank + f)
+        };
+        let corner = choices.corner.unwrap_or_else(nearest);
         Surface {
             start,
             end,

@@ -41,8 +41,12 @@ fn pressed() -> Vec<(&'static str, Scene, State)> {
         ("helical with spin terms", 0.25, [toy(), toy()], 0.0, true),
         ("on a rigid gear", 0.25, [toy(), rigid()], 0.0, false),
         ("on movable teeth", 0.25, [teeth(), toy()], 0.0, false),
+        ("conical", 0.0, [reduced(), reduced()], 0.0, false),
     ] {
-        let mut spec = helical_pair(helix, 0.0, true);
+        let mut spec = match name {
+            "conical" => conical::seed_pair(1e-5, 5e-6),
+            _ => helical_pair(helix, 0.0, true),
+        };
         tilt(&mut spec, 0, 4e-4, -2e-4);
         tilt(&mut spec, 1, -3e-4, 3e-4);
         for gear in &mut spec.gears {
@@ -56,7 +60,7 @@ fn pressed() -> Vec<(&'static str, Scene, State)> {
         let mut s = displaced(&scene, &spec, 0.05, &mut numbers);
         for g in scene.gears() {
             let first = g.range().start + g.model.hub().first();
-            let elastic = g.id == "elastic-toy";
+            let elastic = g.id.starts_with("elastic");
             for i in first..g.range().end {
                 if elastic {
                     s.q[i] = 3e-6 * numbers.draw() / 1e2;
@@ -126,7 +130,8 @@ fn tangents_in_space_are_slopes_of_the_forces() {
         let mut numbers = Numbers::new(9);
         // Apart, bearings and spin terms are all there is; under contact directions that turn with the state are left out.
         let mut apart = s.clone();
-        apart.q[scene.gears()[0].range().start] -= 8e-4;
+        let back = if name == "conical" { 2e-3 } else { 8e-4 };
+        apart.q[scene.gears()[0].range().start] -= back;
         let touching = [apart, s].map(|s| (scene.contact_forces(s.at()).len(), s));
         // Movable teeth have places of their own and stay.
         let parts = !name.contains("movable");
@@ -229,9 +234,14 @@ fn contact_of_elastic_gears_adds_no_momentum() {
         ("made-up", [toy(), toy()]),
         ("reduced", [reduced(), reduced()]),
         ("on a rigid gear", [reduced(), rigid()]),
+        ("conical", [reduced(), reduced()]),
+        ("conical on a rigid gear", [reduced(), rigid()]),
     ] {
         for bearing in [false, true] {
-            let mut spec = helical_pair(0.25, 0.0, true);
+            let mut spec = match name.starts_with("conical") {
+                true => conical::seed_pair(1e-5, 5e-6),
+                false => helical_pair(0.25, 0.0, true),
+            };
             tilt(&mut spec, 0, 4e-4, -2e-4);
             for gear in &mut spec.gears {
                 gear.lateral = if bearing { on_bearings() } else { afloat() };

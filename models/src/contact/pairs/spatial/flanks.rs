@@ -75,8 +75,8 @@ impl Helicoid {
         let half = 0.5 * self.gear.face_width();
         let base_radius = self.flank(side).base_radius;
         let of = |roll: f64, z: f64| {
-            let radius = base_radius.hypot(roll) - self.tip_slope * z;
-            self.gear.flank_deviation(side, radius, z / half)
+            let radius = base_radius.hypot(roll);
+            self.gear.flank_deviation_at(side, radius, z)
         };
         // Second differences of smooth modifications are exact enough at a thousandth of their lengths.
         let (h, w) = (1e-4 * self.tips[side_index(side)], 1e-3 * half);
