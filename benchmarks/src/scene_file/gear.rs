@@ -52,7 +52,7 @@ keys! {
         addendum_factor: Option<f64>,
         /// dedendum over module, default 1.25
         dedendum_factor: Option<f64>,
-        /// tip radius of the rack tool over module, default 0.38
+        /// tip radius of the tool over module, default 0.38, of the cutter of an internal gear 0.25
         tip_radius_factor: Option<f64>,
         /// reduction of the tooth thickness at the reference circle in metres, default 0
         #[serde(default)]

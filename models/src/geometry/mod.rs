@@ -38,6 +38,8 @@ mod helicoid;
 mod internal;
 mod internal_error;
 #[cfg(test)]
+mod internal_refusal_tests;
+#[cfg(test)]
 mod internal_tests;
 mod involute;
 mod meshing;

@@ -298,13 +298,12 @@ pub fn iso_of(
         m.check()?;
     }
     let p = gear.params();
+    // The norm takes an internal gear for a rack.
     let iso_gear = |g: &Gear| IsoGear {
-        // The norm takes an internal gear for a rack.
         virtual_teeth: match g.is_internal() {
             true => f64::INFINITY,
             false => {
-                f64::from(g.teeth())
-                    / (g.base_helix_angle().cos().powi(2) * g.params().helix_angle.cos())
+                IsoGear::virtual_teeth_of(g.teeth(), g.params().helix_angle, g.base_helix_angle())
             }
         },
         profile_shift: g.params().profile_shift,

@@ -112,16 +112,12 @@ impl ToothProfile {
             let theta = gear.half_angle_at(r);
             (r * theta.cos(), r * theta.sin())
         });
-        if !gear.is_internal() {
-            let mut profile = Self::from_points(points);
-            profile.crown = root - profile.origin;
-            return profile;
-        }
-        // Heights count from the root inwards; the root circle is lowest where the fillet leaves it.
-        let points: Vec<_> = points.map(|(x, y)| (-x, y)).collect();
+        let sign = gear.sign();
+        // Heights count towards the tip; the root circle of an internal gear is lowest where the fillet leaves it.
+        let points: Vec<_> = points.map(|(x, y)| (sign * x, y)).collect();
         let lowest = (0..points.len()).min_by(|i, j| points[*i].0.total_cmp(&points[*j].0));
         let mut profile = Self::from_points(points.into_iter().skip(lowest.unwrap_or(0)));
-        profile.crown = -root - profile.origin;
+        profile.crown = sign * root - profile.origin;
         profile
     }
 

@@ -178,7 +178,7 @@ fn gaps_are_the_least_distance_of_the_flanks() {
     }
     println!("{compared} pairs, {edges} at tip edges: gaps within {worst:.1e} m");
     assert!(compared > 100 && edges > 5);
-    assert!(worst < 2e-9, "{worst:e}");
+    assert!(worst < 1e-11, "{worst:e}");
 }
 
 fn cases() -> Vec<(&'static str, SceneSpec, [ModelSpec; 2], ContactSpec)> {

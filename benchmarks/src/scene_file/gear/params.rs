@@ -13,7 +13,15 @@ impl GearKeys {
         deviations: Deviations,
         topography: [Option<Arc<Topography>>; 2],
     ) -> GearParams {
-        let default = GearParams::default();
+        let default = GearParams {
+            // The tips of cutters are narrower than those of racks.
+            tip_radius: if self.internal {
+                0.25
+            } else {
+                GearParams::default().tip_radius
+            },
+            ..GearParams::default()
+        };
         GearParams {
             teeth: self.teeth,
             module: self.module_m,
