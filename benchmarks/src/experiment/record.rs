@@ -8,7 +8,7 @@ use gearbench_integrators::system::{Outputs, Report};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::geometry::Side;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
-use gearbench_models::spec::{Body, Modelling, SceneSpec, ShaftSpec, effective_radius};
+use gearbench_models::spec::{Body, Modelling, SceneSpec, ShaftSpec, signed_effective_radius};
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::histories::Histories;
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
@@ -236,15 +236,7 @@ fn transmission_error(
 
 /// Approach of the flanks of one side by the displacements of two gears [m].
 pub fn approach(side: Side, [a, b]: [&Body; 2]) -> impl Fn(f64, f64) -> f64 {
-    let along_b = if matches!(b, Body::Gear(_)) {
-        1.0
-    } else {
-        -1.0
-    };
-    let [pa, pb] = [
-        side.sign() * effective_radius(a),
-        side.sign() * along_b * effective_radius(b),
-    ];
+    let [pa, pb] = [a, b].map(|body| side.sign() * signed_effective_radius(body));
     move |x, y| pa * x + pb * y
 }
 
@@ -291,17 +283,12 @@ pub fn ledger_record(
         });
     let drift = momenta.filter(|_| two_free).map(|[start, end]| {
         let r = [
-            effective_radius(&job.scene.gears[0].body),
-            effective_radius(&job.scene.gears[1].body),
+            signed_effective_radius(&job.scene.gears[0].body),
+            signed_effective_radius(&job.scene.gears[1].body),
         ];
-        let sign = if matches!(job.scene.gears[1].body, Body::Gear(_)) {
-            -1.0
-        } else {
-            1.0
-        };
         let change: Vec<f64> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
         let moved = (change[0] / r[0]).abs().max(f64::MIN_POSITIVE);
-        (change[0] / r[0] + sign * change[1] / r[1]) / moved
+        (change[0] / r[0] - change[1] / r[1]) / moved
     });
     let e = ledger.end;
     record::Ledger {
@@ -330,7 +317,7 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
         let s = &scene.gears()[i];
         let displacement = s.model.hub_state(s.at(state.at())).displacement;
         let (turn, shift, points) = match &g.body {
-            Body::Gear(gear) => (phase + displacement, 0.0, gear.outline(24)),
+            Body::Gear(gear) => (phase + displacement, 0.0, gear.filled_outline(24)),
             Body::Rack(rack) => {
                 // Outline: teeth towards -x, travel along +y.
                 (

@@ -134,8 +134,17 @@ fn gear_text(g: &GearSpec) -> String {
                 ),
                 false => String::new(),
             };
+            let internal = p.internal.map_or_else(String::new, |of| {
+                format!(
+                    ", internal, cut by {} teeth, tip {} mm, root {} mm, rim {} mm",
+                    of.cutter_teeth_of(p.teeth),
+                    short(x.r_tip() * 1e3, 5),
+                    short(x.r_root() * 1e3, 5),
+                    short(x.r_outer() * 1e3, 5)
+                )
+            });
             format!(
-                "z = {}, m = {} mm, x = {}, b = {} mm, helix {} deg{conical}",
+                "z = {}, m = {} mm, x = {}, b = {} mm, helix {} deg{conical}{internal}",
                 p.teeth,
                 short(p.module * 1e3, 4),
                 short(p.profile_shift, 4),

@@ -52,7 +52,7 @@ keys! {
         addendum_factor: Option<f64>,
         /// dedendum over module, default 1.25
         dedendum_factor: Option<f64>,
-        /// tip radius of the rack tool over module, default 0.38
+        /// tip radius of the tool over module, default 0.38, of the cutter of an internal gear 0.25
         tip_radius_factor: Option<f64>,
         /// reduction of the tooth thickness at the reference circle in metres, default 0
         #[serde(default)]
@@ -60,6 +60,19 @@ keys! {
         /// bore radius in metres, default 0 (solid: the elastic body then stands on a seat of half the root radius)
         #[serde(default)]
         bore_radius_m: f64,
+        /// true for an internal gear (a ring gear): dedendum and tip radius factors are those of its cutter, a positive profile shift thickens its teeth and moves their tips inwards; default false
+        #[serde(default)]
+        internal: bool,
+        /// teeth of the pinion-type cutter of an internal gear, default two fifths of those of the gear
+        cutter_teeth: Option<u32>,
+        /// profile shift coefficient of the cutter of an internal gear, default 0
+        cutter_profile_shift: Option<f64>,
+        /// tip radius of an internal gear in metres, in place of `addendum_factor`
+        tip_circle_radius_m: Option<f64>,
+        /// root radius of an internal gear in metres, in place of `dedendum_factor`
+        root_circle_radius_m: Option<f64>,
+        /// outer radius of the rim of an internal gear in metres, where its body is held; default three and a half modules over the root
+        rim_radius_m: Option<f64>,
         /// { amount_m, start_radius_m, shape = "linear" or "parabolic" }
         tip_relief: Option<Box<ReliefKeys>>,
         /// material removed at tip and root by profile crowning in metres, default 0
@@ -223,6 +236,24 @@ pub(super) fn gear(
     };
     if let Some(angle) = angle {
         pressure_angle(angle.0, at)?;
+    }
+    if let ToothedKeys::Gear(keys) = &keys
+        && !keys.internal
+    {
+        let of_ring = [
+            "cutter_teeth",
+            "cutter_profile_shift",
+            "tip_circle_radius_m",
+            "root_circle_radius_m",
+            "rim_radius_m",
+        ];
+        if let Some(key) = of_ring.iter().find(|key| at.has(key)) {
+            return at.key(key).refuse(
+                format!("`{key}` is a key of internal gears"),
+                "this gear is external",
+                "add `internal = true`, or leave it out",
+            );
+        }
     }
     let measured = match &keys {
         ToothedKeys::Gear(keys) => {

@@ -3,7 +3,7 @@
 use super::error::SceneError;
 use super::reading::Place;
 use gearbench_models::error::Reason;
-use gearbench_models::geometry::{GeometryError, Quantity};
+use gearbench_models::geometry::{GeometryError, InternalError, Quantity};
 
 /// A refusal of the geometry at the key that causes it.
 pub(super) fn geometry(at: &Place<'_>, e: &GeometryError) -> SceneError {
@@ -16,6 +16,7 @@ pub(super) fn geometry(at: &Place<'_>, e: &GeometryError) -> SceneError {
 /// The keys that can cause a geometry error, the likeliest first.
 pub(super) fn keys_of(e: &GeometryError) -> &'static [&'static str] {
     use GeometryError as E;
+    use InternalError as I;
     use Quantity as Q;
     match e {
         E::Invalid { what, .. } => match what {
@@ -26,7 +27,9 @@ pub(super) fn keys_of(e: &GeometryError) -> &'static [&'static str] {
             Q::Twist => &["twist_m"],
             Q::TopographyRadius | Q::TopographyHeight => &["topography"],
             Q::CentreDistance | Q::RackDistance => &["centre_distance_m"],
-            Q::ReferenceCircle | Q::TipCircle | Q::RootCircle => &["module_m"],
+            Q::ReferenceCircle => &["module_m"],
+            Q::TipCircle => &["tip_circle_radius_m", "module_m"],
+            Q::RootCircle => &["root_circle_radius_m", "module_m"],
             Q::Module => &["module_m"],
             Q::PressureAngle => &["pressure_angle_deg"],
             Q::HelixAngle => &["helix_angle_deg"],
@@ -39,6 +42,9 @@ pub(super) fn keys_of(e: &GeometryError) -> &'static [&'static str] {
             Q::ProfileShiftAngle => &["profile_shift_angle_deg"],
             Q::TipConeAngle => &["tip_cone_angle_deg", "profile_shift_angle_deg"],
             Q::BoreRadius => &["bore_radius_m"],
+            Q::RimRadius => &["rim_radius_m"],
+            Q::CutterTeeth => &["cutter_teeth"],
+            Q::CutterShift => &["cutter_profile_shift"],
             Q::ProfileCrowning => &["profile_crowning_m"],
             Q::LeadCrowning => &["lead_crowning_m"],
             Q::BodyHeight => &["body_height_m"],
@@ -71,6 +77,43 @@ pub(super) fn keys_of(e: &GeometryError) -> &'static [&'static str] {
         E::UnequalPressureAngles { .. } => &["pressure_angle_deg"],
         E::HelixMismatch { .. } => &["helix_angle_deg"],
         E::Conical(_) => &["profile_shift_angle_deg", "tip_cone_angle_deg"],
+        E::Internal(why) => match why {
+            I::CutterTeeth { .. } | I::CutterFouls { .. } => &["cutter_teeth", "internal"],
+            I::CutterShift { .. } => &[
+                "cutter_profile_shift",
+                "profile_shift",
+                "cutter_teeth",
+                "internal",
+            ],
+            I::CutterTip { .. } => &[
+                "root_circle_radius_m",
+                "dedendum_factor",
+                "cutter_teeth",
+                "cutter_profile_shift",
+                "internal",
+            ],
+            I::CutterBase { .. } => &[
+                "cutter_teeth",
+                "tip_circle_radius_m",
+                "addendum_factor",
+                "internal",
+            ],
+            I::TipWithinBase { .. } | I::NoInvolute { .. } | I::RootWithinTip { .. } => &[
+                "tip_circle_radius_m",
+                "addendum_factor",
+                "profile_shift",
+                "internal",
+            ],
+            I::Rim { .. } => &["rim_radius_m", "internal"],
+            I::Bore => &["bore_radius_m"],
+            I::Not { .. } => &[
+                "profile_shift_angle_deg",
+                "tip_cone_angle_deg",
+                "topography",
+                "internal",
+            ],
+            _ => &["internal"],
+        },
         _ => &[],
     }
 }

@@ -236,7 +236,8 @@ fn for_backlash(a: &Body, b: &Body, backlash: f64) -> Result<f64, GeometryError>
             for _ in 0..50 {
                 let circumferential = backlash / (alpha.cos() * a.base_helix_angle().cos());
                 distance = Pair::centre_distance_for_backlash(a, b, circumferential)?;
-                alpha = ((a.r_base() + b.r_base()) / distance).min(1.0).acos();
+                let base_sum = a.sign() * a.r_base() + b.sign() * b.r_base();
+                alpha = (base_sum.abs() / distance).min(1.0).acos();
             }
             Ok(distance)
         }

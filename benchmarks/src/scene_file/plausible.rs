@@ -233,11 +233,14 @@ fn overlap(scene: &SceneFile) -> Result<(), SceneError> {
                 continue;
             };
             let [dx, dy] = [0, 1].map(|k| second.position[k] - first.position[k]);
-            let (distance, room) = (dx.hypot(dy), ga.r_tip() + gb.r_tip());
+            let (distance, room) = (dx.hypot(dy), ga.r_outer() + gb.r_outer());
+            let inside = [(ga, gb), (gb, ga)].iter().any(|(ring, other)| {
+                ring.is_internal() && distance + other.r_outer() <= ring.r_tip()
+            });
             let along =
                 (Vec3::from(second.position) - Vec3::from(first.position)).dot(&first.axes[2]);
             let apart = along.abs() >= 0.5 * (ga.face_width() + gb.face_width());
-            if distance >= room || apart || mesh(a, b) {
+            if distance >= room || inside || apart || mesh(a, b) {
                 continue;
             }
             let root = scene.document.at("");

@@ -21,7 +21,7 @@ use super::reading::keys::keys;
 use super::reading::values::{Count, GearName, NotNegative, Positive};
 use gearbench_models::spec::{
     BodySpec, Carried, Load, Mount, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec,
-    Station, effective_radius, initial_speed as speed_at_start,
+    Station, initial_speed as speed_at_start, signed_effective_radius,
 };
 
 keys! {
@@ -298,7 +298,10 @@ pub(super) fn roll_planets(spec: &mut SceneSpec, gears: &Place<'_>) {
         }) {
             let of = |g: usize| {
                 let g = &spec.gears[g];
-                (effective_radius(&g.body), speed_at_start(&g.mount, g.speed))
+                (
+                    signed_effective_radius(&g.body),
+                    speed_at_start(&g.mount, g.speed),
+                )
             };
             let ((own, _), (radius, speed)) = (of(planet), of(mate));
             spec.gears[planet].speed = carrier - radius / own * (speed - carrier);

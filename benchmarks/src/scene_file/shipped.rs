@@ -45,6 +45,7 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("backlash_parametric"),
     shipped!("backlash_forced"),
     shipped!("driveline"),
+    shipped!("ring_pair"),
 ];
 
 /// A shipped scene by name.

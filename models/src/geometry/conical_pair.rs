@@ -347,6 +347,7 @@ impl Pair {
                 length,
                 r_base: r_base[1],
                 chi: two.half_angle_base(),
+                towards: std::f64::consts::PI,
             },
             pitch_radii: r_base.map(|rb| rb / alpha_w.cos()),
             face_width,

@@ -178,7 +178,8 @@ impl ToothDeviations {
             let form = list("profile form deviations", &flanks.profile_form)?;
             let on_base = of.r_base / of.r;
             let all = pitch.iter().zip(slope).zip(form);
-            Ok(all.map(|((p, s), f)| [on_base * p, s, f]).collect())
+            let all = all.map(|((p, s), f)| [on_base * p, s, f]);
+            Ok::<Vec<[f64; 3]>, GeometryError>(all.collect())
         };
         let [left, right] = &given.sides;
         Ok(Some(ToothDeviations {

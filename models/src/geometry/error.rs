@@ -1,6 +1,7 @@
 //! Why a geometry is refused: one variant per cause, each with the numbers and a way out.
 
 use super::conical::ConicalError;
+use super::internal_error::InternalError;
 use super::quantity::Quantity;
 use crate::error::{Reason, reasoned};
 
@@ -88,6 +89,8 @@ pub enum GeometryError {
     },
     /// What only conical gears are refused for.
     Conical(ConicalError),
+    /// What only internal gears are refused for.
+    Internal(InternalError),
     /// Contact would be lost between one tooth pair and the next.
     ContactRatio { value: f64 },
 }
@@ -153,7 +156,7 @@ impl GeometryError {
                 max_addendum,
             } => (
                 format!(
-                    "pointed tooth: both flanks meet at radius {r_pointed:.6} m, below the \
+                    "pointed tooth: both flanks meet at radius {r_pointed:.6} m, before the \
                      tip radius {r_tip:.6} m"
                 ),
                 if *max_addendum > 0.0 {
@@ -179,7 +182,7 @@ impl GeometryError {
             ),
             Self::TipRadius { factor, max_factor } => (
                 format!(
-                    "tip radius factor {factor:.4} does not fit the rack tool: the full \
+                    "tip radius factor {factor:.4} does not fit the tool: the full \
                      radius is reached at {max_factor:.4}"
                 ),
                 "use a smaller factor".to_owned(),
@@ -277,7 +280,9 @@ impl GeometryError {
                     "helix angles {first_deg:.6} and {second_deg:.6} degrees do not mesh on \
                      parallel axes"
                 ),
-                "external teeth need equal angles of opposite hand (opposite sign)".to_owned(),
+                "external gears need equal angles of opposite hand (opposite sign), an internal gear \
+                 and its mate of one hand"
+                    .to_owned(),
             ),
             Self::CentreDistanceTooSmall {
                 centre_distance,
@@ -315,7 +320,7 @@ impl GeometryError {
                     "tip and root collide: the tip of {tip_of} passes the root of its mate \
                      with clearance {clearance:.3e} m"
                 ),
-                "increase the distance, shorten that addendum or deepen the mating \
+                "increase the distance (reduce it in an internal gear), shorten that addendum or deepen the mating \
                      dedendum"
                     .to_owned(),
             ),
@@ -334,9 +339,10 @@ impl GeometryError {
                 ),
             ),
             Self::Conical(why) => return why.reason(),
+            Self::Internal(why) => return why.reason(),
             Self::ContactRatio { value } => (
                 format!("contact ratio {value:.4} is below 1: contact is lost between tooth pairs"),
-                "reduce the distance, or use a larger addendum, more teeth or a smaller \
+                "reduce the distance (increase it in an internal gear), or use a larger addendum, more teeth or a smaller \
                      pressure angle"
                     .to_owned(),
             ),

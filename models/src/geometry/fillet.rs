@@ -1,4 +1,4 @@
-//! The tip of the rack tool and the trochoidal root fillet it generates.
+//! Trochoidal root fillets, and the tip of the rack tool that generates those of external gears (`cutter` has the other).
 //!
 //! The tool tip, in the tool's normal section, is a circular arc of radius `rho` that joins the
 //! straight flank to the tip line. Depth `d` counts from the rolling (pitch) line towards the gear
@@ -22,6 +22,7 @@
 //! Litvin and Fuentes (2004), sections 6.3 to 6.8 (envelope of a rack cutter). The parameter used
 //! below is `q = cos(phi)`, in which both ends are regular.
 
+use super::cutter::Cutter;
 use super::error::GeometryError;
 
 /// Number of intervals in which the monotony of a fillet is checked.
@@ -111,6 +112,24 @@ impl ToolTip {
         let d = self.d_c + self.rho * (1.0 - q * q).max(0.0).sqrt();
         ((self.w_c + self.rho * q) / self.cos_beta, d)
     }
+
+    /// The point of the fillet that its point at the parameter `q` generates on a gear of reference radius `r`.
+    fn rolled(&self, q: f64, r: f64) -> FilletPoint {
+        let sin_phi = (1.0 - q * q).max(0.0).sqrt();
+        let (u, d) = self.point(q);
+        let d_q = -self.rho * q / sin_phi;
+        let x = d * self.cos_beta * q / sin_phi;
+        let x_q = self.cos_beta * (d_q * q / sin_phi + d / (sin_phi * sin_phi * sin_phi));
+        let y = r - d;
+        // d_tip - d = rho (1 - sin(phi)) = rho q^2 / (1 + sin(phi))
+        let from_root2 = x * x + self.rho * q * q / (1.0 + sin_phi) * (2.0 * r - d - self.d_tip);
+        FilletPoint {
+            r2: x * x + y * y,
+            delta: x.atan2(y) - (x - u) / r,
+            r_dr: x * x_q - y * d_q,
+            from_root2,
+        }
+    }
 }
 
 /// One point of the fillet with what the area integrals need.
@@ -122,26 +141,42 @@ pub(super) struct FilletPoint {
     pub delta: f64,
     /// d(R^2)/dq / 2 (m^2), that is `R dR/dq`.
     pub r_dr: f64,
-    /// `R^2 - r_root^2` without cancellation (m^2).
-    above_root2: f64,
+    /// Distance of `R^2` from `r_root^2` without cancellation (m^2).
+    pub from_root2: f64,
 }
 
-/// Trochoidal fillet of a gear: the envelope of a [`ToolTip`] rolling on the reference circle.
+/// What cuts a fillet.
+#[derive(Clone, Debug, PartialEq)]
+enum Tool {
+    /// The tip of a rack tool that rolls on the reference radius (m).
+    Rack(ToolTip, f64),
+    /// The tip of a pinion-type cutter, in an internal gear.
+    Cutter(Cutter),
+}
+
+/// Trochoidal fillet of a gear: the envelope of the tip of its tool.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Fillet {
-    tip: ToolTip,
-    /// Rolling (reference) radius (m).
-    r: f64,
+    tool: Tool,
 }
 
 impl Fillet {
     /// Generates the fillet on a gear of reference radius `r`; the caller has excluded undercut.
     pub(super) fn new(tip: ToolTip, r: f64) -> Result<Self, GeometryError> {
-        let fillet = Self { tip, r };
+        Self::that_rises(Tool::Rack(tip, r))
+    }
+
+    /// The fillet of an internal gear.
+    pub(super) fn cut(cutter: Cutter) -> Result<Self, GeometryError> {
+        Self::that_rises(Tool::Cutter(cutter))
+    }
+
+    fn that_rises(tool: Tool) -> Result<Self, GeometryError> {
+        let fillet = Self { tool };
         let mut last = fillet.at(0.0);
         for k in 1..=CHECKED {
             let p = fillet.at(fillet.q_max() * k as f64 / CHECKED as f64);
-            let rises = p.above_root2 > last.above_root2 && p.delta >= last.delta - 1e-12;
+            let rises = p.from_root2 > last.from_root2 && p.delta >= last.delta - 1e-12;
             if !rises {
                 return Err(GeometryError::FilletFolds);
             }
@@ -152,47 +187,42 @@ impl Fillet {
 
     /// Parameter at the junction with the involute; 0 is the junction with the root circle.
     pub(super) fn q_max(&self) -> f64 {
-        self.tip.q_max()
+        match &self.tool {
+            Tool::Rack(tip, _) => tip.q_max(),
+            Tool::Cutter(cutter) => cutter.q_max(),
+        }
     }
 
     /// Half angle of the root-circle arc around the centreline of the tooth space (rad).
     pub(super) fn root_arc(&self) -> f64 {
-        self.tip.flat() / self.r
+        match &self.tool {
+            Tool::Rack(tip, r) => tip.flat() / r,
+            Tool::Cutter(cutter) => cutter.root_arc(),
+        }
     }
 
     /// The point at parameter `q` in `[0, q_max]`.
     pub(super) fn at(&self, q: f64) -> FilletPoint {
-        let t = &self.tip;
-        let sin_phi = (1.0 - q * q).max(0.0).sqrt();
-        let (u, d) = t.point(q);
-        let d_q = -t.rho * q / sin_phi;
-        let x = d * t.cos_beta * q / sin_phi;
-        let x_q = t.cos_beta * (d_q * q / sin_phi + d / (sin_phi * sin_phi * sin_phi));
-        let y = self.r - d;
-        // d_tip - d = rho (1 - sin(phi)) = rho q^2 / (1 + sin(phi))
-        let above_root2 = x * x + t.rho * q * q / (1.0 + sin_phi) * (2.0 * self.r - d - t.d_tip);
-        FilletPoint {
-            r2: x * x + y * y,
-            delta: x.atan2(y) - (x - u) / self.r,
-            r_dr: x * x_q - y * d_q,
-            above_root2,
+        match &self.tool {
+            Tool::Rack(tip, r) => tip.rolled(q, *r),
+            Tool::Cutter(cutter) => cutter.at(q),
         }
     }
 
-    /// Angle from the centreline of the tooth space at squared height `r^2 - r_root^2` (m^2).
+    /// Angle from the centreline of the tooth space where the squared radius is that far from the root's (m^2).
     ///
-    /// Newton's method, kept in a bracket, on `sqrt(R^2 - r_root^2)`: nearly linear in `q`.
-    pub(super) fn delta_at(&self, above_root2: f64) -> f64 {
-        let target = above_root2.max(0.0).sqrt();
+    /// Newton's method, kept in a bracket, on `sqrt(|R^2 - r_root^2|)`: nearly linear in `q`.
+    pub(super) fn delta_at(&self, from_root2: f64) -> f64 {
+        let target = from_root2.max(0.0).sqrt();
         let (mut lo, mut hi) = (0.0, self.q_max());
-        let top = self.at(hi).above_root2.sqrt();
+        let top = self.at(hi).from_root2.sqrt();
         if target >= top {
             return self.at(hi).delta;
         }
         let mut q = hi * target / top;
         for _ in 0..80 {
             let p = self.at(q);
-            let f = p.above_root2.sqrt();
+            let f = p.from_root2.sqrt();
             let error = f - target;
             if error.abs() <= 4.0 * f64::EPSILON * top {
                 break;
@@ -202,7 +232,7 @@ impl Fillet {
             } else {
                 lo = q;
             }
-            let newton = q - error * f / p.r_dr;
+            let newton = q - error * f / p.r_dr.abs();
             q = if newton > lo && newton < hi {
                 newton
             } else {
@@ -320,13 +350,13 @@ mod tests {
                 assert!(near < -1.57, "{near} rad at the root circle");
             }
             let arc = 0.5 * gear.pitch_angle() - gear.half_angle_at(gear.r_root());
-            assert!((arc - gear.fillet.root_arc()).abs() < 1e-12);
+            assert!((arc - gear.profile.fillet.root_arc()).abs() < 1e-12);
         }
     }
 
     #[test]
     fn full_radius_tool_leaves_no_root_arc() {
         let gear = &gears()[3];
-        assert!(gear.fillet.root_arc() < 1e-12);
+        assert!(gear.profile.fillet.root_arc() < 1e-12);
     }
 }

@@ -1,4 +1,4 @@
-//! An external involute gear: what a user gives and every derived quantity.
+//! An involute gear: what a user gives and every derived quantity.
 //!
 //! ```text
 //! tan(alpha_t) = tan(alpha_n) / cos(beta)     sin(beta_b) = sin(beta) cos(alpha_n)
@@ -8,28 +8,26 @@
 //! half angle at r (involute): chi - inv(acos(r_b / r))
 //! ```
 //!
-//! ISO 21771-1. The involute starts where the straight flank of the rack tool ends: at depth `d_j`
-//! below the rolling line the length of roll is `s_form = r sin(alpha_t) - d_j / sin(alpha_t)`,
-//! and undercut means `s_form < 0`. Below it lies the trochoid of the `fillet` module. Thinning is
-//! made by a wider tool tooth at unchanged depth, so the root circle keeps its radius.
+//! ISO 21771-1. Tip, root and fillet of external gears are those of the module `profile`, of internal ones those of `internal`.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::Side;
 use super::deviation::{ToothDeviations, Toothing};
 use super::error::{GeometryError, finite};
-use super::fillet::{Fillet, ToolTip};
 use super::helicoid::InvoluteHelicoid;
-use super::involute::{inv, inv_inverse, inv_of_tangent};
+use super::internal;
+use super::involute::inv_of_tangent;
 use super::modification::FlankRange;
 use super::parameters::GearParams;
+use super::profile::{self, Profile};
 use super::quantity::Quantity;
 
 /// Seat over root radius of a solid gear: that of a gear on a shaft with a key.
 const SEAT: f64 = 0.5;
 
-/// An external involute gear that can be cut: parameters and derived quantities.
+/// An involute gear that can be cut: parameters and derived quantities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gear {
     params: Box<GearParams>,
@@ -37,14 +35,9 @@ pub struct Gear {
     beta_b: f64,
     r: f64,
     r_base: f64,
-    r_tip: f64,
-    r_root: f64,
-    r_form: f64,
-    psi: f64,
-    chi: f64,
+    pub(super) profile: Profile,
     /// Length of roll at the form circle, at the tip and at the start of the tip relief (m).
     roll: [f64; 3],
-    pub(super) fillet: Fillet,
     deviations: Option<Arc<ToothDeviations>>,
     /// Left and right.
     pub(super) flanks: Box<[InvoluteHelicoid; 2]>,
@@ -60,80 +53,25 @@ impl Gear {
         params.check()?;
         let p = &params;
         let z = f64::from(p.teeth);
-        let (m, x, beta) = (p.module, p.profile_shift, p.helix_angle);
-        let tan_alpha_n = p.pressure_angle.tan();
-        let alpha_t = (tan_alpha_n / beta.cos()).atan();
+        let (m, beta) = (p.module, p.helix_angle);
+        let alpha_t = (p.pressure_angle.tan() / beta.cos()).atan();
         let beta_b = (beta.sin() * p.pressure_angle.cos()).asin();
         let r = 0.5 * z * m / beta.cos();
         let r_base = r * alpha_t.cos();
-        let r_tip = r + m * (p.addendum + x);
-        let r_root = r + m * (x - p.dedendum);
-        for (what, value) in [
-            (Quantity::ReferenceCircle, r),
-            (Quantity::TipCircle, r_tip),
-            (Quantity::RootCircle, r_root),
-        ] {
-            finite(what, value)?;
-        }
-        if r_root <= 0.0 {
-            return Err(GeometryError::NoRoot { r_root });
-        }
-        if p.bore_radius >= r_root {
-            return Err(GeometryError::BoreTooLarge {
-                bore: p.bore_radius,
-                r_root,
-            });
-        }
-        let psi_full = (FRAC_PI_2 + 2.0 * x * tan_alpha_n) / z;
-        let psi = psi_full - p.thinning / (2.0 * r);
-        let chi = psi + inv(alpha_t);
-        // Where the flanks meet: chi = inv(alpha). Not above the base circle when chi <= 0.
-        let r_pointed = r_base / inv_inverse(chi.max(0.0)).cos();
-        if p.thinning > 0.0 && psi <= 0.0 && psi_full > 0.0 {
-            return Err(GeometryError::NoToothLeft {
-                thinning: p.thinning,
-                thickness: 2.0 * r * psi_full,
-            });
-        }
-        if chi <= 0.0 || r_pointed <= r_tip {
-            return Err(GeometryError::PointedTooth {
-                r_tip,
-                r_pointed,
-                max_addendum: (r_pointed - r) / m - x,
-            });
-        }
-
-        // The tool tooth fills the tooth space: its half width at the rolling line.
-        let half_space = r * (PI / z - psi) * beta.cos();
-        let d_tip = m * (p.dedendum - x);
-        let alpha_n = p.pressure_angle;
-        let tip = ToolTip::new(
-            half_space,
-            d_tip,
-            p.tip_radius,
-            m,
-            p.dedendum,
-            alpha_n,
-            beta,
+        finite(Quantity::ReferenceCircle, r)?;
+        let profile = match &p.internal {
+            None => profile::external(p, [r, r_base], alpha_t)?,
+            Some(of) => internal::profile(p, of, [r, r_base], alpha_t)?,
+        };
+        let Profile { r_tip, r_form, .. } = profile;
+        params.modifications.check(
+            [r_form, r_tip],
+            params.face_width,
+            params.internal.is_some(),
         )?;
-        let d_j = tip.flank_end_depth();
-        let (sin_t, cos_t) = alpha_t.sin_cos();
-        let s_form = r * sin_t - d_j / sin_t;
-        if s_form < -1e-12 * r {
-            return Err(undercut(p, d_j, r, sin_t));
-        }
-        let s_form = s_form.max(0.0);
-        let r_form = (r - d_j).hypot(d_j * cos_t / sin_t).max(r_base);
-        if r_form >= r_tip {
-            return Err(GeometryError::NoInvolute { r_form, r_tip });
-        }
-        let fillet = Fillet::new(tip, r)?;
-
-        params
-            .modifications
-            .check([r_form, r_tip], params.face_width)?;
-        let roll_of = |radius: f64| (radius * radius - r_base * r_base).max(0.0).sqrt();
-        let s_tip = roll_of(r_tip);
+        let sign = if params.internal.is_some() { -1.0 } else { 1.0 };
+        let roll_of = |radius: f64| sign * (radius * radius - r_base * r_base).max(0.0).sqrt();
+        let [s_form, s_tip] = profile.roll;
         let s_relief = params
             .modifications
             .tip_relief
@@ -143,7 +81,7 @@ impl Gear {
             module: params.module,
             r,
             r_base,
-            chi,
+            chi: profile.chi,
             roll: [s_form, roll_of(r), s_tip],
         };
         let deviations = ToothDeviations::new(&params.deviations, toothing)?.map(Arc::new);
@@ -153,21 +91,16 @@ impl Gear {
             beta_b,
             r,
             r_base,
-            r_tip,
-            r_root,
-            r_form,
-            psi,
-            chi,
             roll: [s_form, s_tip, s_relief],
-            fillet,
             deviations,
             flanks: Box::new(Side::BOTH.map(|side| InvoluteHelicoid {
                 side,
                 base_radius: r_base,
                 tan_helix: beta_b.tan(),
                 cos_helix: beta_b.cos(),
-                half_angle: chi,
+                half_angle: profile.chi,
             })),
+            profile,
         };
         let gear = if gear.is_conical() {
             gear.conical()?
@@ -182,14 +115,14 @@ impl Gear {
     fn check_depth_of_modifications(&self) -> Result<(), GeometryError> {
         let each = self.deviations.as_ref().map_or(0.0, |d| d.greatest());
         let of_all = [Side::Left, Side::Right].map(|side| {
-            let ends = [-1.0, 1.0].map(|zeta| self.flank_deviation(side, self.r_tip, zeta));
+            let ends = [-1.0, 1.0].map(|zeta| self.flank_deviation(side, self.r_tip(), zeta));
             ends[0].max(ends[1])
         });
         let measured = self.params.modifications.topography.iter().flatten();
         let measured = measured.map(|t| 2.0 * t.greatest()).fold(0.0, f64::max);
         let removed = of_all[0].max(of_all[1]) + measured + each * self.beta_b.cos();
         // The tooth centreline is r_b times the half angle away, measured along the line of action.
-        let available = self.r_base * self.half_angle_at(self.r_tip) * self.beta_b.cos();
+        let available = self.r_base * self.half_angle_at(self.r_tip()) * self.beta_b.cos();
         if removed < available {
             Ok(())
         } else {
@@ -239,24 +172,31 @@ impl Gear {
 
     /// Tip radius (m).
     pub fn r_tip(&self) -> f64 {
-        self.r_tip
+        self.profile.r_tip
     }
 
     /// Root radius (m).
     pub fn r_root(&self) -> f64 {
-        self.r_root
+        self.profile.r_root
     }
 
     /// Radius at which the body is held (m): the bore, or for a solid gear the seat that stands for
-    /// its shaft, half the root radius.
+    /// its shaft, half the root radius; of an internal gear the outer radius of its rim.
     pub fn seat_radius(&self) -> f64 {
+        if self.is_internal() {
+            return self.r_outer();
+        }
         let bore = self.params.bore_radius;
-        if bore > 0.0 { bore } else { SEAT * self.r_root }
+        if bore > 0.0 {
+            bore
+        } else {
+            SEAT * self.r_root()
+        }
     }
 
     /// Form radius (m): where the fillet ends and the involute begins.
     pub fn r_form(&self) -> f64 {
-        self.r_form
+        self.profile.r_form
     }
 
     /// Transverse base pitch (m).
@@ -271,17 +211,18 @@ impl Gear {
 
     /// Half tooth thickness angle at the reference circle (rad), thinning included.
     pub fn half_angle_reference(&self) -> f64 {
-        self.psi
+        self.profile.psi
     }
 
-    /// Angle between the tooth centreline and the origin of the flank on the base circle (rad).
+    /// Angle between the tooth centreline and the origin of the flank on the base circle (rad); below 0 where the flanks of
+    /// an internal tooth meet before it.
     pub fn half_angle_base(&self) -> f64 {
-        self.chi
+        self.profile.chi
     }
 
-    /// Length of roll (path coordinate) (m) of the involute at radius `r` (m); 0 below the base.
+    /// Length of roll (path coordinate) (m) of the involute at radius `r` (m); 0 below the base, negative on an internal gear.
     pub fn roll_length(&self, r: f64) -> f64 {
-        ((r - self.r_base) * (r + self.r_base)).max(0.0).sqrt()
+        self.sign() * ((r - self.r_base) * (r + self.r_base)).max(0.0).sqrt()
     }
 
     /// Length of roll at the form circle (m).
@@ -297,23 +238,37 @@ impl Gear {
     /// Half tooth thickness angle (rad) on the involute at length of roll `s` (m); the point has radius
     /// `sqrt(r_b^2 + s^2)`. Unlike [`Gear::half_angle_at`] it is smooth where the involute meets the base circle.
     pub fn half_angle_at_roll(&self, s: f64) -> f64 {
-        self.chi - inv_of_tangent(s / self.r_base)
+        self.profile.chi - inv_of_tangent(s / self.r_base)
     }
 
-    /// Half tooth thickness angle (rad) at radius `r` (m): involute above the form radius,
-    /// trochoidal fillet below. `r` is held within root and tip radius.
+    /// Half tooth thickness angle (rad) at radius `r` (m): involute between tip and form radius,
+    /// trochoidal fillet up to the root. `r` is held within root and tip radius.
     pub fn half_angle_at(&self, r: f64) -> f64 {
-        if r >= self.r_form {
-            return self.half_angle_at_roll(self.roll_length(r.min(self.r_tip)));
+        let (root, form, tip) = (self.r_root(), self.r_form(), self.r_tip());
+        if self.sign() * (r - form) >= 0.0 {
+            return self.half_angle_at_roll(self.roll_length(if self.sign() * (r - tip) > 0.0 {
+                tip
+            } else {
+                r
+            }));
         }
-        let r = r.max(self.r_root);
-        0.5 * self.pitch_angle() - self.fillet.delta_at((r - self.r_root) * (r + self.r_root))
+        let r = if self.sign() * (r - root) < 0.0 {
+            root
+        } else {
+            r
+        };
+        0.5 * self.pitch_angle()
+            - self
+                .profile
+                .fillet
+                .delta_at(((r - root) * (r + root)).abs())
     }
 
     /// Point of the left fillet in its own parameter, from 0 at the root circle to 1 at the form circle:
     /// radius (m) and half tooth thickness angle (rad).
     pub fn fillet_at(&self, t: f64) -> (f64, f64) {
-        let p = self.fillet.at(self.fillet.q_max() * t.clamp(0.0, 1.0));
+        let fillet = &self.profile.fillet;
+        let p = fillet.at(fillet.q_max() * t.clamp(0.0, 1.0));
         (p.r2.sqrt(), 0.5 * self.pitch_angle() - p.delta)
     }
 
@@ -377,18 +332,5 @@ impl Gear {
     pub fn greatest_tooth_deviation(&self) -> f64 {
         let greatest = self.deviations.as_ref().map_or(0.0, |d| d.greatest());
         greatest * self.beta_b.cos()
-    }
-}
-
-/// The refusal of undercut, with the limits of profile shift and tooth number.
-fn undercut(p: &GearParams, d_j: f64, r: f64, sin_t: f64) -> GeometryError {
-    // Free of undercut when d_j <= r sin^2(alpha_t); d_j falls by m for each unit of x.
-    let short = (d_j - r * sin_t * sin_t) / p.module;
-    let teeth = f64::from(p.teeth) * d_j / (r * sin_t * sin_t);
-    GeometryError::Undercut {
-        teeth: p.teeth,
-        profile_shift: p.profile_shift,
-        min_profile_shift: p.profile_shift + short,
-        min_teeth: teeth.ceil() as u64,
     }
 }

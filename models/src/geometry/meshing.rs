@@ -1,10 +1,12 @@
 //! Sets a gear and its mate at a distance, and refuses what does not mesh there; equations in `pair`.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::conical::ConicalError;
 use super::error::{GeometryError, not_negative, positive};
 use super::gear::Gear;
+use super::internal::Meshing;
+use super::internal_error::InternalError;
 use super::involute::inv;
 use super::pair::{Mate, Pair, Second};
 use super::quantity::Quantity;
@@ -46,7 +48,12 @@ pub(super) fn check_same_rack(gear: &Gear, mate: Mate<'_>) -> Result<(), Geometr
             second_deg: two.1.to_degrees(),
         });
     }
-    if (one.2 + two.2).abs() > 1e-9 {
+    // The hands of an internal gear and its mate are the same.
+    let hand = match mate {
+        Mate::Gear(two) => gear.sign() * two.sign(),
+        Mate::Rack(_) => 1.0,
+    };
+    if (one.2 + hand * two.2).abs() > 1e-9 {
         return Err(GeometryError::HelixMismatch {
             first_deg: one.2.to_degrees(),
             second_deg: two.2.to_degrees(),
@@ -61,6 +68,30 @@ fn backlash_constant(one: &Gear, two: &Gear) -> f64 {
     one.base_pitch() - 2.0 * chi
 }
 
+/// Sum of the base radii, that of an internal gear negative.
+fn base_sum(one: &Gear, two: &Gear) -> f64 {
+    one.sign() * one.r_base() + two.sign() * two.r_base()
+}
+
+/// Refuses internal gears that no centre distance brings into mesh.
+fn check_inside(one: &Gear, two: &Gear) -> Result<(), GeometryError> {
+    let [ring, mate] = match (one.is_internal(), two.is_internal()) {
+        (false, false) => return Ok(()),
+        (true, true) => return Err(InternalError::BothInternal.into()),
+        (true, false) => [one, two],
+        (false, true) => [two, one],
+    };
+    let [ring, mate] = [ring, mate].map(Gear::teeth);
+    if mate >= ring {
+        return Err(InternalError::ToothDifference { ring, mate }.into());
+    }
+    if one.is_conical() || two.is_conical() {
+        let what = "conical mates";
+        return Err(InternalError::Not { what }.into());
+    }
+    Ok(())
+}
+
 /// Refuses tips that run into the root of their mate.
 pub(super) fn check_clearance(
     names: [&'static str; 2],
@@ -71,6 +102,37 @@ pub(super) fn check_clearance(
         if clearance < -SLACK * distance {
             return Err(GeometryError::TipRootCollision { tip_of, clearance });
         }
+    }
+    Ok(())
+}
+
+/// Refuses tips that foul beside the path of contact of an internal gear.
+fn check_tips(one: &Gear, two: &Gear, distance: f64, alpha_w: f64) -> Result<(), GeometryError> {
+    let [ring, mate] = if one.is_internal() {
+        [one, two]
+    } else {
+        [two, one]
+    };
+    let meshing = Meshing {
+        distance,
+        alpha_w,
+        r_base: mate.r_base(),
+        chi: mate.half_angle_base(),
+    };
+    let half_tip = |g: &Gear| g.half_angle_at_roll(g.roll_length_tip());
+    let of_ring = [
+        ring.r_base(),
+        ring.half_angle_base(),
+        ring.r_tip(),
+        half_tip(ring),
+    ];
+    let room = meshing.room_at_tips(of_ring, [[mate.r_tip(), half_tip(mate)]]);
+    if room < -SLACK * distance {
+        return Err(InternalError::TipsFoul {
+            overlap: -room,
+            difference: ring.teeth() - mate.teeth(),
+        }
+        .into());
     }
     Ok(())
 }
@@ -88,10 +150,13 @@ impl Pair {
         distance: f64,
     ) -> Result<Self, GeometryError> {
         let mate = mate.into();
-        if let Mate::Rack(_) = mate
-            && gear.is_conical()
-        {
-            return Err(GeometryError::Conical(ConicalError::OnRack));
+        if let Mate::Rack(_) = mate {
+            if gear.is_conical() {
+                return Err(GeometryError::Conical(ConicalError::OnRack));
+            }
+            if gear.is_internal() {
+                return Err(InternalError::OnRack.into());
+            }
         }
         let pair = match mate {
             Mate::Gear(two) => {
@@ -113,39 +178,75 @@ impl Pair {
         Ok(pair)
     }
 
-    fn of_gears(one: &Gear, two: &Gear, a: f64) -> Result<Self, GeometryError> {
-        let r_base = [one.r_base(), two.r_base()];
+    fn of_gears(one: &Gear, two: &Gear, distance: f64) -> Result<Self, GeometryError> {
+        check_inside(one, two)?;
+        let signs = [one.sign(), two.sign()];
+        let internal = signs[0] * signs[1] < 0.0;
+        // Radii and the distance with the signs of the numbers of teeth.
+        let a = if internal { -distance } else { distance };
+        let signed = |k: usize, x: f64| signs[k] * x;
+        let r_base = [signed(0, one.r_base()), signed(1, two.r_base())];
+        let chi = [
+            signed(0, one.half_angle_base()),
+            signed(1, two.half_angle_base()),
+        ];
         let base_sum = r_base[0] + r_base[1];
-        if a <= base_sum {
-            return Err(GeometryError::CentreDistanceTooSmall {
-                centre_distance: a,
-                base_sum,
+        if distance <= base_sum.abs() {
+            return Err(match internal {
+                true => InternalError::DistanceTooSmall {
+                    distance,
+                    difference: -base_sum,
+                }
+                .into(),
+                false => GeometryError::CentreDistanceTooSmall {
+                    centre_distance: distance,
+                    base_sum,
+                },
             });
         }
         let alpha_w = (base_sum / a).acos();
-        let length = ((a - base_sum) * (a + base_sum)).sqrt();
+        let length = ((a - base_sum) * (a + base_sum)).sqrt().copysign(a);
         let s_start = length - two.roll_length_tip();
         let s_end = one.roll_length_tip();
-        if a >= one.r_tip() + two.r_tip() || s_end <= s_start {
+        let tips = signed(0, one.r_tip()) + signed(1, two.r_tip());
+        if a >= tips || s_end <= s_start {
             let reach = one.roll_length_tip() + two.roll_length_tip();
-            return Err(GeometryError::NoEngagement {
-                centre_distance: a,
-                max_distance: base_sum.hypot(reach).min(one.r_tip() + two.r_tip()),
+            return Err(match internal {
+                // The distance at which both reach the same place of the line of action.
+                true => InternalError::NoEngagement {
+                    distance,
+                    least: base_sum.hypot(reach.min(0.0)).max(-tips),
+                }
+                .into(),
+                false => GeometryError::NoEngagement {
+                    centre_distance: distance,
+                    max_distance: base_sum.hypot(reach).min(tips),
+                },
             });
         }
         let backlash_base = backlash_constant(one, two) + 2.0 * base_sum * inv(alpha_w);
-        if backlash_base < -SLACK * a {
-            return Err(GeometryError::FlanksOverlap {
-                centre_distance: a,
-                backlash: backlash_base / alpha_w.cos(),
-                min_distance: Self::centre_distance_for_backlash(one, two, 0.0)?,
+        if backlash_base < -SLACK * distance {
+            let backlash = backlash_base / alpha_w.cos();
+            let touching = Self::centre_distance_for_backlash(one, two, 0.0)?;
+            return Err(match internal {
+                true => InternalError::FlanksOverlap {
+                    distance,
+                    backlash,
+                    greatest: touching,
+                }
+                .into(),
+                false => GeometryError::FlanksOverlap {
+                    centre_distance: distance,
+                    backlash,
+                    min_distance: touching,
+                },
             });
         }
         let clearance = [
-            a - one.r_tip() - two.r_root(),
-            a - two.r_tip() - one.r_root(),
+            a - signed(0, one.r_tip()) - signed(1, two.r_root()),
+            a - signed(1, two.r_tip()) - signed(0, one.r_root()),
         ];
-        check_clearance(["gear 1", "gear 2"], clearance, a)?;
+        check_clearance(["gear 1", "gear 2"], clearance, distance)?;
         // The tip of each gear must meet its mate on the involute.
         for (tip_of, tip, mate) in [("gear 1", one, two), ("gear 2", two, one)] {
             let reach = length - tip.roll_length_tip();
@@ -155,23 +256,27 @@ impl Pair {
                 return Err(GeometryError::Interference {
                     tip_of,
                     below,
-                    reduce_by: tip.r_tip() - allowed,
+                    reduce_by: tip.sign() * (tip.r_tip() - allowed),
                 });
             }
         }
+        if internal {
+            check_tips(one, two, distance, alpha_w)?;
+        }
         let backlash_base = backlash_base.max(0.0);
         Ok(Self {
-            distance: a,
+            distance,
             alpha_w,
             base_pitch: one.base_pitch(),
             s_start: s_start.max(one.roll_length_form()),
             s_end: s_end.min(length - two.roll_length_form()),
             r_base: r_base[0],
-            chi: one.half_angle_base(),
+            chi: chi[0],
             second: Second::Gear {
                 length,
                 r_base: r_base[1],
-                chi: two.half_angle_base(),
+                chi: chi[1],
+                towards: if internal { 0.0 } else { PI },
             },
             pitch_radii: r_base.map(|rb| rb / alpha_w.cos()),
             face_width: one.face_width().min(two.face_width()),
@@ -247,7 +352,7 @@ impl Pair {
     }
 
     /// Centre distance (m) at which two gears have the circumferential backlash `backlash` (m) at
-    /// the working pitch circle; 0 gives the closest mesh free of backlash.
+    /// the working pitch circle; 0 gives the closest mesh free of backlash, in an internal gear the one furthest off its axis.
     ///
     /// # Errors
     /// [`GeometryError`] for gears that do not belong together, a negative backlash, or teeth so
@@ -259,14 +364,24 @@ impl Pair {
     ) -> Result<f64, GeometryError> {
         not_negative(Quantity::Backlash, backlash)?;
         check_same_rack(one, Mate::Gear(two))?;
-        let base_sum = one.r_base() + two.r_base();
+        check_inside(one, two)?;
+        let base_sum = base_sum(one, two);
         let constant = backlash_constant(one, two);
-        let excess = |aw: f64| constant + 2.0 * base_sum * inv(aw) - backlash * aw.cos();
+        // Backlash grows with the distance of external gears, and falls with it in an internal one.
+        let excess = |aw: f64| {
+            let sign = base_sum.signum();
+            sign * (constant + 2.0 * base_sum * inv(aw) - backlash * aw.cos())
+        };
         if excess(0.0) >= 0.0 {
             return Err(GeometryError::Invalid {
                 what: Quantity::Backlash,
                 value: backlash,
-                expected: "more: the thinned teeth have a larger backlash at any centre distance",
+                expected: match base_sum > 0.0 {
+                    true => "more: the thinned teeth have a larger backlash at any centre distance",
+                    false => {
+                        "less: at any centre distance in the internal gear the backlash is smaller"
+                    }
+                },
             });
         }
         // The excess rises with the working pressure angle: bisection cannot miss it.
@@ -279,6 +394,6 @@ impl Pair {
                 hi = mid;
             }
         }
-        Ok(base_sum / hi.cos())
+        Ok(base_sum.abs() / hi.cos())
     }
 }

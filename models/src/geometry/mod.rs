@@ -1,4 +1,4 @@
-//! Geometry of external involute cylindrical gears and racks.
+//! Geometry of involute cylindrical gears, external and internal, and racks.
 //!
 //! Owns every length and angle that follows from what a user gives (teeth, module, pressure
 //! angle, profile shift, helix angle, width, rack factors, thinning, centre distance), and refuses
@@ -14,6 +14,10 @@
 //! - A pair has gear 1 at the origin and gear 2 at `(a, 0)`. The path coordinate `s` runs along
 //!   the line of action from the tangent point T1 on the base circle of gear 1 towards T2; a flank
 //!   point of gear 1 at `s` has radius `sqrt(r_b1^2 + s^2)`.
+//! - An internal gear has the number of teeth `-z` in all equations (ISO 21771-1, DIN 3960), so that one set of them serves
+//!   external gears, racks (the limit of infinitely many teeth) and internal gears. Radii and numbers of teeth that a gear
+//!   tells are positive; lengths of roll and path coordinates are negative on it, longest at the root. A positive profile
+//!   shift thickens its teeth and moves their tips towards the axis.
 //! - A rack stands at `x = distance`, its teeth point to -x and it moves along y.
 //!
 //! Nomenclature and equations of the involute follow ISO 21771-1 and F. L. Litvin, A. Fuentes,
@@ -23,6 +27,7 @@
 mod conical;
 mod conical_pair;
 mod contact_lines;
+mod cutter;
 mod deviation;
 mod error;
 mod fillet;
@@ -30,12 +35,19 @@ mod flanks;
 mod frame;
 mod gear;
 mod helicoid;
+mod internal;
+mod internal_error;
+#[cfg(test)]
+mod internal_refusal_tests;
+#[cfg(test)]
+mod internal_tests;
 mod involute;
 mod meshing;
 mod modification;
 mod outline;
 mod pair;
 mod parameters;
+mod profile;
 mod quantity;
 mod rack;
 #[cfg(test)]
@@ -56,6 +68,8 @@ pub use flanks::{FlankGrid, Flanks};
 pub use frame::Frame;
 pub use gear::Gear;
 pub use helicoid::{InvoluteHelicoid, Near};
+pub use internal::Internal;
+pub use internal_error::InternalError;
 pub use involute::{inv, inv_inverse};
 pub use modification::{EndRelief, Modifications, ReliefShape, TipRelief};
 pub use outline::MassProperties;

@@ -125,14 +125,21 @@ impl Modifications {
     }
 
     /// Checks signs and that reliefs start on the involute; radii and width in metre.
-    pub(super) fn check(&self, radii: [f64; 2], width: f64) -> Result<(), GeometryError> {
+    /// `inward` on an internal gear, whose tips have the smaller radius.
+    pub(super) fn check(
+        &self,
+        radii: [f64; 2],
+        width: f64,
+        inward: bool,
+    ) -> Result<(), GeometryError> {
         not_negative(Quantity::ProfileCrowning, self.profile_crowning)?;
         not_negative(Quantity::LeadCrowning, self.lead_crowning)?;
         let [r_form, r_tip] = radii;
         if let Some(relief) = &self.tip_relief {
             positive(Quantity::ReliefAmount, relief.amount)?;
             positive(Quantity::ReliefStart, relief.start_radius)?;
-            if relief.start_radius < r_form || relief.start_radius >= r_tip {
+            let above = |a: f64, b: f64| if inward { a < b } else { a > b };
+            if above(r_form, relief.start_radius) || !above(r_tip, relief.start_radius) {
                 return Err(GeometryError::ReliefStart {
                     start: relief.start_radius,
                     r_form,

@@ -8,6 +8,12 @@
 //! J_p = pi (r_f^4 - r_bore^4) / 2 + 2 z  integral psi r^3 dr
 //! ```
 //!
+//! and of an internal gear, whose teeth stand on the inside of a rim of radius `r_o`,
+//!
+//! ```text
+//! A   = pi (r_o^2 - r_f^2)        + 2 z  integral psi r   dr   (r_a to r_f)     J_p likewise
+//! ```
+//!
 //! The integrals run over the fillet in its own parameter and over the involute in the length of
 //! roll (`r dr = s ds`), both smooth, by composite Gauss-Legendre quadrature to rounding error.
 //! Mass and inertia are those of the plain involute; micrometre modifications are left out.
@@ -50,12 +56,13 @@ fn integrate(a: f64, b: f64, f: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
 }
 
 impl Gear {
-    /// Area (m^2) and polar second moment of area (m^4) of the transverse section without bore.
+    /// Area (m^2) and polar second moment of area (m^4) of the transverse section without bore, with the rim of an internal
+    /// gear.
     pub fn section_properties(&self) -> (f64, f64) {
         let z = f64::from(self.teeth());
         let half_pitch = 0.5 * self.pitch_angle();
-        let fillet = integrate(0.0, self.fillet.q_max(), |q| {
-            let p = self.fillet.at(q);
+        let fillet = integrate(0.0, self.profile.fillet.q_max(), |q| {
+            let p = self.profile.fillet.at(q);
             let f = (half_pitch - p.delta) * p.r_dr;
             [f, f * p.r2]
         });
@@ -65,9 +72,15 @@ impl Gear {
             [f, f * (rb2 + s * s)]
         });
         let rf2 = self.r_root() * self.r_root();
+        // The teeth of an internal gear are passed from the larger radius to the smaller one, its body lies outside.
+        let (sign, rim2) = match self.is_internal() {
+            true => (-1.0, self.r_outer().powi(2)),
+            false => (1.0, 0.0),
+        };
+        let body = sign * std::f64::consts::PI;
         (
-            std::f64::consts::PI * rf2 + 2.0 * z * (fillet[0] + involute[0]),
-            std::f64::consts::FRAC_PI_2 * rf2 * rf2 + 2.0 * z * (fillet[1] + involute[1]),
+            body * (rf2 - rim2) + sign * 2.0 * z * (fillet[0] + involute[0]),
+            0.5 * body * (rf2 * rf2 - rim2 * rim2) + sign * 2.0 * z * (fillet[1] + involute[1]),
         )
     }
 
@@ -85,7 +98,7 @@ impl Gear {
     /// Moment of inertia (kg m^2) about the axis of the core of a solid gear within its seat; 0 with a
     /// bore.
     pub fn core_inertia(&self, density: f64) -> f64 {
-        if self.params().bore_radius > 0.0 {
+        if self.params().bore_radius > 0.0 || self.is_internal() {
             return 0.0;
         }
         let seat2 = self.seat_radius().powi(2);
@@ -94,7 +107,7 @@ impl Gear {
 
     /// Mass (kg) of the same core, none where there is a bore.
     pub fn core_mass(&self, density: f64) -> f64 {
-        if self.params().bore_radius > 0.0 {
+        if self.params().bore_radius > 0.0 || self.is_internal() {
             return 0.0;
         }
         density * self.face_width() * std::f64::consts::PI * self.seat_radius().powi(2)
@@ -116,8 +129,8 @@ impl Gear {
         all
     }
 
-    /// The closed outline polygon (m) of the whole gear without bore, counter-clockwise, tooth 0
-    /// centred on +x; the last point joins the first. Density as in [`Gear::tooth_outline`].
+    /// The closed outline polygon (m) of the whole gear without bore (of an internal one without its rim: the hole in it),
+    /// counter-clockwise, tooth 0 centred on +x; the last point joins the first. Density as in [`Gear::tooth_outline`].
     pub fn outline(&self, points_per_flank: usize) -> Vec<[f64; 2]> {
         let tooth = self.tooth_outline(points_per_flank);
         let mut all = Vec::with_capacity((tooth.len() - 1) * self.teeth() as usize);
@@ -129,6 +142,26 @@ impl Gear {
             }
         }
         all
+    }
+
+    /// What covers the section in a picture: the outline, of an internal gear the circle of its rim and then the hole, joined in
+    /// the middle of a tooth space.
+    pub fn filled_outline(&self, points_per_flank: usize) -> Vec<[f64; 2]> {
+        let outline = self.outline(points_per_flank);
+        if !self.is_internal() {
+            return outline;
+        }
+        let (rim, points) = (self.r_outer(), 4 * self.teeth());
+        let circle = (0..=points).map(|k| {
+            let angle = (f64::from(k) / f64::from(points) - 0.5 / f64::from(self.teeth()))
+                * std::f64::consts::TAU;
+            [rim * angle.cos(), rim * angle.sin()]
+        });
+        let first = outline.first().copied();
+        circle
+            .chain(first)
+            .chain(outline.into_iter().rev())
+            .collect()
     }
 
     /// Left half of a tooth as (radius, angle), from the tip centre to the middle of the space.
@@ -147,12 +180,12 @@ impl Gear {
             let s = s_tip + (s_form - s_tip) * part(k, on_involute);
             (self.r_base().hypot(s), self.half_angle_at_roll(s))
         }));
-        let q_max = self.fillet.q_max();
+        let q_max = self.profile.fillet.q_max();
         out.extend((0..on_fillet).map(|k| {
-            let p = self.fillet.at(q_max * (1.0 - part(k, on_fillet)));
+            let p = self.profile.fillet.at(q_max * (1.0 - part(k, on_fillet)));
             (p.r2.sqrt(), half_pitch - p.delta)
         }));
-        let arc = self.fillet.root_arc();
+        let arc = self.profile.fillet.root_arc();
         // A full-radius tool leaves no root arc: one point in the middle of the space is enough.
         let on_root = if arc > 1e-9 * half_pitch { on_arc } else { 0 };
         out.extend(

@@ -1,4 +1,4 @@
-//! A gear and its mate, a second external gear on a parallel axis or a rack: line of action, path of contact, backlash.
+//! A gear and its mate, a second gear on a parallel axis or a rack: line of action, path of contact, backlash.
 //!
 //! ```text
 //! cos(alpha_w) = (r_b1 + r_b2) / a          L = (r_b1 + r_b2) tan(alpha_w)
@@ -18,6 +18,12 @@
 //!
 //! `s_2` counts from T2 towards T1; the gap is positive when open.
 //!
+//! An internal gear has negative radii, half angles and lengths of roll in all of this, and the centre distance is negative: the
+//! line of action runs on beyond the pitch point, `L` is negative, T2 lies behind T1, and both gears turn in one sense. A
+//! flank of its mate then touches the flank of the other side on it; `side` is that of the external gear. Angles of a
+//! tooth count from the line of centres: the pitch point is at the angle 0 from the axis of gear 1, at `pi` from that of an
+//! external gear 2 and at 0 from those of an internal gear and its mate.
+//!
 //! A rack is the limit of an infinite radius: the working pressure angle is `alpha_t` at any distance and the gear
 //! rolls on its reference circle. With the rack's reference line at `x = D`, `y` the centreline position of its tooth
 //! and `w_0` its half thickness at the reference line,
@@ -26,8 +32,6 @@
 //! s_A = (D - h_a - r_b cos(alpha_t)) / sin(alpha_t)
 //! gap = (sigma y - w_0) cos(alpha_t) + D sin(alpha_t) - s_1
 //! ```
-
-use std::f64::consts::PI;
 
 use super::Side;
 use super::gear::Gear;
@@ -75,8 +79,16 @@ pub struct Pair {
 /// Where the flanks of the mate are.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Second {
-    Gear { length: f64, r_base: f64, chi: f64 },
-    Rack { half_thickness: f64 },
+    Gear {
+        length: f64,
+        r_base: f64,
+        chi: f64,
+        /// Direction of the pitch point from its axis.
+        towards: f64,
+    },
+    Rack {
+        half_thickness: f64,
+    },
 }
 
 impl Pair {
@@ -95,7 +107,8 @@ impl Pair {
         self.base_pitch
     }
 
-    /// Length L of the line of action between its tangent points T1 and T2 (m), infinite on a rack.
+    /// Length L of the line of action between its tangent points T1 and T2 (m), infinite on a rack, negative in an internal
+    /// gear.
     pub fn line_length(&self) -> f64 {
         match self.second {
             Second::Gear { length, .. } => length,
@@ -116,6 +129,20 @@ impl Pair {
     /// Path coordinate of the pitch point C (m).
     pub fn s_pitch(&self) -> f64 {
         self.r_base * self.alpha_w.tan()
+    }
+
+    /// Sign of the number of teeth of gear 1: -1 of an internal gear, whose path coordinates are negative.
+    pub fn first_sign(&self) -> f64 {
+        self.r_base.signum()
+    }
+
+    /// Whether one of both gears is internal.
+    pub fn is_internal(&self) -> bool {
+        let second = match self.second {
+            Second::Gear { r_base, .. } => r_base,
+            Second::Rack { .. } => 0.0,
+        };
+        self.r_base.min(second) < 0.0
     }
 
     /// Transverse contact ratio.
@@ -153,7 +180,7 @@ impl Pair {
         self.backlash_base * self.beta_b.cos()
     }
 
-    /// Working pitch radii (m); that of a rack is infinite.
+    /// Working pitch radii (m); that of a rack is infinite, that of an internal gear negative.
     pub fn pitch_radii(&self) -> [f64; 2] {
         self.pitch_radii
     }
@@ -173,7 +200,8 @@ impl Pair {
                 length,
                 r_base,
                 chi,
-            } => length - s_1 - r_base * (side.sign() * (other - PI) + self.alpha_w + chi),
+                towards,
+            } => length - s_1 - r_base * (side.sign() * (other - towards) + self.alpha_w + chi),
             Second::Rack { half_thickness } => {
                 let (sin, cos) = self.alpha_w.sin_cos();
                 (side.sign() * other - half_thickness) * cos + self.distance * sin - s_1
@@ -194,7 +222,8 @@ impl Pair {
                 length,
                 r_base,
                 chi,
-            } => PI + side.sign() * ((length - s - gap) / r_base - self.alpha_w - chi),
+                towards,
+            } => towards + side.sign() * ((length - s - gap) / r_base - self.alpha_w - chi),
             Second::Rack { half_thickness } => {
                 let (sin, cos) = self.alpha_w.sin_cos();
                 side.sign() * ((s + gap - self.distance * sin) / cos + half_thickness)

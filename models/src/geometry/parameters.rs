@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 use super::deviation::Deviations;
 use super::error::{GeometryError, check, finite, not_negative, positive};
+use super::internal::Internal;
 use super::modification::Modifications;
 use super::quantity::Quantity;
 
@@ -37,6 +38,9 @@ pub struct GearParams {
     pub thinning: f64,
     /// Radius of the bore (m); 0 for a solid gear.
     pub bore_radius: f64,
+    /// What an internal gear has beside these; none on an external one. Its `dedendum` and `tip_radius` are addendum and tip
+    /// rounding of the cutter.
+    pub internal: Option<Internal>,
     /// Tip relief and crowning, of all teeth alike.
     pub modifications: Modifications,
     /// What the flanks of each tooth deviate beyond these.
@@ -60,6 +64,7 @@ impl Default for GearParams {
             tip_radius: 0.38,
             thinning: 0.0,
             bore_radius: 0.0,
+            internal: None,
             modifications: Modifications::default(),
             deviations: Deviations::None,
         }
@@ -174,7 +179,8 @@ impl GearParams {
                 "an angle from -45 to 45 degrees (0.785 rad)",
             )?;
         }
-        not_negative(Quantity::BoreRadius, self.bore_radius)
+        not_negative(Quantity::BoreRadius, self.bore_radius)?;
+        self.internal.iter().try_for_each(Internal::check)
     }
 }
 

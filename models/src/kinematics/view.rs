@@ -5,14 +5,15 @@ use crate::geometry::Side;
 /// How a mesh sees a gear: enough to know the path coordinate and contact radius of a tooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshView {
-    /// Base radius [m]; `None` for a rack.
+    /// Base radius [m], negative of an internal gear; `None` for a rack.
     pub base_radius: Option<f64>,
-    /// Direction from this gear's centre to its partner [rad].
+    /// Direction from this gear's centre to the pitch point [rad]: to its partner, or away from an internal one.
     pub direction: f64,
     /// Transverse working pressure angle [rad].
     pub working_pressure_angle: f64,
     /// Angle between the centreline of a tooth and its flank's origin on the base circle [rad]; for a rack
-    /// half the tooth thickness on the pitch line [m]; of left and right flanks, which differ on conical gears.
+    /// half the tooth thickness on the pitch line [m], of an internal gear negative; of left and right flanks, which differ on
+    /// conical gears.
     pub half_angle_base: [f64; 2],
     /// Range of the gear's own path coordinate (from its own tangent point) over the path of contact [m].
     pub path: [f64; 2],

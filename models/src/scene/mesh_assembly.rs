@@ -12,8 +12,8 @@ use crate::geometry::Side;
 use crate::kinematics::{Direction, Hub, MeshView};
 use crate::law::{Damping, Law, LawError, MeshFilm, MeshLoad};
 use crate::spec::{
-    Body, ContactSpec, GearSpec, MeshLayout, MeshSpec, SceneSpec, effective_radius, layout_axes,
-    stiffness_curve,
+    Body, ContactSpec, GearSpec, MeshLayout, MeshSpec, SceneSpec, effective_radius, is_internal,
+    layout_axes, stiffness_curve,
 };
 
 /// Slices of a mesh whose contact varies over the width.
@@ -43,9 +43,17 @@ fn separations(
         return [plain.clone(), plain];
     };
     let rb = g.r_base();
+    let own_side = |side: Side| {
+        if g.is_internal() {
+            side.opposite()
+        } else {
+            side
+        }
+    };
     let at = |side: Side, zeta: f64| new(Some(&|s| g.flank_deviation(side, rb.hypot(s), zeta)));
     let own = |zeta: &f64| own_place(l, g.face_width(), k, *zeta);
     let of_side = |side: Side| -> Vec<Separation> {
+        let side = own_side(side);
         if g.params().modifications.vary_jointly(side) {
             return places.iter().map(|zeta| at(side, own(zeta))).collect();
         }
@@ -94,6 +102,16 @@ pub(super) fn lines_of_action(
     let hubs = [hub_of(a)?, hub_of(b)?];
     let planar = l.conical.is_none() && moves_in_plane(&hubs);
     let in_space = !planar && (is_spatial(&hubs) || l.conical.is_some());
+    if in_space && (is_internal(&a.body) || is_internal(&b.body)) {
+        return Err(error(
+            MeshPart::Layout,
+            (
+                "an internal gear meshes on axes that are not parallel, or on hubs that tilt",
+                "hold the tilts of both gears: directions = { tilt_x = \"held\", tilt_y = \"held\" }",
+            )
+                .into(),
+        ));
+    }
     let sliced = if in_space { sliced_gear([a, b]) } else { 0 };
     let many = in_space || varies_over_width(&a.body) || varies_over_width(&b.body);
     let count = strips

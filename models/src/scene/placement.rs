@@ -10,10 +10,10 @@ use crate::spec::{Body, GearSpec, MeshLayout, MeshSpec, SceneSpec, effective_rad
 pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2]) -> [MeshView; 2] {
     let conical = l.conical.as_deref();
     let gear_view = |g: &Gear, k: usize, path: [f64; 2], assembled: f64| MeshView {
-        base_radius: Some(g.r_base()),
+        base_radius: Some(g.sign() * g.r_base()),
         direction: l.towards[k],
         working_pressure_angle: l.working_pressure_angle,
-        half_angle_base: conical.map_or([g.half_angle_base(); 2], |c| c.half_angles[k]),
+        half_angle_base: conical.map_or([g.sign() * g.half_angle_base(); 2], |c| c.half_angles[k]),
         path,
         touching: path,
         pitch: g.pitch_angle(),

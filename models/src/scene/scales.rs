@@ -3,7 +3,7 @@
 use super::members::SceneGear;
 use crate::gear::Magnitudes;
 use crate::kinematics::Hub;
-use crate::spec::{self, Body, GearSpec, MeshSpec, SceneSpec, effective_radius};
+use crate::spec::{self, GearSpec, MeshSpec, SceneSpec, effective_radius, signed_effective_radius};
 
 /// Typical deflection, speed and time of the meshes of a scene.
 #[derive(Clone, Copy, Debug)]
@@ -33,14 +33,10 @@ impl Scales {
             let speed = initial_speed(s);
             let load: f64 = spec.loads_at(i).map(|l| l.greatest(0.0)).sum();
             let force = load / effective_radius(&s.body);
-            (speed * effective_radius(&s.body), force)
+            (speed * signed_effective_radius(&s.body), force)
         });
         let fastest = along[0].0.abs().max(along[1].0.abs());
-        // Gears mesh with opposite turning; a rack goes along with its gear.
-        let closing = match sides[1].0.body {
-            Body::Gear(_) => (along[0].0 + along[1].0).abs(),
-            Body::Rack(_) => (along[0].0 - along[1].0).abs(),
-        };
+        let closing = (along[0].0 + along[1].0).abs();
         let force = along[0].1.max(along[1].1);
         let m = if mass.is_finite() { mass } else { 1.0 };
         let speed = closing

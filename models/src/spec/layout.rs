@@ -10,15 +10,15 @@ use crate::stiffness::{self, StiffnessCurve};
 /// Quantities of a pair that do not depend on the model.
 #[derive(Clone, Debug)]
 pub struct MeshLayout {
-    /// Direction from the first gear to the second [rad].
+    /// Direction from the first gear to the pitch point [rad]: to the second gear, or away from an internal one.
     pub direction: f64,
-    /// Direction from each gear to its mate in its own axes [rad]; nothing of a rack.
+    /// Direction from each gear to the pitch point in its own axes [rad]; nothing of a rack.
     pub towards: [f64; 2],
     /// Centre distance, or distance to the rack's reference line [m].
     pub distance: f64,
     /// Transverse working pressure angle [rad].
     pub working_pressure_angle: f64,
-    /// Length of the line of action between the tangent points [m].
+    /// Length of the line of action between the tangent points [m]; negative in an internal gear.
     pub length: f64,
     /// Path of contact on the first gear's path coordinate [m].
     pub path: [f64; 2],
@@ -60,6 +60,21 @@ pub fn effective_radius(body: &Body) -> f64 {
     transverse * body.base_helix_angle().cos()
 }
 
+/// The same with the sign by which the path coordinate of a left flank grows with the hub coordinate: negative of racks and
+/// internal gears.
+pub fn signed_effective_radius(body: &Body) -> f64 {
+    let sign = match body {
+        Body::Gear(g) => g.sign(),
+        Body::Rack(_) => -1.0,
+    };
+    sign * effective_radius(body)
+}
+
+/// Whether a body is an internal gear.
+pub fn is_internal(body: &Body) -> bool {
+    matches!(body, Body::Gear(gear) if gear.is_internal())
+}
+
 /// The axes that a mesh is laid out in, halfway between those of its gears.
 pub fn layout_axes(a: &GearSpec, b: &GearSpec) -> [Vec3; 3] {
     let middle = (a.axes[2] + b.axes[2]).normalize();
@@ -69,10 +84,12 @@ pub fn layout_axes(a: &GearSpec, b: &GearSpec) -> [Vec3; 3] {
     turned_to(&a.axes, &middle)
 }
 
-/// Direction from each gear to its mate in its own axes, where that of the layout is `direction`.
+/// Direction from each gear to the pitch point in its own axes, where that of the layout is `direction`.
 fn towards(a: &GearSpec, b: &GearSpec, direction: f64) -> [f64; 2] {
     if matches!(b.body, Body::Rack(_)) || a.axes == b.axes {
-        return [direction, direction + std::f64::consts::PI];
+        let inside = is_internal(&a.body) || is_internal(&b.body);
+        let beyond = if inside { 0.0 } else { std::f64::consts::PI };
+        return [direction, direction + beyond];
     }
     let apart = Vec3::from(b.position) - Vec3::from(a.position);
     let seen = |axes: &[Vec3; 3], to: Vec3| axes[1].dot(&to).atan2(axes[0].dot(&to));
@@ -95,12 +112,14 @@ pub fn pair_of(a: &GearSpec, b: &GearSpec) -> Result<Pair, GeometryError> {
     }
 }
 
-/// Direction from the first gear to the second, distance of the axes (to the reference line of a rack), offset along a rack,
+/// Direction from the first gear to the pitch point, distance of the axes (to the reference line of a rack), offset along a rack,
 /// offset along the axes.
 fn in_plane(a: &GearSpec, b: &GearSpec) -> (f64, f64, f64, f64) {
     let apart = Vec3::from(b.position) - Vec3::from(a.position);
     let [dx, dy, dz] = layout_axes(a, b).map(|axis| axis.dot(&apart));
     match &b.body {
+        // Contact of an internal gear lies on the far side of its mate.
+        Body::Gear(second) if second.is_internal() => ((-dy).atan2(-dx), dx.hypot(dy), 0.0, dz),
         Body::Gear(_) => (dy.atan2(dx), dx.hypot(dy), 0.0, dz),
         Body::Rack(_) => {
             let direction = b.facing + std::f64::consts::PI;

@@ -9,7 +9,8 @@ mod scene;
 mod shaft;
 
 pub use layout::{
-    MeshLayout, effective_radius, layout_axes, mesh_layout, pair_of, stiffness_curve,
+    MeshLayout, effective_radius, is_internal, layout_axes, mesh_layout, pair_of,
+    signed_effective_radius, stiffness_curve,
 };
 pub use load::{Load, Profile};
 pub use model::{ModelSpec, Modelling, Parameters, Value};

@@ -145,6 +145,8 @@ pub enum StiffnessWarning {
     FoundationPoisson { gear: usize, poisson: f64 },
     /// A rack has no ring foundation.
     RackFoundationOmitted,
+    /// The fit of a ring held inside is not that of a rim held outside.
+    RimInPlaceOfFit { gear: usize },
     /// A table does not cover the path of contact and is held constant beyond its ends.
     TableShort { table: [f64; 2], path: [f64; 2] },
     /// The period of a periodic table differs from the base pitch.
@@ -188,6 +190,10 @@ impl fmt::Display for StiffnessWarning {
             Self::RackFoundationOmitted => write!(
                 f,
                 "the Sainsot-Velex foundation is that of a ring: the rack's foundation is left out"
+            ),
+            Self::RimInPlaceOfFit { gear } => write!(
+                f,
+                "the Sainsot-Velex foundation is that of a ring held inside: for gear {gear}, which is internal, the elastic rim held outside is taken (foundation = \"ring\")"
             ),
             Self::TableShort { table, path } => write!(
                 f,

@@ -47,7 +47,7 @@ pub enum Hertz {
 /// Geometry of a contact point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HertzPoint {
-    /// Radii of curvature of both flanks (m); infinite for a rack.
+    /// Radii of curvature of both flanks (m); infinite for a rack, negative of the concave flanks of an internal gear.
     pub curvature: [f64; 2],
     /// Distance from the contact point to both centrelines along the line of action (m).
     pub depth: [f64; 2],
@@ -94,7 +94,7 @@ impl Hertz {
                 if at.curvature[i].is_infinite() {
                     return Err(StiffnessError::HertzFlat);
                 }
-                (at.curvature[i], 0.407)
+                (at.curvature[i].abs(), 0.407)
             } else {
                 (at.depth[i], -nu / (2.0 * (1.0 - nu)))
             };

@@ -66,6 +66,13 @@ pub struct IsoGear {
     pub dedendum: f64,
 }
 
+impl IsoGear {
+    /// Virtual number of teeth of an external gear.
+    pub fn virtual_teeth_of(teeth: u32, helix_angle: f64, base_helix_angle: f64) -> f64 {
+        f64::from(teeth) / (base_helix_angle.cos().powi(2) * helix_angle.cos())
+    }
+}
+
 /// What the formula takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IsoInput {

@@ -24,7 +24,9 @@
 //! other two curves through c' leave it out). Tables are what their pairs carry beside each other.
 //!
 //! Rack teeth are treated like gear teeth with their own profile and a body held at its back. The fit of
-//! Sainsot and Velex does not exist for a rack and is left out (with a warning).
+//! Sainsot and Velex does not exist for a rack and is left out (with a warning). Teeth of internal gears are treated likewise,
+//! on a rim that is held outside (in place of the fit of Sainsot and Velex, too, with a warning); ISO 6336-1 takes an internal
+//! gear for a rack.
 //!
 //! | module | owns |
 //! |---|---|
@@ -296,11 +298,19 @@ pub fn iso_of(
         m.check()?;
     }
     let p = gear.params();
+    // The norm takes an internal gear for a rack.
     let iso_gear = |g: &Gear| IsoGear {
-        virtual_teeth: f64::from(g.teeth())
-            / (g.base_helix_angle().cos().powi(2) * g.params().helix_angle.cos()),
+        virtual_teeth: match g.is_internal() {
+            true => f64::INFINITY,
+            false => {
+                IsoGear::virtual_teeth_of(g.teeth(), g.params().helix_angle, g.base_helix_angle())
+            }
+        },
         profile_shift: g.params().profile_shift,
-        dedendum: g.params().dedendum,
+        dedendum: match g.is_internal() {
+            true => (g.r_root() - g.r_reference()) / g.params().module + g.params().profile_shift,
+            false => g.params().dedendum,
+        },
     };
     let two = match mate {
         Mate::Gear(two) => iso_gear(two),
@@ -384,6 +394,8 @@ pub fn hertz_limit(material: &Material) -> f64 {
 
 #[cfg(test)]
 mod coupling_tests;
+#[cfg(test)]
+mod internal_tests;
 #[cfg(test)]
 mod parabola_tests;
 #[cfg(test)]

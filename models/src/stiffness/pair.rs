@@ -2,7 +2,8 @@
 //!
 //! At the path coordinate `s` the flanks touch at the radii `r_1 = sqrt(r_b1^2 + s^2)` and
 //! `r_2 = sqrt(r_b2^2 + (L - s)^2)` and have the curvature radii `s` and `L - s`. A rack is touched at
-//! the height `h = D - r_b cos(alpha) - s sin(alpha)` above its reference line and is flat.
+//! the height `h = D - r_b cos(alpha) - s sin(alpha)` above its reference line and is flat. Path coordinates, and so radii of
+//! curvature, are negative on an internal gear.
 
 use crate::geometry::{Gear, Mate, Pair, Rack};
 
@@ -195,6 +196,10 @@ impl Side {
         warnings: &mut Vec<StiffnessWarning>,
     ) -> Side {
         let fit = match foundation {
+            Foundation::SainsotVelex(_) if gear.is_internal() => {
+                warnings.push(StiffnessWarning::RimInPlaceOfFit { gear: number });
+                None
+            }
             Foundation::SainsotVelex(convention) => {
                 Some(RingFit::new(gear, convention, &material, number, warnings))
             }

@@ -21,7 +21,8 @@
 //! The displacement of a tooth is the one its load does work on, so that the compliances between all
 //! teeth come from one elastic body: symmetric, and never able to give energy. `n = 0` is the torsion of
 //! the disc. The solution holds for any bore, from a thin rim to `a/R -> 0`, where the torsion of the
-//! disc outgrows all the rest. A rack is the limit of a large ring as thick as its body, whose back is
+//! disc outgrows all the rest. The rim of an internal gear is the same ring held outside, `a > R`: displacements and stresses
+//! count towards the tips, and the two solutions that die away inwards are the first ones. A rack is the limit of a large ring as thick as its body, whose back is
 //! held.
 
 use crate::geometry::{Gear, Rack};
@@ -40,8 +41,10 @@ pub(super) type RootLoad = [f64; 3];
 /// Influence between the teeth of one body.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RingBody {
-    /// Outer radius (m).
+    /// Radius that the teeth stand on (m).
     radius: f64,
+    /// Towards their tips along it: 1, or -1 on the inside of a rim.
+    outward: f64,
     /// Half angle of a tooth at the root (rad).
     theta_f: f64,
     /// `[m][i][j]`: mean displacement of kind `i` of a tooth by unit load of kind `j` on the tooth `m`
@@ -50,7 +53,7 @@ pub(super) struct RingBody {
 }
 
 impl RingBody {
-    /// The body of a gear held at its bore, or at its seat when it is solid; `pitches` is the greatest
+    /// The body of a gear held at its bore, at its seat when it is solid, or at the outside of its rim; `pitches` is the greatest
     /// distance between teeth of interest.
     pub(super) fn of_gear(gear: &Gear, material: &Material, pitches: usize) -> RingBody {
         let radii = [gear.seat_radius(), gear.r_root()];
@@ -69,7 +72,7 @@ impl RingBody {
     }
 
     fn new(
-        [inner, radius]: [f64; 2],
+        [held, radius]: [f64; 2],
         theta_f: f64,
         pitch: f64,
         material: &Material,
@@ -77,8 +80,9 @@ impl RingBody {
     ) -> RingBody {
         let ring = Harmonics {
             kappa: (3.0 - material.poisson) / (1.0 + material.poisson),
-            alpha: inner / radius,
+            alpha: held / radius,
         };
+        let outward = ring.outward();
         let mut influence = vec![[[0.0; 3]; 3]; pitches + 1];
         let [normal, shear] = ring.uniform();
         // Unit loads have the mean 1/(2 pi R) and the amplitudes f/(pi R), g/(pi R).
@@ -111,6 +115,7 @@ impl RingBody {
         }
         RingBody {
             radius,
+            outward,
             theta_f,
             influence,
         }
@@ -122,8 +127,8 @@ impl RingBody {
         let (sin, cos) = beta.sin_cos();
         let t = self.theta_f;
         let sinc = t.sin() / t;
-        let shear = -(self.radius + lever) * cos / self.radius;
-        let linear = (-cos - shear * sinc) * t * t / (t.sin() - t * t.cos());
+        let shear = -(self.radius + self.outward * lever) * cos / self.radius;
+        let linear = self.outward * (-cos - shear * sinc) * t * t / (t.sin() - t * t.cos());
         [-sin / sinc, linear, shear]
     }
 
@@ -157,19 +162,24 @@ struct Rim {
     shear: f64,
 }
 
-/// A ring of outer radius 1 held at `alpha`.
+/// A ring with teeth at the radius 1, held at `alpha`: within them, or without as the rim of an internal gear.
 struct Harmonics {
     kappa: f64,
     alpha: f64,
 }
 
 impl Harmonics {
-    /// Radial displacement by uniform pressure, and tangential one by uniform shear (torsion).
+    /// Sign of the direction in which the teeth stand on the ring.
+    fn outward(&self) -> f64 {
+        if self.alpha < 1.0 { 1.0 } else { -1.0 }
+    }
+
+    /// Displacement towards the tips by uniform tension, and tangential one by uniform shear (torsion).
     fn uniform(&self) -> [f64; 2] {
         let (k, a2) = (self.kappa, self.alpha * self.alpha);
         // u_r = rho - alpha^2/rho, u_theta = 1/rho - rho/alpha^2.
         let normal = (1.0 - a2) / (2.0 / (k - 1.0) + a2);
-        [normal, (1.0 - a2) / a2]
+        [normal, (1.0 - a2) / a2].map(|u| self.outward() * u)
     }
 
     fn compliance(&self, n: u32) -> Rim {
@@ -181,31 +191,53 @@ impl Harmonics {
         let (k, a) = (self.kappa, self.alpha);
         let exponent = n as i32;
         let n = f64::from(n);
-        // (u_r, u_theta) at the seat and at the rim, (sigma, tau) at the rim; the third and the fourth
-        // are scaled to 1 at the seat.
-        let (low, high) = (a.powi(exponent - 1), a.powi(exponent + 1));
-        let third = if exponent == 1 {
+        // (u_r, u_theta) at the seat and at the teeth, (sigma, tau) there. Those two that die away from the seat to the teeth
+        // are scaled to 1 at the seat, so that nothing overflows; the others are 1 at the teeth.
+        let stress = [
+            [(n + 1.0) * (2.0 - n), n * (n + 1.0)],
+            [n - 1.0, 1.0 - n],
+            [(1.0 - n) * (2.0 + n), n * (1.0 - n)],
+            [-(n + 1.0); 2],
+        ];
+        let u = [
+            [k - n - 1.0, k + n + 1.0],
+            [1.0, -1.0],
+            [k + n - 1.0, n - 1.0 - k],
+            [1.0; 2],
+        ];
+        let within = self.outward() > 0.0;
+        let ratio = if within { a } else { a.recip() };
+        let (low, high) = (ratio.powi(exponent - 1), ratio.powi(exponent + 1));
+        let at_seat =
+            |i: usize, scale: f64| (u[i], u[i].map(|x| x * scale), stress[i].map(|x| x * scale));
+        let at_teeth = |i: usize, scale: f64| (u[i].map(|x| x * scale), u[i], stress[i]);
+        let logarithmic = {
             let log = 2.0 * k * a.ln();
             ([log - 1.0, -log - 1.0], [-1.0, -1.0], [3.0 + k, 1.0 - k])
-        } else {
-            let u = [k + n - 1.0, n - 1.0 - k];
-            let stress = [(1.0 - n) * (2.0 + n), n * (1.0 - n)];
-            (u, u.map(|x| x * low), stress.map(|x| x * low))
         };
-        let fourth = ([1.0; 2], [high; 2], [-(n + 1.0) * high; 2]);
-        let growing = [
-            (
-                [k - n - 1.0, k + n + 1.0],
-                [(n + 1.0) * (2.0 - n), n * (n + 1.0)],
-                high,
+        let one = exponent == 1;
+        let (fixed, growing) = match within {
+            true => (
+                [
+                    if one { logarithmic } else { at_seat(2, low) },
+                    at_seat(3, high),
+                ],
+                [at_teeth(0, high), at_teeth(1, low)],
             ),
-            ([1.0, -1.0], [n - 1.0, 1.0 - n], low),
-        ];
-        // Each growing solution with so much of the other two that the seat stays.
+            false => (
+                [at_seat(0, high), at_seat(1, low)],
+                [
+                    if one { logarithmic } else { at_teeth(2, low) },
+                    at_teeth(3, high),
+                ],
+            ),
+        };
+        // Each of these with so much of the other two that the seat stays.
+        let [third, fourth] = fixed;
         let [d, e] = [third.0, fourth.0];
         let det = d[0] * e[1] - d[1] * e[0];
-        let [first, second] = growing.map(|(u, stress, at_seat)| {
-            let b = u.map(|x| -x * at_seat);
+        let [first, second] = growing.map(|(seat, u, stress)| {
+            let b = seat.map(|x| -x);
             let c3 = (b[0] * e[1] - b[1] * e[0]) / det;
             let c4 = (d[0] * b[1] - d[1] * b[0]) / det;
             let with = |x: [f64; 2], y: [f64; 2], z: [f64; 2]| {
@@ -222,6 +254,8 @@ impl Harmonics {
             [0, 1].map(|i| c1 * u1[i] + c2 * u2[i])
         };
         let ([normal, mixed], [mirrored, shear]) = (by(1.0, 0.0), by(0.0, 1.0));
+        // Towards the tips, by tension and by shear on the side of the teeth.
+        let [normal, shear] = [normal, shear].map(|u| self.outward() * u);
         let rim = Rim {
             normal,
             mixed,

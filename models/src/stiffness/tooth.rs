@@ -17,6 +17,9 @@
 //! | Cornell | `E`, or `E / (1 - nu^2)` when wider than five root thicknesses | load height |
 //! | energy | `E` (beam) | load height |
 //!
+//! Teeth of internal gears are the same beams, pointing inwards from their root chord; they grow towards it, so that the load
+//! angle is `alpha_r + theta_r`.
+//!
 //! For nu = 0.3 the first is Weber and Banaschek's `10.92 int (y_P - x)^2/s^3 + 3.1 (1 + 0.294
 //! tan(beta)^2) int 1/s` with `s = 2 t`, since the bracket above is `(y_P - x) cos(beta)`. C. Weber,
 //! K. Banaschek, Formaenderung und Profilruecknahme (1953); R. W. Cornell, J. Mech. Des. 103 (1981)
@@ -82,9 +85,9 @@ impl ToothLoad {
 /// Sampled half of a tooth outline with running integrals over its height.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToothProfile {
-    /// Distance of the root chord from the gear centre (0 for a rack) (m).
+    /// Distance of the root chord from the gear centre (0 for a rack) (m), negative on an internal gear.
     origin: f64,
-    /// Height of the root circle on the centreline above the root chord; 0 for a rack (m).
+    /// Height of the root circle on the centreline above the root chord (m): 0 for a rack, below 0 for an internal gear.
     crown: f64,
     x: Vec<f64>,
     t: Vec<f64>,
@@ -109,8 +112,12 @@ impl ToothProfile {
             let theta = gear.half_angle_at(r);
             (r * theta.cos(), r * theta.sin())
         });
-        let mut profile = Self::from_points(points);
-        profile.crown = root - profile.origin;
+        let sign = gear.sign();
+        // Heights count towards the tip; the root circle of an internal gear is lowest where the fillet leaves it.
+        let points: Vec<_> = points.map(|(x, y)| (sign * x, y)).collect();
+        let lowest = (0..points.len()).min_by(|i, j| points[*i].0.total_cmp(&points[*j].0));
+        let mut profile = Self::from_points(points.into_iter().skip(lowest.unwrap_or(0)));
+        profile.crown = sign * root - profile.origin;
         profile
     }
 
@@ -173,7 +180,12 @@ impl ToothProfile {
     pub fn load_on_gear(&self, gear: &Gear, r: f64) -> ToothLoad {
         let theta = gear.half_angle_at(r);
         let alpha = (gear.r_base() / r).min(1.0).acos();
-        self.load(r * theta.cos(), r * theta.sin(), alpha - theta)
+        let sign = gear.sign();
+        self.load(
+            sign * r * theta.cos(),
+            r * theta.sin(),
+            alpha - sign * theta,
+        )
     }
 
     /// Load on the straight flank of `rack` at `height` (m) above its reference line.

@@ -16,6 +16,7 @@
 
 mod modes;
 
+use super::choose::Made;
 use super::error::ReductionError;
 use super::mounting::field;
 use super::{Basis, Mounting, Surface};
@@ -53,8 +54,10 @@ pub(super) struct OfMesh {
     pub(super) material: Material,
     pub(super) mounting: Mounting,
     pub(super) basis: Arc<Basis>,
-    /// Modes of the basis that are kept, ascending.
+    /// Modes of the basis that are kept, ascending; those that made ones lie in.
     pub(super) kept: Vec<usize>,
+    /// Modes that are made of these.
+    pub(super) made: Option<Made>,
     /// With the compliance of the others.
     pub(super) residual: bool,
     /// Forces act on lines over strips of the width.
@@ -181,7 +184,11 @@ impl OfMesh {
             Whole::AtHand => self.modes_of(whole, &assembly)?,
             Whole::Generated(..) => self.modes_by_sector(whole)?,
         };
-        found.shapes = self.like_basis(&found, shapes)?;
+        let shapes = self.like_basis(&found, shapes)?;
+        found.shapes = match &self.made {
+            Some(made) => combined(made, &shapes),
+            None => shapes,
+        };
         Ok(found)
     }
 
@@ -229,9 +236,19 @@ impl OfMesh {
             .map(|[_, image, _]| dot(image, &w))
             .collect();
         found.take_rigid(&momenta, &mut w);
-        for (&mode, shape) in self.kept.iter().zip(&found.shapes) {
-            let own = dot(shape, &f) + turning * basis.hub[mode];
-            add(-own / basis.omega[mode].powi(2), shape, &mut w);
+        let own: Vec<(f64, f64)> = match &self.made {
+            Some(Made { basis, .. }) => {
+                let omega = basis.omega.iter().copied();
+                omega.zip(basis.hub.iter().copied()).collect()
+            }
+            None => {
+                let of = |&mode: &usize| (basis.omega[mode], basis.hub[mode]);
+                self.kept.iter().map(of).collect()
+            }
+        };
+        for ((omega, hub), shape) in own.into_iter().zip(&found.shapes) {
+            let own = dot(shape, &f) + turning * hub;
+            add(-own / omega.powi(2), shape, &mut w);
         }
         add(1.0, &w, u);
     }
@@ -249,6 +266,19 @@ impl Found {
             add(-share, unit, w);
         }
     }
+}
+
+/// Shapes of modes that are made of the first of a basis.
+fn combined(made: &Made, shapes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let count = made.basis.omega.len();
+    let length = shapes.first().map_or(0, Vec::len);
+    let mut out = vec![vec![0.0; length]; count];
+    for (part, shape) in made.span.chunks_exact(count.max(1)).zip(shapes) {
+        for (by, out) in part.iter().zip(&mut out) {
+            add(*by, shape, out);
+        }
+    }
+    out
 }
 
 /// `K_c^-1 f` at all nodes.

@@ -4,7 +4,7 @@ use super::choose::{self, Choice, Criterion, ModalDamping};
 use super::estimate::Impacts;
 use super::parameters::ElasticParameters;
 use super::recovery::{OfMesh, Whole};
-use super::{Basis, Wanted, open, shared};
+use super::{Basis, ReductionError, Wanted, open, shared};
 use crate::mesh_source::{self, Reader, Source, optional};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
@@ -149,6 +149,7 @@ fn computed(
         mounting: of.mounting,
         basis: basis.clone(),
         kept: Vec::new(),
+        made: None,
         residual: true,
         strips: reader.context.lines,
         found: OnceLock::new(),
@@ -275,13 +276,28 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
             ),
         ));
     }
-    let reduced = if teeth.is_empty() {
+    let failed = |e: ReductionError| reader.error("modes", e.to_string());
+    let (reduced, kept, made) = if teeth.is_empty() {
         let kept = kept_of(&reader, &basis, &choice, target)?;
-        choose::reduced(&basis, &kept, &damping, residual)
+        let reduced = choose::reduced(&basis, &kept, &damping, residual);
+        (reduced, kept, None)
     } else {
-        choose::made_for(&basis, &teeth, &choice).and_then(|made| made.reduced(&damping, residual))
+        let made = choose::made_for(&basis, &teeth, &choice).map_err(failed)?;
+        let of_span = made.span.len() / made.basis.omega.len().max(1);
+        let used = |i: &usize| {
+            let count = made.basis.omega.len();
+            made.span[i * count..(i + 1) * count]
+                .iter()
+                .any(|v| *v != 0.0)
+        };
+        let last = (0..of_span).rev().find(used).map_or(0, |i| i + 1);
+        (
+            made.reduced(&damping, residual),
+            (0..last).collect(),
+            Some(made),
+        )
     };
-    let mut reduced = reduced.map_err(|e| reader.error("modes", e.to_string()))?;
+    let mut reduced = reduced.map_err(failed)?;
     if let Toothing::Gear(gear) = context.body {
         reduced.flanks.deviate(gear);
     }
@@ -300,6 +316,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     if let Some(mesh) = mesh {
         gear = gear.with_recovery(Arc::new(OfMesh {
             kept,
+            made,
             residual,
             ..mesh
         }));

@@ -149,7 +149,7 @@ impl LoadedPair {
         };
         let start = mesh.start.path_coordinate.unwrap_or(layout.pitch_point);
         let per_displacement = |i: usize| match &spec.gears[i].body {
-            Body::Gear(g) => g.r_base(),
+            Body::Gear(g) => g.sign() * g.r_base(),
             Body::Rack(_) => -layout.working_pressure_angle.cos(),
         };
         let displacement_per_path = [a, b].map(|i| sign / per_displacement(i));

@@ -9,6 +9,7 @@ mod force;
 mod free_flight;
 mod friction;
 mod history_errors;
+mod internal_gears;
 mod kinematics;
 mod modifications;
 mod mounts;

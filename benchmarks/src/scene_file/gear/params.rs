@@ -3,7 +3,7 @@
 use super::super::modifications::{by_side, end_reliefs};
 use super::{GearKeys, RackKeys};
 use gearbench_models::geometry::{
-    Deviations, GearParams, Modifications, RackParams, ReliefShape, TipRelief, Topography,
+    Deviations, GearParams, Internal, Modifications, RackParams, ReliefShape, TipRelief, Topography,
 };
 use std::sync::Arc;
 
@@ -13,7 +13,15 @@ impl GearKeys {
         deviations: Deviations,
         topography: [Option<Arc<Topography>>; 2],
     ) -> GearParams {
-        let default = GearParams::default();
+        let default = GearParams {
+            // The tips of cutters are narrower than those of racks.
+            tip_radius: if self.internal {
+                0.25
+            } else {
+                GearParams::default().tip_radius
+            },
+            ..GearParams::default()
+        };
         GearParams {
             teeth: self.teeth,
             module: self.module_m,
@@ -30,6 +38,13 @@ impl GearKeys {
             tip_radius: self.tip_radius_factor.unwrap_or(default.tip_radius),
             thinning: self.thinning_m,
             bore_radius: self.bore_radius_m,
+            internal: self.internal.then(|| Internal {
+                cutter_teeth: self.cutter_teeth,
+                cutter_shift: self.cutter_profile_shift.unwrap_or(0.0),
+                tip_circle: self.tip_circle_radius_m,
+                root_circle: self.root_circle_radius_m,
+                rim_radius: self.rim_radius_m,
+            }),
             modifications: Modifications {
                 tip_relief: self.tip_relief.as_ref().map(|relief| TipRelief {
                     amount: relief.amount_m,

@@ -13,7 +13,8 @@ use crate::studies::sweep::plan::Plan;
 use gearbench_integrators::State;
 use gearbench_models::scene::{Scene, SceneGear};
 use gearbench_models::spec::{
-    Body, GearSpec, Load, MeshLayout, Mount, Profile, SceneSpec, effective_radius, mesh_layout,
+    Body, GearSpec, Load, MeshLayout, Mount, Profile, SceneSpec, mesh_layout,
+    signed_effective_radius,
 };
 use gearbench_reports::numbers::short;
 use std::f64::consts::TAU;
@@ -107,7 +108,7 @@ impl Pair {
         }
         let layout = mesh_layout(a, b).map_err(|e| e.to_string())?;
         let sign = mesh.start.side.sign();
-        let effective_radii = [effective_radius(&a.body), effective_radius(&b.body)];
+        let effective_radii = [&a.body, &b.body].map(signed_effective_radius);
         let loads = [a, b].map(MeanLoad::of);
         let driven = [a, b].map(|g| matches!(g.mount, Mount::Driven(_)));
         let viscous = loads.map(|l| l.viscous > 0.0);

@@ -5,8 +5,17 @@ use super::separation::Separation;
 use super::spatial::Spatial;
 use crate::contact::clearance::LineClearance;
 use crate::geometry::{Gear, Side};
+use crate::kinematics::MeshView;
 use crate::law::Law;
 use crate::stiffness::{PairOrMesh, StiffnessCurve};
+
+/// By how many teeth both gears go on from a left pair to the next, whose path coordinate is larger on the first gear.
+fn counting(views: &[MeshView; 2]) -> [i64; 2] {
+    let up = |view: &MeshView| view.path_per_displacement() > 0.0;
+    let one = if up(&views[0]) { 1 } else { -1 };
+    // Of its mate the path coordinate becomes smaller.
+    [one, if up(&views[1]) { -1 } else { 1 }]
+}
 
 impl LinesOfAction {
     /// Builds the lines of both flanks.
@@ -15,17 +24,19 @@ impl LinesOfAction {
         let view = &g.views[0];
         let (delta, alpha) = (g.direction, view.working_pressure_angle);
         let rb = view.base_radius.unwrap_or(0.0);
+        // The outward normal of an internal gear points the other way along the line.
+        let inward = rb.signum();
         let mut lines = Vec::new();
         for side in [Side::Left, Side::Right] {
             let sign = side.sign();
             let along = delta + sign * (std::f64::consts::FRAC_PI_2 - alpha);
             let [x, y, axis] = g.axes;
-            let transverse = along.cos() * x + along.sin() * y;
+            let transverse = inward * (along.cos() * x + along.sin() * y);
             let to_tangent = delta - sign * alpha;
             let (c, s) = (g.base_helix.cos(), g.base_helix.sin());
-            let normal = c * transverse - sign * s * axis;
+            let normal = c * transverse - inward * sign * s * axis;
             for (i, slice) in slices.iter().enumerate() {
-                let tangent = rb * (to_tangent.cos() * x + to_tangent.sin() * y);
+                let tangent = rb.abs() * (to_tangent.cos() * x + to_tangent.sin() * y);
                 let origin = g.centre_a + tangent + slice.z * axis;
                 lines.push(Line {
                     side,
@@ -53,6 +64,7 @@ impl LinesOfAction {
         };
         let mut loa = LinesOfAction {
             partner: [0, 0],
+            counting: counting(&g.views),
             stiffness,
             elastic: law.undamped(),
             whole_mesh,

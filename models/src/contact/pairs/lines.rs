@@ -41,7 +41,7 @@ pub struct MeshGeometry {
     pub centre_a: Vec3,
     /// Axes that the mesh is laid out in: directions count from the first to the second, the gears turn about the third.
     pub axes: [Vec3; 3],
-    /// Direction from gear a to gear b in these [rad].
+    /// Direction from gear a to the pitch point in these [rad].
     pub direction: f64,
     /// Distance between the tangent points [m].
     pub length: f64,
@@ -61,6 +61,8 @@ pub struct LinesOfAction {
     pub(super) mesh: MeshGeometry,
     /// Tooth index of b that pair 0 joins to tooth 0 of a, for the left and the right flank.
     pub partner: [i64; 2],
+    /// Teeth of both gears from one left pair to the next.
+    pub(super) counting: [i64; 2],
     /// Stiffness of a pair along `s_a`, whole width.
     pub stiffness: StiffnessCurve,
     /// The law without its damping.

@@ -17,6 +17,10 @@
 //! the same for the other flank) with each tooth's own angle, so it serves rigid gears, movable teeth, and
 //! elastic gears whose points stay on the line.
 //!
+//! An internal gear has a negative base radius, half angle and path coordinate, and its mate's flank of the side `sign` touches
+//! its other flank: both go by the side of the external gear. `delta` is the direction of the pitch point, which lies beyond
+//! the mate, and the tangent points lie on one side of it, `L` being negative.
+//!
 //! The line's normal, for flank sign +1 (left) or -1 and direction of centres `delta`: angle
 //! `delta + sign (pi/2 - alpha_w)`, tangent point at angle `delta - sign alpha_w`.
 

@@ -118,13 +118,14 @@ impl LinesOfAction {
     /// Ends of the line of action of a flank [m], for pictures.
     pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         let line = self.lines.iter().find(|l| l.side == side)?;
-        // A rack has no tangent point: the line is shown as far as the path of contact reaches.
-        let end = if self.mesh.views[1].base_radius.is_some() {
-            self.mesh.length
-        } else {
-            1.2 * self.mesh.zone[1]
+        // A rack has no tangent point, and those of an internal gear are both on one side: the line is shown as far as the path
+        // of contact reaches.
+        let [start, end] = match self.mesh.views[1].base_radius {
+            Some(_) if self.mesh.length > 0.0 => [0.0, self.mesh.length],
+            Some(_) => self.mesh.zone,
+            None => [0.0, 1.2 * self.mesh.zone[1]],
         };
-        Some([line.origin, line.origin + end * line.transverse])
+        Some([start, end].map(|s| line.origin + s * line.transverse))
     }
 
     /// The point halfway along the path of contact and of the width [m], and the normal from gear a to gear b there.

@@ -17,7 +17,8 @@
 //! the gear's contact row, the force is the derivative of a potential.
 //!
 //! Frame: the line of action is the y axis, its origin the gear's tangent point; the gear's centre lies at `(-r_b, 0)`, its
-//! mate's at `(r_m, L)`. A rack is the limit of an infinite radius: its flank moves parallel to its pitch line.
+//! mate's at `(r_m, L)`. A rack is the limit of an infinite radius: its flank moves parallel to its pitch line. Beyond it, an
+//! internal gear has a negative base radius, lengths of roll and path coordinates below zero, and the same equations.
 
 /// Samples of a separation beyond the tip.
 const EDGE_SAMPLES: usize = 49;
@@ -31,7 +32,7 @@ const FOLLOWED: f64 = 0.03;
 /// A gear's own tooth and its mate's, as far as their flanks go.
 #[derive(Clone, Copy, Debug)]
 pub struct Engagement {
-    /// Base radius of the gear [m]; `None` for a rack.
+    /// Base radius of the gear [m], negative of an internal one; `None` for a rack.
     pub base_radius: Option<f64>,
     /// Base radius of its mate [m]; `None` for a rack.
     pub mate_base_radius: Option<f64>,
@@ -98,10 +99,14 @@ impl Engagement {
         let (x, y) = (p[0] - rm, p[1] - self.length);
         let square = x * x + y * y - rm * rm;
         let reach = rm * rm + self.mate_tip * self.mate_tip;
-        if square <= 0.0 || x * x + y * y > reach * (1.0 + 1e-9) {
+        let beyond = match rm > 0.0 {
+            true => x * x + y * y > reach * (1.0 + 1e-9),
+            false => x * x + y * y < reach * (1.0 - 1e-9),
+        };
+        if square <= 0.0 || beyond {
             return None;
         }
-        let roll = square.sqrt();
+        let roll = square.sqrt().copysign(rm);
         // Angle from where this point of the involute lies on the line of action, at (-rm, -roll).
         let turned = (-rm * y + roll * x).atan2(-rm * x - roll * y);
         let (sin, cos) = turned.sin_cos();
@@ -174,7 +179,10 @@ impl Separation {
         // That the mate ends at its tip is told by the mate's own edge.
         let on_flank = |s: f64, _: usize| {
             let unending = Engagement {
-                mate_tip: f64::INFINITY,
+                mate_tip: match of.mate_base_radius {
+                    Some(rm) if rm < 0.0 => 0.0,
+                    _ => f64::INFINITY,
+                },
                 ..*of
             };
             unending.least(s, &removed_or_none).unwrap_or((at_tip, 0.0))

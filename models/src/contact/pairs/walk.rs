@@ -20,15 +20,12 @@ impl LinesOfAction {
     #[inline]
     pub(super) fn teeth(&self, side: Side, pair: i64) -> [Tooth; 2] {
         let i = if side == Side::Left { pair } else { -pair };
-        // Gears turn against each other, a rack goes along.
-        let j = if self.mesh.views[1].base_radius.is_some() {
-            -i
-        } else {
-            i
-        };
+        // Gears turn against each other; a rack goes along, and so do an internal gear and its mate.
+        let [a, b] = self.counting;
+        let j = b * i;
         [
             Tooth {
-                index: i,
+                index: a * i,
                 mesh: self.mesh.mesh_of_gear[0],
             },
             Tooth {
@@ -166,8 +163,13 @@ impl LinesOfAction {
         }
         for (k, gear) in self.mesh.deviating.iter().enumerate() {
             let Some(gear) = gear else { continue };
+            let side = if gear.is_internal() {
+                line.side.opposite()
+            } else {
+                line.side
+            };
             let [e, slope, curvature] =
-                gear.tooth_deviation_at_roll(p.teeth[k].index, line.side, p.s[k]);
+                gear.tooth_deviation_at_roll(p.teeth[k].index, side, p.s[k]);
             p.gap += e;
             p.scale[k] -= slope / self.helix_cos;
             p.curvature[k] += curvature / (self.helix_cos * self.helix_cos);

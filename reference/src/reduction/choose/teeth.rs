@@ -75,6 +75,8 @@ pub struct Made {
     pub basis: Basis,
     /// Rows of these teeth, ascending.
     pub rows: Vec<u32>,
+    /// What part each mode of the basis that they lie in has in each of them, mode by mode of that basis.
+    pub span: Vec<f64>,
 }
 
 /// As many modes as a choice allows within the span of its candidates, made for some teeth.
@@ -96,7 +98,8 @@ pub fn made_for(basis: &Basis, teeth: &[u32], choice: &Choice) -> Result<Made, R
     let count = choice.count.min(candidates);
     if loads.is_empty() || count == 0 {
         let basis = basis.in_span(&[], Vec::new());
-        return Ok(Made { basis, rows });
+        let span = Vec::new();
+        return Ok(Made { basis, rows, span });
     }
     let kinds = gram(basis, &loads, candidates);
     let kinds = with_hub(basis, kinds, omega);
@@ -131,7 +134,8 @@ pub fn made_for(basis: &Basis, teeth: &[u32], choice: &Choice) -> Result<Made, R
         }
     }
     let basis = basis.in_span(&v, found);
-    Ok(Made { basis, rows })
+    let span = v;
+    Ok(Made { basis, rows, span })
 }
 
 fn multiply(out: faer::MatMut<'_, f64>, a: faer::MatRef<'_, f64>, b: faer::MatRef<'_, f64>) {
