@@ -46,6 +46,9 @@ fn plan<'a>(body: Body<'a>, p: &'a GearMeshParams) -> Result<Plan<'a>, MeshError
             if g.is_conical() {
                 return Err(MeshError::Conical);
             }
+            if g.is_internal() {
+                return Err(MeshError::Internal);
+            }
             if p.sector && p.fine_teeth.is_some() {
                 return Err(MeshError::SectorWithFineTeeth);
             }

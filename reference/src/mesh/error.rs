@@ -80,6 +80,10 @@ pub enum MeshError {
         "the gear is conical, and meshes are made of cylindrical ones; use rigid gears or movable teeth for conical gears"
     )]
     Conical,
+    #[error(
+        "the gear is internal, and meshes are made of external ones; use rigid gears or movable teeth for internal gears"
+    )]
+    Internal,
     #[error("a rack has neither a web nor sectors: leave them out")]
     RackWithWebOrSector,
     #[error(transparent)]
