@@ -44,6 +44,9 @@ fn plan<'a>(body: Body<'a>, p: &'a GearMeshParams) -> Result<Plan<'a>, MeshError
     check_ratios(p)?;
     let (teeth, all_teeth, first_turn, face_width) = match body {
         Body::Gear(g) => {
+            if g.is_internal() {
+                return Err(MeshError::Internal);
+            }
             if p.sector && p.fine_teeth.is_some() {
                 return Err(MeshError::SectorWithFineTeeth);
             }

@@ -89,6 +89,10 @@ pub enum MeshError {
         base: f64,
         form: f64,
     },
+    #[error(
+        "the gear is internal, and meshes are made of external ones; use rigid gears or movable teeth for internal gears"
+    )]
+    Internal,
     #[error("a rack has neither a web nor sectors: leave them out")]
     RackWithWebOrSector,
     #[error(transparent)]
