@@ -7,7 +7,7 @@
 //! and 94 teeth at 24.6 degrees stand for all of them.
 
 use super::{across, carrier_of};
-use crate::shafts::{body, frequencies, of_subject, shaft};
+use crate::shafts::{body, frequencies, shaft};
 use gearbench_models::geometry::{Gear, GearParams, Internal};
 use gearbench_models::spec::{
     Body, Carried, ContactSpec, GearSpec, Load, Mount, Profile, SceneSpec, effective_radius,
@@ -149,12 +149,7 @@ fn scene_of(set: &Set, planets: usize) -> (SceneSpec, Vec<ContactSpec>) {
 }
 
 fn found(spec: &SceneSpec, contact: &ContactSpec) -> Vec<f64> {
-    let subject = Subject {
-        name: "planetary",
-        spec: rigid(),
-        contact: contact.clone(),
-    };
-    frequencies(&mut of_subject(spec, &subject))
+    frequencies(&mut build(spec, &vec![rigid(); spec.gears.len()], contact))
 }
 
 /// Holds found frequencies to printed ones, `times` each, in whatever order.
