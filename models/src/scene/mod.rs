@@ -41,6 +41,7 @@ mod placement;
 mod plausible;
 mod scales;
 mod shafts;
+mod small_signals;
 mod system;
 mod workspace;
 
@@ -51,3 +52,4 @@ pub use deformed::DeformedFlank;
 pub use friction::MeshFriction;
 pub use hubs::hub_of;
 pub use members::{SceneGear, SceneMesh};
+pub use small_signals::{Linearised, StrainIn};
