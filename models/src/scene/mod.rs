@@ -52,4 +52,4 @@ pub use deformed::DeformedFlank;
 pub use friction::MeshFriction;
 pub use hubs::hub_of;
 pub use members::{SceneGear, SceneMesh};
-pub use small_signals::{Linearised, StrainIn};
+pub use small_signals::{Linearised, Mechanism, StrainIn};

@@ -15,6 +15,7 @@ use super::assembled::Scene;
 use super::carriers::RelativeState;
 use super::contacts::ContactForce;
 use super::shafts::Way;
+use crate::gear::HubBody;
 use gearbench_integrators::system::{At, SecondOrderSystem, State};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -35,6 +36,15 @@ pub struct Linearised {
     pub stiffness: DMatrix<f64>,
 }
 
+/// A scene as a mechanism.
+#[derive(Clone, Debug)]
+pub struct Mechanism {
+    /// Its stiffness.
+    pub stiffness: DMatrix<f64>,
+    /// Rate of the forces that driven hubs make in it while all others stand still.
+    pub driven: Vec<f64>,
+}
+
 /// Where strain energy lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum StrainIn {
@@ -50,6 +60,12 @@ pub enum StrainIn {
     Stretch(usize),
     /// A shaft that bends.
     Bend(usize),
+}
+
+/// Way of the flanks along the line of action by a unit of the hub's own motion; a rack recedes as a gear approaches.
+fn along_path(hub: &HubBody) -> f64 {
+    let sign = if hub.slide.is_some() { -1.0 } else { 1.0 };
+    sign * hub.effective_base_radius
 }
 
 /// A matrix column by column.
@@ -90,8 +106,8 @@ impl Scene {
         self.shafts.rigid().iter().map(row).collect()
     }
 
-    /// Stiffness of the scene as a mechanism; its null space are the rigid motions. `mass` is the mass matrix.
-    pub fn mechanism(&mut self, at: At<'_>, mass: &DMatrix<f64>) -> DMatrix<f64> {
+    /// The scene as a mechanism; the null space of its stiffness are the rigid motions. `mass` is the mass matrix.
+    pub fn mechanism(&mut self, at: At<'_>, mass: &DMatrix<f64>) -> Mechanism {
         let none = vec![0.0; self.n];
         let at = At { v: &none, ..at };
         let mut stiffness = by_columns(self.n, |x, y| self.mechanism_times(at, x, &[], y));
@@ -118,7 +134,23 @@ impl Scene {
             })
             .collect();
         stiffness = by_columns(self.n, |x, y| self.mechanism_times(at, x, &meshes, y));
-        stiffness
+        let mut driven = vec![0.0; self.n];
+        for link in self.shafts.springs() {
+            link.add_to(-link.stiffness * link.drift(&self.gears, at), &mut driven);
+        }
+        for (mesh, k) in self.meshes.iter().zip(&meshes) {
+            let hubs = mesh
+                .gears
+                .map(|i| (&self.gears[i], self.gears[i].model.hub()));
+            let prescribed = hubs.iter().filter(|(_, hub)| !hub.is_free());
+            let moved: f64 = prescribed
+                .map(|(_, hub)| along_path(hub) * hub.speed(at.t, &[]))
+                .sum();
+            for (g, hub) in hubs.iter().filter(|(_, hub)| hub.is_free()) {
+                driven[g.offset] -= k * moved * along_path(hub);
+            }
+        }
+        Mechanism { stiffness, driven }
     }
 
     /// `y = K x` of the mechanism with meshes of some stiffness [N/m].
@@ -155,8 +187,7 @@ impl Scene {
         for (mesh, k) in self.meshes.iter().zip(meshes) {
             let row = mesh.gears.map(|i| {
                 let (g, hub) = (&self.gears[i], self.gears[i].model.hub());
-                let sign = if hub.slide.is_some() { -1.0 } else { 1.0 };
-                (hub.is_free()).then_some((g.offset, sign * hub.effective_base_radius))
+                (hub.is_free()).then_some((g.offset, along_path(hub)))
             });
             let moved: f64 = row.iter().flatten().map(|&(i, r)| r * along[i]).sum();
             for &(i, r) in row.iter().flatten() {

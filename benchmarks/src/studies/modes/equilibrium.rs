@@ -4,13 +4,13 @@
 //! forces `f` deflects nothing and is left out,
 //!
 //! ```text
-//! P f(q, v) = 0,    P = 1 - M Z Z^T,    v = Z Z^T M v_0
+//! P f(q, v) = 0,    P = 1 - M Z Z^T,    v = Z Z^T M v_0 + v_d
 //! ```
 //!
 //! which Newton's method solves in the modes of the stiffness at each state. Gears that stand apart have a motion against each
 //! other without stiffness: it is followed by a bounded step, and flanks that would be pressed too deep are met by bisection of
-//! the step, so that contacts close and open as they have to. Speeds are those of the rigid motions nearest to the start (and
-//! of what driven gears make of the others), so that dampers of contacts and shafts do nothing, while viscous loads do.
+//! the step, so that contacts close and open as they have to. Speeds are those of the rigid motions nearest to the start, and
+//! `v_d` of what follows driven gears in the mechanism, so that dampers of contacts and shafts do nothing, while viscous loads do.
 
 use super::run::NotSolved;
 use super::space::{Modes, Space};
@@ -29,8 +29,6 @@ const ROUNDING: f64 = 1e-10;
 /// Steps, and bisections of one.
 const MOST_STEPS: u32 = 200;
 const MOST_HALVINGS: u32 = 45;
-/// Typical deflections that driven gears move by to see what follows them.
-const DRIVEN: f64 = 1e-3;
 
 /// A state about which a scene is linear, and what it is there.
 pub struct Loaded {
@@ -56,24 +54,40 @@ fn pressed(scene: &mut Scene, s: &State) -> Vec<f64> {
     sums
 }
 
-/// Rigid motions, as `y` of all motions.
-fn rigid_motions(
-    scene: &mut Scene,
-    s: &State,
-    linear: &Linearised,
-) -> Result<(Space, Vec<DVector<f64>>), NotSolved> {
+/// The motions that are left, the rigid ones as `y` of all, and the speeds of the mechanism.
+type Motions = (Space, Vec<DVector<f64>>, Vec<f64>);
+
+/// Motions of the mechanism.
+fn motions(scene: &mut Scene, s: &State, linear: &Linearised) -> Result<Motions, NotSolved> {
     let mut space = Space::new(&linear.mass)?;
     space.hold(&scene.constraints());
     let mechanism = scene.mechanism(s.at(), &linear.mass);
-    let modes = space.modes(&mechanism)?;
-    let highest = modes.squares.last().copied().unwrap_or(0.0);
-    let slack = modes.squares.iter().take_while(|x| **x <= SLACK * highest);
+    let modes = space.modes(&mechanism.stiffness)?;
+    let floor = slack_of(&modes);
+    let slack = modes.squares.iter().take_while(|x| **x <= floor).count();
+    // What the ground drives is held in the space; what follows it, and driven hubs, strains nothing.
+    let mut speeds = space.held_velocity(&s.v, space.held());
+    let held = DVector::from_column_slice(&speeds);
+    let driven = DVector::from_column_slice(&mechanism.driven) - &mechanism.stiffness * held;
+    let driven = modes.vectors.tr_mul(&space.force(driven.as_slice()));
+    let start = modes.vectors.tr_mul(&space.velocity(&s.v));
+    let along = |(i, square): (usize, &f64)| {
+        if i < slack {
+            start[i]
+        } else {
+            driven[i] / square
+        }
+    };
+    let along = modes.squares.iter().enumerate().map(along);
+    let along = DVector::from_iterator(space.len(), along);
+    let moving = space.displacement(&(&modes.vectors * along));
+    speeds.iter_mut().zip(moving).for_each(|(v, x)| *v += x);
     let of = |i: usize| space.whole(&modes.vectors.column(i).into_owned());
-    let rigid: Vec<_> = (0..slack.count()).map(of).collect();
+    let rigid: Vec<_> = (0..slack).map(of).collect();
     for y in &rigid {
         space.hold_along(y.clone());
     }
-    Ok((space, rigid))
+    Ok((space, rigid, speeds))
 }
 
 /// What is the same at all states of a search.
@@ -81,13 +95,8 @@ struct Search<'a> {
     scene: &'a mut Scene,
     space: Space,
     rigid: Vec<DVector<f64>>,
-    /// How many directions constraints hold.
-    constraints: usize,
-    /// Speeds of the start.
-    start: Vec<f64>,
     /// Typical deflections of all coordinates.
     scales: Vec<f64>,
-    driven: bool,
 }
 
 impl Search<'_> {
@@ -95,48 +104,6 @@ impl Search<'_> {
         let mut f = vec![0.0; s.q.len()];
         self.scene.force(s.at(), &mut f);
         f
-    }
-
-    /// Speeds of the rigid motions, of gears that stand apart, and of what driven gears take along.
-    fn set_speeds(&mut self, s: &mut State, modes: &Modes) {
-        let floor = slack_of(modes);
-        let along = modes.vectors.tr_mul(&self.space.velocity(&self.start));
-        let mut u = DVector::zeros(self.space.len());
-        for (i, square) in modes.squares.iter().enumerate() {
-            if *square <= floor {
-                u.axpy(along[i], &modes.vectors.column(i), 1.0);
-            }
-        }
-        // What the ground drives is held in the space.
-        let held = self.space.held_velocity(&self.start, self.constraints);
-        if self.driven {
-            let m = self.scene.magnitudes();
-            let h = DRIVEN * m.deflection / m.speed;
-            let of = |search: &mut Self, h: f64| {
-                let mut moved = State {
-                    t: s.t + h,
-                    ..s.clone()
-                };
-                moved.q.iter_mut().zip(&held).for_each(|(q, v)| *q += h * v);
-                let f = search.forces(&moved);
-                search.space.force(&f)
-            };
-            let change = (of(self, h) - of(self, -h)) / (2.0 * h);
-            let change = modes.vectors.tr_mul(&change);
-            for (i, square) in modes.squares.iter().enumerate() {
-                if *square > floor {
-                    u.axpy(change[i] / square, &modes.vectors.column(i), 1.0);
-                }
-            }
-        }
-        s.v = self.space.displacement(&u);
-        s.v.iter_mut().zip(&held).for_each(|(v, h)| *v += h);
-        let all = self.space.all_velocity(&self.start);
-        for y in &self.rigid {
-            let x = self.space.displacement_of(y);
-            let by = y.dot(&all);
-            s.v.iter_mut().zip(&x).for_each(|(v, x)| *v += by * x);
-        }
     }
 
     /// Forces on the modes.
@@ -164,11 +131,11 @@ fn slack_of(modes: &Modes) -> f64 {
     SLACK * modes.squares.last().map_or(0.0, |x| x.abs())
 }
 
-/// The loaded state of a scene, from its start; `loads` says whether there are any, `driven` whether a mount moves.
+/// The loaded state of a scene, from its start; `loads` says whether there are any.
 ///
 /// # Errors
 /// [`NotSolved`] where there is none, or it was not found.
-pub fn loaded(scene: &mut Scene, loads: bool, driven: bool) -> Result<Loaded, NotSolved> {
+pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
     let mut s = scene.initial();
     let first = scene.linearised(s.at());
     if !first
@@ -179,23 +146,20 @@ pub fn loaded(scene: &mut Scene, loads: bool, driven: bool) -> Result<Loaded, No
     {
         return Err(NotSolved::Matrices("its tangent is not finite"));
     }
-    let (space, rigid) = rigid_motions(scene, &s, &first)?;
+    let (space, rigid, speeds) = motions(scene, &s, &first)?;
+    s.v = speeds;
     let (mut scales, mut speeds) = (vec![0.0; s.q.len()], vec![0.0; s.q.len()]);
     scene.scales(&mut scales, &mut speeds);
     let mut search = Search {
         scene,
-        constraints: space.held() - rigid.len(),
         space,
         rigid,
-        start: s.v.clone(),
         scales,
-        driven,
     };
     let mut steps = 0;
     loop {
         let linear = search.scene.linearised(s.at());
         let modes = search.space.modes(&linear.stiffness)?;
-        search.set_speeds(&mut s, &modes);
         let all = search.forces(&s);
         let on = modes.vectors.tr_mul(&search.space.force(&all));
         if on.iter().any(|x| !x.is_finite()) {
@@ -207,10 +171,7 @@ pub fn loaded(scene: &mut Scene, loads: bool, driven: bool) -> Result<Loaded, No
         let pushes = apart > ROUNDING * search.space.size_of(&all);
         let (mut step, mut moved) = search.answer(&modes, &on, 0.0);
         if !loads || (!pushes && moved <= FOUND) {
-            // Damping and what speeds do to bodies is that at the speeds that were found.
-            let linear = search.scene.linearised(s.at());
             let pressed = pressed(search.scene, &s);
-            let modes = search.space.modes(&linear.stiffness)?;
             return Ok(Loaded {
                 pressed,
                 state: s,

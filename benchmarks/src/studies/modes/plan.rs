@@ -7,6 +7,7 @@ use crate::experiment::configuration::Configuration;
 /// What to study.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
+    /// What heads the record.
     pub conditions: Conditions<'a>,
     /// The models.
     pub entries: Vec<Configuration>,

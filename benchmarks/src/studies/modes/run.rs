@@ -99,24 +99,15 @@ fn settled(spec: &SceneSpec) -> SceneSpec {
     spec
 }
 
-/// Whether a settled scene has loads, and motions that are prescribed.
-fn loads_and_drives(spec: &SceneSpec) -> (bool, bool) {
-    let gears = spec.gears.iter().map(|g| (&g.mount, &g.loads));
-    let bodies = spec
-        .shafts
-        .iter()
-        .flat_map(|s| s.bodies())
-        .map(|b| (&b.mount, &b.loads));
+/// Whether a settled scene has loads.
+fn has_loads(spec: &SceneSpec) -> bool {
     let acts = |load: &Load| match load {
         Load::Applied(p) => p.value(0.0) != 0.0,
         Load::Viscous(c) => *c != 0.0,
     };
-    gears
-        .chain(bodies)
-        .fold((false, false), |found, (mount, loads)| {
-            let driven = matches!(mount, Mount::Driven(p) if p.value(0.0) != 0.0);
-            (found.0 || loads.iter().any(acts), found.1 || driven)
-        })
+    let gears = spec.gears.iter().flat_map(|g| &g.loads);
+    let bodies = spec.shafts.iter().flat_map(|s| s.bodies());
+    gears.chain(bodies.flat_map(|b| &b.loads)).any(acts)
 }
 
 /// Natural frequencies of a model of a scene; where there are none the record says why.
@@ -139,11 +130,11 @@ pub fn vibrations(
         members: places(&scene, spec.gears.len()),
         ..ModelModes::default()
     };
-    let (loads, driven) = loads_and_drives(&spec);
+    let loads = has_loads(&spec);
     let found = match n {
         0 => Err(NotSolved::Matrices("nothing in it can move")),
         n if n > MOST => Err(NotSolved::TooLarge(n)),
-        _ => loaded(&mut scene, loads, driven),
+        _ => loaded(&mut scene, loads),
     };
     match found {
         Ok(found) => fill(&mut record, &mut scene, &spec, (&found, loads), wanted),

@@ -171,13 +171,15 @@ fn shapes(v: &ModelModes, modes: &[&ModeRecord]) -> Result<Option<Chart>, DrawEr
                     centre.1 - scale * (y - middle[1]),
                 )
             };
-            // The largest way at a flank is drawn as a seventh of the picture.
+            // The largest way at a flank, in the plane or out of it, is drawn as a ninth of the picture.
             let way = |s: &MemberShape, p: &MemberPlace| {
-                (s.turn_rad * p.radius_m).abs().max(s.x_m.hypot(s.y_m))
+                let tilt = s.tilt_x_rad.hypot(s.tilt_y_rad);
+                let turns = (p.radius_m * s.turn_rad).abs().max(p.radius_m * tilt);
+                turns.max(s.x_m.hypot(s.y_m)).max(s.z_m.abs())
             };
             let largest = (toothed.iter().map(|(p, k)| way(&m.shape[*k], p))).fold(0.0, f64::max);
             let by = if largest > 0.0 {
-                TALL / 7.0 / scale / largest
+                TALL / 9.0 / scale / largest
             } else {
                 0.0
             };
