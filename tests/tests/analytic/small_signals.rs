@@ -265,9 +265,9 @@ fn shipped_driveline_swings_under_load() {
         let f = swinging(&found);
         println!("{}: {:?}, {:?}", choice.label, found.meshes, f);
         assert_eq!(found.about, About::Loaded, "{}", found.message);
-        // 20 N m less what its own share of the train's inertia takes: the load balances them.
+        // The load balances the motor; how stiffness changes along the path takes a millionth of it.
         let force = 20.0 / effective_radius(&file.spec.gears[0].body);
-        assert!((found.meshes[0].force_n / force - 1.0).abs() < 1e-6);
+        assert!((found.meshes[0].force_n / force - 1.0).abs() < 1e-5);
         for (f, rigid) in f.iter().zip([178.2, 615.0]) {
             assert!(*f < rigid && *f > 0.98 * rigid, "{f} for {rigid}");
         }
