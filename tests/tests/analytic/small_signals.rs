@@ -24,7 +24,7 @@ pub fn vibrations_of(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec)
         most: usize::MAX,
         ..Wanted::default()
     };
-    let all = gearbench::models::models();
+    let all = &models_with_flanks();
     let found =
         vibrations("it", (spec, &modelling), all, &wanted).expect("the scene can be assembled");
     assert!(found.residual_rel < 1e-12, "{}", found.residual_rel);
