@@ -15,6 +15,7 @@ use crate::studies::check::{self, arguments::Check};
 use crate::studies::choose::{self, arguments::Choose};
 use crate::studies::compare::{self, arguments::Compare};
 use crate::studies::identify::{self, arguments::Identify};
+use crate::studies::modes::{self, arguments::Modes};
 use crate::studies::penalty::{self, arguments::Penalty};
 use crate::studies::precision::{self, arguments::Precision};
 use crate::studies::stability::{self, arguments::Stability};
@@ -30,7 +31,6 @@ use crate::tools::{init, init::Init, list, report, report::Report};
 use answer::Answer;
 use clap::{Parser, Subcommand};
 use exit::Exit;
-use std::ffi::OsString;
 use std::process::ExitCode;
 use terminal::{Manner, Refusal};
 
@@ -95,13 +95,8 @@ pub(crate) enum Command {
     Stiffness(Stiffness),
     /// Error of the elastic model by number of modes, against full finite elements on the same mesh
     Truncation(Truncation),
-    /// The study of mode counts has another name.
-    #[command(hide = true, disable_help_flag = true)]
-    Modes {
-        /// Whatever was asked for.
-        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-        rest: Vec<OsString>,
-    },
+    /// Natural frequencies and shapes of the whole scene about its loaded state
+    Modes(Modes),
     /// Results over the penalty of the contact, beside hard contact
     Penalty(Penalty),
     /// Run under load at speed after speed: transmission error, bearing forces, spectra, resonances
@@ -136,10 +131,7 @@ impl Command {
             Command::Identify(args) => identify::command::run(&args, told),
             Command::Stiffness(args) => stiffness::command::run(&args),
             Command::Truncation(args) => truncation::command::run(&args, told),
-            Command::Modes { .. } => Err(Refusal::Input(miette::miette!(
-                help = "`gearbench truncation` takes the same arguments",
-                "the study of mode counts is called `truncation`"
-            ))),
+            Command::Modes(args) => modes::command::run(&args, told),
             Command::Penalty(args) => penalty::command::run(&args, told),
             Command::Sweep(args) => sweep::command::run(&args, told),
             Command::Check(args) => check::command::run(&args, told),

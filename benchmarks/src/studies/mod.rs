@@ -6,6 +6,7 @@
 //! | [`choose`] | the cheapest adequate model, integrator and step for a scene, without finite elements |
 //! | [`compare`] | all models and integrators of a scene against its references |
 //! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
+//! | [`modes`] | natural frequencies and shapes of the whole scene about its loaded state |
 //! | `penalty` | force, impulse and transmission error over the penalty, beside hard contact |
 //! | `precision` | error against cost: models, integrators, resolutions, mode counts |
 //! | [`stability`] | where methods fail: maps over step and stiffness, damping, speed, modes; the largest stable step |
@@ -17,6 +18,7 @@ pub(crate) mod check;
 pub mod choose;
 pub mod compare;
 pub mod identify;
+pub mod modes;
 pub(crate) mod penalty;
 pub(crate) mod precision;
 pub mod stability;

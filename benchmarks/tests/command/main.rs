@@ -135,13 +135,19 @@ fn help_and_list_teach() {
     folder.ends("compare --modles x", 2);
 }
 
-/// The name `modes` is kept for the natural modes of an assembled scene.
+/// Natural frequencies of the driveline, for people and for programs; full finite elements are refused with a way out.
 #[test]
-fn the_former_name_of_the_truncation_study_is_refused_with_the_new_one() {
+fn natural_frequencies_are_told() {
     let folder = Folder::new();
+    let said = folder.says("modes driveline --out modes");
+    has(&said, &["loaded", "torsion of", "mesh pinion - wheel"]);
+    as_documented(&folder.at("modes"));
+    let record = std::fs::read_to_string(folder.at("modes").join("results.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_str(&record).unwrap();
+    assert_eq!(record["study"], "modes");
     folder.refuses(
-        "modes spur_impact --counts 0,25",
-        &["`gearbench truncation`"],
+        "modes spur_impact --models fe --out fe",
+        &["too many", "elastic gears"],
     );
-    assert_eq!(folder.files(), 0);
+    folder.refuses("modes driveline --group 3", &["0 to 0.1"]);
 }

@@ -300,6 +300,22 @@ impl HubBody {
         }
     }
 
+    /// Change of what the bearing exerts on the hub's coordinates, by a change of these.
+    pub fn bearing_change(&self, at: At<'_>, dq: &[f64]) -> Vec<f64> {
+        let mut change = vec![0.0; dq.len()];
+        if let Some(lateral) = &self.hub.lateral {
+            let now = self.hub.motion(at.t, at.q, at.v);
+            let mut along = Motion::default();
+            for (dq, d) in dq.iter().zip(self.hub.free_directions()) {
+                along.x[d] = *dq;
+            }
+            let all = lateral.bearing_change(&now, &along);
+            let free = change.iter_mut().zip(self.hub.free_directions());
+            free.for_each(|(to, d)| *to = all[d]);
+        }
+        change
+    }
+
     /// Power [W] that driven directions put into the free ones through spin terms.
     pub fn driven_power(&self, at: At<'_>) -> f64 {
         let Some(lateral) = self.hub.lateral.as_ref().filter(|l| l.spins) else {

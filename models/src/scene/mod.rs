@@ -42,6 +42,7 @@ mod placement;
 mod plausible;
 mod scales;
 mod shafts;
+mod small_signals;
 mod system;
 mod workspace;
 
@@ -53,3 +54,4 @@ pub use deformed::DeformedFlank;
 pub use friction::MeshFriction;
 pub use hubs::hub_of;
 pub use members::{SceneGear, SceneMesh};
+pub use small_signals::{Linearised, Mechanism, StrainIn};

@@ -23,7 +23,7 @@ pub use symmetric::Symmetric;
 use crate::assembly::tie::Reduced;
 use crate::limits::{self, TooMuchMemory};
 use crate::solve::{Cholesky, Scalar, SolveError, Symbolic, negative_eigenvalues};
-use faer::Mat;
+use faer::{Mat, MatRef};
 use std::sync::Arc;
 
 /// How to find modes.
@@ -46,6 +46,14 @@ impl Default for Options {
             verify: true,
         }
     }
+}
+
+/// Eigenvalues, ascending, and orthonormal eigenvectors of a dense symmetric matrix, of which the lower triangle is read.
+///
+/// # Errors
+/// [`ModesError::Matrix`] where an entry is not finite.
+pub fn symmetric_eigen(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), ModesError> {
+    dense::eigen(a)
 }
 
 /// Vectors per step for a whole body.

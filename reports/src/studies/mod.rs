@@ -7,6 +7,7 @@ pub mod choice_check;
 pub mod choose;
 pub mod compare;
 pub mod identify;
+pub mod modes;
 pub mod penalty;
 pub mod precision;
 pub mod stability;
@@ -47,6 +48,8 @@ words! {
         Sweep = "sweep",
         /// Constants of models fitted to references.
         Identify = "identify",
+        /// Natural frequencies about the loaded state.
+        Modes = "modes",
     }
 }
 
@@ -74,6 +77,8 @@ pub enum Part {
     Sweep(sweep::SweepRecord),
     /// See [`Study::Identify`].
     Identify(identify::IdentifyRecord),
+    /// See [`Study::Modes`].
+    Modes(modes::ModesRecord),
 }
 
 impl Default for Part {
@@ -96,6 +101,7 @@ impl Part {
             Part::Penalty => Study::Penalty,
             Part::Sweep(_) => Study::Sweep,
             Part::Identify(_) => Study::Identify,
+            Part::Modes(_) => Study::Modes,
         }
     }
 
@@ -137,6 +143,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Penalty => penalty::report(view),
         Part::Sweep(part) => sweep::report(view, &part.statics),
         Part::Identify(part) => identify::report(&part.fits),
+        Part::Modes(part) => modes::report(&part.vibrations),
     }
 }
 
@@ -157,9 +164,6 @@ pub struct StudyReport {
     pub texts: Vec<(String, String)>,
 }
 
-/// What the study of mode counts was called in records.
-const FORMER_TRUNCATION: &str = "modes";
-
 impl std::str::FromStr for Study {
     type Err = String;
 
@@ -167,16 +171,10 @@ impl std::str::FromStr for Study {
         if let Some(study) = Self::ALL.into_iter().find(|s| s.as_str() == text) {
             return Ok(study);
         }
-        let new = Self::Truncation;
-        Err(if text == FORMER_TRUNCATION {
-            format!(
-                "the record is of an older version: its study `{text}` is called `{new}` now; run the study again, or \
-                 write `{new}` into the record"
-            )
-        } else {
-            let all = Self::ALL.map(Self::as_str).join(", ");
-            format!("there is no study `{text}`; this version knows {all}")
-        })
+        let all = Self::ALL.map(Self::as_str).join(", ");
+        Err(format!(
+            "there is no study `{text}`; this version knows {all}"
+        ))
     }
 }
 
@@ -185,12 +183,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_lead_back_and_the_former_name_is_refused_with_the_new_one() {
+    fn words_lead_back() {
         for s in Study::ALL {
             assert_eq!(s.as_str().parse(), Ok(s));
         }
-        let old = "modes".parse::<Study>().unwrap_err();
-        assert!(old.contains("`truncation`"), "{old}");
         assert!("mode".parse::<Study>().unwrap_err().contains("compare"));
     }
 }

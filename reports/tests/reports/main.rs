@@ -2,6 +2,7 @@
 
 mod files;
 mod made_up;
+mod modes;
 mod pages;
 mod precision;
 mod studies;

@@ -107,6 +107,11 @@ const PARTS: &[Part] = &[
         "identify impact.toml --any-reference --write --out OUT",
     ),
     part(
+        "modes",
+        "loaded",
+        "modes loaded.toml --models rigid,movable-teeth,elastic --count 12 --out OUT",
+    ),
+    part(
         "stiffness",
         "loaded",
         "stiffness loaded.toml --models rigid,movable-teeth,elastic,fe --positions 6 --load 100 --out OUT",

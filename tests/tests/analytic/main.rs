@@ -22,6 +22,7 @@ mod refusals;
 mod rows;
 mod running;
 mod shafts;
+mod small_signals;
 mod space;
 mod statics;
 mod tangents;

@@ -40,8 +40,8 @@ const UNITS: &[(&str, &str, f64)] = &[
 /// What gearbench does not do: beginnings of the keys that ask for it, and what to know. docs/limits.md says more.
 const NOT_DONE: &[(&[&str], &str)] = &[
     (
-        &["internal", "ring", "planet", "carrier", "sun", "annulus"],
-        "there are no internal gears and no planetary stages",
+        &["planet", "carrier", "sun", "annulus"],
+        "a body on a shaft with `planets` is a carrier",
     ),
     (&["shaft"], "what turns together stands in `[[shafts]]`"),
     (&["housing", "support"], "housings are not modelled"),

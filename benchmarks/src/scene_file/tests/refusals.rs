@@ -331,8 +331,8 @@ const IMPOSSIBLE: &str = r##"
 const NOT_DONE: &str = r##"
 10: teeth = 20 => teeth = 20\nshaft_diameter_m = 0.03
     unknown key `shaft_diameter_m` | what turns together stands in `[[shafts]]` | docs/limits.md
-10: teeth = 20 => teeth = 20\ninternal = true
-    there are no internal gears | docs/limits.md
+10: teeth = 20 => teeth = 20\ncarrier = "arm"
+    a body on a shaft with `planets` is a carrier | docs/limits.md
 10: teeth = 20 => teeth = 20\nhelix_deviation_m = 1e-5
     no deviations of the helix | docs/limits.md
 24: start =  => misalignment_deg = 0.1\nstart = 

@@ -45,6 +45,11 @@ pub(in crate::scene) struct Link {
 }
 
 impl Link {
+    /// The shaft that it is a piece of.
+    pub fn shaft(&self) -> Option<usize> {
+        self.shaft
+    }
+
     pub fn is_rigid(&self) -> bool {
         self.stiffness.is_infinite()
     }

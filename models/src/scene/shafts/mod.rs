@@ -30,5 +30,6 @@ mod plan;
 mod together;
 
 pub(super) use acting::ShaftWork;
-pub(super) use links::Shafts;
+pub(super) use beam::Way;
+pub(super) use links::{Link, Shafts};
 pub(super) use plan::{Plan, ShaftBody};

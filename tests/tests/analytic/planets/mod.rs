@@ -34,7 +34,7 @@ pub(super) fn across(stiffness: f64, damping: f64) -> Option<Box<LateralSpec>> {
 }
 
 /// A sun with three planets on a carrier, one of them met with a gap, without anything on the ground.
-fn set(gap: f64) -> SceneSpec {
+pub fn set(gap: f64) -> SceneSpec {
     let sun = gear("sun", spur(21), 0.0, 30.0);
     let planet = |k: usize| {
         let angle = TAU * k as f64 / 3.0;

@@ -1,0 +1,233 @@
+//! The loaded state of a scene: what its loads come to when nothing swings any more, and the scene to first order there.
+//!
+//! A train that is free accelerates under its loads as a whole. With the rigid motions `Z` of the mechanism that part of the
+//! forces `f` deflects nothing and is left out,
+//!
+//! ```text
+//! P f(q, v) = 0,    P = 1 - M Z Z^T,    v = Z Z^T M v_0 + v_d
+//! ```
+//!
+//! which Newton's method solves in the modes of the stiffness at each state. Gears that stand apart have a motion against each
+//! other without stiffness: it is followed by a bounded step, and flanks that would be pressed too deep are met by bisection of
+//! the step, so that contacts close and open as they have to. Speeds are those of the rigid motions nearest to the start, and
+//! `v_d` of what follows driven gears in the mechanism, so that dampers of contacts and shafts do nothing, while viscous loads do.
+
+use super::run::NotSolved;
+use super::space::{Modes, Space};
+use gearbench_integrators::system::{SecondOrderSystem, State};
+use gearbench_models::scene::{Linearised, Scene};
+use nalgebra::DVector;
+
+/// Part of the highest eigenvalue below which a motion has no stiffness.
+const SLACK: f64 = 1e-12;
+/// Largest motion of a step, in typical deflections.
+const BOUND: f64 = 20.0;
+/// Motion of a step from which on the state is found, in typical deflections.
+const FOUND: f64 = 1e-7;
+/// Part of all forces below which what pushes gears that stand apart is rounding.
+const ROUNDING: f64 = 1e-10;
+/// Steps, and bisections of one.
+const MOST_STEPS: u32 = 200;
+const MOST_HALVINGS: u32 = 45;
+
+/// A state about which a scene is linear, and what it is there.
+pub struct Loaded {
+    pub state: State,
+    pub linear: Linearised,
+    /// Motions without the rigid ones, and its modes.
+    pub space: Space,
+    pub modes: Modes,
+    /// Rigid motions `y`.
+    pub rigid: Vec<DVector<f64>>,
+    /// Steps that led there; 0 for a start that is taken as it is.
+    pub steps: u32,
+    /// Forces of the meshes [N].
+    pub pressed: Vec<f64>,
+}
+
+/// Sum of the normal forces of each mesh [N].
+fn pressed(scene: &mut Scene, s: &State) -> Vec<f64> {
+    let mut sums = vec![0.0; scene.meshes().len()];
+    for contact in scene.contact_forces(s.at()) {
+        sums[contact.mesh] += contact.normal_force;
+    }
+    sums
+}
+
+/// The motions that are left, the rigid ones as `y` of all, and the speeds of the mechanism.
+type Motions = (Space, Vec<DVector<f64>>, Vec<f64>);
+
+/// Motions of the mechanism.
+fn motions(scene: &mut Scene, s: &State, linear: &Linearised) -> Result<Motions, NotSolved> {
+    let mut space = Space::new(&linear.mass)?;
+    space.hold(&scene.constraints());
+    let mechanism = scene.mechanism(s.at(), &linear.mass);
+    let modes = space.modes(&mechanism.stiffness)?;
+    let floor = slack_of(&modes);
+    let slack = modes.squares.iter().take_while(|x| **x <= floor).count();
+    // What the ground drives is held in the space; what follows it, and driven hubs, strains nothing.
+    let mut speeds = space.held_velocity(&s.v, space.held());
+    let held = DVector::from_column_slice(&speeds);
+    let driven = DVector::from_column_slice(&mechanism.driven) - &mechanism.stiffness * held;
+    let driven = modes.vectors.tr_mul(&space.force(driven.as_slice()));
+    let start = modes.vectors.tr_mul(&space.velocity(&s.v));
+    let along = |(i, square): (usize, &f64)| {
+        if i < slack {
+            start[i]
+        } else {
+            driven[i] / square
+        }
+    };
+    let along = modes.squares.iter().enumerate().map(along);
+    let along = DVector::from_iterator(space.len(), along);
+    let moving = space.displacement(&(&modes.vectors * along));
+    speeds.iter_mut().zip(moving).for_each(|(v, x)| *v += x);
+    let of = |i: usize| space.whole(&modes.vectors.column(i).into_owned());
+    let rigid: Vec<_> = (0..slack).map(of).collect();
+    for y in &rigid {
+        space.hold_along(y.clone());
+    }
+    Ok((space, rigid, speeds))
+}
+
+/// What is the same at all states of a search.
+struct Search<'a> {
+    scene: &'a mut Scene,
+    space: Space,
+    rigid: Vec<DVector<f64>>,
+    /// Typical deflections of all coordinates.
+    scales: Vec<f64>,
+}
+
+impl Search<'_> {
+    fn forces(&mut self, s: &State) -> Vec<f64> {
+        let mut f = vec![0.0; s.q.len()];
+        self.scene.force(s.at(), &mut f);
+        f
+    }
+
+    /// Forces on the modes.
+    fn on_modes(&mut self, s: &State, modes: &Modes) -> DVector<f64> {
+        let f = self.forces(s);
+        modes.vectors.tr_mul(&self.space.force(&f))
+    }
+
+    /// The displacement that answers to forces on the modes with so much more stiffness, and its largest part in typical
+    /// deflections.
+    fn answer(&self, modes: &Modes, on: &DVector<f64>, more: f64) -> (Vec<f64>, f64) {
+        let floor = slack_of(modes);
+        let u = DVector::from_fn(on.len(), |i, _| {
+            let square = modes.squares[i].abs() + more;
+            if square <= floor { 0.0 } else { on[i] / square }
+        });
+        let x = self.space.displacement(&(&modes.vectors * u));
+        let moved = x.iter().zip(&self.scales).map(|(x, s)| (x / s).abs());
+        let largest = moved.fold(0.0, f64::max);
+        (x, largest)
+    }
+}
+
+fn slack_of(modes: &Modes) -> f64 {
+    SLACK * modes.squares.last().map_or(0.0, |x| x.abs())
+}
+
+/// The loaded state of a scene, from its start; `loads` says whether there are any.
+///
+/// # Errors
+/// [`NotSolved`] where there is none, or it was not found.
+pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
+    let mut s = scene.initial();
+    let first = scene.linearised(s.at());
+    if !first
+        .stiffness
+        .iter()
+        .chain(&first.mass)
+        .all(|x| x.is_finite())
+    {
+        return Err(NotSolved::Matrices("its tangent is not finite"));
+    }
+    let (space, rigid, speeds) = motions(scene, &s, &first)?;
+    s.v = speeds;
+    let (mut scales, mut speeds) = (vec![0.0; s.q.len()], vec![0.0; s.q.len()]);
+    scene.scales(&mut scales, &mut speeds);
+    let mut search = Search {
+        scene,
+        space,
+        rigid,
+        scales,
+    };
+    let mut steps = 0;
+    loop {
+        let linear = search.scene.linearised(s.at());
+        let modes = search.space.modes(&linear.stiffness)?;
+        let all = search.forces(&s);
+        let on = modes.vectors.tr_mul(&search.space.force(&all));
+        if on.iter().any(|x| !x.is_finite()) {
+            return Err(NotSolved::Matrices("its forces are not finite"));
+        }
+        let apart = (modes.squares.iter().zip(&on))
+            .filter(|(square, _)| **square <= slack_of(&modes))
+            .fold(0.0_f64, |m, (_, on)| m.max(on.abs()));
+        let pushes = apart > ROUNDING * search.space.size_of(&all);
+        let (mut step, mut moved) = search.answer(&modes, &on, 0.0);
+        if !loads || (!pushes && moved <= FOUND) {
+            let pressed = pressed(search.scene, &s);
+            return Ok(Loaded {
+                pressed,
+                state: s,
+                linear,
+                modes,
+                space: search.space,
+                rigid: search.rigid,
+                steps,
+            });
+        }
+        if steps == MOST_STEPS {
+            return Err(NotSolved::Unbalanced {
+                steps,
+                moved: moved * search.scene.magnitudes().deflection,
+            });
+        }
+        steps += 1;
+        if pushes || moved > BOUND {
+            // As if masses were tied to where they are: what has no stiffness moves as far as the bound.
+            let by_one = search.answer(&modes, &on, 1.0).1;
+            let mut more = (2.0 * slack_of(&modes)).max(1e-6 * by_one / BOUND);
+            loop {
+                (step, moved) = search.answer(&modes, &on, more);
+                if moved <= BOUND || !moved.is_finite() {
+                    break;
+                }
+                more *= 2.0;
+            }
+        }
+        let before = on.norm_squared();
+        let (mut low, mut high, mut part) = (0.0, f64::INFINITY, 1.0);
+        for _ in 0..MOST_HALVINGS {
+            let mut trial = s.clone();
+            trial
+                .q
+                .iter_mut()
+                .zip(&step)
+                .for_each(|(q, x)| *q += part * x);
+            let after = search.on_modes(&trial, &modes).norm_squared();
+            if after < (1.0 - 1e-9) * before {
+                low = part;
+                break;
+            }
+            if after <= (1.0 + 1e-9) * before {
+                low = part;
+            } else {
+                high = part;
+            }
+            if high.is_infinite() {
+                break;
+            }
+            part = 0.5 * (low + high);
+        }
+        if low == 0.0 {
+            low = part;
+        }
+        s.q.iter_mut().zip(&step).for_each(|(q, x)| *q += low * x);
+    }
+}

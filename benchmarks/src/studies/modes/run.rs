@@ -1,0 +1,358 @@
+//! Natural frequencies of models of a scene.
+
+use super::damping::{Damped, damped};
+use super::equilibrium::{Loaded, loaded};
+use super::plan::Plan;
+use super::shares::{Energies, energies, name, name_of, shape, shares};
+use crate::experiment::error::StudyError;
+use crate::experiment::interruption;
+use crate::experiment::run::RunError;
+use crate::experiment::runner::Runner;
+use gearbench_integrators::system::SecondOrderSystem;
+use gearbench_models::error::BuildError;
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::{Scene, StrainIn};
+use gearbench_models::spec::{Carried, Load, Modelling, Mount, Profile, SceneSpec};
+use gearbench_reference::statics::StaticsError;
+use gearbench_reports::modes::{
+    About, MemberPlace, MeshState, ModeRecord, ModelModes, ModesRecord,
+};
+use gearbench_reports::record::{Part, Results};
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Coordinates that a scene may have: matrices are dense.
+pub const MOST: usize = 1500;
+/// Largest way at a flank of the shapes that are told [m].
+const WAY: f64 = 1e-6;
+/// Part of the highest eigenvalue below which a motion is rigid.
+const SLACK: f64 = 1e-12;
+
+/// Why a model has no natural frequencies.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotSolved {
+    /// A matrix is none to work with.
+    #[error("{0}")]
+    Matrices(&'static str),
+    /// No equilibrium was found.
+    #[error(
+        "no equilibrium under its loads was found: after {steps} Newton steps it still moves by {:.3} um a step; let the loads \
+         balance but for what accelerates the whole train, or start pressed together without loads (`gap_um` below zero)",
+        1e6 * moved
+    )]
+    Unbalanced {
+        /// Steps taken.
+        steps: u32,
+        /// Motion of the last step [m].
+        moved: f64,
+    },
+    /// The scene is too large.
+    #[error(
+        "it has {0} coordinates, of which dense matrices take at most {MOST}; take elastic gears with fewer modes in its place"
+    )]
+    TooLarge(usize),
+}
+
+/// What is wanted of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// Most frequencies that are listed.
+    pub most: usize,
+    /// Up to where [Hz].
+    pub up_to: f64,
+    /// Relative distance of frequencies that count as one.
+    pub group: f64,
+}
+
+impl Default for Wanted {
+    fn default() -> Self {
+        Wanted {
+            most: 30,
+            up_to: f64::INFINITY,
+            group: 1e-6,
+        }
+    }
+}
+
+/// The scene with its loads and motions as they are in the end.
+fn settled(spec: &SceneSpec) -> SceneSpec {
+    let mut spec = spec.clone();
+    let constant = |p: &mut Profile| *p = Profile::Constant(p.settled());
+    let settle = |mount: &mut Mount, loads: &mut Vec<Load>| {
+        if let Mount::Driven(p) = mount {
+            constant(p);
+        }
+        for load in loads {
+            if let Load::Applied(p) = load {
+                constant(p);
+            }
+        }
+    };
+    for g in &mut spec.gears {
+        settle(&mut g.mount, &mut g.loads);
+    }
+    for station in spec.shafts.iter_mut().flat_map(|s| &mut s.stations) {
+        if let Carried::Body(body) = &mut station.carries {
+            settle(&mut body.mount, &mut body.loads);
+        }
+    }
+    spec
+}
+
+/// Whether a settled scene has loads.
+fn has_loads(spec: &SceneSpec) -> bool {
+    let acts = |load: &Load| match load {
+        Load::Applied(p) => p.value(0.0) != 0.0,
+        Load::Viscous(c) => *c != 0.0,
+    };
+    let gears = spec.gears.iter().flat_map(|g| &g.loads);
+    let bodies = spec.shafts.iter().flat_map(|s| s.bodies());
+    gears.chain(bodies.flat_map(|b| &b.loads)).any(acts)
+}
+
+/// Natural frequencies of a model of a scene; where there are none the record says why.
+///
+/// # Errors
+/// [`BuildError`] where the scene cannot be assembled.
+pub fn vibrations(
+    label: &str,
+    (spec, modelling): (&SceneSpec, &Modelling),
+    models: &[Model],
+    wanted: &Wanted,
+) -> Result<ModelModes, BuildError> {
+    let spec = settled(spec);
+    let mut scene = Scene::build(&spec, modelling, models)?;
+    let n = scene.layout().n;
+    let mut record = ModelModes {
+        label: label.to_owned(),
+        coordinates: n,
+        constraints: scene.constraints().len(),
+        members: places(&scene, spec.gears.len()),
+        ..ModelModes::default()
+    };
+    let loads = has_loads(&spec);
+    let found = match n {
+        0 => Err(NotSolved::Matrices("nothing in it can move")),
+        n if n > MOST => Err(NotSolved::TooLarge(n)),
+        _ => loaded(&mut scene, loads),
+    };
+    match found {
+        Ok(found) => fill(&mut record, &mut scene, &spec, (&found, loads), wanted),
+        Err(why) => {
+            record.about = About::NotFound;
+            record.message = why.to_string();
+        }
+    }
+    Ok(record)
+}
+
+fn places(scene: &Scene, gears: usize) -> Vec<MemberPlace> {
+    let first = scene.gears().first().map(|g| g.model.hub().axes[2]);
+    let place = |(i, g): (usize, &gearbench_models::scene::SceneGear)| {
+        let hub = g.model.hub();
+        let [x, y] = scene.in_plane(&hub.centre);
+        let slides = hub.slide.is_some();
+        MemberPlace {
+            name: g.name.clone(),
+            x_m: x,
+            y_m: y,
+            radius_m: if slides {
+                1.0
+            } else {
+                hub.effective_base_radius
+            },
+            slides,
+            toothed: i < gears,
+            in_plane: slides || first.is_some_and(|z| z.cross(&hub.axes[2]).norm() < 1e-6),
+        }
+    };
+    scene.gears().iter().enumerate().map(place).collect()
+}
+
+/// A motion of the scene of its own.
+struct Motion {
+    omega: f64,
+    square: f64,
+    damped: Option<Damped>,
+    energies: Energies,
+    x: Vec<f64>,
+}
+
+fn fill(
+    record: &mut ModelModes,
+    scene: &mut Scene,
+    spec: &SceneSpec,
+    (found, loads): (&Loaded, bool),
+    wanted: &Wanted,
+) {
+    let (squares, n) = (&found.modes.squares, found.space.len());
+    let highest = squares.last().map_or(0.0, |x| x.abs());
+    let omega = |square: f64| {
+        if square > SLACK * highest {
+            square.sqrt()
+        } else {
+            0.0
+        }
+    };
+    // Rigid motions first.
+    let mut all: Vec<(f64, DVector<f64>)> =
+        (found.rigid.iter()).map(|y| (0.0, y.clone())).collect();
+    all.extend((0..n).map(|i| {
+        let u = found.modes.vectors.column(i).into_owned();
+        (squares[i], found.space.whole(&u))
+    }));
+    let x: Vec<Vec<f64>> = all
+        .iter()
+        .map(|(_, y)| found.space.displacement_of(y))
+        .collect();
+    let size = x.first().map_or(0, Vec::len);
+    let columns = DMatrix::from_fn(size, x.len(), |i, j| x[j][i]);
+    let d = columns.tr_mul(&(&found.linear.damping * &columns));
+    let omegas: Vec<f64> = all.iter().map(|(square, _)| omega(*square)).collect();
+    let damping = damped(&omegas, &d);
+    record.about = match found.pressed.iter().any(|f| *f > 0.0) {
+        false if !found.pressed.is_empty() => About::Apart,
+        _ if loads => About::Loaded,
+        _ => About::Preloaded,
+    };
+    let unstable = squares.iter().filter(|x| **x < -SLACK * highest).count();
+    if unstable > 0 {
+        record.message = format!(
+            "{unstable} of its motions have a negative stiffness, as a force that follows its contact makes them; they are \
+             listed without a frequency"
+        );
+    } else if record.about == About::Apart {
+        record.message =
+            "nothing presses the gears together: frequencies are those of gears that stand apart"
+                .into();
+    }
+    record.steps = found.steps;
+    record.residual_rel = found.modes.residual;
+    record.frequencies = all.len();
+    record.highest_hz = highest.sqrt() / TAU;
+    record.meshes = (scene.meshes().iter().zip(&found.pressed))
+        .map(|(m, force)| {
+            let [a, b] = m.gears.map(|i| scene.gears()[i].name.as_str());
+            MeshState {
+                name: format!("{a} - {b}"),
+                force_n: *force,
+            }
+        })
+        .collect();
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for i in 0..all.len() {
+        let with = groups.last().filter(|g| {
+            let (w, last) = (omegas[i], omegas[g[g.len() - 1]]);
+            let alike = (all[i].0 < -SLACK * highest) == (all[g[0]].0 < -SLACK * highest);
+            alike && (w - last).abs() <= wanted.group * w
+        });
+        match with {
+            Some(_) => groups.last_mut().into_iter().for_each(|g| g.push(i)),
+            None => groups.push(vec![i]),
+        }
+    }
+    groups.retain(|g| omegas[g[0]] <= TAU * wanted.up_to);
+    groups.truncate(wanted.most);
+    let mut motions: Vec<(usize, Motion)> = Vec::new();
+    for group in &groups {
+        let mut sum = Energies::default();
+        for &i in group {
+            sum.add(energies(scene, &found.state, &found.linear, &x[i]));
+        }
+        let first = group[0];
+        let motion = Motion {
+            omega: omegas[first],
+            square: all[first].0,
+            damped: damping[first],
+            energies: sum,
+            x: x[first].clone(),
+        };
+        motions.push((group.len(), motion));
+    }
+    let mut springs: Vec<StrainIn> = (motions.iter())
+        .flat_map(|(_, m)| m.energies.strain.keys().copied())
+        .collect();
+    springs.sort_unstable();
+    springs.dedup();
+    record.springs = springs.iter().map(|s| name_of(*s, scene, spec)).collect();
+    record.modes = (motions.into_iter())
+        .map(|(multiplicity, m)| {
+            listed(scene, found, (&springs, &record.springs), multiplicity, &m)
+        })
+        .collect();
+}
+
+fn listed(
+    scene: &Scene,
+    found: &Loaded,
+    (springs, names): (&[StrainIn], &[String]),
+    multiplicity: usize,
+    motion: &Motion,
+) -> ModeRecord {
+    let energy = |s: &StrainIn| motion.energies.strain.get(s).copied().unwrap_or(0.0);
+    let swings = motion.omega > 0.0;
+    let strain = match swings {
+        true => shares(&springs.iter().map(energy).collect::<Vec<_>>()),
+        false => Vec::new(),
+    };
+    let kinetic = shares(&motion.energies.kinetic);
+    let own: f64 = motion.energies.kinetic.iter().sum();
+    // The largest way, with its sign.
+    let m = scene.magnitudes();
+    let (mut q, mut v) = (vec![0.0; motion.x.len()], vec![0.0; motion.x.len()]);
+    scene.scales(&mut q, &mut v);
+    let ways = motion.x.iter().zip(&q).map(|(x, s)| x / s * m.deflection);
+    let largest = ways.fold(
+        0.0_f64,
+        |most, x| if x.abs() > most.abs() { x } else { most },
+    );
+    let scale = if largest == 0.0 { 0.0 } else { WAY / largest };
+    let x: Vec<f64> = motion.x.iter().map(|x| scale * x).collect();
+    let mut shape = shape(scene, &found.state, &x);
+    for (s, energy) in shape.iter_mut().zip(&motion.energies.own) {
+        s.own = if own > 0.0 { energy / own } else { 0.0 };
+    }
+    ModeRecord {
+        frequency_hz: motion.omega / TAU,
+        multiplicity,
+        damping_ratio: motion.damped.map(|d| d.ratio),
+        damped_frequency_hz: motion.damped.and_then(|d| d.omega).map(|w| w / TAU),
+        name: match swings {
+            true => name(names, &strain),
+            false if motion.square < 0.0 => "negative stiffness".into(),
+            false => "rigid motion".into(),
+        },
+        kinetic,
+        strain,
+        shape,
+    }
+}
+
+/// Runs the study.
+///
+/// # Errors
+/// [`StudyError`]; models without an equilibrium are rows.
+pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
+    let mut vibrations_of = Vec::new();
+    for (done, entry) in plan.entries.iter().enumerate() {
+        if interruption::requested() {
+            return Err(RunError::Interrupted.into());
+        }
+        runner.tell(done, plan.entries.len(), &entry.label);
+        let scene = (&entry.scene, &entry.modelling);
+        let found = vibrations(
+            &entry.model_label(),
+            scene,
+            plan.conditions.models,
+            &plan.wanted,
+        );
+        vibrations_of.push(
+            found.map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e)))?,
+        );
+    }
+    runner.tell(plan.entries.len(), plan.entries.len(), "report");
+    let part = ModesRecord {
+        vibrations: vibrations_of,
+    };
+    Ok(plan.conditions.record(Part::Modes(part)))
+}

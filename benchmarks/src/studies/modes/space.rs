@@ -1,0 +1,230 @@
+//! The motions that a scene may make, in coordinates of unit mass: those that constraints leave, without the rigid ones.
+//!
+//! With `M = L L^T` and `y = L^T x` a motion is held to the complement of some directions by Householder's reflections that
+//! take these to the first axes; what is left are `n - h` coordinates in which stiffness and damping are matrices, to
+//! rounding of their own size. No direction that is held gets a frequency.
+
+use super::run::NotSolved;
+use faer::Mat;
+use gearbench_reference::modes::symmetric_eigen;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// A direction that adds less than this to those before it is none of its own.
+const DEPENDENT: f64 = 1e-10;
+/// Part of the size of a matrix that an eigenvector may leave over.
+const RESIDUAL: f64 = 1e-10;
+
+/// Motions in coordinates of unit mass.
+#[derive(Clone, Debug)]
+pub struct Space {
+    mass: Cholesky<f64, Dyn>,
+    /// Unit normals of the reflections; the first entries of the k-th, k of them, are zero.
+    reflections: Vec<DVector<f64>>,
+}
+
+/// Eigenvalues [rad^2/s^2], ascending, and vectors in the coordinates of a space.
+#[derive(Clone, Debug)]
+pub struct Modes {
+    pub squares: Vec<f64>,
+    pub vectors: DMatrix<f64>,
+    /// Largest `|K u - lambda u|` over the size of the matrix.
+    pub residual: f64,
+}
+
+impl Space {
+    /// All motions.
+    pub fn new(mass: &DMatrix<f64>) -> Result<Space, NotSolved> {
+        let mass = (mass.clone().cholesky())
+            .ok_or(NotSolved::Matrices("its mass is not positive definite"))?;
+        Ok(Space {
+            mass,
+            reflections: Vec::new(),
+        })
+    }
+
+    /// Holds `C x = 0`.
+    pub fn hold(&mut self, rows: &[Vec<f64>]) {
+        for row in rows {
+            let row = self.over_mass(row);
+            self.hold_along(row);
+        }
+    }
+
+    /// Holds the motions along a vector `y`.
+    pub fn hold_along(&mut self, along: DVector<f64>) {
+        let (k, size) = (self.reflections.len(), along.norm());
+        let mut normal = along;
+        self.reflect(&mut normal);
+        normal.rows_mut(0, k).fill(0.0);
+        let left = normal.norm();
+        if k == normal.len() || left <= DEPENDENT * size {
+            return;
+        }
+        normal[k] += left.copysign(normal[k]);
+        normal.normalize_mut();
+        self.reflections.push(normal);
+    }
+
+    /// How many directions are held.
+    pub fn held(&self) -> usize {
+        self.reflections.len()
+    }
+
+    /// How many motions are left.
+    pub fn len(&self) -> usize {
+        self.mass.l_dirty().nrows() - self.held()
+    }
+
+    /// `L^-1 f`.
+    fn over_mass(&self, f: &[f64]) -> DVector<f64> {
+        let mut y = DVector::from_column_slice(f);
+        self.mass.l_dirty().solve_lower_triangular_mut(&mut y);
+        y
+    }
+
+    fn reflect(&self, y: &mut DVector<f64>) {
+        for normal in &self.reflections {
+            let along = 2.0 * normal.dot(y);
+            y.axpy(-along, normal, 1.0);
+        }
+    }
+
+    /// A force in the coordinates of the space.
+    pub fn force(&self, f: &[f64]) -> DVector<f64> {
+        let mut y = self.over_mass(f);
+        self.reflect(&mut y);
+        y.rows(self.held(), self.len()).into_owned()
+    }
+
+    /// A velocity in the coordinates of the space: what of it lies there.
+    pub fn velocity(&self, v: &[f64]) -> DVector<f64> {
+        let mut y = self.all_velocity(v);
+        self.reflect(&mut y);
+        y.rows(self.held(), self.len()).into_owned()
+    }
+
+    /// A velocity as `y` of all motions.
+    pub fn all_velocity(&self, v: &[f64]) -> DVector<f64> {
+        self.mass.l().transpose() * DVector::from_column_slice(v)
+    }
+
+    /// The part of a velocity along the first directions that are held.
+    pub fn held_velocity(&self, v: &[f64], first: usize) -> Vec<f64> {
+        let mut y = self.all_velocity(v);
+        self.reflect(&mut y);
+        y.rows_mut(first, self.held() + self.len() - first)
+            .fill(0.0);
+        for normal in self.reflections.iter().rev() {
+            let along = 2.0 * normal.dot(&y);
+            y.axpy(-along, normal, 1.0);
+        }
+        self.displacement_of(&y)
+    }
+
+    /// Size of a force, over masses.
+    pub fn size_of(&self, f: &[f64]) -> f64 {
+        self.over_mass(f).norm()
+    }
+
+    /// The displacement of a `y` of all motions.
+    pub fn displacement_of(&self, y: &DVector<f64>) -> Vec<f64> {
+        let mut x = y.clone();
+        self.mass.l_dirty().tr_solve_lower_triangular_mut(&mut x);
+        x.as_slice().to_vec()
+    }
+
+    /// A motion of the space as `y` of all motions.
+    pub fn whole(&self, u: &DVector<f64>) -> DVector<f64> {
+        let mut y = DVector::zeros(self.held() + self.len());
+        y.rows_mut(self.held(), self.len()).copy_from(u);
+        for normal in self.reflections.iter().rev() {
+            let along = 2.0 * normal.dot(&y);
+            y.axpy(-along, normal, 1.0);
+        }
+        y
+    }
+
+    /// The displacement of a motion.
+    pub fn displacement(&self, u: &DVector<f64>) -> Vec<f64> {
+        self.displacement_of(&self.whole(u))
+    }
+
+    /// A matrix over displacements in the coordinates of the space.
+    pub fn matrix(&self, a: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut a = a.clone();
+        for _ in 0..2 {
+            self.mass.l_dirty().solve_lower_triangular_mut(&mut a);
+            for normal in &self.reflections {
+                let along = a.tr_mul(normal);
+                a.ger(-2.0, normal, &along, 1.0);
+            }
+            a.transpose_mut();
+        }
+        let (from, n) = (self.held(), self.len());
+        a.view((from, from), (n, n)).into_owned()
+    }
+
+    /// Modes of the symmetric part of a stiffness.
+    pub fn modes(&self, stiffness: &DMatrix<f64>) -> Result<Modes, NotSolved> {
+        let a = self.matrix(stiffness);
+        let a = 0.5 * (&a + a.transpose());
+        let n = a.nrows();
+        if n == 0 {
+            return Ok(Modes {
+                squares: Vec::new(),
+                vectors: a,
+                residual: 0.0,
+            });
+        }
+        let whole = Mat::from_fn(n, n, |i, j| a[(i, j)]);
+        let found = symmetric_eigen(whole.as_ref());
+        let (squares, vectors) = found.map_err(|_| NotSolved::Matrices(NOT_FINITE))?;
+        let vectors = DMatrix::from_fn(n, n, |i, j| vectors[(i, j)]);
+        let values = DMatrix::from_diagonal(&DVector::from_column_slice(&squares));
+        let left = &a * &vectors - &vectors * values;
+        let size = a.norm();
+        let worst = left.column_iter().map(|c| c.norm()).fold(0.0, f64::max);
+        let residual = if size > 0.0 { worst / size } else { 0.0 };
+        // A number that is none is no small residual either.
+        if residual.is_nan() || residual > RESIDUAL {
+            return Err(NotSolved::Matrices("its modes could not be found"));
+        }
+        Ok(Modes {
+            squares,
+            vectors,
+            residual,
+        })
+    }
+}
+
+const NOT_FINITE: &str = "its tangent is not finite";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three masses on a line: with a rigid bar between two of them the pair swings as one; without its rigid motion nothing
+    /// else changes.
+    #[test]
+    fn what_is_held_has_no_frequency() {
+        let mass = DMatrix::from_diagonal(&DVector::from_column_slice(&[2.0, 1.0, 3.0]));
+        let k = 12.0;
+        let spring = DVector::from_column_slice(&[0.0, -1.0, 1.0]);
+        let stiffness = k * &spring * spring.transpose();
+        let mut space = Space::new(&mass).unwrap();
+        space.hold(&[vec![1.0, -1.0, 0.0], vec![2.0, -2.0, 0.0]]);
+        assert_eq!((space.held(), space.len()), (1, 2));
+        let modes = space.modes(&stiffness).unwrap();
+        let exact = k * (1.0 / 3.0 + 1.0 / 3.0);
+        assert!(modes.squares[0].abs() < 1e-12 && (modes.squares[1] / exact - 1.0).abs() < 1e-14);
+        let x = space.displacement(&modes.vectors.column(1).into_owned());
+        assert!(
+            (x[0] - x[1]).abs() < 1e-14 && (x[0] + x[2]).abs() < 1e-14,
+            "{x:?}"
+        );
+        let rigid = space.whole(&modes.vectors.column(0).into_owned());
+        space.hold_along(rigid);
+        let modes = space.modes(&stiffness).unwrap();
+        assert!(modes.squares.len() == 1 && (modes.squares[0] / exact - 1.0).abs() < 1e-14);
+    }
+}

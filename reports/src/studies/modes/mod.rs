@@ -1,0 +1,21 @@
+//! The study of natural frequencies: frequencies and damping, where the energies of each mode lie, how gears move in it.
+
+mod charts;
+mod csv;
+mod record;
+mod tables;
+
+use crate::drawing::canvas::DrawError;
+use crate::studies::StudyReport;
+pub use record::{About, MemberPlace, MemberShape, MeshState, ModeRecord, ModelModes, ModesRecord};
+
+/// What the study says of a record.
+pub(super) fn report(vibrations: &[ModelModes]) -> Result<StudyReport, DrawError> {
+    Ok(StudyReport {
+        finding: tables::finding(vibrations),
+        tables: tables::tables(vibrations),
+        charts: charts::charts(vibrations)?,
+        csv: csv::tables(vibrations),
+        ..StudyReport::default()
+    })
+}

@@ -1,0 +1,146 @@
+//! The record of natural frequencies: the state that they are about, and what swings how in each mode.
+
+use crate::record::Results;
+use crate::studies::Part;
+use crate::words::words;
+use serde::{Deserialize, Serialize};
+
+/// What the record of this study has of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ModesRecord {
+    /// Natural frequencies, model by model.
+    pub vibrations: Vec<ModelModes>,
+}
+
+impl Results {
+    /// Natural frequencies of models; none in records of other studies.
+    pub fn vibrations(&self) -> &[ModelModes] {
+        match &self.part {
+            Part::Modes(part) => &part.vibrations,
+            _ => &[],
+        }
+    }
+}
+
+words! {
+    /// The state that frequencies are about.
+    pub enum About {
+        /// The equilibrium under the loads.
+        #[default]
+        Loaded = "loaded",
+        /// The start, pressed together, without loads.
+        Preloaded = "preloaded",
+        /// The start, or what loads lead to: no flanks touch.
+        Apart = "apart",
+        /// There is none, or it was not found.
+        NotFound = "not found",
+    }
+}
+
+/// Natural frequencies of a model of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ModelModes {
+    /// Label of the model in its scene.
+    pub label: String,
+    /// The state that they are about.
+    pub about: About,
+    /// Why there are none, or what to know of them.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub message: String,
+    /// Coordinates of the scene.
+    pub coordinates: usize,
+    /// Constraints on them: rigid shafts, what the ground holds of planetary sets.
+    pub constraints: usize,
+    /// Newton steps to the state.
+    pub steps: u32,
+    /// Largest residual of a mode over the size of the stiffness [-].
+    pub residual_rel: f64,
+    /// Frequencies in all, with those that are not listed.
+    pub frequencies: usize,
+    /// The highest of all [Hz].
+    pub highest_hz: f64,
+    /// Meshes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub meshes: Vec<MeshState>,
+    /// Gears, and behind them bodies on shafts.
+    pub members: Vec<MemberPlace>,
+    /// What holds strain energy, in the order of the shares of modes.
+    pub springs: Vec<String>,
+    /// Modes by frequency, rigid motions first.
+    pub modes: Vec<ModeRecord>,
+}
+
+/// A mesh in the state.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MeshState {
+    /// Names of its gears.
+    pub name: String,
+    /// Sum of its normal forces [N]; 0 where it stands apart.
+    pub force_n: f64,
+}
+
+/// A member of the scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MemberPlace {
+    /// Name.
+    pub name: String,
+    /// Where its hub stands, in the plane across the axis of the first gear [m].
+    pub x_m: f64,
+    /// See `x_m`.
+    pub y_m: f64,
+    /// Radius by which its turn moves flanks [m]; 1 of what slides.
+    pub radius_m: f64,
+    /// It slides and does not turn: its turn is in [m].
+    pub slides: bool,
+    /// It is a gear, with teeth.
+    pub toothed: bool,
+    /// Its axis is parallel to that of the first gear.
+    pub in_plane: bool,
+}
+
+/// A mode, or several of one frequency.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ModeRecord {
+    /// Natural frequency without damping [Hz].
+    pub frequency_hz: f64,
+    /// How many motions have it; of several, shares are those of all together.
+    pub multiplicity: usize,
+    /// Damping ratio [-]; absent of rigid motions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping_ratio: Option<f64>,
+    /// Frequency with damping and gyroscopic terms [Hz], where these couple modes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damped_frequency_hz: Option<f64>,
+    /// What it is, by where its energy lies.
+    pub name: String,
+    /// Shares of members in the kinetic energy [-].
+    pub kinetic: Vec<f64>,
+    /// Shares of springs in the strain energy [-]; none of rigid motions.
+    pub strain: Vec<f64>,
+    /// Motions of members, of several the first, scaled so that the largest way at a flank is 1 um.
+    pub shape: Vec<MemberShape>,
+}
+
+/// How a member moves in a mode.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MemberShape {
+    /// Turn of the hub [rad]; way of one that slides [m].
+    pub turn_rad: f64,
+    /// Displacement of the hub along its first axis [m].
+    pub x_m: f64,
+    /// Along its second axis [m].
+    pub y_m: f64,
+    /// Along the axis of the gear [m].
+    pub z_m: f64,
+    /// Tilt about its first axis [rad].
+    pub tilt_x_rad: f64,
+    /// About its second axis [rad].
+    pub tilt_y_rad: f64,
+    /// Share of its own coordinates (teeth, modes) in the kinetic energy of the whole [-].
+    pub own: f64,
+}
