@@ -3,7 +3,8 @@
 //! The host has a motor, a shaft and the hub of the pinion; the FMU has the teeth and the wheel. The host goes first, on the
 //! torque of the teeth extrapolated from its value and derivatives; the FMU follows, on the motion of the hub between both
 //! ends of the step. What is extrapolated with `p` terms has an error of `H^p` over the run; a motion that is interpolated
-//! linearly one of `H^2`, cubically less than the extrapolation.
+//! linearly one of `H^2` on springs, cubically less than the extrapolation. (A damper sees the mean speed at the end of a
+//! line, an error of first order: with dampers motions are to be cubic.)
 //!
 //! The whole is integrated through model exchange, the motion of the hub an input at each stage.
 
@@ -43,8 +44,15 @@ const SHAFT: f64 = 2000.0;
 const MOTOR: f64 = 20.0;
 const END: f64 = 4e-4;
 
-/// Turns of motor and hub, then speeds: the shaft wound up by the torque, the teeth pressed a little less than it asks for.
-const START: [f64; 4] = [0.01 + 8e-5, 8e-5, 0.0, 0.0];
+/// Turn of the hub at the start [rad]: the teeth pressed a little less than the torque asks for.
+const PRESSED: f64 = 8e-5;
+
+/// Turns of motor and hub, then speeds. The shaft is wound up against the teeth: an FMU knows of no acceleration of the hub
+/// before the first step, and there is none.
+fn start(fmu: &Fmu) -> [f64; 4] {
+    let teeth = fmu.get("pinion.contact_torque");
+    [PRESSED - teeth / SHAFT, PRESSED, 0.0, 0.0]
+}
 
 /// What the host's part does under a torque of the teeth.
 fn driveline([motor, hub, v, w]: [f64; 4], teeth: f64) -> [f64; 4] {
@@ -71,15 +79,20 @@ fn runge_kutta<const N: usize>(
     std::array::from_fn(|i| x[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
 }
 
-/// The whole as one system: turns of motor and hub, their speeds, turn and speed of the wheel.
-fn whole(package: &Package) -> [f64; 4] {
+/// Times at which both are looked at.
+const LOOKS: u32 = 20;
+
+/// The whole as one system: speeds of the hub at these times.
+fn whole(package: &Package) -> Vec<f64> {
     let fmu = Fmu::exchanging(package);
-    fmu.set("pinion.angle", START[1]);
+    fmu.set("pinion.angle", PRESSED);
     fmu.initialise(0.0);
     fmu.event();
     let steps = 1600;
     let h = END / f64::from(steps);
-    let mut x = [START[0], START[1], START[2], START[3], 0.0, 0.0];
+    let [motor, hub, v, w] = start(&fmu);
+    let mut x = [motor, hub, v, w, 0.0, 0.0];
+    let mut seen = Vec::new();
     for i in 0..steps {
         let t = f64::from(i) * h;
         x = runge_kutta(x, h, |c, x| {
@@ -92,18 +105,22 @@ fn whole(package: &Package) -> [f64; 4] {
             [host[0], host[1], host[2], host[3], wheel[0], wheel[1]]
         });
         assert!(!fmu.completed());
+        if (i + 1) % (steps / LOOKS) == 0 {
+            seen.push(x[3]);
+        }
     }
-    [x[0], x[1], x[2], x[3]]
+    seen
 }
 
 /// In two parts, with so many terms of extrapolation, in so many steps.
-fn in_parts(package: &Package, terms: usize, linear: bool, steps: u32) -> [f64; 4] {
+fn in_parts(package: &Package, terms: usize, linear: bool, steps: u32) -> Vec<f64> {
     let fmu = Fmu::stepping(package);
     fmu.interpolate();
-    fmu.set("pinion.angle", START[1]);
+    fmu.set("pinion.angle", PRESSED);
     fmu.initialise(0.0);
     let h = END / f64::from(steps);
-    let mut x = START;
+    let mut x = start(&fmu);
+    let mut seen = Vec::new();
     for i in 0..steps {
         let mut course = [fmu.get("pinion.contact_torque"), 0.0, 0.0];
         for order in 1..terms {
@@ -128,22 +145,35 @@ fn in_parts(package: &Package, terms: usize, linear: bool, steps: u32) -> [f64; 
         fmu.set("pinion.speed", speeds[0]);
         fmu.set("pinion.speed_end", speeds[1]);
         fmu.step(f64::from(i) * h, h);
+        if (i + 1) % (steps / LOOKS) == 0 {
+            seen.push(x[3]);
+        }
     }
-    x
+    seen
 }
 
 #[test]
 fn co_simulation_converges_with_the_order_of_extrapolation_and_interpolation() {
-    let package = packed(&scene(SCENE), "rigid", "rk4@250ns", &["pinion"]);
-    let exact = whole(&package);
-    let error = |x: [f64; 4]| (x[3] - exact[3]).abs() / exact[3].abs();
+    let damper = ", damping = { law = \"kelvin-voigt\", damping_ns_per_m = 200.0 }";
+    let elastic = SCENE.replace(damper, "");
+    assert_ne!(elastic, SCENE);
+    let [damped, elastic] = [SCENE, &elastic].map(|text| {
+        let package = packed(&scene(text), "rigid", "rk4@250ns", &["pinion"]);
+        let exact = whole(&package);
+        (package, exact)
+    });
+    let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
+    let mut before = f64::INFINITY;
     for (terms, linear, order) in [
         (1, false, 1.0),
         (2, false, 2.0),
         (3, false, 3.0),
         (3, true, 2.0),
     ] {
-        let errors = [20, 40, 80, 160].map(|n| error(in_parts(&package, terms, linear, n)));
+        let (package, exact) = if linear { &elastic } else { &damped };
+        let size = norm(&mut exact.iter().copied());
+        let error = |seen: Vec<f64>| norm(&mut seen.iter().zip(exact).map(|(a, b)| a - b)) / size;
+        let errors = [40, 80, 160, 320].map(|n| error(in_parts(package, terms, linear, n)));
         let orders: Vec<f64> = errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect();
         let shown = errors.map(|e| format!("{e:.1e}")).join(", ");
         println!("{terms} terms, linear motion {linear}: {shown}; orders {orders:.2?}");
@@ -152,7 +182,9 @@ fn co_simulation_converges_with_the_order_of_extrapolation_and_interpolation() {
             (last - order).abs() < 0.2,
             "{terms} terms, {linear}: {orders:?}"
         );
-        assert!(errors[3] < 0.05);
+        // More terms help.
+        assert!(linear || errors[3] < 0.1 * before);
+        before = errors[3];
     }
 }
 

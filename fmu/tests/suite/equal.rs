@@ -41,12 +41,17 @@ fn difference(name: &str, model: &str, method: &str, [step, steps]: [f64; 2], st
             continue;
         }
         let (scene, channels) = run(&file, model, method, (i + 1) as f64 * step);
-        for (g, gear) in scene.gears().iter().enumerate() {
-            for (what, output) in [(OfGear::HubSpeed, "speed"), (OfGear::Displacement, "angle")] {
-                let here = fmu.get(&format!("{}.{output}", gear.name));
-                let there = channels[scene.channel(Channel::Gear(g, what)).unwrap()];
-                worst = worst.max((here - there).abs() / there.abs());
-            }
+        for name in &fmu.outputs {
+            let (member, what) = name.rsplit_once('.').unwrap_or_default();
+            let what = match what {
+                "speed" => OfGear::HubSpeed,
+                "angle" => OfGear::Displacement,
+                _ => continue,
+            };
+            let g = scene.gears().iter().position(|g| g.name == member);
+            let channel = scene.channel(Channel::Gear(g.unwrap(), what)).unwrap();
+            let (here, there) = (fmu.get(name), channels[channel]);
+            worst = worst.max((here - there).abs() / there.abs());
         }
     }
     worst
