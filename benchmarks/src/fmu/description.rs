@@ -72,10 +72,10 @@ pub fn text(head: &Head<'_>, all: &Interface) -> String {
         Resolution::Tolerance(_) => String::new(),
     };
     // Writing to a string does not fail.
-    let _ = write!(
+    let _ = writeln!(
         out,
         "<fmiModelDescription fmiVersion=\"3.0\" modelName=\"{name}\" description=\"{title}\" \
-         instantiationToken=\"{token}\" generationTool=\"gearbench {version}\" variableNamingConvention=\"flat\">\n"
+         instantiationToken=\"{token}\" generationTool=\"gearbench {version}\" variableNamingConvention=\"flat\">"
     );
     if all.exchanges {
         let _ = writeln!(
