@@ -5,7 +5,7 @@
 //! get the loop, step control and event location from [`crate::stepped::Stepped`].
 
 use crate::error::StepError;
-use crate::system::{At, Coeffs, SecondOrderSystem, Singular, State};
+use crate::system::{At, Change, Coeffs, SecondOrderSystem, Singular, State};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -239,6 +239,23 @@ pub trait Integrator {
         sink: &mut dyn Sink,
         work: &mut Work,
     ) -> Result<(), StepError>;
+
+    /// Goes on from the state in which the last run of this method ended, as if that had not ended there: discrete state,
+    /// grid of fixed steps and what the method remembers are kept, so that a run in pieces is the run as a whole.
+    /// [`Change::Restart`] where forces jumped in between: the method then starts afresh, as at a breakpoint. A method that
+    /// has not run begins a run.
+    fn resume(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &mut State,
+        change: Change,
+        plan: &TimePlan<'_>,
+        sink: &mut dyn Sink,
+        work: &mut Work,
+    ) -> Result<(), StepError>;
+
+    /// A copy with all that the method remembers: beside a copy of the state it is what a run is set back to.
+    fn duplicate(&self) -> Box<dyn Integrator>;
 }
 
 /// A one-step method. `from` is never changed by a step, so a step may be repeated with another size.

@@ -7,10 +7,10 @@ use std::path::Path;
 ///
 /// # Errors
 /// When it cannot be written; what was there before stays.
-pub fn write_whole(path: &Path, text: &str) -> io::Result<()> {
+pub fn write_whole(path: &Path, contents: impl AsRef<[u8]>) -> io::Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".part");
     let staged = path.with_file_name(name);
-    std::fs::write(&staged, text)?;
+    std::fs::write(&staged, contents)?;
     std::fs::rename(&staged, path)
 }

@@ -11,6 +11,7 @@ pub mod study_folder;
 pub mod terminal;
 pub(crate) mod values;
 
+use crate::fmu::{self, arguments::Fmu};
 use crate::studies::check::{self, arguments::Check};
 use crate::studies::choose::{self, arguments::Choose};
 use crate::studies::compare::{self, arguments::Compare};
@@ -109,6 +110,8 @@ pub(crate) enum Command {
     Reduce(Reduce),
     /// Run a model as a reference for others: a CSV file, and the lines of the scene that name it
     Reference(Reference),
+    /// Pack a model of a scene as an FMU (FMI 3.0) for co-simulation and model exchange
+    Fmu(Fmu),
     /// List shipped scenes, gear models with their parameters, integrators and references
     List,
     /// Write the report of a results folder again
@@ -138,6 +141,7 @@ impl Command {
             Command::Mesh(args) => mesh::run(&args, told),
             Command::Reduce(args) => reduce::run(&args),
             Command::Reference(args) => reference::run(&args, told),
+            Command::Fmu(args) => fmu::command::run(&args),
             Command::List => list::run(),
             Command::Report(args) => report::run(&args),
             Command::Rerun(args) => again(&args),

@@ -232,6 +232,12 @@ fn profile_text(profile: &Profile, unit: &str) -> String {
             ms(time.first().copied().unwrap_or(0.0)),
             ms(time.last().copied().unwrap_or(0.0))
         ),
+        Profile::Polynomial { integral, .. } => {
+            format!(
+                "{} {unit} at the start, set by a host",
+                short(integral[1], 5)
+            )
+        }
         Profile::Harmonic {
             mean,
             amplitude,

@@ -3,6 +3,7 @@
 mod check;
 mod choose;
 mod compare;
+mod fmu;
 mod identify;
 mod init;
 mod kill;

@@ -22,7 +22,7 @@ mod session;
 use crate::error::StepError;
 use crate::method::{Integrator, MethodInfo, Sink, TimePlan, Tolerance, Work};
 use crate::stepped::{first_step, step_exponent, tolerance_of};
-use crate::system::{At, SecondOrderSystem, State};
+use crate::system::{At, Change, SecondOrderSystem, State};
 use diffsol::{NalgebraMat, OdeBuilder};
 use session::{Failed, Session};
 use std::cell::{Cell, RefCell};
@@ -49,6 +49,8 @@ pub struct Diffsol {
     info: &'static MethodInfo,
     solver: Solver,
     free_flights: bool,
+    /// A run ended, and may be gone on with.
+    ran: bool,
 }
 
 impl Diffsol {
@@ -58,6 +60,7 @@ impl Diffsol {
             info,
             solver,
             free_flights: false,
+            ran: false,
         }
     }
 
@@ -145,6 +148,38 @@ impl Integrator for Diffsol {
         sink: &mut dyn Sink,
         work: &mut Work,
     ) -> Result<(), StepError> {
+        self.ran = false;
+        self.integrate(sys, s, plan, sink, work)
+    }
+
+    /// Solvers of diffsol keep nothing between two calls but the branch: they start afresh in each piece.
+    fn resume(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &mut State,
+        _change: Change,
+        plan: &TimePlan<'_>,
+        sink: &mut dyn Sink,
+        work: &mut Work,
+    ) -> Result<(), StepError> {
+        self.integrate(sys, s, plan, sink, work)
+    }
+
+    fn duplicate(&self) -> Box<dyn Integrator> {
+        Box::new(*self)
+    }
+}
+
+impl Diffsol {
+    /// A run, or the next piece of one.
+    fn integrate(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &mut State,
+        plan: &TimePlan<'_>,
+        sink: &mut dyn Sink,
+        work: &mut Work,
+    ) -> Result<(), StepError> {
         let rtol = tolerance_of(plan, self.info)?;
         let n = sys.layout().n;
         if n == 0 {
@@ -154,7 +189,9 @@ impl Integrator for Diffsol {
             });
         }
         let tolerance = Tolerance::of(sys, rtol);
-        sys.begin(s, plan.events);
+        if !std::mem::take(&mut self.ran) {
+            sys.begin(s, plan.events);
+        }
         if s.t >= plan.t_end {
             return Ok(());
         }
@@ -210,6 +247,7 @@ impl Integrator for Diffsol {
             Err(e) => Err(Failed::Library(e)),
         };
         work.force_evaluations += shared.evaluations.get();
+        self.ran = result.is_ok();
         result.map_err(|e| match e {
             Failed::Step(e) => e,
             Failed::Library(e) => library(e, s.t),

@@ -125,6 +125,7 @@ const DOPRI5_DENSE: [f64; 7] = [
 ];
 
 /// An explicit Runge-Kutta method.
+#[derive(Clone)]
 pub struct RungeKutta {
     info: &'static MethodInfo,
     tableau: &'static Tableau,

@@ -38,7 +38,7 @@ pub use crate::interpolation::{hermite, hermite_with_acceleration};
 use crate::method::{
     Dense, Integrator, MethodInfo, OneStep, Resolution, Sink, Stepping, TimePlan, Tolerance, Work,
 };
-use crate::system::{SecondOrderSystem, State};
+use crate::system::{Change, SecondOrderSystem, State};
 use advance::Outcome;
 use segments::Segment;
 
@@ -53,6 +53,18 @@ pub struct Stepped<M> {
     method: M,
     flight: FlightProbe,
     segments: SegmentProbe,
+    left: Option<Left>,
+}
+
+/// What the loop goes on with where a run ended.
+#[derive(Clone, Copy, Debug)]
+struct Left {
+    t_begin: f64,
+    h_next: f64,
+    on_grid: u64,
+    err_old: f64,
+    after_rejection: bool,
+    afresh: bool,
 }
 
 impl<M> Stepped<M> {
@@ -62,6 +74,7 @@ impl<M> Stepped<M> {
             method,
             flight: FlightProbe::default(),
             segments: SegmentProbe::default(),
+            left: None,
         }
     }
 }
@@ -102,6 +115,8 @@ struct Run<'p> {
     /// Error of the step before, over the tolerance.
     err_old: f64,
     after_rejection: bool,
+    /// The method starts afresh before its next step, if there is one.
+    afresh: bool,
     /// The next time at which a load has a breakpoint [s].
     breakpoint: f64,
     /// Events without progress so far.
@@ -214,7 +229,7 @@ pub(crate) fn resolution_of_time(t: f64, plan: &TimePlan<'_>) -> f64 {
     4.0 * f64::EPSILON * t.abs().max(1e-3 * plan.t_end.abs())
 }
 
-impl<M: OneStep> Integrator for Stepped<M> {
+impl<M: OneStep + Clone + 'static> Integrator for Stepped<M> {
     fn info(&self) -> &'static MethodInfo {
         self.method.info()
     }
@@ -234,20 +249,60 @@ impl<M: OneStep> Integrator for Stepped<M> {
         sink: &mut dyn Sink,
         work: &mut Work,
     ) -> Result<(), StepError> {
+        self.left = None;
+        self.integrate(sys, s, plan, sink, work)
+    }
+
+    fn resume(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &mut State,
+        change: Change,
+        plan: &TimePlan<'_>,
+        sink: &mut dyn Sink,
+        work: &mut Work,
+    ) -> Result<(), StepError> {
+        if let Some(left) = &mut self.left {
+            left.afresh |= change == Change::Restart;
+        }
+        self.integrate(sys, s, plan, sink, work)
+    }
+
+    fn duplicate(&self) -> Box<dyn Integrator> {
+        Box::new(self.clone())
+    }
+}
+
+impl<M: OneStep> Stepped<M> {
+    /// A run, or the next piece of one that was left.
+    fn integrate(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &mut State,
+        plan: &TimePlan<'_>,
+        sink: &mut dyn Sink,
+        work: &mut Work,
+    ) -> Result<(), StepError> {
         let info = self.method.info();
         let rtol = tolerance_of(plan, info)?;
         let layout = sys.layout();
         let exponent = step_exponent(info);
         let tolerance = Tolerance::of(sys, rtol);
-        sys.begin(s, plan.events);
+        if self.left.is_none() {
+            sys.begin(s, plan.events);
+        }
         if s.t >= plan.t_end {
             return Ok(());
         }
-        self.method.begin(sys, plan.resolution)?;
-        self.flight.patience.end();
-        self.segments.patience.end();
-        self.segments.left = false;
-        self.method.restart(sys, s, work);
+        // A run that fails is not gone on with.
+        let left = self.left.take();
+        if left.is_none() {
+            self.method.begin(sys, plan.resolution)?;
+            self.flight.patience.end();
+            self.segments.patience.end();
+            self.segments.left = false;
+            self.method.restart(sys, s, work);
+        }
         let mut watch = Watch::new(layout.event_functions);
         let events = plan.events && layout.event_functions > 0;
         self.segments.on = events && info.linear_part;
@@ -274,12 +329,24 @@ impl<M: OneStep> Integrator for Stepped<M> {
             on_grid: 0,
             err_old: ERROR_AT_START,
             after_rejection: false,
+            afresh: false,
             breakpoint: sys.next_breakpoint(s.t),
             events_here: 0,
             end: s.clone(),
             event: s.clone(),
             watch,
         };
+        if let Some(left) = left {
+            r.t_begin = left.t_begin;
+            r.h_next = left.h_next;
+            r.on_grid = left.on_grid;
+            r.err_old = left.err_old;
+            r.after_rejection = left.after_rejection;
+            if left.afresh {
+                work.restarts += 1;
+                self.start_afresh(sys, s, &mut r, work);
+            }
+        }
         while s.t < plan.t_end {
             bounds.check(plan, s.t, work)?;
             match self.segment(sys, s, &mut r, &mut bounds, sink, work)? {
@@ -294,9 +361,17 @@ impl<M: OneStep> Integrator for Stepped<M> {
                 Outcome::Went {
                     located,
                     progressed,
-                } => self.resume(sys, s, &aim, (located, progressed), &mut r, sink, work)?,
+                } => self.settle(sys, s, &aim, (located, progressed), &mut r, sink, work)?,
             }
         }
+        self.left = Some(Left {
+            t_begin: r.t_begin,
+            h_next: r.h_next,
+            on_grid: r.on_grid,
+            err_old: r.err_old,
+            after_rejection: r.after_rejection,
+            afresh: r.afresh,
+        });
         Ok(())
     }
 }

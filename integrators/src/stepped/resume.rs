@@ -31,7 +31,7 @@ impl<M: OneStep> Stepped<M> {
 
     /// Makes the state at the end of a step the start of the next one.
     #[allow(clippy::too_many_arguments)]
-    pub(super) fn resume(
+    pub(super) fn settle(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
         s: &mut State,
@@ -87,6 +87,7 @@ impl<M: OneStep> Stepped<M> {
                 sink.restarted(sys, &r.event, s);
             }
             if s.t >= r.plan.t_end {
+                r.afresh = true;
                 return Ok(());
             }
             work.restarts += 1;

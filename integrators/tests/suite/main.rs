@@ -16,5 +16,6 @@ mod linear_oscillator;
 mod modal;
 mod modes;
 mod observers;
+mod pieces;
 mod problems;
 mod smooth_order;

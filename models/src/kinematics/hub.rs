@@ -250,6 +250,14 @@ impl Hub {
             || lateral.into_iter().any(|d| matches!(d, Freedom::Driven(_)))
     }
 
+    /// Whether the speed of its own motion is not prescribed, or piecewise linear in time.
+    pub fn moves_linearly(&self) -> bool {
+        match &self.mount {
+            Mount::Driven(speed) => speed.is_linear(),
+            _ => true,
+        }
+    }
+
     /// What the mount exerts on a body that moves as its hub does and whose centre of mass lies on the axis, while
     /// contacts exert `contact` on it. The torque of a mount that is free is zero, and so is the force along a free
     /// slide, whatever loads the hub.

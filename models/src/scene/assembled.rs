@@ -6,7 +6,7 @@ use super::members::{SceneGear, SceneMesh};
 use super::shafts::Shafts;
 use super::workspace::Workspace;
 use crate::gear::{FreeFlight, Magnitudes};
-use crate::spec::{Mount, Profile};
+use crate::spec::{Load, Mount, Profile};
 use gearbench_integrators::system::State;
 
 /// The assembled system.
@@ -82,16 +82,31 @@ impl Scene {
     /// Puts a fixed or driven gear where it has moved by `displacement` [rad] or [m] from the assembled position and
     /// rests: from 1 s on, with neither speed nor acceleration. Does nothing to a gear that is free to move.
     pub fn hold(&mut self, gear: usize, displacement: f64) {
+        let way = Profile::Ramp {
+            from: 2.0 * displacement,
+            to: 0.0,
+            start: 0.0,
+            end: 1.0,
+        };
+        self.drive(gear, way);
+    }
+
+    /// Prescribes the speed of a fixed or driven gear anew; does nothing to one that is free to move.
+    pub fn drive(&mut self, gear: usize, speed: Profile) {
         self.work.reported.forget();
         let hub = self.gears[gear].model.hub_mut();
         if !hub.is_free() {
-            hub.mount = Mount::Driven(Profile::Ramp {
-                from: 2.0 * displacement,
-                to: 0.0,
-                start: 0.0,
-                end: 1.0,
-            });
+            hub.mount = Mount::Driven(speed);
         }
+    }
+
+    /// Puts another load in the place of one that a gear, or a body behind the gears, has from its settings. What was made
+    /// of the first one at assembly, as a damping at the load of a mesh, stays.
+    pub fn apply(&mut self, member: usize, load: usize, profile: Profile) {
+        self.work.reported.forget();
+        let gear = &mut self.gears[member];
+        gear.loads[load] = Load::Applied(profile);
+        gear.note_load();
     }
 
     /// Typical deflection and speed along the lines of action.

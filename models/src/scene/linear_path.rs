@@ -20,7 +20,6 @@ use super::assembled::Scene;
 use super::direct::Follows;
 use super::members::{SceneGear, SceneMesh};
 use crate::geometry::Side;
-use crate::spec::{Mount, Profile};
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::modal::propagator::coefficients;
 use gearbench_integrators::system::{At, Events};
@@ -193,9 +192,6 @@ impl Scene {
         for k in 0..2 {
             let g = &self.gears[mesh.gears[k]];
             let hub = g.model.hub();
-            if matches!(hub.mount, Mount::Driven(Profile::Harmonic { .. })) {
-                return None;
-            }
             motion[k] = hub.frame(g.at(at), g.steady_load(at.t)?);
             for d in 0..3 {
                 y[d] += p[k] * motion[k][d];

@@ -134,10 +134,12 @@ impl SceneGear {
         self.loads.iter().map(slope).sum()
     }
 
-    /// The load on its hub where that is constant from `t` until the next breakpoint; 0 for a hub that is not free.
+    /// The load on its hub where that is constant from `t` until the next breakpoint; 0 for a hub that is not free. None
+    /// where its speed is prescribed otherwise than linear in time: nobody extrapolates that.
     pub(super) fn steady_load(&self, t: f64) -> Option<f64> {
-        if !self.model.hub().is_free() {
-            return Some(0.0);
+        let hub = self.model.hub();
+        if !hub.is_free() {
+            return hub.moves_linearly().then_some(0.0);
         }
         let mut sum = 0.0;
         for load in &self.loads {

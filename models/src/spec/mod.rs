@@ -5,6 +5,7 @@ mod load;
 mod model;
 mod mount;
 mod points;
+mod profile;
 mod scene;
 mod shaft;
 
@@ -12,12 +13,13 @@ pub use layout::{
     MeshLayout, effective_radius, is_internal, layout_axes, mesh_layout, pair_of,
     signed_effective_radius, stiffness_curve,
 };
-pub use load::{Load, Profile};
+pub use load::Load;
 pub use model::{ModelSpec, Modelling, Parameters, Value};
 pub use mount::{Bearing, Freedom, LateralSpec, Mount, SpinTerms, UPRIGHT, turned_to};
 pub use points::{
     CoarseSearch, LocalContact, MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind,
 };
+pub use profile::Profile;
 pub use scene::{Body, ContactSpec, GearSpec, MeshSpec, SceneSpec, Start};
 pub use shaft::{
     BodySpec, Carried, Section, SectionKind, ShaftDamping, ShaftSpec, Station, initial_speed,

@@ -9,7 +9,7 @@
 //!
 //! That is the hub's own motion. Its five other directions are held unless [`LateralSpec`] says otherwise.
 
-use super::load::Profile;
+use super::profile::Profile;
 use crate::Vec3;
 use nalgebra::Matrix3;
 

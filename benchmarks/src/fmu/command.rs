@@ -1,0 +1,116 @@
+//! `gearbench fmu SCENE`: a model of a scene as an FMU.
+
+use super::arguments::Fmu;
+use super::interface::{Interface, Role};
+use super::package::Package;
+use crate::cli::answer::Answer;
+use crate::cli::files::write_whole;
+use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
+use crate::experiment::run::RunError;
+use crate::fmu::coupled::Coupled;
+use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
+use gearbench_integrators::{Scheme, SecondOrderSystem};
+use std::path::PathBuf;
+
+fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
+    SceneError::plain(why, help).into()
+}
+
+/// Packs the model.
+pub fn run(args: &Fmu) -> Result<Answer, Refusal> {
+    let scene = scene_file::load_for(&args.scene, Selection::None)?;
+    let choice = choice(args, &scene)?;
+    let scheme = scheme(args, &scene, choice)?;
+    let library = library(args)?;
+    let mut coupled = Coupled::assemble(&scene, choice, &args.moved)?;
+    if scheme.method.info().linear_part && coupled.scene.modal().is_none() {
+        let id = scheme.method.id().to_owned();
+        return Err(refuse_run(RunError::NoLinearPart(id)));
+    }
+    let mut package = Package::of(&scene, choice, scheme, &args.moved)?;
+    package.add_library(library);
+    let path = (args.out.clone()).unwrap_or_else(|| format!("{}.fmu", scene.name).into());
+    let fail = |e: std::io::Error| Refusal::Files(format!("{}: {e}", path.display()));
+    let archive = package.archive().map_err(fail)?;
+    write_whole(&path, archive).map_err(fail)?;
+    let path = absolute(path);
+    say(&format!("written: {}", path.display()));
+    say(&told(&coupled.interface));
+    Ok(Answer::done().with("written", path))
+}
+
+/// The model that is asked for, or the first of the study.
+fn choice<'a>(args: &Fmu, scene: &'a SceneFile) -> Result<&'a ModelChoice, Refusal> {
+    let label = args.model.as_ref().or(scene.study.models.first());
+    let choices = scene.select(label.map(String::as_str))?;
+    match choices.as_slice() {
+        [one] => Ok(one),
+        _ => Err(bad(
+            "several models are named",
+            "an FMU holds one model: name one",
+        )),
+    }
+}
+
+/// The method that is asked for, or the first of the model.
+fn scheme(args: &Fmu, scene: &SceneFile, choice: &ModelChoice) -> Result<Scheme, Refusal> {
+    let own = (choice.integrators.as_deref()).unwrap_or(&scene.study.integrators);
+    let found = match &args.method {
+        Some(text) => Scheme::list(text, own).map_err(|e| refuse_run(RunError::from(e)))?,
+        None => own.first().copied().into_iter().collect(),
+    };
+    scene.check_steps(&found)?;
+    match found.as_slice() {
+        [one] => Ok(*one),
+        _ => Err(bad(
+            "one method is needed",
+            "an FMU steps by one method: name one, as in --method rk4@1us",
+        )),
+    }
+}
+
+/// The shared library, by its path or beside this program.
+fn library(args: &Fmu) -> Result<Vec<u8>, Refusal> {
+    let build = "build it with `cargo build --release -p gearbench-fmu`, or name it with --library";
+    let path = match &args.library {
+        Some(path) => path.clone(),
+        None => beside()
+            .ok_or_else(|| bad("the shared library of gearbench-fmu was not found", build))?,
+    };
+    std::fs::read(&path).map_err(|e| {
+        bad(
+            format!(
+                "the shared library of gearbench-fmu, {}: {e}",
+                path.display()
+            ),
+            build,
+        )
+    })
+}
+
+fn beside() -> Option<PathBuf> {
+    use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+    let folder = std::env::current_exe().ok()?.parent()?.to_owned();
+    Some(folder.join(format!("{DLL_PREFIX}gearbench_fmu{DLL_SUFFIX}")))
+}
+
+/// What a host finds in it.
+fn told(all: &Interface) -> String {
+    let count = |of: &dyn Fn(&Role) -> bool| {
+        let roles = all.variables.iter().map(|v| v.role);
+        roles.filter(of).count()
+    };
+    let inputs = count(&|r| matches!(r, Role::Input { end: false, .. }));
+    let outputs = count(&|r| matches!(r, Role::Output(_)));
+    let serves = match all.exchanges {
+        true => format!(
+            "co-simulation and model exchange, {} continuous states",
+            all.states
+        ),
+        false => format!(
+            "co-simulation; {} continuous states are too many for model exchange",
+            all.states
+        ),
+    };
+    format!("{inputs} inputs, {outputs} outputs; {serves}")
+}

@@ -1,0 +1,145 @@
+//! A scene with the inputs of a host: a load on every hub that is free to move, beside those that the scene has, and a
+//! prescribed motion of every hub that the host moves.
+//!
+//! Added loads are zero until a host sets them, so that the scene by itself runs as it does without a host.
+
+use super::interface::Interface;
+use crate::models::models;
+use crate::scene_file::{ModelChoice, SceneError, SceneFile, did_you_mean};
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{Carried, Load, Mount, Profile, SceneSpec, initial_speed};
+
+/// What an input of a host acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acts {
+    /// A load of a member, by its place among that member's loads.
+    Load(usize),
+    /// The motion of its hub.
+    Motion,
+}
+
+/// Where a host acts on a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Port {
+    /// Place among the gears of the scene, and the bodies behind them.
+    pub member: usize,
+    /// Its name.
+    pub name: String,
+    /// How.
+    pub acts: Acts,
+    /// It slides: forces and displacements in place of torques and angles.
+    pub slides: bool,
+    /// Speed of a moved hub at the start [rad/s] or [m/s].
+    pub speed: f64,
+}
+
+/// A scene and what a host sees of it.
+pub struct Coupled {
+    /// The scene.
+    pub scene: Scene,
+    /// Where the host acts.
+    pub ports: Vec<Port>,
+    /// All variables.
+    pub interface: Interface,
+}
+
+impl Coupled {
+    /// Assembles a model of a scene, with hubs that the host moves.
+    ///
+    /// # Errors
+    /// A gear that is not there or that nobody can move, or what cannot be assembled.
+    pub fn assemble(
+        file: &SceneFile,
+        choice: &ModelChoice,
+        moved: &[String],
+    ) -> Result<Self, SceneError> {
+        let mut spec = file.spec_for(choice);
+        for name in moved {
+            move_by_host(&mut spec, name)?;
+        }
+        let loaded = load_all(&mut spec);
+        let scene = Scene::build(&spec, &choice.modelling, models())
+            .map_err(|e| file.locate_in(&choice.label, &e))?;
+        let mut ports = Vec::new();
+        for (member, gear) in scene.gears().iter().enumerate() {
+            let hub = gear.model.hub();
+            let load = loaded.iter().find(|(name, _)| *name == gear.name);
+            let acts = match load {
+                Some(&(_, place)) => Acts::Load(place),
+                None if moved.contains(&gear.name) => Acts::Motion,
+                None => continue,
+            };
+            ports.push(Port {
+                member,
+                name: gear.name.clone(),
+                acts,
+                slides: hub.slide.is_some(),
+                speed: hub.speed(0.0, &[0.0]),
+            });
+        }
+        let interface = Interface::of(&spec, &scene, &ports);
+        Ok(Coupled {
+            scene,
+            ports,
+            interface,
+        })
+    }
+}
+
+/// Prescribes the motion of a gear.
+fn move_by_host(spec: &mut SceneSpec, name: &str) -> Result<(), SceneError> {
+    let refuse = |why: String, help: &str| Err(SceneError::plain(why, help));
+    let Some(gear) = spec.gears.iter().position(|g| g.name == *name) else {
+        let names: Vec<&str> = spec.gears.iter().map(|g| g.name.as_str()).collect();
+        return Err(SceneError::plain(
+            format!("there is no gear `{name}` for a host to move"),
+            format!(
+                "{}the scene has {}",
+                did_you_mean(name, &names),
+                names.join(", ")
+            ),
+        ));
+    };
+    let stations = spec.shafts.iter().flat_map(|s| &s.stations);
+    let mut on_shafts = stations.map(|s| &s.carries);
+    if on_shafts.any(|c| matches!(c, Carried::Gear(g) if *g == gear)) {
+        return refuse(
+            format!("`{name}` stands on a shaft of the scene, which moves it"),
+            "leave the shaft to the host, or apply a torque to what is on it",
+        );
+    }
+    let planets = spec.bodies().flat_map(|b| &b.planets);
+    let carried: Vec<usize> = planets.copied().collect();
+    let mut meshes = spec.meshes.iter().filter(|m| m.gears.contains(&gear));
+    if meshes.any(|m| m.gears.iter().any(|g| carried.contains(g))) {
+        return refuse(
+            format!("`{name}` belongs to a planetary set, whose gears a host cannot move"),
+            "apply a torque to it, or drive it in the scene",
+        );
+    }
+    let gear = &mut spec.gears[gear];
+    let speed = initial_speed(&gear.mount, gear.speed);
+    // Its loads stay: a damping at the load of a mesh is made of them.
+    gear.mount = Mount::Driven(Profile::Constant(speed));
+    Ok(())
+}
+
+/// Gives every gear and body that moves freely a load more; its name, and the place of the load.
+fn load_all(spec: &mut SceneSpec) -> Vec<(String, usize)> {
+    let mut loaded = Vec::new();
+    let mut add = |name: &str, mount: &Mount, loads: &mut Vec<Load>| {
+        if matches!(mount, Mount::Revolute | Mount::Prismatic) {
+            loaded.push((name.to_owned(), loads.len()));
+            loads.push(Load::Applied(Profile::Constant(0.0)));
+        }
+    };
+    for g in &mut spec.gears {
+        add(&g.name, &g.mount, &mut g.loads);
+    }
+    for station in spec.shafts.iter_mut().flat_map(|s| &mut s.stations) {
+        if let Carried::Body(b) = &mut station.carries {
+            add(&b.name, &b.mount, &mut b.loads);
+        }
+    }
+    loaded
+}

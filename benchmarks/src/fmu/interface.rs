@@ -1,0 +1,327 @@
+//! What a host sees of a scene: variables with names, units and roles. A value reference is the place in the list.
+
+use super::coupled::{Acts, Port};
+use gearbench_integrators::SecondOrderSystem;
+use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
+use gearbench_models::spec::SceneSpec;
+use gearbench_reference::hash::Hash;
+
+/// Coordinates of a scene up to which its states are variables: beyond it serves co-simulation alone.
+const MOST_COORDINATES: usize = 500;
+
+/// What an input sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A torque or force.
+    Load,
+    /// An angle or displacement.
+    Place,
+    /// Its rate.
+    Speed,
+}
+
+/// What a variable is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// The independent variable.
+    Time,
+    /// The parameter that makes inputs at the end of a step count.
+    Interpolate,
+    /// An input, by port: its value at the start of a communication step, or at its end.
+    Input {
+        /// Place among the ports.
+        port: usize,
+        /// What it sets.
+        quantity: Quantity,
+        /// At the end of the step.
+        end: bool,
+    },
+    /// A channel of the scene.
+    Output(usize),
+    /// A state: coordinates, then velocities.
+    State(usize),
+    /// Its derivative.
+    Derivative(usize),
+    /// An event function.
+    EventFunction(usize),
+}
+
+/// A variable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// Unique name.
+    pub name: String,
+    /// What it is.
+    pub role: Role,
+    /// Name of its unit; empty for none.
+    pub unit: &'static str,
+    /// One line.
+    pub description: String,
+    /// Value at the start, of those that can be set.
+    pub start: Option<f64>,
+}
+
+/// All variables.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Interface {
+    /// By value reference.
+    pub variables: Vec<Variable>,
+    /// Continuous states.
+    pub states: usize,
+    /// Event functions.
+    pub event_functions: usize,
+    /// States and event functions are variables, so that it serves model exchange.
+    pub exchanges: bool,
+}
+
+impl Interface {
+    /// That of a scene.
+    pub fn of(spec: &SceneSpec, scene: &Scene, ports: &[Port]) -> Self {
+        let layout = scene.layout();
+        let mut all = Interface {
+            states: 2 * layout.n,
+            event_functions: layout.event_functions,
+            exchanges: layout.n <= MOST_COORDINATES,
+            ..Interface::default()
+        };
+        all.add(Role::Time, "time", "s", "time", None);
+        all.add(
+            Role::Interpolate,
+            "interpolate",
+            "",
+            "inputs run from their values to those that end in _end over a communication step; else they hold their values",
+            Some(0.0),
+        );
+        for (i, port) in ports.iter().enumerate() {
+            all.add_input(i, port);
+        }
+        all.add_outputs(spec, scene, ports);
+        if all.exchanges {
+            all.add_states(scene);
+        }
+        all
+    }
+
+    fn add(
+        &mut self,
+        role: Role,
+        name: impl Into<String>,
+        unit: &'static str,
+        description: impl Into<String>,
+        start: Option<f64>,
+    ) {
+        self.variables.push(Variable {
+            name: name.into(),
+            role,
+            unit,
+            description: description.into(),
+            start,
+        });
+    }
+
+    fn add_input(&mut self, i: usize, port: &Port) {
+        let member = &port.name;
+        let [load, place, speed] = match port.slides {
+            false => [("torque", "N.m"), ("angle", "rad"), ("speed", "rad/s")],
+            true => [("force", "N"), ("displacement", "m"), ("speed", "m/s")],
+        };
+        let about = match port.slides {
+            false => "about its axis",
+            true => "along its slide",
+        };
+        let quantities = match port.acts {
+            Acts::Load(_) => vec![(Quantity::Load, load, 0.0, "that the host applies")],
+            Acts::Motion => vec![
+                (Quantity::Place, place, 0.0, "from the assembled position"),
+                (Quantity::Speed, speed, port.speed, "of its hub"),
+            ],
+        };
+        for (quantity, (what, unit), start, which) in quantities {
+            for end in [false, true] {
+                let (suffix, when) = match end {
+                    false => ("", ""),
+                    true => ("_end", ", at the end of a communication step"),
+                };
+                let port = i;
+                self.add(
+                    Role::Input {
+                        port,
+                        quantity,
+                        end,
+                    },
+                    format!("{member}.{what}{suffix}"),
+                    unit,
+                    format!("{what} of {member} {about} {which}{when}"),
+                    Some(start),
+                );
+            }
+        }
+    }
+
+    fn add_outputs(&mut self, spec: &SceneSpec, scene: &Scene, ports: &[Port]) {
+        for (i, gear) in scene.gears().iter().enumerate() {
+            // Nodes of an elastic shaft have no name of their own.
+            if gear.name.is_empty() || spec.member_name(i) != gear.name {
+                continue;
+            }
+            let hub = gear.model.hub();
+            let moved = ports
+                .iter()
+                .any(|p| p.member == i && p.acts == Acts::Motion);
+            for what in OfGear::ALL {
+                let is_motion = matches!(what, OfGear::HubSpeed | OfGear::Displacement);
+                let aside = OfGear::aside().contains(&what);
+                if what == OfGear::Speed || (is_motion && moved) || (aside && hub.lateral.is_none())
+                {
+                    continue;
+                }
+                if let Some(channel) = scene.channel(Channel::Gear(i, what)) {
+                    let slides = hub.slide.is_some();
+                    let (name, description) = of_gear(what, slides);
+                    self.add(
+                        Role::Output(channel),
+                        format!("{}.{name}", gear.name),
+                        unit(what.unit(slides)),
+                        format!("{}: {description}", gear.name),
+                        None,
+                    );
+                }
+            }
+        }
+        for (m, mesh) in spec.meshes.iter().enumerate() {
+            let [a, b] = mesh.gears.map(|g| &spec.gears[g].name);
+            for (what, name, description) in [
+                (OfMesh::Force, "force", "contact force, magnitude"),
+                (OfMesh::X, "force_x", "contact force on the second gear, x"),
+                (OfMesh::Y, "force_y", "contact force on the second gear, y"),
+                (OfMesh::Z, "force_z", "contact force on the second gear, z"),
+            ] {
+                if let Some(channel) = scene.channel(Channel::Mesh(m, what)) {
+                    self.add(
+                        Role::Output(channel),
+                        format!("{a}_{b}.{name}"),
+                        "N",
+                        format!("{a} on {b}: {description}"),
+                        None,
+                    );
+                }
+            }
+        }
+        let mut span = 0;
+        while let Some(channel) = scene.channel(Channel::ShaftTorque(span)) {
+            let column = Channel::ShaftTorque(span).column(spec);
+            self.add(
+                Role::Output(channel),
+                column.trim_end_matches("_nm"),
+                "N.m",
+                "torque that a station of a shaft exerts on the next one",
+                None,
+            );
+            span += 1;
+        }
+    }
+
+    fn add_states(&mut self, scene: &Scene) {
+        let start = scene.initial();
+        let n = start.q.len();
+        let mut names = vec![String::new(); n];
+        for (k, gear) in scene.gears().iter().enumerate() {
+            let name = match gear.name.as_str() {
+                "" => format!("member_{}", k + 1),
+                name => name.to_owned(),
+            };
+            for (i, place) in gear.range().enumerate() {
+                names[place] = format!("{name}.q[{}]", i + 1);
+            }
+        }
+        let velocity = |name: &String| name.replacen(".q[", ".v[", 1);
+        for (i, name) in names.iter().enumerate() {
+            let role = Role::State(i);
+            self.add(role, name, "", "coordinate", Some(start.q[i]));
+        }
+        for (i, name) in names.iter().map(velocity).enumerate() {
+            let role = Role::State(n + i);
+            self.add(role, name, "", "its rate", Some(start.v[i]));
+        }
+        for (i, name) in names.iter().enumerate() {
+            self.add(Role::Derivative(i), format!("der({name})"), "", "", None);
+        }
+        for (i, name) in names.iter().map(velocity).enumerate() {
+            let role = Role::Derivative(n + i);
+            self.add(role, format!("der({name})"), "", "", None);
+        }
+        for i in 0..self.event_functions {
+            let name = format!("event_function[{}]", i + 1);
+            let what = "positive until its part of the branch ends";
+            self.add(Role::EventFunction(i), name, "", what, None);
+        }
+    }
+
+    /// The value reference of a variable.
+    pub fn reference(&self, name: &str) -> Option<u32> {
+        let place = self.variables.iter().position(|v| v.name == name)?;
+        u32::try_from(place).ok()
+    }
+
+    /// A name of the list that two builds of the program have in common only if they number variables alike.
+    pub fn key(&self) -> String {
+        let mut hash = Hash::START;
+        for v in &self.variables {
+            hash.text(&v.name);
+            hash.text(&format!("{:?}", v.role));
+        }
+        hash.to_string()
+    }
+}
+
+fn of_gear(what: OfGear, slides: bool) -> (&'static str, &'static str) {
+    let way = |turn: (&'static str, &'static str), slide| if slides { slide } else { turn };
+    match what {
+        OfGear::Speed => ("mean_speed", "momentum over inertia"),
+        OfGear::HubSpeed => ("speed", "speed of the hub"),
+        OfGear::Displacement => way(
+            ("angle", "turn of the hub from the assembled position"),
+            (
+                "displacement",
+                "slide of the hub from the assembled position",
+            ),
+        ),
+        OfGear::ContactTorque => way(
+            (
+                "contact_torque",
+                "torque of contact forces about the axis of the hub",
+            ),
+            ("contact_force", "contact forces along the slide of the hub"),
+        ),
+        OfGear::BearingX => ("mount_force_x", "what the mount exerts along x"),
+        OfGear::BearingY => ("mount_force_y", "what the mount exerts along y"),
+        OfGear::BearingZ => ("mount_force_z", "what the mount exerts along z"),
+        OfGear::MountTorque => way(
+            (
+                "mount_torque",
+                "what the mount of a held or moved hub exerts about its axis",
+            ),
+            (
+                "mount_force",
+                "what the mount of a held or moved hub exerts along its slide",
+            ),
+        ),
+        OfGear::ShiftX => ("shift_x", "shift along the first axis of the hub"),
+        OfGear::ShiftY => ("shift_y", "shift along the second axis of the hub"),
+        OfGear::ShiftZ => ("shift_z", "shift along the axis of the gear"),
+        OfGear::TiltX => ("tilt_x", "tilt about the first axis of the hub"),
+        OfGear::TiltY => ("tilt_y", "tilt about the second axis of the hub"),
+    }
+}
+
+/// A unit as columns end, as a name of the description.
+fn unit(column: &str) -> &'static str {
+    match column {
+        "rad_s" => "rad/s",
+        "m_s" => "m/s",
+        "rad" => "rad",
+        "m" => "m",
+        "nm" => "N.m",
+        _ => "N",
+    }
+}

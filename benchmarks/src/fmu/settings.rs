@@ -1,0 +1,136 @@
+//! What the library of an FMU is told beside the scene, and how it opens its resources.
+
+use super::coupled::Coupled;
+use crate::scene_file::{Origin, SceneError, SceneFile};
+use gearbench_integrators::{MethodSpec, Resolution, Scheme};
+use gearbench_reference::hash::Hash;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The scene among the resources.
+pub const SCENE: &str = "scene.toml";
+/// Its constants, where scenes look for them.
+pub const CALIBRATION: &str = "scene.calibration.toml";
+/// The settings among the resources.
+pub const SETTINGS: &str = "fmu.json";
+
+/// What the library of an FMU is told.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Version of the program that packed it.
+    pub gearbench: String,
+    /// Label of the model.
+    pub model: String,
+    /// Method of co-simulation.
+    pub method: MethodSpec,
+    /// Its step [s]; else it runs under `rtol`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step_s: Option<f64>,
+    /// Its tolerance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rtol: Option<f64>,
+    /// Contact events are located.
+    pub events: bool,
+    /// Gears whose hubs the host moves.
+    pub moved: Vec<String>,
+    /// [`Interface::key`](super::interface::Interface::key) of the description.
+    pub interface: String,
+}
+
+/// Why resources cannot be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// A file cannot be read.
+    #[error("{path}: {error}; the resources of an FMU have to be unpacked as they are")]
+    Read {
+        /// Which.
+        path: String,
+        /// Why.
+        error: std::io::Error,
+    },
+    /// The settings are none.
+    #[error("{SETTINGS}: {0}; pack the FMU again with `gearbench fmu`")]
+    Settings(#[from] serde_json::Error),
+    /// The scene is none.
+    #[error("{}", .0.told())]
+    Scene(#[from] SceneError),
+    /// Somebody changed it.
+    #[error("{0}; pack the FMU again with `gearbench fmu`")]
+    Changed(String),
+}
+
+/// A scene from the resources of an FMU.
+pub struct Opened {
+    /// The scene and its inputs.
+    pub coupled: Coupled,
+    /// Method of co-simulation.
+    pub scheme: Scheme,
+    /// Contact events are located.
+    pub events: bool,
+}
+
+impl Settings {
+    /// The method with its resolution.
+    pub fn scheme(&self) -> Option<Scheme> {
+        let resolution = match (self.step_s, self.rtol) {
+            (Some(h), None) => Resolution::Step(h),
+            (None, Some(rtol)) => Resolution::Tolerance(rtol),
+            _ => return None,
+        };
+        Some(self.method.at(resolution))
+    }
+
+    /// The text among the resources.
+    pub fn text(&self) -> String {
+        // Numbers and texts alone: nothing that JSON lacks.
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+
+    /// What ties a description to resources: a host hands it back.
+    pub fn token(settings: &str, scene: &str) -> String {
+        let mut hash = Hash::START;
+        hash.text(settings);
+        hash.text(scene);
+        hash.to_string()
+    }
+}
+
+/// Opens the resources of an FMU.
+///
+/// # Errors
+/// What is missing, was changed, or comes from another version.
+pub fn open(resources: &Path, token: &str) -> Result<Opened, OpenError> {
+    let read = |name: &str| {
+        let path = resources.join(name);
+        std::fs::read_to_string(&path).map_err(|error| OpenError::Read {
+            path: path.display().to_string(),
+            error,
+        })
+    };
+    let (settings, text) = (read(SETTINGS)?, read(SCENE)?);
+    if Settings::token(&settings, &text) != token {
+        return Err(OpenError::Changed(
+            "scene or settings are not those that the description was written for".into(),
+        ));
+    }
+    let settings: Settings = serde_json::from_str(&settings)?;
+    let origin = Origin::File(resources.join(SCENE));
+    let file = SceneFile::unbuilt(SCENE, &text, origin, true)?;
+    let changed = |why: &str| OpenError::Changed(why.to_owned());
+    let choice = (file.model(&settings.model)).ok_or_else(|| changed("the model is missing"))?;
+    let scheme = (settings.scheme()).ok_or_else(|| changed("step and tolerance are unclear"))?;
+    let coupled = Coupled::assemble(&file, choice, &settings.moved)?;
+    if coupled.interface.key() != settings.interface {
+        return Err(OpenError::Changed(format!(
+            "the library ({}) numbers variables otherwise than the program that packed it ({})",
+            env!("CARGO_PKG_VERSION"),
+            settings.gearbench
+        )));
+    }
+    Ok(Opened {
+        coupled,
+        scheme,
+        events: settings.events,
+    })
+}

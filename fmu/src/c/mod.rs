@@ -1,0 +1,159 @@
+//! The functions of FMI 3.0 for C, as `fmi3Functions.h` declares them; all 75, as hosts look for each of them.
+//!
+//! | module | owns |
+//! |---|---|
+//! | `common` | instances, co-simulation, variables, copies of the state |
+//! | `exchange` | model exchange |
+//! | `absent` | what these FMUs do not have: other types, clocks, serialisation, partial derivatives |
+//!
+//! Every function takes pointers from its host on trust, as C does, checks them for null, and lets no panic out.
+
+// Names and arguments are those of the standard.
+#![allow(
+    non_snake_case,
+    missing_docs,
+    clippy::missing_safety_doc,
+    clippy::too_many_arguments
+)]
+
+pub mod absent;
+pub mod common;
+pub mod exchange;
+
+use crate::instance::{Done, Failure, Instance};
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// `fmi3Status`.
+pub type Status = c_int;
+pub const OK: Status = 0;
+pub const ERROR: Status = 3;
+pub const FATAL: Status = 4;
+
+/// `fmi3LogMessageCallback`.
+pub type Log = Option<unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char)>;
+
+/// What `fmi3Instance` points to.
+pub(crate) struct Handle {
+    instance: Instance,
+    name: String,
+    logger: Logger,
+}
+
+/// Where messages go.
+#[derive(Clone, Copy)]
+pub(crate) struct Logger {
+    environment: *mut c_void,
+    log: Log,
+}
+
+impl Logger {
+    fn say(self, status: Status, message: &str) {
+        let Some(log) = self.log else { return };
+        let text: String = message.replace('\0', " ");
+        if let Ok(text) = CString::new(text) {
+            // SAFETY: the host gave the function and the environment for it, and both texts end with a zero.
+            unsafe {
+                log(
+                    self.environment,
+                    status,
+                    c"logStatusError".as_ptr(),
+                    text.as_ptr(),
+                );
+            }
+        }
+    }
+}
+
+/// Lets no panic out.
+fn caught<T>(act: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(act)).map_err(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or(panic.downcast_ref::<&str>().copied());
+        format!("internal error: {}", text.unwrap_or("no message"))
+    })
+}
+
+/// Does something with an instance.
+///
+/// # Safety
+/// `instance` is null, or one that an instantiating function returned and nobody freed or uses meanwhile.
+unsafe fn with(
+    instance: *mut c_void,
+    function: &str,
+    act: impl FnOnce(&mut Instance) -> Done,
+) -> Status {
+    // SAFETY: see above.
+    let Some(handle) = (unsafe { instance.cast::<Handle>().as_mut() }) else {
+        return ERROR;
+    };
+    let (status, why) = match caught(|| act(&mut handle.instance)) {
+        Ok(Ok(())) => return OK,
+        Ok(Err(Failure(why))) => (ERROR, why),
+        Err(why) => (FATAL, why),
+    };
+    let name = &handle.name;
+    handle
+        .logger
+        .say(status, &format!("{name}: {function}: {why}"));
+    status
+}
+
+/// Numbers that a host hands over.
+///
+/// # Safety
+/// `p` is null or points to `n` of them.
+unsafe fn read<'a, T>(p: *const T, n: usize) -> Done<&'a [T]> {
+    match (n, p.is_null()) {
+        (0, _) => Ok(&[]),
+        (_, true) => Err(Failure("a list is missing".into())),
+        // SAFETY: see above.
+        _ => Ok(unsafe { std::slice::from_raw_parts(p, n) }),
+    }
+}
+
+/// Places that a host wants filled.
+///
+/// # Safety
+/// `p` is null or points to `n` of them, which nobody else uses.
+unsafe fn fill<'a, T>(p: *mut T, n: usize) -> Done<&'a mut [T]> {
+    match (n, p.is_null()) {
+        (0, _) => Ok(&mut []),
+        (_, true) => Err(Failure("a list is missing".into())),
+        // SAFETY: see above.
+        _ => Ok(unsafe { std::slice::from_raw_parts_mut(p, n) }),
+    }
+}
+
+/// Fills a place, if there is one.
+///
+/// # Safety
+/// `p` is null or may be written to.
+unsafe fn put<T>(p: *mut T, x: T) {
+    if !p.is_null() {
+        // SAFETY: see above.
+        unsafe { p.write(x) }
+    }
+}
+
+/// A text of the host; empty where there is none.
+///
+/// # Safety
+/// `p` is null or a text that ends with a zero.
+unsafe fn text(p: *const c_char) -> String {
+    match p.is_null() {
+        true => String::new(),
+        // SAFETY: see above.
+        false => unsafe { CStr::from_ptr(p) }.to_string_lossy().into_owned(),
+    }
+}
+
+/// As many values as references.
+fn paired(references: usize, values: usize) -> Done {
+    match references == values {
+        true => Ok(()),
+        false => Err(Failure(format!(
+            "{references} references, but {values} values"
+        ))),
+    }
+}

@@ -1,0 +1,229 @@
+//! Model exchange: the host integrates `q' = v`, `v' = M^-1 f` and locates where event functions fall through zero.
+//!
+//! **Events.** A host ends its step a hair behind a root. Functions that are not positive there and go on falling switch
+//! their part of the branch; one that was switched a hair beside its root rises by itself. Both are told apart by where the
+//! function goes from here, not by what the host saw before.
+//!
+//! **After steps** a scene may hand teeth over, which changes coordinates: it asks for an event, where that may happen.
+
+use crate::instance::{Done, Instance, Kind, Known, fail};
+use gearbench_integrators::system::Events;
+use gearbench_integrators::{SecondOrderSystem, State};
+
+/// A time ahead at which falling functions are told from rising ones, over the characteristic one.
+const AHEAD: f64 = 1e-6;
+/// Rounds of switches at one event.
+const MOST_ROUNDS: usize = 50;
+
+/// What an event did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Update {
+    /// Continuous states jumped.
+    pub moved: bool,
+    /// The next time of the host at which a load has a breakpoint [s].
+    pub next: Option<f64>,
+}
+
+impl Instance {
+    /// Sets the time of the host [s].
+    ///
+    /// # Errors
+    /// Of an instance of another kind, or no number.
+    pub fn set_time(&mut self, time: f64) -> Done {
+        self.running(Kind::ModelExchange)?;
+        if !time.is_finite() {
+            return fail(format!("the time {time} is not a number"));
+        }
+        self.memory.state.t = self.in_scene(time);
+        // What the host set holds now.
+        self.memory.stale = true;
+        self.known = Known::default();
+        Ok(())
+    }
+
+    /// Sets coordinates and velocities.
+    ///
+    /// # Errors
+    /// Of an instance of another kind, or another number of states.
+    pub fn set_states(&mut self, x: &[f64]) -> Done {
+        self.running(Kind::ModelExchange)?;
+        self.count(x.len())?;
+        let State { q, v, .. } = &mut self.memory.state;
+        let (of_q, of_v) = x.split_at(q.len());
+        q.copy_from_slice(of_q);
+        v.copy_from_slice(of_v);
+        self.known = Known::default();
+        Ok(())
+    }
+
+    /// Coordinates and velocities.
+    ///
+    /// # Errors
+    /// Another number of states.
+    pub fn states(&self, x: &mut [f64]) -> Done {
+        self.count(x.len())?;
+        let State { q, v, .. } = &self.memory.state;
+        let (of_q, of_v) = x.split_at_mut(q.len());
+        of_q.copy_from_slice(q);
+        of_v.copy_from_slice(v);
+        Ok(())
+    }
+
+    /// Their typical magnitudes.
+    ///
+    /// # Errors
+    /// Another number of states.
+    pub fn nominals(&self, x: &mut [f64]) -> Done {
+        self.count(x.len())?;
+        let (q, v) = x.split_at_mut(self.memory.state.q.len());
+        self.coupled.scene.scales(q, v);
+        // A magnitude has to be positive.
+        for x in x {
+            if !(*x > 0.0 && x.is_finite()) {
+                *x = 1.0;
+            }
+        }
+        Ok(())
+    }
+
+    /// Their derivatives.
+    ///
+    /// # Errors
+    /// Another number of states.
+    pub fn derivatives(&mut self, x: &mut [f64]) -> Done {
+        self.count(x.len())?;
+        x.copy_from_slice(self.rates());
+        Ok(())
+    }
+
+    /// Event functions.
+    ///
+    /// # Errors
+    /// Another number of them.
+    pub fn event_functions(&mut self, z: &mut [f64]) -> Done {
+        if z.len() != self.coupled.interface.event_functions {
+            return fail(format!(
+                "{} event indicators, but there are {}",
+                z.len(),
+                self.coupled.interface.event_functions
+            ));
+        }
+        z.copy_from_slice(self.watched());
+        Ok(())
+    }
+
+    fn count(&self, n: usize) -> Done {
+        match n == self.coupled.interface.states {
+            true => Ok(()),
+            false => fail(format!(
+                "{n} continuous states, but there are {}",
+                self.coupled.interface.states
+            )),
+        }
+    }
+
+    /// Switches what fell, and hands over what moved on.
+    ///
+    /// # Errors
+    /// Of an instance of another kind, and where branches chatter.
+    pub fn update(&mut self) -> Done<Update> {
+        self.running(Kind::ModelExchange)?;
+        self.settle();
+        let before = self.memory.state.clone();
+        let mut rounds = 0;
+        loop {
+            let fallen = self.falling();
+            if fallen.is_empty() {
+                break;
+            }
+            rounds += 1;
+            if rounds > MOST_ROUNDS {
+                return fail(format!("contacts chatter at {} s", self.time()));
+            }
+            for event in fallen {
+                let scene = &mut self.coupled.scene;
+                scene.transition(&mut self.memory.state, event);
+            }
+            self.known = Known::default();
+        }
+        let state = &mut self.memory.state;
+        self.coupled.scene.commit(state);
+        self.known = Known::default();
+        let next = self.coupled.scene.next_breakpoint(self.memory.state.t);
+        let moved = self.memory.state.q != before.q || self.memory.state.v != before.v;
+        let shift = self.time() - self.memory.state.t;
+        Ok(Update {
+            moved,
+            next: next.is_finite().then_some(next + shift),
+        })
+    }
+
+    /// The host completed a step; whether it has to enter an event.
+    ///
+    /// # Errors
+    /// Of an instance of another kind.
+    pub fn completed(&mut self) -> Done<bool> {
+        self.running(Kind::ModelExchange)?;
+        self.settle();
+        let mut after = self.memory.state.clone();
+        self.coupled.scene.commit(&mut after);
+        let state = &mut self.memory.state;
+        if after.q != state.q || after.v != state.v {
+            return Ok(true);
+        }
+        if after.discrete != state.discrete {
+            state.discrete = after.discrete;
+            self.known = Known::default();
+        }
+        Ok(false)
+    }
+
+    /// Event functions that are not positive and fall.
+    fn falling(&mut self) -> Vec<usize> {
+        let here = self.watched().to_vec();
+        if here.iter().all(|z| *z > 0.0) {
+            return Vec::new();
+        }
+        let n = self.memory.state.q.len();
+        let rates = self.rates().to_vec();
+        let scene = &mut self.coupled.scene;
+        let mut ahead = self.memory.state.clone();
+        let time = scene.characteristic_time(ahead.at());
+        let h = AHEAD * if time.is_finite() { time } else { 1.0 };
+        ahead.t += h;
+        for i in 0..n {
+            ahead.q[i] += h * (ahead.v[i] + 0.5 * h * rates[n + i]);
+            ahead.v[i] += h * rates[n + i];
+        }
+        let mut after = vec![1.0; here.len()];
+        scene.event_functions(ahead.at(), &mut after);
+        let falls = |i: &usize| here[*i] <= 0.0 && after[*i] < here[*i];
+        (0..here.len()).filter(falls).collect()
+    }
+
+    /// Derivatives of coordinates and velocities.
+    pub(crate) fn rates(&mut self) -> &[f64] {
+        self.settle();
+        let (scene, state) = (&mut self.coupled.scene, &self.memory.state);
+        self.known.rates.get_or_insert_with(|| {
+            let mut rates = state.v.clone();
+            let mut a = vec![0.0; state.v.len()];
+            scene.force(state.at(), &mut a);
+            scene.solve_mass(state.at(), &mut a);
+            rates.extend(a);
+            rates
+        })
+    }
+
+    /// Event functions.
+    pub(crate) fn watched(&mut self) -> &[f64] {
+        self.settle();
+        let count = self.coupled.interface.event_functions;
+        let (scene, state) = (&mut self.coupled.scene, &self.memory.state);
+        self.known.watched.get_or_insert_with(|| {
+            let mut watched = vec![1.0; count];
+            scene.event_functions(state.at(), &mut watched);
+            watched
+        })
+    }
+}

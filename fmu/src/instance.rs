@@ -1,0 +1,492 @@
+//! An instance of an FMU: a scene, where it is, what its host set.
+//!
+//! **Inputs** act through the scene's own loads and prescribed motions. They hold their values over a communication step;
+//! a hub that the host moves goes on at its speed. With the parameter `interpolate` loads run linearly, and motions along
+//! the cubic through both places with both speeds (Hermite), from the inputs to those that end in `_end`. A cubic whose
+//! speeds are the slope of its places is a line: what interpolates linearly.
+//!
+//! **Steps.** The method goes on where it was: as long as inputs do not change, communication points are no more than
+//! samples of one run. Where they change it starts afresh, as at a breakpoint of a load; where a host makes a hub jump, so
+//! do the contacts.
+//!
+//! **Going back.** A [`Snapshot`] holds all that the next step depends on, the method with its history among it.
+
+use gearbench::fmu::coupled::{Acts, Coupled};
+use gearbench::fmu::interface::{Interface, Quantity, Role};
+use gearbench::fmu::settings::{OpenError, Opened, open};
+use gearbench_integrators::system::{Events, Report};
+use gearbench_integrators::{Change, Integrator, NullSink, Outputs, Scheme, State, TimePlan, Work};
+use gearbench_models::spec::Profile;
+use std::fmt;
+use std::path::Path;
+
+/// A place or speed of a moved hub that differs by more than this share, at least of 1 rad or m, has jumped.
+const JUMP: f64 = 1e-12;
+/// The time that a host names may be off by this share of its step.
+const OFF_TIME: f64 = 1e-6;
+
+/// How an instance is used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// It steps itself.
+    CoSimulation,
+    /// Its host integrates it.
+    ModelExchange,
+}
+
+/// Why a call failed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure(pub String);
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// What calls return.
+pub type Done<T = ()> = Result<T, Failure>;
+
+pub(crate) fn fail<T>(why: impl Into<String>) -> Done<T> {
+    Err(Failure(why.into()))
+}
+
+/// What the host set at a port, `[load, -]` or `[place, speed]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Given {
+    now: [f64; 2],
+    end: [f64; 2],
+}
+
+/// Whether a call belongs to the initialisation, or to what comes after it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Instantiated,
+    Initialising,
+    Running,
+}
+
+/// All that a step depends on beside the method.
+#[derive(Clone, Debug)]
+pub(crate) struct Memory {
+    phase: Phase,
+    /// In the time of the scene.
+    pub(crate) state: State,
+    /// Time of the host at the start of the scene [s].
+    shift: f64,
+    given: Vec<Given>,
+    interpolate: bool,
+    /// What acts in the scene, by port.
+    applied: Vec<Profile>,
+    /// The host set inputs that do not act yet.
+    pub(crate) stale: bool,
+    /// Inputs changed since the method ran.
+    changed: bool,
+    /// The discrete state belongs to the state.
+    begun: bool,
+    /// The method ran.
+    ran: bool,
+}
+
+/// What was computed at the present state.
+#[derive(Default)]
+pub(crate) struct Known {
+    pub(crate) outputs: Option<Outputs>,
+    pub(crate) slopes: Option<[Vec<f64>; 2]>,
+    pub(crate) rates: Option<Vec<f64>>,
+    pub(crate) watched: Option<Vec<f64>>,
+}
+
+/// What a host goes back to.
+pub struct Snapshot {
+    memory: Memory,
+    method: Box<dyn Integrator>,
+}
+
+/// An instance.
+pub struct Instance {
+    kind: Kind,
+    pub(crate) coupled: Coupled,
+    scheme: Scheme,
+    events: bool,
+    pub(crate) memory: Memory,
+    method: Box<dyn Integrator>,
+    pub(crate) known: Known,
+}
+
+impl Instance {
+    /// Opens the resources of an FMU.
+    ///
+    /// # Errors
+    /// What is missing among them, or was changed.
+    pub fn open(kind: Kind, resources: &Path, token: &str) -> Result<Self, OpenError> {
+        let Opened {
+            coupled,
+            scheme,
+            events,
+        } = open(resources, token)?;
+        if kind == Kind::ModelExchange && !coupled.interface.exchanges {
+            return Err(OpenError::Changed(
+                "the scene has too many coordinates for model exchange".into(),
+            ));
+        }
+        let memory = start(&coupled);
+        let mut instance = Instance {
+            kind,
+            coupled,
+            scheme,
+            // A host of model exchange locates events itself.
+            events: events || kind == Kind::ModelExchange,
+            memory,
+            method: scheme.method.build(),
+            known: Known::default(),
+        };
+        instance.apply_all();
+        Ok(instance)
+    }
+
+    /// As just opened.
+    pub fn reset(&mut self) {
+        self.memory = start(&self.coupled);
+        self.method = self.scheme.method.build();
+        self.known = Known::default();
+        self.apply_all();
+    }
+
+    /// How it is used.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// Its variables.
+    pub fn interface(&self) -> &Interface {
+        &self.coupled.interface
+    }
+
+    /// Begins the initialisation; the scene starts at that time of the host.
+    ///
+    /// # Errors
+    /// After the initialisation.
+    pub fn enter_initialisation(&mut self, time: f64) -> Done {
+        if self.memory.phase != Phase::Instantiated {
+            return fail("the instance is initialised already; reset it first");
+        }
+        if !time.is_finite() {
+            return fail(format!("the start time {time} is not a number"));
+        }
+        self.memory.shift = time;
+        self.memory.phase = Phase::Initialising;
+        Ok(())
+    }
+
+    /// Ends it.
+    ///
+    /// # Errors
+    /// Where it was not begun.
+    pub fn exit_initialisation(&mut self) -> Done {
+        if self.memory.phase != Phase::Initialising {
+            return fail("the initialisation was not begun");
+        }
+        self.settle();
+        self.memory.phase = Phase::Running;
+        Ok(())
+    }
+
+    /// # Errors
+    /// Before the initialisation, or of an instance of another kind.
+    pub(crate) fn running(&self, kind: Kind) -> Done {
+        if self.kind != kind {
+            return fail("the call does not belong to this kind of instance");
+        }
+        match self.memory.phase {
+            Phase::Running => Ok(()),
+            _ => fail("the instance is not initialised yet"),
+        }
+    }
+
+    /// Time of the host [s].
+    pub fn time(&self) -> f64 {
+        self.memory.state.t + self.memory.shift
+    }
+
+    /// A time of the host in that of the scene.
+    pub(crate) fn in_scene(&self, time: f64) -> f64 {
+        time - self.memory.shift
+    }
+
+    fn role(&self, reference: u32) -> Done<Role> {
+        match self.coupled.interface.variables.get(reference as usize) {
+            Some(variable) => Ok(variable.role),
+            None => fail(format!("there is no variable with reference {reference}")),
+        }
+    }
+
+    /// The value of a variable.
+    ///
+    /// # Errors
+    /// One that is not there, or is no number.
+    pub fn get(&mut self, reference: u32) -> Done<f64> {
+        let role = self.role(reference)?;
+        self.settle();
+        let n = self.memory.state.q.len();
+        Ok(match role {
+            Role::Time => self.time(),
+            Role::Interpolate => return fail("`interpolate` is a Boolean"),
+            Role::Input {
+                port,
+                quantity,
+                end,
+            } => *place(&mut self.memory.given[port], quantity, end),
+            Role::Output(channel) => self.outputs().channels[channel],
+            Role::State(i) if i < n => self.memory.state.q[i],
+            Role::State(i) => self.memory.state.v[i - n],
+            Role::Derivative(i) => self.rates()[i],
+            Role::EventFunction(i) => self.watched()[i],
+        })
+    }
+
+    /// Sets an input, or before the end of the initialisation a state.
+    ///
+    /// # Errors
+    /// What cannot be set, and what is no number.
+    pub fn set(&mut self, reference: u32, value: f64) -> Done {
+        let role = self.role(reference)?;
+        if !value.is_finite() {
+            let name = &self.coupled.interface.variables[reference as usize].name;
+            return fail(format!("{name}: {value} is not a number"));
+        }
+        match role {
+            Role::Input {
+                port,
+                quantity,
+                end,
+            } => {
+                *place(&mut self.memory.given[port], quantity, end) = value;
+                // Values at the end of a step act in steps alone.
+                self.memory.stale |= !end;
+            }
+            Role::State(i) if self.memory.phase != Phase::Running => {
+                let State { q, v, .. } = &mut self.memory.state;
+                let n = q.len();
+                *(if i < n { &mut q[i] } else { &mut v[i - n] }) = value;
+                self.memory.begun = false;
+                self.known = Known::default();
+            }
+            _ => {
+                let name = &self.coupled.interface.variables[reference as usize].name;
+                return fail(format!("`{name}` cannot be set now"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The value of a Boolean.
+    ///
+    /// # Errors
+    /// Where the variable is none.
+    pub fn get_flag(&self, reference: u32) -> Done<bool> {
+        match self.role(reference)? {
+            Role::Interpolate => Ok(self.memory.interpolate),
+            _ => fail(format!("variable {reference} is no Boolean")),
+        }
+    }
+
+    /// Sets a Boolean.
+    ///
+    /// # Errors
+    /// Where the variable is none, or after the initialisation.
+    pub fn set_flag(&mut self, reference: u32, value: bool) -> Done {
+        match (self.role(reference)?, self.memory.phase) {
+            (Role::Interpolate, Phase::Running) => {
+                fail("`interpolate` can only be set before the end of the initialisation")
+            }
+            (Role::Interpolate, _) => {
+                self.memory.interpolate = value;
+                Ok(())
+            }
+            _ => fail(format!("variable {reference} is no Boolean")),
+        }
+    }
+
+    /// Moves the scene over a communication step; returns the time at its end.
+    ///
+    /// # Errors
+    /// A step from another time than the present one, or one that the method cannot make.
+    pub fn step(&mut self, from: f64, size: f64) -> Done<f64> {
+        self.running(Kind::CoSimulation)?;
+        if !(size > 0.0 && size.is_finite()) {
+            return fail(format!("a communication step of {size} s is none"));
+        }
+        let here = self.memory.state.t;
+        if (self.in_scene(from) - here).abs() > OFF_TIME * size {
+            return fail(format!(
+                "a step from {from} s, but the instance is at {} s",
+                self.time()
+            ));
+        }
+        let to = self.in_scene(from + size);
+        match self.memory.interpolate {
+            true => self.apply(|acts, given| piece(acts, given, [here, to])),
+            false if self.memory.stale => self.apply(|acts, given| held(acts, given, here)),
+            false => {}
+        }
+        let change = match std::mem::take(&mut self.memory.changed) {
+            true => Change::Restart,
+            false => Change::None,
+        };
+        let plan = TimePlan {
+            events: self.events,
+            ..TimePlan::new(to, self.scheme.resolution)
+        };
+        self.known = Known::default();
+        self.memory.begun = true;
+        self.memory.ran = true;
+        let Memory { state, .. } = &mut self.memory;
+        let scene = &mut self.coupled.scene;
+        let mut work = Work::default();
+        let done = (self.method).resume(scene, state, change, &plan, &mut NullSink, &mut work);
+        done.map_err(|e| Failure(e.to_string()))?;
+        Ok(self.time())
+    }
+
+    /// A copy to go back to.
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            memory: self.memory.clone(),
+            method: self.method.duplicate(),
+        }
+    }
+
+    /// Goes back to a copy.
+    pub fn restore(&mut self, snapshot: &Snapshot) {
+        self.memory = snapshot.memory.clone();
+        self.method = snapshot.method.duplicate();
+        self.known = Known::default();
+        // What the scene keeps for a method belongs to a run.
+        self.memory.begun &= self.memory.ran;
+        self.apply_all();
+    }
+
+    /// Makes inputs act and the discrete state belong to the state.
+    pub(crate) fn settle(&mut self) {
+        if self.memory.stale {
+            let t = self.memory.state.t;
+            self.apply(|acts, given| held(acts, given, t));
+        }
+        if !self.memory.begun {
+            self.coupled
+                .scene
+                .begin(&mut self.memory.state, self.events);
+            self.memory.begun = true;
+        }
+    }
+
+    /// Outputs at the present state.
+    fn outputs(&mut self) -> &Outputs {
+        let (scene, state) = (&mut self.coupled.scene, &self.memory.state);
+        self.known.outputs.get_or_insert_with(|| {
+            let mut out = Outputs::default();
+            scene.sample(state.at(), &mut out);
+            out
+        })
+    }
+
+    /// Makes profiles act that are made of what the host set.
+    fn apply(&mut self, of: impl Fn(Acts, &Given) -> Profile) {
+        let t = self.memory.state.t;
+        let mut jumped = false;
+        for (i, port) in self.coupled.ports.iter().enumerate() {
+            let (new, old) = (
+                of(port.acts, &self.memory.given[i]),
+                &self.memory.applied[i],
+            );
+            if new == *old {
+                continue;
+            }
+            if port.acts == Acts::Motion {
+                let apart = |a: f64, b: f64| (a - b).abs() > JUMP * a.abs().max(1.0);
+                jumped |= apart(new.integral(t), old.integral(t));
+                jumped |= apart(new.value(t), old.value(t));
+            }
+            self.memory.applied[i] = new;
+            self.memory.changed = true;
+            self.known = Known::default();
+        }
+        self.memory.stale = false;
+        // A host of model exchange looks at many times of one step.
+        if jumped && self.kind == Kind::CoSimulation {
+            self.memory.begun = false;
+            self.method = self.scheme.method.build();
+        }
+        self.apply_all();
+    }
+
+    fn apply_all(&mut self) {
+        for (port, profile) in self.coupled.ports.iter().zip(&self.memory.applied) {
+            let profile = profile.clone();
+            match port.acts {
+                Acts::Load(place) => self.coupled.scene.apply(port.member, place, profile),
+                Acts::Motion => self.coupled.scene.drive(port.member, profile),
+            }
+        }
+    }
+}
+
+/// As the scene starts.
+fn start(coupled: &Coupled) -> Memory {
+    let given: Vec<Given> = (coupled.ports.iter())
+        .map(|port| {
+            let now = match port.acts {
+                Acts::Load(_) => [0.0; 2],
+                Acts::Motion => [0.0, port.speed],
+            };
+            Given { now, end: now }
+        })
+        .collect();
+    let ports = coupled.ports.iter().zip(&given);
+    Memory {
+        phase: Phase::Instantiated,
+        state: coupled.scene.initial(),
+        shift: 0.0,
+        applied: ports
+            .map(|(port, given)| held(port.acts, given, 0.0))
+            .collect(),
+        given,
+        interpolate: false,
+        stale: false,
+        changed: false,
+        begun: false,
+        ran: false,
+    }
+}
+
+/// Where an input is kept.
+fn place(given: &mut Given, quantity: Quantity, end: bool) -> &mut f64 {
+    let Given { now, end: last } = given;
+    let of = if end { last } else { now };
+    match quantity {
+        Quantity::Load | Quantity::Place => &mut of[0],
+        Quantity::Speed => &mut of[1],
+    }
+}
+
+/// An input that holds from a time on.
+fn held(acts: Acts, given: &Given, t: f64) -> Profile {
+    let [a, b] = given.now;
+    match acts {
+        Acts::Load(_) => Profile::Constant(a),
+        Acts::Motion => Profile::Polynomial {
+            from: t,
+            integral: [a, b, 0.0, 0.0],
+        },
+    }
+}
+
+/// An input that runs to its value at the end of a step.
+fn piece(acts: Acts, given: &Given, times: [f64; 2]) -> Profile {
+    match acts {
+        Acts::Load(_) if given.now[0] == given.end[0] => Profile::Constant(given.now[0]),
+        Acts::Load(_) => Profile::line(times, [given.now[0], given.end[0]]),
+        Acts::Motion => Profile::motion(times, given.now, given.end),
+    }
+}

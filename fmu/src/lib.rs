@@ -1,0 +1,21 @@
+//! A scene of gearbench as a functional mock-up unit: the shared library of FMI 3.0, for co-simulation and model exchange.
+//!
+//! `gearbench fmu` packs this library with a scene ([`gearbench::fmu`]). A host loads it, unpacks the scene, and either
+//! steps it (co-simulation: the scene's own integrator moves it over communication steps) or integrates its states
+//! (model exchange: `q' = v`, `M v' = f`, with the event functions of the scene as event indicators).
+//!
+//! | module | owns |
+//! |---|---|
+//! | [`instance`] | an instance: state, inputs, outputs, steps, copies that a host goes back to |
+//! | `slopes` | derivatives of outputs in time |
+//! | `exchange` | model exchange: rates, event functions, what happens at events |
+//! | [`c`] | the 75 functions of FMI 3.0; all `unsafe` of the workspace |
+//!
+//! Bad calls end in an error that the host's logger hears of; a panic never crosses into C, it ends as `fmi3Fatal`.
+
+// The one place that speaks C.
+#[allow(unsafe_code)]
+pub mod c;
+mod exchange;
+pub mod instance;
+mod slopes;

@@ -1,0 +1,39 @@
+//! FMUs as a host meets them: through the functions of the standard, declared here as `fmi3Functions.h` declares them.
+
+#![allow(missing_docs)]
+#![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
+
+mod convergence;
+mod equal;
+mod exchange;
+// The one place of these tests that calls C.
+#[allow(unsafe_code)]
+mod host;
+mod refusals;
+mod rollback;
+
+use gearbench::fmu::package::Package;
+use gearbench::scene_file::{Origin, SceneFile, Selection, load_for};
+use gearbench_integrators::Scheme;
+
+/// A shipped scene.
+fn shipped(name: &str) -> SceneFile {
+    load_for(name, Selection::None).unwrap_or_else(|e| panic!("{name}: {}", e.told()))
+}
+
+/// A scene of these tests.
+fn scene(text: &str) -> SceneFile {
+    let origin = Origin::File("nowhere/own.toml".into());
+    SceneFile::unbuilt("own.toml", text, origin, true).unwrap_or_else(|e| panic!("{}", e.told()))
+}
+
+fn scheme(text: &str) -> Scheme {
+    Scheme::list(text, &[]).unwrap()[0]
+}
+
+/// A model of a scene under a method, with hubs that the host moves.
+fn packed(file: &SceneFile, model: &str, method: &str, moved: &[&str]) -> Package {
+    let moved: Vec<String> = moved.iter().map(|name| (*name).to_owned()).collect();
+    let choice = file.model(model).unwrap();
+    Package::of(file, choice, scheme(method), &moved).unwrap_or_else(|e| panic!("{}", e.told()))
+}

@@ -1,0 +1,69 @@
+//! A run in pieces is the run as a whole, and copies of a method go on by themselves.
+
+use crate::hammer::Hammer;
+use crate::problems::*;
+use gearbench_integrators::{Change, Integrator, NullSink, State, TimePlan, Work};
+
+/// Pieces of equal length, from a piece on; the state after each.
+fn pieces(
+    method: &mut dyn Integrator,
+    hammer: &mut Hammer,
+    s: &mut State,
+    [first, count]: [u32; 2],
+    plan: &TimePlan<'_>,
+) -> Vec<State> {
+    let length = plan.t_end;
+    let mut seen = Vec::new();
+    for i in first..first + count {
+        let plan = TimePlan {
+            t_end: f64::from(i + 1) * length,
+            ..*plan
+        };
+        let mut work = Work::default();
+        method
+            .resume(hammer, s, Change::None, &plan, &mut NullSink, &mut work)
+            .unwrap();
+        seen.push(s.clone());
+    }
+    seen
+}
+
+#[test]
+fn a_run_in_pieces_is_the_run_as_a_whole() {
+    for method in fixed_step() {
+        for zeta in [0.0, 0.05] {
+            let hammer = Hammer::gears(zeta);
+            // Some impacts; pieces of eight steps.
+            let (n, t_end) = (250, 2e-3);
+            let plan = steps(t_end, 8.0 * f64::from(n));
+            let (whole, _) = solve(method, &mut hammer.clone(), hammer.start(), &plan);
+            let piece = TimePlan {
+                t_end: t_end / f64::from(n),
+                ..plan
+            };
+            let (mut s, mut own) = (hammer.start(), method.build());
+            let mut sys = hammer.clone();
+            pieces(&mut *own, &mut sys, &mut s, [0, n], &piece);
+            for (a, b) in s.v.iter().zip(&whole.v).chain(s.q.iter().zip(&whole.q)) {
+                let off = (a - b).abs() / b.abs();
+                assert!(off < 1e-11, "{}, damping {zeta}: {off:e}", method.info.id);
+            }
+        }
+    }
+}
+
+#[test]
+fn copies_of_a_method_go_on_alike() {
+    let hammer = Hammer::gears(0.05);
+    for method in fixed_step().chain(adaptive()) {
+        let plan = plan_of(method, 3e-5, 12.0, 1e-6);
+        let (mut own, mut s, mut sys) = (method.build(), hammer.start(), hammer.clone());
+        pieces(&mut *own, &mut sys, &mut s, [0, 40], &plan);
+        let (mut copy, kept) = (own.duplicate(), s.clone());
+        let on = pieces(&mut *own, &mut sys, &mut s, [40, 30], &plan);
+        s = kept;
+        let again = pieces(&mut *copy, &mut sys, &mut s, [40, 30], &plan);
+        assert!(on == again, "{}", method.info.id);
+        assert!(on.iter().any(|x| x.v[0] != on[0].v[0]), "no impact");
+    }
+}
