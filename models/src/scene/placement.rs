@@ -161,7 +161,7 @@ pub(super) fn check_start(
                 MeshPart::Start,
                 (
                     format!(
-                        "this mesh closes a loop that does not close: `{}` would have to be turned by {:.4} degrees more, \
+                        "this mesh closes a loop that does not close: flanks overlap, and `{}` would have to be turned by {:.4} degrees more, \
                          {:.3} of its pitch, than the other meshes have it",
                         b.name,
                         angle.to_degrees(),

@@ -66,6 +66,7 @@ pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, Reduc
     rest.hub_hub -= dot(&h, &h);
     if let FlankCompliance::Cyclic { .. } = &rest.flanks
         && !kept.made_for.is_empty()
+        && modes > 0
     {
         let less = Lessened::new(rest.flanks, modes, s, kept.made_for);
         rest.flanks = FlankCompliance::Lessened(Box::new(less));

@@ -45,7 +45,7 @@ const COOLEY_PARKER: Set = Set {
     inertia: [6.80, 8.09, 1.75, 1.25],
     mesh: 100e6,
     bearing: [50e6, 100e6, 20e6, 10e6],
-    turn: [100e6, 20e6, 20e6],
+    turn: [100e6, 100e6, 20e6],
     pressure_angle: 20.0,
 };
 
@@ -99,9 +99,10 @@ fn stiff(mesh: f64, width: f64) -> ContactSpec {
 /// The meshes of sun and planets, planets and ring.
 fn meshes(planets: usize, overlap: f64) -> Vec<gearbench_models::spec::MeshSpec> {
     use gearbench_models::geometry::Side;
-    let at = |gears| mesh(gears, start(Side::Left, -overlap));
+    // A planet hands the load on from one of its flanks to the other.
+    let at = |gears, side| mesh(gears, start(side, -overlap));
     (1..=planets)
-        .flat_map(|p| [at([0, p]), at([p, planets + 1])])
+        .flat_map(|p| [at([0, p], Side::Left), at([p, planets + 1], Side::Right)])
         .collect()
 }
 
@@ -290,5 +291,5 @@ fn kahramans_planetary_train() {
         (&[0.0, 0.508728970094716, 0.707886793423852], 1),
         (&[0.389848400616838], 2),
     ];
-    hold(&found, &printed, 1e-8, "Kahraman");
+    hold(&found, &printed, 1e-7, "Kahraman");
 }
