@@ -53,7 +53,8 @@ impl Pictures {
         let last = self.frames.saturating_sub(1).max(1) as f64;
         Ok(Frames {
             times: (0..self.frames)
-                .map(|i| from + (to - from) * i as f64 / last)
+                // The last one is the end itself, whatever rounding does.
+                .map(|i| (from + (to - from) * (i as f64 / last)).min(to))
                 .collect(),
             states: Vec::with_capacity(self.frames),
         })

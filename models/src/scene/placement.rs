@@ -167,7 +167,7 @@ pub(super) fn check_start(
                         angle.to_degrees(),
                         least / l.base_pitch
                     ),
-                    "change a position or numbers of teeth: N planets stand evenly around their axis where the teeth of sun \
+                    "give another position or other numbers of teeth: N planets stand evenly around their axis where the teeth of sun \
                      and ring add up to a multiple of N",
                 ),
             ));

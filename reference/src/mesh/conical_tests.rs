@@ -1,5 +1,7 @@
 //! Conical gears: flanks on their helicoids, volume, moments, elements, sectors, and cones that become cylinders.
 
+#![allow(clippy::print_stdout)]
+
 use super::tests::{assert_conforming, bored, params};
 use super::*;
 use crate::test_support::layered;
@@ -8,7 +10,7 @@ use gearbench_models::geometry::{
 };
 use std::sync::Arc;
 
-/// A pinion of the pair of seed 000.
+/// A pinion of the pair of the SIMPACK User Meeting of 2014.
 fn seed(modifications: Modifications) -> Gear {
     Gear::new(GearParams {
         teeth: 35,

@@ -41,7 +41,7 @@ use std::sync::{Arc, OnceLock};
 #[derive(Clone, Debug)]
 pub(super) enum Whole {
     /// It is generated; the mesh at hand is a sector of it.
-    Generated(Toothing, Box<GearMeshParams>),
+    Generated(Box<(Toothing, GearMeshParams)>),
     /// The mesh at hand is the whole.
     AtHand,
 }
@@ -117,11 +117,13 @@ impl OfMesh {
     fn find(&self) -> Result<Found, Reason> {
         let whole = match &self.whole {
             Whole::AtHand => self.mesh.clone(),
-            Whole::Generated(Toothing::Gear(gear), params) => {
-                mesh::gear(gear, params).map_err(|e| Reason::from(e.to_string()))?
-            }
-            Whole::Generated(Toothing::Rack(rack), params) => {
-                mesh::rack(rack, params).map_err(|e| Reason::from(e.to_string()))?
+            Whole::Generated(of) => {
+                let (body, params) = of.as_ref();
+                let whole = match body {
+                    Toothing::Gear(gear) => mesh::gear(gear, params),
+                    Toothing::Rack(rack) => mesh::rack(rack, params),
+                };
+                whole.map_err(|e| Reason::from(e.to_string()))?
             }
         };
         let n = 3 * whole.mesh.nodes.len();

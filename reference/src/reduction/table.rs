@@ -138,7 +138,7 @@ fn computed(
     let candidates = shared::lowest(&basis, wanted);
     let whole = match Source::read(reader, &given.mesh)? {
         Source::Generated(params) if of.sector => {
-            Whole::Generated(reader.context.body.clone(), params)
+            Whole::Generated(Box::new((reader.context.body.clone(), *params)))
         }
         _ => Whole::AtHand,
     };

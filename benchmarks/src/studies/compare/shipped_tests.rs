@@ -1,5 +1,7 @@
 //! What shipped scenes are there to show.
 
+#![allow(clippy::print_stdout)]
+
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::run::{Job, run};

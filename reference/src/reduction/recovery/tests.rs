@@ -1,6 +1,8 @@
 //! What is found behind the flanks is, at the flanks, what the gear computes with; and modes that are kept or cut carry the same
 //! static displacement everywhere.
 
+#![allow(clippy::print_stdout)]
+
 use super::*;
 use crate::reduction::choose::{ModalDamping, reduced};
 use crate::reduction::{Wanted, basis};
@@ -17,7 +19,7 @@ fn of(teeth: u32, helix: f64, mounting: Mounting, by_sector: bool, along_profile
     let (mesh, basis, whole) = if by_sector {
         let mesh = mesh::sector(&gear, &params).unwrap();
         let basis = basis::of_sector(&mesh, &material, &mounting, wanted, along_profile);
-        let whole = Whole::Generated(Toothing::Gear(gear), Box::new(params));
+        let whole = Whole::Generated(Box::new((Toothing::Gear(gear), params)));
         (mesh, basis, whole)
     } else {
         let mesh = mesh::gear(&gear, &params).unwrap();

@@ -1,4 +1,4 @@
-//! Conical gears (beveloids) on axes that meet: the pair of seed 000 against an independent tooth-contact analysis.
+//! Conical gears (beveloids) on axes that meet: the pair of the SIMPACK User Meeting of 2014 against an independent tooth-contact analysis.
 
 mod elastic;
 mod loaded;
