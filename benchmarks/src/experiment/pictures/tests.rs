@@ -254,8 +254,9 @@ fn elastic_gears_show_their_displacement() {
 /// Full finite elements: nodes of the bore turn with the hub, the others yield.
 #[test]
 fn full_finite_elements_show_their_nodes() {
-    let (run, frames) = pictured(&coarse_full(), NEWMARK.at_step(1e-6), 41);
-    bears_the_force(&run, &frames, 2e-2);
+    // Steps of a microsecond make a peak of their own between two frames.
+    let (run, frames) = pictured(&coarse_full(), NEWMARK.at_step(2e-7), 13);
+    bears_the_force(&run, &frames, 5e-2);
     for (_, read) in &frames {
         let (places, off) = (read.vectors("Points"), read.vectors("displacement"));
         let mut held = 0;
