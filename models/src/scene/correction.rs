@@ -1,17 +1,13 @@
 //! The Newton correction: gears apart, then contacts as low-rank terms (Woodbury).
 //!
-//! ```text
-//! A = A0 - U V,    x = x0 + Z y,    (I - V Z) y = V x0,    Z = A0^-1 U
-//! ```
-//!
-//! with a row `V` and a column `U` for each normal force (for each of both gears, where stiffness or separation changes along
+//! ([`low_rank`](super::low_rank)) with a row and a column for each normal force (for each of both gears, where stiffness or separation changes along
 //! the path), and for each sliding force where there is friction. Many
 //! contacts of large gears, and those of gears with displacement fields, have forms of their own.
 
 use super::active::{Answer, moves};
 use super::assembled::Scene;
 use super::condensed::kappa;
-use gearbench_integrators::dense_solve::solve_in_place;
+use super::low_rank::LowRank;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 
 impl Scene {
@@ -38,7 +34,6 @@ impl Scene {
         links: bool,
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular> {
-        let n = self.n;
         self.correct_gears(at, c, rhs_to_x)?;
         if self.fields {
             return self.correct_nodal(at, c, rhs_to_x);
@@ -58,61 +53,32 @@ impl Scene {
             return self.correct_one_contact(at, c, rhs_to_x);
         }
 
-        // Rows V (how the forces answer to x) and columns Z = A0^-1 U (how x answers to the forces).
-        let mut v = std::mem::take(&mut self.work.v);
-        let mut z = std::mem::take(&mut self.work.z);
-        v.clear();
-        z.clear();
+        let mut terms = std::mem::take(&mut self.work.low_rank);
+        terms.begin(self.n, self.gears.len());
         for i in 0..m {
-            self.terms_of_contact(at, c, i, &mut v, &mut z);
+            self.terms_of_contact(at, c, i, &mut terms);
         }
-        let of_contacts = v.len() / n;
         if links {
-            self.terms_of_shafts(c, &mut v, &mut z);
+            self.terms_of_shafts(c, &mut terms);
         }
-        let terms = v.len() / n;
-        let mut result = Ok(());
-        let mut small = std::mem::take(&mut self.work.small);
-        let mut rhs = std::mem::take(&mut self.work.rhs);
-        small.clear();
-        rhs.clear();
-        for i in 0..terms {
-            if result.is_ok() {
-                let column = &mut z[i * n..][..n];
-                result = match i.checked_sub(of_contacts) {
-                    None => self.correct_gears(at, c, column),
-                    Some(link) => self.correct_of_link(at, c, link, column),
-                };
-            }
-        }
-        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
-        for i in 0..terms {
-            let vi = &v[i * n..][..n];
-            for j in 0..terms {
-                // A = A0 - U V: the forces enter the residual with the opposite sign of stiffness.
-                let own = i.checked_sub(of_contacts);
-                let unit = match own {
-                    _ if i != j => 0.0,
-                    None => 1.0,
-                    Some(link) => self.unit_of_link(link),
-                };
-                small.push(unit - dot(vi, &z[j * n..][..n]));
-            }
-            rhs.push(dot(vi, rhs_to_x));
-        }
-        if result.is_ok() {
-            result = solve_in_place(&mut small, &mut rhs);
-        }
-        if result.is_ok() {
-            for (y, zi) in rhs.iter().zip(z.chunks_exact(n)) {
-                for (x, zij) in rhs_to_x.iter_mut().zip(zi) {
-                    *x += y * zij;
-                }
-            }
-        }
-        let work = &mut self.work;
-        (work.v, work.z, work.small, work.rhs) = (v, z, small, rhs);
-        result
+        let solved = self.correct_terms(at, c, &mut terms);
+        let solved = solved.and_then(|()| terms.solve(rhs_to_x));
+        self.work.low_rank = terms;
+        solved
+    }
+
+    /// `Z = A0^-1 U` of low-rank terms.
+    fn correct_terms(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        terms: &mut LowRank,
+    ) -> Result<(), Singular> {
+        terms.correct(|member, z| {
+            let g = &mut self.gears[member];
+            let (own, viscous) = (g.at(at), g.viscous());
+            g.model.correct(own, c, viscous, z)
+        })
     }
 
     /// Whether the condensed correction serves the contacts at hand.
@@ -145,8 +111,7 @@ impl Scene {
         c: Coeffs,
         x: &mut [f64],
     ) -> Result<(), Singular> {
-        let mut z = std::mem::take(&mut self.work.z);
-        z.clear();
+        let mut z = std::mem::take(&mut self.work.low_rank.column);
         z.resize(self.n, 0.0);
         self.work.rows[0][0].add_to(1.0, &mut z);
         let solved = self.correct_gears(at, c, &mut z);
@@ -159,43 +124,34 @@ impl Scene {
         for (x, z) in x.iter_mut().zip(&z) {
             *x += y * z;
         }
-        self.work.z = z;
+        z.fill(0.0);
+        self.work.low_rank.column = z;
         if singular { Err(Singular) } else { solved }
     }
 
-    /// Appends rows and columns of contact `i`: one where both gears feel the same change of force, else one for each,
-    /// and one of the sliding force.
-    fn terms_of_contact(
-        &self,
-        at: At<'_>,
-        c: Coeffs,
-        i: usize,
-        v: &mut Vec<f64>,
-        z: &mut Vec<f64>,
-    ) {
-        let n = self.n;
+    /// Adds the terms of contact `i`: one where both gears feel the same change of force, else one for each, and one of the
+    /// sliding force.
+    fn terms_of_contact(&self, at: At<'_>, c: Coeffs, i: usize, terms: &mut LowRank) {
         let (a, rows, t) = (
             &self.work.active[i],
             &self.work.rows[i],
             &self.work.tangents[i],
         );
+        let [first, second] = self.meshes[a.mesh].gears;
+        let members = [first.min(second), first.max(second)];
+        let members = || members.map(|i| (i, self.gears[i].range())).into_iter();
         let by = |row: [f64; 2]| row.map(|k| c.k * k + c.d * t.rate);
-        let grow = |x: &mut Vec<f64>| {
-            let from = x.len();
-            x.resize(from + n, 0.0);
-            from
-        };
         let parts = if t.plain { 0..1 } else { 0..2 };
         for k in parts {
-            let (in_v, in_z) = (grow(v), grow(z));
-            rows[0].add_parts_to(by(t.on[k]), &mut v[in_v..]);
-            self.add_answers(i, c, |answer| answer.on[k], &mut v[in_v..]);
+            rows[0].add_parts_to(by(t.on[k]), &mut terms.row);
+            self.add_answers(i, c, |answer| answer.on[k], &mut terms.row);
             let own = match (t.plain, k) {
                 (true, _) => [1.0, 1.0],
                 (false, 0) => [1.0, 0.0],
                 (false, _) => [0.0, 1.0],
             };
-            rows[0].add_parts_to(own, &mut z[in_z..]);
+            rows[0].add_parts_to(own, &mut terms.column);
+            terms.push(members(), 1.0);
         }
         if self.meshes[a.mesh].friction.is_none() {
             return;
@@ -205,24 +161,25 @@ impl Scene {
         let turn = rows[2].dot(at.v) - rows[1].dot(at.v);
         let along = [[1.0, 0.0], [0.0, 1.0]].map(|d| moves(&self.meshes[a.mesh], candidate, d));
         let per_s = c.k * a.friction.df_dv * turn;
-        let (in_v, in_z) = (grow(v), grow(z));
-        rows[0].add_parts_to(by(t.normal).map(|x| a.friction.df_dn * x), &mut v[in_v..]);
+        let of_normal = by(t.normal).map(|x| a.friction.df_dn * x);
+        rows[0].add_parts_to(of_normal, &mut terms.row);
         self.add_answers(
             i,
             c,
             |answer| a.friction.df_dn * answer.normal,
-            &mut v[in_v..],
+            &mut terms.row,
         );
-        rows[1].add_to(c.d * a.friction.df_dv, &mut v[in_v..]);
-        rows[0].add_parts_to(along.map(|x| per_s * x), &mut v[in_v..]);
-        rows[1].add_to(1.0, &mut z[in_z..]);
+        rows[1].add_to(c.d * a.friction.df_dv, &mut terms.row);
+        rows[0].add_parts_to(along.map(|x| per_s * x), &mut terms.row);
+        rows[1].add_to(1.0, &mut terms.column);
+        terms.push(members(), 1.0);
         // The turning of the sliding row (dt/ds F) is left out of the Newton matrix: it is of the size of
         // F / r_b against a contact stiffness, and costs a further rank.
     }
 
     /// Adds to a row of contact `i` how it answers to its neighbours.
     fn add_answers(&self, i: usize, c: Coeffs, by: impl Fn(&Answer) -> f64, row: &mut [f64]) {
-        for answer in self.work.answers.iter().filter(|answer| answer.of == i) {
+        for answer in self.work.answers_of(i) {
             let factor = c.k * by(answer);
             let elastic = self.work.tangents[answer.to].elastic;
             self.work.rows[answer.to][0].add_parts_to(elastic.map(|x| factor * x), row);

@@ -32,6 +32,7 @@ mod free_flight;
 mod friction;
 mod hubs;
 mod linear_path;
+mod low_rank;
 mod members;
 mod mesh_assembly;
 mod modal;

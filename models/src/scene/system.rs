@@ -136,7 +136,7 @@ impl SecondOrderSystem for Scene {
             let of_rate = t.rate * rows[0].dot(dv);
             let by = |row: [f64; 2]| row[0] * d[0] + row[1] * d[1] + of_rate;
             let (mut on, mut normal) = (t.on.map(by), by(t.normal));
-            for answer in work.answers.iter().filter(|answer| answer.of == i) {
+            for answer in work.answers_of(i) {
                 let [k, l] = work.tangents[answer.to].elastic;
                 let d = work.rows[answer.to][0].dot_parts(dq);
                 let elastic = k * d[0] + l * d[1];

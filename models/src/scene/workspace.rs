@@ -3,6 +3,7 @@
 use super::active::{Active, Answer, Tangent};
 use super::carriers::RelativeState;
 use super::condensed::Condensed;
+use super::low_rank::LowRank;
 use super::nodal::{Nodal, Reduced};
 use super::shafts::ShaftWork;
 use crate::contact::Candidate;
@@ -71,10 +72,8 @@ pub(super) struct Workspace {
     pub nodal: Nodal,
     /// Their tangent.
     pub reduced: Reduced,
-    /// Newton correction: rows V, columns Z, small matrix, small vector.
-    pub v: Vec<f64>,
-    pub z: Vec<f64>,
-    pub small: Vec<f64>,
+    /// Newton correction: terms of contacts and links.
+    pub low_rank: LowRank,
     pub rhs: Vec<f64>,
     /// Forces along the path by compliance between contacts: whose, and how much.
     pub along_path: Vec<(usize, f64)>,
@@ -84,4 +83,13 @@ pub(super) struct Workspace {
     pub reported: Reported,
     /// Row for a gap rate on its own.
     pub scratch: Row,
+}
+
+impl Workspace {
+    /// How a contact answers to those that bend the same body; answers stand in the order of the contacts.
+    pub fn answers_of(&self, contact: usize) -> &[Answer] {
+        let from = self.answers.partition_point(|a| a.of < contact);
+        let to = from + self.answers[from..].partition_point(|a| a.of == contact);
+        &self.answers[from..to]
+    }
 }

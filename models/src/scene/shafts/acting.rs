@@ -3,6 +3,7 @@
 use super::links::{Link, small};
 use crate::kinematics::Wrench;
 use crate::scene::assembled::Scene;
+use crate::scene::low_rank::LowRank;
 use crate::scene::members::SceneGear;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, SecondOrderSystem, Singular};
@@ -66,33 +67,17 @@ impl Scene {
         }
     }
 
-    /// Appends the rows and columns of the links to those of contacts in a Newton correction.
-    pub(in crate::scene) fn terms_of_shafts(&self, c: Coeffs, v: &mut Vec<f64>, z: &mut Vec<f64>) {
-        for link in &self.shafts.links {
-            let from = v.len();
-            v.resize(from + self.n, 0.0);
-            z.resize(from + self.n, 0.0);
-            link.add_to(-answer(link, c), &mut v[from..]);
-            link.add_to(1.0, &mut z[from..]);
+    /// Adds the terms of the links to those of contacts in a Newton correction.
+    pub(in crate::scene) fn terms_of_shafts(&self, c: Coeffs, terms: &mut LowRank) {
+        for (i, link) in self.shafts.links.iter().enumerate() {
+            link.add_to(-answer(link, c), &mut terms.row);
+            link.add_to(1.0, &mut terms.column);
+            let mut members = link.members.to_vec();
+            members.sort_unstable();
+            members.dedup();
+            let members = members.into_iter().map(|i| (i, self.gears[i].range()));
+            terms.push(members, self.unit_of_link(i));
         }
-    }
-
-    /// `z <- A0^-1 z` for the column of a link: of the gears that it joins.
-    pub(in crate::scene) fn correct_of_link(
-        &mut self,
-        at: At<'_>,
-        c: Coeffs,
-        link: usize,
-        z: &mut [f64],
-    ) -> Result<(), Singular> {
-        for member in self.shafts.links[link].members {
-            let g = &mut self.gears[member];
-            let (own, range, viscous) = (g.at(at), g.range(), g.viscous());
-            if !range.is_empty() {
-                g.model.correct(own, c, viscous, &mut z[range])?;
-            }
-        }
-        Ok(())
     }
 
     /// The correction with all links.
@@ -151,8 +136,12 @@ impl Scene {
     ) -> Result<(), Singular> {
         let (n, count) = (self.n, self.shafts.links.len());
         self.correct_sets(at, c, x)?;
-        let (mut v, mut z) = (Vec::new(), Vec::new());
-        self.terms_of_shafts(c, &mut v, &mut z);
+        let (mut v, mut z) = (vec![0.0; n * count], vec![0.0; n * count]);
+        let lines = v.chunks_exact_mut(n).zip(z.chunks_exact_mut(n));
+        for (link, (row, column)) in self.shafts.links.iter().zip(lines) {
+            link.add_to(-answer(link, c), row);
+            link.add_to(1.0, column);
+        }
         for column in z.chunks_exact_mut(n) {
             self.correct_sets(at, c, column)?;
         }
