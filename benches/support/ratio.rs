@@ -66,6 +66,22 @@ pub fn seconds<T>(work: impl FnOnce() -> T) -> f64 {
     begin.elapsed().as_secs_f64()
 }
 
+/// Time [s] that this thread was at work, where the system tells it, so that neighbours on the machine do not count; wall time
+/// elsewhere. For work of one thread.
+pub fn busy_seconds<T>(work: impl FnOnce() -> T) -> f64 {
+    let busy = || -> Option<f64> {
+        let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+        let nanoseconds: f64 = told.split_whitespace().next()?.parse().ok()?;
+        Some(1e-9 * nanoseconds)
+    };
+    let before = busy();
+    let wall = seconds(work);
+    match (before, busy()) {
+        (Some(before), Some(after)) if after > before => after - before,
+        _ => wall,
+    }
+}
+
 /// The least times [s] of two sides, of which a turn gives both times; criterion tells their ratio `[0] / [1]`.
 pub fn by_turns(
     criterion: &mut Ratios,

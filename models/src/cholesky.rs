@@ -96,21 +96,119 @@ pub(crate) fn cholesky_padded(a: &mut [f64], n: usize) -> Result<(), Singular> {
     Ok(())
 }
 
-/// `x <- (U^T U)^-1 x` for a factor of [`cholesky_padded`].
-pub(crate) fn solve_padded(u: &[f64], x: &mut [f64]) {
-    let n = x.len();
-    let stride = padded(n);
-    for k in 0..n {
-        let row = &u[k * stride..][..n];
-        let y = x[k] / row[k];
-        x[k] = y;
-        for (x, u) in x[k + 1..].iter_mut().zip(&row[k + 1..]) {
-            *x -= y * u;
-        }
+/// Where the entries of a banded matrix stand.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Places {
+    /// Last column of each row.
+    last: Vec<usize>,
+    /// First row whose last column lies in a chunk or behind it.
+    first: Vec<usize>,
+    /// Length of a row.
+    stride: usize,
+}
+
+impl Places {
+    /// The place of an entry, if it is one of the upper triangle within reach.
+    #[inline]
+    pub fn of(&self, i: usize, j: usize) -> Option<usize> {
+        let begin = i / WIDE * WIDE;
+        (j >= begin && j <= self.last[i]).then(|| i * self.stride + j - begin)
     }
-    for k in (0..n).rev() {
-        let row = &u[k * stride..][..n];
-        x[k] = (x[k] - dot(&row[k + 1..], &x[k + 1..])) / row[k];
+}
+
+/// A symmetric matrix whose rows reach from the diagonal to some column, no row less far than the one above it: its upper
+/// triangle, row `k` from the chunk of column `k` on. A matrix that couples all columns takes what a [`padded`] one does; that
+/// of a chain a band.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Banded {
+    places: Places,
+    entries: Vec<f64>,
+}
+
+impl Banded {
+    /// A matrix of zeros with `n` rows that reach as far as `pairs` of columns, lower one first, couple them.
+    pub fn reset(&mut self, n: usize, pairs: impl Iterator<Item = (usize, usize)>) {
+        let p = &mut self.places;
+        p.last.clear();
+        p.last.extend(0..n);
+        for (low, high) in pairs {
+            p.last[low] = p.last[low].max(high);
+        }
+        let (mut last, mut chunks) = (0, 0);
+        p.first.clear();
+        for (k, own) in p.last.iter_mut().enumerate() {
+            last = last.max(*own);
+            *own = last;
+            chunks = chunks.max(last / WIDE - k / WIDE + 1);
+            p.first.resize(p.first.len().max(last / WIDE + 1), k);
+        }
+        p.stride = WIDE * chunks;
+        self.entries.clear();
+        self.entries.resize(n * p.stride, 0.0);
+    }
+
+    /// Where the entries stand, and they.
+    pub fn parts(&mut self) -> (&Places, &mut [f64]) {
+        (&self.places, &mut self.entries)
+    }
+
+    /// Upper triangle `U` of `A = U^T U` in place.
+    pub fn factorise(&mut self) -> Result<(), Singular> {
+        let Places {
+            last,
+            first,
+            stride,
+        } = &self.places;
+        let stride = *stride;
+        for k in 0..last.len() {
+            let (above, row) = self.entries.split_at_mut(k * stride);
+            let (row, _) = row[..stride].as_chunks_mut::<WIDE>();
+            let own = k / WIDE;
+            // Rows that reach column k.
+            let reaching = last[..k].partition_point(|last| *last < k);
+            for (c, row) in (own..=last[k] / WIDE).zip(&mut *row) {
+                let mut sum = *row;
+                let from = reaching.max(first[c]).min(k);
+                for (p, line) in (from..k).zip(above[from * stride..].chunks_exact(stride)) {
+                    let begin = p / WIDE;
+                    let x = line[k - begin * WIDE];
+                    let (line, _) = line.as_chunks::<WIDE>();
+                    for (s, y) in sum.iter_mut().zip(&line[c - begin]) {
+                        *s -= x * y;
+                    }
+                }
+                *row = sum;
+            }
+            let pivot = row[0][k % WIDE];
+            if !(pivot > 0.0 && pivot.is_finite()) {
+                return Err(Singular);
+            }
+            let per = pivot.sqrt().recip();
+            for row in row {
+                for x in row {
+                    *x *= per;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// `x <- (U^T U)^-1 x` of a matrix that was factorised.
+    pub fn solve(&self, x: &mut [f64]) {
+        let p = &self.places;
+        let row = |k: usize| &self.entries[k * p.stride + k % WIDE..][..p.last[k] - k + 1];
+        for k in 0..x.len() {
+            let row = row(k);
+            let y = x[k] / row[0];
+            x[k] = y;
+            for (x, u) in x[k + 1..].iter_mut().zip(&row[1..]) {
+                *x -= y * u;
+            }
+        }
+        for k in (0..x.len()).rev() {
+            let row = row(k);
+            x[k] = (x[k] - dot(&row[1..], &x[k + 1..][..row.len() - 1])) / row[0];
+        }
     }
 }
 
@@ -182,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn a_padded_factorisation_solves() {
+    fn a_padded_factorisation_inverts() {
         for n in [1, 7, 8, 9, 19, 24] {
             let m: Vec<f64> = (0..n * n).map(|i| ((i * i + 3) as f64).sin()).collect();
             let stride = padded(n);
@@ -193,8 +291,6 @@ mod tests {
                 }
                 a[i * stride + i] += 1.0;
             }
-            let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
-            let mut b: Vec<f64> = (0..n).map(|i| dot(&a[i * stride..][..n], &x)).collect();
             let plain = a.clone();
             cholesky_padded(&mut a, n).unwrap();
             let mut inverse = vec![];
@@ -208,13 +304,43 @@ mod tests {
                     assert!((unit - want).abs() < 1e-12, "{n}: {unit} {want}");
                 }
             }
-            solve_padded(&a, &mut b);
-            for (b, x) in b.iter().zip(&x) {
-                assert!((b - x).abs() < 1e-12, "{n}: {b} {x}");
-            }
         }
         let mut indefinite = [0.0; 16];
         (indefinite[0], indefinite[1], indefinite[9]) = (1.0, 2.0, 1.0);
         assert_eq!(cholesky_padded(&mut indefinite, 2), Err(Singular));
+    }
+
+    /// Chains of blocks of which each couples to the next, and one that couples all.
+    #[test]
+    fn a_banded_factorisation_solves() {
+        for (n, block) in [(1, 1), (9, 9), (40, 40), (40, 5), (61, 7), (64, 8)] {
+            let reaches = |i: usize| ((i / block + 2) * block - 1).min(n - 1);
+            let mut banded = Banded::default();
+            banded.reset(n, (0..n).map(|i| (i, reaches(i))));
+            let mut whole = vec![0.0; n * n];
+            for i in 0..n {
+                for j in i..=reaches(i) {
+                    let x = ((i * n + j + 3) as f64).sin() + if i == j { n as f64 } else { 0.0 };
+                    (whole[i * n + j], whole[j * n + i]) = (x, x);
+                    let (places, entries) = banded.parts();
+                    entries[places.of(i, j).unwrap()] = x;
+                }
+            }
+            assert!(banded.parts().0.of(0, reaches(0) + 1).is_none());
+            let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+            let mut b: Vec<f64> = (0..n).map(|i| dot(&whole[i * n..][..n], &x)).collect();
+            banded.factorise().unwrap();
+            banded.solve(&mut b);
+            for (b, x) in b.iter().zip(&x) {
+                assert!((b - x).abs() < 1e-12, "{n}, {block}: {b} {x}");
+            }
+        }
+        let mut indefinite = Banded::default();
+        indefinite.reset(2, [(0, 1)].into_iter());
+        let (places, entries) = indefinite.parts();
+        for (i, j, x) in [(0, 0, 1.0), (0, 1, 2.0), (1, 1, 1.0)] {
+            entries[places.of(i, j).unwrap()] = x;
+        }
+        assert_eq!(indefinite.factorise(), Err(Singular));
     }
 }

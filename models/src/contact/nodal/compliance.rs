@@ -9,7 +9,7 @@ const RANK: f64 = 1e-13;
 const REGULAR: f64 = 1e-8;
 
 /// Nodes of one gear in the solve.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Block {
     /// Its first node.
     pub start: usize,
@@ -37,6 +37,35 @@ pub(super) struct Compliance {
     /// Of the factorisations.
     factor: Vec<f64>,
     line: Vec<f64>,
+    /// The nodes before these, and where each block that was the same then finds its inverse there.
+    before: Before,
+    kept: Vec<Option<usize>>,
+}
+
+/// What was known of the nodes before the present ones.
+#[derive(Clone, Debug, Default)]
+struct Before {
+    blocks: Vec<Block>,
+    numbers: Vec<u32>,
+    matrix: Vec<f64>,
+    inverse: Vec<f64>,
+    regular: bool,
+}
+
+impl Before {
+    /// Takes what a compliance knows, and leaves it empty.
+    fn take_from(&mut self, c: &mut Compliance) {
+        std::mem::swap(&mut self.blocks, &mut c.blocks);
+        std::mem::swap(&mut self.numbers, &mut c.numbers);
+        std::mem::swap(&mut self.matrix, &mut c.matrix);
+        std::mem::swap(&mut self.inverse, &mut c.inverse);
+        self.regular = c.regular == Some(true);
+        c.blocks.clear();
+        c.numbers.clear();
+        c.matrix.clear();
+        c.inverse.clear();
+        c.kept.clear();
+    }
 }
 
 impl Compliance {
@@ -47,22 +76,50 @@ impl Compliance {
     }
 
     /// See [`NodalSolve::set_nodes`](super::NodalSolve::set_nodes).
-    pub fn set(&mut self, blocks: &[Block], numbers: &[u32], fill: impl FnOnce(&mut [f64])) {
+    pub fn set(
+        &mut self,
+        blocks: &[Block],
+        numbers: &[u32],
+        mut fill: impl FnMut(usize, &mut [f64]),
+    ) {
         if self.n > 0 && self.blocks == blocks && self.numbers == numbers {
             return;
         }
-        self.blocks.clear();
+        let mut before = std::mem::take(&mut self.before);
+        before.take_from(self);
         self.blocks.extend_from_slice(blocks);
-        self.numbers.clear();
         self.numbers.extend_from_slice(numbers);
         self.n = numbers.len();
-        self.matrix.clear();
         let size = blocks.iter().map(|b| b.len * b.len).sum();
         self.matrix.resize(size, 0.0);
-        fill(&mut self.matrix);
+        // Of many gears the nodes of few change.
+        let mut rest = self.matrix.as_mut_slice();
+        let same = before.blocks.len() == blocks.len();
+        let (mut of_matrix, mut of_inverse) = (0, 0);
+        for (k, b) in blocks.iter().enumerate() {
+            let (own, behind) = rest.split_at_mut(b.len * b.len);
+            rest = behind;
+            let was = if same {
+                before.blocks[k]
+            } else {
+                Block::default()
+            };
+            let known = before.numbers.get(was.start..was.start + was.len);
+            if same && known == Some(&numbers[b.start..][..b.len]) {
+                own.copy_from_slice(&before.matrix[of_matrix..][..own.len()]);
+                self.kept.push(before.regular.then_some(of_inverse));
+            } else {
+                fill(k, own);
+                self.kept.push(None);
+            }
+            of_matrix += was.len * was.len;
+            of_inverse += was.len * padded(was.len);
+        }
+        self.before = before;
         if self.n == 0 {
             // One node that does not give way: points without weights need no case of their own.
             self.blocks.push(Block { start: 0, len: 1 });
+            self.kept.push(None);
             self.matrix.push(0.0);
             self.n = 1;
         }
@@ -78,10 +135,15 @@ impl Compliance {
         let mut regular = true;
         self.inverse.clear();
         let mut begin = 0;
-        for b in &self.blocks {
+        for (b, kept) in self.blocks.iter().zip(&self.kept) {
             let r = &self.matrix[begin..][..b.len * b.len];
             begin += b.len * b.len;
             let stride = padded(b.len);
+            if let Some(from) = *kept {
+                let before = &self.before.inverse[from..][..b.len * stride];
+                self.inverse.extend_from_slice(before);
+                continue;
+            }
             self.factor.clear();
             self.factor.resize(b.len * stride, 0.0);
             let mut largest = 0.0_f64;

@@ -22,7 +22,7 @@
 use super::compliance::{Block, Compliance};
 use super::few::FewPoints;
 use super::spring::{Gathered, Spring, add_points, deepest, elastic_at};
-use crate::cholesky::{backward, cholesky, cholesky_padded, dot, forward, padded, solve_padded};
+use crate::cholesky::{Banded, backward, cholesky, dot, forward, padded};
 use gearbench_integrators::system::Singular;
 
 /// Changes of the set of closed points after which Newton's method with a line search takes over.
@@ -42,6 +42,8 @@ pub struct NodalSolve {
     stiffness: Vec<f64>,
     /// `I + C^T S C` and its factor.
     small: Vec<f64>,
+    /// `R^-1 + S` and its factor.
+    regular: Banded,
     closed: Vec<bool>,
     y: Vec<f64>,
     trial: Vec<f64>,
@@ -59,9 +61,14 @@ impl NodalSolve {
         self.compliance.forget();
     }
 
-    /// Takes the nodes: their `numbers`, by which they are known again, block by block. `fill` writes `R` of each block,
-    /// one row-major matrix after the other.
-    pub fn set_nodes(&mut self, blocks: &[Block], numbers: &[u32], fill: impl FnOnce(&mut [f64])) {
+    /// Takes the nodes: their `numbers`, by which they are known again, block by block. `fill` writes `R` of a block whose nodes
+    /// are not those that it had, row-major.
+    pub fn set_nodes(
+        &mut self,
+        blocks: &[Block],
+        numbers: &[u32],
+        fill: impl FnMut(usize, &mut [f64]),
+    ) {
         self.compliance.set(blocks, numbers, fill);
     }
 
@@ -172,27 +179,33 @@ impl NodalSolve {
     /// Displacements of closed points by the inverse of the compliance.
     fn solve_regular<'a>(
         &mut self,
-        points: impl Iterator<Item = (&'a Spring, f64, f64)>,
+        points: impl Iterator<Item = (&'a Spring, f64, f64)> + Clone,
     ) -> Result<(), Singular> {
-        let stride = padded(self.compliance.n);
-        self.small.clear();
-        self.small.resize(self.compliance.n * stride, 0.0);
+        let (n, blocks) = (self.compliance.n, &self.compliance.blocks);
+        let of_blocks = blocks.iter().filter(|b| b.len > 0);
+        let of_blocks = of_blocks.map(|b| (b.start, b.start + b.len - 1));
+        let of_points = points.clone().filter_map(|(s, ..)| s.span());
+        self.regular.reset(n, of_blocks.chain(of_points));
         let mut lines = self.compliance.inverse.as_slice();
         for b in &self.compliance.blocks {
-            for i in b.start..b.start + b.len {
+            for i in 0..b.len {
                 let (line, rest) = lines.split_at(padded(b.len));
-                self.small[i * stride + b.start..][..b.len].copy_from_slice(&line[..b.len]);
+                let (places, entries) = self.regular.parts();
+                if let Some(place) = places.of(b.start + i, b.start + i) {
+                    entries[place..][..b.len - i].copy_from_slice(&line[i..b.len]);
+                }
                 lines = rest;
             }
         }
         self.u.clear();
-        self.u.resize(self.compliance.n, 0.0);
-        add_points(points, stride, &mut self.small, &mut self.u);
+        self.u.resize(n, 0.0);
+        let (places, entries) = self.regular.parts();
+        add_points(points, |i, j| places.of(i, j), entries, &mut self.u);
         for u in &mut self.u {
             *u = -*u;
         }
-        cholesky_padded(&mut self.small, self.compliance.n)?;
-        solve_padded(&self.small, &mut self.u);
+        self.regular.factorise()?;
+        self.regular.solve(&mut self.u);
         Ok(())
     }
 
@@ -340,7 +353,12 @@ impl NodalSolve {
         self.stiffness.resize(n * n, 0.0);
         self.nodal.clear();
         self.nodal.resize(n, 0.0);
-        add_points(points, n, &mut self.stiffness, &mut self.nodal);
+        add_points(
+            points,
+            |i, j| Some(i * n + j),
+            &mut self.stiffness,
+            &mut self.nodal,
+        );
     }
 
     /// `small = I + C^T S C`, factorised.

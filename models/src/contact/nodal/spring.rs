@@ -61,6 +61,13 @@ impl Spring {
         }
     }
 
+    /// Its first and last node that weigh anything.
+    pub(super) fn span(&self) -> Option<(usize, usize)> {
+        let all = self.nodes.iter().zip(self.weights);
+        let own = all.filter(|(_, w)| *w != 0.0).map(|(n, _)| *n as usize);
+        Some((own.clone().min()?, own.max()?))
+    }
+
     /// `w . u`.
     #[inline]
     pub fn along(&self, u: &[f64]) -> f64 {
@@ -124,11 +131,12 @@ impl Gathered {
     }
 }
 
-/// Adds stiffness `k w w^T` and force `f w` of points to a matrix and a vector, face by face.
+/// Adds stiffness `k w w^T` and force `f w` of points to a matrix and a vector, face by face; `place` says where an entry of
+/// the matrix stands, if anywhere.
 #[inline]
 pub(super) fn add_points<'a>(
     points: impl Iterator<Item = (&'a Spring, f64, f64)>,
-    stride: usize,
+    place: impl Fn(usize, usize) -> Option<usize>,
     matrix: &mut [f64],
     vector: &mut [f64],
 ) {
@@ -137,9 +145,10 @@ pub(super) fn add_points<'a>(
     let mut flush = |nodes: &[u32; 8], s: &mut [[f64; 8]; 8], f: &mut [f64; 8]| {
         for i in 0..8 {
             let at = nodes[i] as usize;
-            let row = &mut matrix[at * stride..][..stride];
             for j in 0..8 {
-                row[nodes[j] as usize] += s[i][j];
+                if let Some(place) = place(at, nodes[j] as usize) {
+                    matrix[place] += s[i][j];
+                }
             }
             vector[at] += f[i];
         }

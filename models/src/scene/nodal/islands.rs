@@ -153,6 +153,8 @@ pub(in crate::scene) struct Nodal {
     /// Points of all islands.
     pub found: NodalPoints,
     pub(in crate::scene) numbers: Vec<u32>,
+    /// Whether the nodes of each gear give way in the present solve.
+    pub(in crate::scene) giving: Vec<bool>,
     pub(in crate::scene) ports: Vec<u32>,
     pub(in crate::scene) guess: Vec<f64>,
     pub(in crate::scene) averages: Averages,

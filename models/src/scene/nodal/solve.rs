@@ -128,7 +128,10 @@ impl Nodal {
         } else {
             &here.compliant
         };
+        self.giving.clear();
+        self.giving.resize(gears.len(), false);
         for &g in giving {
+            self.giving[g] = true;
             self.gears[g].index.fill(UNUSED);
         }
         for a in &self.active[start..] {
@@ -156,13 +159,9 @@ impl Nodal {
             solved.blocks.push(Block { start: begin, len });
         }
         let (blocks, numbers) = (&solved.blocks, &self.numbers);
-        solved.solve.set_nodes(blocks, numbers, |mut out| {
-            for (&g, b) in giving.iter().zip(blocks) {
-                let (block, rest) = out.split_at_mut(b.len * b.len);
-                if let Some(field) = gears[g].model.displacement() {
-                    field.compliance(&numbers[b.start..][..b.len], block);
-                }
-                out = rest;
+        solved.solve.set_nodes(blocks, numbers, |k, block| {
+            if let Some(field) = gears[giving[k]].model.displacement() {
+                field.compliance(&numbers[blocks[k].start..][..blocks[k].len], block);
             }
         });
         let velocities = std::mem::take(&mut self.kick.velocities);
@@ -175,7 +174,7 @@ impl Nodal {
             let mesh = &meshes[p.mesh as usize];
             let (mut nodes, mut weights) = ([0; 8], [0.0; 8]);
             for k in 0..2 {
-                if !giving.contains(&mesh.gears[k]) {
+                if !self.giving[mesh.gears[k]] {
                     continue;
                 }
                 let index = &self.gears[mesh.gears[k]].index;

@@ -42,7 +42,10 @@ fn problem(n: usize, m: usize, rank: usize, law: Law) -> (Vec<Block>, Vec<f64>, 
 fn set(solve: &mut NodalSolve, blocks: &[Block], r: &[f64]) {
     let n: usize = blocks.iter().map(|b| b.len).sum();
     let numbers: Vec<u32> = (0..n as u32).collect();
-    solve.set_nodes(blocks, &numbers, |out| out.copy_from_slice(r));
+    let begin = |k: usize| -> usize { blocks[..k].iter().map(|b| b.len * b.len).sum() };
+    solve.set_nodes(blocks, &numbers, |k, out| {
+        out.copy_from_slice(&r[begin(k)..][..out.len()])
+    });
 }
 
 /// `u = -R W^T N` and the law hold at the solution.
