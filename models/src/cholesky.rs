@@ -134,12 +134,26 @@ impl Banded {
         for (low, high) in pairs {
             p.last[low] = p.last[low].max(high);
         }
-        let (mut last, mut chunks) = (0, 0);
-        p.first.clear();
-        for (k, own) in p.last.iter_mut().enumerate() {
+        let mut last = 0;
+        for own in &mut p.last {
             last = last.max(*own);
             *own = last;
-            chunks = chunks.max(last / WIDE - k / WIDE + 1);
+        }
+        let widest = |last: &[usize]| {
+            let chunks = last
+                .iter()
+                .enumerate()
+                .map(|(k, l)| l / WIDE - k / WIDE + 1);
+            chunks.max().unwrap_or(0)
+        };
+        let mut chunks = widest(&p.last);
+        if 2 * WIDE * chunks > n {
+            // No band: what couples all is summed in one order, however the rows reach.
+            p.last.fill(n.saturating_sub(1));
+            chunks = widest(&p.last);
+        }
+        p.first.clear();
+        for (k, last) in p.last.iter().enumerate() {
             p.first.resize(p.first.len().max(last / WIDE + 1), k);
         }
         p.stride = WIDE * chunks;
@@ -326,7 +340,8 @@ mod tests {
                     entries[places.of(i, j).unwrap()] = x;
                 }
             }
-            assert!(banded.parts().0.of(0, reaches(0) + 1).is_none());
+            let narrow = 2 * 2 * block.next_multiple_of(WIDE) + 2 * WIDE <= n;
+            assert!(!narrow || banded.parts().0.of(0, reaches(0) + 1).is_none());
             let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
             let mut b: Vec<f64> = (0..n).map(|i| dot(&whole[i * n..][..n], &x)).collect();
             banded.factorise().unwrap();

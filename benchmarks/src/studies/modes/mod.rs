@@ -24,5 +24,7 @@ mod shares;
 mod space;
 mod summary;
 
+pub use equilibrium::{Loaded, loaded};
 pub use plan::Plan;
 pub use run::{NotSolved, Wanted, study, vibrations};
+pub use space::{Modes, Space};

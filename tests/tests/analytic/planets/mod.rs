@@ -1,6 +1,7 @@
 //! Planetary sets: forces beside the energy, what is conserved, the same set on fixed axes and turned as a whole.
 
 mod frequencies;
+mod sharing;
 
 use crate::shafts::{body, shaft};
 use gearbench_integrators::{At, Outputs, Report, Resolution, SecondOrderSystem, State};
