@@ -32,10 +32,13 @@ const MOST_HALVINGS: u32 = 45;
 
 /// A state about which a scene is linear, and what it is there.
 pub struct Loaded {
+    /// The state.
     pub state: State,
+    /// The scene to first order there.
     pub linear: Linearised,
-    /// Motions without the rigid ones, and its modes.
+    /// Motions without the rigid ones.
     pub space: Space,
+    /// Modes without the rigid motions.
     pub modes: Modes,
     /// Rigid motions `y`.
     pub rigid: Vec<DVector<f64>>,

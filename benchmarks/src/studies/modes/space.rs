@@ -25,7 +25,9 @@ pub struct Space {
 /// Eigenvalues [rad^2/s^2], ascending, and vectors in the coordinates of a space.
 #[derive(Clone, Debug)]
 pub struct Modes {
+    /// Squares of the angular frequencies, ascending [rad^2/s^2].
     pub squares: Vec<f64>,
+    /// Vectors, column by column.
     pub vectors: DMatrix<f64>,
     /// Largest `|K u - lambda u|` over the size of the matrix.
     pub residual: f64,

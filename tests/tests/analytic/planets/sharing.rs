@@ -155,7 +155,7 @@ fn a_pin_error_shifts_the_shares_of_the_planets_as_the_closed_form_says() {
         let per_pair = STIFFNESS * WIDTH;
         for k in 0..3 {
             assert_eq!((pairs(k), pairs(3 + k)), (pairs(0), pairs(3)));
-            assert!((forces[k] / forces[3 + k] - 1.0).abs() < 1e-9, "{forces:?}");
+            assert!((forces[k] / forces[3 + k] - 1.0).abs() < 1e-7, "{forces:?}");
             let stiffness = per_pair / (1.0 / pairs(k) + 1.0 / pairs(3 + k));
             let own = if k == 1 { error } else { 0.0 };
             let shift = 2.0 * stiffness * cos * (error / 3.0 - own);
