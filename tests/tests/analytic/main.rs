@@ -2,6 +2,7 @@
 //! Observed figures are printed: `cargo test --release -p gearbench-tests -- --nocapture`.
 #![allow(clippy::print_stdout)]
 
+mod backlash_damping;
 mod bearings;
 mod flank_points;
 mod flight;
