@@ -49,6 +49,7 @@
 
 mod branches;
 mod damping;
+mod dry;
 mod error;
 mod friction;
 mod half_space;
@@ -58,6 +59,7 @@ mod tests;
 
 pub use branches::{CLOSED, OPEN, SATURATED};
 pub use damping::{Damping, realised_restitution};
+pub use dry::{DryFriction, Part};
 pub use error::LawError;
 pub use friction::{Film, Friction, FrictionForce, FrictionForm, MeshFilm};
 pub use half_space::HalfSpace;

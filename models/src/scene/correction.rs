@@ -68,7 +68,7 @@ impl Scene {
         }
         let of_contacts = v.len() / n;
         if links {
-            self.terms_of_shafts(c, &mut v, &mut z);
+            self.terms_of_shafts(at, c, &mut v, &mut z);
         }
         let terms = v.len() / n;
         let mut result = Ok(());

@@ -14,7 +14,9 @@ impl Events for Scene {
         if out.is_empty() {
             return;
         }
-        self.seen(at, |scene, seen| scene.watch(seen, out));
+        let (contacts, guides) = out.split_at_mut(self.guide_events);
+        self.watch_guides(at, guides);
+        self.seen(at, |scene, seen| scene.watch(seen, contacts));
     }
 
     fn next_breakpoint(&self, t: f64) -> f64 {
@@ -44,10 +46,14 @@ impl Events for Scene {
         self.seen_state(s, Self::let_go);
         s.discrete[0] = f64::from(u8::from(located && self.locates));
         self.seen_state(s, Self::begin_contacts);
+        self.begin_guides(s);
     }
 
     fn transition(&mut self, s: &mut State, event: usize) -> Change {
-        self.seen_state(s, |scene, seen| scene.switch(seen, event))
+        match event.checked_sub(self.guide_events) {
+            Some(guide) => self.turn_guide(s, guide),
+            None => self.seen_state(s, |scene, seen| scene.switch(seen, event)),
+        }
     }
 
     fn commit(&mut self, s: &mut State) -> Change {
@@ -66,6 +72,7 @@ impl Events for Scene {
         if s.discrete[0] == 0.0 && self.tracks {
             self.seen_state(s, Self::track_modes);
         }
+        self.remember_guides(s);
         if self.remembers {
             self.seen_state(s, Self::remember_friction);
         }

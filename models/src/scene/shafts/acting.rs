@@ -60,19 +60,31 @@ impl Scene {
     }
 
     /// Adds the tangent of elastic shafts.
-    pub(in crate::scene) fn add_shaft_tangent(&self, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
+    pub(in crate::scene) fn add_shaft_tangent(
+        &self,
+        at: At<'_>,
+        [dq, dv]: [&[f64]; 2],
+        df: &mut [f64],
+    ) {
         for l in self.shafts.springs() {
-            l.add_to(-(l.stiffness * l.dot(dq) + l.damping * l.dot(dv)), df);
+            let [stiffness, damping] = l.slopes(&self.gears, at);
+            l.add_to(-(stiffness * l.dot(dq) + damping * l.dot(dv)), df);
         }
     }
 
     /// Appends the rows and columns of the links to those of contacts in a Newton correction.
-    pub(in crate::scene) fn terms_of_shafts(&self, c: Coeffs, v: &mut Vec<f64>, z: &mut Vec<f64>) {
+    pub(in crate::scene) fn terms_of_shafts(
+        &self,
+        at: At<'_>,
+        c: Coeffs,
+        v: &mut Vec<f64>,
+        z: &mut Vec<f64>,
+    ) {
         for link in &self.shafts.links {
             let from = v.len();
             v.resize(from + self.n, 0.0);
             z.resize(from + self.n, 0.0);
-            link.add_to(-answer(link, c), &mut v[from..]);
+            link.add_to(-self.answer(link, at, c), &mut v[from..]);
             link.add_to(1.0, &mut z[from..]);
         }
     }
@@ -85,7 +97,9 @@ impl Scene {
         link: usize,
         z: &mut [f64],
     ) -> Result<(), Singular> {
-        for member in self.shafts.links[link].members {
+        let [one, other] = self.shafts.links[link].members;
+        let members = [Some(one), Some(other).filter(|m| *m != one)];
+        for member in members.into_iter().flatten() {
             let g = &mut self.gears[member];
             let (own, range, viscous) = (g.at(at), g.range(), g.viscous());
             if !range.is_empty() {
@@ -152,7 +166,7 @@ impl Scene {
         let (n, count) = (self.n, self.shafts.links.len());
         self.correct_sets(at, c, x)?;
         let (mut v, mut z) = (Vec::new(), Vec::new());
-        self.terms_of_shafts(c, &mut v, &mut z);
+        self.terms_of_shafts(at, c, &mut v, &mut z);
         for column in z.chunks_exact_mut(n) {
             self.correct_sets(at, c, column)?;
         }
@@ -187,6 +201,7 @@ impl Scene {
             let [d, rate] = link.deformation(&self.gears, at);
             energy.strain += 0.5 * link.stiffness * d * d;
             power.dissipated += link.damping * rate * rate;
+            power.dissipated += link.friction([d, rate], at) * rate;
             if !link.driven.is_empty() {
                 let force = link.stiffness * d + link.damping * rate;
                 power.external += force * link.drift(&self.gears, at);
@@ -261,6 +276,20 @@ impl Scene {
         power.sum()
     }
 
+    /// What all links exert along their rows, by the last [`Self::evaluate_links`].
+    pub(super) fn acting_links(&self) -> &[f64] {
+        &self.work.shafts.acting
+    }
+
+    /// How a link's force answers to its deformation in a correction; of a rigid one by its sign alone.
+    fn answer(&self, link: &Link, at: At<'_>, c: Coeffs) -> f64 {
+        if link.is_rigid() {
+            return 1.0;
+        }
+        let [stiffness, damping] = link.slopes(&self.gears, at);
+        c.k * stiffness + c.d * damping
+    }
+
     /// Torques that stations exert on the next through the shaft [N m].
     pub(in crate::scene) fn fill_shaft_torques(&self, channels: &mut [f64]) {
         for (channel, link) in channels.iter_mut().zip(&self.shafts.torques) {
@@ -278,15 +307,6 @@ impl Scene {
         let rows = self.shafts.rigid().iter().flat_map(|l| &l.row);
         rows.into_iter()
             .any(|&(i, _)| owner(i).is_none_or(|g| swings(g, i)))
-    }
-}
-
-/// How a link's force answers to its deformation in a correction; of a rigid one by its sign alone.
-fn answer(link: &Link, c: Coeffs) -> f64 {
-    if link.is_rigid() {
-        1.0
-    } else {
-        c.k * link.stiffness + c.d * link.damping
     }
 }
 
