@@ -59,7 +59,8 @@ impl Law {
     }
 
     /// How far the branch of a closed contact is from its end (m), a force as the length of [`Self::as_length`]: the force
-    /// itself; of a bounded dashpot how much weaker, or stronger, it is than the spring.
+    /// itself; of a bounded dashpot how much weaker, or stronger, it is than the spring. Where the gap is open and the flanks
+    /// part faster than the damper's measure of speed both factors of `k d (1 + chi d'/v)` are negative: that is no push.
     #[inline]
     pub fn valid_for(&self, mode: f64, g: f64, g_rate: f64, v0: f64, k: f64) -> f64 {
         let left = if self.is_bounded() {
@@ -70,7 +71,12 @@ impl Law {
                 elastic - dashpot.abs()
             }
         } else {
-            self.smooth(g, g_rate, v0, k).n
+            let n = self.smooth(g, g_rate, v0, k).n;
+            if self.chi > 0.0 && g > 0.0 {
+                -n.abs()
+            } else {
+                n
+            }
         };
         self.as_length(left, k)
     }

@@ -126,6 +126,30 @@ fn no_impact_speed_gives_finite_forces_and_nan_is_not_hidden() {
     }
 }
 
+/// A contact that is open and parts fast does not push, though the smooth branch of the law would have it: both factors of
+/// its force have passed zero, which may happen within one step.
+#[test]
+fn parting_faster_than_the_damper_knows_is_no_push() {
+    for damping in [
+        Damping::RatioAtLoad { ratio: 0.1 },
+        Damping::Flores { e: 0.3 },
+    ] {
+        let law = Law::new(1.0, damping).unwrap();
+        let load = MeshLoad {
+            force: 20.0,
+            stiffness: K,
+            mass: MASS,
+        };
+        let law = law.under_load(load).unwrap();
+        let (g, v0) = (1e-8, 1e-4);
+        assert!(law.smooth(g, 0.5, v0, K).n > 0.0);
+        assert!(law.valid_for(CLOSED, g, 0.5, v0, K) < 0.0);
+        assert!(law.valid_for(CLOSED, -g, -0.5, v0, K) > 0.0);
+        assert!(law.valid_for(CLOSED, -g, 0.5, v0, K) < 0.0);
+        assert!(law.valid_for(CLOSED, g, -0.5, v0, K) < 0.0);
+    }
+}
+
 /// The force of a bounded dashpot is that of one of its branches, which its mode tells, and branches meet where they end.
 #[test]
 fn branches_of_a_bounded_dashpot_make_up_its_force() {

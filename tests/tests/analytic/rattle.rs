@@ -7,6 +7,7 @@ use gearbench_integrators::{
     AcceptedStep, Control, Report, Resolution, SecondOrderSystem, Sink, State, TimePlan,
 };
 use gearbench_integrators::{Outputs, Work};
+use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{ContactSpec, Load, Modelling, Mount, Profile, SceneSpec};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
@@ -76,10 +77,13 @@ fn onset(
     spec: &SceneSpec,
     modelling: &Modelling,
     (method, resolution): (&str, Resolution),
-    halves: usize,
+    (settle, halves): (f64, usize),
 ) -> f64 {
     let [_, frequency] = swing(spec);
     let models = gearbench::models::models();
+    let [mean, _] = swing(spec);
+    // What of the wheel has its speed is then found again by it.
+    let spec = &with_amplitude(spec, 0.02 * mean + 1.0);
     let mut scene = Scene::build(spec, modelling, models).unwrap();
     let closed = 1.5 * drag(spec, &scene) / (TAU * frequency);
     let parts = |scene: &mut Scene, amplitude: f64| {
@@ -101,12 +105,12 @@ fn onset(
             }
         });
         let mut sink = Parted {
-            from: 1.0 / frequency,
+            from: settle / frequency,
             force: named(scene, "force:0"),
             parted: false,
             out: Outputs::default(),
         };
-        let plan = TimePlan::new(2.5 / frequency, resolution);
+        let plan = TimePlan::new((settle + 1.5) / frequency, resolution);
         let mut work = Work::default();
         let mut m = gearbench_integrators::method(method).unwrap();
         m.run(scene, &mut s, &plan, &mut sink, &mut work).unwrap();
@@ -133,7 +137,14 @@ fn shipped(labels: &str) -> SceneFile {
 #[test]
 fn a_loose_gear_rattles_from_the_closed_form_on() {
     let file = shipped("rigid");
-    for (frequency, mean) in [(50.0, 0.0), (100.0, 0.0), (100.0, 200.0)] {
+    // Strong dampers, too: flanks that part faster than these know.
+    for (frequency, mean, ratio) in [
+        (50.0, 0.0, 0.05),
+        (100.0, 0.0, 0.05),
+        (100.0, 200.0, 0.05),
+        (100.0, 3.0, 0.1),
+        (100.0, 3.0, 0.3),
+    ] {
         let mut spec = file.spec.clone();
         spec.gears[0].mount = Mount::Driven(Profile::Harmonic {
             mean,
@@ -147,15 +158,18 @@ fn a_loose_gear_rattles_from_the_closed_form_on() {
                 per_width: 1.4e10,
                 of: PairOrMesh::Mesh,
             },
+            damping: Damping::RatioAtLoad { ratio },
             ..modelling.contacts[0].clone()
         };
         let at = onset(
             &spec,
             &modelling,
             ("dopri5", Resolution::Tolerance(1e-7)),
-            14,
+            (1.0, 14),
         );
-        println!("{frequency} Hz about {mean} rad/s: parts at {at:.5} of the closed form");
+        println!(
+            "{frequency} Hz about {mean} rad/s, damping ratio {ratio}: parts at {at:.5} of the closed form"
+        );
         assert!((at - 1.0).abs() < 1e-2, "{at}");
     }
 }
@@ -167,9 +181,9 @@ fn models_rattle_near_the_closed_form() {
     for label in ["rigid", "movable-teeth", "elastic"] {
         let file = shipped(label);
         let model = file.model(label).unwrap();
-        let (method, halves) = match label {
-            "elastic" => (("trigonometric", Resolution::Step(1e-6)), 9),
-            _ => (("dopri5", Resolution::Tolerance(1e-6)), 12),
+        let (method, settle, halves) = match label {
+            "elastic" => (("trigonometric", Resolution::Step(1e-6)), 6.0, 9),
+            _ => (("dopri5", Resolution::Tolerance(1e-6)), 6.0, 12),
         };
         let turning = file.spec_for(model);
         let [_, frequency] = swing(&turning);
@@ -180,12 +194,12 @@ fn models_rattle_near_the_closed_form() {
             frequency,
             phase: 0.0,
         });
-        let [at_rest, at_speed] =
-            [&standing, &turning].map(|spec| onset(spec, &model.modelling, method, halves));
+        let [at_rest, at_speed] = [&standing, &turning]
+            .map(|spec| onset(spec, &model.modelling, method, (settle, halves)));
         println!(
             "{label}: parts at {at_rest:.4} of the closed form about rest, at {at_speed:.4} as shipped"
         );
-        assert!((at_rest - 1.0).abs() < 0.02, "{label}: {at_rest}");
+        assert!((at_rest - 1.0).abs() < 0.05, "{label}: {at_rest}");
         assert!(at_speed < at_rest);
     }
 }
