@@ -28,6 +28,7 @@ mod shafts;
 mod small_signals;
 mod space;
 mod statics;
+mod steering;
 mod tangents;
 mod tooth_springs;
 mod trains;

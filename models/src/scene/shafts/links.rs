@@ -172,7 +172,7 @@ impl Shafts {
                     ShaftDamping::None => 0.0,
                     ShaftDamping::Time(time) => *time,
                     ShaftDamping::Ratio(ratio) => {
-                        lowest(&own, mass).map_or(0.0, |w| 2.0 * ratio / w)
+                        lowest(&own, mass, gears).map_or(0.0, |w| 2.0 * ratio / w)
                     }
                 };
                 own.iter_mut().for_each(|l| l.damping = time * l.stiffness);
@@ -355,11 +355,18 @@ fn of_ground(ground: &Ground, gears: &[SceneGear]) -> Link {
     }
 }
 
-/// The lowest angular frequency above zero of some elastic links and the masses that they join [rad/s].
-fn lowest(links: &[&mut Link], mass: &[f64]) -> Option<f64> {
+/// The lowest angular frequency above zero of some elastic links and the masses that they join [rad/s]: of bodies as a whole,
+/// whatever shapes their hubs take part in.
+fn lowest(links: &[&mut Link], mass: &[f64], gears: &[SceneGear]) -> Option<f64> {
+    let of_hub = |i: usize| {
+        let moves = |g: &&SceneGear| g.range().contains(&i);
+        let owner = gears.iter().find(moves);
+        owner.is_some_and(|g| i < g.offset + g.model.hub().first())
+    };
     let mut touched: Vec<usize> = links
         .iter()
         .flat_map(|l| l.row.iter().map(|r| r.0))
+        .filter(|i| of_hub(*i))
         .collect();
     touched.sort_unstable();
     touched.dedup();
@@ -370,8 +377,9 @@ fn lowest(links: &[&mut Link], mass: &[f64]) -> Option<f64> {
     let mut matrix = DMatrix::<f64>::zeros(n, n);
     for link in links {
         let of = |i: usize, w: f64| (touched.binary_search(&i).unwrap_or(0), w / mass[i].sqrt());
-        for &(i, wi) in &link.row {
-            for &(j, wj) in &link.row {
+        let hubs = || link.row.iter().filter(|(i, _)| of_hub(*i));
+        for &(i, wi) in hubs() {
+            for &(j, wj) in hubs() {
                 let ((i, wi), (j, wj)) = (of(i, wi), of(j, wj));
                 matrix[(i, j)] += link.stiffness * wi * wj;
             }
