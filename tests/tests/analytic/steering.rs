@@ -132,9 +132,9 @@ fn clunk_and_onset_of_rattle_beside_finite_elements() {
     .0;
     println!("fe: {fe:?}");
     for (label, method, peak, time) in [
-        ("rigid", TIGHT, 0.15, 0.02),
-        ("movable-teeth", TIGHT, 0.35, 0.02),
-        ("elastic", EXACT, 0.05, 0.01),
+        ("rigid", TIGHT, 0.07, 5e-3),
+        ("movable-teeth", TIGHT, 0.16, 1e-2),
+        ("elastic", EXACT, 0.05, 2e-3),
     ] {
         let own = of(label, method, until).0;
         let off = [
