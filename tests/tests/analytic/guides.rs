@@ -59,7 +59,7 @@ fn a_rack_on_a_spring_and_a_damper_is_an_oscillator() {
         &contact(1e10),
     );
     for method in methods_of(&mut scene) {
-        let resolution = resolution(&method.info, 2e-6, 1e-9);
+        let resolution = resolution(method.info, 2e-6, 1e-9);
         let (end, ledger) = run_to(&mut scene, method.info.id, resolution, t);
         let error = (end.q[0] - exact).abs() / rest;
         println!(
