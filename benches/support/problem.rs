@@ -90,6 +90,7 @@ impl Problem {
             material: Material::STEEL,
             added_inertia: 0.0,
             mount: Mount::Revolute,
+            guide: None,
             lateral: None,
             axes: UPRIGHT,
             position: [x, 0.0, 0.0],

@@ -151,6 +151,7 @@ fn run(mesh: &str, points: PointContact, folder: &Path) -> Result<Vec<f64>, Fail
         inertia: None,
         added_inertia: 0.0,
         mount: Mount::Revolute,
+        guide: None,
         lateral: None,
         axes: UPRIGHT,
         position: [i as f64 * 0.1001, 0.0, 0.0],

@@ -32,6 +32,7 @@ pub fn gear(name: &str, params: GearParams, x: f64, speed: f64) -> GearSpec {
         inertia: None,
         added_inertia: 0.0,
         mount: Mount::Revolute,
+        guide: None,
         lateral: None,
         axes: UPRIGHT,
         position: [x, 0.0, 0.0],

@@ -275,6 +275,7 @@ pub fn ledger_record(
         && job.scene.gears.iter().all(|g| {
             g.loads.is_empty()
                 && g.lateral.is_none()
+                && g.guide.is_none()
                 && matches!(
                     g.mount,
                     gearbench_models::spec::Mount::Revolute

@@ -1,6 +1,6 @@
 //! What a reader must know of a scene, beside the results of a study.
 
-use super::shaft_text::shaft_text;
+use super::shaft_text::{guide_text, shaft_text};
 use crate::scene_file::{ModelChoice, SceneFile, formula_limits};
 use gearbench_integrators::Resolution;
 use gearbench_models::geometry::Pair;
@@ -181,8 +181,11 @@ fn gear_text(g: &GearSpec) -> String {
         Mount::Prismatic => "prismatic",
         Mount::Driven(_) => "driven",
     };
+    let guide = g.guide.as_ref().map_or_else(String::new, |guide| {
+        guide_text(guide, matches!(g.body, Body::Rack(_)))
+    });
     format!(
-        "{toothing}; {mount}{}, inertia {} {unit}, initial speed {} {speed}, {}",
+        "{toothing}; {mount}{guide}{}, inertia {} {unit}, initial speed {} {speed}, {}",
         sideways(g),
         short(inertia + g.added_inertia, 5),
         short(g.speed, 5),

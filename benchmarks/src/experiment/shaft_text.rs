@@ -1,6 +1,9 @@
-//! A shaft in words, for what a reader must know of a scene.
+//! A shaft and a guide in words, for what a reader must know of a scene.
 
-use gearbench_models::spec::{Carried, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec};
+use gearbench_models::law::FrictionForm;
+use gearbench_models::spec::{
+    Carried, Guide, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec,
+};
 use gearbench_reports::numbers::short;
 
 /// What it carries, and what it is made of.
@@ -11,7 +14,11 @@ pub fn shaft_text(scene: &SceneSpec, shaft: &ShaftSpec) -> String {
             Carried::Gear(i) => format!("{} at {at} mm", scene.gears[*i].name),
             Carried::Body(b) => {
                 let inertia = short(b.inertia, 4);
-                format!("{} at {at} mm ({inertia} kg m2)", b.name)
+                let guide = b
+                    .guide
+                    .as_ref()
+                    .map_or_else(String::new, |g| guide_text(g, false));
+                format!("{} at {at} mm ({inertia} kg m2{guide})", b.name)
             }
         }
     };
@@ -55,4 +62,30 @@ fn section_text(s: &Section) -> String {
             )
         }
     }
+}
+
+/// What holds a hub to the ground along its motion; of a rack, which slides, or of what turns.
+pub fn guide_text(guide: &Guide, slides: bool) -> String {
+    let [force, stiffness, damping, way, speed] = match slides {
+        true => ["N", "N/m", "N s/m", "m", "m/s"],
+        false => ["N m", "N m/rad", "N m s/rad", "rad", "rad/s"],
+    };
+    let mut parts = Vec::new();
+    for (what, x, unit) in [
+        ("spring", guide.stiffness, stiffness),
+        ("damper", guide.damping, damping),
+    ] {
+        if x > 0.0 {
+            parts.push(format!("{what} {} {unit}", short(x, 4)));
+        }
+    }
+    if let Some(friction) = &guide.friction {
+        let form = match friction.form() {
+            FrictionForm::StickSlip(l) => format!("sticks over {} {way}", short(l, 3)),
+            FrictionForm::Regularised(v) => format!("smoothed over {} {speed}", short(v, 3)),
+        };
+        let size = short(friction.force(), 4);
+        parts.push(format!("friction {size} {force} ({form})"));
+    }
+    format!(" on {}", parts.join(", "))
 }

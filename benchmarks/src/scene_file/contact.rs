@@ -97,6 +97,7 @@ enum DampingKeys {
     #[default]
     None,
     KelvinVoigt(DamperKeys),
+    KelvinVoigtBounded(DamperKeys),
     KelvinVoigtRatio(RatioKeys),
     RatioAtLoad(RatioKeys),
     HuntCrossley(RestitutionKeys),
@@ -110,6 +111,9 @@ impl From<&DampingKeys> for Damping {
         match keys {
             DampingKeys::None => Damping::None,
             DampingKeys::KelvinVoigt(keys) => Damping::KelvinVoigt {
+                c: keys.damping_ns_per_m,
+            },
+            DampingKeys::KelvinVoigtBounded(keys) => Damping::KelvinVoigtBounded {
                 c: keys.damping_ns_per_m,
             },
             DampingKeys::KelvinVoigtRatio(keys) => Damping::KelvinVoigtRatio { ratio: keys.ratio },

@@ -17,7 +17,7 @@ use super::reading::keys::keys;
 use super::reading::values::{Degrees, NotNegative, Positive};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{Gear, Rack, ReliefShape};
-use gearbench_models::spec::{Body, GearSpec, Load, Mount, UPRIGHT};
+use gearbench_models::spec::{Body, GearSpec, Guide, Load, Mount, UPRIGHT};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -98,7 +98,7 @@ keys! {
         inertia_kgm2: Option<Positive>,
         /// inertia added at the hub in kg m^2, default 0
         added_inertia_kgm2: Option<NotNegative>,
-        /// "revolute" (default), "fixed" or { driven = { speed_rad_s = 100.0 } }
+        /// "revolute" (default), "fixed", { driven = { speed_rad_s = 100.0 } }, or { guided = { stiffness_nm_per_rad, damping_nms_per_rad, friction_nm, stick_rad } }
         #[serde(default)]
         mount: GearMount,
         /// [x, y] of the axis, or [x, y, z] of the middle of the face width on it, in metres; left out, the mesh places the gear
@@ -156,7 +156,7 @@ keys! {
         mass_kg: Option<Positive>,
         /// mass added in kg, default 0
         added_mass_kg: Option<NotNegative>,
-        /// "prismatic" (default), "fixed" or { driven = { speed_m_s = 1.0 } }
+        /// "prismatic" (default), "fixed", { driven = { speed_m_s = 1.0 } }, or { guided = { stiffness_n_per_m, damping_ns_per_m, friction_n, stick_m } }
         #[serde(default)]
         mount: RackMount,
         /// [x, y], or [x, y, z], of the middle of its reference line in metres; left out, the mesh places the rack
@@ -207,7 +207,7 @@ pub(super) struct GearDraft {
 
 /// What gears and racks have in common.
 struct Hub {
-    mount: Mount,
+    mount: (Mount, Option<Guide>),
     /// Initial speed, its key and its value.
     speed: (&'static str, Option<f64>),
     inertia: Option<Positive>,
@@ -271,7 +271,7 @@ pub(super) fn gear(
     let body = body.map_err(|e| geometry(at, &e))?;
     let hub = match keys {
         ToothedKeys::Gear(keys) => Hub {
-            mount: keys.mount.into(),
+            mount: keys.mount.parts(),
             speed: ("speed_rad_s", keys.speed_rad_s),
             inertia: keys.inertia_kgm2,
             added_inertia: keys.added_inertia_kgm2,
@@ -293,7 +293,7 @@ pub(super) fn gear(
             loads: keys.loads.into_iter().flatten().map(Load::from).collect(),
         },
         ToothedKeys::Rack(keys) => Hub {
-            mount: keys.mount.into(),
+            mount: keys.mount.parts(),
             speed: ("speed_m_s", keys.speed_m_s),
             inertia: keys.mass_kg,
             added_inertia: keys.added_mass_kg,
@@ -328,8 +328,9 @@ pub(super) fn gear(
             material: material(&hub.material, &at.key("material"))?,
             inertia: hub.inertia.map(f64::from),
             added_inertia: hub.added_inertia.map_or(0.0, f64::from),
-            speed: initial_speed(speed, &hub.mount, key, at)?,
-            mount: hub.mount,
+            speed: initial_speed(speed, &hub.mount.0, key, at)?,
+            mount: hub.mount.0,
+            guide: hub.mount.1,
             lateral: lateral(hub.lateral, hub.own, at)?,
             position: [0.0; 3],
             axes: UPRIGHT,

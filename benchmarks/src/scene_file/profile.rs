@@ -6,13 +6,15 @@
 //! loads = [{ table = { time_s = [0.0, 0.1], torque_nm = [0.0, 10.0] } }]
 //! loads = [{ harmonic = { mean_nm = 10.0, amplitude_nm = 1.0, frequency_hz = 50.0, phase_deg = 90.0 } }]
 //! mount = { driven = { speed_rad_s = 100.0 } }      # as above, with speeds
+//! mount = { guided = { stiffness_nm_per_rad = 10.0, damping_nms_per_rad = 0.1, friction_nm = 0.5, stick_rad = 1e-5 } }
 //! ```
 //!
 //! A rack takes forces [N] and speeds [m/s] instead.
 
 use super::reading::keys::{Table, keys};
 use super::reading::values::{Degrees, NotNegative, Positive};
-use gearbench_models::spec::{Load, Mount, Profile};
+use gearbench_models::law::{DryFriction, FrictionForm};
+use gearbench_models::spec::{Guide, Load, Mount, Profile};
 use serde::de::{Deserialize, Deserializer, Error};
 use std::marker::PhantomData;
 
@@ -133,8 +135,91 @@ profiles! {
     Sliding: speed_m_s, from_m_s, to_m_s, mean_m_s, amplitude_m_s; SlidingRamp, SlidingTable, SlidingHarmonic;
 }
 
+/// A guide, read from a table of keys.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Checks<K>(Guide, PhantomData<K>);
+
+impl<'de, K: Deserialize<'de> + TryInto<Guide, Error = String>> Deserialize<'de> for Checks<K> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let guide = K::deserialize(deserializer)?.try_into();
+        guide
+            .map(|g| Checks(g, PhantomData))
+            .map_err(D::Error::custom)
+    }
+}
+
+/// Friction by its sliding force and one of two forms, with the names of their keys.
+fn dry(
+    [force, stick, v_ref]: [Option<f64>; 3],
+    [of_force, of_stick, of_v_ref]: [&str; 3],
+) -> Result<Option<DryFriction>, String> {
+    let form = match (force, stick, v_ref) {
+        (None, None, None) => return Ok(None),
+        (None, _, _) => {
+            return Err(format!(
+                "`{of_stick}` and `{of_v_ref}` are of friction: give `{of_force}` beside it"
+            ));
+        }
+        (_, Some(l), None) => FrictionForm::StickSlip(l),
+        (_, None, Some(v)) => FrictionForm::Regularised(v),
+        _ => {
+            return Err(format!(
+                "friction takes one of two forms: give `{of_stick}`, over which it holds what sticks, or `{of_v_ref}`, over which it is smoothed"
+            ));
+        }
+    };
+    let law = DryFriction::new(force.unwrap_or(0.0), form);
+    law.map(Some).map_err(|e| e.to_string())
+}
+
+macro_rules! guides {
+    ($($name:ident: $stiffness:ident, $damping:ident, $friction:ident, $stick:ident, $v_ref:ident;)*) => { $(
+        keys! {
+            pub(super) struct $name {
+                /// spring to the ground, without force at the start, default 0
+                $stiffness: Option<NotNegative>,
+                /// damper to the ground, default 0
+                $damping: Option<NotNegative>,
+                /// sliding force (torque) of dry friction, default 0
+                $friction: Option<NotNegative>,
+                /// way over which friction holds what sticks, a thousandth of what is to be seen or less
+                $stick: Option<Positive>,
+                /// in its place: speed over which friction is smoothed
+                $v_ref: Option<Positive>,
+            }
+        }
+
+        impl TryFrom<$name> for Guide {
+            type Error = String;
+
+            fn try_from(keys: $name) -> Result<Self, String> {
+                let guide = Guide {
+                    stiffness: keys.$stiffness.map_or(0.0, f64::from),
+                    damping: keys.$damping.map_or(0.0, f64::from),
+                    friction: dry(
+                        [keys.$friction.map(f64::from), keys.$stick.map(f64::from), keys.$v_ref.map(f64::from)],
+                        [stringify!($friction), stringify!($stick), stringify!($v_ref)],
+                    )?,
+                };
+                if guide == Guide::default() {
+                    return Err(format!(
+                        "a guide without spring, damper and friction guides nothing: give `{}`, `{}` or `{}`",
+                        stringify!($stiffness), stringify!($damping), stringify!($friction),
+                    ));
+                }
+                Ok(guide)
+            }
+        }
+    )* };
+}
+
+guides! {
+    TurningGuide: stiffness_nm_per_rad, damping_nms_per_rad, friction_nm, stick_rad, v_ref_rad_s;
+    SlidingGuide: stiffness_n_per_m, damping_ns_per_m, friction_n, stick_m, v_ref_m_s;
+}
+
 macro_rules! mounts {
-    ($($name:ident: $free:ident, $motion:ident;)*) => { $(
+    ($($name:ident: $free:ident, $motion:ident, $guide:ident;)*) => { $(
         /// How a hub may move.
         #[derive(Clone, Debug, Default, serde::Deserialize)]
         #[serde(rename_all = "kebab-case")]
@@ -143,17 +228,20 @@ macro_rules! mounts {
             $free,
             Fixed,
             Driven($motion),
+            Guided(Checks<$guide>),
         }
 
-        impl From<$name> for Mount {
-            fn from(mount: $name) -> Self {
-                match mount {
-                    $name::$free => Mount::$free,
-                    $name::Fixed => Mount::Fixed,
+        impl $name {
+            /// The mount, and what holds the hub where it is free.
+            pub(super) fn parts(self) -> (Mount, Option<Guide>) {
+                match self {
+                    $name::$free => (Mount::$free, None),
+                    $name::Fixed => (Mount::Fixed, None),
+                    $name::Guided(guide) => (Mount::$free, Some(guide.0)),
                     // A motion has no viscous coefficient.
                     $name::Driven(motion) => match motion.into() {
-                        Load::Applied(profile) => Mount::Driven(profile),
-                        Load::Viscous(_) => Mount::Fixed,
+                        Load::Applied(profile) => (Mount::Driven(profile), None),
+                        Load::Viscous(_) => (Mount::Fixed, None),
                     },
                 }
             }
@@ -162,6 +250,6 @@ macro_rules! mounts {
 }
 
 mounts! {
-    GearMount: Revolute, Turning;
-    RackMount: Prismatic, Sliding;
+    GearMount: Revolute, Turning, TurningGuide;
+    RackMount: Prismatic, Sliding, SlidingGuide;
 }

@@ -234,7 +234,7 @@ fn carried(
             "give 1 to 60 letters, digits, `_`, `-`",
         );
     }
-    let mount = keys.mount.map_or(Mount::Revolute, Mount::from);
+    let (mount, guide) = keys.mount.map_or((Mount::Revolute, None), GearMount::parts);
     let own = match (&mount, keys.speed_rad_s) {
         (Mount::Revolute, None) => speed,
         (_, own) => own,
@@ -265,6 +265,7 @@ fn carried(
         inertia: keys.inertia_kgm2.map_or(0.0, f64::from),
         speed: initial_speed(own, &mount, "speed_rad_s", at)?,
         mount,
+        guide,
         lateral,
         loads: keys.loads.into_iter().flatten().map(Load::from).collect(),
         planets: (keys.planets.iter().flatten())

@@ -45,6 +45,8 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("backlash_parametric"),
     shipped!("backlash_forced"),
     shipped!("driveline"),
+    shipped!("gearbox_rattle"),
+    shipped!("steering_rattle"),
     shipped!("ring_pair"),
     shipped!("planetary"),
 ];

@@ -12,6 +12,12 @@ pub enum Damping {
         /// Coefficient (N s/m).
         c: f64,
     },
+    /// Linear dashpot in parallel whose force is at most the elastic one, `|c d'| <= k d^n`: it neither jumps at touch nor
+    /// pulls at the end.
+    KelvinVoigtBounded {
+        /// Coefficient (N s/m).
+        c: f64,
+    },
     /// Linear dashpot given by its ratio to critical damping, `c = 2 ratio sqrt(k m)`.
     KelvinVoigtRatio {
         /// Damping ratio (-).
@@ -47,7 +53,7 @@ pub enum Damping {
 
 impl Damping {
     /// Every id [`Damping::id`] can return.
-    pub const IDS: [&'static str; 8] = [
+    pub const IDS: [&'static str; 9] = [
         "none",
         "kelvin-voigt",
         "kelvin-voigt-ratio",
@@ -56,6 +62,7 @@ impl Damping {
         "lankarani-nikravesh",
         "flores",
         "gonthier",
+        "kelvin-voigt-bounded",
     ];
 
     /// The name used in scenes and reports.
@@ -69,6 +76,7 @@ impl Damping {
             Damping::LankaraniNikravesh { .. } => 5,
             Damping::Flores { .. } => 6,
             Damping::Gonthier { .. } => 7,
+            Damping::KelvinVoigtBounded { .. } => 8,
         };
         Self::IDS[index]
     }
@@ -131,6 +139,7 @@ impl Damping {
             // A ratio at load has a factor once the load is known.
             Damping::None
             | Damping::KelvinVoigt { .. }
+            | Damping::KelvinVoigtBounded { .. }
             | Damping::KelvinVoigtRatio { .. }
             | Damping::RatioAtLoad { .. } => 0.0,
         }
@@ -144,6 +153,7 @@ impl Damping {
             | Damping::Gonthier { e } => Some(e),
             Damping::None
             | Damping::KelvinVoigt { .. }
+            | Damping::KelvinVoigtBounded { .. }
             | Damping::KelvinVoigtRatio { .. }
             | Damping::RatioAtLoad { .. } => None,
         }

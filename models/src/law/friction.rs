@@ -97,7 +97,7 @@ fn check(what: &'static str, value: f64, rule: &'static str, fits: bool) -> Resu
 }
 
 impl FrictionForm {
-    fn check(self) -> Result<(), LawError> {
+    pub(super) fn check(self) -> Result<(), LawError> {
         let (what, value, rule) = match self {
             FrictionForm::Regularised(v) => (
                 "regularisation speed [m/s]",

@@ -9,6 +9,7 @@
 //! ```text
 //! none            N = k d^n
 //! Kelvin-Voigt    N = k d^n + c d'
+//! bounded         N = k d^n + c d', |c d'| <= k d^n
 //! ratio at load   N = k d^n (1 + d' / v_L)
 //! all others      N = k d^n (1 + chi d' / v),    v = max(v0 + v_L, |d'|)
 //! ```
@@ -37,11 +38,18 @@
 //! contact that is squeezed faster than it was touched takes that speed: no force is more than `1 + chi` times the elastic
 //! one. Kelvin-Voigt damping is the same under any load; a ratio of it is that of the stiffest pair.
 //!
+//! **Bounded dashpot.** A constant damper pushes with a jump where flanks touch; bounded by the elastic force it does not
+//! (K. H. Hunt, F. R. E. Crossley, *J. Appl. Mech.* 42 (1975) 440; the backlash `ElastoBacklash` of the Modelica Standard
+//! Library). Its force has three branches, `2 k d^n` while the dashpot would push with more than the spring, `k d^n + c d'`,
+//! and none while it would pull with more: which one holds is the [mode](Law::mode) of a contact, and each is smooth.
+//!
 //! Event-located integration needs a branch that stays smooth while a root is sought, so
 //! [`Law::smooth`] continues the law oddly into the open gap and does not clip; the force that acts
 //! is [`Law::clipped`]: zero when open, zero instead of tensile (contact never pulls).
 
+mod branches;
 mod damping;
+mod dry;
 mod error;
 mod friction;
 mod half_space;
@@ -49,7 +57,9 @@ mod normal;
 #[cfg(test)]
 mod tests;
 
+pub use branches::{CLOSED, OPEN, SATURATED};
 pub use damping::{Damping, realised_restitution};
+pub use dry::{DryFriction, Part};
 pub use error::LawError;
 pub use friction::{Film, Friction, FrictionForce, FrictionForm, MeshFilm};
 pub use half_space::HalfSpace;

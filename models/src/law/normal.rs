@@ -47,10 +47,12 @@ pub struct Law {
     exponent: f64,
     damping: Damping,
     power: Power,
-    c: f64,
-    chi: f64,
+    pub(super) c: f64,
+    pub(super) chi: f64,
+    /// What the elastic force is multiplied by: two where a bounded dashpot pushes with all of it.
+    pub(super) gain: f64,
     /// What is added to the approach speed (m/s).
-    load_speed: f64,
+    pub(super) load_speed: f64,
 }
 
 impl Default for Law {
@@ -71,13 +73,15 @@ impl Law {
             return Err(LawError::Exponent { value: exponent });
         }
         let c = match damping {
-            Damping::KelvinVoigt { c } if !(c.is_finite() && c >= 0.0) => {
+            Damping::KelvinVoigt { c } | Damping::KelvinVoigtBounded { c }
+                if !(c.is_finite() && c >= 0.0) =>
+            {
                 return Err(LawError::KelvinVoigt {
                     what: "c (N s/m)",
                     value: c,
                 });
             }
-            Damping::KelvinVoigt { c } => c,
+            Damping::KelvinVoigt { c } | Damping::KelvinVoigtBounded { c } => c,
             Damping::KelvinVoigtRatio { .. } => return Err(LawError::UnresolvedRatio),
             _ => 0.0,
         };
@@ -108,6 +112,7 @@ impl Law {
             power,
             c,
             chi: damping.chi(),
+            gain: 1.0,
             load_speed: 0.0,
         })
     }
@@ -120,6 +125,7 @@ impl Law {
             power: Power::One,
             c: 0.0,
             chi: 0.0,
+            gain: 1.0,
             load_speed: 0.0,
         }
     }
@@ -164,6 +170,7 @@ impl Law {
             damping: Damping::None,
             c: 0.0,
             chi: 0.0,
+            gain: 1.0,
             load_speed: 0.0,
             ..*self
         }
@@ -174,6 +181,7 @@ impl Law {
     pub fn shared(&self, share: f64) -> Law {
         let damping = match self.damping {
             Damping::KelvinVoigt { c } => Damping::KelvinVoigt { c: c * share },
+            Damping::KelvinVoigtBounded { c } => Damping::KelvinVoigtBounded { c: c * share },
             other => other,
         };
         let power = match self.power {
@@ -251,7 +259,7 @@ impl Law {
 
     /// Elastic force of a penetration, odd in it, and its derivatives by the penetration and by `k`.
     #[inline]
-    fn elastic_force(&self, d: f64, k: f64) -> (f64, f64, f64) {
+    pub(super) fn elastic_force(&self, d: f64, k: f64) -> (f64, f64, f64) {
         let (power, slope) = match self.power {
             Power::One => (d, 1.0),
             Power::ThreeHalves => {
@@ -277,7 +285,7 @@ impl Law {
     pub fn smooth(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
         let (elastic, stiffness, by_k) = self.elastic_force(-g, k);
         let (per_speed, slope_of_it) = self.per_speed(g_rate, v0);
-        let factor = 1.0 - per_speed * g_rate;
+        let factor = self.gain - per_speed * g_rate;
         LawForce {
             n: elastic * factor - self.c * g_rate,
             dn_dg: -stiffness * factor,
@@ -293,6 +301,9 @@ impl Law {
         if g >= 0.0 {
             return LawForce::default();
         }
+        if self.is_bounded() {
+            return self.at_point(g, g_rate, k);
+        }
         let force = self.smooth(g, g_rate, v0, k);
         if force.n < 0.0 {
             return LawForce::default();
@@ -302,51 +313,12 @@ impl Law {
 
     /// Whether the force is linear in gap and gap rate, piece by piece.
     pub fn is_piecewise_linear(&self) -> bool {
-        self.is_linear_elastic() && self.chi == 0.0
+        self.is_linear_elastic() && self.chi == 0.0 && !self.is_bounded()
     }
 
     /// Whether the elastic force is linear in the gap.
     pub fn is_linear_elastic(&self) -> bool {
         self.power == Power::One
-    }
-
-    /// The force of a point of a flank: all zero when the gap is open, and a dashpot that never acts with more than the
-    /// elastic force, `|N_d| <= N_e`.
-    ///
-    /// A constant dashpot alone would act with a jump at touch, where nothing is compressed yet, and pull at the end
-    /// (K. H. Hunt, F. R. E. Crossley, *J. Appl. Mech.* 42 (1975) 440): an implicit step then has no solution where a
-    /// point just closes. Bounded both ways the force grows from zero and ends at zero.
-    #[inline]
-    pub fn at_point(&self, g: f64, g_rate: f64, k: f64) -> LawForce {
-        if g >= 0.0 {
-            return LawForce::default();
-        }
-        let (elastic, stiffness, by_k) = self.elastic_force(-g, k);
-        // A damper that grows with the force is known by its load: no speed of touch is.
-        let per_speed = if self.load_speed > 0.0 {
-            self.chi / self.load_speed
-        } else {
-            0.0
-        };
-        let c = self.c + elastic * per_speed;
-        let (dashpot, factor) = (-c * g_rate, 1.0 - per_speed * g_rate);
-        if dashpot > elastic {
-            LawForce {
-                n: 2.0 * elastic,
-                dn_dg: -2.0 * stiffness,
-                dn_dgdot: 0.0,
-                dn_dk: 2.0 * by_k,
-            }
-        } else if dashpot < -elastic {
-            LawForce::default()
-        } else {
-            LawForce {
-                n: elastic + dashpot,
-                dn_dg: -stiffness * factor,
-                dn_dgdot: -c,
-                dn_dk: by_k * factor,
-            }
-        }
     }
 
     /// A force as the length that the elastic law would need for it, with sign (m).

@@ -21,6 +21,8 @@ pub struct Scene {
     pub(super) n: usize,
     pub(super) discrete: usize,
     pub(super) event_functions: usize,
+    /// The first of the event functions of guides.
+    pub(super) guide_events: usize,
     /// A gear has a displacement field.
     pub(super) fields: bool,
     /// Dashpots and friction at flank points are taken implicitly where a method can: hubs and modes are all that they

@@ -14,7 +14,7 @@ use super::nodal::Nodal;
 use super::placement::{assemble, check_start, views};
 use super::plausible::{check_load, refuse_two_laws};
 use super::scales::{Scales, initial_speed};
-use super::shafts::{Plan, ShaftBody, Shafts};
+use super::shafts::{CELLS, Guided, Plan, ShaftBody, Shafts, guides};
 use super::workspace::Workspace;
 use crate::contact::Search;
 use crate::contact::pairs::{LinesOfAction, Roster};
@@ -54,7 +54,8 @@ impl Scene {
             )));
         }
         let (freed, sets) = grounded(spec)?;
-        let (with_shafts, plan) = Plan::of(&freed)?;
+        let given = spec;
+        let (with_shafts, mut plan) = Plan::of(&freed)?;
         let spec = with_shafts.as_ref();
         let layouts = spec
             .meshes
@@ -120,6 +121,7 @@ impl Scene {
         }
         gears.extend(plan.bodies.iter().map(ShaftBody::member));
         plan.check(&gears)?;
+        plan.guides = guides(given, &gears)?;
         sets.check(&gears)?;
 
         let mut meshes = Vec::new();
@@ -295,6 +297,10 @@ impl Scene {
             }
             event_functions += m.zones + m.slots;
         }
+        let of_guides = discrete;
+        discrete += CELLS * plan.guides.len();
+        let guide_events = event_functions;
+        event_functions += plan.guides.iter().map(Guided::events).sum::<usize>();
         let locates = meshes.iter().all(|m| m.search.pairs().is_some());
         if !locates {
             event_functions = 0;
@@ -329,7 +335,8 @@ impl Scene {
             .fold(scales.characteristic_time, f64::min);
         let channels = channels::names(&meshes, &gears, plan.spans);
         let one_spring = OneSpring::of(&gears, &meshes);
-        let one_spring = one_spring.filter(|_| plan.elements.is_empty() && sets.is_empty());
+        let alone = plan.elements.is_empty() && plan.guides.is_empty() && sets.is_empty();
+        let one_spring = one_spring.filter(|_| alone);
         let rosters = meshes.iter().map(|_| Roster::default()).collect();
         let fields = meshes.iter().any(|m| m.nodal);
         let nodal = Nodal::new(&gears, &meshes);
@@ -364,7 +371,12 @@ impl Scene {
         let sticks = |m: &SceneMesh| m.friction.as_ref().is_some_and(|f| f.law.sticks());
         let remembers = meshes.iter().any(sticks);
         let cuts_vibration = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
-        let mut shafts = Shafts::new(plan, &sets.ground, &gears, &mass);
+        let mut shafts = Shafts::new(
+            plan,
+            &sets.ground,
+            &gears,
+            (&mass, of_guides, scales.magnitudes().speed),
+        );
         let carriers = Carriers::new(sets, &gears);
         let mut scene = Scene {
             oscillators: carriers.is_empty() && gears.iter().all(linear),
@@ -381,6 +393,7 @@ impl Scene {
             n,
             discrete,
             event_functions,
+            guide_events,
             fields,
             in_space,
             condenses,

@@ -123,7 +123,12 @@ impl Scene {
             let force = if mesh.search.points().is_some() {
                 law.at_point(c.gap, rate, c.stiffness)
             } else if located {
-                law.smooth(c.gap, rate, impact_speed, c.stiffness)
+                law.branch(mesh.mode(at.discrete, c.slot)).smooth(
+                    c.gap,
+                    rate,
+                    impact_speed,
+                    c.stiffness,
+                )
             } else {
                 law.clipped(c.gap, rate, impact_speed, c.stiffness)
             };

@@ -59,7 +59,7 @@ impl Scene {
             self.terms_of_contact(at, c, i, &mut terms);
         }
         if links {
-            self.terms_of_shafts(c, &mut terms);
+            self.terms_of_shafts(at, c, &mut terms);
         }
         let solved = self.correct_terms(at, c, &mut terms);
         let solved = solved.and_then(|()| terms.solve(rhs_to_x));

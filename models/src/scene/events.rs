@@ -4,6 +4,7 @@ use super::active::gap_rate;
 use super::assembled::Scene;
 use super::members::parties;
 use crate::contact::{Candidate, Wanted};
+use crate::law::{CLOSED, OPEN};
 use crate::spec::Load;
 use gearbench_integrators::system::{At, Change, Events, State};
 
@@ -13,7 +14,9 @@ impl Events for Scene {
         if out.is_empty() {
             return;
         }
-        self.seen(at, |scene, seen| scene.watch(seen, out));
+        let (contacts, guides) = out.split_at_mut(self.guide_events);
+        self.watch_guides(at, guides);
+        self.seen(at, |scene, seen| scene.watch(seen, contacts));
     }
 
     fn next_breakpoint(&self, t: f64) -> f64 {
@@ -43,10 +46,14 @@ impl Events for Scene {
         self.seen_state(s, Self::let_go);
         s.discrete[0] = f64::from(u8::from(located && self.locates));
         self.seen_state(s, Self::begin_contacts);
+        self.begin_guides(s);
     }
 
     fn transition(&mut self, s: &mut State, event: usize) -> Change {
-        self.seen_state(s, |scene, seen| scene.switch(seen, event))
+        match event.checked_sub(self.guide_events) {
+            Some(guide) => self.turn_guide(s, guide),
+            None => self.seen_state(s, |scene, seen| scene.switch(seen, event)),
+        }
     }
 
     fn commit(&mut self, s: &mut State) -> Change {
@@ -65,6 +72,7 @@ impl Events for Scene {
         if s.discrete[0] == 0.0 && self.tracks {
             self.seen_state(s, Self::track_modes);
         }
+        self.remember_guides(s);
         if self.remembers {
             self.seen_state(s, Self::remember_friction);
         }
@@ -136,9 +144,17 @@ impl Scene {
                     let speed = found.map_or(0.0, |c| self.approach_speed(s, m, &c));
                     s.discrete[at + 1] = speed;
                 }
-                s.discrete[at] = 1.0;
+                s.discrete[at] = found.map_or(CLOSED, |c| {
+                    let rate = self.rate_of(s, m, &c);
+                    let law = self.meshes[m].law.shared(c.share);
+                    law.mode(c.gap, rate, c.stiffness)
+                });
             } else {
-                s.discrete[at] = 0.0;
+                let rate = found.map_or(0.0, |c| self.rate_of(s, m, &c));
+                s.discrete[at] = self.meshes[m].law.mode_after(s.discrete[at], rate);
+                if s.discrete[at] != OPEN {
+                    return Change::Restart;
+                }
                 if apart {
                     s.discrete[at + 1] = 0.0;
                 }
@@ -240,8 +256,7 @@ impl Scene {
             let v0 = if stored > 0.0 { stored } else { -rate };
             let law = mesh.law.shared(c.share);
             slots[c.slot] = if mode != 0.0 {
-                let n = law.smooth(c.gap, rate, v0, c.stiffness).n;
-                law.as_length(n, c.stiffness)
+                law.valid_for(mode, c.gap, rate, v0, c.stiffness)
             } else {
                 law.until_it_pushes(c.gap, rate, v0, c.stiffness)
             };
@@ -267,7 +282,7 @@ impl Scene {
                     || (c.gap <= 0.0 && rate < 0.0);
                 if pushes {
                     let slot = mesh.slot(c.slot);
-                    s.discrete[slot] = 1.0;
+                    s.discrete[slot] = law.mode(c.gap, rate, c.stiffness);
                     s.discrete[slot + 1] = (-rate).max(0.0);
                     let slot = c.slot;
                     self.engage(s, m, slot, true);
@@ -336,9 +351,12 @@ impl Scene {
     }
 
     fn approach_speed(&mut self, s: &State, m: usize, c: &Candidate) -> f64 {
+        (-self.rate_of(s, m, c)).max(0.0)
+    }
+
+    fn rate_of(&mut self, s: &State, m: usize, c: &Candidate) -> f64 {
         let mesh = &self.meshes[m];
-        let rate = gap_rate(&self.gears, mesh, c, s.at(), &mut self.work.scratch);
-        (-rate).max(0.0)
+        gap_rate(&self.gears, mesh, c, s.at(), &mut self.work.scratch)
     }
 
     /// Tells both gears that a contact of a slot closed or opened.

@@ -213,6 +213,16 @@ impl SceneMesh {
         }
     }
 
+    /// Mode of a contact; 0 with a search without slots.
+    #[inline]
+    pub(super) fn mode(&self, discrete: &[f64], slot: usize) -> f64 {
+        if slot < self.slots {
+            discrete[self.slot(slot)]
+        } else {
+            0.0
+        }
+    }
+
     #[inline]
     pub(super) fn slot(&self, slot: usize) -> usize {
         self.discrete + self.cells + 2 * slot

@@ -274,8 +274,10 @@ impl Scene {
             if pinned {
                 r.force = self.carriers.direction_at(i, at, r.force, 1.0);
             }
-            r.torque += self.torque_of_ground(i);
             let hub = g.model.hub();
+            let along = self.force_of_guide(i);
+            r.torque += self.torque_of_ground(i) + along;
+            r.force += hub.slide.map_or(Vec3::zeros(), |slide| along * slide);
             let mut x = [0.0; 6];
             if hub.lateral.is_some() {
                 x = g.model.hub_motion(own).x;

@@ -52,7 +52,7 @@ pub enum StrainIn {
     Mesh(usize),
     /// Own coordinates of a member: teeth, modes.
     Body(usize),
-    /// The bearing of a member.
+    /// The bearing of a member, or its guide.
     Bearing(usize),
     /// A shaft that twists.
     Twist(usize),
@@ -158,7 +158,7 @@ impl Scene {
         let n = self.n;
         let none = vec![0.0; n];
         y.fill(0.0);
-        self.add_shaft_tangent([x, &none], y);
+        self.add_shaft_tangent(at, [x, &none], y);
         let along = self.relative_change(at, x);
         let mut seen = RelativeState::default();
         self.carriers.see(at, &mut seen);
@@ -228,6 +228,12 @@ impl Scene {
         let mut found = BTreeMap::new();
         let mut add = |place, energy: f64| *found.entry(place).or_insert(0.0) += energy;
         for link in self.shafts.springs() {
+            if let Some((member, stiffness)) = self.guide_at(link, at) {
+                add(
+                    StrainIn::Bearing(member),
+                    0.5 * stiffness * link.dot(x).powi(2),
+                );
+            }
             let Some(shaft) = link.shaft() else { continue };
             let place = match link.way {
                 Way::Torsion => StrainIn::Twist(shaft),

@@ -98,7 +98,7 @@ impl SecondOrderSystem for Scene {
 
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
-        self.add_shaft_tangent([dq, dv], df);
+        self.add_shaft_tangent(at, [dq, dv], df);
         for (i, g) in self.gears.iter_mut().enumerate() {
             let own = g.at(at);
             let range = g.range();

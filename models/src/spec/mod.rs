@@ -15,7 +15,7 @@ pub use layout::{
 };
 pub use load::Load;
 pub use model::{ModelSpec, Modelling, Parameters, Value};
-pub use mount::{Bearing, Freedom, LateralSpec, Mount, SpinTerms, UPRIGHT, turned_to};
+pub use mount::{Bearing, Freedom, Guide, LateralSpec, Mount, SpinTerms, UPRIGHT, turned_to};
 pub use points::{
     CoarseSearch, LocalContact, MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind,
 };

@@ -7,10 +7,11 @@
 //! | prismatic | displacement [m] | along a direction, as a rack |
 //! | driven | none | a prescribed speed, about the axis or along the slide |
 //!
-//! That is the hub's own motion. Its five other directions are held unless [`LateralSpec`] says otherwise.
+//! That is the hub's own motion; where it is free a [`Guide`] may hold it with a spring, a damper and friction. Its five other directions are held unless [`LateralSpec`] says otherwise.
 
 use super::profile::Profile;
 use crate::Vec3;
+use crate::law::DryFriction;
 use nalgebra::Matrix3;
 
 /// How a hub may move.
@@ -24,6 +25,17 @@ pub enum Mount {
     Prismatic,
     /// Speed prescribed as a function of time [rad/s], or [m/s] for a rack.
     Driven(Profile),
+}
+
+/// What holds a hub to the ground along its own motion, where its mount leaves that free.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Guide {
+    /// Of a spring that is without force at the assembled position [N m/rad] or [N/m].
+    pub stiffness: f64,
+    /// [N m s/rad] or [N s/m].
+    pub damping: f64,
+    /// Dry friction.
+    pub friction: Option<DryFriction>,
 }
 
 /// What a mount makes of a direction beside the hub's own motion.

@@ -1,7 +1,7 @@
 //! What a scene is made of: plain data, SI units, no files.
 
 use super::load::Load;
-use super::mount::{LateralSpec, Mount};
+use super::mount::{Guide, LateralSpec, Mount};
 use super::points::PointContact;
 use super::shaft::{BodySpec, Carried, ShaftSpec, Station};
 use crate::Vec3;
@@ -67,6 +67,8 @@ pub struct GearSpec {
     pub added_inertia: f64,
     /// Mount.
     pub mount: Mount,
+    /// What holds the hub along its own motion where the mount leaves that free.
+    pub guide: Option<Guide>,
     /// How the hub may move beside that; `None`: not at all.
     pub lateral: Option<Box<LateralSpec>>,
     /// The middle of the face width on the axis; for a rack of its reference line, at zero displacement [m].

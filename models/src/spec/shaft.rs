@@ -1,7 +1,7 @@
 //! Shafts that carry several gears, and the bodies without toothing that stand on them.
 
 use super::load::Load;
-use super::mount::{LateralSpec, Mount};
+use super::mount::{Guide, LateralSpec, Mount};
 use crate::error::{BuildError, Reason};
 use crate::stiffness::Material;
 
@@ -48,6 +48,8 @@ pub struct BodySpec {
     pub inertia: f64,
     /// How it turns.
     pub mount: Mount,
+    /// What holds it about its axis where the mount leaves that free.
+    pub guide: Option<Guide>,
     /// Its bearing, and mass and inertia tensor where the shaft bends; `None` leaves it to the shaft.
     pub lateral: Option<Box<LateralSpec>>,
     /// Initial speed [rad/s].
@@ -107,6 +109,7 @@ impl BodySpec {
             name: name.into(),
             inertia,
             mount: Mount::Revolute,
+            guide: None,
             lateral: None,
             speed: 0.0,
             loads: Vec::new(),

@@ -26,6 +26,7 @@ fn gear(teeth: u32, x: f64) -> GearSpec {
         inertia: None,
         added_inertia: 0.0,
         mount: Mount::Revolute,
+        guide: None,
         lateral: None,
         axes: UPRIGHT,
         position: [x, 0.0, 0.0],

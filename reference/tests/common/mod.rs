@@ -17,6 +17,7 @@ pub fn scene(gears: [Gear; 2], material: Material, distance: f64) -> SceneSpec {
         inertia: None,
         added_inertia: 0.0,
         mount: Mount::Fixed,
+        guide: None,
         lateral: None,
         axes: UPRIGHT,
         position: [i as f64 * distance, 0.0, 0.0],

@@ -2,12 +2,14 @@
 //! Observed figures are printed: `cargo test --release -p gearbench-tests -- --nocapture`.
 #![allow(clippy::print_stdout)]
 
+mod backlash_damping;
 mod bearings;
 mod flank_points;
 mod flight;
 mod force;
 mod free_flight;
 mod friction;
+mod guides;
 mod history_errors;
 mod internal_gears;
 mod kinematics;
@@ -17,6 +19,7 @@ mod movable_teeth;
 mod nodal;
 mod one_line;
 mod planets;
+mod rattle;
 mod records;
 mod refusals;
 mod rows;
@@ -25,6 +28,7 @@ mod shafts;
 mod small_signals;
 mod space;
 mod statics;
+mod steering;
 mod tangents;
 mod tooth_springs;
 mod trains;

@@ -80,6 +80,7 @@ pub(in super::super) fn tables() -> impl Iterator<Item = &'static Table> {
     ]
     .into_iter()
     .chain(profile::TABLES)
+    .chain([&profile::TurningGuide::TABLE, &profile::SlidingGuide::TABLE])
 }
 
 /// The table that a struct reads.

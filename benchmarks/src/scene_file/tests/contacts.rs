@@ -79,7 +79,7 @@ fn laws() {
     for id in Damping::IDS {
         let value = match id {
             "none" => "",
-            "kelvin-voigt" => ", damping_ns_per_m = 100",
+            "kelvin-voigt" | "kelvin-voigt-bounded" => ", damping_ns_per_m = 100",
             id if id.contains("ratio") => ", ratio = 0.05",
             _ => ", e = 0.8",
         };

@@ -237,7 +237,15 @@ const GEARS: &str = r##"
 19: mount = "revolute" => mount = "revolut"
     did you mean `revolute`
 19: mount = "revolute" => mount = "prismatic"
-    there are `revolute`, `fixed` or `driven`
+    there are `revolute`, `fixed`, `driven` or `guided`
+19: mount = "revolute" => mount = { guided = {} }
+    guides nothing | stiffness_nm_per_rad
+19: mount = "revolute" => mount = { guided = { friction_nm = 1.0 } }
+    one of two forms | stick_rad
+19: mount = "revolute" => mount = { guided = { stick_rad = 1e-5 } }
+    friction_nm | beside it
+19: mount = "revolute" => mount = { guided = { stiffness_n_per_m = 1.0 } }
+    stiffness_n_per_m | stiffness_nm_per_rad
 19: mount = "revolute" => mount = "driven"
     is empty | speed_rad_s = 100.0
 20: mount = "revolute" => mount = "fixed"\nspeed_rad_s = 3.0

@@ -176,7 +176,9 @@ fn contact(c: &ContactSpec) -> Json {
     let law = c.damping.id();
     let damping = match c.damping {
         Damping::None => Json::Null,
-        Damping::KelvinVoigt { c } => json!({ "law": law, "damping_ns_per_m": c }),
+        Damping::KelvinVoigt { c } | Damping::KelvinVoigtBounded { c } => {
+            json!({ "law": law, "damping_ns_per_m": c })
+        }
         Damping::KelvinVoigtRatio { ratio } | Damping::RatioAtLoad { ratio } => {
             json!({ "law": law, "ratio": ratio })
         }

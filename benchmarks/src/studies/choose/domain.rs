@@ -34,6 +34,12 @@ pub fn outside(problem: &Problem, prepared: &Prepared) -> Vec<String> {
             shaft.name
         ));
     }
+    for g in scene.gears.iter().filter(|g| g.guide.is_some()) {
+        found.push(format!(
+            "`{}` is guided; checked were gears that nothing holds along their motion",
+            g.name
+        ));
+    }
     for g in &scene.gears {
         let (teeth, module, width, spur, plain) = match &g.body {
             Body::Gear(gear) => {

@@ -152,7 +152,9 @@ pub fn relaxation_of(scene: &SceneSpec, contact: &ContactSpec) -> Option<f64> {
     let oscillator = MeshOscillator::of(scene).ok()?;
     match contact.damping {
         Damping::None => Some(0.0),
-        Damping::KelvinVoigt { c } => Some(c / oscillator.stiffness),
+        Damping::KelvinVoigt { c } | Damping::KelvinVoigtBounded { c } => {
+            Some(c / oscillator.stiffness)
+        }
         Damping::KelvinVoigtRatio { ratio } => {
             Some(2.0 * ratio * (oscillator.mass / oscillator.stiffness).sqrt())
         }

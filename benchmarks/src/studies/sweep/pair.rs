@@ -100,6 +100,12 @@ impl Pair {
                 shaft.name
             ));
         }
+        if let Some(guided) = [a, b].iter().find(|g| g.guide.is_some()) {
+            return Err(format!(
+                "a sweep is of gears that turn on, but `{}` is guided",
+                guided.name
+            ));
+        }
         let (Body::Gear(first), Body::Gear(second)) = (&a.body, &b.body) else {
             return Err("a sweep is of two gears; a rack comes to its end".into());
         };

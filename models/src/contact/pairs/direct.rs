@@ -134,6 +134,7 @@ impl Pressed {
 #[inline(always)]
 fn press(law: &Law, mesh: &Mesh<'_>, p: &mut Pressed) {
     let n = law
+        .branch(mesh.modes[2 * p.slot])
         .smooth(p.gap, p.rate, mesh.impact_speed(p), p.stiffness)
         .n;
     p.on = [n; 2];
@@ -147,11 +148,11 @@ fn press(law: &Law, mesh: &Mesh<'_>, p: &mut Pressed) {
 #[inline(always)]
 fn watched(law: &Law, mesh: &Mesh<'_>, p: &Pressed) -> f64 {
     let v0 = mesh.impact_speed(p);
-    if mesh.modes[2 * p.slot] == 0.0 {
+    let mode = mesh.modes[2 * p.slot];
+    if mode == 0.0 {
         return law.until_it_pushes(p.gap, p.rate, v0, p.stiffness);
     }
-    let n = law.smooth(p.gap, p.rate, v0, p.stiffness).n;
-    law.as_length(n, p.stiffness)
+    law.valid_for(mode, p.gap, p.rate, v0, p.stiffness)
 }
 
 impl LinesOfAction {

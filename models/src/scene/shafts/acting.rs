@@ -61,22 +61,30 @@ impl Scene {
     }
 
     /// Adds the tangent of elastic shafts.
-    pub(in crate::scene) fn add_shaft_tangent(&self, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
+    pub(in crate::scene) fn add_shaft_tangent(
+        &self,
+        at: At<'_>,
+        [dq, dv]: [&[f64]; 2],
+        df: &mut [f64],
+    ) {
         for l in self.shafts.springs() {
-            l.add_to(-(l.stiffness * l.dot(dq) + l.damping * l.dot(dv)), df);
+            let [stiffness, damping] = l.slopes(&self.gears, at);
+            l.add_to(-(stiffness * l.dot(dq) + damping * l.dot(dv)), df);
         }
     }
 
     /// Adds the terms of the links to those of contacts in a Newton correction.
-    pub(in crate::scene) fn terms_of_shafts(&self, c: Coeffs, terms: &mut LowRank) {
+    pub(in crate::scene) fn terms_of_shafts(&self, at: At<'_>, c: Coeffs, terms: &mut LowRank) {
         for (i, link) in self.shafts.links.iter().enumerate() {
-            link.add_to(-answer(link, c), &mut terms.row);
+            link.add_to(-self.answer(link, at, c), &mut terms.row);
             link.add_to(1.0, &mut terms.column);
-            let mut members = link.members.to_vec();
-            members.sort_unstable();
-            members.dedup();
-            let members = members.into_iter().map(|i| (i, self.gears[i].range()));
-            terms.push(members, self.unit_of_link(i));
+            let [one, other] = link.members;
+            let second = Some(one.max(other)).filter(|m| *m != one.min(other));
+            let members = std::iter::once(one.min(other)).chain(second);
+            terms.push(
+                members.map(|m| (m, self.gears[m].range())),
+                self.unit_of_link(i),
+            );
         }
     }
 
@@ -139,7 +147,7 @@ impl Scene {
         let (mut v, mut z) = (vec![0.0; n * count], vec![0.0; n * count]);
         let lines = v.chunks_exact_mut(n).zip(z.chunks_exact_mut(n));
         for (link, (row, column)) in self.shafts.links.iter().zip(lines) {
-            link.add_to(-answer(link, c), row);
+            link.add_to(-self.answer(link, at, c), row);
             link.add_to(1.0, column);
         }
         for column in z.chunks_exact_mut(n) {
@@ -176,6 +184,7 @@ impl Scene {
             let [d, rate] = link.deformation(&self.gears, at);
             energy.strain += 0.5 * link.stiffness * d * d;
             power.dissipated += link.damping * rate * rate;
+            power.dissipated += link.friction([d, rate], at) * rate;
             if !link.driven.is_empty() {
                 let force = link.stiffness * d + link.damping * rate;
                 power.external += force * link.drift(&self.gears, at);
@@ -250,6 +259,20 @@ impl Scene {
         power.sum()
     }
 
+    /// What all links exert along their rows, by the last [`Self::evaluate_links`].
+    pub(super) fn acting_links(&self) -> &[f64] {
+        &self.work.shafts.acting
+    }
+
+    /// How a link's force answers to its deformation in a correction; of a rigid one by its sign alone.
+    fn answer(&self, link: &Link, at: At<'_>, c: Coeffs) -> f64 {
+        if link.is_rigid() {
+            return 1.0;
+        }
+        let [stiffness, damping] = link.slopes(&self.gears, at);
+        c.k * stiffness + c.d * damping
+    }
+
     /// Torques that stations exert on the next through the shaft [N m].
     pub(in crate::scene) fn fill_shaft_torques(&self, channels: &mut [f64]) {
         for (channel, link) in channels.iter_mut().zip(&self.shafts.torques) {
@@ -267,15 +290,6 @@ impl Scene {
         let rows = self.shafts.rigid().iter().flat_map(|l| &l.row);
         rows.into_iter()
             .any(|&(i, _)| owner(i).is_none_or(|g| swings(g, i)))
-    }
-}
-
-/// How a link's force answers to its deformation in a correction; of a rigid one by its sign alone.
-fn answer(link: &Link, c: Coeffs) -> f64 {
-    if link.is_rigid() {
-        1.0
-    } else {
-        c.k * link.stiffness + c.d * link.damping
     }
 }
 

@@ -1,6 +1,7 @@
 //! Links from the elements of shafts, and what each of them knows.
 
 use super::beam::Way;
+use super::guides::{CELLS, Rub, of_guide};
 use super::plan::{Element, Plan};
 use crate::kinematics::Direction;
 use crate::scene::carriers::Ground;
@@ -39,9 +40,11 @@ pub(in crate::scene) struct Link {
     pub stiffness: f64,
     pub damping: f64,
     /// The shaft that it is a piece of; none of what holds a gear of a planetary set.
-    shaft: Option<usize>,
+    pub(super) shaft: Option<usize>,
     /// A rigid link to the ground, and how that moves.
     pub(super) ground: Option<Ground>,
+    /// Friction of a guide.
+    pub(super) rub: Option<Rub>,
 }
 
 impl Link {
@@ -95,8 +98,27 @@ impl Link {
 
     /// What an elastic link exerts along its row.
     pub fn force(&self, gears: &[SceneGear], at: At<'_>) -> f64 {
-        let [d, rate] = self.deformation(gears, at);
-        -(self.stiffness * d + self.damping * rate)
+        let motion = self.deformation(gears, at);
+        -(self.stiffness * motion[0] + self.damping * motion[1]) - self.friction(motion, at)
+    }
+
+    /// What friction takes of it at a deformation and its rate.
+    pub fn friction(&self, motion: [f64; 2], at: At<'_>) -> f64 {
+        let of = |rub: &Rub| rub.law.force() * rub.part(motion, at.discrete).z;
+        self.rub.as_ref().map_or(0.0, of)
+    }
+
+    /// How the force of an elastic link falls by its deformation and its rate.
+    pub fn slopes(&self, gears: &[SceneGear], at: At<'_>) -> [f64; 2] {
+        let Some(rub) = &self.rub else {
+            return [self.stiffness, self.damping];
+        };
+        let part = rub.part(self.deformation(gears, at), at.discrete);
+        let force = rub.law.force();
+        [
+            self.stiffness + force * part.by_place,
+            self.damping + force * part.by_speed,
+        ]
     }
 }
 
@@ -120,8 +142,14 @@ pub(in crate::scene) struct Shafts {
 
 impl Shafts {
     /// Links of a plan between members with their offsets, and those that hold and drive gears of planetary sets; `mass` is
-    /// the diagonal of the mass matrix.
-    pub fn new(plan: &Plan, ground: &[Ground], gears: &[SceneGear], mass: &[f64]) -> Self {
+    /// the diagonal of the mass matrix, `cell` the place in the discrete state from which on guides have
+    /// their histories, `speed` a typical one along lines of action.
+    pub fn new(
+        plan: &Plan,
+        ground: &[Ground],
+        gears: &[SceneGear],
+        (mass, cell, speed): (&[f64], usize, f64),
+    ) -> Self {
         let mut of_spans = Vec::new();
         let mut all = Vec::new();
         for element in &plan.elements {
@@ -133,6 +161,8 @@ impl Shafts {
             all.extend(links);
         }
         all.extend(ground.iter().map(|g| of_ground(g, gears)));
+        let guides = plan.guides.iter().enumerate();
+        all.extend(guides.map(|(i, g)| of_guide(g, gears, (cell + CELLS * i, speed))));
         for (shaft, damping) in plan.damping.iter().enumerate() {
             for way in [Way::Torsion, Way::Stretching, Way::Bending] {
                 let mut own: Vec<&mut Link> = (all.iter_mut())
@@ -142,7 +172,7 @@ impl Shafts {
                     ShaftDamping::None => 0.0,
                     ShaftDamping::Time(time) => *time,
                     ShaftDamping::Ratio(ratio) => {
-                        lowest(&own, mass).map_or(0.0, |w| 2.0 * ratio / w)
+                        lowest(&own, mass, gears).map_or(0.0, |w| 2.0 * ratio / w)
                     }
                 };
                 own.iter_mut().for_each(|l| l.damping = time * l.stiffness);
@@ -175,12 +205,15 @@ impl Shafts {
         }
         let fastest = |l: &Link| {
             let yielding: f64 = l.row.iter().map(|&(i, w)| w * w / mass[i]).sum();
-            (l.stiffness * yielding).sqrt()
+            let [by_place, by_speed] = l.rub.map_or([0.0; 2], |rub| rub.law.steepest());
+            ((l.stiffness + by_place) * yielding)
+                .sqrt()
+                .max(by_speed * yielding)
         };
         Shafts {
             elastic,
             torques: of_spans.iter().map(|s| s.and_then(|i| places[i])).collect(),
-            damped: links.iter().any(|l| l.damping > 0.0),
+            damped: links.iter().any(|l| l.damping > 0.0 || l.rub.is_some()),
             characteristic_time: (links[..elastic].iter())
                 .map(|l| fastest(l).recip())
                 .fold(f64::INFINITY, f64::min),
@@ -251,6 +284,7 @@ fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
             damping: 0.0,
             shaft: Some(element.shaft),
             ground: None,
+            rub: None,
         };
         for (end, &member) in mode.ends.iter().zip(&element.members) {
             let gear = &gears[member];
@@ -317,14 +351,22 @@ fn of_ground(ground: &Ground, gears: &[SceneGear]) -> Link {
         damping: 0.0,
         shaft: None,
         ground: Some(ground.clone()),
+        rub: None,
     }
 }
 
-/// The lowest angular frequency above zero of some elastic links and the masses that they join [rad/s].
-fn lowest(links: &[&mut Link], mass: &[f64]) -> Option<f64> {
+/// The lowest angular frequency above zero of some elastic links and the masses that they join [rad/s]: of bodies as a whole,
+/// whatever shapes their hubs take part in.
+fn lowest(links: &[&mut Link], mass: &[f64], gears: &[SceneGear]) -> Option<f64> {
+    let of_hub = |i: usize| {
+        let moves = |g: &&SceneGear| g.range().contains(&i);
+        let owner = gears.iter().find(moves);
+        owner.is_some_and(|g| i < g.offset + g.model.hub().first())
+    };
     let mut touched: Vec<usize> = links
         .iter()
         .flat_map(|l| l.row.iter().map(|r| r.0))
+        .filter(|i| of_hub(*i))
         .collect();
     touched.sort_unstable();
     touched.dedup();
@@ -335,8 +377,9 @@ fn lowest(links: &[&mut Link], mass: &[f64]) -> Option<f64> {
     let mut matrix = DMatrix::<f64>::zeros(n, n);
     for link in links {
         let of = |i: usize, w: f64| (touched.binary_search(&i).unwrap_or(0), w / mass[i].sqrt());
-        for &(i, wi) in &link.row {
-            for &(j, wj) in &link.row {
+        let hubs = || link.row.iter().filter(|(i, _)| of_hub(*i));
+        for &(i, wi) in hubs() {
+            for &(j, wj) in hubs() {
                 let ((i, wi), (j, wj)) = (of(i, wi), of(j, wj));
                 matrix[(i, j)] += link.stiffness * wi * wj;
             }

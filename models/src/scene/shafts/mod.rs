@@ -21,15 +21,18 @@
 //! | `plan` | shafts as nodes and elements |
 //! | `together` | what members of a shaft have in common; refusals |
 //! | `links` | links from elements, their forces, energies and damping |
+//! | `guides` | links of one hub to the ground, with friction |
 //! | `acting` | links in a scene: forces, tangents, corrections, what is reported |
 
 mod acting;
 mod beam;
+mod guides;
 mod links;
 mod plan;
 mod together;
 
 pub(super) use acting::ShaftWork;
 pub(super) use beam::Way;
+pub(super) use guides::{CELLS, Guided, guides};
 pub(super) use links::{Link, Shafts};
 pub(super) use plan::{Plan, ShaftBody};

@@ -5,6 +5,7 @@
 //! sections; all of these are rigid bodies on hubs of their own.
 
 use super::beam::{self, Lump, Mode};
+use super::guides::Guided;
 use super::together::{axis_of, check_names, gears_of, rigid_mount, share_mount};
 use crate::Vec3;
 use crate::error::{BuildError, GearPart};
@@ -62,6 +63,8 @@ pub(in crate::scene) struct Plan {
     pub damping: Vec<ShaftDamping>,
     /// Number of pieces between stations, each of which reports its torque.
     pub spans: usize,
+    /// What holds members to the ground along their motion.
+    pub guides: Vec<Guided>,
 }
 
 /// A node of a shaft.

@@ -1,0 +1,122 @@
+//! Branches of a closed contact: a bounded dashpot has two, each smooth; which one holds is the mode of the contact.
+//!
+//! ```text
+//! saturated    N = 2 k d^n             while c d' > k d^n
+//! closed       N = k d^n + c d'        while |c d'| < k d^n
+//! open         N = 0                   d <= 0, or after the dashpot would have pulled
+//! ```
+//!
+//! Other laws have one, until their force ends.
+
+use super::damping::Damping;
+use super::normal::{Law, LawForce};
+
+/// Mode of an open contact.
+pub const OPEN: f64 = 0.0;
+/// Mode of a contact whose spring and damper push.
+pub const CLOSED: f64 = 1.0;
+/// Mode of a contact whose bounded dashpot pushes with the force of the spring.
+pub const SATURATED: f64 = 2.0;
+
+impl Law {
+    /// Its dashpot is bounded by the elastic force: a closed contact has two branches.
+    #[inline]
+    pub fn is_bounded(&self) -> bool {
+        matches!(self.damping(), Damping::KelvinVoigtBounded { .. })
+    }
+
+    /// The mode of a contact that pushes: [`CLOSED`], or [`SATURATED`].
+    #[inline]
+    pub fn mode(&self, g: f64, g_rate: f64, k: f64) -> f64 {
+        if self.is_bounded() && -self.c * g_rate > self.elastic_force(-g, k).0 {
+            SATURATED
+        } else {
+            CLOSED
+        }
+    }
+
+    /// The mode that comes after one of a closed contact whose [validity](Law::valid_for) has ended.
+    #[inline]
+    pub fn mode_after(&self, mode: f64, g_rate: f64) -> f64 {
+        match (self.is_bounded(), mode == SATURATED, g_rate < 0.0) {
+            (true, true, _) => CLOSED,
+            // The dashpot has outgrown the spring: by pushing, or by pulling.
+            (true, false, true) => SATURATED,
+            _ => OPEN,
+        }
+    }
+
+    /// The smooth branch of a mode.
+    #[inline]
+    pub fn branch(&self, mode: f64) -> Law {
+        if mode == SATURATED {
+            let mut law = *self;
+            (law.c, law.gain) = (0.0, 2.0);
+            law
+        } else {
+            *self
+        }
+    }
+
+    /// How far the branch of a closed contact is from its end (m), a force as the length of [`Self::as_length`]: the force
+    /// itself; of a bounded dashpot how much weaker, or stronger, it is than the spring. Where the gap is open and the flanks
+    /// part faster than the damper's measure of speed both factors of `k d (1 + chi d'/v)` are negative: that is no push.
+    #[inline]
+    pub fn valid_for(&self, mode: f64, g: f64, g_rate: f64, v0: f64, k: f64) -> f64 {
+        let left = if self.is_bounded() {
+            let (elastic, dashpot) = (self.elastic_force(-g, k).0, -self.c * g_rate);
+            if mode == SATURATED {
+                dashpot - elastic
+            } else {
+                elastic - dashpot.abs()
+            }
+        } else {
+            let n = self.smooth(g, g_rate, v0, k).n;
+            if self.chi > 0.0 && g > 0.0 {
+                -n.abs()
+            } else {
+                n
+            }
+        };
+        self.as_length(left, k)
+    }
+
+    /// The force of a point of a flank: all zero when the gap is open, and a dashpot that never acts with more than the
+    /// elastic force, `|N_d| <= N_e`.
+    ///
+    /// A constant dashpot alone would act with a jump at touch, where nothing is compressed yet, and pull at the end
+    /// (K. H. Hunt, F. R. E. Crossley, *J. Appl. Mech.* 42 (1975) 440): an implicit step then has no solution where a
+    /// point just closes. Bounded both ways the force grows from zero and ends at zero.
+    #[inline]
+    pub fn at_point(&self, g: f64, g_rate: f64, k: f64) -> LawForce {
+        if g >= 0.0 {
+            return LawForce::default();
+        }
+        let (elastic, stiffness, by_k) = self.elastic_force(-g, k);
+        // A damper that grows with the force is known by its load: no speed of touch is.
+        let per_speed = if self.load_speed > 0.0 {
+            self.chi / self.load_speed
+        } else {
+            0.0
+        };
+        let c = self.c + elastic * per_speed;
+        let (dashpot, factor) = (-c * g_rate, 1.0 - per_speed * g_rate);
+        if dashpot > elastic {
+            LawForce {
+                n: 2.0 * elastic,
+                dn_dg: -2.0 * stiffness,
+                dn_dgdot: 0.0,
+                dn_dk: 2.0 * by_k,
+            }
+        } else if dashpot < -elastic {
+            LawForce::default()
+        } else {
+            LawForce {
+                n: elastic + dashpot,
+                dn_dg: -stiffness * factor,
+                dn_dgdot: -c,
+                dn_dk: by_k * factor,
+            }
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! Guides: what holds a hub to the ground along its own motion. A guide is a link of one member to the ground, an elastic
+//! one with the spring and the damper of the guide, and the friction of the guide on top,
+//!
+//! ```text
+//! F = -k x - c x' - F_c z(x; x_0, z_0)
+//! ```
+//!
+//! The place `x_0` and the part `z_0` of the sliding force at the last accepted state are part of the discrete state, and so is
+//! the direction of the motion: friction is a function of the way as long as it does not turn, so that turns are events where
+//! events are located. A turn is told by the speed, a hair beyond zero, so that what rests does not turn by rounding.
+
+use super::beam::Way;
+use super::links::{Link, Share};
+use crate::error::{BuildError, GearPart};
+use crate::law::{DryFriction, Part};
+use crate::scene::assembled::Scene;
+use crate::scene::members::SceneGear;
+use crate::spec::{Guide, Mount, SceneSpec};
+use gearbench_integrators::system::{At, Change, State};
+
+/// Length of the history of a guide in the discrete state.
+pub(in crate::scene) const CELLS: usize = 3;
+/// Speed at which a motion has turned, over the typical one.
+const TURNED: f64 = 1e-9;
+
+/// A guide of a member of a scene.
+#[derive(Clone, Debug)]
+pub(in crate::scene) struct Guided {
+    member: usize,
+    guide: Guide,
+}
+
+/// Friction of a link.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rub {
+    pub law: DryFriction,
+    /// Offset of its history in the discrete state.
+    pub cell: usize,
+    /// Speed at which the motion has turned; set with the scales of the scene.
+    pub turned: f64,
+}
+
+impl Guided {
+    /// Number of its event functions.
+    pub(in crate::scene) fn events(&self) -> usize {
+        let sticks = self.guide.friction.is_some_and(|law| law.sticks());
+        usize::from(sticks)
+    }
+}
+
+impl Rub {
+    /// What is reached at a place and speed.
+    pub fn part(&self, [x, v]: [f64; 2], discrete: &[f64]) -> Part {
+        let start = [discrete[self.cell], discrete[self.cell + 1]];
+        self.law.part(x, v, start)
+    }
+
+    /// Takes what is reached at a place and speed.
+    fn remember(&self, motion: [f64; 2], discrete: &mut [f64]) {
+        let reached = self.part(motion, discrete).z;
+        discrete[self.cell..][..2].copy_from_slice(&[motion[0], reached]);
+    }
+
+    /// Positive while the motion goes on in its direction.
+    fn goes_on(&self, v: f64, discrete: &[f64]) -> f64 {
+        discrete[self.cell + 2] * v + self.turned
+    }
+}
+
+/// The guides of a scene where mounts leave hubs free; `gears` are its members, bodies of shafts behind the gears.
+///
+/// # Errors
+/// A number that cannot be, a planet, or a member whose rigid shaft is held or driven.
+pub(in crate::scene) fn guides(
+    spec: &SceneSpec,
+    gears: &[SceneGear],
+) -> Result<Vec<Guided>, BuildError> {
+    let of_gears = spec.gears.iter().map(|g| (&g.guide, &g.mount));
+    let all = of_gears.chain(spec.bodies().map(|b| (&b.guide, &b.mount)));
+    let mut found = Vec::new();
+    for (member, (guide, mount)) in all.enumerate() {
+        let free = matches!(mount, Mount::Revolute | Mount::Prismatic);
+        let Some(guide) = guide.filter(|_| free) else {
+            continue;
+        };
+        let name = spec.member_name(member);
+        let refuse = |why: (&str, &str)| Err(BuildError::gear(name, GearPart::Mount, why));
+        for (what, x) in [("stiffness", guide.stiffness), ("damping", guide.damping)] {
+            if !(x >= 0.0 && x.is_finite()) {
+                let why = format!("the {what} {x} of its guide is not zero or positive");
+                return Err(BuildError::gear(name, GearPart::Mount, why));
+            }
+        }
+        if !gears[member].model.hub().is_free() {
+            return refuse((
+                "its mount is guided, but the rigid shaft that it stands on is held or driven",
+                "take the guide away, or let the shaft turn freely",
+            ));
+        }
+        if spec.bodies().any(|b| b.planets.contains(&member)) {
+            return refuse((
+                "a guide is fixed to the ground, but this gear goes round with a carrier",
+                "take the guide away",
+            ));
+        }
+        found.push(Guided { member, guide });
+    }
+    Ok(found)
+}
+
+/// The link of a guide, whose history begins at a cell of the discrete state; `speed` is a typical one along lines of action.
+pub(super) fn of_guide(guided: &Guided, gears: &[SceneGear], (cell, speed): (usize, f64)) -> Link {
+    let Guided { member, guide } = guided;
+    let gear = &gears[*member];
+    let hub = gear.model.hub();
+    let first = gear.offset + hub.first();
+    let shapes = hub.hub_shapes.iter().enumerate();
+    let shapes = shapes.map(|(i, h)| (first + i, *h));
+    Link {
+        way: Way::Torsion,
+        row: std::iter::once((gear.offset, 1.0)).chain(shapes).collect(),
+        driven: Vec::new(),
+        shares: vec![Share {
+            member: *member,
+            direction: hub.moving(),
+            weight: 1.0,
+        }],
+        members: [*member; 2],
+        stiffness: guide.stiffness,
+        damping: guide.damping,
+        shaft: None,
+        ground: None,
+        rub: guide.friction.map(|law| Rub {
+            law,
+            cell,
+            turned: TURNED * speed / hub.effective_base_radius,
+        }),
+    }
+}
+
+impl Scene {
+    /// Member that a guide holds to the ground, and the stiffness of the guide at a state, friction that sticks included.
+    pub(in crate::scene) fn guide_at(&self, link: &Link, at: At<'_>) -> Option<(usize, f64)> {
+        let guides = link.shaft().is_none() && !link.is_rigid();
+        guides.then(|| (link.members[0], link.slopes(&self.gears, at)[0]))
+    }
+
+    /// Friction of guides begins unstrained.
+    pub(in crate::scene) fn begin_guides(&self, s: &mut State) {
+        for (link, rub) in self.rubbing() {
+            let way = if link.dot(&s.v) < 0.0 { -1.0 } else { 1.0 };
+            s.discrete[rub.cell..][..CELLS].copy_from_slice(&[link.dot(&s.q), 0.0, way]);
+        }
+    }
+
+    /// Takes what friction of guides has reached at an accepted state.
+    pub(in crate::scene) fn remember_guides(&self, s: &mut State) {
+        for (link, rub) in self.rubbing() {
+            let motion = [link.dot(&s.q), link.dot(&s.v)];
+            rub.remember(motion, &mut s.discrete);
+        }
+    }
+
+    /// Event functions of guides: the motion turns.
+    pub(in crate::scene) fn watch_guides(&self, at: At<'_>, out: &mut [f64]) {
+        let turning = self.rubbing().filter(|(_, rub)| rub.law.sticks());
+        for (out, (link, rub)) in out.iter_mut().zip(turning) {
+            *out = rub.goes_on(link.dot(at.v), at.discrete);
+        }
+    }
+
+    /// The motion of a guide has turned.
+    pub(in crate::scene) fn turn_guide(&self, s: &mut State, which: usize) -> Change {
+        let turning = self
+            .rubbing()
+            .filter(|(_, rub)| rub.law.sticks())
+            .nth(which);
+        if let Some((link, rub)) = turning {
+            rub.remember([link.dot(&s.q), link.dot(&s.v)], &mut s.discrete);
+            s.discrete[rub.cell + 2] *= -1.0;
+        }
+        Change::Restart
+    }
+
+    fn rubbing(&self) -> impl Iterator<Item = (&Link, &Rub)> {
+        let springs = self.shafts.springs().iter();
+        springs.filter_map(|link| Some((link, link.rub.as_ref()?)))
+    }
+
+    /// What the guide of a member exerts along its motion, by the last [`Self::evaluate_links`].
+    pub(in crate::scene) fn force_of_guide(&self, member: usize) -> f64 {
+        let links = self.shafts.springs().iter().zip(self.acting_links());
+        let own = links.filter(|(l, _)| l.shaft().is_none() && l.members[0] == member);
+        own.map(|(_, force)| force).sum()
+    }
+}
