@@ -1,0 +1,191 @@
+//! Sets of three planets between a sun and a ring, six meshes: elastic gears beside full finite elements on fixed axes, and on a
+//! carrier, where energy and angular momentum are kept.
+
+use super::*;
+use gearbench::scene_file::{Selection, load_for};
+use gearbench_integrators::equilibrium::{EquilibriumOptions, equilibrium};
+use gearbench_integrators::{Resolution, TimePlan};
+use gearbench_models::Vec3;
+use gearbench_models::spec::{Load, Mount, Profile, mesh_layout};
+use gearbench_tests::{run_from, with};
+use std::collections::BTreeMap;
+
+/// Where the gears stand in the scene.
+const SUN: usize = 0;
+const RING: usize = 4;
+
+/// The set of the scene `planetary`.
+fn set() -> SceneSpec {
+    let scene = load_for("planetary", Selection::Labels(Some("rigid")));
+    scene.unwrap_or_else(|e| panic!("{e:?}")).spec
+}
+
+/// The same with its carrier held: all gears turn about axes of their own, the sun bears its torque, the ring is held. The
+/// first mesh starts at a part of the base pitch from the pitch point, flanks pressed together a little.
+fn on_fixed_axes(part: f64) -> SceneSpec {
+    let mut spec = set();
+    spec.shafts.clear();
+    spec.gears.iter_mut().for_each(|g| g.speed = 0.0);
+    let layout = mesh_layout(&spec.gears[SUN], &spec.gears[1]).unwrap();
+    spec.meshes[0].start.path_coordinate = Some(layout.pitch_point + part * layout.base_pitch);
+    for mesh in &mut spec.meshes {
+        mesh.start.gap = -3e-6;
+    }
+    // The first planet stands ahead of the others, so that teeth give way before these bear their part.
+    spec.meshes[0].start.gap -= 4e-6;
+    spec.meshes[3].start.gap -= 4e-6;
+    spec
+}
+
+/// A set in equilibrium.
+struct Balanced {
+    /// Force of each tooth pair [N], by mesh and tooth of its first gear.
+    pairs: BTreeMap<(usize, i64), f64>,
+    /// Turn of the sun's hub [rad].
+    turn: f64,
+    unknowns: usize,
+}
+
+impl Balanced {
+    fn of(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec) -> Self {
+        let mut scene = built(spec, model, contact);
+        let mut s = scene.initial();
+        equilibrium(&mut scene, &mut s, &EquilibriumOptions::default()).unwrap();
+        let mut sums = BTreeMap::new();
+        for c in scene.contact_forces(s.at()) {
+            let sum = sums.entry((c.mesh, c.teeth[0].index));
+            *sum.or_insert(Vec3::zeros()) += c.force;
+        }
+        let sun = &scene.gears()[SUN];
+        Balanced {
+            pairs: sums.into_iter().map(|(pair, f)| (pair, f.norm())).collect(),
+            turn: sun.model.hub_state(sun.at(s.at())).displacement,
+            unknowns: s.q.len(),
+        }
+    }
+
+    fn of_mesh(&self, mesh: usize) -> f64 {
+        let own = self.pairs.iter().filter(|((m, _), _)| *m == mesh);
+        own.map(|(_, force)| force).sum()
+    }
+
+    fn of_meshes(&self) -> Vec<f64> {
+        (0..6).map(|mesh| self.of_mesh(mesh)).collect()
+    }
+}
+
+/// Through a mesh cycle, with so many positions.
+fn through_a_cycle(name: &str, contact: &ContactSpec, positions: u32) {
+    let elements = [8.0, 1.0];
+    let mut worst = [0.0_f64; 3];
+    for i in 0..positions {
+        let part = (f64::from(i) + 0.5) / f64::from(positions) - 0.5;
+        let spec = on_fixed_axes(part);
+        let found = Balanced::of(&spec, &elastic(elements, 40.0), contact);
+        let fe = Balanced::of(&spec, &meshed("fe", elements, &[]), contact);
+        let (meshes, of_fe) = (found.of_meshes(), fe.of_meshes());
+        let most = of_fe.iter().fold(0.0_f64, |m, f| m.max(*f));
+        for (a, b) in meshes.iter().zip(&of_fe) {
+            worst[0] = worst[0].max((a / b - 1.0).abs());
+        }
+        for pair in found.pairs.keys().chain(fe.pairs.keys()) {
+            let [a, b] = [&found, &fe].map(|of| of.pairs.get(pair).copied().unwrap_or(0.0));
+            worst[1] = worst[1].max((a - b).abs() / most);
+        }
+        worst[2] = worst[2].max((found.turn / fe.turn - 1.0).abs());
+        println!(
+            "{name}, {part:+.2} base pitches, {} pairs: `fe` ({} unknowns) {of_fe:.1?} N, sun turned by {:.4e}; `elastic` {meshes:.1?} N, {:.4e}",
+            fe.pairs.len(),
+            fe.unknowns,
+            fe.turn,
+            found.turn
+        );
+    }
+    println!(
+        "{name}: forces of meshes off by {:.1e}, of tooth pairs by {:.1e} of the largest, the turn of the sun by {:.1e}",
+        worst[0], worst[1], worst[2]
+    );
+    assert!(worst.iter().all(|w| *w < 0.02), "{worst:?}");
+}
+
+#[test]
+#[ignore = "a minute: finite elements of five gears"]
+fn sets_on_fixed_axes_are_those_of_full_finite_elements() {
+    let points = touching(PointContact::new(1e15), None);
+    through_a_cycle("points", &points, 6);
+    let half_space = touching(PointContact::half_space(), Some(1));
+    through_a_cycle("half-spaces", &half_space, 6);
+}
+
+/// Kinetic, strain and contact energy of a scene [J], turns and momenta of all hubs.
+fn ledger(scene: &mut Scene, s: &State) -> (f64, Vec<f64>, Vec<f64>) {
+    let mut out = Outputs::default();
+    scene.output(s.at(), &mut out);
+    let hubs = scene
+        .gears()
+        .iter()
+        .map(|g| g.model.hub_state(g.at(s.at())));
+    let (turns, momenta) = hubs.map(|hub| (hub.displacement, hub.momentum)).unzip();
+    let e = out.energy;
+    (e.kinetic + e.strain + e.contact, turns, momenta)
+}
+
+/// A set that floats: ring and carrier turn freely under torques in balance, so that nothing holds its angular momentum.
+fn floating() -> SceneSpec {
+    let mut spec = set();
+    spec.gears[RING].mount = Mount::Revolute;
+    spec.gears[RING].loads = vec![Load::Applied(Profile::Constant(210.0))];
+    spec
+}
+
+#[test]
+fn elastic_sets_keep_energy_and_angular_momentum() {
+    let spec = floating();
+    // Of the torques that balance each other the hubs take the work.
+    let torque = [60.0, 0.0, 0.0, 0.0, 210.0, -270.0];
+    for (name, contact) in [
+        ("points", touching(PointContact::new(1e15), None)),
+        ("half-spaces", touching(PointContact::half_space(), Some(1))),
+    ] {
+        let mut scene = built(&spec, &elastic([8.0, 1.0], 12.0), &contact);
+        for tolerance in [1e-6, 1e-8] {
+            let start = scene.initial();
+            let (energy, turns, momenta) = ledger(&mut scene, &start);
+            let plan = TimePlan {
+                max_steps: 4_000_000,
+                ..TimePlan::new(2e-4, Resolution::Tolerance(tolerance))
+            };
+            let out = run_from(&mut scene, start, "dopri5", &plan).unwrap("a floating set");
+            let (after, turned, gained) = ledger(&mut scene, &out.state);
+            let turns: Vec<f64> = turned.iter().zip(&turns).map(|(a, b)| a - b).collect();
+            let work: f64 = torque.iter().zip(&turns).map(|(t, x)| t * x).sum();
+            let through = (torque[SUN] * turns[SUN]).abs();
+            let off = (after - energy - work) / through;
+            let sum = |p: &[f64]| p.iter().sum::<f64>();
+            let largest = gained.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+            let kept = (sum(&gained) - sum(&momenta)) / largest;
+            println!(
+                "{name}, tolerance {tolerance:.0e}: energy off by {off:.1e} of {through:.3} J that went through, angular momentum by {kept:.0e}, peak {:.0} N",
+                out.peak
+            );
+            assert!(off.abs() < 1e-6 && kept.abs() < 1e-11, "{off:e} {kept:e}");
+            assert!(out.peak > 200.0, "the meshes bear load");
+        }
+    }
+}
+
+/// Nothing of a scene of finite elements goes round.
+#[test]
+fn full_finite_elements_on_a_carrier_are_refused() {
+    let spec = set();
+    let fe = meshed("fe", [2.0, 1.0], &[]);
+    let coarse = ["fillet", "across", "rim"];
+    let fe = coarse.iter().fold(fe, |m, key| {
+        with(m, &format!("{key}_elements"), Value::Number(3.0))
+    });
+    let points = touching(PointContact::new(1e15), None);
+    let modelling = modelling(&spec, &fe, &points);
+    let refused = Scene::build(&spec, &modelling, gearbench::models::models());
+    let text = refused.err().expect("it is refused").to_string();
+    assert!(text.contains("take the model `elastic`"), "{text}");
+}
