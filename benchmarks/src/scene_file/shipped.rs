@@ -46,6 +46,7 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("backlash_forced"),
     shipped!("driveline"),
     shipped!("ring_pair"),
+    shipped!("ring_impact"),
     shipped!("planetary"),
 ];
 

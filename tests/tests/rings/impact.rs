@@ -62,7 +62,17 @@ fn errors(what: &str, run: &Run, of: &Run) -> [f64; 3] {
 fn few_modes_with_residual_compliance_are_full_finite_elements() {
     let scene = scene();
     let full = run(&scene, "fe", None, None);
-    for (modes, limits) in [(100.0, [0.02, 1e-3, 0.02]), (200.0, [0.01, 1e-3, 0.01])] {
+    let fine = run(&scene, "fe", None, Some(("newmark", 1.25e-7)));
+    errors("fe at 0.25 us beside 0.125 us", &full, &fine);
+    let usual = run(&scene, "elastic", None, None);
+    let small = run(&scene, "elastic", None, Some(("trigonometric", 1.25e-7)));
+    errors("elastic step", &usual, &small);
+    errors("elastic small", &small, &fine);
+    for (modes, limits) in [
+        (50.0, [0.03, 1e-2, 0.02]),
+        (100.0, [0.02, 1e-2, 0.02]),
+        (200.0, [0.02, 1e-2, 0.01]),
+    ] {
         let found = run(&scene, "elastic", Some(modes), None);
         let what = format!("{} modes", found.modes.unwrap());
         let e = errors(&what, &found, &full);

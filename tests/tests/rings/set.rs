@@ -14,26 +14,34 @@ use std::collections::BTreeMap;
 const SUN: usize = 0;
 const RING: usize = 4;
 
+/// Angle by which one planet stands off its place [rad].
+const OFF_PLACE: f64 = 5e-5;
+
 /// The set of the scene `planetary`.
 fn set() -> SceneSpec {
     let scene = load_for("planetary", Selection::Labels(Some("rigid")));
     scene.unwrap_or_else(|e| panic!("{e:?}")).spec
 }
 
-/// The same with its carrier held: all gears turn about axes of their own, the sun bears its torque, the ring is held. The
-/// first mesh starts at a part of the base pitch from the pitch point, flanks pressed together a little.
+/// The same with its carrier held: all gears turn about axes of their own, ring and sun are held and strained against each
+/// other, and a planet stands off its place by some micrometres, so that stiffness alone says what each mesh bears. The first
+/// mesh starts at a part of the base pitch from the pitch point.
 fn on_fixed_axes(part: f64) -> SceneSpec {
     let mut spec = set();
     spec.shafts.clear();
-    spec.gears.iter_mut().for_each(|g| g.speed = 0.0);
+    for g in &mut spec.gears {
+        g.speed = 0.0;
+        g.loads.clear();
+    }
+    spec.gears[SUN].mount = Mount::Fixed;
+    let (sin, cos) = OFF_PLACE.sin_cos();
+    let [x, y, _] = spec.gears[2].position;
+    spec.gears[2].position = [cos * x - sin * y, sin * x + cos * y, 0.0];
     let layout = mesh_layout(&spec.gears[SUN], &spec.gears[1]).unwrap();
     spec.meshes[0].start.path_coordinate = Some(layout.pitch_point + part * layout.base_pitch);
     for mesh in &mut spec.meshes {
-        mesh.start.gap = -3e-6;
+        mesh.start.gap = -6e-6;
     }
-    // The first planet stands ahead of the others, so that teeth give way before these bear their part.
-    spec.meshes[0].start.gap -= 4e-6;
-    spec.meshes[3].start.gap -= 4e-6;
     spec
 }
 
@@ -41,8 +49,6 @@ fn on_fixed_axes(part: f64) -> SceneSpec {
 struct Balanced {
     /// Force of each tooth pair [N], by mesh and tooth of its first gear.
     pairs: BTreeMap<(usize, i64), f64>,
-    /// Turn of the sun's hub [rad].
-    turn: f64,
     unknowns: usize,
 }
 
@@ -56,10 +62,8 @@ impl Balanced {
             let sum = sums.entry((c.mesh, c.teeth[0].index));
             *sum.or_insert(Vec3::zeros()) += c.force;
         }
-        let sun = &scene.gears()[SUN];
         Balanced {
             pairs: sums.into_iter().map(|(pair, f)| (pair, f.norm())).collect(),
-            turn: sun.model.hub_state(sun.at(s.at())).displacement,
             unknowns: s.q.len(),
         }
     }
@@ -77,7 +81,7 @@ impl Balanced {
 /// Through a mesh cycle, with so many positions.
 fn through_a_cycle(name: &str, contact: &ContactSpec, positions: u32) {
     let elements = [8.0, 1.0];
-    let mut worst = [0.0_f64; 3];
+    let mut worst = [0.0_f64; 2];
     for i in 0..positions {
         let part = (f64::from(i) + 0.5) / f64::from(positions) - 0.5;
         let spec = on_fixed_axes(part);
@@ -92,18 +96,15 @@ fn through_a_cycle(name: &str, contact: &ContactSpec, positions: u32) {
             let [a, b] = [&found, &fe].map(|of| of.pairs.get(pair).copied().unwrap_or(0.0));
             worst[1] = worst[1].max((a - b).abs() / most);
         }
-        worst[2] = worst[2].max((found.turn / fe.turn - 1.0).abs());
         println!(
-            "{name}, {part:+.2} base pitches, {} pairs: `fe` ({} unknowns) {of_fe:.1?} N, sun turned by {:.4e}; `elastic` {meshes:.1?} N, {:.4e}",
+            "{name}, {part:+.2} base pitches, {} pairs: `fe` ({} unknowns) {of_fe:.1?} N, `elastic` {meshes:.1?} N",
             fe.pairs.len(),
-            fe.unknowns,
-            fe.turn,
-            found.turn
+            fe.unknowns
         );
     }
     println!(
-        "{name}: forces of meshes off by {:.1e}, of tooth pairs by {:.1e} of the largest, the turn of the sun by {:.1e}",
-        worst[0], worst[1], worst[2]
+        "{name}: forces of meshes off by {:.1e}, of tooth pairs by {:.1e} of the largest",
+        worst[0], worst[1]
     );
     assert!(worst.iter().all(|w| *w < 0.02), "{worst:?}");
 }

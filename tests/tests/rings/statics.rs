@@ -88,7 +88,7 @@ fn forces_are_those_of_full_finite_elements() {
 fn crowned(p: &GearParams) -> GearParams {
     GearParams {
         modifications: Modifications {
-            profile_crowning: 1e-5,
+            profile_crowning: 2e-6,
             ..Modifications::default()
         },
         ..p.clone()

@@ -319,8 +319,9 @@ impl FlankLines {
                 let outward = place.lines.map(|line| lines.outward(party.at, line));
                 let (a, by_hub) = (outward.map(|x| x.0), outward.map(|x| x.1));
                 gap0 -= weighted(&weights[k], &a);
-                terms.effective_radii[k] -=
-                    weighted(&place.slopes, &a) + weighted(&weights[k], &by_hub);
+                let of_nodes = weighted(&weights[k], &by_hub);
+                terms.effective_radii[k] -= weighted(&place.slopes, &a) + of_nodes;
+                terms.with_nodes[k] = of_nodes;
                 terms.deformed[k] = Some(place.lines);
             }
             let share = 2.0 * gear.compliance / self.compliance;
