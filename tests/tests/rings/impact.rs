@@ -7,21 +7,17 @@ use gearbench::scene_file::{SceneFile, Selection, load_for};
 use gearbench::studies::compare::{Plan, compare};
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
-use gearbench_integrators::{Resolution, Scheme, TimePlan};
+use gearbench_integrators::{Resolution, TimePlan};
 use gearbench_reports::metrics;
 use gearbench_reports::record::Run;
 use gearbench_tests::{Impulse, watched};
 
 fn scene() -> SceneFile {
     let wanted = Selection::Labels(Some("elastic,fe"));
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../benchmarks/scenes/ring_impact.toml"
-    );
-    load_for(path, wanted).unwrap_or_else(|e| panic!("{e:?}"))
+    load_for("ring_impact", wanted).unwrap_or_else(|e| panic!("{e:?}"))
 }
 
-fn run(scene: &SceneFile, label: &str, modes: Option<f64>, method: Option<(&str, f64)>) -> Run {
+fn run(scene: &SceneFile, label: &str, modes: Option<f64>) -> Run {
     let mut plan = Plan {
         conditions: Conditions {
             repeats: 0,
@@ -35,12 +31,6 @@ fn run(scene: &SceneFile, label: &str, modes: Option<f64>, method: Option<(&str,
         if let Some(n) = modes {
             gear.parameters.insert("modes".into(), Value::Number(n));
         }
-    }
-    if let Some((text, step)) = method {
-        plan = plan.with_methods(vec![Scheme {
-            method: text.parse().unwrap(),
-            resolution: Resolution::Step(step),
-        }]);
     }
     compare(&plan, &Runner::default()).unwrap().runs.remove(0)
 }
@@ -58,22 +48,13 @@ fn errors(what: &str, run: &Run, of: &Run) -> [f64; 3] {
     e
 }
 
+/// What is left with many modes is that deflected flanks of finite elements touch a little beside where undeformed ones do.
 #[test]
-fn few_modes_with_residual_compliance_are_full_finite_elements() {
+fn modes_with_residual_compliance_are_full_finite_elements() {
     let scene = scene();
-    let full = run(&scene, "fe", None, None);
-    let fine = run(&scene, "fe", None, Some(("newmark", 1.25e-7)));
-    errors("fe at 0.25 us beside 0.125 us", &full, &fine);
-    let usual = run(&scene, "elastic", None, None);
-    let small = run(&scene, "elastic", None, Some(("trigonometric", 1.25e-7)));
-    errors("elastic step", &usual, &small);
-    errors("elastic small", &small, &fine);
-    for (modes, limits) in [
-        (50.0, [0.03, 1e-2, 0.02]),
-        (100.0, [0.02, 1e-2, 0.02]),
-        (200.0, [0.02, 1e-2, 0.01]),
-    ] {
-        let found = run(&scene, "elastic", Some(modes), None);
+    let full = run(&scene, "fe", None);
+    for (modes, limits) in [(100.0, [1.1e-2, 2e-3, 5e-3]), (500.0, [6e-3, 2e-3, 3e-3])] {
+        let found = run(&scene, "elastic", Some(modes));
         let what = format!("{} modes", found.modes.unwrap());
         let e = errors(&what, &found, &full);
         for (e, limit) in e.iter().zip(limits) {
@@ -88,7 +69,7 @@ fn impacts_keep_momentum_and_lose_little_energy() {
     let choice = scene.model("elastic").unwrap();
     let spec = scene.spec_for(choice);
     let mut built = Scene::build(&spec, &choice.modelling, gearbench::models::models()).unwrap();
-    for (h, limit) in [(1e-6, 5e-4), (2.5e-7, 5e-5), (1e-7, 1e-5)] {
+    for (h, limit) in [(1e-6, 3e-4), (2.5e-7, 2e-5), (1e-7, 1e-6)] {
         let start = built.initial();
         let (mut ledger, mut impulse) = (Ledger::default(), Impulse::new(&mut built, &start));
         let plan = TimePlan::new(scene.duration, Resolution::Step(h));

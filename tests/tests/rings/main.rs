@@ -4,6 +4,7 @@
 //! Figures: `cargo test --release -p gearbench-tests --test rings -- --nocapture --include-ignored`.
 #![allow(clippy::print_stdout)]
 
+mod friction;
 mod impact;
 mod points;
 mod potential;

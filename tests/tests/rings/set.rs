@@ -110,7 +110,7 @@ fn through_a_cycle(name: &str, contact: &ContactSpec, positions: u32) {
 }
 
 #[test]
-#[ignore = "a minute: finite elements of five gears"]
+#[ignore = "two minutes: finite elements of five gears"]
 fn sets_on_fixed_axes_are_those_of_full_finite_elements() {
     let points = touching(PointContact::new(1e15), None);
     through_a_cycle("points", &points, 6);
@@ -129,6 +129,50 @@ fn ledger(scene: &mut Scene, s: &State) -> (f64, Vec<f64>, Vec<f64>) {
     let (turns, momenta) = hubs.map(|hub| (hub.displacement, hub.momentum)).unzip();
     let e = out.energy;
     (e.kinetic + e.strain + e.contact, turns, momenta)
+}
+
+/// Wherever the carrier stands, contacts are those of the same gears on fixed axes.
+#[test]
+fn contacts_go_round_with_the_carrier() {
+    let pressed = |mut spec: SceneSpec| {
+        for mesh in &mut spec.meshes {
+            mesh.start.gap = -6e-6;
+        }
+        spec
+    };
+    let mut fixed = pressed(set());
+    fixed.shafts.clear();
+    // On a carrier the ring is held by a link; its modes are those of a hub that turns.
+    fixed.gears[RING].mount = Mount::Revolute;
+    for contact in [
+        touching(PointContact::new(1e15), None),
+        touching(PointContact::half_space(), Some(1)),
+    ] {
+        let of = |spec: &SceneSpec, turn: f64| -> Vec<f64> {
+            let mut scene = built(spec, &elastic([8.0, 1.0], 12.0), &contact);
+            let mut s = scene.initial();
+            let hubs: Vec<usize> = (scene.gears().iter())
+                .filter(|g| !g.range().is_empty() && turn != 0.0)
+                .map(|g| g.range().start)
+                .collect();
+            hubs.into_iter().for_each(|i| s.q[i] += turn);
+            let all = scene.contact_forces(s.at());
+            all.iter().map(|c| c.force.norm()).collect()
+        };
+        let still = of(&fixed, 0.0);
+        assert!(still.iter().sum::<f64>() > 1000.0, "the meshes bear load");
+        for turn in [0.0, 0.7, -4.0] {
+            let round = of(&pressed(set()), turn);
+            assert_eq!(round.len(), still.len());
+            let off = round.iter().zip(&still).map(|(a, b)| (a - b).abs());
+            let worst = off.fold(0.0, f64::max) / still.iter().fold(0.0, |m, f| f.max(m));
+            println!(
+                "carrier at {turn} rad: {} contacts off by {worst:.1e}",
+                still.len()
+            );
+            assert!(worst < 1e-8, "{worst:.1e}");
+        }
+    }
 }
 
 /// A set that floats: ring and carrier turn freely under torques in balance, so that nothing holds its angular momentum.
