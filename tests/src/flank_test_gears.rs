@@ -72,7 +72,8 @@ fn all_flanks(
 /// Grids of all flanks of a gear: involute from the form circle to the tip, equal steps of the length of roll.
 pub fn grids(gear: &Gear, rows: usize, columns: usize) -> Flanks {
     let (low, high) = (gear.roll_length_form(), gear.roll_length_tip());
-    all_flanks(gear.teeth(), [rows, columns], |tooth, side, t, w| {
+    all_flanks(gear.teeth(), [rows, columns], |tooth, seen, t, w| {
+        let side = gear.side_from_root(seen);
         let radius = gear.r_base().hypot(low + t * (high - low));
         let z = gear.face_width() * w;
         let angle = f64::from(tooth) * gear.pitch_angle()

@@ -48,6 +48,7 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("gearbox_rattle"),
     shipped!("steering_rattle"),
     shipped!("ring_pair"),
+    shipped!("ring_impact"),
     shipped!("planetary"),
 ];
 

@@ -3,15 +3,60 @@
 use super::{Gear, Side};
 use crate::Vec3;
 
+/// Where the tips of teeth point in the own frame, and so how far a point is from the root: its height grows along a flank.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tips {
+    /// Away from the axis: the height is the squared radius.
+    Outwards,
+    /// To the axis, on an internal gear: its negative.
+    Inwards,
+    /// To -x, on a rack: `-x`.
+    Along,
+}
+
+impl Tips {
+    /// Height of a point of the transverse plane [m^2], of a rack [m].
+    #[inline]
+    pub fn height(self, [x, y]: [f64; 2]) -> f64 {
+        match self {
+            Tips::Outwards => x * x + y * y,
+            Tips::Inwards => -(x * x + y * y),
+            Tips::Along => -x,
+        }
+    }
+
+    /// Its gradient [m], of a rack [1].
+    #[inline]
+    pub fn gradient(self, [x, y]: [f64; 2]) -> [f64; 2] {
+        match self {
+            Tips::Outwards => [2.0 * x, 2.0 * y],
+            Tips::Inwards => [-2.0 * x, -2.0 * y],
+            Tips::Along => [-1.0, 0.0],
+        }
+    }
+
+    /// Radius [m] of a height, of a rack the height itself.
+    #[inline]
+    pub fn radius(self, height: f64) -> f64 {
+        match self {
+            Tips::Outwards => height.sqrt(),
+            Tips::Inwards => (-height).sqrt(),
+            Tips::Along => height,
+        }
+    }
+}
+
 /// A flank of one tooth as a structured grid of nodes, in the gear's own frame: axis z through the origin and
 /// tooth 0 centred on +x; a rack as in [`super`], reference line on y, teeth pointing to -x.
 ///
-/// Rows run along the profile from the root to the tip, columns over the width from -z to +z.
+/// Rows run along the profile from the root to the tip, columns over the width from -z to +z. So `across x along` points out of
+/// the tooth on left flanks and into it on right ones, those of internal gears as well: their sides are the ones that
+/// [one sees from the root](Gear::side_from_root).
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlankGrid {
     /// Tooth, from 0, counter-clockwise.
     pub tooth: u32,
-    /// Which flank.
+    /// Which flank, seen from the root.
     pub side: Side,
     /// Nodes along the profile, at least 2.
     pub rows: usize,
@@ -29,13 +74,14 @@ impl FlankGrid {
         if !gear.deviates() {
             return;
         }
-        let (rb, sign) = (gear.r_base(), self.side.sign());
+        let side = gear.side_from_root(self.side);
+        let (rb, sign) = (gear.r_base(), side.sign());
         let cos_helix = gear.base_helix_angle().cos();
         for x in &mut self.positions {
             let r = x.x.hypot(x.y);
             // The normal touches the base circle, an angle atan(s / r_b) behind the point.
             let normal = x.y.atan2(x.x) - sign * (gear.roll_length(r) / rb).atan();
-            let removed = gear.tooth_deviation(i64::from(self.tooth), self.side, r) / cos_helix;
+            let removed = gear.tooth_deviation(i64::from(self.tooth), side, r) / cos_helix;
             let (sin, cos) = normal.sin_cos();
             *x -= sign * removed * Vec3::new(-sin, cos, 0.0);
         }

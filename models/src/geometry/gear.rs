@@ -293,6 +293,18 @@ impl Gear {
         self.params.modifications.over_width(side, zeta, half_width)
     }
 
+    /// The side of a counter-clockwise or clockwise flank as one looks from the root to the tip of its tooth, and back: the
+    /// other one on an internal gear, whose teeth point to the axis.
+    #[inline]
+    #[must_use]
+    pub fn side_from_root(&self, side: Side) -> Side {
+        if self.is_internal() {
+            side.opposite()
+        } else {
+            side
+        }
+    }
+
     /// Whether flanks are not the same in all transverse sections, turned by the helix or not.
     pub fn varies_over_width(&self) -> bool {
         self.params.helix_angle != 0.0

@@ -64,7 +64,7 @@ pub use conical_pair::{ConicalPair, RollMap};
 pub use contact_lines::ContactLines;
 pub use deviation::{Deviations, FlankDeviations, GivenDeviations, IsoTolerances};
 pub use error::GeometryError;
-pub use flanks::{FlankGrid, Flanks};
+pub use flanks::{FlankGrid, Flanks, Tips};
 pub use frame::Frame;
 pub use gear::Gear;
 pub use helicoid::{InvoluteHelicoid, Near};
@@ -87,7 +87,9 @@ pub fn along_profile(n: &Vec3) -> Vec3 {
     t / t.norm()
 }
 
-/// Flank of a tooth, seen along -z with the tooth pointing outwards.
+/// Flank of a tooth, seen along -z: of a gear the counter-clockwise or the clockwise one. Flanks that touch, and
+/// [grids of nodes](FlankGrid), go by the side that one sees from the root of the tooth, which is the same but on internal gears
+/// ([`Gear::side_from_root`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {

@@ -201,18 +201,8 @@ impl Scene {
             for i in mesh.gears {
                 if strips.is_some()
                     && let Body::Gear(gear) = &spec.gears[i].body
-                    && (gear.is_conical() || gear.is_internal())
+                    && gear.is_conical()
                 {
-                    if gear.is_internal() {
-                        return Err(BuildError::gear(
-                            &spec.gears[i].name,
-                            GearPart::Model,
-                            (
-                                "contact with an elastic gear needs external gears, but this one is internal",
-                                "use rigid gears or movable teeth for internal gears and those that they mesh with",
-                            ),
-                        ));
-                    }
                     return Err(BuildError::gear(
                         &spec.gears[i].name,
                         GearPart::Model,

@@ -198,11 +198,8 @@ pub(super) fn flank_lines(
             continue;
         };
         let g = &spec.gears[i];
-        let teeth = match &g.body {
-            Body::Gear(gear) => (gear.teeth() as usize, None),
-            Body::Rack(rack) => (rack.teeth() as usize, Some(rack.first_tooth())),
-        };
-        let lines = LineGear::new(flanks, near_field.clone(), teeth, compliance(&g.material))
+        let compliance = compliance(&g.material);
+        let lines = LineGear::new(flanks, near_field.clone(), &g.body, compliance)
             .map_err(|why| BuildError::gear(&g.name, GearPart::Model, why))?;
         *out = Some(lines);
     }

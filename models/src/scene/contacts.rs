@@ -197,20 +197,19 @@ impl Scene {
         let nodal = self.work.nodal.active.iter().filter(|a| a.force.n > 0.0);
         let nodal = nodal.map(|a| {
             let p = &self.work.nodal.found.points[a.point];
-            let normal = a.direction / a.direction.norm();
             let hubs = self.meshes[p.mesh as usize].gears;
             ContactForce {
                 mesh: p.mesh as usize,
                 teeth: p.teeth,
                 side: p.side(),
                 x: p.x,
-                force: if p.slave == 0 { -1.0 } else { 1.0 }
-                    * (a.force.n * normal + a.sliding.force.f * a.sliding.direction),
+                force: a.on_second(p),
                 normal_force: a.force.n,
                 friction: a.sliding.force.f,
                 on_hubs: [0, 1].map(|k| {
                     let gear = &self.gears[hubs[k]];
-                    a.on_hub(p, (gear.model.hub(), gear.at(at)), k)
+                    let lines = &self.work.nodal.found.lines;
+                    a.on_hub((p, lines), (gear.model.hub(), gear.at(at)), k)
                 }),
                 gap: a.gap,
                 pressure: self.pressure(p, a.force.n),

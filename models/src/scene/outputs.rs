@@ -203,7 +203,8 @@ impl Scene {
             }
             for (k, &i) in mesh.gears.iter().enumerate() {
                 let of_hub = (self.gears[i].model.hub(), self.gears[i].at(at));
-                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += a.on_hub(p, of_hub, k);
+                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] +=
+                    a.on_hub((p, &nodal.found.lines), of_hub, k);
             }
         }
         for (i, (g, nodes)) in self.gears.iter().zip(&nodal.gears).enumerate() {

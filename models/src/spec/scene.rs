@@ -5,14 +5,14 @@ use super::mount::{Guide, LateralSpec, Mount};
 use super::points::PointContact;
 use super::shaft::{BodySpec, Carried, ShaftSpec, Station};
 use crate::Vec3;
-use crate::geometry::{Gear, Rack, Side};
+use crate::geometry::{Gear, Rack, Side, Tips};
 use crate::law::{Damping, Friction};
 use crate::stiffness::{Material, PairStiffness};
 
 /// The toothed body of a gear.
 #[derive(Clone, Debug)]
 pub enum Body {
-    /// An external gear.
+    /// An external or internal gear.
     Gear(Gear),
     /// A rack.
     Rack(Rack),
@@ -24,6 +24,23 @@ impl Body {
         match self {
             Body::Gear(gear) => gear.core_inertia(density),
             Body::Rack(_) => 0.0,
+        }
+    }
+
+    /// Number of teeth.
+    pub fn teeth(&self) -> u32 {
+        match self {
+            Body::Gear(gear) => gear.teeth(),
+            Body::Rack(rack) => rack.teeth(),
+        }
+    }
+
+    /// Where the tips of its teeth point.
+    pub fn tips(&self) -> Tips {
+        match self {
+            Body::Gear(gear) if gear.is_internal() => Tips::Inwards,
+            Body::Gear(_) => Tips::Outwards,
+            Body::Rack(_) => Tips::Along,
         }
     }
 

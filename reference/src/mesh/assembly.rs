@@ -126,10 +126,12 @@ impl Assembly {
         self.node_sets.insert("bore".into(), self.bore.clone());
         if matches!(plan.body, Body::Gear(_)) && !plan.closed {
             let present = |cut: &[u32]| cut.iter().copied().filter(|&n| n != u32::MAX).collect();
-            self.node_sets
-                .insert("cut_low".into(), present(&self.first_cut));
-            self.node_sets
-                .insert("cut_high".into(), present(&self.last_cut));
+            let [low, high] = match plan.body.points_inwards() {
+                true => [&self.last_cut, &self.first_cut],
+                false => [&self.first_cut, &self.last_cut],
+            };
+            self.node_sets.insert("cut_low".into(), present(low));
+            self.node_sets.insert("cut_high".into(), present(high));
         }
         self.nodes.shrink_to_fit();
         self.connectivity.shrink_to_fit();

@@ -44,21 +44,24 @@ fn plan<'a>(body: Body<'a>, p: &'a GearMeshParams) -> Result<Plan<'a>, MeshError
     check_ratios(p)?;
     let (teeth, all_teeth, first_turn, face_width) = match body {
         Body::Gear(g) => {
-            if g.is_internal() {
-                return Err(MeshError::Internal);
-            }
             if p.sector && p.fine_teeth.is_some() {
                 return Err(MeshError::SectorWithFineTeeth);
             }
             if let Some(w) = &p.web {
+                if g.is_internal() {
+                    return Err(MeshError::InternalWithWeb);
+                }
                 check_web(w, g, p.width)?;
                 for end in [-0.5, 0.5].iter().filter(|_| g.is_conical()) {
                     let section = conical::at_height(g, end * g.face_width())?;
                     check_web(w, &section, p.width)?;
                 }
             }
-            let teeth = 0..if p.sector { 1 } else { g.teeth() };
-            (teeth.collect(), g.teeth(), 0, g.face_width())
+            let n = g.teeth();
+            let teeth = 0..if p.sector { 1 } else { n };
+            // Seen from the roots of an internal gear, teeth count from the left to the right.
+            let in_place = |k: u32| if g.is_internal() { (n - k) % n } else { k };
+            (teeth.map(in_place).collect(), n, 0, g.face_width())
         }
         Body::Rack(r) => {
             if p.sector || p.web.is_some() {
@@ -244,8 +247,8 @@ impl Plan<'_> {
     /// Pitches from tooth 0 to a place.
     pub(super) fn turn(&self, place: usize) -> i64 {
         match self.body {
-            Body::Gear(_) => self.first_turn + place as i64,
-            Body::Rack(_) => self.first_turn - place as i64,
+            Body::Gear(g) if !g.is_internal() => self.first_turn + place as i64,
+            _ => self.first_turn - place as i64,
         }
     }
 
@@ -299,8 +302,9 @@ impl Plan<'_> {
         for (l, &z) in self.planes.iter().enumerate() {
             let (sin, cos) = (turn as f64 * g.pitch_angle() + self.twist(z)).sin_cos();
             for f in &t.layer(l).followers {
-                let [x, y] = self.shift(g, (f.flank(), f.roll), z);
-                let (x, y) = (f.weight * x, f.weight * f.side * y);
+                let side = g.side_from_root(f.flank());
+                let [x, y] = self.shift(g, (side, f.roll), z);
+                let (x, y) = (f.weight * x, f.weight * side.sign() * y);
                 out[f.point as usize * self.planes.len() + l] +=
                     Vec3::new(cos * x - sin * y, sin * x + cos * y, 0.0);
             }

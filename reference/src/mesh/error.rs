@@ -89,10 +89,8 @@ pub enum MeshError {
         base: f64,
         form: f64,
     },
-    #[error(
-        "the gear is internal, and meshes are made of external ones; use rigid gears or movable teeth for internal gears"
-    )]
-    Internal,
+    #[error("an internal gear is a rim with teeth, without a web: leave the web out")]
+    InternalWithWeb,
     #[error("a rack has neither a web nor sectors: leave them out")]
     RackWithWebOrSector,
     #[error(transparent)]

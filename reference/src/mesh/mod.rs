@@ -25,6 +25,8 @@ mod kind;
 mod params;
 mod profile;
 mod quality;
+#[cfg(test)]
+mod ring_tests;
 mod section;
 mod split;
 #[cfg(test)]

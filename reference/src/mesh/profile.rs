@@ -2,8 +2,9 @@
 //!
 //! A gear is unrolled by the conformal map `U = r_f theta`, `V = r_f ln(r / r_f)`: circles become lines
 //! `V = const`, radii become lines `U = const`, and right angles stay right angles, so that what is square in
-//! the plane is square in the gear. A rack is unrolled by a shift. In both `V = 0` is the root, `U = 0` the
-//! centreline of the tooth, `U > 0` its left side.
+//! the plane is square in the gear. An internal gear, whose teeth point to the axis, is unrolled by the same map turned by half a
+//! turn, `U = -r_f theta`, `V = -r_f ln(r / r_f)`. A rack is unrolled by a shift. In all `V = 0` is the root, `U = 0` the
+//! centreline of the tooth, `U > 0` its left side as one looks from the root to the tip.
 
 use gearbench_models::geometry::{Gear, Rack};
 use std::f64::consts::FRAC_PI_2;
@@ -22,6 +23,11 @@ pub(super) enum Body<'a> {
 }
 
 impl Body<'_> {
+    /// Whether the left side of the unrolled tooth is the clockwise one: the teeth point to the axis.
+    pub(super) fn points_inwards(self) -> bool {
+        matches!(self, Body::Gear(g) if g.is_internal())
+    }
+
     /// Half a pitch at the root [m].
     pub(super) fn half_pitch(self) -> f64 {
         match self {
@@ -41,7 +47,7 @@ impl Body<'_> {
     /// Height over the root of a radius, unrolled [m]; of a rack, of a height over the reference line.
     pub(super) fn unrolled_radius(self, r: f64) -> f64 {
         match self {
-            Body::Gear(g) => g.r_root() * (r / g.r_root()).ln(),
+            Body::Gear(g) => g.sign() * g.r_root() * (r / g.r_root()).ln(),
             Body::Rack(rack) => r + rack.root_depth(),
         }
     }
@@ -58,7 +64,10 @@ impl Body<'_> {
     /// tooth's centreline) of a rack.
     pub(super) fn rolled(self, [u, v]: Plane) -> [f64; 2] {
         match self {
-            Body::Gear(g) => [g.r_root() * (v / g.r_root()).exp(), u / g.r_root()],
+            Body::Gear(g) => {
+                let per = g.sign() / g.r_root();
+                [g.r_root() * (per * v).exp(), per * u]
+            }
             Body::Rack(r) => [v - r.root_depth(), u],
         }
     }
@@ -69,7 +78,7 @@ impl Body<'_> {
         match self {
             Body::Gear(g) => {
                 let (a, b) = (g.roll_length_form(), g.roll_length_tip());
-                let s = (a * a + (b * b - a * a) * t).sqrt();
+                let s = g.sign() * (a * a + (b * b - a * a) * t).sqrt();
                 let point = (g.r_base().hypot(s), g.half_angle_at_roll(s));
                 (self.unroll(point), s)
             }

@@ -43,6 +43,15 @@ pub(super) fn stored(
             ),
         ));
     }
+    if matches!(context.body, Toothing::Gear(g) if g.is_internal()) {
+        return Err(reader.error(
+            "mesh",
+            (
+                "meshes of internal gears are not recognised in files",
+                "leave it out: the mesh is generated then",
+            ),
+        ));
+    }
     let known = known(reader, given)?;
     let deck = read(reader, given, source)?;
     // A mesh without a material is as good: the scene has its own.

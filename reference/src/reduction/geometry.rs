@@ -22,9 +22,10 @@ const FINE: f64 = 1e-7;
 /// A toothing as its flank nodes show it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Toothing {
-    /// Largest radius of a flank node [m]; of a rack the height of its tips above the reference line.
+    /// Largest radius of a flank node [m], of an internal gear the smallest one; of a rack the height of its tips above the
+    /// reference line.
     pub tip: f64,
-    /// Smallest radius of a flank node [m]; of a rack the height there, negative below the reference line.
+    /// Radius at the other end of the flanks [m]; of a rack the height there, negative below the reference line.
     pub low: f64,
     /// Base radius [m]; of a rack its base pitch over 2 pi, what a gear's base radius is per tooth.
     pub base: f64,
@@ -64,6 +65,12 @@ impl Toothing {
                 .fold(ends, |e, v| (e.0.min(v), e.1.max(v)))
         };
         let (low, tip) = extent(&height);
+        let inward = motion == Motion::Turn
+            && grids.first().is_some_and(|g| {
+                let ends = [g.positions.first(), g.positions.last()];
+                let [root, tip] = ends.map(|x| x.map_or(0.0, &height));
+                root > tip
+            });
         let (back, front) = extent(&|x| x.z);
         let straight = grids.iter().all(|g| {
             g.positions.chunks_exact(g.columns.max(1)).all(|row| {
@@ -82,7 +89,8 @@ impl Toothing {
                 let twist = median(pairs().map(|(x, n)| -n.z / (x.x * n.y - x.y * n.x)));
                 let points: Vec<FlankPoint> = grids.iter().flat_map(points).collect();
                 involute = Involute::guess(teeth, base, twist).fitted_to_most(&points, FINE * tip);
-                tools = involute.as_ref().map_or(Vec::new(), |fit| {
+                // What a pinion-type cutter was is not told by the gear.
+                tools = (involute.as_ref().filter(|_| !inward)).map_or(Vec::new(), |fit| {
                     readings(fit, [tip, low], NEAR, Given::default())
                 });
                 let base = involute.map_or(base, |fit| fit.base_radius);
@@ -102,6 +110,7 @@ impl Toothing {
                 )
             }
         };
+        let (low, tip) = if inward { (tip, low) } else { (low, tip) };
         Toothing {
             tip,
             low,
@@ -111,7 +120,8 @@ impl Toothing {
             pressure_angle,
             standard,
             straight,
-            involute,
+            // Seen from the root its half angle is that of the space: of a tooth it tells nothing.
+            involute: involute.filter(|_| !inward),
             readings: tools,
         }
     }

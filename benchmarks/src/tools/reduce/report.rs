@@ -145,21 +145,25 @@ fn of_mesh(job: &Job) -> String {
 }
 
 fn of_toothing(t: &Toothing, motion: Motion, teeth: u32) -> String {
-    let module = format!(
-        "module {:.3} mm at {:.1} degrees{}",
-        1e3 * t.module,
-        t.pressure_angle.to_degrees(),
-        if t.standard { "" } else { ", none of ISO 54" }
-    );
+    let module = match t.module.is_finite() {
+        true => format!(
+            "; module {:.3} mm at {:.1} degrees{}",
+            1e3 * t.module,
+            t.pressure_angle.to_degrees(),
+            if t.standard { "" } else { ", none of ISO 54" }
+        ),
+        // Of an internal gear the flanks tell no tool.
+        false => String::new(),
+    };
     match motion {
         Motion::Turn => format!(
-            "gear with {}, tip radius {:.3} mm, base radius {:.3} mm; {module}",
+            "gear with {}, tip radius {:.3} mm, base radius {:.3} mm{module}",
             some(teeth as usize, "tooth").replace("tooths", "teeth"),
             1e3 * t.tip,
             1e3 * t.base
         ),
         Motion::Slide => format!(
-            "rack with {}, tips {:.3} mm above its reference line; {module}",
+            "rack with {}, tips {:.3} mm above its reference line{module}",
             some(teeth as usize, "tooth").replace("tooths", "teeth"),
             1e3 * t.tip
         ),

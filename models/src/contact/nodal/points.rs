@@ -86,6 +86,9 @@ pub struct LineTerms {
     /// Lines of a gear that [says where its nodes are](crate::gear::DeformedLines) in the place of slots; their weights
     /// are those of the point, and what follows them with the hub is in the effective radius.
     pub deformed: [Option<[u32; 4]>; 2],
+    /// By how much its slope is larger where these nodes turn with their gear: the moment about the hub goes by that, whatever
+    /// the hub itself feels.
+    pub with_nodes: [f64; 2],
     /// Relative radius of curvature [m].
     pub radius: f64,
 }

@@ -30,10 +30,12 @@ use crate::error::Reason;
 use crate::gear::elastic::lines::spread;
 use crate::geometry::Flanks;
 use crate::kinematics::Tooth;
+use crate::spec::Body;
 use std::f64::consts::{LN_2, PI};
 use std::sync::Arc;
 
-/// Least radius of curvature over the base pitch: near the base circle that of an involute vanishes.
+/// Least radius of curvature over the base pitch: near the base circle that of an involute vanishes. Those of concave flanks,
+/// on internal gears, are negative.
 const SHARPEST: f64 = 0.05;
 
 /// The lines of both flanks of a mesh with at least one elastic gear.
@@ -65,7 +67,7 @@ pub struct LineGear {
 
 #[derive(Clone, Debug)]
 struct LineFlank {
-    /// Squared radius [m^2] (height [m] of a rack) of the lines, ascending.
+    /// Heights of the lines by [`Tips`](crate::geometry::Tips), ascending.
     heights: Vec<f64>,
     /// Line by line, strip by strip.
     nodes: Vec<u32>,
@@ -81,21 +83,25 @@ struct Place {
 }
 
 impl LineGear {
-    /// The lines of a gear [reduced to such](crate::gear::elastic::reduced::Reduced::over_lines) with `teeth`, round or a
-    /// rack with its first tooth, of a material with `2 (1 - nu^2)/(pi E)` [m^2/N].
+    /// The lines of a gear [reduced to such](crate::gear::elastic::reduced::Reduced::over_lines), of a material with
+    /// `2 (1 - nu^2)/(pi E)` [m^2/N].
     pub fn new(
         flanks: &Flanks,
         near_field: Arc<Vec<Vec<f64>>>,
-        (teeth, first): (usize, Option<i64>),
+        body: &Body,
         compliance: f64,
     ) -> Result<Self, Reason> {
-        let rack = first.is_some();
+        let (tips, teeth) = (body.tips(), body.teeth() as usize);
+        let first = match body {
+            Body::Gear(_) => None,
+            Body::Rack(rack) => Some(rack.first_tooth()),
+        };
         let mut of_tooth = vec![[None; 2]; teeth];
         let mut lines = Vec::new();
         let mut strips = 0;
         for (i, grid) in flanks.grids().iter().enumerate() {
             let heights: Vec<f64> = (grid.positions.iter().step_by(grid.columns))
-                .map(|x| if rack { -x.x } else { x.x * x.x + x.y * x.y })
+                .map(|x| tips.height([x.x, x.y]))
                 .collect();
             if !heights.is_sorted_by(|a, b| a < b) {
                 return Err((
@@ -277,12 +283,16 @@ impl FlankLines {
             let height = match mesh.views[k].base_radius {
                 Some(rb) => {
                     let least = SHARPEST * mesh.base_pitch;
-                    let rho = s.clamp(least, line.tips[k].max(least));
+                    let rho = match rb > 0.0 {
+                        true => s.clamp(least, line.tips[k].max(least)),
+                        false => s.min(line.tips[k].min(-least)),
+                    };
                     curvature[k] = helix / rho;
                     if rho == s {
                         bends[k] = -helix / (rho * rho) * moves;
                     }
-                    (rb * rb + s * s, 2.0 * s * moves)
+                    let sign = rb.signum();
+                    (sign * (rb * rb + s * s), sign * 2.0 * s * moves)
                 }
                 None => {
                     let of_a = mesh.length - s;
@@ -309,8 +319,9 @@ impl FlankLines {
                 let outward = place.lines.map(|line| lines.outward(party.at, line));
                 let (a, by_hub) = (outward.map(|x| x.0), outward.map(|x| x.1));
                 gap0 -= weighted(&weights[k], &a);
-                terms.effective_radii[k] -=
-                    weighted(&place.slopes, &a) + weighted(&weights[k], &by_hub);
+                let of_nodes = weighted(&weights[k], &by_hub);
+                terms.effective_radii[k] -= weighted(&place.slopes, &a) + of_nodes;
+                terms.with_nodes[k] = of_nodes;
                 terms.deformed[k] = Some(place.lines);
             }
             let share = 2.0 * gear.compliance / self.compliance;

@@ -163,11 +163,7 @@ impl LinesOfAction {
         }
         for (k, gear) in self.mesh.deviating.iter().enumerate() {
             let Some(gear) = gear else { continue };
-            let side = if gear.is_internal() {
-                line.side.opposite()
-            } else {
-                line.side
-            };
+            let side = gear.side_from_root(line.side);
             let [e, slope, curvature] =
                 gear.tooth_deviation_at_roll(p.teeth[k].index, side, p.s[k]);
             p.gap += e;

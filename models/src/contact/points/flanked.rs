@@ -12,7 +12,7 @@ use super::rule::Rule;
 use super::surface::Shape;
 use crate::contact::party::Party;
 use crate::error::Reason;
-use crate::geometry::{Flanks, Side};
+use crate::geometry::{Flanks, Side, Tips};
 use crate::kinematics::{Placement, Pose};
 use crate::spec::{Body, SurfaceKind};
 use std::f64::consts::TAU;
@@ -35,6 +35,7 @@ pub(super) struct Flanked {
     /// The flanks are the gear's own: it says where their nodes are.
     pub own: bool,
     pub rack: bool,
+    pub tips: Tips,
     pub conical: bool,
     pub placement: Placement,
     pub shapes: Vec<Shape>,
@@ -58,7 +59,7 @@ pub(super) struct Flanked {
     pub involute: bool,
     /// How far a flank stands outward of its involute at most, on the path coordinate [m]; for such flanks.
     pub deviation_bound: f64,
-    /// Base radius [m]; `None` for a rack.
+    /// Base radius [m], negative of an internal gear; `None` for a rack.
     pub base_radius: Option<f64>,
 }
 
@@ -78,7 +79,7 @@ fn side_index(side: Side) -> usize {
 
 impl Flanked {
     pub fn new(o: Owner<'_>, kind: SurfaceKind, rule: &Rule) -> Result<Self, Reason> {
-        let rack = matches!(o.body, Body::Rack(_));
+        let (rack, tips) = (matches!(o.body, Body::Rack(_)), o.body.tips());
         let own = o.gear.flanks().is_some();
         let grids = match o.gear.flanks() {
             Some(flanks) => flanks.clone(),
@@ -90,7 +91,7 @@ impl Flanked {
             _ => 0.0,
         };
         let shapes: Vec<Shape> = (0..grids.grids().len())
-            .map(|g| Shape::new(&grids, g, kind, rule, rack).on_cone(slope))
+            .map(|g| Shape::new(&grids, g, kind, rule, tips).on_cone(slope))
             .collect();
         if let Some(s) = shapes
             .iter()
@@ -110,7 +111,7 @@ impl Flanked {
             Body::Rack(r) => i64::from(r.teeth()),
         };
         let turn = match o.view.base_radius {
-            Some(rb) => TAU * rb,
+            Some(rb) => TAU * rb.abs(),
             None => f64::INFINITY,
         };
         let moves_as_one = o.gear.displacement().is_some() || (!own && o.gear.teeth().is_none());
@@ -150,6 +151,7 @@ impl Flanked {
         Ok(Flanked {
             own,
             rack,
+            tips,
             conical: matches!(o.body, Body::Gear(g) if g.is_conical()),
             placement: Placement::new(o.gear.hub(), o.phase),
             shapes,
@@ -195,6 +197,13 @@ impl Flanked {
         self.per_displacement
     }
 
+    /// Height of the place of a flank that lies on the path of contact, its path coordinate being `s` [m]; of a gear.
+    #[inline]
+    pub fn height_on_path(&self, s: f64) -> f64 {
+        let rb = self.base_radius.unwrap_or(0.0);
+        rb.signum() * (rb * rb + s * s)
+    }
+
     /// Calls `f` for the flanks of a side with a path coordinate from `low` to `high` at a displacement.
     #[inline]
     pub fn each_near(
@@ -238,7 +247,8 @@ impl Flanked {
             let turns = ((s - shift - e.s) / self.turn).round() as i64;
             f(Near {
                 shape: e.shape,
-                tooth: e.tooth + side.sign() as i64 * self.teeth * turns,
+                tooth: e.tooth
+                    + (side.sign() * self.per_displacement.signum()) as i64 * self.teeth * turns,
                 s,
             });
         }

@@ -79,9 +79,10 @@ fn gear(g: &Gear) -> Vec<FlankGrid> {
         return conical(g, size);
     }
     for tooth in 0..g.teeth() {
-        for side in Side::BOTH {
+        for seen in Side::BOTH {
+            let side = g.side_from_root(seen);
             let first = (all.len() * size[0] * size[1]) as u32;
-            all.push(grid(tooth, side, first, size, |t, zeta| {
+            all.push(grid(tooth, seen, first, size, |t, zeta| {
                 let z = 0.5 * g.face_width() * zeta;
                 let s = low + t * (high - low);
                 let r = rb.hypot(s);

@@ -18,11 +18,10 @@ const BETWEEN_SAMPLES: f64 = 0.05;
 pub(super) fn outermost(body: &Body, view: &MeshView, g: &FlankGrid) -> f64 {
     let sign = g.side.sign();
     let own = |x: &Vec3| place_of(body, view, g.side, x);
-    // A left flank looks counter-clockwise, on a rack to the own -y.
-    let out = if matches!(body, Body::Gear(_)) {
-        sign
-    } else {
-        -sign
+    // A left flank looks counter-clockwise, on an internal gear clockwise, on a rack to the own -y.
+    let out = match body {
+        Body::Gear(gear) => gear.sign() * sign,
+        Body::Rack(_) => -sign,
     };
     let mut best: Option<f64> = None;
     for x in g.positions.iter() {
@@ -49,7 +48,8 @@ pub(super) fn outermost(body: &Body, view: &MeshView, g: &FlankGrid) -> f64 {
 /// How far apart on the path coordinate [m] the involutes through the nodes of a flank are; infinite for a flank
 /// without a node above the form circle.
 pub(super) fn off_involute(o: &Owner<'_>, g: &FlankGrid) -> f64 {
-    let per_place = (o.view.base_radius).unwrap_or_else(|| o.view.working_pressure_angle.cos());
+    let base = o.view.base_radius.map(f64::abs);
+    let per_place = base.unwrap_or_else(|| o.view.working_pressure_angle.cos());
     let mut places = (g.positions.iter()).filter_map(|x| place_of(o.body, &o.view, g.side, x));
     let Some(first) = places.next() else {
         return f64::INFINITY;
@@ -79,11 +79,13 @@ fn place_of(body: &Body, view: &MeshView, side: Side, x: &Vec3) -> Option<f64> {
             (r >= rb).then(|| own + sign * view.half_angle_of(side))
         }
         Body::Gear(gear) => {
-            let rb = view.base_radius.unwrap_or_else(|| gear.r_base());
+            let rb = gear.r_base();
             let r = x.x.hypot(x.y);
             let angle = x.y.atan2(x.x) - x.z * gear.base_helix_angle().tan() / rb;
             let roll = (r * r - rb * rb).max(0.0).sqrt();
-            (r >= gear.r_form() * (1.0 - 1e-6)).then(|| angle + sign * inv((roll / rb).atan()))
+            // Seen from the root, left and right involutes of an internal gear unwind as those of an external one.
+            let above = gear.sign() * (r - gear.r_form()) >= -1e-6 * gear.r_form();
+            above.then(|| angle + sign * inv((roll / rb).atan()))
         }
         Body::Rack(rack) => {
             let tan = rack.transverse_pressure_angle().tan();

@@ -7,7 +7,8 @@
 //! undeformed involutes only choose which flanks are looked at. Gears that bring no flanks get them from their
 //! geometry, rigid with each tooth, so any gear meets any other.
 //!
-//! Same-named flanks touch: left flanks of one gear meet left flanks of the other, also of a rack.
+//! Same-named flanks touch: left flanks of one gear meet left flanks of the other, also of a rack, and of an internal gear by
+//! the sides that one sees from its roots.
 //!
 //! Steps of the search, after the gear train module of P. Ziegler and P. Eberhard (2011): teeth about the line
 //! of centres, the flanks they face on both sides, points of these. Where tooth numbers do not tell the first two, boxes
@@ -42,7 +43,7 @@ pub use owner::Owner;
 pub use search::FlankPoints;
 
 use crate::Vec3;
-use crate::geometry::Flanks;
+use crate::geometry::{Flanks, Tips};
 use crate::spec::{PointRule, SurfaceKind};
 use rule::Rule;
 use surface::Shape;
@@ -51,7 +52,7 @@ use surface::Shape;
 /// row with their points along the profile, then over the width.
 pub fn reference_areas(flanks: &Flanks, grid: usize, rule: PointRule) -> Vec<f64> {
     let rule = Rule::new(rule);
-    let shape = Shape::new(flanks, grid, SurfaceKind::Smooth, &rule, false);
+    let shape = Shape::new(flanks, grid, SurfaceKind::Smooth, &rule, Tips::Outwards);
     let mut areas = Vec::new();
     shape.points(&rule, |_, _| true, |p| areas.push(p.area));
     areas
@@ -60,5 +61,7 @@ pub fn reference_areas(flanks: &Flanks, grid: usize, rule: PointRule) -> Vec<f64
 /// Outward unit normals of the smooth surface through the undeformed nodes of grid `grid`, at these nodes, row by
 /// row: `t_z x t_r` of the spline tangents over the width and along the profile, turned out of the tooth.
 pub fn nodal_normals(flanks: &Flanks, grid: usize) -> Vec<Vec3> {
-    Shape::new(flanks, grid, SurfaceKind::Smooth, &Rule::default(), false).nodal_normals()
+    // Normals ask for no heights.
+    let (kind, rule) = (SurfaceKind::Smooth, Rule::default());
+    Shape::new(flanks, grid, kind, &rule, Tips::Outwards).nodal_normals()
 }

@@ -9,7 +9,7 @@ use super::stand::Stand;
 use super::surface::Shape;
 use crate::Vec3;
 use crate::contact::party::{Party, SearchWork};
-use crate::geometry::Side;
+use crate::geometry::{Side, Tips};
 use crate::kinematics::{Locus, Point, Pose};
 
 /// A flank at a state.
@@ -150,10 +150,10 @@ impl MeshFlanks {
     /// Height of a point on the flanks of gear `k`, as [`Shape::heights`] has it.
     #[inline]
     fn height(&self, k: usize, pose: &Pose, x: &Vec3) -> f64 {
-        if self.gears[k].rack {
-            -pose.axes[0].dot(&(x - pose.origin))
-        } else {
-            pose.off_axis(x).norm_squared()
+        match self.gears[k].tips {
+            Tips::Outwards => pose.off_axis(x).norm_squared(),
+            Tips::Inwards => -pose.off_axis(x).norm_squared(),
+            Tips::Along => -pose.axes[0].dot(&(x - pose.origin)),
         }
     }
 
@@ -174,10 +174,10 @@ impl MeshFlanks {
                 2.0 * per * carried * gradient,
             );
         }
-        let gradient = if self.gears[m].rack {
-            -pose.axes[0]
-        } else {
-            2.0 * pose.off_axis(x)
+        let gradient = match self.gears[m].tips {
+            Tips::Outwards => 2.0 * pose.off_axis(x),
+            Tips::Inwards => -2.0 * pose.off_axis(x),
+            Tips::Along => -pose.axes[0],
         };
         ((self.height(m, pose, x) - low) * per, per * gradient)
     }
@@ -194,7 +194,7 @@ impl MeshFlanks {
         } else {
             let height = self.height(k, &active.pose, &x);
             Locus::Flank {
-                radius: if g.rack { height } else { height.sqrt() },
+                radius: g.tips.radius(height),
                 zeta: 2.0 * active.pose.height(&x) / g.face_width,
             }
         };

@@ -9,7 +9,7 @@ use super::chords::{Bulge, Chord, chords, on_curve};
 use super::projection::{NEAR_EDGE, OVERLAP, RIM, beyond_tip};
 use super::rule::Rule;
 use super::surface::Shape;
-use crate::geometry::Side;
+use crate::geometry::{Side, Tips};
 
 /// A point or direction in the transverse plane.
 pub(super) type Vec2 = nalgebra::Vector2<f64>;
@@ -26,13 +26,13 @@ const ITERATIONS: usize = 20;
 #[derive(Clone, Debug)]
 pub(super) struct Profile {
     side: Side,
-    rack: bool,
+    tips: Tips,
     faceted: bool,
     /// Coefficients of each face.
     curves: Vec<[Vec2; 4]>,
     chords: Vec<Chord>,
     bulges: Vec<Bulge>,
-    /// Squared radius [m^2] (height [m] of a rack) of each node.
+    /// Height of each node.
     heights: Vec<f64>,
     /// Reciprocal differences of these.
     per_height: Vec<f64>,
@@ -58,7 +58,7 @@ pub(super) struct Foot {
 
 impl Profile {
     /// The profile of a shape, if all its transverse planes show the same.
-    pub fn new(shape: &Shape, rule: &Rule, rack: bool) -> Option<Self> {
+    pub fn new(shape: &Shape, rule: &Rule, tips: Tips) -> Option<Self> {
         let flat = |row: usize, column: usize, place| shape.undeformed(row, column, place).xy();
         let same = |a: Vec2, b: Vec2| (a - b).norm() < ONE;
         for row in 0..shape.rows - 1 {
@@ -72,14 +72,14 @@ impl Profile {
                 }
             }
         }
-        Some(Self::of(shape, rule, rack, |row, a| flat(row, 0, [a, 0.0])))
+        Some(Self::of(shape, rule, tips, |row, a| flat(row, 0, [a, 0.0])))
     }
 
     /// The profile of a shape through the places that `at(row, a)` gives of each face.
     pub fn of(
         shape: &Shape,
         rule: &Rule,
-        rack: bool,
+        tips: Tips,
         at: impl Fn(usize, f64) -> Vec2 + Copy,
     ) -> Self {
         let mut knots: Vec<Vec2> = (0..shape.rows - 1).map(|r| at(r, 0.0)).collect();
@@ -110,7 +110,7 @@ impl Profile {
         };
         Profile {
             side: shape.side,
-            rack,
+            tips,
             faceted,
             per_height: shape
                 .heights
@@ -135,7 +135,7 @@ impl Profile {
     /// Height of a point, as those of the rows.
     #[inline]
     pub fn height(&self, x: &Vec2) -> f64 {
-        if self.rack { -x.x } else { x.dot(x) }
+        self.tips.height([x.x, x.y])
     }
 
     /// Place of a point on the last face by its height, and the gradient of that [1/m].
@@ -143,11 +143,7 @@ impl Profile {
     pub fn tip_place(&self, x: &Vec2) -> (f64, Vec2) {
         let last = self.faces() - 1;
         let per = self.per_height[last];
-        let gradient = if self.rack {
-            Vec2::new(-per, 0.0)
-        } else {
-            2.0 * per * x
-        };
+        let gradient = per * Vec2::from(self.tips.gradient([x.x, x.y]));
         ((self.height(x) - self.heights[last]) * per, gradient)
     }
 

@@ -92,7 +92,7 @@ impl Spur {
             let first = &g.shapes[0];
             let alike = |s: &Shape| s.z == first.z && s.z.is_sorted_by(|a, b| a < b);
             (g.rigid && g.shapes.iter().all(alike))
-                .then(|| g.shapes.iter().map(|s| Profile::new(s, rule, g.rack)))?
+                .then(|| g.shapes.iter().map(|s| Profile::new(s, rule, g.tips)))?
                 .collect()
         };
         let profiles = [profiles(&gears[0])?, profiles(&gears[1])?];

@@ -127,8 +127,7 @@ impl Pair<'_> {
     /// where it leaves a flank, at the end of that flank.
     fn start(&self) -> [Vec2; 2] {
         let (first, second) = (self.profile(0), self.profile(1));
-        let rb = self.of.gears[0].base_radius.unwrap_or(0.0);
-        let x = first.at_height(rb * rb + self.near[0].s * self.near[0].s);
+        let x = first.at_height(self.of.gears[0].height_on_path(self.near[0].s));
         let y = second.at_height(second.height(&self.turns[0].point(&x)));
         let x = first.at_height(first.height(&self.turns[1].point(&y)));
         [x, y]

@@ -13,7 +13,7 @@ use super::cone::Cone;
 use super::rule::{FlankPoint, Rule};
 use super::spline::{bulge, bulges, chord_bound};
 use crate::Vec3;
-use crate::geometry::{FlankGrid, Flanks, Side};
+use crate::geometry::{FlankGrid, Flanks, Side, Tips};
 use crate::kinematics::Pose;
 use crate::spec::{PointRule, SurfaceKind};
 
@@ -32,8 +32,7 @@ pub(super) struct Shape {
     profile: Vec<[Vec3; 2]>,
     /// Bulges of the chords over the width, `row * (columns - 1) + column`; empty without any.
     width: Vec<[Vec3; 2]>,
-    /// Squared radius [m^2] (height [m] of a rack) of each row, ascending to the tip; on a cone, carried along it to the
-    /// middle of the face.
+    /// Height of each row by [`Tips`], ascending to the tip; on a cone, carried along it to the middle of the face.
     pub heights: Vec<f64>,
     /// How radii grow along the axis of a conical gear.
     pub cone: Option<Cone>,
@@ -49,8 +48,8 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// The shape of grid `g` of `flanks`; `rack` says how to measure heights.
-    pub fn new(flanks: &Flanks, g: usize, kind: SurfaceKind, rule: &Rule, rack: bool) -> Self {
+    /// The shape of grid `g` of `flanks`; `tips` says how to measure heights.
+    pub fn new(flanks: &Flanks, g: usize, kind: SurfaceKind, rule: &Rule, tips: Tips) -> Self {
         let FlankGrid {
             tooth,
             side,
@@ -77,9 +76,7 @@ impl Shape {
             }
         }
         let (mid_row, mid_column) = (rows / 2, columns / 2);
-        let height = |x: Vec3| {
-            if rack { -x.x } else { x.x * x.x + x.y * x.y }
-        };
+        let height = |x: Vec3| tips.height([x.x, x.y]);
         let mut shape = Shape {
             tooth,
             side,
@@ -277,8 +274,8 @@ impl Shape {
         (column, (z - low) / (high - low))
     }
 
-    /// Row whose strip holds a squared radius (height of a rack) at a place over the width, [`Shape::column_at`], and where in
-    /// it, from 0 to 1 (beyond, outside the flank).
+    /// Row whose strip holds a height at a place over the width, [`Shape::column_at`], and where in it, from 0 to 1 (beyond,
+    /// outside the flank).
     #[inline]
     pub fn row_at(&self, height: f64, (column, b): (usize, f64)) -> (usize, f64) {
         if let Some(cone) = &self.cone {

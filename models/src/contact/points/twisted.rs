@@ -35,6 +35,7 @@ use super::rule::Rule;
 use super::sections::{Cell, Turn, cells};
 use super::surface::Shape;
 use crate::Vec3;
+use crate::geometry::Tips;
 use crate::kinematics::Pose;
 
 /// Part of the base pitch by which a flank may leave its twisted profile and still be looked for by it.
@@ -174,7 +175,7 @@ impl Twisted {
         let mut off = 0.0;
         let profiles = [0, 1].map(|k| {
             let of_shape = |shape: &Shape| {
-                let (profile, own) = twisted(shape, &twists[k], rule, gears[k].rack);
+                let (profile, own) = twisted(shape, &twists[k], rule, gears[k].tips);
                 (profile, own)
             };
             let (profiles, offs): (Vec<_>, Vec<f64>) = gears[k].shapes.iter().map(of_shape).unzip();
@@ -295,10 +296,13 @@ impl Twisted {
         (of, s): (&MeshFlanks, f64),
         turn: &Turn,
     ) -> Vec2 {
-        let rb = of.gears[0].base_radius.unwrap_or(0.0);
         let back = turn.inverse();
         let [to_second, to_first] = if k == 0 { [turn, &back] } else { [&back, turn] };
-        let x = first.at_height(rb * rb + s.max(0.0).powi(2));
+        let s = match of.gears[0].tips {
+            Tips::Inwards => s.min(0.0),
+            _ => s.max(0.0),
+        };
+        let x = first.at_height(of.gears[0].height_on_path(s));
         let height = second.height(&to_second.point(&x));
         if k == 1 {
             return second.at_height(height);
@@ -337,13 +341,13 @@ fn points(shape: &Shape, patches: &[Patch], rule: &Rule) -> Vec<Vec3> {
 }
 
 /// The profile of a shape in the section at height zero, and how far the shape leaves it when that is twisted [m].
-fn twisted(shape: &Shape, twist: &Twist, rule: &Rule, rack: bool) -> (Profile, f64) {
+fn twisted(shape: &Shape, twist: &Twist, rule: &Rule, tips: Tips) -> (Profile, f64) {
     let untwisted = |row: usize, column: usize, place: [f64; 2]| {
         let x: Vec3 = shape.undeformed(row, column, place);
         twist.section(x.z).inverse().point(&x.xy())
     };
     let column = (shape.columns - 1) / 2;
-    let profile = Profile::of(shape, rule, rack, |row, a| untwisted(row, column, [a, 0.0]));
+    let profile = Profile::of(shape, rule, tips, |row, a| untwisted(row, column, [a, 0.0]));
     let mut off = 0.0_f64;
     for row in 0..shape.rows - 1 {
         for column in 0..shape.columns - 1 {

@@ -174,7 +174,12 @@ impl Sets {
             for member in set.gears.iter().map(|g| g.0).chain([set.body]) {
                 let g = &gears[member];
                 let hub = g.model.hub();
-                let why: Option<Reason> = if !hub.is_free() {
+                let why: Option<Reason> = if g.model.large().is_some() {
+                    Some((
+                        "full finite elements tell in space where their nodes are, and gears of a planetary set are seen from its carrier",
+                        "take the model `elastic`, or leave the carrier out, so that all gears turn about axes of their own",
+                    ).into())
+                } else if !hub.is_free() {
                     Some(
                         (
                             "a rigid shaft holds or drives it together with something else",

@@ -2,8 +2,8 @@
 
 use crate::Vec3;
 use crate::contact::nodal::{
-    Block, DissipativeSolve, GearNodes, HardSolve, NodalPoint, NodalPoints, NodalSolve, Share,
-    Spring,
+    Block, DissipativeSolve, GearNodes, HardSolve, LineTerms, NodalPoint, NodalPoints, NodalSolve,
+    Share, Spring,
 };
 use crate::gear::HubBody;
 use crate::kinematics::{Row, Standing};
@@ -77,9 +77,15 @@ impl NodalActive {
     }
 
     /// What it exerts on the hub of a gear of the mesh: torque about the axis [N m], force along the slide [N].
-    pub fn on_hub(&self, p: &NodalPoint, (hub, at): (&HubBody, At<'_>), k: usize) -> f64 {
-        if self.of_line.is_some() {
-            return self.effective_radii[k] * self.force.n
+    pub fn on_hub(
+        &self,
+        (p, lines): (&NodalPoint, &[LineTerms]),
+        (hub, at): (&HubBody, At<'_>),
+        k: usize,
+    ) -> f64 {
+        if let (Some(_), Some(line)) = (self.of_line, p.line) {
+            let with_nodes = self.effective_radii[k] + lines[line as usize].with_nodes[k];
+            return with_nodes * self.force.n
                 + self.sliding.effective_radii[k] * self.sliding.force.f;
         }
         let on_second = self.on_second(p);

@@ -1,11 +1,12 @@
 //! Modes from one sector against modes of the whole mesh, and against what symmetry says.
 
 use super::*;
-use crate::mesh::{ElementKind, Mesh};
+use crate::mesh::{self, ElementKind, Mesh};
 use crate::modes::{self, Symmetric};
-use crate::test_support::tied;
+use crate::test_support::{counted, tied};
 use crate::vector::turned;
 use gearbench_models::Vec3;
+use gearbench_models::geometry::{Gear, GearParams, Internal};
 
 /// A ring of hexahedra with one tooth per pitch: radial bands, the outer one on the first half of the pitch only.
 /// `pitches` of `teeth` are meshed; a whole gear closes on itself.
@@ -120,11 +121,15 @@ fn on_whole(modes: &CyclicModes, i: usize, sector: &GearMesh, gear: &GearMesh) -
 
 /// Frequencies, residuals of the expanded shapes in the whole matrices, orthonormality.
 fn agrees(kind: ElementKind, teeth: u32, bands: usize, layers: usize, hub: &Hub, count: usize) {
-    let sector = ring(kind, teeth, 1, bands, layers);
-    let gear = ring(kind, teeth, teeth, bands, layers);
+    let of = |pitches| ring(kind, teeth, pitches, bands, layers);
+    agree([&of(1), &of(teeth)], hub, count);
+}
+
+/// The same of a sector and the whole gear.
+fn agree([sector, gear]: [&GearMesh; 2], hub: &Hub, count: usize) {
     let options = Options::default();
-    let cyclic = lowest(&sector, &Material::STEEL, hub, count, &options).unwrap();
-    let (tie, r) = tied(&gear, &hub.motions, &hub.added_inertia);
+    let cyclic = lowest(sector, &Material::STEEL, hub, count, &options).unwrap();
+    let (tie, r) = tied(gear, &hub.motions, &hub.added_inertia);
     let full = modes::lowest(&r, count, &options).unwrap();
     assert!(cyclic.modes.len() == count || cyclic.modes.len() == count + 1);
     let scale = full.omega2[full.omega2.iter().position(|w| *w > 1e6).unwrap()];
@@ -142,7 +147,7 @@ fn agrees(kind: ElementKind, teeth: u32, bands: usize, layers: usize, hub: &Hub,
     let n = k.size();
     let mut x = Mat::<f64>::zeros(n, cyclic.modes.len());
     for i in 0..cyclic.modes.len() {
-        let u = on_whole(&cyclic, i, &sector, &gear);
+        let u = on_whole(&cyclic, i, sector, gear);
         for (place, &node) in tie.free.iter().enumerate() {
             for axis in 0..3 {
                 x[(3 * place + axis, i)] = u[3 * node as usize + axis];
@@ -233,6 +238,30 @@ fn hub_free_to_turn_and_in_all_directions() {
     };
     agrees(ElementKind::C3D8, 10, 2, 1, &all, 40);
     agrees(ElementKind::C3D8, 8, 5, 3, &all, 30);
+}
+
+/// The hub of an internal gear is its rim, and its cuts run outwards.
+#[test]
+fn internal_gears_on_their_rims() {
+    let g = Gear::new(GearParams {
+        teeth: 61,
+        module: 4e-3,
+        addendum: 0.8,
+        profile_shift: -0.2,
+        tip_radius: 0.25,
+        helix_angle: 0.2,
+        internal: Some(Internal {
+            cutter_teeth: Some(23),
+            rim_radius: Some(0.15),
+            ..Internal::default()
+        }),
+        ..GearParams::default()
+    });
+    let (g, mut params) = (g.unwrap(), counted(3, 2, 1));
+    let whole = mesh::gear(&g, &params).unwrap();
+    params.sector = true;
+    let sector = mesh::gear(&g, &params).unwrap();
+    agree([&sector, &whole], &Hub::turning(1e-3), 30);
 }
 
 #[test]

@@ -1,0 +1,128 @@
+//! Internal gears as elastic bodies: flank points of concave flanks, one potential behind all forces, statics and impacts
+//! beside full finite elements of the same mesh, exchanged and turned pairs, sets of planets.
+//!
+//! Figures: `cargo test --release -p gearbench-tests --test rings -- --nocapture --include-ignored`.
+#![allow(clippy::print_stdout)]
+
+mod friction;
+mod impact;
+mod points;
+mod potential;
+mod set;
+mod statics;
+
+use gearbench_integrators::{Outputs, Report, SecondOrderSystem, State};
+use gearbench_models::geometry::{GearParams, Internal, Side};
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{
+    ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, PointContact, SceneSpec, Value,
+    signed_effective_radius,
+};
+use gearbench_tests::{contact, gear, pair_of, spur, start};
+
+/// Centre distance of the pair [m].
+const DISTANCE: f64 = 0.078;
+
+/// Pinion and ring of the scene `ring_pair`, 22 and 61 teeth.
+fn params(helix_angle: f64) -> [GearParams; 2] {
+    let of = |teeth, profile_shift| GearParams {
+        module: 4e-3 * helix_angle.cos(),
+        profile_shift,
+        thinning: 4e-5,
+        helix_angle,
+        face_width: 0.02,
+        ..spur(teeth)
+    };
+    let ring = GearParams {
+        addendum: 0.8,
+        tip_radius: 0.25,
+        bore_radius: 0.0,
+        internal: Some(Internal {
+            cutter_teeth: Some(23),
+            rim_radius: Some(0.15),
+            ..Internal::default()
+        }),
+        ..of(61, -0.2)
+    };
+    [of(22, 0.2), ring]
+}
+
+/// They stand with the axis of the ring off that of the pinion in a direction [rad].
+fn pair_in(direction: f64, [pinion, ring]: [GearParams; 2], side: Side, gap: f64) -> SceneSpec {
+    let off = [DISTANCE * direction.cos(), DISTANCE * direction.sin(), 0.0];
+    pair_of(
+        gear("pinion", pinion, 0.0, 0.0),
+        GearSpec {
+            position: off,
+            ..gear("ring", ring, 0.0, 0.0)
+        },
+        start(side, gap),
+    )
+}
+
+fn pair(gap: f64) -> SceneSpec {
+    pair_in(0.0, params(0.0), Side::Left, gap)
+}
+
+fn exchanged(mut spec: SceneSpec) -> SceneSpec {
+    spec.gears.swap(0, 1);
+    spec
+}
+
+/// A model of so many elements along a flank and over the width, with further parameters.
+fn meshed(id: &str, [flank, width]: [f64; 2], further: &[(&str, f64)]) -> ModelSpec {
+    let counts = [("flank_elements", flank), ("width_elements", width)];
+    let all = counts.iter().chain(further);
+    ModelSpec {
+        id: id.into(),
+        parameters: all
+            .map(|(key, x)| ((*key).to_string(), Value::Number(*x)))
+            .collect::<Parameters>(),
+    }
+}
+
+fn elastic(elements: [f64; 2], modes: f64) -> ModelSpec {
+    meshed("elastic", elements, &[("modes", modes)])
+}
+
+fn touching(points: PointContact, slices: Option<usize>) -> ContactSpec {
+    ContactSpec {
+        points: Some(points),
+        slices,
+        ..contact(1.5e10)
+    }
+}
+
+fn modelling(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec) -> Modelling {
+    Modelling {
+        gears: vec![model.clone(); spec.gears.len()],
+        contacts: vec![contact.clone(); spec.meshes.len()],
+    }
+}
+
+fn built(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec) -> Scene {
+    let modelling = modelling(spec, model, contact);
+    Scene::build(spec, &modelling, gearbench::models::models()).unwrap()
+}
+
+/// The gears of a pair rolled on by an angle of the first, and pressed together on the flank of a side [m].
+fn rolled(scene: &Scene, spec: &SceneSpec, roll: f64, (side, press): (Side, f64)) -> State {
+    let mut s = scene.initial();
+    let radii = [0, 1].map(|i| signed_effective_radius(&spec.gears[i].body));
+    for (i, g) in scene.gears().iter().enumerate() {
+        let turn = if i == 0 {
+            roll
+        } else {
+            -roll * radii[0] / radii[1]
+        };
+        s.q[g.range().start] += turn + 0.5 * side.sign() * press / radii[i];
+    }
+    s
+}
+
+/// Energy of contact and elements [J].
+fn potential_energy(scene: &mut Scene, s: &State) -> f64 {
+    let mut out = Outputs::default();
+    scene.output(s.at(), &mut out);
+    out.energy.contact + out.energy.strain
+}
