@@ -82,7 +82,7 @@ fn motions(scene: &mut Scene, s: &State, linear: &Linearised) -> Result<Motions,
         }
     };
     let along = modes.squares.iter().enumerate().map(along);
-    let along = DVector::from_iterator(space.len(), along);
+    let along = DVector::from_iterator(space.motions(), along);
     let moving = space.displacement(&(&modes.vectors * along));
     speeds.iter_mut().zip(moving).for_each(|(v, x)| *v += x);
     let of = |i: usize| space.whole(&modes.vectors.column(i).into_owned());

@@ -185,7 +185,7 @@ fn fill(
     (found, loads): (&Loaded, bool),
     wanted: &Wanted,
 ) {
-    let (squares, n) = (&found.modes.squares, found.space.len());
+    let (squares, n) = (&found.modes.squares, found.space.motions());
     let highest = squares.last().map_or(0.0, |x| x.abs());
     let omega = |square: f64| {
         if square > SLACK * highest {

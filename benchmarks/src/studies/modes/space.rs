@@ -73,7 +73,7 @@ impl Space {
     }
 
     /// How many motions are left.
-    pub fn len(&self) -> usize {
+    pub fn motions(&self) -> usize {
         self.mass.l_dirty().nrows() - self.held()
     }
 
@@ -95,14 +95,14 @@ impl Space {
     pub fn force(&self, f: &[f64]) -> DVector<f64> {
         let mut y = self.over_mass(f);
         self.reflect(&mut y);
-        y.rows(self.held(), self.len()).into_owned()
+        y.rows(self.held(), self.motions()).into_owned()
     }
 
     /// A velocity in the coordinates of the space: what of it lies there.
     pub fn velocity(&self, v: &[f64]) -> DVector<f64> {
         let mut y = self.all_velocity(v);
         self.reflect(&mut y);
-        y.rows(self.held(), self.len()).into_owned()
+        y.rows(self.held(), self.motions()).into_owned()
     }
 
     /// A velocity as `y` of all motions.
@@ -114,7 +114,7 @@ impl Space {
     pub fn held_velocity(&self, v: &[f64], first: usize) -> Vec<f64> {
         let mut y = self.all_velocity(v);
         self.reflect(&mut y);
-        y.rows_mut(first, self.held() + self.len() - first)
+        y.rows_mut(first, self.held() + self.motions() - first)
             .fill(0.0);
         for normal in self.reflections.iter().rev() {
             let along = 2.0 * normal.dot(&y);
@@ -137,8 +137,8 @@ impl Space {
 
     /// A motion of the space as `y` of all motions.
     pub fn whole(&self, u: &DVector<f64>) -> DVector<f64> {
-        let mut y = DVector::zeros(self.held() + self.len());
-        y.rows_mut(self.held(), self.len()).copy_from(u);
+        let mut y = DVector::zeros(self.held() + self.motions());
+        y.rows_mut(self.held(), self.motions()).copy_from(u);
         for normal in self.reflections.iter().rev() {
             let along = 2.0 * normal.dot(&y);
             y.axpy(-along, normal, 1.0);
@@ -162,7 +162,7 @@ impl Space {
             }
             a.transpose_mut();
         }
-        let (from, n) = (self.held(), self.len());
+        let (from, n) = (self.held(), self.motions());
         a.view((from, from), (n, n)).into_owned()
     }
 
@@ -215,7 +215,7 @@ mod tests {
         let stiffness = k * &spring * spring.transpose();
         let mut space = Space::new(&mass).unwrap();
         space.hold(&[vec![1.0, -1.0, 0.0], vec![2.0, -2.0, 0.0]]);
-        assert_eq!((space.held(), space.len()), (1, 2));
+        assert_eq!((space.held(), space.motions()), (1, 2));
         let modes = space.modes(&stiffness).unwrap();
         let exact = k * (1.0 / 3.0 + 1.0 / 3.0);
         assert!(modes.squares[0].abs() < 1e-12 && (modes.squares[1] / exact - 1.0).abs() < 1e-14);

@@ -22,9 +22,9 @@ fn set([sun, planet, ring]: [u32; 3], directions: &[f64], torque: f64) -> Scene 
     let distance = 0.5 * MODULE * f64::from(sun + planet);
     // The torque on the carrier that balances that on the sun.
     let on_carrier = -torque * f64::from(sun + ring) / f64::from(sun);
-    let mut text = format!(
+    let mut text = String::from(
         "schema = 1\nname = \"set\"\ntitle = \"A set\"\nduration_s = 1e-3\n\
-         tolerance = {{ metric = \"force_l1\", limit = 0.05, against = \"self\" }}\n"
+         tolerance = { metric = \"force_l1\", limit = 0.05, against = \"self\" }\n",
     );
     let body = format!("module_m = {MODULE:?}\nface_width_m = {WIDTH:?}\nthinning_m = 3e-5\n");
     let _ = write!(
