@@ -9,8 +9,7 @@
 //! the direction of the motion: friction is a function of the way as long as it does not turn, so that turns are events where
 //! events are located. A turn is told by the speed, a hair beyond zero, so that what rests does not turn by rounding.
 
-use super::beam::Way;
-use super::links::{Link, Share};
+use super::links::{Link, to_ground};
 use crate::error::{BuildError, GearPart};
 use crate::law::{DryFriction, Part};
 use crate::scene::assembled::Scene;
@@ -111,30 +110,16 @@ pub(in crate::scene) fn guides(
 /// The link of a guide, whose history begins at a cell of the discrete state; `speed` is a typical one along lines of action.
 pub(super) fn of_guide(guided: &Guided, gears: &[SceneGear], (cell, speed): (usize, f64)) -> Link {
     let Guided { member, guide } = guided;
-    let gear = &gears[*member];
-    let hub = gear.model.hub();
-    let first = gear.offset + hub.first();
-    let shapes = hub.hub_shapes.iter().enumerate();
-    let shapes = shapes.map(|(i, h)| (first + i, *h));
+    let radius = gears[*member].model.hub().effective_base_radius;
     Link {
-        way: Way::Torsion,
-        row: std::iter::once((gear.offset, 1.0)).chain(shapes).collect(),
-        driven: Vec::new(),
-        shares: vec![Share {
-            member: *member,
-            direction: hub.moving(),
-            weight: 1.0,
-        }],
-        members: [*member; 2],
         stiffness: guide.stiffness,
         damping: guide.damping,
-        shaft: None,
-        ground: None,
         rub: guide.friction.map(|law| Rub {
             law,
             cell,
-            turned: TURNED * speed / hub.effective_base_radius,
+            turned: TURNED * speed / radius,
         }),
+        ..to_ground(*member, gears)
     }
 }
 

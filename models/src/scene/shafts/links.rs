@@ -330,9 +330,9 @@ fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
     links
 }
 
-/// A rigid link between the ground and what turns freely.
-fn of_ground(ground: &Ground, gears: &[SceneGear]) -> Link {
-    let gear = &gears[ground.member];
+/// A rigid link between the ground and the own motion of what moves freely.
+pub(super) fn to_ground(member: usize, gears: &[SceneGear]) -> Link {
+    let gear = &gears[member];
     let hub = gear.model.hub();
     let first = gear.offset + hub.first();
     let shapes = hub.hub_shapes.iter().enumerate();
@@ -342,16 +342,24 @@ fn of_ground(ground: &Ground, gears: &[SceneGear]) -> Link {
         row: std::iter::once((gear.offset, 1.0)).chain(shapes).collect(),
         driven: Vec::new(),
         shares: vec![Share {
-            member: ground.member,
+            member,
             direction: hub.moving(),
             weight: 1.0,
         }],
-        members: [ground.member; 2],
+        members: [member; 2],
         stiffness: f64::INFINITY,
         damping: 0.0,
         shaft: None,
-        ground: Some(ground.clone()),
+        ground: None,
         rub: None,
+    }
+}
+
+/// The link of what a planetary set's ground holds or drives.
+fn of_ground(ground: &Ground, gears: &[SceneGear]) -> Link {
+    Link {
+        ground: Some(ground.clone()),
+        ..to_ground(ground.member, gears)
     }
 }
 
