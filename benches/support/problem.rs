@@ -109,6 +109,7 @@ impl Problem {
                     side: Side::Left,
                     gap: 0.5 * BACKLASH - data.start,
                     path_coordinate: None,
+                    loaded: false,
                 },
             }],
             shafts: vec![],

@@ -167,6 +167,7 @@ fn run(mesh: &str, points: PointContact, folder: &Path) -> Result<Vec<f64>, Fail
                 side: Side::Left,
                 gap: 2e-6,
                 path_coordinate: None,
+                loaded: false,
             },
         }],
         shafts: vec![],

@@ -64,6 +64,7 @@ pub fn start(side: Side, gap: f64) -> Start {
         side,
         gap,
         path_coordinate: None,
+        loaded: false,
     }
 }
 

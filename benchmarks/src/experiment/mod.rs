@@ -22,6 +22,7 @@
 //! | [`runner`] | how a study does its work: piece by piece, kept when finished |
 //! | `settings` | what a reader must know of a scene |
 //! | [`status`] | how a run ended: one label for every way a run can go wrong |
+//! | [`small_signals`] | scenes in the equilibrium of their loads, and to first order there |
 //! | `thin` | histories as records keep them |
 
 pub mod conditions;
@@ -45,5 +46,6 @@ pub mod run;
 pub mod runner;
 pub(crate) mod settings;
 mod shaft_text;
+pub mod small_signals;
 pub mod status;
 pub(crate) mod thin;

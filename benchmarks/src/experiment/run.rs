@@ -12,6 +12,7 @@ use super::record::{
     histories, ledger_record, momenta, reduction, sampled_impulse, snapshot, time_series,
 };
 use super::status::RunMonitor;
+use crate::experiment::small_signals::assemble;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{
@@ -156,7 +157,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
 /// three times of some microseconds says little.
 pub fn run_timed(job: &Job<'_>, together: Duration) -> Result<Run, RunError> {
     let started = Instant::now();
-    let mut scene = Scene::build(job.scene, job.modelling, job.models)?;
+    let mut scene = assemble(job.scene, job.modelling, job.models)?;
     let setup = started.elapsed();
     timed_in(job, &mut scene, setup, together)
 }

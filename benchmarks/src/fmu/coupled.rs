@@ -4,6 +4,7 @@
 //! Added loads are zero until a host sets them, so that the scene by itself runs as it does without a host.
 
 use super::interface::Interface;
+use crate::experiment::small_signals::assemble;
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneError, SceneFile, did_you_mean};
 use gearbench_models::scene::Scene;
@@ -58,7 +59,7 @@ impl Coupled {
             move_by_host(&mut spec, name)?;
         }
         let loaded = load_all(&mut spec);
-        let scene = Scene::build(&spec, &choice.modelling, models())
+        let scene = assemble(&spec, &choice.modelling, models())
             .map_err(|e| file.locate_in(&choice.label, &e))?;
         let mut ports = Vec::new();
         for (member, gear) in scene.gears().iter().enumerate() {

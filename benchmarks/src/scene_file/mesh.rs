@@ -24,7 +24,7 @@ keys! {
     pub(super) struct MeshKeys {
         /// the two names, for example ["pinion", "wheel"]; a rack comes second
         gears: [GearName; 2],
-        /// { flank = "left" or "right", gap_m, path_coordinate_m }
+        /// { flank = "left" or "right", gap_m, path_coordinate_m, loaded = true }
         start: Option<StartKeys>,
         /// distance of the axes (to the reference line of a rack) in metres
         centre_distance_m: Option<Positive>,
@@ -42,6 +42,9 @@ keys! {
         gap_m: f64,
         /// path coordinate of the pair from the first gear's tangent point in metres; left out, the pitch point
         path_coordinate_m: Option<f64>,
+        /// true: the whole scene starts in the equilibrium of its loads, default false
+        #[serde(default)]
+        loaded: bool,
     }
 }
 
@@ -311,6 +314,7 @@ fn start_of(keys: Option<&StartKeys>, pair: &Pair, at: &Place<'_>) -> Result<Sta
             side,
             gap,
             path_coordinate,
+            loaded: keys.is_some_and(|k| k.loaded),
         }),
     }
 }

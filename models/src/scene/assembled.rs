@@ -70,6 +70,11 @@ impl Scene {
         self.initial.clone()
     }
 
+    /// Starts from another state than the assembled one.
+    pub fn start_from(&mut self, state: State) {
+        self.initial = state;
+    }
+
     /// Angle [rad] (displacement [m] of a rack) of each gear's tooth 0 at the assembled position.
     pub fn phases(&self) -> &[f64] {
         &self.phases

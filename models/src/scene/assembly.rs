@@ -227,8 +227,16 @@ impl Scene {
             }
             let has_field = |i: &usize| gears[*i].model.displacement().is_some();
             let nodal = mesh.gears.iter().any(has_field) || search.lines().is_some();
+            let towards = mesh.gears.map(|i| {
+                let sign = match &spec.gears[i].body {
+                    Body::Gear(g) => g.sign(),
+                    Body::Rack(_) => -1.0,
+                };
+                sign * gears[i].model.hub().effective_base_radius
+            });
             meshes.push(SceneMesh {
                 gears: mesh.gears,
+                towards,
                 axis: geometry.axes[2],
                 search,
                 law,

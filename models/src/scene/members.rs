@@ -159,6 +159,9 @@ pub struct SceneMesh {
     pub gears: [usize; 2],
     /// Direction halfway between the axes of its gears.
     pub axis: Vec3,
+    /// Ways of the flanks towards each other along the line of action by a unit of the hubs' own motion: effective base radii, of
+    /// an internal gear below zero; a rack recedes as its mate approaches.
+    pub towards: [f64; 2],
     /// Finds candidate points.
     pub search: Search,
     /// Normal law.

@@ -15,7 +15,6 @@ use super::assembled::Scene;
 use super::carriers::RelativeState;
 use super::contacts::ContactForce;
 use super::shafts::Way;
-use crate::gear::HubBody;
 use gearbench_integrators::system::{At, SecondOrderSystem, State};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -60,12 +59,6 @@ pub enum StrainIn {
     Stretch(usize),
     /// A shaft that bends.
     Bend(usize),
-}
-
-/// Way of the flanks along the line of action by a unit of the hub's own motion; a rack recedes as a gear approaches.
-fn along_path(hub: &HubBody) -> f64 {
-    let sign = if hub.slide.is_some() { -1.0 } else { 1.0 };
-    sign * hub.effective_base_radius
 }
 
 /// A matrix column by column.
@@ -139,15 +132,14 @@ impl Scene {
             link.add_to(-link.stiffness * link.drift(&self.gears, at), &mut driven);
         }
         for (mesh, k) in self.meshes.iter().zip(&meshes) {
-            let hubs = mesh
-                .gears
-                .map(|i| (&self.gears[i], self.gears[i].model.hub()));
-            let prescribed = hubs.iter().filter(|(_, hub)| !hub.is_free());
+            let members = mesh.gears.map(|i| &self.gears[i]).into_iter();
+            let along: Vec<_> = members.zip(mesh.towards).collect();
+            let prescribed = along.iter().filter(|(g, _)| !g.model.hub().is_free());
             let moved: f64 = prescribed
-                .map(|(_, hub)| along_path(hub) * hub.speed(at.t, &[]))
+                .map(|(g, way)| way * g.model.hub().speed(at.t, &[]))
                 .sum();
-            for (g, hub) in hubs.iter().filter(|(_, hub)| hub.is_free()) {
-                driven[g.offset] -= k * moved * along_path(hub);
+            for (g, way) in along.iter().filter(|(g, _)| g.model.hub().is_free()) {
+                driven[g.offset] -= k * moved * way;
             }
         }
         Mechanism { stiffness, driven }
@@ -185,9 +177,9 @@ impl Scene {
             }
         }
         for (mesh, k) in self.meshes.iter().zip(meshes) {
-            let row = mesh.gears.map(|i| {
-                let (g, hub) = (&self.gears[i], self.gears[i].model.hub());
-                (hub.is_free()).then_some((g.offset, along_path(hub)))
+            let row = [0, 1].map(|k| {
+                let g = &self.gears[mesh.gears[k]];
+                (g.model.hub().is_free()).then_some((g.offset, mesh.towards[k]))
             });
             let moved: f64 = row.iter().flatten().map(|&(i, r)| r * along[i]).sum();
             for &(i, r) in row.iter().flatten() {

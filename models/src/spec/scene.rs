@@ -111,6 +111,8 @@ pub struct Start {
     pub gap: f64,
     /// Path coordinate of the pair from the first gear's tangent point [m]; `None` is the pitch point.
     pub path_coordinate: Option<f64>,
+    /// The whole scene starts in the equilibrium of its loads at time zero, from where its meshes place it.
+    pub loaded: bool,
 }
 
 /// Two gears in mesh. The first may not be a rack.
@@ -155,6 +157,11 @@ impl SceneSpec {
     /// The bodies without teeth, shaft by shaft; in an assembled scene they stand behind the gears.
     pub fn bodies(&self) -> impl Iterator<Item = &BodySpec> {
         self.shafts.iter().flat_map(ShaftSpec::bodies)
+    }
+
+    /// The first mesh that asks for the whole scene to start in the equilibrium of its loads.
+    pub fn starts_loaded(&self) -> Option<&MeshSpec> {
+        self.meshes.iter().find(|m| m.start.loaded)
     }
 
     /// The first gear on the axis of a planet carrier: it meshes with a planet and is none.

@@ -45,6 +45,7 @@ fn pair(side: Side) -> SceneSpec {
                 side,
                 gap: 20e-6,
                 path_coordinate: None,
+                loaded: false,
             },
         }],
         shafts: vec![],

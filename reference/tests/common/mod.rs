@@ -33,6 +33,7 @@ pub fn scene(gears: [Gear; 2], material: Material, distance: f64) -> SceneSpec {
                 side: Side::Left,
                 gap: 0.0,
                 path_coordinate: None,
+                loaded: false,
             },
         }],
         shafts: vec![],

@@ -13,6 +13,7 @@ mod guides;
 mod history_errors;
 mod internal_gears;
 mod kinematics;
+mod loaded_start;
 mod modifications;
 mod mounts;
 mod movable_teeth;

@@ -29,6 +29,7 @@ fn pair_with(modifications: Modifications, s: Option<f64>) -> SceneSpec {
         side: Side::Left,
         gap: 0.0,
         path_coordinate: s,
+        loaded: false,
     };
     pair_of(
         gear("pinion", pinion, 0.0, 0.0),

@@ -38,6 +38,7 @@ const START: Start = Start {
     side: Side::Left,
     gap: 3e-6,
     path_coordinate: None,
+    loaded: false,
 };
 
 #[test]

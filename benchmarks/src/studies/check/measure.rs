@@ -11,6 +11,7 @@ use crate::experiment::key::Key;
 use crate::experiment::referenced::recorded;
 use crate::experiment::run::{Job, RunError, bare, run_in};
 use crate::experiment::runner::Runner;
+use crate::experiment::small_signals::assemble;
 use crate::scene_file::{self, Selection};
 use gearbench_integrators::{Resolution, Scheme};
 use gearbench_models::scene::Scene;
@@ -201,7 +202,7 @@ fn built<'s>(
         Some(built) => Ok(built),
         none => {
             let started = Instant::now();
-            let scene = Scene::build(job.scene, job.modelling, job.models)?;
+            let scene = assemble(job.scene, job.modelling, job.models)?;
             Ok(none.insert((scene, started.elapsed())))
         }
     }

@@ -6,6 +6,7 @@ use super::requirement;
 use crate::experiment::key::Key;
 use crate::experiment::machine::cpu_time;
 use crate::experiment::run::{Job, RunError, run_in};
+use crate::experiment::small_signals::assemble;
 use gearbench_integrators::Scheme;
 use gearbench_integrators::{NullSink, TimePlan, Work};
 use gearbench_models::gear::table::properties_of;
@@ -73,7 +74,7 @@ impl<'a> Trial<'a> {
         modelling: &'a Modelling,
     ) -> Result<Trial<'a>, RunError> {
         let begin = Instant::now();
-        let scene = Scene::build(spec, modelling, problem.models)?;
+        let scene = assemble(spec, modelling, problem.models)?;
         let key = Key::new("set-up").and_scene(spec, modelling);
         let setup_s =
             (problem.runner).piece(key, || Ok::<_, RunError>(begin.elapsed().as_secs_f64()))?;

@@ -10,10 +10,10 @@ use super::plan::{
 use crate::experiment::key::Key;
 use crate::experiment::run::force_on_grid;
 use crate::experiment::runner::Runner;
+use crate::experiment::small_signals::assemble;
 use crate::scene_file::calibration::Constants;
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::DOPRI5;
-use gearbench_models::scene::Scene;
 use gearbench_reports::identify::{
     DataKind, DataRecord, FitRecord, Outcome, ParameterRecord, ProfileRecord,
 };
@@ -46,7 +46,7 @@ pub fn modelled(
             let shifted: Vec<f64> = time.iter().map(|t| t + clock).collect();
             // Before its start a scene has no force.
             let before = shifted.partition_point(|t| *t < 0.0);
-            let mut scene = Scene::build(&spec, &modelling, plan.models)?;
+            let mut scene = assemble(&spec, &modelling, plan.models)?;
             let mut dopri5 = DOPRI5.build();
             let (tolerance, grid) = (Resolution::Tolerance(RTOL), &shifted[before..]);
             let found = force_on_grid(&mut scene, dopri5.as_mut(), tolerance, MAX_STEPS, grid)?;

@@ -5,26 +5,20 @@
 //! ```
 //!
 //! with the scene's own mass, tangents and constraints ([`small signals`](gearbench_models::scene::Linearised)) where its
-//! loads have come to rest. Modes are named by where their energy lies.
+//! loads have come to rest ([`loaded`](crate::experiment::small_signals::loaded)). Modes are named by where their energy lies.
 //!
 //! | module | owns |
 //! |---|---|
-//! | `equilibrium` | the loaded state |
-//! | `space` | motions without constraints and rigid ones, their modes |
 //! | `damping` | damping ratios, and frequencies with damping |
 //! | `shares` | energies by member, mesh, shaft and bearing; names |
 
 pub(crate) mod arguments;
 pub(crate) mod command;
 mod damping;
-mod equilibrium;
 mod plan;
 mod run;
 mod shares;
-mod space;
 mod summary;
 
-pub use equilibrium::{Loaded, loaded};
 pub use plan::Plan;
-pub use run::{NotSolved, Wanted, study, vibrations};
-pub use space::{Modes, Space};
+pub use run::{Wanted, study, vibrations};

@@ -1,13 +1,13 @@
 //! Natural frequencies of models of a scene.
 
 use super::damping::{Damped, damped};
-use super::equilibrium::{Loaded, loaded};
 use super::plan::Plan;
 use super::shares::{Energies, energies, name, name_of, shape, shares};
 use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
+use crate::experiment::small_signals::{Loaded, MOST, NotSolved, has_loads, loaded};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
@@ -21,37 +21,10 @@ use gearbench_reports::record::{Part, Results};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Coordinates that a scene may have: matrices are dense.
-pub const MOST: usize = 1500;
 /// Largest way at a flank of the shapes that are told [m].
 const WAY: f64 = 1e-6;
 /// Part of the highest eigenvalue below which a motion is rigid.
 const SLACK: f64 = 1e-12;
-
-/// Why a model has no natural frequencies.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NotSolved {
-    /// A matrix is none to work with.
-    #[error("{0}")]
-    Matrices(&'static str),
-    /// No equilibrium was found.
-    #[error(
-        "no equilibrium under its loads was found: after {steps} Newton steps it still moves by {:.3} um a step; let the loads \
-         balance but for what accelerates the whole train, or start pressed together without loads (`gap_um` below zero)",
-        1e6 * moved
-    )]
-    Unbalanced {
-        /// Steps taken.
-        steps: u32,
-        /// Motion of the last step [m].
-        moved: f64,
-    },
-    /// The scene is too large.
-    #[error(
-        "it has {0} coordinates, of which dense matrices take at most {MOST}; take elastic gears with fewer modes in its place"
-    )]
-    TooLarge(usize),
-}
 
 /// What is wanted of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,17 +72,6 @@ fn settled(spec: &SceneSpec) -> SceneSpec {
     spec
 }
 
-/// Whether a settled scene has loads.
-fn has_loads(spec: &SceneSpec) -> bool {
-    let acts = |load: &Load| match load {
-        Load::Applied(p) => p.value(0.0) != 0.0,
-        Load::Viscous(c) => *c != 0.0,
-    };
-    let gears = spec.gears.iter().flat_map(|g| &g.loads);
-    let bodies = spec.shafts.iter().flat_map(|s| s.bodies());
-    gears.chain(bodies.flat_map(|b| &b.loads)).any(acts)
-}
-
 /// Natural frequencies of a model of a scene; where there are none the record says why.
 ///
 /// # Errors
@@ -130,7 +92,7 @@ pub fn vibrations(
         members: places(&scene, spec.gears.len()),
         ..ModelModes::default()
     };
-    let loads = has_loads(&spec);
+    let loads = has_loads(&spec, 0.0);
     let found = match n {
         0 => Err(NotSolved::Matrices("nothing in it can move")),
         n if n > MOST => Err(NotSolved::TooLarge(n)),

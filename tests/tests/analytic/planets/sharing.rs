@@ -5,8 +5,8 @@
 //! it, with the ring by `z_r psi_n / 2 pi`, both but for whole pitches. The sets are those of Shweiki et al. (ISMA 2016, paper 785):
 //! 21/39/99 teeth with planets at whole numbers of 120ths of a turn.
 
+use gearbench::experiment::small_signals::loaded;
 use gearbench::scene_file::{Origin, SceneFile};
-use gearbench::studies::modes::loaded;
 use gearbench_models::scene::{ContactForce, Scene};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

@@ -3,6 +3,7 @@
 use super::LimitError;
 use super::kick_ends::{known_at_ends, knows_ends, predicted, speeds};
 use super::linear::{Dense, Linear, Top};
+use crate::experiment::small_signals::assemble;
 use gearbench_integrators::linear_stability::Kicks;
 use gearbench_integrators::table::{DOPRI5, HHT_ALPHA, TRIGONOMETRIC};
 use gearbench_integrators::{
@@ -41,7 +42,7 @@ impl Linearised {
         modelling: &Modelling,
         models: &[Model],
     ) -> Result<Linearised, LimitError> {
-        let mut scene = Scene::build(spec, modelling, models)?;
+        let mut scene = assemble(spec, modelling, models)?;
         let start = scene.initial();
         let closed = closed_state(&mut scene, spec);
         Ok(Linearised {

@@ -4,7 +4,7 @@
 //! take these to the first axes; what is left are `n - h` coordinates in which stiffness and damping are matrices, to
 //! rounding of their own size. No direction that is held gets a frequency.
 
-use super::run::NotSolved;
+use super::NotSolved;
 use faer::Mat;
 use gearbench_reference::modes::symmetric_eigen;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};

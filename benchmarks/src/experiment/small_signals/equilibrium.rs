@@ -12,7 +12,7 @@
 //! the step, so that contacts close and open as they have to. Speeds are those of the rigid motions nearest to the start, and
 //! `v_d` of what follows driven gears in the mechanism, so that dampers of contacts and shafts do nothing, while viscous loads do.
 
-use super::run::NotSolved;
+use super::NotSolved;
 use super::space::{Modes, Space};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_models::scene::{Linearised, Scene};

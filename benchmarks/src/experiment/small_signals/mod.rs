@@ -1,0 +1,102 @@
+//! Scenes in the equilibrium of their loads, and to first order there.
+//!
+//! | module | owns |
+//! |---|---|
+//! | `equilibrium` | the loaded state |
+//! | `space` | motions without constraints and rigid ones, their modes |
+
+mod equilibrium;
+mod space;
+
+pub use equilibrium::{Loaded, loaded};
+pub use space::{Modes, Space};
+
+use gearbench_integrators::system::SecondOrderSystem;
+use gearbench_models::error::{BuildError, MeshPart};
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{Load, Modelling, SceneSpec};
+
+/// Coordinates that a scene may have: matrices are dense.
+pub const MOST: usize = 1500;
+
+/// Why a scene has no loaded state.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotSolved {
+    /// A matrix is none to work with.
+    #[error("{0}")]
+    Matrices(&'static str),
+    /// No equilibrium was found.
+    #[error(
+        "no equilibrium under its loads was found: after {steps} Newton steps it still moves by {:.3} um a step; let the loads \
+         balance but for what accelerates the whole train, or start pressed together without loads (`gap_um` below zero)",
+        1e6 * moved
+    )]
+    Unbalanced {
+        /// Steps taken.
+        steps: u32,
+        /// Motion of the last step [m].
+        moved: f64,
+    },
+    /// The scene is too large.
+    #[error(
+        "it has {0} coordinates, of which dense matrices take at most {MOST}; take elastic gears with fewer modes in its place"
+    )]
+    TooLarge(usize),
+}
+
+/// Whether a scene has loads at a time.
+pub fn has_loads(spec: &SceneSpec, t: f64) -> bool {
+    let acts = |load: &Load| match load {
+        Load::Applied(p) => p.value(t) != 0.0,
+        Load::Viscous(c) => *c != 0.0,
+    };
+    let gears = spec.gears.iter().flat_map(|g| &g.loads);
+    let bodies = spec.shafts.iter().flat_map(|s| s.bodies());
+    gears.chain(bodies.flat_map(|b| &b.loads)).any(acts)
+}
+
+/// Assembles a scene as it starts: where a mesh asks for it in the equilibrium of its loads at time zero.
+///
+/// # Errors
+/// [`BuildError`], also of a scene that has no such equilibrium.
+pub fn assemble(
+    spec: &SceneSpec,
+    modelling: &Modelling,
+    models: &[Model],
+) -> Result<Scene, BuildError> {
+    let mut scene = Scene::build(spec, modelling, models)?;
+    let Some(mesh) = spec.starts_loaded() else {
+        return Ok(scene);
+    };
+    let names = mesh.gears.map(|i| spec.gears[i].name.as_str());
+    let refuse = |why: String, help: &str| {
+        let why = format!("the loaded start cannot be met: {why}");
+        Err(BuildError::mesh(names, MeshPart::Start, (why, help)))
+    };
+    if !has_loads(spec, 0.0) {
+        return refuse(
+            "no load acts at time zero".into(),
+            "give loads that are there from the start, or remove `loaded`",
+        );
+    }
+    let found = match scene.layout().n {
+        0 => Err(NotSolved::Matrices("nothing in it can move")),
+        n if n > MOST => Err(NotSolved::TooLarge(n)),
+        _ => loaded(&mut scene, true),
+    };
+    match found {
+        Ok(found) if found.pressed.iter().all(|f| *f == 0.0) => refuse(
+            "the loads press no flanks together".into(),
+            "let loads act against each other, or remove `loaded`",
+        ),
+        Ok(found) => {
+            scene.start_from(found.state);
+            Ok(scene)
+        }
+        Err(why) => refuse(
+            why.to_string(),
+            "start with flanks that touch: remove `loaded`",
+        ),
+    }
+}
