@@ -19,6 +19,7 @@ use crate::studies::identify::{self, arguments::Identify};
 use crate::studies::modes::{self, arguments::Modes};
 use crate::studies::penalty::{self, arguments::Penalty};
 use crate::studies::precision::{self, arguments::Precision};
+use crate::studies::response::{self, arguments::Response};
 use crate::studies::stability::{self, arguments::Stability};
 use crate::studies::stiffness::{self, arguments::Stiffness};
 use crate::studies::sweep::{self, arguments::Sweep};
@@ -98,6 +99,8 @@ pub(crate) enum Command {
     Truncation(Truncation),
     /// Natural frequencies and shapes of the whole scene about its loaded state
     Modes(Modes),
+    /// Frequency response to the passing of teeth: transmission error and forces of mounts, without running
+    Response(Response),
     /// Results over the penalty of the contact, beside hard contact
     Penalty(Penalty),
     /// Run under load at speed after speed: transmission error, bearing forces, spectra, resonances
@@ -135,6 +138,7 @@ impl Command {
             Command::Stiffness(args) => stiffness::command::run(&args),
             Command::Truncation(args) => truncation::command::run(&args, told),
             Command::Modes(args) => modes::command::run(&args, told),
+            Command::Response(args) => response::command::run(&args, told),
             Command::Penalty(args) => penalty::command::run(&args, told),
             Command::Sweep(args) => sweep::command::run(&args, told),
             Command::Check(args) => check::command::run(&args, told),

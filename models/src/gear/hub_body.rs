@@ -300,14 +300,14 @@ impl HubBody {
         }
     }
 
-    /// Change of what the bearing exerts on the hub's coordinates, by a change of these.
-    pub fn bearing_change(&self, at: At<'_>, dq: &[f64]) -> Vec<f64> {
+    /// Change of what the bearing exerts on the hub's coordinates, by a change of these and of their rates.
+    pub fn bearing_change(&self, at: At<'_>, [dq, dv]: [&[f64]; 2]) -> Vec<f64> {
         let mut change = vec![0.0; dq.len()];
         if let Some(lateral) = &self.hub.lateral {
             let now = self.hub.motion(at.t, at.q, at.v);
             let mut along = Motion::default();
-            for (dq, d) in dq.iter().zip(self.hub.free_directions()) {
-                along.x[d] = *dq;
+            for (k, d) in self.hub.free_directions().enumerate() {
+                (along.x[d], along.v[d]) = (dq[k], dv[k]);
             }
             let all = lateral.bearing_change(&now, &along);
             let free = change.iter_mut().zip(self.hub.free_directions());

@@ -50,6 +50,19 @@ impl Scene {
         }
     }
 
+    /// Forces of the loads on all coordinates.
+    pub fn loads(&self, at: At<'_>, forces: &mut Vec<f64>) {
+        forces.clear();
+        forces.resize(self.n, 0.0);
+        for g in &self.gears {
+            if !g.loads.is_empty() && g.model.hub().is_free() {
+                let hub = g.model.hub();
+                let load = g.load(at.t, hub.load_speed(g.at(at)));
+                hub.add_load(load, &mut forces[g.range()]);
+            }
+        }
+    }
+
     /// Channels at a state; with `books` the energies and powers of the gears as well.
     pub(super) fn fill_output(&mut self, at: At<'_>, out: &mut Outputs, books: bool) {
         self.evaluate_reported(at);
@@ -232,15 +245,7 @@ impl Scene {
     /// Reactions of the mounts, from the channels of contact forces and torques.
     fn fill_reactions(&mut self, at: At<'_>, channels: &mut [f64]) {
         let mut forces = std::mem::take(&mut self.work.rhs);
-        forces.clear();
-        forces.resize(self.n, 0.0);
-        for g in &self.gears {
-            if !g.loads.is_empty() && g.model.hub().is_free() {
-                let hub = g.model.hub();
-                let load = g.load(at.t, hub.load_speed(g.at(at)));
-                hub.add_load(load, &mut forces[g.range()]);
-            }
-        }
+        self.loads(at, &mut forces);
         self.relative_forces(at, &mut forces, |scene, _, f| scene.add_contact_forces(f));
         self.evaluate_links(at, &forces);
         let (of_meshes, others) = channels.split_at_mut(PER_MESH * self.meshes.len());

@@ -99,6 +99,11 @@ impl Scene {
         self.shafts.rigid().iter().map(row).collect()
     }
 
+    /// Coordinates of the carriers of planetary sets.
+    pub fn carrier_coordinates(&self) -> Vec<usize> {
+        self.carriers.coordinates()
+    }
+
     /// The scene as a mechanism; the null space of its stiffness are the rigid motions. `mass` is the mass matrix.
     pub fn mechanism(&mut self, at: At<'_>, mass: &DMatrix<f64>) -> Mechanism {
         let none = vec![0.0; self.n];
@@ -249,7 +254,7 @@ impl Scene {
             let mut f = vec![0.0; g.n];
             g.model.tangent(own, by, &none[range], &mut f);
             let all = -0.5 * dot(by, &f);
-            let in_bearing = g.model.hub().bearing_change(own, by);
+            let in_bearing = g.model.hub().bearing_change(own, [by, &none[..by.len()]]);
             let in_bearing = -0.5 * dot(by, &in_bearing);
             if g.model.hub().lateral.is_some() {
                 add(StrainIn::Bearing(i), in_bearing);

@@ -10,6 +10,7 @@ pub mod identify;
 pub mod modes;
 pub mod penalty;
 pub mod precision;
+pub mod response;
 pub mod stability;
 pub mod stiffness;
 pub mod sweep;
@@ -50,6 +51,8 @@ words! {
         Identify = "identify",
         /// Natural frequencies about the loaded state.
         Modes = "modes",
+        /// Frequency response to the passing of teeth.
+        Response = "response",
     }
 }
 
@@ -79,6 +82,8 @@ pub enum Part {
     Identify(identify::IdentifyRecord),
     /// See [`Study::Modes`].
     Modes(modes::ModesRecord),
+    /// See [`Study::Response`].
+    Response(response::ResponseRecord),
 }
 
 impl Default for Part {
@@ -102,6 +107,7 @@ impl Part {
             Part::Sweep(_) => Study::Sweep,
             Part::Identify(_) => Study::Identify,
             Part::Modes(_) => Study::Modes,
+            Part::Response(_) => Study::Response,
         }
     }
 
@@ -144,6 +150,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Sweep(part) => sweep::report(view, &part.statics),
         Part::Identify(part) => identify::report(&part.fits),
         Part::Modes(part) => modes::report(&part.vibrations),
+        Part::Response(part) => response::report(&part.responses),
     }
 }
 

@@ -2,12 +2,21 @@
 //!
 //! | module | owns |
 //! |---|---|
+//! | `choice` | models with dense matrices |
+//! | [`cycle`] | the meshes through their cycles, slowly |
 //! | `equilibrium` | the loaded state |
+//! | [`grounds`] | forces of mounts over the motion |
+//! | [`response`] | frequency response to the passing of teeth |
 //! | `space` | motions without constraints and rigid ones, their modes |
 
+mod choice;
+pub mod cycle;
 mod equilibrium;
+pub mod grounds;
+pub mod response;
 mod space;
 
+pub(crate) use choice::taken;
 pub use equilibrium::{Loaded, loaded};
 pub use space::{Modes, Space};
 
@@ -15,7 +24,7 @@ use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart};
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Load, Modelling, SceneSpec};
+use gearbench_models::spec::{Carried, Load, Modelling, Mount, Profile, SceneSpec};
 
 /// Coordinates that a scene may have: matrices are dense.
 pub const MOST: usize = 1500;
@@ -38,11 +47,39 @@ pub enum NotSolved {
         /// Motion of the last step [m].
         moved: f64,
     },
+    /// The user ended it.
+    #[error("interrupted")]
+    Interrupted,
     /// The scene is too large.
     #[error(
         "it has {0} coordinates, of which dense matrices take at most {MOST}; take elastic gears with fewer modes in its place"
     )]
     TooLarge(usize),
+}
+
+/// The scene with its loads and motions as they are in the end.
+pub fn settled(spec: &SceneSpec) -> SceneSpec {
+    let mut spec = spec.clone();
+    let constant = |p: &mut Profile| *p = Profile::Constant(p.settled());
+    let settle = |mount: &mut Mount, loads: &mut Vec<Load>| {
+        if let Mount::Driven(p) = mount {
+            constant(p);
+        }
+        for load in loads {
+            if let Load::Applied(p) = load {
+                constant(p);
+            }
+        }
+    };
+    for g in &mut spec.gears {
+        settle(&mut g.mount, &mut g.loads);
+    }
+    for station in spec.shafts.iter_mut().flat_map(|s| &mut s.stations) {
+        if let Carried::Body(body) = &mut station.carries {
+            settle(&mut body.mount, &mut body.loads);
+        }
+    }
+    spec
 }
 
 /// Whether a scene has loads at a time.

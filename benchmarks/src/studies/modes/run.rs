@@ -7,12 +7,12 @@ use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
-use crate::experiment::small_signals::{Loaded, MOST, NotSolved, has_loads, loaded};
+use crate::experiment::small_signals::{Loaded, MOST, NotSolved, has_loads, loaded, settled};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::{Scene, StrainIn};
-use gearbench_models::spec::{Carried, Load, Modelling, Mount, Profile, SceneSpec};
+use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::statics::StaticsError;
 use gearbench_reports::modes::{
     About, MemberPlace, MeshState, ModeRecord, ModelModes, ModesRecord,
@@ -45,31 +45,6 @@ impl Default for Wanted {
             group: 1e-6,
         }
     }
-}
-
-/// The scene with its loads and motions as they are in the end.
-fn settled(spec: &SceneSpec) -> SceneSpec {
-    let mut spec = spec.clone();
-    let constant = |p: &mut Profile| *p = Profile::Constant(p.settled());
-    let settle = |mount: &mut Mount, loads: &mut Vec<Load>| {
-        if let Mount::Driven(p) = mount {
-            constant(p);
-        }
-        for load in loads {
-            if let Load::Applied(p) = load {
-                constant(p);
-            }
-        }
-    };
-    for g in &mut spec.gears {
-        settle(&mut g.mount, &mut g.loads);
-    }
-    for station in spec.shafts.iter_mut().flat_map(|s| &mut s.stations) {
-        if let Carried::Body(body) = &mut station.carries {
-            settle(&mut body.mount, &mut body.loads);
-        }
-    }
-    spec
 }
 
 /// Natural frequencies of a model of a scene; where there are none the record says why.

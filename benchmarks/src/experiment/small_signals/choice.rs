@@ -1,0 +1,49 @@
+//! Models of a scene whose matrices are dense: all but full finite elements.
+
+use crate::experiment::run::LEFT_OUT;
+use crate::experiment::settings::settings;
+use crate::models::models;
+use crate::scene_file::{ModelChoice, SceneError, SceneFile};
+use gearbench_models::gear::table::properties_of;
+
+/// The way out for full finite elements.
+const TAKE_ELASTIC: &str =
+    "take elastic gears: their modes and compliance are reduced from the same mesh";
+
+/// The models that labels ask for, or all of the study but full finite elements, and what a reader must know of them.
+///
+/// # Errors
+/// Labels that are none, or full finite elements that are asked for.
+pub fn taken<'s>(
+    scene: &'s SceneFile,
+    labels: Option<&str>,
+) -> Result<(Vec<&'s ModelChoice>, Vec<(String, String)>), SceneError> {
+    let choices = scene.select(labels)?;
+    let large = |c: &&ModelChoice| {
+        let ids = c.modelling.gears.iter().map(|g| g.id.as_str());
+        ids.chain([c.model.as_str()])
+            .any(|id| properties_of(models(), id).full_order)
+    };
+    let (left, taken): (Vec<&ModelChoice>, Vec<&ModelChoice>) =
+        choices.into_iter().partition(large);
+    if let Some(choice) = left
+        .first()
+        .filter(|_| labels.is_some() || taken.is_empty())
+    {
+        let why = format!(
+            "`{}` has all nodes of finite elements as coordinates, too many for dense matrices",
+            choice.label
+        );
+        return Err(SceneError::plain(why, TAKE_ELASTIC));
+    }
+    let mut told = settings(scene, &taken, false);
+    told.retain(|(what, _)| {
+        let parts = ["gear ", "shaft ", "mesh ", "model ", "odd"];
+        parts.iter().any(|p| what.starts_with(p))
+    });
+    told.extend(left.iter().map(|c| {
+        let why = format!("{}: full finite elements; {TAKE_ELASTIC}", c.label);
+        (LEFT_OUT.to_owned(), why)
+    }));
+    Ok((taken, told))
+}

@@ -1,0 +1,310 @@
+//! The meshes of a scene that runs slowly: closing, force, compliance and damping of each through one mesh cycle.
+//!
+//! At each phase the loaded state is found anew. Of a mesh are kept, with `N` the sum of its normal forces,
+//!
+//! ```text
+//! w = dN/dq / k,  k = dN/d(closing)      what a coordinate adds to the closing of its flanks, and their stiffness while teeth
+//!                                        and modes stand still (at the first phase)
+//! e, N_s                                 closing by the hubs under the loads, and force
+//! C = de/dN                              along the loads, K x = f: all that bends between the hubs
+//! c = dN/d(closing rate)
+//! ```
+//!
+//! Meshes of one frequency are taken together, so that their phases to each other are those of the scene. Motions are seen
+//! from the carriers of planetary sets.
+
+use super::{Loaded, NotSolved, loaded};
+use gearbench_integrators::system::{Events, SecondOrderSystem, State};
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{Body, SceneSpec};
+use std::f64::consts::TAU;
+
+/// Part of a typical deflection or speed by which forces are differenced.
+const STEP: f64 = 1e-3;
+/// Relative distance of mesh frequencies that count as one.
+const ALIKE: f64 = 1e-6;
+
+/// A mesh at a phase of its cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeshPhase {
+    /// Closing of the flanks by the hubs, from the first phase [m].
+    pub closing: f64,
+    /// Force [N].
+    pub force: f64,
+    /// Compliance between the hubs [m/N].
+    pub compliance: f64,
+    /// Damping of the contact [N s/m].
+    pub damping: f64,
+}
+
+/// What a mesh is to the coordinates of its scene, at the first phase.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshRow {
+    /// Closing of its flanks by unit of each coordinate.
+    pub flanks: Vec<f64>,
+    /// The same by hubs alone: teeth and modes move flanks only as far as they turn the hub.
+    pub hubs: Vec<f64>,
+    /// Stiffness while teeth and modes stand still [N/m].
+    pub stiffness: f64,
+    /// Damping [N s/m].
+    pub damping: f64,
+    /// Mesh frequency at the speeds of the scene [Hz].
+    pub frequency: f64,
+}
+
+/// Meshes of one frequency through their cycle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshCycle {
+    /// The meshes.
+    pub meshes: Vec<usize>,
+    /// Frequency at the speeds of the scene [Hz].
+    pub frequency: f64,
+    /// Phases at even times, by mesh.
+    pub phases: Vec<Vec<MeshPhase>>,
+}
+
+/// A scene that runs slowly under its loads.
+pub struct Running {
+    /// Its loaded state at the start.
+    pub start: Loaded,
+    /// Its meshes.
+    pub rows: Vec<MeshRow>,
+    /// Their cycles.
+    pub cycles: Vec<MeshCycle>,
+}
+
+/// Forces of the meshes [N].
+fn forces(scene: &mut Scene, s: &State) -> Vec<f64> {
+    let mut sums = vec![0.0; scene.meshes().len()];
+    for contact in scene.contact_forces(s.at()) {
+        sums[contact.mesh] += contact.normal_force;
+    }
+    sums
+}
+
+/// Change of the forces of all meshes by a displacement and a velocity.
+fn change(scene: &mut Scene, s: &State, [dq, dv]: [&[f64]; 2]) -> Vec<f64> {
+    let mut at = |sign: f64| {
+        let mut moved = s.clone();
+        moved.q.iter_mut().zip(dq).for_each(|(q, x)| *q += sign * x);
+        moved.v.iter_mut().zip(dv).for_each(|(v, x)| *v += sign * x);
+        forces(scene, &moved)
+    };
+    let (up, down) = (at(1.0), at(-1.0));
+    up.iter().zip(&down).map(|(u, d)| 0.5 * (u - d)).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The gear of a mesh whose hub is free, and its place in the mesh.
+fn free_of(scene: &Scene, mesh: usize) -> Option<(usize, usize)> {
+    let gears = scene.meshes()[mesh].gears;
+    let free = |&(i, _): &(usize, usize)| scene.gears()[i].model.hub().is_free();
+    gears.into_iter().zip(0..).find(free)
+}
+
+/// What all phases need.
+struct Cycle<'a> {
+    scene: &'a mut Scene,
+    scales: Vec<f64>,
+    speeds: Vec<f64>,
+    rows: Vec<MeshRow>,
+}
+
+impl Cycle<'_> {
+    /// Slope of the forces by the rate of the hub of each mesh that is free, over what it closes [N s/m].
+    fn dampings(&mut self, s: &State) -> Vec<f64> {
+        let none = vec![0.0; s.q.len()];
+        let of = |mesh| {
+            let Some((gear, k)) = free_of(self.scene, mesh) else {
+                return 0.0;
+            };
+            let i = self.scene.gears()[gear].range().start;
+            let mut dv = none.clone();
+            dv[i] = STEP * self.speeds[i];
+            let by = self.scene.meshes()[mesh].towards[k] * dv[i];
+            change(self.scene, s, [&none, &dv])[mesh] / by
+        };
+        (0..self.rows.len()).map(of).collect()
+    }
+
+    /// Rows of the meshes at the first phase.
+    fn fill_rows(&mut self, s: &State) -> Result<(), NotSolved> {
+        let n = s.q.len();
+        let none = vec![0.0; n];
+        let mut slopes = vec![vec![0.0; n]; self.rows.len()];
+        for i in 0..n {
+            let mut dq = none.clone();
+            dq[i] = STEP * self.scales[i];
+            let found = change(self.scene, s, [&dq, &none]);
+            for (slopes, change) in slopes.iter_mut().zip(found) {
+                slopes[i] = change / dq[i];
+            }
+        }
+        let dampings = self.dampings(s);
+        for (mesh, slopes) in slopes.into_iter().enumerate() {
+            let of_mesh = &self.scene.meshes()[mesh];
+            // On the way of one gear the stiffness changes as teeth pass, on that of the other as much the other way.
+            let free = of_mesh.gears.into_iter().zip(of_mesh.towards);
+            let free = free.filter(|(i, _)| self.scene.gears()[*i].model.hub().is_free());
+            let by_gear: Vec<f64> = free
+                .map(|(i, towards)| slopes[self.scene.gears()[i].range().start] / towards)
+                .collect();
+            if by_gear.is_empty() {
+                return Err(NotSolved::Matrices(
+                    "a mesh has no gear that is free to move",
+                ));
+            }
+            let stiffness = by_gear.iter().sum::<f64>() / by_gear.len() as f64;
+            if stiffness <= 0.0 || !stiffness.is_finite() {
+                return Err(NotSolved::Matrices(
+                    "a mesh carries no load, so that it has no stiffness",
+                ));
+            }
+            let mut flanks: Vec<f64> = slopes.iter().map(|x| x / stiffness).collect();
+            let mut hubs = flanks.clone();
+            for (&gear, towards) in of_mesh.gears.iter().zip(of_mesh.towards) {
+                let g = &self.scene.gears()[gear];
+                let hub = g.model.hub();
+                if !hub.is_free() {
+                    continue;
+                }
+                let range = g.range();
+                // By how stiffness changes along the path the two differ by what a train that runs does not feel.
+                (flanks[range.start], hubs[range.start]) = (towards, towards);
+                let own = &mut hubs[range.start + hub.first()..range.end];
+                let turns = hub.hub_shapes.iter().copied().chain(std::iter::repeat(0.0));
+                own.iter_mut()
+                    .zip(turns)
+                    .for_each(|(to, x)| *to = towards * x);
+            }
+            let row = &mut self.rows[mesh];
+            (row.flanks, row.hubs) = (flanks, hubs);
+            (row.stiffness, row.damping) = (stiffness, dampings[mesh]);
+        }
+        Ok(())
+    }
+
+    /// The meshes at a loaded state that has moved by `away` from the first, as seen from carriers.
+    fn at(&mut self, found: &Loaded, away: &[f64]) -> Vec<MeshPhase> {
+        let s = &found.state;
+        let mut loads = Vec::new();
+        self.scene.loads(s.at(), &mut loads);
+        let (modes, space) = (&found.modes, &found.space);
+        let floor = 1e-12 * modes.squares.last().map_or(0.0, |x| x.abs());
+        let mut on = modes.vectors.tr_mul(&space.force(&loads));
+        for (on, square) in on.iter_mut().zip(&modes.squares) {
+            *on = if square.abs() > floor {
+                *on / square
+            } else {
+                0.0
+            };
+        }
+        let x = space.displacement(&(&modes.vectors * on));
+        let moved = x.iter().zip(&self.scales).map(|(x, s)| (x / s).abs());
+        let h = STEP / moved.fold(f64::MIN_POSITIVE, f64::max);
+        let step: Vec<f64> = x.iter().map(|x| h * x).collect();
+        let by_loads = change(self.scene, s, [&step, &vec![0.0; x.len()]]);
+        let (forces, dampings) = (forces(self.scene, s), self.dampings(s));
+        (0..self.rows.len())
+            .map(|m| MeshPhase {
+                closing: dot(&self.rows[m].hubs, away),
+                force: forces[m],
+                compliance: h * dot(&self.rows[m].hubs, &x) / by_loads[m],
+                damping: dampings[m],
+            })
+            .collect()
+    }
+}
+
+/// Mesh frequencies by the speeds of gears that are free [Hz].
+fn frequencies(scene: &Scene, spec: &SceneSpec, seen: &State) -> Vec<f64> {
+    let of = |mesh| {
+        let Some((gear, _)) = free_of(scene, mesh) else {
+            return 0.0;
+        };
+        let speed = seen.v[scene.gears()[gear].range().start].abs();
+        match &spec.gears[gear].body {
+            Body::Gear(g) => f64::from(g.teeth()) * speed / TAU,
+            Body::Rack(r) => speed / r.pitch(),
+        }
+    };
+    (0..scene.meshes().len()).map(of).collect()
+}
+
+/// Follows a scene through the cycles of its meshes, with so many phases of each.
+///
+/// # Errors
+/// [`NotSolved`] where a loaded state is not found, where gears stand still, or a mesh carries no load.
+pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Running, NotSolved> {
+    let start = loaded(scene, true)?;
+    let n = start.state.q.len();
+    let (mut scales, mut speeds) = (vec![0.0; n], vec![0.0; n]);
+    scene.scales(&mut scales, &mut speeds);
+    let seen = scene.relative_state(&start.state);
+    let frequencies = frequencies(scene, spec, &seen);
+    if frequencies.iter().any(|f| *f <= 0.0) {
+        return Err(NotSolved::Matrices(
+            "a mesh stands still at the speeds of the start, so that no teeth pass",
+        ));
+    }
+    let mut cycle = Cycle {
+        rows: vec![MeshRow::default(); frequencies.len()],
+        scene,
+        scales,
+        speeds,
+    };
+    cycle.fill_rows(&start.state)?;
+    let mut cycles: Vec<MeshCycle> = Vec::new();
+    for (mesh, f) in frequencies.into_iter().enumerate() {
+        cycle.rows[mesh].frequency = f;
+        let alike = |c: &&mut MeshCycle| (c.frequency - f).abs() <= ALIKE * f;
+        match cycles.iter_mut().find(alike) {
+            Some(group) => group.meshes.push(mesh),
+            None => cycles.push(MeshCycle {
+                meshes: vec![mesh],
+                frequency: f,
+                phases: Vec::new(),
+            }),
+        }
+    }
+    for group in &mut cycles {
+        group.phases = vec![Vec::new(); group.meshes.len()];
+        let dt = 1.0 / (group.frequency * phases as f64);
+        let mut s = start.state.clone();
+        for i in 0..phases {
+            let mut note = |cycle: &mut Cycle<'_>, found: &Loaded| {
+                let now = cycle.scene.relative_state(&found.state);
+                let t = found.state.t - start.state.t;
+                let mut away: Vec<f64> = (now.q.iter().zip(&seen.q).zip(&seen.v))
+                    .map(|((now, first), v)| now - first - v * t)
+                    .collect();
+                // What carriers move by is seen by nobody on them.
+                (cycle.scene.carrier_coordinates().into_iter()).for_each(|i| away[i] = 0.0);
+                let all = cycle.at(found, &away);
+                for (to, mesh) in group.phases.iter_mut().zip(&group.meshes) {
+                    to.push(all[*mesh]);
+                }
+            };
+            if i == 0 {
+                note(&mut cycle, &start);
+                continue;
+            }
+            s.t += dt;
+            s.q.iter_mut().zip(&s.v).for_each(|(q, v)| *q += v * dt);
+            cycle.scene.commit(&mut s);
+            cycle.scene.start_from(s);
+            let found = loaded(cycle.scene, true)?;
+            note(&mut cycle, &found);
+            s = found.state;
+        }
+    }
+    let rows = cycle.rows;
+    Ok(Running {
+        start,
+        rows,
+        cycles,
+    })
+}

@@ -1,0 +1,299 @@
+//! Frequency response of a scene to its teeth: what a train that runs at any speed answers to the passing of its teeth, to
+//! first order in forces, while no flanks part.
+//!
+//! Each mesh follows its own law through its cycle ([`cycle`](super::cycle)), with `u` the closing of its flanks,
+//!
+//! ```text
+//! N = N_s + (u - u_s) / (C - C_b) + c u',    u_s = e - C_b N_s
+//! ```
+//!
+//! where `C_b` is the compliance of teeth and modes, which the rest of the scene has:
+//!
+//! ```text
+//! M x'' + D x' + K x = loads - sum w N,      u = w x
+//! ```
+//!
+//! Stiffness varies as teeth pass: forces at the multiples of the mesh frequency are found together (harmonic balance, K.
+//! Magnus), which is exact for a linear law. Meshes of another frequency keep the law of the first phase. Of teeth and modes
+//! the shape at the first phase stands for all.
+
+use super::cycle::{MeshCycle, MeshRow, Running};
+use super::{NotSolved, Space};
+use gearbench_models::scene::Scene;
+use nalgebra::{Complex, DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Coupling of modes by dampers, over the largest damping, that counts as none.
+const COUPLED: f64 = 1e-9;
+
+type C = Complex<f64>;
+
+/// A force on the ground that is looked at: its rows over displacements and velocities, and its part of the mesh forces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GroundForce {
+    /// Index of the gear.
+    pub gear: usize,
+    /// Rows of its two directions across the axis over displacements [N/m].
+    pub stiffness: [Vec<f64>; 2],
+    /// Over velocities [N s/m].
+    pub damping: [Vec<f64>; 2],
+    /// Of mesh forces, by mesh [-].
+    pub of_meshes: [Vec<f64>; 2],
+}
+
+/// What a mesh answers at a mesh frequency.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshAnswer {
+    /// The mesh.
+    pub mesh: usize,
+    /// Transmission error about its mean, through a cycle [m].
+    pub error: Vec<f64>,
+    /// Force through a cycle [N].
+    pub force: Vec<f64>,
+}
+
+/// What the scene answers at a mesh frequency of a group of meshes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Answer {
+    /// Mesh frequency [Hz].
+    pub frequency: f64,
+    /// Meshes of the group.
+    pub meshes: Vec<MeshAnswer>,
+    /// Forces on the ground about their mean, two directions through a cycle [N].
+    pub grounds: Vec<[Vec<f64>; 2]>,
+}
+
+/// The scene without the meshes of a group, in the modes of what is left.
+struct Rest {
+    squares: Vec<f64>,
+    damping: DMatrix<f64>,
+    /// Dampers couple modes.
+    coupled: bool,
+    /// Rows of flanks of the group, mode by mode.
+    flanks: Vec<DVector<f64>>,
+    hubs: Vec<DVector<f64>>,
+    grounds: Vec<[[DVector<f64>; 2]; 2]>,
+}
+
+/// The response to the meshes of a group.
+pub struct Response<'a> {
+    cycle: &'a MeshCycle,
+    grounds: &'a [GroundForce],
+    rest: Rest,
+    /// Compliance of teeth and modes, by mesh of the group [m/N].
+    behind: Vec<f64>,
+}
+
+fn row(x: &[f64]) -> DMatrix<f64> {
+    DMatrix::from_row_slice(1, x.len(), x)
+}
+
+impl<'a> Response<'a> {
+    /// Of one of the cycles of a scene that runs.
+    ///
+    /// # Errors
+    /// [`NotSolved`] where matrices are none to work with.
+    pub fn new(
+        scene: &Scene,
+        running: &Running,
+        cycle: &'a MeshCycle,
+        grounds: &'a [GroundForce],
+    ) -> Result<Self, NotSolved> {
+        let linear = &running.start.linear;
+        let (mut stiffness, mut damping) = (linear.stiffness.clone(), linear.damping.clone());
+        let own = |m: &usize| &running.rows[*m];
+        for r in cycle.meshes.iter().map(own) {
+            let w = row(&r.flanks);
+            stiffness -= r.stiffness * w.tr_mul(&w);
+            damping -= r.damping * w.tr_mul(&w);
+        }
+        let mut space = Space::new(&linear.mass)?;
+        space.hold(&scene.constraints());
+        let modes = space.modes(&stiffness)?;
+        let damping = modes
+            .vectors
+            .tr_mul(&(space.matrix(&damping) * &modes.vectors));
+        let largest = damping.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let n = modes.squares.len();
+        let coupled =
+            (0..n).any(|i| (0..n).any(|j| i != j && damping[(i, j)].abs() > COUPLED * largest));
+        let on = |x: &Vec<f64>| modes.vectors.tr_mul(&space.force(x));
+        let phases = cycle.phases.iter().map(|p| p[0].compliance);
+        let rows: Vec<&MeshRow> = cycle.meshes.iter().map(own).collect();
+        Ok(Response {
+            behind: phases
+                .zip(&rows)
+                .map(|(c, r)| c - 1.0 / r.stiffness)
+                .collect(),
+            rest: Rest {
+                flanks: rows.iter().map(|r| on(&r.flanks)).collect(),
+                hubs: rows.iter().map(|r| on(&r.hubs)).collect(),
+                grounds: (grounds.iter())
+                    .map(|g| [g.stiffness.each_ref().map(on), g.damping.each_ref().map(on)])
+                    .collect(),
+                squares: modes.squares,
+                damping,
+                coupled,
+            },
+            cycle,
+            grounds,
+        })
+    }
+
+    /// Phases of the cycle.
+    fn phases(&self) -> usize {
+        self.cycle.phases[0].len()
+    }
+
+    /// At a mesh frequency [Hz]; None where the balance has no solution.
+    pub fn at(&self, frequency: f64) -> Option<Answer> {
+        let (p, meshes) = (self.phases(), self.cycle.meshes.len());
+        let omega = TAU * frequency;
+        let harmonics = (p - 1) / 2;
+        let answers: Vec<Vec<DVector<C>>> = (1..=harmonics)
+            .map(|k| self.rest.answers(omega * k as f64))
+            .collect::<Option<_>>()?;
+        // Closing of one mesh by the harmonics of the force of another.
+        let pair =
+            |k: usize, of: usize, by: usize| -dot(&self.rest.flanks[of], &answers[k - 1][by]);
+        let size = meshes * (p + 1);
+        let mut matrix = DMatrix::<f64>::zeros(size, size);
+        let mut right = DVector::<f64>::zeros(size);
+        for a in 0..meshes {
+            let phases = &self.cycle.phases[a];
+            let mean = phases.iter().map(|x| x.force).sum::<f64>() / p as f64;
+            let soft = mean_of(phases, |x| x.compliance);
+            for b in 0..meshes {
+                let closing = circulant(p, |k| pair(k, a, b));
+                let rate = circulant(p, |k| C::new(0.0, omega * k as f64) * pair(k, a, b));
+                for i in 0..p {
+                    let local = (phases[i].compliance - self.behind[a]) / soft;
+                    for j in 0..p {
+                        let d = (p + i - j) % p;
+                        matrix[(a * p + i, b * p + j)] -=
+                            closing[d] / soft + local * phases[i].damping * rate[d];
+                    }
+                }
+            }
+            for (i, x) in phases.iter().enumerate() {
+                let local = (x.compliance - self.behind[a]) / soft;
+                matrix[(a * p + i, a * p + i)] += local;
+                // The mean closing, by the mean compliance.
+                matrix[(a * p + i, meshes * p + a)] = -1.0;
+                matrix[(meshes * p + a, a * p + i)] = 1.0;
+                let rest = x.closing - self.behind[a] * x.force;
+                right[a * p + i] = local * (x.force - mean) - rest / soft;
+            }
+        }
+        let solved = matrix.lu().solve(&right)?;
+        let spectra: Vec<Vec<C>> = (0..meshes)
+            .map(|a| spectrum(solved.rows(a * p, p).as_slice(), harmonics))
+            .collect();
+        // The motion by harmonics, in modes.
+        let motion: Vec<DVector<C>> = (1..=harmonics)
+            .map(|k| {
+                let mut x = DVector::<C>::zeros(self.rest.squares.len());
+                for (a, spectrum) in spectra.iter().enumerate() {
+                    x -= &answers[k - 1][a] * spectrum[k - 1];
+                }
+                x
+            })
+            .collect();
+        let through = |of: &dyn Fn(usize) -> C| -> Vec<f64> { waves(p, harmonics, of) };
+        let answered = (0..meshes).map(|a| {
+            let phases = &self.cycle.phases[a];
+            let mean = phases.iter().map(|x| x.force).sum::<f64>() / p as f64;
+            MeshAnswer {
+                mesh: self.cycle.meshes[a],
+                error: through(&|k| dot(&self.rest.hubs[a], &motion[k - 1])),
+                force: (0..p).map(|i| mean + solved[a * p + i]).collect(),
+            }
+        });
+        let grounds = self.grounds.iter().zip(&self.rest.grounds);
+        Some(Answer {
+            frequency,
+            meshes: answered.collect(),
+            grounds: grounds
+                .map(|(ground, [springs, dampers])| {
+                    [0, 1].map(|d| {
+                        through(&|k| {
+                            let rate = C::new(0.0, omega * k as f64);
+                            let by_motion = dot(&springs[d], &motion[k - 1])
+                                + rate * dot(&dampers[d], &motion[k - 1]);
+                            let meshes = self.cycle.meshes.iter().zip(&spectra);
+                            let by_teeth = meshes.map(|(m, s)| s[k - 1] * ground.of_meshes[d][*m]);
+                            by_teeth.fold(by_motion, |sum, x| sum + x)
+                        })
+                    })
+                })
+                .collect(),
+        })
+    }
+}
+
+fn mean_of<T>(all: &[T], of: impl Fn(&T) -> f64) -> f64 {
+    all.iter().map(of).sum::<f64>() / all.len() as f64
+}
+
+/// A real row on a complex motion.
+fn dot(row: &DVector<f64>, x: &DVector<C>) -> C {
+    row.iter().zip(x).map(|(r, x)| x * *r).sum()
+}
+
+impl Rest {
+    /// Motions by unit forces of the meshes at an angular frequency.
+    fn answers(&self, omega: f64) -> Option<Vec<DVector<C>>> {
+        let n = self.squares.len();
+        let own = |i: usize| {
+            C::new(
+                self.squares[i] - omega * omega,
+                omega * self.damping[(i, i)],
+            )
+        };
+        if !self.coupled {
+            let of = |w: &DVector<f64>| DVector::from_fn(n, |i, _| C::from(w[i]) / own(i));
+            return Some(self.flanks.iter().map(of).collect());
+        }
+        let matrix = DMatrix::from_fn(n, n, |i, j| match i == j {
+            true => own(i),
+            false => C::new(0.0, omega * self.damping[(i, j)]),
+        });
+        let lu = matrix.lu();
+        let of = |w: &DVector<f64>| lu.solve(&w.map(C::from));
+        self.flanks.iter().map(of).collect()
+    }
+}
+
+/// First column of the matrix that multiplies the harmonics `1 ..` of so many samples by a factor, and takes the mean out.
+fn circulant(p: usize, factor: impl Fn(usize) -> C) -> Vec<f64> {
+    let harmonics = (p - 1) / 2;
+    waves(p, harmonics, &|k| factor(k) * (2.0 / p as f64))
+}
+
+/// Samples of `Re sum_k c_k exp(i k phi)`.
+fn waves(p: usize, harmonics: usize, of: &dyn Fn(usize) -> C) -> Vec<f64> {
+    let mut out = vec![0.0; p];
+    for k in 1..=harmonics {
+        let c = of(k);
+        for (i, out) in out.iter_mut().enumerate() {
+            let (sin, cos) = (TAU * ((i * k) % p) as f64 / p as f64).sin_cos();
+            *out += c.re * cos - c.im * sin;
+        }
+    }
+    out
+}
+
+/// Complex amplitudes of the harmonics `1 ..` of samples over a cycle.
+pub fn spectrum(x: &[f64], harmonics: usize) -> Vec<C> {
+    let p = x.len();
+    let of = |k: usize| {
+        let sum: C = (x.iter().enumerate())
+            .map(|(i, x)| {
+                let (sin, cos) = (TAU * ((i * k) % p) as f64 / p as f64).sin_cos();
+                C::new(x * cos, -x * sin)
+            })
+            .sum();
+        sum * (2.0 / p as f64)
+    };
+    (1..=harmonics).map(of).collect()
+}

@@ -1,0 +1,11 @@
+//! Frequency response of a whole scene to the passing of its teeth, about its loaded state: transmission errors, mesh forces and
+//! forces on mounts over the mesh frequency, by harmonic balance ([`response`](crate::experiment::small_signals::response)).
+
+pub(crate) mod arguments;
+pub(crate) mod command;
+mod plan;
+mod run;
+mod summary;
+
+pub use plan::{Plan, Wanted};
+pub use run::{response, study};

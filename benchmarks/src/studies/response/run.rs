@@ -1,0 +1,221 @@
+//! Frequency responses of models of a scene.
+
+use super::plan::{Plan, Wanted};
+use crate::experiment::error::StudyError;
+use crate::experiment::interruption;
+use crate::experiment::run::RunError;
+use crate::experiment::runner::Runner;
+use crate::experiment::small_signals::cycle::{MeshCycle, MeshPhase, Running, running};
+use crate::experiment::small_signals::grounds::grounds;
+use crate::experiment::small_signals::response::{Answer, Response, spectrum};
+use crate::experiment::small_signals::{MOST, NotSolved, Space, has_loads, settled};
+use gearbench_integrators::system::SecondOrderSystem;
+use gearbench_models::error::BuildError;
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reference::statics::StaticsError;
+use gearbench_reports::record::{Part, Results};
+use gearbench_reports::response::{
+    GroupResponse, MeshLimit, MeshPoint, ModelResponse, MountPoint, ResponsePoint, ResponseRecord,
+};
+use std::f64::consts::TAU;
+
+/// Harmonics that are kept.
+const HARMONICS: usize = 24;
+/// Lowest mesh frequency over that of the resonance, and the highest, where nobody says otherwise.
+const RANGE: [f64; 2] = [0.05, 1.6];
+
+fn mean(x: impl Iterator<Item = f64>, n: usize) -> f64 {
+    x.sum::<f64>() / n as f64
+}
+
+fn rms(x: &[f64]) -> f64 {
+    let m = mean(x.iter().copied(), x.len());
+    mean(x.iter().map(|x| (x - m).powi(2)), x.len()).sqrt()
+}
+
+fn ends(x: &[f64]) -> [f64; 2] {
+    let ends = [f64::INFINITY, f64::NEG_INFINITY];
+    (x.iter()).fold(ends, |[a, b], x| [a.min(*x), b.max(*x)])
+}
+
+fn harmonics(x: &[f64]) -> Vec<f64> {
+    let kept = HARMONICS.min((x.len() - 1) / 2);
+    spectrum(x, kept).iter().map(|c| c.norm()).collect()
+}
+
+/// A mesh that runs slowly.
+fn limit(scene: &Scene, mesh: usize, phases: &[MeshPhase]) -> MeshLimit {
+    let [a, b] = scene.meshes()[mesh]
+        .gears
+        .map(|i| scene.gears()[i].name.as_str());
+    let error: Vec<f64> = phases.iter().map(|p| p.closing).collect();
+    let stiffness: Vec<f64> = phases.iter().map(|p| 1.0 / p.compliance).collect();
+    let [low, high] = ends(&error);
+    MeshLimit {
+        name: format!("{a} - {b}"),
+        force_n: mean(phases.iter().map(|p| p.force), phases.len()),
+        stiffness_n_per_m: mean(stiffness.iter().copied(), phases.len()),
+        stiffness_range_n_per_m: ends(&stiffness),
+        error_rms_m: rms(&error),
+        error_peak_to_peak_m: high - low,
+        error_harmonics_m: harmonics(&error),
+    }
+}
+
+fn point(answer: &Answer) -> ResponsePoint {
+    let meshes = answer.meshes.iter().map(|m| {
+        let ([low, high], [least, greatest]) = (ends(&m.error), ends(&m.force));
+        MeshPoint {
+            error_rms_m: rms(&m.error),
+            error_peak_to_peak_m: high - low,
+            error_harmonics_m: harmonics(&m.error),
+            force_rms_n: rms(&m.force),
+            force_least_n: least,
+            force_greatest_n: greatest,
+        }
+    });
+    let mounts = answer.grounds.iter().map(|[x, y]| {
+        let both = harmonics(x).into_iter().zip(harmonics(y));
+        MountPoint {
+            rms_n: rms(x).hypot(rms(y)),
+            harmonics_n: both.map(|(x, y)| x.hypot(y)).collect(),
+        }
+    });
+    ResponsePoint {
+        mesh_frequency_hz: answer.frequency,
+        meshes: meshes.collect(),
+        mounts: mounts.collect(),
+    }
+}
+
+/// The natural frequency at the first phase that strains the meshes of a group most [Hz].
+fn resonance(
+    scene: &Scene,
+    running: &Running,
+    cycle: &MeshCycle,
+) -> Result<Option<f64>, NotSolved> {
+    let linear = &running.start.linear;
+    let mut space = Space::new(&linear.mass)?;
+    space.hold(&scene.constraints());
+    let modes = space.modes(&linear.stiffness)?;
+    let mut strain = vec![0.0; modes.squares.len()];
+    for row in cycle.meshes.iter().map(|m| &running.rows[*m]) {
+        let on = modes.vectors.tr_mul(&space.force(&row.flanks));
+        for (sum, x) in strain.iter_mut().zip(on.iter()) {
+            *sum += row.stiffness * x * x;
+        }
+    }
+    // Energy of a mesh in the mode, over that of the mode.
+    let share = |i: &usize| strain[*i] / modes.squares[*i].max(f64::MIN_POSITIVE);
+    let floor = 1e-12 * modes.squares.last().map_or(0.0, |x| x.abs());
+    let swinging = (0..strain.len()).filter(|i| modes.squares[*i] > floor);
+    let most = swinging.max_by(|a, b| share(a).total_cmp(&share(b)));
+    Ok(most.map(|i| modes.squares[i].sqrt() / TAU))
+}
+
+fn solve(
+    scene: &mut Scene,
+    spec: &SceneSpec,
+    wanted: &Wanted,
+    tell: &dyn Fn(&str) -> bool,
+) -> Result<Vec<GroupResponse>, NotSolved> {
+    if !has_loads(spec, 0.0) {
+        return Err(NotSolved::Matrices(
+            "it has no loads, and nothing presses its flanks together",
+        ));
+    }
+    let running = running(scene, spec, wanted.phases)?;
+    let grounds = grounds(scene, &running);
+    let mut groups = Vec::new();
+    // Meshes of other frequencies turn along.
+    let first = running.cycles.first().map_or(1.0, |c| c.frequency);
+    let mut range = wanted.range;
+    for cycle in &running.cycles {
+        let resonance = resonance(scene, &running, cycle)?;
+        let response = Response::new(scene, &running, cycle, &grounds)?;
+        let usual = resonance.map(|f| RANGE.map(|part| part * f * first / cycle.frequency));
+        let [from, to] = *range.get_or_insert(usual.unwrap_or([0.1 * first, 10.0 * first]));
+        let ratio = cycle.frequency / first;
+        let last = (wanted.points - 1) as f64;
+        let mut points = Vec::new();
+        for i in 0..wanted.points {
+            if tell("frequencies") {
+                return Err(NotSolved::Interrupted);
+            }
+            let f = ratio * (from + (to - from) * i as f64 / last);
+            let answer = response.at(f);
+            let answer = answer.ok_or(NotSolved::Matrices("its harmonics have no balance"))?;
+            points.push(point(&answer));
+        }
+        let phases = cycle.meshes.iter().zip(&cycle.phases);
+        groups.push(GroupResponse {
+            own_frequency_hz: cycle.frequency,
+            meshes: phases.map(|(m, phases)| limit(scene, *m, phases)).collect(),
+            mounts: grounds
+                .iter()
+                .map(|g| scene.gears()[g.gear].name.clone())
+                .collect(),
+            resonance_hz: resonance,
+            points,
+        });
+    }
+    Ok(groups)
+}
+
+/// The response of a model of a scene; where there is none the record says why.
+///
+/// # Errors
+/// [`BuildError`] where the scene cannot be assembled.
+pub fn response(
+    label: &str,
+    (spec, modelling): (&SceneSpec, &Modelling),
+    models: &[Model],
+    wanted: &Wanted,
+    interrupted: &dyn Fn(&str) -> bool,
+) -> Result<ModelResponse, BuildError> {
+    let spec = settled(spec);
+    let mut scene = Scene::build(&spec, modelling, models)?;
+    let n = scene.layout().n;
+    let found = match n {
+        0 => Err(NotSolved::Matrices("nothing in it can move")),
+        n if n > MOST => Err(NotSolved::TooLarge(n)),
+        _ => solve(&mut scene, &spec, wanted, interrupted),
+    };
+    let (groups, message) = match found {
+        Ok(groups) => (groups, String::new()),
+        Err(why) => (Vec::new(), why.to_string()),
+    };
+    Ok(ModelResponse {
+        label: label.to_owned(),
+        message,
+        coordinates: n,
+        groups,
+    })
+}
+
+/// Runs the study.
+///
+/// # Errors
+/// [`StudyError`]; models without a response are rows.
+pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
+    let mut responses = Vec::new();
+    for (done, entry) in plan.entries.iter().enumerate() {
+        runner.tell(done, plan.entries.len(), &entry.label);
+        let scene = (&entry.scene, &entry.modelling);
+        let label = entry.model_label();
+        let found = response(&label, scene, plan.conditions.models, &plan.wanted, &|_| {
+            interruption::requested()
+        });
+        if interruption::requested() {
+            return Err(RunError::Interrupted.into());
+        }
+        responses.push(
+            found.map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e)))?,
+        );
+    }
+    runner.tell(plan.entries.len(), plan.entries.len(), "report");
+    let part = ResponseRecord { responses };
+    Ok(plan.conditions.record(Part::Response(part)))
+}

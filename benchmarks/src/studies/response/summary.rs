@@ -1,0 +1,51 @@
+//! What the terminal says of a record of `response`.
+
+use crate::cli::terminal::say;
+use gearbench_reports::numbers::{quantity, short};
+use gearbench_reports::record::Results;
+
+/// The limit of slow running and the peak of each mesh.
+pub fn summarise(results: &Results) {
+    for r in results.responses() {
+        if r.groups.is_empty() {
+            say(&format!("{}: {}", r.label, r.message));
+            continue;
+        }
+        say(&format!("{}:", r.label));
+        for group in &r.groups {
+            for (k, limit) in group.meshes.iter().enumerate() {
+                say(&format!(
+                    "  {}: {} , {} per m, transmission error {} um rms when it runs slowly",
+                    limit.name,
+                    quantity(limit.force_n, "N", 5),
+                    quantity(limit.stiffness_n_per_m, "N", 4),
+                    short(1e6 * limit.error_rms_m, 4),
+                ));
+                let rms = |p: &&gearbench_reports::response::ResponsePoint| p.meshes[k].error_rms_m;
+                let peak = (group.points.iter()).max_by(|a, b| rms(a).total_cmp(&rms(b)));
+                if let Some(peak) = peak {
+                    say(&format!(
+                        "    largest at a mesh frequency of {}: {} um, force {} to {}",
+                        quantity(peak.mesh_frequency_hz, "Hz", 5),
+                        short(1e6 * peak.meshes[k].error_rms_m, 4),
+                        quantity(peak.meshes[k].force_least_n, "N", 4),
+                        quantity(peak.meshes[k].force_greatest_n, "N", 4),
+                    ));
+                }
+            }
+            let parts: Vec<f64> = (group.points.iter())
+                .filter(|p| !p.holds())
+                .map(|p| p.mesh_frequency_hz)
+                .collect();
+            if let (Some(first), Some(last)) = (parts.first(), parts.last()) {
+                say(&format!(
+                    "  flanks part at {} of {} frequencies, from {} to {}: there it does not hold",
+                    parts.len(),
+                    group.points.len(),
+                    quantity(*first, "Hz", 4),
+                    quantity(*last, "Hz", 4),
+                ));
+            }
+        }
+    }
+}

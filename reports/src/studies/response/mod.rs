@@ -1,0 +1,23 @@
+//! The study of frequency response to the passing of teeth: transmission errors, mesh forces and forces of mounts.
+
+mod charts;
+mod csv;
+mod record;
+mod tables;
+
+use crate::drawing::canvas::DrawError;
+use crate::studies::StudyReport;
+pub use record::{
+    GroupResponse, MeshLimit, MeshPoint, ModelResponse, MountPoint, ResponsePoint, ResponseRecord,
+};
+
+/// What the study says of a record.
+pub(super) fn report(responses: &[ModelResponse]) -> Result<StudyReport, DrawError> {
+    Ok(StudyReport {
+        finding: tables::finding(responses),
+        tables: tables::tables(responses),
+        charts: charts::charts(responses)?,
+        csv: csv::tables(responses),
+        ..StudyReport::default()
+    })
+}

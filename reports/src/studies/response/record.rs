@@ -1,0 +1,121 @@
+//! The record of frequency response to the passing of teeth: of each mesh and each mount, at mesh frequency after mesh frequency.
+
+use crate::record::Results;
+use crate::studies::Part;
+use serde::{Deserialize, Serialize};
+
+/// What the record of this study has of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ResponseRecord {
+    /// Responses, model by model.
+    pub responses: Vec<ModelResponse>,
+}
+
+impl Results {
+    /// Frequency responses; none in records of other studies.
+    pub fn responses(&self) -> &[ModelResponse] {
+        match &self.part {
+            Part::Response(part) => &part.responses,
+            _ => &[],
+        }
+    }
+}
+
+/// The response of a model of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ModelResponse {
+    /// Label of the model in its scene.
+    pub label: String,
+    /// Why there is none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub message: String,
+    /// Coordinates of the scene.
+    pub coordinates: usize,
+    /// Meshes that share a mesh frequency.
+    pub groups: Vec<GroupResponse>,
+}
+
+/// The response to meshes that share a mesh frequency.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct GroupResponse {
+    /// Mesh frequency at the speeds of the scene [Hz].
+    pub own_frequency_hz: f64,
+    /// The meshes.
+    pub meshes: Vec<MeshLimit>,
+    /// Names of the gears whose mounts are looked at.
+    pub mounts: Vec<String>,
+    /// The natural frequency that strains these meshes most [Hz].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resonance_hz: Option<f64>,
+    /// The response, ascending in mesh frequency.
+    pub points: Vec<ResponsePoint>,
+}
+
+/// A mesh that runs slowly.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MeshLimit {
+    /// Names of its gears.
+    pub name: String,
+    /// Mean force [N].
+    pub force_n: f64,
+    /// Mean stiffness between the hubs [N/m].
+    pub stiffness_n_per_m: f64,
+    /// Least and greatest stiffness over a cycle [N/m].
+    pub stiffness_range_n_per_m: [f64; 2],
+    /// Transmission error about its mean [m]: root mean square.
+    pub error_rms_m: f64,
+    /// Greatest less least [m].
+    pub error_peak_to_peak_m: f64,
+    /// Amplitudes of its harmonics [m].
+    pub error_harmonics_m: Vec<f64>,
+}
+
+/// The response at a mesh frequency.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ResponsePoint {
+    /// Mesh frequency [Hz].
+    pub mesh_frequency_hz: f64,
+    /// The meshes of the group.
+    pub meshes: Vec<MeshPoint>,
+    /// The mounts of the group.
+    pub mounts: Vec<MountPoint>,
+}
+
+impl ResponsePoint {
+    /// No flanks part.
+    pub fn holds(&self) -> bool {
+        self.meshes.iter().all(|m| m.force_least_n > 0.0)
+    }
+}
+
+/// A mesh at a mesh frequency.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MeshPoint {
+    /// Transmission error about its mean [m]: root mean square.
+    pub error_rms_m: f64,
+    /// Greatest less least [m].
+    pub error_peak_to_peak_m: f64,
+    /// Amplitudes of its harmonics [m].
+    pub error_harmonics_m: Vec<f64>,
+    /// Root mean square of the force about its mean [N].
+    pub force_rms_n: f64,
+    /// Least force [N]; below zero flanks part, and the response holds no more.
+    pub force_least_n: f64,
+    /// Greatest force [N].
+    pub force_greatest_n: f64,
+}
+
+/// What a mount exerts at a mesh frequency.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MountPoint {
+    /// Root mean square of the force across the axis about its mean [N].
+    pub rms_n: f64,
+    /// Amplitudes of its harmonics [N], of both directions together.
+    pub harmonics_n: Vec<f64>,
+}

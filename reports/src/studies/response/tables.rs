@@ -1,0 +1,105 @@
+//! Finding and tables of frequency response.
+
+use super::{GroupResponse, MeshLimit, ModelResponse, ResponsePoint};
+use crate::markup::table::Table;
+use crate::markup::{glance, note, prose};
+use crate::numbers::quantity;
+use maud::{Markup, html};
+
+/// The point at which the transmission error of a mesh is largest.
+fn peak(group: &GroupResponse, mesh: usize) -> Option<&ResponsePoint> {
+    let rms = |p: &&ResponsePoint| p.meshes[mesh].error_rms_m;
+    (group.points.iter()).max_by(|a, b| rms(a).total_cmp(&rms(b)))
+}
+
+/// Where flanks part: lowest and highest mesh frequency [Hz].
+fn parting(group: &GroupResponse) -> Option<[f64; 2]> {
+    let parts = group.points.iter().filter(|p| !p.holds());
+    let mut parts = parts.map(|p| p.mesh_frequency_hz);
+    let first = parts.next()?;
+    Some([first, parts.last().unwrap_or(first)])
+}
+
+pub fn finding(responses: &[ModelResponse]) -> Vec<Markup> {
+    let of = |r: &ModelResponse| {
+        let peaks: Vec<String> = (r.groups.iter())
+            .filter_map(|g| {
+                let (name, p) = (&g.meshes.first()?.name, peak(g, 0)?);
+                let m = &p.meshes[0];
+                Some(format!(
+                    "{name} {} rms at {}",
+                    quantity(m.error_rms_m, "m", 3),
+                    quantity(p.mesh_frequency_hz, "Hz", 4)
+                ))
+            })
+            .collect();
+        let part = r.groups.iter().any(|g| parting(g).is_some());
+        html! {
+            b { (r.label) }
+            @if r.groups.is_empty() { " has no response: " (prose(&r.message)) "." }
+            @else {
+                " has its largest transmission error at " (peaks.join("; "))
+                @if part { "; there and nearby flanks part, and running gears (" code { "gearbench sweep" } ") answer less" } "."
+            }
+        }
+    };
+    responses.iter().map(of).collect()
+}
+
+pub fn tables(responses: &[ModelResponse]) -> Markup {
+    type Row<'a> = (
+        usize,
+        &'a ModelResponse,
+        &'a GroupResponse,
+        usize,
+        &'a MeshLimit,
+    );
+    let rows: Vec<Row<'_>> = (responses.iter().enumerate())
+        .flat_map(|(i, r)| r.groups.iter().map(move |g| (i, r, g)))
+        .flat_map(|(i, r, g)| {
+            g.meshes
+                .iter()
+                .enumerate()
+                .map(move |(k, m)| (i, r, g, k, m))
+        })
+        .collect();
+    let table = Table::of(&rows)
+        .grouped(|(i, r, ..)| (r.label.clone(), *i))
+        .text("Mesh", |(.., m)| m.name.clone())
+        .numbers("Force", "N", 4, |(.., m)| m.force_n)
+        .numbers("Stiffness", "N/m", 4, |(.., m)| m.stiffness_n_per_m)
+        .result()
+        .numbers("TE rms, slowly", "m", 3, |(.., m)| m.error_rms_m)
+        .result()
+        .numbers("Resonance", "Hz", 4, |(_, _, g, ..)| g.resonance_hz)
+        .result()
+        .numbers("Largest TE rms", "m", 3, |(_, _, g, k, _)| {
+            peak(g, *k).map(|p| p.meshes[*k].error_rms_m)
+        })
+        .result()
+        .numbers("at", "Hz", 4, |(_, _, g, k, _)| {
+            peak(g, *k).map(|p| p.mesh_frequency_hz)
+        })
+        .result()
+        .numbers("Flanks part from", "Hz", 3, |(_, _, g, ..)| {
+            parting(g).map(|p| p[0])
+        })
+        .numbers("to", "Hz", 3, |(_, _, g, ..)| parting(g).map(|p| p[1]))
+        .numbers("Least stiffness", "N/m", 4, |(.., m)| {
+            m.stiffness_range_n_per_m[0]
+        })
+        .numbers("Greatest stiffness", "N/m", 4, |(.., m)| {
+            m.stiffness_range_n_per_m[1]
+        })
+        .numbers("Own mesh frequency", "Hz", 4, |(_, _, g, ..)| {
+            g.own_frequency_hz
+        });
+    html! {
+        (glance("Response to the passing of teeth", html! {
+            (table)
+            (note("Transmission error (TE) by the hubs along the line of action, about its mean. Slowly: in the equilibrium of the \
+                   loads at each phase. The resonance is the natural frequency at the start that strains the mesh most. Where the \
+                   least force falls below zero flanks part, and a response to first order says no more."))
+        }))
+    }
+}
