@@ -3,11 +3,10 @@
 //! At each phase the loaded state is found anew. Of a mesh are kept, with `N` the sum of its normal forces,
 //!
 //! ```text
-//! w = dN/dq / k,  k = dN/d(closing)      what a coordinate adds to the closing of its flanks, and their stiffness while teeth
-//!                                        and modes stand still (at the first phase)
+//! w = dN/dq / k                          what a coordinate adds to the closing of the flanks (at the first phase)
 //! e, N_s                                 closing by the hubs under the loads, and force
 //! C = de/dN                              along the loads, K x = f: all that bends between the hubs
-//! c = dN/d(closing rate)
+//! k, c = dN/d(closing), dN/d(its rate)   while teeth and modes go with their gear as a rigid body
 //! ```
 //!
 //! Meshes of one frequency are taken together, so that their phases to each other are those of the scene. Motions are seen
@@ -15,8 +14,9 @@
 
 use super::{Loaded, NotSolved, loaded};
 use gearbench_integrators::system::{Events, SecondOrderSystem, State};
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{Scene, SceneGear};
 use gearbench_models::spec::{Body, SceneSpec};
+use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
 /// Part of a typical deflection or speed by which forces are differenced.
@@ -33,6 +33,8 @@ pub struct MeshPhase {
     pub force: f64,
     /// Compliance between the hubs [m/N].
     pub compliance: f64,
+    /// The part of it in the contact: what is left when teeth and modes go with their gear as a rigid body [m/N].
+    pub contact: f64,
     /// Damping of the contact [N s/m].
     pub damping: f64,
 }
@@ -44,9 +46,9 @@ pub struct MeshRow {
     pub flanks: Vec<f64>,
     /// The same by hubs alone: teeth and modes move flanks only as far as they turn the hub.
     pub hubs: Vec<f64>,
-    /// Stiffness while teeth and modes stand still [N/m].
+    /// Stiffness of the contact [N/m].
     pub stiffness: f64,
-    /// Damping [N s/m].
+    /// Its damping [N s/m].
     pub damping: f64,
     /// Mesh frequency at the speeds of the scene [Hz].
     pub frequency: f64,
@@ -110,24 +112,66 @@ struct Cycle<'a> {
     scene: &'a mut Scene,
     scales: Vec<f64>,
     speeds: Vec<f64>,
+    /// Turns of gears as rigid bodies, each on one coordinate of its hub, that of a gear that is held none.
+    turns: Vec<Option<Vec<f64>>>,
     rows: Vec<MeshRow>,
 }
 
+/// How a gear turns as a rigid body: own coordinates go with the hub where nothing strains them.
+fn turns(scene: &Scene, mechanism: &DMatrix<f64>) -> Result<Vec<Option<Vec<f64>>>, NotSolved> {
+    let of = |g: &SceneGear| {
+        let (hub, range) = (g.model.hub(), g.range());
+        if !hub.is_free() {
+            return Ok(None);
+        }
+        let mut turn = vec![0.0; mechanism.nrows()];
+        turn[range.start] = 1.0;
+        let own = range.start + hub.first()..range.end;
+        if !own.is_empty() {
+            let block = mechanism.view((own.start, own.start), (own.len(), own.len()));
+            let by_hub = mechanism.view((own.start, range.start), (own.len(), 1));
+            let solved = block.into_owned().lu().solve(&-by_hub);
+            let solved = solved.ok_or(NotSolved::Matrices(
+                "own coordinates of a gear have no stiffness",
+            ))?;
+            turn[own].copy_from_slice(solved.as_slice());
+        }
+        Ok(Some(turn))
+    };
+    scene.gears().iter().map(of).collect()
+}
+
 impl Cycle<'_> {
-    /// Slope of the forces by the rate of the hub of each mesh that is free, over what it closes [N s/m].
-    fn dampings(&mut self, s: &State) -> Vec<f64> {
+    /// Slopes of the force of a mesh by what its gears close it by, as rigid bodies: displacement (0) or rate (1).
+    ///
+    /// On the way of one gear the stiffness changes as teeth pass, on that of the other as much the other way.
+    fn slope(&mut self, s: &State, mesh: usize, of_rate: bool) -> f64 {
+        let (gears, towards) = (
+            self.scene.meshes()[mesh].gears,
+            self.scene.meshes()[mesh].towards,
+        );
         let none = vec![0.0; s.q.len()];
-        let of = |mesh| {
-            let Some((gear, k)) = free_of(self.scene, mesh) else {
-                return 0.0;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (gear, towards) in gears.into_iter().zip(towards) {
+            let Some(turn) = &self.turns[gear] else {
+                continue;
             };
             let i = self.scene.gears()[gear].range().start;
-            let mut dv = none.clone();
-            dv[i] = STEP * self.speeds[i];
-            let by = self.scene.meshes()[mesh].towards[k] * dv[i];
-            change(self.scene, s, [&none, &dv])[mesh] / by
-        };
-        (0..self.rows.len()).map(of).collect()
+            let size = STEP
+                * if of_rate {
+                    self.speeds[i]
+                } else {
+                    self.scales[i]
+                };
+            let moved: Vec<f64> = turn.iter().map(|x| size * x).collect();
+            let by = match of_rate {
+                true => change(self.scene, s, [&none, &moved]),
+                false => change(self.scene, s, [&moved, &none]),
+            };
+            sum += by[mesh] / (size * towards);
+            count += 1.0;
+        }
+        sum / count
     }
 
     /// Rows of the meshes at the first phase.
@@ -143,46 +187,34 @@ impl Cycle<'_> {
                 slopes[i] = change / dq[i];
             }
         }
-        let dampings = self.dampings(s);
         for (mesh, slopes) in slopes.into_iter().enumerate() {
-            let of_mesh = &self.scene.meshes()[mesh];
-            // On the way of one gear the stiffness changes as teeth pass, on that of the other as much the other way.
-            let free = of_mesh.gears.into_iter().zip(of_mesh.towards);
-            let free = free.filter(|(i, _)| self.scene.gears()[*i].model.hub().is_free());
-            let by_gear: Vec<f64> = free
-                .map(|(i, towards)| slopes[self.scene.gears()[i].range().start] / towards)
-                .collect();
-            if by_gear.is_empty() {
-                return Err(NotSolved::Matrices(
-                    "a mesh has no gear that is free to move",
-                ));
-            }
-            let stiffness = by_gear.iter().sum::<f64>() / by_gear.len() as f64;
+            let [stiffness, damping] = [false, true].map(|rate| self.slope(s, mesh, rate));
             if stiffness <= 0.0 || !stiffness.is_finite() {
                 return Err(NotSolved::Matrices(
-                    "a mesh carries no load, so that it has no stiffness",
+                    "a mesh carries no load, or none of its gears is free, so that it has no stiffness",
                 ));
             }
+            let of_mesh = &self.scene.meshes()[mesh];
             let mut flanks: Vec<f64> = slopes.iter().map(|x| x / stiffness).collect();
             let mut hubs = flanks.clone();
             for (&gear, towards) in of_mesh.gears.iter().zip(of_mesh.towards) {
-                let g = &self.scene.gears()[gear];
-                let hub = g.model.hub();
-                if !hub.is_free() {
+                let Some(turn) = &self.turns[gear] else {
                     continue;
-                }
-                let range = g.range();
-                // By how stiffness changes along the path the two differ by what a train that runs does not feel.
-                (flanks[range.start], hubs[range.start]) = (towards, towards);
+                };
+                let g = &self.scene.gears()[gear];
+                let (hub, range) = (g.model.hub(), g.range());
+                // What a turn as a rigid body closes is known: by how stiffness changes along the path the slope is not quite it.
+                flanks[range.start] += towards - dot(&flanks, turn);
+                hubs[range.start] = towards;
                 let own = &mut hubs[range.start + hub.first()..range.end];
-                let turns = hub.hub_shapes.iter().copied().chain(std::iter::repeat(0.0));
+                let shapes = hub.hub_shapes.iter().copied().chain(std::iter::repeat(0.0));
                 own.iter_mut()
-                    .zip(turns)
+                    .zip(shapes)
                     .for_each(|(to, x)| *to = towards * x);
             }
             let row = &mut self.rows[mesh];
             (row.flanks, row.hubs) = (flanks, hubs);
-            (row.stiffness, row.damping) = (stiffness, dampings[mesh]);
+            (row.stiffness, row.damping) = (stiffness, damping);
         }
         Ok(())
     }
@@ -207,13 +239,23 @@ impl Cycle<'_> {
         let h = STEP / moved.fold(f64::MIN_POSITIVE, f64::max);
         let step: Vec<f64> = x.iter().map(|x| h * x).collect();
         let by_loads = change(self.scene, s, [&step, &vec![0.0; x.len()]]);
-        let (forces, dampings) = (forces(self.scene, s), self.dampings(s));
+        let forces = forces(self.scene, s);
         (0..self.rows.len())
-            .map(|m| MeshPhase {
-                closing: dot(&self.rows[m].hubs, away),
-                force: forces[m],
-                compliance: h * dot(&self.rows[m].hubs, &x) / by_loads[m],
-                damping: dampings[m],
+            .map(|m| {
+                let compliance = h * dot(&self.rows[m].hubs, &x) / by_loads[m];
+                // Of rigid gears all of it is in the contact.
+                let gears = self.scene.meshes()[m].gears;
+                let own = |i: usize| self.scene.gears()[i].model.hub().own > 0;
+                MeshPhase {
+                    closing: dot(&self.rows[m].hubs, away),
+                    force: forces[m],
+                    compliance,
+                    contact: match gears.into_iter().any(own) {
+                        true => 1.0 / self.slope(s, m, false),
+                        false => compliance,
+                    },
+                    damping: self.slope(s, m, true),
+                }
             })
             .collect()
     }
@@ -250,7 +292,9 @@ pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Run
             "a mesh stands still at the speeds of the start, so that no teeth pass",
         ));
     }
+    let mechanism = scene.mechanism(start.state.at(), &start.linear.mass);
     let mut cycle = Cycle {
+        turns: turns(scene, &mechanism.stiffness)?,
         rows: vec![MeshRow::default(); frequencies.len()],
         scene,
         scales,

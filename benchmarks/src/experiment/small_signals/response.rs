@@ -1,21 +1,17 @@
 //! Frequency response of a scene to its teeth: what a train that runs at any speed answers to the passing of its teeth, to
 //! first order in forces, while no flanks part.
 //!
-//! Each mesh follows its own law through its cycle ([`cycle`](super::cycle)), with `u` the closing of its flanks,
+//! Each mesh follows its own law through its cycle ([`cycle`](super::cycle)): with `e` the closing by the hubs, `b` what teeth and
+//! modes take of it, and `u = e - b` what is left for the contact,
 //!
 //! ```text
-//! N = N_s + (u - u_s) / (C - C_b) + c u',    u_s = e - C_b N_s
+//! N = N_s + k (u - u_s) + c u'
+//! b = (C - 1/k) R N          R = 1 at rest: how teeth and modes answer at a frequency, over what they do slowly
+//! M x'' + D x' + K x = loads - sum w N,      e = h x
 //! ```
 //!
-//! where `C_b` is the compliance of teeth and modes, which the rest of the scene has:
-//!
-//! ```text
-//! M x'' + D x' + K x = loads - sum w N,      u = w x
-//! ```
-//!
-//! Stiffness varies as teeth pass: forces at the multiples of the mesh frequency are found together (harmonic balance, K.
-//! Magnus), which is exact for a linear law. Meshes of another frequency keep the law of the first phase. Of teeth and modes
-//! the shape at the first phase stands for all.
+//! Stiffness varies as teeth pass: forces at the multiples of the mesh frequency are found together (harmonic balance), which
+//! is exact for a linear law. Meshes of another frequency keep the law of the first phase. `R` is that of the first phase.
 
 use super::cycle::{MeshCycle, MeshRow, Running};
 use super::{NotSolved, Space};
@@ -80,12 +76,35 @@ pub struct Response<'a> {
     cycle: &'a MeshCycle,
     grounds: &'a [GroundForce],
     rest: Rest,
-    /// Compliance of teeth and modes, by mesh of the group [m/N].
-    behind: Vec<f64>,
+    /// Answer of teeth and modes of each mesh to its own force, slowly [m/N].
+    slowly: Vec<f64>,
 }
 
 fn row(x: &[f64]) -> DMatrix<f64> {
     DMatrix::from_row_slice(1, x.len(), x)
+}
+
+/// What teeth and modes give way by under a unit force of their mesh that loads on the hubs hold up [m/N].
+fn slowly(
+    scene: &Scene,
+    running: &Running,
+    mesh: usize,
+    stiffness: &DMatrix<f64>,
+) -> Result<f64, NotSolved> {
+    let row = &running.rows[mesh];
+    let gears = scene.meshes()[mesh].gears.map(|i| &scene.gears()[i]);
+    let own = gears.map(|g| g.range().start + g.model.hub().first()..g.range().end);
+    let own: Vec<usize> = own.into_iter().flatten().collect();
+    if own.is_empty() {
+        return Ok(0.0);
+    }
+    let block = DMatrix::from_fn(own.len(), own.len(), |i, j| stiffness[(own[i], own[j])]);
+    // The load that holds the flank up acts on the hub, and on modes that turn it.
+    let between = own.iter().map(|i| row.flanks[*i] - row.hubs[*i]);
+    let between = DVector::from_iterator(own.len(), between);
+    let moved = block.lu().solve(&between);
+    let moved = moved.ok_or(NotSolved::Matrices("own coordinates have no stiffness"))?;
+    Ok(between.dot(&moved))
 }
 
 impl<'a> Response<'a> {
@@ -107,6 +126,11 @@ impl<'a> Response<'a> {
             stiffness -= r.stiffness * w.tr_mul(&w);
             damping -= r.damping * w.tr_mul(&w);
         }
+        let slowly = cycle
+            .meshes
+            .iter()
+            .map(|m| slowly(scene, running, *m, &stiffness));
+        let slowly = slowly.collect::<Result<_, _>>()?;
         let mut space = Space::new(&linear.mass)?;
         space.hold(&scene.constraints());
         let modes = space.modes(&stiffness)?;
@@ -118,13 +142,9 @@ impl<'a> Response<'a> {
         let coupled =
             (0..n).any(|i| (0..n).any(|j| i != j && damping[(i, j)].abs() > COUPLED * largest));
         let on = |x: &Vec<f64>| modes.vectors.tr_mul(&space.force(x));
-        let phases = cycle.phases.iter().map(|p| p[0].compliance);
         let rows: Vec<&MeshRow> = cycle.meshes.iter().map(own).collect();
         Ok(Response {
-            behind: phases
-                .zip(&rows)
-                .map(|(c, r)| c - 1.0 / r.stiffness)
-                .collect(),
+            slowly,
             rest: Rest {
                 flanks: rows.iter().map(|r| on(&r.flanks)).collect(),
                 hubs: rows.iter().map(|r| on(&r.hubs)).collect(),
@@ -140,6 +160,11 @@ impl<'a> Response<'a> {
         })
     }
 
+    /// What teeth and modes of a mesh give way by.
+    fn behind(&self, mesh: usize, answer: &DVector<C>) -> C {
+        dot(&self.rest.flanks[mesh], answer) - dot(&self.rest.hubs[mesh], answer)
+    }
+
     /// Phases of the cycle.
     fn phases(&self) -> usize {
         self.cycle.phases[0].len()
@@ -153,36 +178,43 @@ impl<'a> Response<'a> {
         let answers: Vec<Vec<DVector<C>>> = (1..=harmonics)
             .map(|k| self.rest.answers(omega * k as f64))
             .collect::<Option<_>>()?;
-        // Closing of one mesh by the harmonics of the force of another.
-        let pair =
-            |k: usize, of: usize, by: usize| -dot(&self.rest.flanks[of], &answers[k - 1][by]);
         let size = meshes * (p + 1);
         let mut matrix = DMatrix::<f64>::zeros(size, size);
         let mut right = DVector::<f64>::zeros(size);
+        let derivative = square(&circulant(p, |k| C::new(0.0, omega * k as f64)));
         for a in 0..meshes {
             let phases = &self.cycle.phases[a];
-            let mean = phases.iter().map(|x| x.force).sum::<f64>() / p as f64;
+            let mean = mean_of(phases, |x| x.force);
             let soft = mean_of(phases, |x| x.compliance);
             for b in 0..meshes {
-                let closing = circulant(p, |k| pair(k, a, b));
-                let rate = circulant(p, |k| C::new(0.0, omega * k as f64) * pair(k, a, b));
-                for i in 0..p {
-                    let local = (phases[i].compliance - self.behind[a]) / soft;
+                // Closing of the contact of one mesh by the force of another.
+                let hubs = circulant(p, |k| -dot(&self.rest.hubs[a], &answers[k - 1][b]));
+                let mut closing = square(&hubs);
+                if a != b {
+                    closing -= square(&circulant(p, |k| self.behind(a, &answers[k - 1][b])));
+                } else if self.slowly[a] != 0.0 {
+                    let of = |k: usize| self.behind(a, &answers[k - 1][a]) / self.slowly[a];
+                    let behind = square(&circulant(p, of));
+                    for (i, x) in phases.iter().enumerate() {
+                        let row = (x.compliance - x.contact) * behind.row(i);
+                        closing.row_mut(i).zip_apply(&row, |to, x| *to -= x);
+                    }
+                }
+                let rate = &derivative * &closing;
+                let mut to = matrix.view_mut((a * p, b * p), (p, p));
+                for (i, x) in phases.iter().enumerate() {
                     for j in 0..p {
-                        let d = (p + i - j) % p;
-                        matrix[(a * p + i, b * p + j)] -=
-                            closing[d] / soft + local * phases[i].damping * rate[d];
+                        to[(i, j)] -=
+                            (closing[(i, j)] + x.contact * x.damping * rate[(i, j)]) / soft;
                     }
                 }
             }
             for (i, x) in phases.iter().enumerate() {
-                let local = (x.compliance - self.behind[a]) / soft;
-                matrix[(a * p + i, a * p + i)] += local;
+                matrix[(a * p + i, a * p + i)] += x.contact / soft;
                 // The mean closing, by the mean compliance.
                 matrix[(a * p + i, meshes * p + a)] = -1.0;
                 matrix[(meshes * p + a, a * p + i)] = 1.0;
-                let rest = x.closing - self.behind[a] * x.force;
-                right[a * p + i] = local * (x.force - mean) - rest / soft;
+                right[a * p + i] = (x.compliance * (x.force - mean) - x.closing) / soft;
             }
         }
         let solved = matrix.lu().solve(&right)?;
@@ -202,7 +234,7 @@ impl<'a> Response<'a> {
         let through = |of: &dyn Fn(usize) -> C| -> Vec<f64> { waves(p, harmonics, of) };
         let answered = (0..meshes).map(|a| {
             let phases = &self.cycle.phases[a];
-            let mean = phases.iter().map(|x| x.force).sum::<f64>() / p as f64;
+            let mean = mean_of(phases, |x| x.force);
             MeshAnswer {
                 mesh: self.cycle.meshes[a],
                 error: through(&|k| dot(&self.rest.hubs[a], &motion[k - 1])),
@@ -268,6 +300,12 @@ impl Rest {
 fn circulant(p: usize, factor: impl Fn(usize) -> C) -> Vec<f64> {
     let harmonics = (p - 1) / 2;
     waves(p, harmonics, &|k| factor(k) * (2.0 / p as f64))
+}
+
+/// The matrix of a first column.
+fn square(column: &[f64]) -> DMatrix<f64> {
+    let p = column.len();
+    DMatrix::from_fn(p, p, |i, j| column[(p + i - j) % p])
 }
 
 /// Samples of `Re sum_k c_k exp(i k phi)`.
