@@ -114,6 +114,8 @@ struct Cycle<'a> {
     speeds: Vec<f64>,
     /// Turns of gears as rigid bodies, each on one coordinate of its hub, that of a gear that is held none.
     turns: Vec<Option<Vec<f64>>>,
+    /// 1 where left flanks are in contact, -1 for right ones, by mesh.
+    sides: Vec<f64>,
     rows: Vec<MeshRow>,
 }
 
@@ -142,7 +144,7 @@ fn turns(scene: &Scene, mechanism: &DMatrix<f64>) -> Result<Vec<Option<Vec<f64>>
 }
 
 impl Cycle<'_> {
-    /// Slopes of the force of a mesh by what its gears close it by, as rigid bodies: displacement (0) or rate (1).
+    /// Slope of the force of a mesh by what its gears close it by, as rigid bodies: by displacement, or by their rate.
     ///
     /// On the way of one gear the stiffness changes as teeth pass, on that of the other as much the other way.
     fn slope(&mut self, s: &State, mesh: usize, of_rate: bool) -> f64 {
@@ -168,7 +170,7 @@ impl Cycle<'_> {
                 true => change(self.scene, s, [&none, &moved]),
                 false => change(self.scene, s, [&moved, &none]),
             };
-            sum += by[mesh] / (size * towards);
+            sum += self.sides[mesh] * by[mesh] / (size * towards);
             count += 1.0;
         }
         sum / count
@@ -188,6 +190,9 @@ impl Cycle<'_> {
             }
         }
         for (mesh, slopes) in slopes.into_iter().enumerate() {
+            // Right flanks close where left ones open.
+            let slope = self.slope(s, mesh, false);
+            self.sides[mesh] = if slope < 0.0 { -1.0 } else { 1.0 };
             let [stiffness, damping] = [false, true].map(|rate| self.slope(s, mesh, rate));
             if stiffness <= 0.0 || !stiffness.is_finite() {
                 return Err(NotSolved::Matrices(
@@ -198,6 +203,7 @@ impl Cycle<'_> {
             let mut flanks: Vec<f64> = slopes.iter().map(|x| x / stiffness).collect();
             let mut hubs = flanks.clone();
             for (&gear, towards) in of_mesh.gears.iter().zip(of_mesh.towards) {
+                let towards = self.sides[mesh] * towards;
                 let Some(turn) = &self.turns[gear] else {
                     continue;
                 };
@@ -295,6 +301,7 @@ pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Run
     let mechanism = scene.mechanism(start.state.at(), &start.linear.mass);
     let mut cycle = Cycle {
         turns: turns(scene, &mechanism.stiffness)?,
+        sides: vec![1.0; frequencies.len()],
         rows: vec![MeshRow::default(); frequencies.len()],
         scene,
         scales,

@@ -6,6 +6,8 @@ pub(crate) mod command;
 mod plan;
 mod run;
 mod summary;
+#[cfg(test)]
+mod tests;
 
 pub use plan::{Plan, Wanted};
 pub use run::{response, study};

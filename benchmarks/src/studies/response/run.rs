@@ -8,7 +8,7 @@ use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::cycle::{MeshCycle, MeshPhase, Running, running};
 use crate::experiment::small_signals::grounds::grounds;
 use crate::experiment::small_signals::response::{Answer, Response, spectrum};
-use crate::experiment::small_signals::{MOST, NotSolved, Space, has_loads, settled};
+use crate::experiment::small_signals::{MOST, NotSolved, has_loads, settled};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
@@ -91,15 +91,8 @@ fn point(answer: &Answer) -> ResponsePoint {
 }
 
 /// The natural frequency at the first phase that strains the meshes of a group most [Hz].
-fn resonance(
-    scene: &Scene,
-    running: &Running,
-    cycle: &MeshCycle,
-) -> Result<Option<f64>, NotSolved> {
-    let linear = &running.start.linear;
-    let mut space = Space::new(&linear.mass)?;
-    space.hold(&scene.constraints());
-    let modes = space.modes(&linear.stiffness)?;
+fn resonance(running: &Running, cycle: &MeshCycle) -> Option<f64> {
+    let (space, modes) = (&running.start.space, &running.start.modes);
     let mut strain = vec![0.0; modes.squares.len()];
     for row in cycle.meshes.iter().map(|m| &running.rows[*m]) {
         let on = modes.vectors.tr_mul(&space.force(&row.flanks));
@@ -112,7 +105,7 @@ fn resonance(
     let floor = 1e-12 * modes.squares.last().map_or(0.0, |x| x.abs());
     let swinging = (0..strain.len()).filter(|i| modes.squares[*i] > floor);
     let most = swinging.max_by(|a, b| share(a).total_cmp(&share(b)));
-    Ok(most.map(|i| modes.squares[i].sqrt() / TAU))
+    most.map(|i| modes.squares[i].sqrt() / TAU)
 }
 
 fn solve(
@@ -133,7 +126,7 @@ fn solve(
     let first = running.cycles.first().map_or(1.0, |c| c.frequency);
     let mut range = wanted.range;
     for cycle in &running.cycles {
-        let resonance = resonance(scene, &running, cycle)?;
+        let resonance = resonance(&running, cycle);
         let response = Response::new(scene, &running, cycle, &grounds)?;
         let usual = resonance.map(|f| RANGE.map(|part| part * f * first / cycle.frequency));
         let [from, to] = *range.get_or_insert(usual.unwrap_or([0.1 * first, 10.0 * first]));
@@ -200,20 +193,25 @@ pub fn response(
 /// # Errors
 /// [`StudyError`]; models without a response are rows.
 pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
-    let mut responses = Vec::new();
+    let mut responses: Vec<ModelResponse> = Vec::new();
+    let mut wanted = plan.wanted;
     for (done, entry) in plan.entries.iter().enumerate() {
         runner.tell(done, plan.entries.len(), &entry.label);
         let scene = (&entry.scene, &entry.modelling);
         let label = entry.model_label();
-        let found = response(&label, scene, plan.conditions.models, &plan.wanted, &|_| {
+        let found = response(&label, scene, plan.conditions.models, &wanted, &|_| {
             interruption::requested()
         });
         if interruption::requested() {
             return Err(RunError::Interrupted.into());
         }
-        responses.push(
-            found.map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e)))?,
-        );
+        let found =
+            found.map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e)))?;
+        // All models at the frequencies of the first.
+        let points = found.groups.first().map(|g| &g.points);
+        let ends = points.and_then(|p| Some([p.first()?, p.last()?]));
+        wanted.range = (wanted.range).or(ends.map(|e| e.map(|p| p.mesh_frequency_hz)));
+        responses.push(found);
     }
     runner.tell(plan.entries.len(), plan.entries.len(), "report");
     let part = ResponseRecord { responses };

@@ -30,9 +30,11 @@ fn curves(
     while start < points.len() {
         let holds = points[start].0;
         let length = points[start..].iter().take_while(|p| p.0 == holds).count();
-        // Pieces share their ends.
-        let end = (start + length + 1).min(points.len());
-        let piece = points[start..end].iter().map(|p| p.1).collect();
+        // Where flanks part the line goes on to the points beside.
+        let beside = usize::from(!holds);
+        let from = start.saturating_sub(beside);
+        let end = (start + length + beside).min(points.len());
+        let piece = points[from..end].iter().map(|p| p.1).collect();
         let stroke = match holds {
             true => Stroke::dashed(look(style).ink, 1.8, look(style).dash),
             false => Stroke::dashed(look(style).ink, 0.9, &[1.5, 2.5]),

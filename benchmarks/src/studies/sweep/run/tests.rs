@@ -4,55 +4,11 @@ use super::*;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::runner::Runner;
 use crate::scene_file::{Origin, SceneFile};
+use crate::studies::test_scene::waves as scene;
 use gearbench_models::spec::{Load, Mount, Profile, mesh_layout};
 
 mod backlash;
 mod continuation;
-
-/// Gears with a mesh spring `k0 (1 + depth cos)` of one wave per base pitch, and some damping.
-fn scene(depth: f64, ratio: f64, wheel_torque: f64) -> SceneFile {
-    let text = |rows: &str| {
-        format!(
-            r#"
-schema = 1
-name = "wave"
-duration_s = 1e-3
-[gears.pinion]
-teeth = 20
-module_m = 0.004
-face_width_m = 0.01
-loads = [{{ torque_nm = 10.0 }}]
-[gears.wheel]
-teeth = 30
-module_m = 0.004
-face_width_m = 0.01
-loads = [{{ torque_nm = {wheel_torque} }}]
-[[meshes]]
-gears = ["pinion", "wheel"]
-centre_distance_m = 0.1001
-[[models]]
-model = "rigid"
-contact = {{ stiffness = {rows}, damping = {{ law = "kelvin-voigt-ratio", ratio = {ratio} }} }}
-"#
-        )
-    };
-    let parse =
-        |rows: &str| SceneFile::parse("wave.toml", &text(rows), Origin::Shipped, false).unwrap();
-    let plain = parse("\"iso6336\"");
-    let [a, b] = [&plain.spec.gears[0], &plain.spec.gears[1]];
-    let l = mesh_layout(a, b).unwrap();
-    let (mut at, mut k) = (Vec::new(), Vec::new());
-    for i in 0..=64 {
-        let u = f64::from(i) / 64.0;
-        at.push(format!("{:.12e}", l.pitch_point + (u - 0.5) * l.base_pitch));
-        k.push(format!("{:.12e}", 1e8 * (1.0 + depth * (TAU * u).cos())));
-    }
-    parse(&format!(
-        "{{ kind = \"table\", of = \"mesh\", ends = \"periodic\", path_coordinate_m = [{}], stiffness_n_per_m = [{}] }}",
-        at.join(", "),
-        k.join(", ")
-    ))
-}
 
 fn plan(scene: &SceneFile, frequencies: Vec<f64>, cycles: usize, settle: f64) -> Plan<'static> {
     Plan {
