@@ -6,6 +6,7 @@ pub mod check;
 pub mod choice_check;
 pub mod choose;
 pub mod compare;
+pub mod coupling;
 pub mod identify;
 pub mod modes;
 pub mod penalty;
@@ -50,6 +51,8 @@ words! {
         Identify = "identify",
         /// Natural frequencies about the loaded state.
         Modes = "modes",
+        /// Gears whose hubs a host moves, over the communication step.
+        Coupling = "coupling",
     }
 }
 
@@ -79,6 +82,8 @@ pub enum Part {
     Identify(identify::IdentifyRecord),
     /// See [`Study::Modes`].
     Modes(modes::ModesRecord),
+    /// See [`Study::Coupling`].
+    Coupling(coupling::CouplingRecord),
 }
 
 impl Default for Part {
@@ -102,6 +107,7 @@ impl Part {
             Part::Sweep(_) => Study::Sweep,
             Part::Identify(_) => Study::Identify,
             Part::Modes(_) => Study::Modes,
+            Part::Coupling(_) => Study::Coupling,
         }
     }
 
@@ -117,6 +123,7 @@ impl Part {
     /// Takes out what is not finite.
     pub(crate) fn keep_finite(&mut self) {
         match self {
+            Part::Coupling(part) => part.keep_finite(),
             Part::Sweep(part) => part.statics.retain(sweep::StaticCycle::is_finite),
             Part::Identify(part) => {
                 (part.fits.iter_mut()).for_each(identify::FitRecord::keep_finite);
@@ -144,6 +151,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Sweep(part) => sweep::report(view, &part.statics),
         Part::Identify(part) => identify::report(&part.fits),
         Part::Modes(part) => modes::report(&part.vibrations),
+        Part::Coupling(part) => coupling::report(view, &part.couplings),
     }
 }
 
