@@ -213,8 +213,8 @@ pub fn exchange(
         let error = taken - (given.work - before);
         found.energy += error;
         found.largest = found.largest.max(error.abs());
-        // Also where it is no number.
-        if !(found.energy.abs() <= bounds.hopeless) {
+        let bounded = found.energy.is_finite() && found.energy.abs() <= bounds.hopeless;
+        if !bounded {
             found.end = End::RanAway;
             break;
         }

@@ -1,5 +1,7 @@
 //! The coupling against the whole: orders, the limit of theory, energy, and what is exact.
 
+#![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
+
 mod studied;
 
 use super::course::Course;
