@@ -23,10 +23,13 @@ CASES = [
     ("hammer", "movable-teeth", "velocity-verlet@1us", 3e-3, 1e-5),
     ("loaded_mesh", "rigid", "velocity-verlet@200ns", 1e-3, 1e-6),
     ("driveline", "rigid", "velocity-verlet@400ns", 4e-3, 4e-6),
+    ("spur_impact", "elastic", "velocity-verlet@50ns", 1.6e-4, 1e-6),
 ]
 # Greatest difference of speeds at the end over their greatest value: between one communication step and many, and of model
 # exchange under CVode (rtol 1e-8) beside co-simulation.
 EQUAL, EXCHANGED = 1e-12, 1e-4
+# The fastest of a hundred modes have lost a tenth of a radian under the method that steps them in co-simulation.
+EXCHANGED_MODES = 1e-3
 
 
 def packed(program, folder, scene, model, method):
@@ -90,7 +93,8 @@ def main():
             )
             for problem in problems:
                 print("   ", problem)
-            bad = problems or not back or not equal < EQUAL or not exchange < EXCHANGED
+            bound = EXCHANGED_MODES if model == "elastic" else EXCHANGED
+            bad = problems or not back or not equal < EQUAL or not exchange < bound
             if bad:
                 failed.append(f"{scene} {model}")
     if failed:

@@ -7,7 +7,8 @@
 //!
 //! **Steps.** The method goes on where it was: as long as inputs do not change, communication points are no more than
 //! samples of one run. Where they change it starts afresh, as at a breakpoint of a load; where a host makes a hub jump, so
-//! do the contacts.
+//! do the contacts. A jump of speed is an acceleration of no duration: what accelerations of a hub shake, as the modes of
+//! elastic gears in its frame, it shakes at once (`jumps`), so that a hub along lines moves them as one along a smooth course.
 //!
 //! **Going back.** A [`Snapshot`] holds all that the next step depends on, the method with its history among it.
 
@@ -394,7 +395,7 @@ impl Instance {
     /// Makes profiles act that are made of what the host set.
     fn apply(&mut self, of: impl Fn(Acts, &Given) -> Profile) {
         let t = self.memory.state.t;
-        let mut jumped = false;
+        let (mut jumped, mut shaken) = (false, Vec::new());
         for (i, port) in self.coupled.ports.iter().enumerate() {
             let (new, old) = (
                 of(port.acts, &self.memory.given[i]),
@@ -407,6 +408,7 @@ impl Instance {
                 let apart = |a: f64, b: f64| (a - b).abs() > JUMP * a.abs().max(1.0);
                 jumped |= apart(new.integral(t), old.integral(t));
                 jumped |= apart(new.value(t), old.value(t));
+                shaken.push((port.member, new.clone(), new.value(t) - old.value(t)));
             }
             self.memory.applied[i] = new;
             self.memory.changed = true;
@@ -417,6 +419,12 @@ impl Instance {
         if jumped && self.kind == Kind::CoSimulation {
             self.memory.begun = false;
             self.method = self.scheme.method.build();
+        }
+        // A host of model exchange has the states, and says what it knows of a motion at each of them anew.
+        if self.kind == Kind::CoSimulation && self.memory.phase == Phase::Running {
+            for (member, motion, jump) in shaken {
+                self.shake(member, &motion, jump);
+            }
         }
         self.apply_all();
     }

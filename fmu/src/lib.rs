@@ -7,6 +7,7 @@
 //! | module | owns |
 //! |---|---|
 //! | [`instance`] | an instance: state, inputs, outputs, steps, copies that a host goes back to |
+//! | `jumps` | what a jump of the speed of a moved hub shakes |
 //! | `slopes` | derivatives of outputs in time |
 //! | `exchange` | model exchange: rates, event functions, what happens at events |
 //! | [`c`] | the 75 functions of FMI 3.0; all `unsafe` of the workspace |
@@ -18,4 +19,5 @@
 pub mod c;
 mod exchange;
 pub mod instance;
+mod jumps;
 mod slopes;

@@ -15,6 +15,7 @@ fn main() -> Result<(), ReportError> {
     write_results(&dir.join("modes"), &made_up::mode_results())?;
     write_results(&dir.join("penalty"), &made_up::penalty_results())?;
     write_results(&dir.join("sweep"), &made_up::sweep_results())?;
+    write_results(&dir.join("coupling"), &made_up::coupling_results())?;
     write_results(&dir.join("identify"), &made_up::identify_results())?;
     Ok(())
 }

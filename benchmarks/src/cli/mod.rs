@@ -15,6 +15,7 @@ use crate::fmu::{self, arguments::Fmu};
 use crate::studies::check::{self, arguments::Check};
 use crate::studies::choose::{self, arguments::Choose};
 use crate::studies::compare::{self, arguments::Compare};
+use crate::studies::coupling::{self, arguments::Coupling};
 use crate::studies::identify::{self, arguments::Identify};
 use crate::studies::modes::{self, arguments::Modes};
 use crate::studies::penalty::{self, arguments::Penalty};
@@ -105,6 +106,8 @@ pub(crate) enum Command {
     Penalty(Penalty),
     /// Run under load at speed after speed: transmission error, bearing forces, spectra, resonances
     Sweep(Sweep),
+    /// Gears as a sub-system whose hubs a host moves: error, energy and stability over the communication step
+    Coupling(Coupling),
     /// Hold results, work and runtime of chosen runs against a stored baseline, for CI
     Check(Check),
     /// Mesh the gears of a scene with hexahedra, as a deck for CalculiX or Abaqus and for ParaView
@@ -141,6 +144,7 @@ impl Command {
             Command::Response(args) => response::command::run(&args, told),
             Command::Penalty(args) => penalty::command::run(&args, told),
             Command::Sweep(args) => sweep::command::run(&args, told),
+            Command::Coupling(args) => coupling::command::run(&args, told),
             Command::Check(args) => check::command::run(&args, told),
             Command::Mesh(args) => mesh::run(&args, told),
             Command::Reduce(args) => reduce::run(&args),

@@ -5,6 +5,7 @@
 //! | `check` | results, work and runtime of chosen runs against a stored baseline |
 //! | [`choose`] | the cheapest adequate model, integrator and step for a scene, without finite elements |
 //! | [`compare`] | all models and integrators of a scene against its references |
+//! | `coupling` | the hubs of the gears in a host: error, energy and stability over the communication step |
 //! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
 //! | [`modes`] | natural frequencies and shapes of the whole scene about its loaded state |
 //! | `penalty` | force, impulse and transmission error over the penalty, beside hard contact |
@@ -18,6 +19,7 @@
 pub(crate) mod check;
 pub mod choose;
 pub mod compare;
+pub(crate) mod coupling;
 pub mod identify;
 pub mod modes;
 pub(crate) mod penalty;

@@ -3,6 +3,7 @@
 mod check;
 mod choose;
 mod compare;
+mod coupling;
 mod fmu;
 mod identify;
 mod init;

@@ -189,6 +189,37 @@ fn co_simulation_converges_with_the_order_of_extrapolation_and_interpolation() {
 }
 
 #[test]
+fn co_simulation_with_elastic_gears_converges() {
+    // Modes of a held hub swing in its frame, shaken by its acceleration, which a cubic motion has. The force of the teeth is
+    // smooth once they are pressed; the finest run stands for the whole.
+    let text = SCENE.find("[[models]]").map(|at| &SCENE[..at]).unwrap();
+    let elastic = format!(
+        "{text}[[models]]\nmodel = \"elastic\"\nparameters = {{ mesh = \"generated\", flank_elements = 4, fillet_elements = 2, \
+         across_elements = 6, rim_elements = 2, width_elements = 1, modes = 10 }}\ncontact = {{ penalty_pa_per_m = 1e15 }}\n"
+    );
+    let package = packed(&scene(&elastic), "elastic", "rk4@250ns", &["pinion"]);
+    let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
+    let exact = in_parts(&package, 3, false, 640);
+    let size = norm(&mut exact.iter().copied());
+    let error = |seen: Vec<f64>| norm(&mut seen.iter().zip(&exact).map(|(a, b)| a - b)) / size;
+    for (terms, linear, order) in [
+        (1, false, 1.0),
+        (2, false, 2.0),
+        (3, false, 3.0),
+        (3, true, 2.0),
+    ] {
+        let errors = [20, 40, 80].map(|n| error(in_parts(&package, terms, linear, n)));
+        let orders: Vec<f64> = errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect();
+        let shown = errors.map(|e| format!("{e:.1e}")).join(", ");
+        println!("elastic, {terms} terms, linear motion {linear}: {shown}; orders {orders:.2?}");
+        assert!(
+            orders[1] > order - 0.3,
+            "{terms} terms, {linear}: {orders:?}"
+        );
+    }
+}
+
+#[test]
 fn derivatives_of_outputs_are_those_of_their_course() {
     let package = packed(&scene(SCENE), "rigid", "rk4@250ns", &[]);
     let fmu = Fmu::stepping(&package);

@@ -88,6 +88,19 @@ fn an_fmu_is_the_run_of_its_scene() {
             "semi-implicit-euler@400ns",
             [4e-6, 400.0],
         ),
+        ("spur_impact", "elastic", "trigonometric@1us", [2e-6, 80.0]),
+        (
+            "spur_impact",
+            "elastic",
+            "velocity-verlet@500ns",
+            [5e-6, 32.0],
+        ),
+        (
+            "spur_impact",
+            "elastic-half-space",
+            "trigonometric@1us",
+            [1e-6, 150.0],
+        ),
     ] {
         let worst = difference(scene, model, method, steps, 0.0);
         println!("{scene} {model} {method}: {worst:.1e}");

@@ -81,6 +81,8 @@ fn a_host_with_its_own_method_gets_the_run_of_the_scene() {
         ("hammer", "rigid", [1e-6, 6e-3], 2..100),
         ("spur_impact", "movable-teeth", [1e-7, 1.5e-4], 2..100),
         ("driveline", "rigid", [4e-7, 1e-3], 1..100),
+        // Forces at flank points are clipped: nothing is located, and a method of fixed steps goes over their kinks.
+        ("spur_impact", "elastic", [1e-7, 1.5e-4], 0..100),
     ] {
         let file = shipped(scene);
         // Its own steps are finer by far.
@@ -102,7 +104,8 @@ fn a_host_with_its_own_method_gets_the_run_of_the_scene() {
             expected.contains(&events),
             "{scene} {model}: {events} events"
         );
-        assert!(worst < 1e-7, "{scene} {model}: {worst:e}");
+        let bound = if model == "elastic" { 1e-5 } else { 1e-7 };
+        assert!(worst < bound, "{scene} {model}: {worst:e}");
     }
 }
 

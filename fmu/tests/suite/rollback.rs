@@ -89,3 +89,11 @@ fn ways_astray_leave_no_trace_under_other_methods_and_models() {
     goes_back("hammer", "movable-teeth", "velocity-verlet@1us", 200);
     goes_back("driveline", "movable-teeth", "velocity-verlet@400ns", 100);
 }
+
+#[test]
+fn ways_astray_leave_no_trace_in_elastic_gears() {
+    // Modes, the solve of the contacts and what it starts from go back as well.
+    goes_back("spur_impact", "elastic", "trigonometric@1us", 16);
+    goes_back("spur_impact", "elastic", "velocity-verlet@500ns", 16);
+    goes_back("spur_impact", "elastic-half-space", "trigonometric@1us", 16);
+}

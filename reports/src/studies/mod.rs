@@ -6,6 +6,7 @@ pub mod check;
 pub mod choice_check;
 pub mod choose;
 pub mod compare;
+pub mod coupling;
 pub mod identify;
 pub mod modes;
 pub mod penalty;
@@ -53,6 +54,8 @@ words! {
         Modes = "modes",
         /// Frequency response to the passing of teeth.
         Response = "response",
+        /// Gears whose hubs a host moves, over the communication step.
+        Coupling = "coupling",
     }
 }
 
@@ -84,6 +87,8 @@ pub enum Part {
     Modes(modes::ModesRecord),
     /// See [`Study::Response`].
     Response(response::ResponseRecord),
+    /// See [`Study::Coupling`].
+    Coupling(coupling::CouplingRecord),
 }
 
 impl Default for Part {
@@ -108,6 +113,7 @@ impl Part {
             Part::Identify(_) => Study::Identify,
             Part::Modes(_) => Study::Modes,
             Part::Response(_) => Study::Response,
+            Part::Coupling(_) => Study::Coupling,
         }
     }
 
@@ -123,6 +129,7 @@ impl Part {
     /// Takes out what is not finite.
     pub(crate) fn keep_finite(&mut self) {
         match self {
+            Part::Coupling(part) => part.keep_finite(),
             Part::Sweep(part) => part.statics.retain(sweep::StaticCycle::is_finite),
             Part::Identify(part) => {
                 (part.fits.iter_mut()).for_each(identify::FitRecord::keep_finite);
@@ -151,6 +158,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Identify(part) => identify::report(&part.fits),
         Part::Modes(part) => modes::report(&part.vibrations),
         Part::Response(part) => response::report(&part.responses),
+        Part::Coupling(part) => coupling::report(view, &part.couplings),
     }
 }
 

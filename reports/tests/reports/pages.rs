@@ -132,6 +132,7 @@ fn pages() -> Vec<(&'static str, String)> {
         ("truncation", made_up::mode_results()),
         ("penalty", made_up::penalty_results()),
         ("sweep", made_up::sweep_results()),
+        ("coupling", made_up::coupling_results()),
         ("stability", stability()),
         ("choose", choose()),
         ("choice check", choice_check()),

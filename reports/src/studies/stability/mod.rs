@@ -13,6 +13,7 @@ use crate::drawing::canvas::DrawError;
 use crate::record::{Results, Status};
 use crate::studies::{Part, StudyReport};
 use crate::words::words;
+pub(crate) use charts::overview;
 pub use limit::{BRACKET, Limit, is_lost};
 use maud::Markup;
 use serde::{Deserialize, Serialize};

@@ -11,7 +11,9 @@ use gearbench_reports::{
     TimeSeries, Tolerance, compare,
 };
 use std::f64::consts::PI;
-pub use studies::{identify_results, mode_results, penalty_results, sweep_results};
+pub use studies::{
+    coupling_results, identify_results, mode_results, penalty_results, sweep_results,
+};
 
 /// Metrics of a run that was to end where it does.
 fn metrics_of(

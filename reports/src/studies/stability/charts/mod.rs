@@ -14,6 +14,7 @@ use crate::record::Status;
 use crate::studies::stability::{Columns, LineKind, Map};
 use crate::view::capital;
 use look::{Entry, KINDS, legend, legend_height};
+pub use overview::overview;
 use panel::{Panel, labels};
 
 /// Panels side by side.
@@ -47,7 +48,7 @@ fn figures(maps: &[Map]) -> Vec<Vec<&Map>> {
 /// The charts of a study of stability.
 pub fn stability(maps: &[Map]) -> Result<Vec<Chart>, DrawError> {
     let mut charts = Vec::new();
-    if let Some(svg) = overview::overview(maps)? {
+    if let Some(svg) = overview(maps, "Where methods fail", None)? {
         charts.push(Chart {
             file: "stability.svg".into(),
             title: "Where methods fail".into(),

@@ -50,8 +50,12 @@ fn headings(maps: &[&Map]) -> Vec<usize> {
         .collect()
 }
 
-/// The chart; `None` without maps.
-pub fn overview(maps: &[Map]) -> Result<Option<String>, DrawError> {
+/// The chart with its title, and a name of its abscissa in the place of the usual one; `None` without maps.
+pub fn overview(
+    maps: &[Map],
+    title: &str,
+    step: Option<&str>,
+) -> Result<Option<String>, DrawError> {
     let blocks: Vec<Vec<&Map>> = [Columns::Step, Columns::Tolerance]
         .map(|columns| pairs(maps, columns))
         .into_iter()
@@ -76,18 +80,18 @@ pub fn overview(maps: &[Map]) -> Result<Option<String>, DrawError> {
     }
     let head = 8.0 + legend_height(&entries);
     let height = head + blocks.iter().map(|b| block_height(b)).sum::<f64>();
-    let svg = draw(WIDTH, height, "Where methods fail", |c| {
+    let svg = draw(WIDTH, height, title, |c| {
         legend(c, &entries, 4.0);
         let mut y = head;
         for block in &blocks {
-            paint(c, block, y);
+            paint(c, block, y, step);
             y += block_height(block);
         }
     })?;
     Ok(Some(svg))
 }
 
-fn paint(c: &mut Canvas<'_>, maps: &[&Map], top: f64) {
+fn paint(c: &mut Canvas<'_>, maps: &[&Map], top: f64, step: Option<&str>) {
     let Some(x) = common(maps) else {
         return;
     };
@@ -98,7 +102,7 @@ fn paint(c: &mut Canvas<'_>, maps: &[&Map], top: f64) {
         y: Axis::linear(0.0, 1.0),
     };
     let (scale, name) = column_scale(maps[0].columns);
-    frame.paint_x(c, name, 9);
+    frame.paint_x(c, step.unwrap_or(name), 9);
     let place = |x: f64| frame.at(x * scale, 0.0).0;
     let begins = headings(maps);
     let mut y = top;

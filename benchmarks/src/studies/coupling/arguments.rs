@@ -1,0 +1,123 @@
+//! Arguments of `coupling`.
+
+use crate::cli::arguments::Bounded;
+use crate::cli::values::{DEFAULT_SCENE, number, positive};
+use crate::studies::stability::axis::spaced;
+use clap::Args;
+use gearbench_reports::coupling::{Extrapolation, Motion};
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench coupling                                  the scene spur_impact, its usual models
+  gearbench coupling loaded_mesh --duration 1e-3 --models rigid,elastic
+  gearbench coupling spur_impact --extrapolations quadratic --motions linear,cubic
+  gearbench coupling my_scene.toml --steps 1e-7:1e-4:16 --tolerance 0.01
+
+The hubs of the gears that are free to move, with their inertia and their loads, are a host; the gears are a sub-system whose
+hubs it moves. The host goes first, on forces extrapolated through their last values; the gears follow on interpolated motion.
+Every run is held against the same model under the same integrator as one system: error of the force history, speeds at the
+end, and the energy that the coupling makes up or loses. A run is accurate within --tolerance, inaccurate beyond, and failed
+where the gears cannot go on or the coupling makes up more than half of the energy that vibrates.
+
+An elastic model has its twin by plain truncation (the lowest modes, without residual compliance) beside it, unless the scene
+has one or models are named.
+
+Results (--out DIR, default out/SCENE/coupling/), beside report and record:
+  coupling.csv          one line per run";
+
+/// Most steps on a line.
+const MOST: usize = 400;
+
+/// Arguments of `coupling`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Coupling {
+    /// Name of a shipped scene, or path of a scene file (.toml)
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: String,
+    /// Models of the scene by label, between commas [default: those of the study but for full finite elements]
+    #[arg(long, value_name = "A,B")]
+    pub models: Option<String>,
+    /// Communication steps in seconds [default: from the step of the gears, doubled until the hubs outrun their teeth]
+    #[arg(long, value_name = "FROM:TO[:POINTS]", value_parser = steps)]
+    pub steps: Option<Steps>,
+    /// Extrapolations of the forces on hubs: constant, linear, quadratic [default: all]
+    #[arg(long, value_name = "X,Y", value_delimiter = ',', value_parser = extrapolation)]
+    pub extrapolations: Vec<Extrapolation>,
+    /// Interpolations of the motion of hubs: linear, cubic
+    #[arg(long, value_name = "X,Y", value_delimiter = ',', value_parser = motion, default_value = "linear")]
+    pub motions: Vec<Motion>,
+    /// Integrator of the gears, X@STEP [default: the first explicit one with a step that the model has, else rk4]
+    #[arg(long, value_name = "X@STEP")]
+    pub integrator: Option<String>,
+    /// Relative L2 error of the force history within which a run is accurate
+    #[arg(long, value_name = "E", default_value_t = 0.05, value_parser = tolerance)]
+    pub tolerance: f64,
+    /// Simulated time in seconds [default: that of the scene]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub duration: Option<f64>,
+    /// Runs at a time [default: the cores there are]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Where results go, and how long a run may take.
+    #[command(flatten)]
+    pub run: Bounded,
+}
+
+/// Communication steps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steps(pub Vec<f64>);
+
+fn steps(text: &str) -> Result<Steps, String> {
+    const EXPECTED: &str =
+        "expected FROM:TO or FROM:TO:POINTS in seconds, 0 < FROM < TO, for example 1e-7:1e-4:12";
+    let of = |text: &str| number(text, |x| *x > 0.0 && x.is_finite(), EXPECTED);
+    let parts: Vec<&str> = text.split(':').collect();
+    let (from, to, points) = match parts.as_slice() {
+        [from, to] => (of(from)?, of(to)?, 12),
+        [from, to, points] => {
+            let n = points.trim().parse().ok();
+            let n = n.filter(|n| (2..=MOST).contains(n));
+            let wrong = || format!("`{points}` points; expected 2 to {MOST}");
+            (of(from)?, of(to)?, n.ok_or_else(wrong)?)
+        }
+        _ => return Err(EXPECTED.into()),
+    };
+    match from < to {
+        true => Ok(Steps(spaced(from, to, points))),
+        false => Err(EXPECTED.into()),
+    }
+}
+
+fn extrapolation(text: &str) -> Result<Extrapolation, String> {
+    let found = Extrapolation::ALL
+        .into_iter()
+        .find(|x| x.as_str() == text.trim());
+    found.ok_or_else(|| "expected constant, linear or quadratic".into())
+}
+
+fn motion(text: &str) -> Result<Motion, String> {
+    let found = Motion::ALL.into_iter().find(|x| x.as_str() == text.trim());
+    found.ok_or_else(|| "expected linear or cubic".into())
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let expected = "expected a relative error between 0 and 1, for example 0.05";
+    number(text, |x| *x > 0.0 && *x < 1.0, expected)
+}
+
+#[cfg(test)]
+mod arguments_tests {
+    use super::*;
+
+    #[test]
+    fn what_is_asked_for_is_read() {
+        assert_eq!(steps("1e-6:4e-6:3").unwrap().0.len(), 3);
+        assert_eq!(steps("1e-6:1e-4").unwrap().0.len(), 12);
+        for wrong in ["1e-4:1e-6", "1e-6", "0:1", "1e-6:1e-4:1", "a:b", "1:2:3:4"] {
+            assert!(steps(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(extrapolation("linear"), Ok(Extrapolation::Linear));
+        assert!(motion("square").is_err() && tolerance("0").is_err());
+    }
+}

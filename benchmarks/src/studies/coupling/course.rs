@@ -1,0 +1,106 @@
+//! Courses over a communication step: forces extrapolated through their last values, places interpolated between two.
+
+use gearbench_reports::coupling::{Extrapolation, Motion};
+
+/// The polynomial `c0 + c1 s + c2 s^2 + c3 s^3` of `s = t - from`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Course {
+    /// Time at which `s` is zero [s].
+    pub from: f64,
+    /// Coefficients.
+    pub c: [f64; 4],
+}
+
+impl Course {
+    /// At a time.
+    pub fn value(&self, t: f64) -> f64 {
+        let [a, b, c, d] = self.c;
+        let s = t - self.from;
+        a + s * (b + s * (c + s * d))
+    }
+
+    /// Second derivative at a time.
+    pub fn acceleration(&self, t: f64) -> f64 {
+        2.0 * self.c[2] + 6.0 * self.c[3] * (t - self.from)
+    }
+
+    /// Through the last values `(t, value)`, the newest last; as many as the extrapolation asks for and there are.
+    pub fn through(past: &[(f64, f64)], extrapolation: Extrapolation) -> Course {
+        let terms = match extrapolation {
+            Extrapolation::Constant => 1,
+            Extrapolation::Linear => 2,
+            Extrapolation::Quadratic => 3,
+        };
+        let last = &past[past.len().saturating_sub(terms)..];
+        let slope = |a: &(f64, f64), b: &(f64, f64)| (b.1 - a.1) / (b.0 - a.0);
+        // Newton's form from the newest value on.
+        let (from, c) = match last {
+            [] => (0.0, [0.0; 4]),
+            [a] => (a.0, [a.1, 0.0, 0.0, 0.0]),
+            [a, b] => (b.0, [b.1, slope(a, b), 0.0, 0.0]),
+            [.., a, b, c] => {
+                let second = (slope(b, c) - slope(a, b)) / (c.0 - a.0);
+                (c.0, [c.1, slope(b, c) + (c.0 - b.0) * second, second, 0.0])
+            }
+        };
+        Course { from, c }
+    }
+
+    /// From one `[place, speed]` to another over a time `h` [s].
+    pub fn between(from: f64, h: f64, [a, b]: [[f64; 2]; 2], motion: Motion) -> Course {
+        let mean = (b[0] - a[0]) / h;
+        let c = match motion {
+            Motion::Linear => [a[0], mean, 0.0, 0.0],
+            Motion::Cubic => [
+                a[0],
+                a[1],
+                (3.0 * mean - 2.0 * a[1] - b[1]) / h,
+                (a[1] + b[1] - 2.0 * mean) / (h * h),
+            ],
+        };
+        Course { from, c }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomials_are_met_exactly_at_uneven_times() {
+        let f = |t: f64| 2.0 - 3.0 * t + 0.5 * t * t;
+        let past: Vec<(f64, f64)> = [0.0, 0.4, 1.0, 1.3].map(|t| (t, f(t))).to_vec();
+        let course = Course::through(&past, Extrapolation::Quadratic);
+        let line = Course::through(&past, Extrapolation::Linear);
+        let held = Course::through(&past, Extrapolation::Constant);
+        for t in [1.3, 1.7, 2.5] {
+            assert!((course.value(t) - f(t)).abs() < 1e-13);
+            let secant = f(1.3) + (t - 1.3) * (f(1.3) - f(1.0)) / 0.3;
+            assert!((line.value(t) - secant).abs() < 1e-13);
+            assert_eq!(held.value(t), f(1.3));
+        }
+        // Fewer values than asked for: those that there are.
+        assert_eq!(
+            Course::through(&past[..1], Extrapolation::Quadratic).c,
+            [2.0, 0.0, 0.0, 0.0]
+        );
+        assert_eq!(Course::through(&[], Extrapolation::Linear).value(1.0), 0.0);
+    }
+
+    #[test]
+    fn motions_end_where_they_should() {
+        let (from, h, ends) = (0.2, 0.3, [[1.0, -2.0], [1.5, 4.0]]);
+        for motion in Motion::ALL {
+            let course = Course::between(from, h, ends, motion);
+            assert!((course.value(from) - 1.0).abs() < 1e-14);
+            assert!((course.value(from + h) - 1.5).abs() < 1e-14);
+        }
+        let cubic = Course::between(from, h, ends, Motion::Cubic);
+        let d = 1e-5;
+        let speed = |t: f64| (cubic.value(t + d) - cubic.value(t - d)) / (2.0 * d);
+        assert!((speed(from) + 2.0).abs() < 1e-7 && (speed(from + h) - 4.0).abs() < 1e-7);
+        let second =
+            (cubic.value(0.3 + d) - 2.0 * cubic.value(0.3) + cubic.value(0.3 - d)) / (d * d);
+        assert!((second - cubic.acceleration(0.3)).abs() < 1e-4);
+    }
+}

@@ -1,0 +1,231 @@
+//! Host and gears in turns, and the energy between them.
+
+use super::course::Course;
+use super::frames::{Frame, Led};
+use super::host::Hub;
+use crate::experiment::history::History;
+use crate::experiment::interruption;
+use gearbench_integrators::system::{Change, Outputs, SecondOrderSystem, State};
+use gearbench_integrators::{AcceptedStep, Control, Scheme, Sink, StepError, TimePlan, Work};
+use gearbench_models::scene::Scene;
+use gearbench_reports::coupling::{Extrapolation, Motion};
+use std::time::{Duration, Instant};
+
+/// Gauss-Legendre nodes and weights on [0, 1].
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_31, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
+/// Order of a method up to which powers are looked at between steps alone.
+const BY_ENDS: u32 = 2;
+/// Part of a communication step that is none: a last one is as long as it takes.
+const SLIVER: f64 = 1e-6;
+
+/// How the parts are coupled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Manner {
+    /// Of forces.
+    pub extrapolation: Extrapolation,
+    /// Of motions.
+    pub motion: Motion,
+    /// Communication step [s].
+    pub step: f64,
+}
+
+/// Within which bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// End [s].
+    pub t_end: f64,
+    /// Events are located.
+    pub events: bool,
+    /// Steps of the gears, rejected ones included.
+    pub max_steps: u64,
+    /// Wall-clock bound, if there is one.
+    pub timeout: Option<Duration>,
+    /// Energy that the coupling may make up before the run is given up [J].
+    pub hopeless: f64,
+}
+
+/// What became of a run in two parts.
+#[derive(Clone, Debug)]
+pub struct Exchanged {
+    /// Places and speeds of the hubs.
+    pub hubs: Vec<[f64; 2]>,
+    /// Work that the host took less what the gears gave [J].
+    pub energy: f64,
+    /// Its largest magnitude in one communication step [J].
+    pub largest: f64,
+    /// Communication steps.
+    pub exchanges: u64,
+    /// Time reached [s].
+    pub reached: f64,
+    /// How it ended.
+    pub end: End,
+}
+
+/// How a run in two parts ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    /// At its end.
+    Reached,
+    /// The gears could not go on.
+    Gears(StepError),
+    /// A hub, or the energy, is no number or beyond all bounds.
+    RanAway,
+    /// It took too long.
+    Timeout,
+}
+
+/// Records a history, and the work that the gears give on their hubs.
+struct Given<'h> {
+    history: &'h mut History,
+    work: f64,
+    out: Outputs,
+    q: Vec<f64>,
+    v: Vec<f64>,
+}
+
+impl Given<'_> {
+    fn power(&mut self, sys: &mut dyn SecondOrderSystem, at: gearbench_integrators::At<'_>) -> f64 {
+        sys.output(at, &mut self.out);
+        self.out.power.external
+    }
+}
+
+impl Sink for Given<'_> {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        self.history.accepted(sys, step);
+        let h = step.to.t - step.from.t;
+        if step.dense.order() <= BY_ENDS {
+            let ends = self.power(sys, step.from.at()) + self.power(sys, step.to.at());
+            self.work += 0.5 * h * ends;
+            return Control::Continue;
+        }
+        let (mut q, mut v) = (std::mem::take(&mut self.q), std::mem::take(&mut self.v));
+        q.resize(step.from.q.len(), 0.0);
+        v.resize(step.from.q.len(), 0.0);
+        for (theta, weight) in GAUSS {
+            step.dense.eval(theta, &mut q, &mut v);
+            let at = gearbench_integrators::At {
+                t: step.from.t + theta * h,
+                q: &q,
+                v: &v,
+                discrete: &step.from.discrete,
+            };
+            self.work += weight * h * self.power(sys, at);
+        }
+        (self.q, self.v) = (q, v);
+        Control::Continue
+    }
+
+    fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
+        self.history.restarted(sys, before, after);
+    }
+}
+
+/// Runs a scene in two parts.
+pub fn exchange(
+    scene: &mut Scene,
+    frames: &[Frame],
+    method: &Scheme,
+    manner: Manner,
+    bounds: Bounds,
+    history: &mut History,
+) -> Exchanged {
+    let begin = Instant::now();
+    let mut s = scene.initial();
+    let mut gears = Led::new(scene, frames);
+    let mut integrator = method.method.build();
+    let mut given = Given {
+        history,
+        work: 0.0,
+        out: Outputs::default(),
+        q: Vec::new(),
+        v: Vec::new(),
+    };
+    let mut hubs: Vec<Hub<'_>> = (frames.iter())
+        .map(|f| Hub::new(f, [f.mean(&s.q), f.mean(&s.v)]))
+        .collect();
+    let mut work = Work::default();
+    let (mut forces, mut watched) = (Vec::new(), vec![0.0; gears.layout().event_functions]);
+    (&mut gears as &mut dyn SecondOrderSystem).begin(&mut s, bounds.events);
+    let mut found = Exchanged {
+        hubs: Vec::new(),
+        energy: 0.0,
+        largest: 0.0,
+        exchanges: 0,
+        reached: s.t,
+        end: End::Reached,
+    };
+    while s.t < bounds.t_end {
+        gears.forces(s.at(), &mut forces);
+        for (hub, force) in hubs.iter_mut().zip(&forces) {
+            hub.learn(s.t, *force);
+        }
+        let from = s.t;
+        let next = manner.step * (found.exchanges + 1) as f64;
+        let to = match next < bounds.t_end - SLIVER * manner.step {
+            true => next,
+            false => bounds.t_end,
+        };
+        let mut taken = 0.0;
+        for (i, hub) in hubs.iter_mut().enumerate() {
+            let before = hub.at;
+            taken += hub.advance([from, to], manner.extrapolation);
+            let course = Course::between(from, to - from, [before, hub.at], manner.motion);
+            frames[i].put(&mut s.q, course.c[0]);
+            frames[i].put(&mut s.v, course.c[1]);
+            gears.courses[i] = course;
+        }
+        if !hubs.iter().flat_map(|h| h.at).all(f64::is_finite) {
+            found.end = End::RanAway;
+            break;
+        }
+        // A jump of the speed of a hub may end the branch of a damped contact where no event function falls.
+        let sys: &mut dyn SecondOrderSystem = &mut gears;
+        if bounds.events && !watched.is_empty() {
+            sys.event_functions(s.at(), &mut watched);
+            if watched.iter().any(|g| *g < 0.0) {
+                sys.begin(&mut s, true);
+            }
+        }
+        let plan = TimePlan {
+            events: bounds.events,
+            max_steps: bounds.max_steps.saturating_sub(work.steps + work.rejected),
+            cancel: Some(interruption::flag()),
+            ..TimePlan::new(to, method.resolution)
+        };
+        let before = given.work;
+        if let Err(e) =
+            integrator.resume(sys, &mut s, Change::Restart, &plan, &mut given, &mut work)
+        {
+            found.end = End::Gears(e);
+            break;
+        }
+        for (hub, frame) in hubs.iter().zip(frames) {
+            frame.put(&mut s.q, hub.at[0]);
+            frame.put(&mut s.v, hub.at[1]);
+        }
+        found.exchanges += 1;
+        found.reached = s.t;
+        let error = taken - (given.work - before);
+        found.energy += error;
+        found.largest = found.largest.max(error.abs());
+        let bounded = found.energy.is_finite() && found.energy.abs() <= bounds.hopeless;
+        if !bounded {
+            found.end = End::RanAway;
+            break;
+        }
+        if bounds.timeout.is_some_and(|limit| begin.elapsed() > limit) {
+            found.end = End::Timeout;
+            break;
+        }
+    }
+    if let Some(pieces) = &mut given.history.pieces {
+        pieces.close();
+    }
+    found.hubs = hubs.iter().map(|h| h.at).collect();
+    found
+}

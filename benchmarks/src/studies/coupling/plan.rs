@@ -1,0 +1,98 @@
+//! What a study of coupling runs.
+
+use super::frames::Frame;
+use crate::experiment::conditions::Conditions;
+use crate::experiment::configuration::Configuration;
+use gearbench_integrators::{Resolution, Scheme};
+use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_reference::reduction::ElasticParameters;
+use gearbench_reports::coupling::{Extrapolation, Motion};
+
+/// Energy that a coupling may make up over that which vibrates, before it counts as unstable.
+pub const ALLOWED: f64 = 0.5;
+/// The same at which a run is given up.
+pub const HOPELESS: f64 = 1e3;
+/// Largest communication step over the time of the hubs on their teeth, `1/omega`, when nobody says.
+const LARGEST: f64 = 4.0;
+/// Communication steps over a run at least.
+const FEWEST: f64 = 2.5;
+
+/// A model in two parts.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// The model.
+    pub configuration: Configuration,
+    /// The hubs of the host.
+    pub frames: Vec<Frame>,
+    /// Integrator of the gears, and of the whole.
+    pub method: Scheme,
+    /// Angular frequency [rad/s] and damping ratio of the hubs on the teeth; `None` where they do not touch.
+    pub oscillator: Option<[f64; 2]>,
+    /// Communication steps, ascending [s].
+    pub steps: Vec<f64>,
+}
+
+/// What to study.
+#[derive(Clone, Debug)]
+pub struct Plan<'a> {
+    pub conditions: Conditions<'a>,
+    pub entries: Vec<Entry>,
+    pub extrapolations: Vec<Extrapolation>,
+    pub motions: Vec<Motion>,
+    /// Relative L2 error of the force within which a run is accurate.
+    pub tolerance: f64,
+}
+
+impl Plan<'_> {
+    /// Models, extrapolations and motions of the study, in order.
+    pub fn lines(&self) -> Vec<(usize, Extrapolation, Motion)> {
+        let mut all = Vec::new();
+        for entry in 0..self.entries.len() {
+            for &motion in &self.motions {
+                all.extend((self.extrapolations.iter()).map(|x| (entry, *x, motion)));
+            }
+        }
+        all
+    }
+
+    /// Runs, those of models as one system among them.
+    pub fn len(&self) -> usize {
+        let ways = self.extrapolations.len() * self.motions.len();
+        let of = |e: &Entry| 1 + ways * e.steps.len();
+        self.entries.iter().map(of).sum()
+    }
+}
+
+/// Communication steps when nobody says: the step of the gears doubled until hubs on their teeth cannot be followed.
+pub fn usual_steps(method: &Scheme, oscillator: Option<[f64; 2]>, duration: f64) -> Vec<f64> {
+    let most = duration / FEWEST;
+    let last = oscillator.map_or(most, |[omega, _]| (LARGEST / omega).min(most));
+    let first = match method.resolution {
+        Resolution::Step(h) => h.min(most),
+        Resolution::Tolerance(_) => 1e-3 * last,
+    };
+    let doubled = std::iter::successors(Some(first), |h| Some(2.0 * h));
+    doubled
+        .take_while(|h| *h < 1.5 * last || *h == first)
+        .collect()
+}
+
+/// The same elastic model by plain truncation: its lowest modes, without what the others would carry.
+pub fn truncated(of: &Configuration, method: Scheme, step: f64) -> Configuration {
+    let mut entry = of.clone();
+    ElasticParameters::change(&mut entry.modelling, |p| {
+        p.residual = Some(false);
+        p.choose = Some(gearbench_reference::reduction::choose::Criterion::Frequency);
+        p.target_error = None;
+        p.step_s = Some(step);
+    });
+    entry.label = format!("{}-truncated", of.label);
+    entry.methods = Some(vec![method]);
+    entry
+}
+
+/// Whether gears keep the compliance of the modes that they cut; `None` of other than elastic gears.
+pub fn keeps_residual(of: &Configuration) -> Option<bool> {
+    let gears = of.modelling.gears.iter().filter_map(ElasticParameters::of);
+    gears.map(|p| p.keeps_residual()).reduce(|a, b| a && b)
+}

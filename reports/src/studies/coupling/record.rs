@@ -1,0 +1,187 @@
+//! The record of a study of coupling: models of a scene whose hubs a host moves, over the communication step.
+
+use crate::record::{Results, Status, finite};
+use crate::studies::Part;
+use crate::words::words;
+use serde::{Deserialize, Serialize};
+
+/// What the record of this study has of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CouplingRecord {
+    /// Couplings, model by model.
+    pub couplings: Vec<Coupling>,
+}
+
+impl Results {
+    /// Couplings of models to a host; none in records of other studies.
+    pub fn couplings(&self) -> &[Coupling] {
+        match &self.part {
+            Part::Coupling(part) => &part.couplings,
+            _ => &[],
+        }
+    }
+}
+
+words! {
+    /// How a host goes on with the forces on its hubs over a communication step.
+    pub enum Extrapolation {
+        /// They hold their last value.
+        Constant = "constant",
+        /// The line through the last two.
+        Linear = "linear",
+        /// The parabola through the last three.
+        #[default]
+        Quadratic = "quadratic",
+    }
+}
+
+words! {
+    /// How the gears go from one place of a hub to the next.
+    pub enum Motion {
+        /// Along the line between both places.
+        #[default]
+        Linear = "linear",
+        /// Along the cubic through both places with both speeds.
+        Cubic = "cubic",
+    }
+}
+
+/// A model under one extrapolation of forces and one interpolation of motion.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Coupling {
+    /// Model id.
+    pub model: String,
+    /// What sets this model apart from others of its id.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub variant: Option<String>,
+    /// Whether the modes that are cut are kept as residual compliance (elastic model).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residual: Option<bool>,
+    /// Of the forces on hubs.
+    pub extrapolation: Extrapolation,
+    /// Of the motion of hubs.
+    pub motion: Motion,
+    /// Integrator of the gears.
+    pub integrator: String,
+    /// Their step [s]; absent under a tolerance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step_s: Option<f64>,
+    /// Natural frequency of the hubs on the static stiffness of the gears in contact [Hz].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frequency_hz: Option<f64>,
+    /// Its damping ratio [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping_ratio: Option<f64>,
+    /// Time in contact of the run as one system [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact_s: Option<f64>,
+    /// Energy that errors of energy are told over: what vibrates and passes through contacts in the run as one system [J].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_j: Option<f64>,
+    /// Communication step from which on linear theory has the coupling make up more energy than is allowed [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub theory_s: Option<f64>,
+    /// Runs, from the smallest communication step to the largest.
+    pub cells: Vec<CouplingCell>,
+    /// Runs that close in on the largest stable step, in the order they were made.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub refined: Vec<CouplingCell>,
+}
+
+/// A run in two parts.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CouplingCell {
+    /// Communication step [s].
+    pub step_s: f64,
+    /// How it ended.
+    pub status: Status,
+    /// Why.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
+    /// Relative L2 error of the force history against the run as one system [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_l2: Option<f64>,
+    /// Largest deviation of the last speed of a gear over the span of its speed [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rebound_rel: Option<f64>,
+    /// Work that the host took from extrapolated forces, less what the gears gave along their motion [J].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_error_j: Option<f64>,
+    /// The same over the energy that vibrates [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_error_rel: Option<f64>,
+    /// Its largest magnitude in one communication step, over the same [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_error_step_rel: Option<f64>,
+    /// Simulated time reached [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reached_s: Option<f64>,
+    /// Communication steps.
+    pub exchanges: u64,
+}
+
+impl CouplingRecord {
+    /// Takes out what is not finite.
+    pub(crate) fn keep_finite(&mut self) {
+        for c in &mut self.couplings {
+            for x in c.cells.iter_mut().chain(&mut c.refined) {
+                for value in [
+                    &mut x.force_l2,
+                    &mut x.rebound_rel,
+                    &mut x.energy_error_j,
+                    &mut x.energy_error_rel,
+                    &mut x.energy_error_step_rel,
+                    &mut x.reached_s,
+                ] {
+                    *value = value.and_then(finite);
+                }
+            }
+        }
+    }
+}
+
+impl Coupling {
+    /// The model with its variant.
+    pub fn model_label(&self) -> String {
+        match &self.variant {
+            Some(variant) => format!("{}, {variant}", self.model),
+            None => self.model.clone(),
+        }
+    }
+
+    /// Extrapolation and interpolation in words.
+    pub fn manner(&self) -> String {
+        match self.motion {
+            Motion::Linear => self.extrapolation.to_string(),
+            other => format!("{}, {other} motion", self.extrapolation),
+        }
+    }
+
+    /// All runs by their communication step.
+    pub fn all(&self) -> Vec<&CouplingCell> {
+        let mut all: Vec<&CouplingCell> = self.cells.iter().chain(&self.refined).collect();
+        all.sort_by(|a, b| a.step_s.total_cmp(&b.step_s));
+        all
+    }
+
+    /// The largest step up to which something holds of all runs, and the next one, of which it does not.
+    fn up_to(&self, holds: impl Fn(Status) -> bool) -> [Option<f64>; 2] {
+        let mut made = self.all();
+        made.retain(|c| c.status != Status::Interrupted);
+        let held = made.iter().take_while(|c| holds(c.status)).count();
+        let step = |i: usize| made.get(i).map(|c| c.step_s);
+        [held.checked_sub(1).and_then(step), step(held)]
+    }
+
+    /// The largest communication step up to which every run was within the tolerance, and the next one.
+    pub fn accurate(&self) -> [Option<f64>; 2] {
+        self.up_to(|s| s == Status::Converged)
+    }
+
+    /// The largest communication step up to which every run held, and the next one.
+    pub fn stable(&self) -> [Option<f64>; 2] {
+        self.up_to(|s| !s.is_failure())
+    }
+}
