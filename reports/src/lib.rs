@@ -34,7 +34,7 @@ pub use store::{RECORD, ReportError, load_results, report_from, write_results};
 pub use studies::choose::{ChoiceRecord, ChooseRecord, LevelRecord, TriedRecord};
 pub use studies::stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
 pub use studies::{
-    StudyReport, check, choice_check, compare as comparison, identify, modes, precision, stability,
-    sweep, truncation,
+    StudyReport, check, choice_check, compare as comparison, identify, modes, precision, run_up,
+    stability, sweep, truncation,
 };
 pub use view::metric_against;

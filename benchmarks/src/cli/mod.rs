@@ -19,6 +19,7 @@ use crate::studies::identify::{self, arguments::Identify};
 use crate::studies::modes::{self, arguments::Modes};
 use crate::studies::penalty::{self, arguments::Penalty};
 use crate::studies::precision::{self, arguments::Precision};
+use crate::studies::run_up::{self, arguments::RunUp};
 use crate::studies::stability::{self, arguments::Stability};
 use crate::studies::stiffness::{self, arguments::Stiffness};
 use crate::studies::sweep::{self, arguments::Sweep};
@@ -102,6 +103,8 @@ pub(crate) enum Command {
     Penalty(Penalty),
     /// Run under load at speed after speed: transmission error, bearing forces, spectra, resonances
     Sweep(Sweep),
+    /// Run from one speed to another: spectra and orders over the speed, resonances
+    RunUp(RunUp),
     /// Hold results, work and runtime of chosen runs against a stored baseline, for CI
     Check(Check),
     /// Mesh the gears of a scene with hexahedra, as a deck for CalculiX or Abaqus and for ParaView
@@ -137,6 +140,7 @@ impl Command {
             Command::Modes(args) => modes::command::run(&args, told),
             Command::Penalty(args) => penalty::command::run(&args, told),
             Command::Sweep(args) => sweep::command::run(&args, told),
+            Command::RunUp(args) => run_up::command::run(&args, told),
             Command::Check(args) => check::command::run(&args, told),
             Command::Mesh(args) => mesh::run(&args, told),
             Command::Reduce(args) => reduce::run(&args),

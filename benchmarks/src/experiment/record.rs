@@ -220,8 +220,14 @@ fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
     speed
 }
 
+/// The body that a gear goes round with, behind the gears.
+pub fn carrier_of(scene: &SceneSpec, gear: usize) -> Option<usize> {
+    let carries = scene.bodies().position(|b| b.planets.contains(&gear));
+    carries.map(|body| scene.gears.len() + body)
+}
+
 /// How far the flanks of a mesh that were placed have moved into each other along the line of action since
-/// rigid ones would have touched [m].
+/// rigid ones would have touched [m]; in a planetary set as its carrier sees it.
 fn transmission_error(
     scene: &SceneSpec,
     mesh: usize,
@@ -229,9 +235,11 @@ fn transmission_error(
 ) -> Option<Vec<f64>> {
     let mesh = scene.meshes.get(mesh)?;
     let approach = approach(mesh.start.side, mesh.gears.map(|i| &scene.gears[i].body));
-    let [x, y] = mesh.gears.map(displacement);
-    let error = |(x, y): (&f64, &f64)| approach(*x, *y) - mesh.start.gap;
-    Some(x.iter().zip(&y).map(error).collect())
+    let carrier = mesh.gears.into_iter().find_map(|g| carrier_of(scene, g));
+    let [x, y] = mesh.gears.map(&displacement);
+    let seen = carrier.map_or_else(|| vec![0.0; x.len()], &displacement);
+    let error = |((x, y), c): ((&f64, &f64), &f64)| approach(x - c, y - c) - mesh.start.gap;
+    Some(x.iter().zip(&y).zip(&seen).map(error).collect())
 }
 
 /// Approach of the flanks of one side by the displacements of two gears [m].
@@ -368,7 +376,8 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
     }
 }
 
-/// Teeth of a contact, counted from 1 within each gear.
+/// Teeth of a contact, counted from 1 within each gear; where there are more meshes with the names of the gears, for numbers
+/// come again in each.
 fn pair_name(spec: &SceneSpec, f: &gearbench_models::scene::ContactForce) -> String {
     let gears = spec.meshes[f.mesh].gears;
     let name = |k: usize| {
@@ -378,5 +387,9 @@ fn pair_name(spec: &SceneSpec, f: &gearbench_models::scene::ContactForce) -> Str
         };
         f.teeth[k].index.rem_euclid(teeth) + 1
     };
-    format!("{}-{}", name(0), name(1))
+    if spec.meshes.len() < 2 {
+        return format!("{}-{}", name(0), name(1));
+    }
+    let [a, b] = gears.map(|g| spec.gears[g].name.as_str());
+    format!("{a} {} - {b} {}", name(0), name(1))
 }

@@ -9,6 +9,7 @@
 //! | [`modes`] | natural frequencies and shapes of the whole scene about its loaded state |
 //! | `penalty` | force, impulse and transmission error over the penalty, beside hard contact |
 //! | `precision` | error against cost: models, integrators, resolutions, mode counts |
+//! | [`run_up`] | a run from one speed to another: spectra and orders over the speed |
 //! | [`stability`] | where methods fail: maps over step and stiffness, damping, speed, modes; the largest stable step |
 //! | `stiffness` | static mesh stiffness of the models beside the norm and the analytic compliance |
 //! | `sweep` | running under load at speed after speed: transmission error, bearing forces, spectra |
@@ -21,6 +22,7 @@ pub mod identify;
 pub mod modes;
 pub(crate) mod penalty;
 pub(crate) mod precision;
+pub mod run_up;
 pub mod stability;
 pub(crate) mod stiffness;
 pub(crate) mod sweep;

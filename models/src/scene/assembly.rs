@@ -24,7 +24,10 @@ use crate::gear::table::{GearContext, Model};
 use crate::geometry::Side;
 use crate::kinematics::Placement;
 use crate::law::Law;
-use crate::spec::{Body, Modelling, Mount, SceneSpec, UPRIGHT, effective_radius, mesh_layout};
+use crate::spec::{
+    Body, Modelling, Mount, SceneSpec, UPRIGHT, effective_radius, mesh_layout,
+    signed_effective_radius,
+};
 use gearbench_integrators::system::State;
 
 /// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
@@ -229,6 +232,7 @@ impl Scene {
             let nodal = mesh.gears.iter().any(has_field) || search.lines().is_some();
             meshes.push(SceneMesh {
                 gears: mesh.gears,
+                senses: (mesh.gears).map(|i| signed_effective_radius(&spec.gears[i].body).signum()),
                 axis: geometry.axes[2],
                 search,
                 law,

@@ -67,7 +67,7 @@ impl SceneGear {
     }
 
     /// Load on the hub [N m] or [N] at a time and hub speed.
-    pub(super) fn load(&self, t: f64, speed: f64) -> f64 {
+    pub fn load(&self, t: f64, speed: f64) -> f64 {
         self.loads
             .iter()
             .map(|l| match l {
@@ -157,6 +157,9 @@ impl SceneGear {
 pub struct SceneMesh {
     /// Indices of the gears; the first is never a rack.
     pub gears: [usize; 2],
+    /// Sense in which flanks move along the path as the hub of each gear turns, or slides, forward: 1 of external gears, -1 of
+    /// internal ones and of racks.
+    pub(super) senses: [f64; 2],
     /// Direction halfway between the axes of its gears.
     pub axis: Vec3,
     /// Finds candidate points.

@@ -14,6 +14,7 @@
 use super::assembled::Scene;
 use super::carriers::RelativeState;
 use super::contacts::ContactForce;
+use super::members::SceneMesh;
 use super::shafts::Way;
 use crate::gear::HubBody;
 use gearbench_integrators::system::{At, SecondOrderSystem, State};
@@ -62,10 +63,9 @@ pub enum StrainIn {
     Bend(usize),
 }
 
-/// Way of the flanks along the line of action by a unit of the hub's own motion; a rack recedes as a gear approaches.
-fn along_path(hub: &HubBody) -> f64 {
-    let sign = if hub.slide.is_some() { -1.0 } else { 1.0 };
-    sign * hub.effective_base_radius
+/// Way of the flanks of a gear of a mesh along the line of action by a unit of its hub's own motion.
+fn along_path(mesh: &SceneMesh, k: usize, hub: &HubBody) -> f64 {
+    mesh.senses[k] * hub.effective_base_radius
 }
 
 /// A matrix column by column.
@@ -139,15 +139,16 @@ impl Scene {
             link.add_to(-link.stiffness * link.drift(&self.gears, at), &mut driven);
         }
         for (mesh, k) in self.meshes.iter().zip(&meshes) {
-            let hubs = mesh
-                .gears
-                .map(|i| (&self.gears[i], self.gears[i].model.hub()));
-            let prescribed = hubs.iter().filter(|(_, hub)| !hub.is_free());
+            let hubs = [0, 1].map(|k| {
+                let g = &self.gears[mesh.gears[k]];
+                (g, g.model.hub(), along_path(mesh, k, g.model.hub()))
+            });
+            let prescribed = hubs.iter().filter(|(_, hub, _)| !hub.is_free());
             let moved: f64 = prescribed
-                .map(|(_, hub)| along_path(hub) * hub.speed(at.t, &[]))
+                .map(|(_, hub, along)| along * hub.speed(at.t, &[]))
                 .sum();
-            for (g, hub) in hubs.iter().filter(|(_, hub)| hub.is_free()) {
-                driven[g.offset] -= k * moved * along_path(hub);
+            for (g, _, along) in hubs.iter().filter(|(_, hub, _)| hub.is_free()) {
+                driven[g.offset] -= k * moved * along;
             }
         }
         Mechanism { stiffness, driven }
@@ -185,9 +186,10 @@ impl Scene {
             }
         }
         for (mesh, k) in self.meshes.iter().zip(meshes) {
-            let row = mesh.gears.map(|i| {
-                let (g, hub) = (&self.gears[i], self.gears[i].model.hub());
-                (hub.is_free()).then_some((g.offset, along_path(hub)))
+            let row = [0, 1].map(|k| {
+                let g = &self.gears[mesh.gears[k]];
+                let hub = g.model.hub();
+                (hub.is_free()).then_some((g.offset, along_path(mesh, k, hub)))
             });
             let moved: f64 = row.iter().flatten().map(|&(i, r)| r * along[i]).sum();
             for &(i, r) in row.iter().flatten() {

@@ -10,6 +10,7 @@ pub mod identify;
 pub mod modes;
 pub mod penalty;
 pub mod precision;
+pub mod run_up;
 pub mod stability;
 pub mod stiffness;
 pub mod sweep;
@@ -50,6 +51,8 @@ words! {
         Identify = "identify",
         /// Natural frequencies about the loaded state.
         Modes = "modes",
+        /// Spectra and orders over the speed of a run-up.
+        RunUp = "run-up",
     }
 }
 
@@ -79,6 +82,8 @@ pub enum Part {
     Identify(identify::IdentifyRecord),
     /// See [`Study::Modes`].
     Modes(modes::ModesRecord),
+    /// See [`Study::RunUp`].
+    RunUp(run_up::RunUpRecord),
 }
 
 impl Default for Part {
@@ -102,6 +107,7 @@ impl Part {
             Part::Sweep(_) => Study::Sweep,
             Part::Identify(_) => Study::Identify,
             Part::Modes(_) => Study::Modes,
+            Part::RunUp(_) => Study::RunUp,
         }
     }
 
@@ -110,6 +116,10 @@ impl Part {
         match self {
             Part::Choose(part) => part.choice.validate(),
             Part::Stability(part) => part.maps.iter().try_for_each(stability::Map::validate),
+            Part::RunUp(part) => part
+                .run_ups
+                .iter()
+                .try_for_each(run_up::ModelRunUp::validate),
             _ => Ok(()),
         }
     }
@@ -144,6 +154,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Sweep(part) => sweep::report(view, &part.statics),
         Part::Identify(part) => identify::report(&part.fits),
         Part::Modes(part) => modes::report(&part.vibrations),
+        Part::RunUp(part) => run_up::report(view, &part.run_ups),
     }
 }
 
