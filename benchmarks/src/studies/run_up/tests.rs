@@ -50,7 +50,6 @@ fn a_chirp_reads_its_amplitude() {
             .iter()
             .map(|a| (a / amplitude - 1.0).abs())
             .fold(0.0, f64::max);
-        println!("order {order}: worst window off by {worst:.1e}");
         assert!(worst < 2e-3, "{order}: {worst}");
     }
     let of_orders = map(&cut, &windows, &histories, 40.0);
@@ -202,7 +201,9 @@ fn peak(x: &[f64], y: &[f64]) -> f64 {
 }
 
 /// Two free gears that torques bring up: the first multiple of the mesh has at each speed what steady running has there, within
-/// what changes in a window, and its resonance stands where the sweep and the natural frequency have it.
+/// what changes in a window, and its resonance stands where the sweep and the natural frequency have it. Found are 0.02 % off
+/// resonance, 3.6 % on its flanks, which stand 0.8 % late: the mesh frequency rises by 16 kHz a second, and the answer takes
+/// `1/(zeta w) = 0.8` ms. The natural frequency is that of the stiffness at the start, 2.5 % below that of the mean.
 #[test]
 fn a_run_up_meets_the_resonance_that_sweep_and_modes_have() {
     let scene = pair();
@@ -251,13 +252,6 @@ fn a_run_up_meets_the_resonance_that_sweep_and_modes_have() {
         let part = (s.mesh_frequency_hz - mesh[i - 1]) / (mesh[i] - mesh[i - 1]);
         let here = error[i - 1] + part * (error[i] - error[i - 1]);
         let wanted = s.error_harmonics_m[0];
-        println!(
-            "{:.0} Hz: run-up {:.4} um, steady {:.4} um, {:+.2} %",
-            s.mesh_frequency_hz,
-            1e6 * here,
-            1e6 * wanted,
-            100.0 * (here / wanted - 1.0)
-        );
         assert!(
             (here / wanted - 1.0).abs() < 0.05,
             "{} Hz",
@@ -271,10 +265,9 @@ fn a_run_up_meets_the_resonance_that_sweep_and_modes_have() {
         peak(&at, &steady),
         swept.statics()[0].resonance_hz.unwrap(),
     );
-    println!(
-        "resonance: run-up {run_up:.0}, sweep {sweep:.0}, its statics {statics:.0}, natural {natural:.0} Hz"
-    );
-    assert!((run_up / sweep - 1.0).abs() < 0.015 && (run_up / natural - 1.0).abs() < 0.04);
+    for (other, within) in [(sweep, 0.015), (statics, 0.015), (natural, 0.04)] {
+        assert!((run_up / other - 1.0).abs() < within, "{run_up} {other}");
+    }
     // The strongest order is that of the mesh, and its peak is told there.
     let told = strongest(&found, 1);
     assert!(told[0].order.of_mesh && (told[0].frequency_hz() / run_up - 1.0).abs() < 0.02);
