@@ -376,8 +376,7 @@ pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSn
     }
 }
 
-/// Teeth of a contact, counted from 1 within each gear; where there are more meshes with the names of the gears, for numbers
-/// come again in each.
+/// Teeth of a contact, counted from 1 within each gear.
 fn pair_name(spec: &SceneSpec, f: &gearbench_models::scene::ContactForce) -> String {
     let gears = spec.meshes[f.mesh].gears;
     let name = |k: usize| {
@@ -387,9 +386,5 @@ fn pair_name(spec: &SceneSpec, f: &gearbench_models::scene::ContactForce) -> Str
         };
         f.teeth[k].index.rem_euclid(teeth) + 1
     };
-    if spec.meshes.len() < 2 {
-        return format!("{}-{}", name(0), name(1));
-    }
-    let [a, b] = gears.map(|g| spec.gears[g].name.as_str());
-    format!("{a} {} - {b} {}", name(0), name(1))
+    format!("{}-{}", name(0), name(1))
 }
