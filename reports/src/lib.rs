@@ -35,6 +35,6 @@ pub use studies::choose::{ChoiceRecord, ChooseRecord, LevelRecord, TriedRecord};
 pub use studies::stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
 pub use studies::{
     StudyReport, check, choice_check, compare as comparison, coupling, identify, modes, precision,
-    response, stability, sweep, truncation,
+    response, run_up, stability, sweep, truncation,
 };
 pub use view::metric_against;

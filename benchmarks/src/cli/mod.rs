@@ -21,6 +21,7 @@ use crate::studies::modes::{self, arguments::Modes};
 use crate::studies::penalty::{self, arguments::Penalty};
 use crate::studies::precision::{self, arguments::Precision};
 use crate::studies::response::{self, arguments::Response};
+use crate::studies::run_up::{self, arguments::RunUp};
 use crate::studies::stability::{self, arguments::Stability};
 use crate::studies::stiffness::{self, arguments::Stiffness};
 use crate::studies::sweep::{self, arguments::Sweep};
@@ -108,6 +109,8 @@ pub(crate) enum Command {
     Sweep(Sweep),
     /// Gears as a sub-system whose hubs a host moves: error, energy and stability over the communication step
     Coupling(Coupling),
+    /// Run from one speed to another: spectra and orders over the speed, resonances
+    RunUp(RunUp),
     /// Hold results, work and runtime of chosen runs against a stored baseline, for CI
     Check(Check),
     /// Mesh the gears of a scene with hexahedra, as a deck for CalculiX or Abaqus and for ParaView
@@ -145,6 +148,7 @@ impl Command {
             Command::Penalty(args) => penalty::command::run(&args, told),
             Command::Sweep(args) => sweep::command::run(&args, told),
             Command::Coupling(args) => coupling::command::run(&args, told),
+            Command::RunUp(args) => run_up::command::run(&args, told),
             Command::Check(args) => check::command::run(&args, told),
             Command::Mesh(args) => mesh::run(&args, told),
             Command::Reduce(args) => reduce::run(&args),

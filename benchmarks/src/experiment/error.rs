@@ -1,8 +1,54 @@
-//! Why a study ends before its end. Runs that fail do not end one: they are rows.
+//! Why a run could not start, and why a study ends before its end. Runs that fail do not end one: they are rows.
 
 use super::journal::JournalError;
-use super::run::RunError;
+use gearbench_integrators::MethodError;
+use gearbench_models::error::BuildError;
+use gearbench_reference::limits::TooMuchMemory;
 use gearbench_reference::statics::StaticsError;
+
+/// Why a run could not even start, or was stopped by the user.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The scene cannot be assembled.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The integrator is not known or its parameters are wrong.
+    #[error(transparent)]
+    Method(#[from] MethodError),
+    /// The integrator cannot do what is asked.
+    #[error("{0}")]
+    Unsupported(String),
+    /// The integrator needs a linear part to be exact for, which not every model has.
+    #[error(
+        "`{0}` needs gears whose coordinates are oscillators, as those of rigid and elastic gears are; name another integrator for this model, for example velocity-verlet or dopri5"
+    )]
+    NoLinearPart(String),
+    /// A run that others are to be held against did not reach the end.
+    #[error("{0}")]
+    Reference(String),
+    /// It would take more memory than it may.
+    #[error(transparent)]
+    Refused(#[from] TooMuchMemory),
+    /// Its frames cannot be written.
+    #[error("{0}")]
+    Picture(String),
+    /// The user ended it.
+    #[error("interrupted")]
+    Interrupted,
+    /// Finished runs cannot be read or kept.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+}
+
+impl RunError {
+    /// Whether the method and the model do not go together, so that a study leaves the pair out and goes on.
+    pub fn leaves_out(&self) -> bool {
+        matches!(
+            self,
+            RunError::NoLinearPart(_) | RunError::Refused(_) | RunError::Unsupported(_)
+        )
+    }
+}
 
 /// Why a study ends before its end.
 #[derive(Debug, thiserror::Error)]

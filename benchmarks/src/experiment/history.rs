@@ -50,6 +50,20 @@ impl Instants {
     }
 }
 
+/// The state at a time of a step: its ends as they are, between them the interpolant.
+pub fn state_within(step: &AcceptedStep<'_>, t: f64, state: &mut State) {
+    let (t0, t1) = (step.from.t, step.to.t);
+    state.copy_from(step.from);
+    let State { q, v, .. } = state;
+    if t >= t1 {
+        q.copy_from_slice(&step.to.q);
+        v.copy_from_slice(&step.to.v);
+    } else if t > t0 {
+        step.dense.eval((t - t0) / (t1 - t0), q, v);
+    }
+    state.t = t;
+}
+
 /// Records channels of a run.
 #[derive(Clone, Debug, Default)]
 pub struct History {
@@ -128,17 +142,8 @@ impl History {
 
     /// Moves the sample to a time of a step.
     fn look(&mut self, step: &AcceptedStep<'_>, t: f64) {
-        let (t0, t1) = (step.from.t, step.to.t);
-        self.sample.copy_from(step.from);
-        let State { q, v, .. } = &mut self.sample;
-        self.at_end = t >= t1;
-        if self.at_end {
-            q.copy_from_slice(&step.to.q);
-            v.copy_from_slice(&step.to.v);
-        } else if t > t0 {
-            step.dense.eval((t - t0) / (t1 - t0), q, v);
-        }
-        self.sample.t = t;
+        self.at_end = t >= step.to.t;
+        state_within(step, t, &mut self.sample);
     }
 
     /// Whether there is no force in the outputs.

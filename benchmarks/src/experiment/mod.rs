@@ -18,12 +18,15 @@
 //! | `referenced` | references as records keep them |
 //! | [`run`] | one model under one integrator: a row of the record, failed or not |
 //! | `parameters` | parameters of a run for its record |
+//! | `paths` | paths of torque and power through a train, load sharing between planets |
 //! | [`pictures`] | frames of a run for ParaView |
+//! | `resample` | histories at other abscissae |
 //! | [`runner`] | how a study does its work: piece by piece, kept when finished |
 //! | `settings` | what a reader must know of a scene |
 //! | [`status`] | how a run ended: one label for every way a run can go wrong |
 //! | [`small_signals`] | scenes in the equilibrium of their loads, and to first order there |
 //! | `thin` | histories as records keep them |
+//! | `watched` | one more observer of a run |
 
 pub mod conditions;
 pub mod configuration;
@@ -39,9 +42,11 @@ pub mod key;
 pub mod machine;
 pub mod parallel;
 pub(crate) mod parameters;
+mod paths;
 pub mod pictures;
 pub(crate) mod record;
 pub(crate) mod referenced;
+pub(crate) mod resample;
 pub mod run;
 pub mod runner;
 pub(crate) mod settings;
@@ -49,3 +54,4 @@ mod shaft_text;
 pub mod small_signals;
 pub mod status;
 pub(crate) mod thin;
+mod watched;

@@ -220,8 +220,14 @@ fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
     speed
 }
 
+/// The body that a gear goes round with, behind the gears.
+pub fn carrier_of(scene: &SceneSpec, gear: usize) -> Option<usize> {
+    let carries = scene.bodies().position(|b| b.planets.contains(&gear));
+    carries.map(|body| scene.gears.len() + body)
+}
+
 /// How far the flanks of a mesh that were placed have moved into each other along the line of action since
-/// rigid ones would have touched [m].
+/// rigid ones would have touched [m]; in a planetary set as its carrier sees it.
 fn transmission_error(
     scene: &SceneSpec,
     mesh: usize,
@@ -229,9 +235,11 @@ fn transmission_error(
 ) -> Option<Vec<f64>> {
     let mesh = scene.meshes.get(mesh)?;
     let approach = approach(mesh.start.side, mesh.gears.map(|i| &scene.gears[i].body));
-    let [x, y] = mesh.gears.map(displacement);
-    let error = |(x, y): (&f64, &f64)| approach(*x, *y) - mesh.start.gap;
-    Some(x.iter().zip(&y).map(error).collect())
+    let carrier = mesh.gears.into_iter().find_map(|g| carrier_of(scene, g));
+    let [x, y] = mesh.gears.map(&displacement);
+    let seen = carrier.map_or_else(|| vec![0.0; x.len()], &displacement);
+    let error = |((x, y), c): ((&f64, &f64), &f64)| approach(x - c, y - c) - mesh.start.gap;
+    Some(x.iter().zip(&y).zip(&seen).map(error).collect())
 }
 
 /// Approach of the flanks of one side by the displacements of two gears [m].

@@ -1,28 +1,29 @@
 //! One model under one integrator: a row of the record. A run that fails is a row as well.
 
 use super::contact_log::ContactLog;
+pub use super::error::RunError;
 use super::flanks::{deformed_sections, flank_loads};
 use super::history::History;
 use super::interruption;
-use super::journal::JournalError;
 use super::key::Key;
 use super::parameters::parameters;
+use super::paths::torque_paths;
 use super::pictures::Pictures;
 use super::record::{
     histories, ledger_record, momenta, reduction, sampled_impulse, snapshot, time_series,
 };
 use super::status::RunMonitor;
+use super::watched::Watched;
 use crate::experiment::small_signals::assemble;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{
-    Integrator, MethodError, NullSink, Resolution, Scheme, Sink, StepError, TimePlan, Work,
+    Integrator, NullSink, Resolution, Scheme, Sink, StepError, TimePlan, Work,
 };
-use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
-use gearbench_reference::limits::{self, TooMuchMemory};
+use gearbench_reference::limits;
 use gearbench_reports::record::{ContactSnapshot, Run};
 use std::time::{Duration, Instant};
 
@@ -104,50 +105,6 @@ fn dense_bytes(coordinates: usize) -> f64 {
     DENSE_COPIES * 8.0 * (2.0 * coordinates as f64).powi(2)
 }
 
-/// Why a run could not even start, or was stopped by the user.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// The scene cannot be assembled.
-    #[error(transparent)]
-    Build(#[from] BuildError),
-    /// The integrator is not known or its parameters are wrong.
-    #[error(transparent)]
-    Method(#[from] MethodError),
-    /// The integrator cannot do what is asked.
-    #[error("{0}")]
-    Unsupported(String),
-    /// The integrator needs a linear part to be exact for, which not every model has.
-    #[error(
-        "`{0}` needs gears whose coordinates are oscillators, as those of rigid and elastic gears are; name another integrator for this model, for example velocity-verlet or dopri5"
-    )]
-    NoLinearPart(String),
-    /// A run that others are to be held against did not reach the end.
-    #[error("{0}")]
-    Reference(String),
-    /// It would take more memory than it may.
-    #[error(transparent)]
-    Refused(#[from] TooMuchMemory),
-    /// Its frames cannot be written.
-    #[error("{0}")]
-    Picture(String),
-    /// The user ended it.
-    #[error("interrupted")]
-    Interrupted,
-    /// Finished runs cannot be read or kept.
-    #[error(transparent)]
-    Journal(#[from] JournalError),
-}
-
-impl RunError {
-    /// Whether the method and the model do not go together, so that a study leaves the pair out and goes on.
-    pub fn leaves_out(&self) -> bool {
-        matches!(
-            self,
-            RunError::NoLinearPart(_) | RunError::Refused(_) | RunError::Unsupported(_)
-        )
-    }
-}
-
 /// Runs a job and fills a row; model names and metrics are the caller's.
 pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     run_timed(job, Duration::ZERO)
@@ -174,7 +131,7 @@ fn timed_in(
     together: Duration,
 ) -> Result<Run, RunError> {
     let mut state = scene.initial();
-    timed_from(job, scene, &mut state, setup, together)
+    timed_from(job, scene, &mut state, (setup, together), None)
 }
 
 /// [`run_in`] from a state of the scene, which becomes the one that the run ends in.
@@ -184,15 +141,27 @@ pub fn run_from(
     state: &mut State,
     setup: Duration,
 ) -> Result<Run, RunError> {
-    timed_from(job, scene, state, setup, Duration::ZERO)
+    timed_from(job, scene, state, (setup, Duration::ZERO), None)
+}
+
+/// [`run_in`], watched by one more observer.
+pub fn run_watched(
+    job: &Job<'_>,
+    scene: &mut Scene,
+    setup: Duration,
+    observer: &mut dyn Sink,
+) -> Result<Run, RunError> {
+    let mut state = scene.initial();
+    let times = (setup, Duration::ZERO);
+    timed_from(job, scene, &mut state, times, Some(observer))
 }
 
 fn timed_from(
     job: &Job<'_>,
     scene: &mut Scene,
     state: &mut State,
-    setup: Duration,
-    together: Duration,
+    (setup, together): (Duration, Duration),
+    observer: Option<&mut dyn Sink>,
 ) -> Result<Run, RunError> {
     let info = job.method.method.info();
     let mut method = job.method.method.build();
@@ -229,7 +198,17 @@ fn timed_from(
     let start_momenta = momenta(scene, state);
     let mut work = Work::default();
     let begin = Instant::now();
-    let outcome = method.run(scene, state, &job.plan(), &mut monitor, &mut work);
+    let plan = job.plan();
+    let outcome = match observer {
+        None => method.run(scene, state, &plan, &mut monitor, &mut work),
+        Some(observer) => {
+            let mut both = Watched {
+                monitor: &mut monitor,
+                observer,
+            };
+            method.run(scene, state, &plan, &mut both, &mut work)
+        }
+    };
     // What watching costs is no cost of the method.
     let observed = begin.elapsed().saturating_sub(monitor.spent).as_secs_f64();
     match &outcome {
@@ -333,6 +312,9 @@ fn timed_from(
         }),
         series: Some(series),
         histories: job.histories.then(|| histories(job, scene, history)),
+        paths: (job.histories)
+            .then(|| torque_paths(job.scene, scene, history, ledger))
+            .flatten(),
         ..reduction(scene, job.modelling)
     })
 }

@@ -50,6 +50,8 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("ring_pair"),
     shipped!("ring_impact"),
     shipped!("planetary"),
+    shipped!("run_up"),
+    shipped!("planetary_run_up"),
 ];
 
 /// A shipped scene by name.

@@ -11,6 +11,7 @@
 //! | `penalty` | force, impulse and transmission error over the penalty, beside hard contact |
 //! | `precision` | error against cost: models, integrators, resolutions, mode counts |
 //! | [`response`] | frequency response to the passing of teeth, without running |
+//! | [`run_up`] | a run from one speed to another: spectra and orders over the speed |
 //! | [`stability`] | where methods fail: maps over step and stiffness, damping, speed, modes; the largest stable step |
 //! | `stiffness` | static mesh stiffness of the models beside the norm and the analytic compliance |
 //! | `sweep` | running under load at speed after speed: transmission error, bearing forces, spectra |
@@ -25,6 +26,7 @@ pub mod modes;
 pub(crate) mod penalty;
 pub(crate) mod precision;
 pub mod response;
+pub mod run_up;
 pub mod stability;
 pub(crate) mod stiffness;
 pub(crate) mod sweep;

@@ -153,3 +153,27 @@ fn natural_frequencies_are_told() {
     );
     folder.refuses("modes driveline --group 3", &["0 to 0.1"]);
 }
+
+/// A scene without a run-up of its own is brought from speed to speed; a gear that is none is refused with those that are.
+#[test]
+fn run_ups_are_told() {
+    let folder = Folder::new();
+    let command =
+        "run-up loaded_mesh --models rigid --from 200 --to 900 --over 0.08 --samples 16384";
+    let said = folder.says(&format!("{command} --out run-up"));
+    has(
+        &said,
+        &["x mesh", "transmission error pinion - wheel", "rad/s"],
+    );
+    as_documented(&folder.at("run-up"));
+    let record = std::fs::read_to_string(folder.at("run-up").join("results.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_str(&record).unwrap();
+    assert_eq!(record["study"], "run-up");
+    let order = record["run_ups"][0]["orders"][0]["order"].as_f64().unwrap();
+    assert!((order - 16.0).abs() < 1e-3, "{order}");
+    folder.refuses(
+        "run-up loaded_mesh --models rigid --gear sun --out gear",
+        &["no gear `sun`", "pinion, wheel"],
+    );
+    folder.refuses("run-up loaded_mesh --from 200", &["--to"]);
+}

@@ -24,7 +24,10 @@ use crate::gear::table::{GearContext, Model};
 use crate::geometry::Side;
 use crate::kinematics::Placement;
 use crate::law::Law;
-use crate::spec::{Body, Modelling, Mount, SceneSpec, UPRIGHT, effective_radius, mesh_layout};
+use crate::spec::{
+    Body, Modelling, Mount, SceneSpec, UPRIGHT, effective_radius, mesh_layout,
+    signed_effective_radius,
+};
 use gearbench_integrators::system::State;
 
 /// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
@@ -228,10 +231,7 @@ impl Scene {
             let has_field = |i: &usize| gears[*i].model.displacement().is_some();
             let nodal = mesh.gears.iter().any(has_field) || search.lines().is_some();
             let towards = mesh.gears.map(|i| {
-                let sign = match &spec.gears[i].body {
-                    Body::Gear(g) => g.sign(),
-                    Body::Rack(_) => -1.0,
-                };
+                let sign = signed_effective_radius(&spec.gears[i].body).signum();
                 sign * gears[i].model.hub().effective_base_radius
             });
             meshes.push(SceneMesh {

@@ -24,6 +24,10 @@ pub enum OfMesh {
     Pressure,
     /// Half the width of that contact [m].
     HalfWidth,
+    /// Torque of its contacts on its first gear about that gear's axis, or force along its slide [N m].
+    FirstTorque,
+    /// The same on its second gear.
+    SecondTorque,
 }
 
 /// A quantity of a gear; [rad] and [N m] are [m] and [N] of one that slides.
@@ -70,7 +74,7 @@ pub enum Channel {
 
 impl OfMesh {
     /// All, in the order of the channels of a mesh.
-    pub const ALL: [OfMesh; 8] = [
+    pub const ALL: [OfMesh; 10] = [
         OfMesh::Force,
         OfMesh::Transverse,
         OfMesh::X,
@@ -79,7 +83,11 @@ impl OfMesh {
         OfMesh::LeastNormal,
         OfMesh::Pressure,
         OfMesh::HalfWidth,
+        OfMesh::FirstTorque,
+        OfMesh::SecondTorque,
     ];
+    /// Torques on both gears.
+    pub const TORQUES: [OfMesh; 2] = [OfMesh::FirstTorque, OfMesh::SecondTorque];
 
     fn name(self) -> &'static str {
         match self {
@@ -91,6 +99,8 @@ impl OfMesh {
             OfMesh::LeastNormal => "normal_min",
             OfMesh::Pressure => "contact_pressure",
             OfMesh::HalfWidth => "contact_half_width",
+            OfMesh::FirstTorque => "mesh_torque_first",
+            OfMesh::SecondTorque => "mesh_torque_second",
         }
     }
 
@@ -99,6 +109,7 @@ impl OfMesh {
         match self {
             OfMesh::Pressure => "pa",
             OfMesh::HalfWidth => "m",
+            OfMesh::FirstTorque | OfMesh::SecondTorque => "nm",
             _ => "n",
         }
     }

@@ -67,7 +67,7 @@ impl SceneGear {
     }
 
     /// Load on the hub [N m] or [N] at a time and hub speed.
-    pub(super) fn load(&self, t: f64, speed: f64) -> f64 {
+    pub fn load(&self, t: f64, speed: f64) -> f64 {
         self.loads
             .iter()
             .map(|l| match l {

@@ -15,6 +15,8 @@ const PER_GEAR: usize = OfGear::ALL.len();
 /// Places among the channels of a gear.
 const TRAVEL: usize = OfGear::Displacement as usize;
 const CONTACT_TORQUE: usize = OfGear::ContactTorque as usize;
+/// Places of the torques on both gears among the channels of a mesh.
+const TORQUES: [usize; 2] = [OfMesh::FirstTorque as usize, OfMesh::SecondTorque as usize];
 
 /// Adds the force of a contact on the second gear.
 fn add_contact(of_mesh: &mut [f64], force: Vec3, normal: f64) {
@@ -159,7 +161,9 @@ impl Scene {
             let of_mesh = &mut out.channels[PER_MESH * a.mesh..][..PER_MESH];
             add_contact(of_mesh, force, a.force.n);
             for (k, &i) in mesh.gears.iter().enumerate() {
-                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += self.on_hub(at, a, k);
+                let torque = self.on_hub(at, a, k);
+                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += torque;
+                out.channels[PER_MESH * a.mesh + TORQUES[k]] += torque;
             }
         }
         self.each_coupling(|_, _, [c, _], [n, o]| energy.contact += c * n * o);
@@ -216,8 +220,9 @@ impl Scene {
             }
             for (k, &i) in mesh.gears.iter().enumerate() {
                 let of_hub = (self.gears[i].model.hub(), self.gears[i].at(at));
-                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] +=
-                    a.on_hub((p, &nodal.found.lines), of_hub, k);
+                let torque = a.on_hub((p, &nodal.found.lines), of_hub, k);
+                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += torque;
+                out.channels[PER_MESH * p.mesh as usize + TORQUES[k]] += torque;
             }
         }
         for (i, (g, nodes)) in self.gears.iter().zip(&nodal.gears).enumerate() {

@@ -96,6 +96,8 @@ pub struct Canvas<'a> {
     backend: SVGBackend<'a>,
     polylines: usize,
     dashes: Vec<(usize, &'static [f64])>,
+    /// Elements under all others.
+    ground: String,
     error: Option<String>,
 }
 
@@ -108,16 +110,17 @@ pub fn draw(
 ) -> Result<String, DrawError> {
     let mut raw = String::new();
     let size = (unit(width).max(1) as u32, unit(height).max(1) as u32);
-    let (dashes, error) = {
+    let (dashes, ground, error) = {
         let mut canvas = Canvas {
             backend: SVGBackend::with_string(&mut raw, size),
             polylines: 0,
             dashes: Vec::new(),
+            ground: String::new(),
             error: None,
         };
         paint(&mut canvas);
         let present = canvas.backend.present().map_err(|e| e.to_string());
-        (canvas.dashes, canvas.error.or(present.err()))
+        (canvas.dashes, canvas.ground, canvas.error.or(present.err()))
     };
     if let Some(error) = error {
         return Err(DrawError(error));
@@ -139,7 +142,7 @@ pub fn draw(
     ] {
         body = body.replace(idle, "");
     }
-    Ok(header + &with_dashes(&body, &dashes))
+    Ok(header + &ground + &with_dashes(&body, &dashes))
 }
 
 fn with_dashes(body: &str, dashes: &[(usize, &'static [f64])]) -> String {
@@ -222,6 +225,21 @@ impl Canvas<'_> {
             &[(r.x0, r.y0), (r.x1, r.y0), (r.x1, r.y1), (r.x0, r.y1)],
             ink,
         );
+    }
+
+    /// Many rectangles of one colour as one element, under all that is drawn otherwise, edge to edge.
+    pub fn cells(&mut self, cells: &[Rect], Ink(r, g, b, _): Ink) {
+        let mut path = String::new();
+        for cell in cells {
+            let [x, y, right, bottom] = [cell.x0, cell.y0, cell.x1, cell.y1].map(unit);
+            let (wide, tall) = (right - x, bottom - y);
+            path.push_str(&format!("M{x} {y}h{wide}v{tall}h{}z", -wide));
+        }
+        if !path.is_empty() {
+            self.ground.push_str(&format!(
+                "<path shape-rendering=\"crispEdges\" fill=\"#{r:02X}{g:02X}{b:02X}\" d=\"{path}\"/>\n"
+            ));
+        }
     }
 
     /// The edge of a rectangle.

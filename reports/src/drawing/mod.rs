@@ -16,6 +16,7 @@
 pub mod axis;
 pub mod canvas;
 pub mod geometry;
+pub mod heat;
 pub mod ink;
 pub mod labels;
 pub mod legend;

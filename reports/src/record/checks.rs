@@ -1,6 +1,6 @@
 //! What a record must satisfy to be saved, and the form in which it is saved.
 
-use crate::record::{ContactSnapshot, FlankLoad, Results, Run, SCHEMA, Steady};
+use crate::record::{ContactSnapshot, FlankLoad, Results, Run, SCHEMA, Steady, TorquePaths};
 use crate::series::TimeSeries;
 
 impl Results {
@@ -61,6 +61,7 @@ impl Results {
         }
         clean.part.keep_finite();
         for run in &mut clean.runs {
+            run.paths = run.paths.take().filter(TorquePaths::is_finite);
             run.steady = run.steady.take().filter(Steady::is_finite);
             run.wall_spread_s = (run.wall_spread_s).filter(|s| s.iter().all(|x| x.is_finite()));
             run.series = run.series.as_ref().map(ten_digits);

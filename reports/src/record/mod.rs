@@ -6,6 +6,7 @@
 //! finite, is absent: use [`finite`].
 
 mod checks;
+mod paths;
 mod picture;
 mod run;
 mod source;
@@ -14,6 +15,7 @@ use crate::metrics::Metric;
 use crate::series::TimeSeries;
 pub use crate::studies::sweep::{Bearing, StaticCycle, Steady};
 pub use crate::studies::{Part, Study};
+pub use paths::{MemberPath, MeshPath, PlanetShare, ShaftPath, Sharing, TorquePaths};
 pub use picture::{
     ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue,
     Outline,

@@ -1,6 +1,8 @@
 //! A run: one model under one integrator, what it cost, and how it ended.
 
-use super::{ContactSnapshot, Ledger, Metrics, Steady, is_not_finite, nan, not_a_number, slug};
+use super::{
+    ContactSnapshot, Ledger, Metrics, Steady, TorquePaths, is_not_finite, nan, not_a_number, slug,
+};
 use crate::histories::Histories;
 use crate::metrics::{Finished, Unfinished};
 use crate::series::TimeSeries;
@@ -159,6 +161,9 @@ pub struct Run {
     /// Energy and impulse ledger.
     #[serde(default)]
     pub ledger: Ledger,
+    /// Where torque and power go, of trains and shafts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paths: Option<TorquePaths>,
     /// Recorded histories.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<TimeSeries>,

@@ -12,6 +12,7 @@ pub mod modes;
 pub mod penalty;
 pub mod precision;
 pub mod response;
+pub mod run_up;
 pub mod stability;
 pub mod stiffness;
 pub mod sweep;
@@ -56,6 +57,8 @@ words! {
         Response = "response",
         /// Gears whose hubs a host moves, over the communication step.
         Coupling = "coupling",
+        /// Spectra and orders over the speed of a run-up.
+        RunUp = "run-up",
     }
 }
 
@@ -89,6 +92,8 @@ pub enum Part {
     Response(response::ResponseRecord),
     /// See [`Study::Coupling`].
     Coupling(coupling::CouplingRecord),
+    /// See [`Study::RunUp`].
+    RunUp(run_up::RunUpRecord),
 }
 
 impl Default for Part {
@@ -114,6 +119,7 @@ impl Part {
             Part::Modes(_) => Study::Modes,
             Part::Response(_) => Study::Response,
             Part::Coupling(_) => Study::Coupling,
+            Part::RunUp(_) => Study::RunUp,
         }
     }
 
@@ -122,6 +128,10 @@ impl Part {
         match self {
             Part::Choose(part) => part.choice.validate(),
             Part::Stability(part) => part.maps.iter().try_for_each(stability::Map::validate),
+            Part::RunUp(part) => part
+                .run_ups
+                .iter()
+                .try_for_each(run_up::ModelRunUp::validate),
             _ => Ok(()),
         }
     }
@@ -159,6 +169,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Modes(part) => modes::report(&part.vibrations),
         Part::Response(part) => response::report(&part.responses),
         Part::Coupling(part) => coupling::report(view, &part.couplings),
+        Part::RunUp(part) => run_up::report(view, &part.run_ups),
     }
 }
 

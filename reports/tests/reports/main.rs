@@ -6,6 +6,7 @@ mod modes;
 mod pages;
 mod precision;
 mod studies;
+mod trains;
 
 use gearbench_reports::dictionary;
 use gearbench_reports::{Results, write_results};

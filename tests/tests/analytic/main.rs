@@ -32,6 +32,7 @@ mod statics;
 mod steering;
 mod tangents;
 mod tooth_springs;
+mod torque_paths;
 mod trains;
 mod vibration_cut_off;
 mod zones;

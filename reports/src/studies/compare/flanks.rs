@@ -1,7 +1,6 @@
 //! Loads on flanks: maps at the peak and over the run, load over the width.
 //!
-//! A flank is drawn with the face width across and the length of roll upwards, from the form circle to the tip. Colours run
-//! evenly in lightness from dark to light (viridis, S. van der Walt and N. Smith, 2015): readable without seeing colour.
+//! A flank is drawn with the face width across and the length of roll upwards, from the form circle to the tip.
 
 mod over_width;
 
@@ -9,6 +8,7 @@ use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame, NAME_SIZE, TICK_SIZE, tick_label};
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw};
 use crate::drawing::geometry::Rect;
+use crate::drawing::heat::colour;
 use crate::drawing::panel::WIDTH;
 use crate::drawing::style::{look, marker};
 use crate::numbers::{Prefix, counted, quantity};
@@ -28,36 +28,6 @@ const GAP: f64 = 14.0;
 const MOST_TEETH: usize = 4;
 /// Height of a line of contact on a map.
 const LINE: f64 = 5.0;
-
-/// Nine places of the colours, from least to greatest.
-const COLOURS: [[u8; 3]; 9] = [
-    [0x44, 0x01, 0x54],
-    [0x47, 0x2d, 0x7b],
-    [0x3b, 0x52, 0x8b],
-    [0x2c, 0x72, 0x8e],
-    [0x21, 0x91, 0x8c],
-    [0x28, 0xae, 0x80],
-    [0x5e, 0xc9, 0x62],
-    [0xad, 0xdc, 0x30],
-    [0xfd, 0xe7, 0x25],
-];
-
-/// Colour of a part of the greatest value.
-fn colour(part: f64) -> Ink {
-    let last = COLOURS.len() - 1;
-    let x = if part.is_finite() {
-        part.clamp(0.0, 1.0)
-    } else {
-        0.0
-    } * last as f64;
-    let i = (x as usize).min(last - 1);
-    let t = x - i as f64;
-    let mixed = |k: usize| {
-        let (a, b) = (f64::from(COLOURS[i][k]), f64::from(COLOURS[i + 1][k]));
-        (a + t * (b - a)).round() as u8
-    };
-    Ink(mixed(0), mixed(1), mixed(2), 1.0)
-}
 
 /// A model whose flanks are known at its peak.
 struct Borne<'a> {

@@ -8,6 +8,7 @@ mod flanks;
 mod glance;
 pub(super) mod histories;
 mod mesh;
+mod paths;
 mod pressure;
 mod timing;
 mod window;
@@ -34,6 +35,7 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         pressure::pressure(view)?,
         histories::speeds(view)?,
         channels::channels(view)?,
+        paths::shares(view)?,
         mesh::mesh(view)?,
     ];
     let behind = [cost::runtime(view)?, cost::accuracy(view)?];
@@ -43,10 +45,10 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         .chain(behind.into_iter().flatten());
     Ok(StudyReport {
         finding: finding::finding(view),
-        tables: html! { (glance::glance(view)) (timing::timing(view, part)) },
+        tables: html! { (glance::glance(view)) (timing::timing(view, part)) (paths::tables(view)) },
         charts: charts.collect(),
         details: runs::all(view),
-        csv: Vec::new(),
+        csv: paths::csv(view),
         ..StudyReport::default()
     })
 }

@@ -293,3 +293,57 @@ fn kahramans_planetary_train() {
     ];
     hold(&found, &printed, 1e-7, "Kahraman");
 }
+
+/// A pinion in a ring turns with it: what swings are both against each other, `k (1/m_1 + 1/m_2)` with `m = J/r_b^2`, also where a
+/// torque is left over that accelerates both, and the mesh then bears what the inertia of the ring takes.
+#[test]
+fn a_ring_and_its_pinion_swing_against_each_other() {
+    use gearbench::experiment::small_signals::loaded;
+    use gearbench::scene_file::{Origin, SceneFile};
+    let (stiffness, width) = (2e10, 0.02);
+    for more in [0.0, 12.0] {
+        let text = format!(
+            "schema = 1\nname = \"ring\"\nduration_s = 1e-3\n\
+             [gears.pinion]\nteeth = 24\nmodule_m = 0.003\nface_width_m = {width:?}\nthinning_m = 3e-5\nspeed_rad_s = 20.0\n\
+             loads = [{{ torque_nm = {:?} }}]\n\
+             [gears.ring]\ninternal = true\nteeth = 84\nmodule_m = 0.003\nface_width_m = {width:?}\naddendum_factor = 0.8\n\
+             tip_radius_factor = 0.25\ncutter_teeth = 25\nrim_radius_m = 0.15\nthinning_m = 3e-5\nspeed_rad_s = {:?}\n\
+             loads = [{{ torque_nm = -210.0 }}]\n\
+             [[meshes]]\ngears = [\"pinion\", \"ring\"]\ncentre_distance_m = 0.09\nstart = {{ flank = \"left\", gap_m = 0.0 }}\n\
+             [[models]]\nmodel = \"rigid\"\ncontact = {{ stiffness = {{ kind = \"constant\", stiffness_n_per_m2 = {stiffness:?} }} }}\n",
+            60.0 + more,
+            20.0 * 24.0 / 84.0,
+        );
+        let file = SceneFile::unbuilt("ring", &text, Origin::Shipped, false)
+            .unwrap_or_else(|e| panic!("{e:?}"));
+        let choice = file.model("rigid").unwrap();
+        let spec = file.spec_for(choice);
+        let mut scene = gearbench_models::scene::Scene::build(
+            &spec,
+            &choice.modelling,
+            gearbench::models::models(),
+        )
+        .unwrap();
+        let found = loaded(&mut scene, true).unwrap_or_else(|e| panic!("{e}"));
+        let contacts = scene.contact_forces(found.state.at()).len() as f64;
+        let radii = [0, 1].map(|g| effective_radius(&spec.gears[g].body));
+        let masses = [0, 1].map(|g| scene.gears()[g].model.hub().hub.inertia / radii[g].powi(2));
+        let exact = (contacts * stiffness * width * (1.0 / masses[0] + 1.0 / masses[1])).sqrt();
+        let swings = found.modes.squares[0].sqrt();
+        println!(
+            "{more} N m left over: {:.3} Hz, closed form {:.3}",
+            swings / TAU,
+            exact / TAU
+        );
+        assert_eq!((found.modes.squares.len(), found.rigid.len()), (1, 1));
+        assert!((swings / exact - 1.0).abs() < 1e-6, "{swings} {exact}");
+        // The ring takes its part of the acceleration.
+        let rate = more / radii[0] / (masses[0] + masses[1]);
+        let force = 60.0 / radii[0] + masses[1] * rate;
+        assert!(
+            (found.pressed[0] / force - 1.0).abs() < 1e-5,
+            "{:?} {force}",
+            found.pressed
+        );
+    }
+}

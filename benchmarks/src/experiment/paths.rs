@@ -1,0 +1,262 @@
+//! Paths of torque and power through a train, from the histories of a run.
+//!
+//! ```text
+//! P_m = -mean(T_1 omega_1),   s_k = F_k / sum F,   K_gamma = N max F_k / sum F,   W_i = sum (T_i + T_(i+1))/2 (phi_(i+1) - phi_i)
+//! ```
+//!
+//! Means are over the second half of a run, by the trapezoidal rule; what happens before is how it starts. Works of loads are
+//! sums over the turn of their hub, exact for constant torques; those of drives over torque and turn on the grid.
+
+use super::history::History;
+use super::record::carrier_of;
+use gearbench_integrators::observers::ledger::Ledger;
+use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
+use gearbench_models::spec::{Mount, SceneSpec};
+use gearbench_reports::record::{
+    MemberPath, MeshPath, PlanetShare, ShaftPath, Sharing, TorquePaths,
+};
+
+/// Part of a run before means are taken.
+const ONSET: f64 = 0.5;
+/// Force below this part of the greatest counts as none: shares of nothing are not told.
+const NOTHING: f64 = 1e-3;
+
+/// Histories on the grid.
+struct Grid<'a> {
+    scene: &'a Scene,
+    history: &'a History,
+    /// Rows of the history, and the first of them that means take.
+    rows: Vec<usize>,
+    from: usize,
+}
+
+impl Grid<'_> {
+    fn time(&self, i: usize) -> f64 {
+        self.history.time[self.rows[i]]
+    }
+
+    /// A channel; zeros where the scene has none.
+    fn column(&self, channel: Channel) -> Vec<f64> {
+        let place = self.scene.channel(channel);
+        let value = |row: &usize| place.map_or(0.0, |c| self.history.rows[*row][c]);
+        self.rows.iter().map(value).collect()
+    }
+
+    /// Mean over time from the onset on.
+    fn mean(&self, value: impl Fn(usize) -> f64) -> f64 {
+        let last = self.rows.len() - 1;
+        let span = self.time(last) - self.time(self.from);
+        let sum: f64 = (self.from..last)
+            .map(|i| 0.5 * (self.time(i + 1) - self.time(i)) * (value(i) + value(i + 1)))
+            .sum();
+        sum / span
+    }
+}
+
+/// Work of a torque over a turn, from a sample on.
+fn work(torque: &[f64], angle: &[f64], from: usize) -> f64 {
+    let turns = angle[from..].windows(2).map(|w| w[1] - w[0]);
+    let means = torque[from..].windows(2).map(|w| 0.5 * (w[0] + w[1]));
+    turns.zip(means).map(|(turn, torque)| turn * torque).sum()
+}
+
+/// The paths of a scene with more than one mesh, or with shafts.
+pub fn torque_paths(
+    spec: &SceneSpec,
+    scene: &Scene,
+    history: &History,
+    ledger: &Ledger,
+) -> Option<TorquePaths> {
+    if spec.meshes.len() < 2 && spec.shafts.is_empty() {
+        return None;
+    }
+    let finite = |row: &usize| history.rows[*row].iter().all(|x| x.is_finite());
+    let rows: Vec<usize> = (history.on_grid.iter().copied())
+        .take_while(finite)
+        .collect();
+    let last = history.time[*rows.last()?];
+    let from = rows.partition_point(|row| history.time[*row] < ONSET * last);
+    if rows.len() < from + 3 {
+        return None;
+    }
+    let grid = Grid {
+        scene,
+        history,
+        rows,
+        from,
+    };
+    let members = members(spec, &grid);
+    let input: f64 = members.iter().map(|m| m.power_w.max(0.0)).sum();
+    let works = members.iter().map(|m| m.work_j);
+    let (work_in, work_out) = works.fold((0.0, 0.0), |(given, taken), w| {
+        (given + w.max(0.0), taken - w.min(0.0))
+    });
+    // As in the record: what a damper leaves in a contact that opens is lost there and then.
+    let dissipated = ledger.dissipated + (ledger.gained - ledger.jumps);
+    let stored = ledger.end.total() - ledger.start.map_or(0.0, |e| e.total());
+    let paths = TorquePaths {
+        from_s: grid.time(from),
+        to_s: last,
+        input_w: input,
+        meshes: (0..spec.meshes.len())
+            .map(|m| of_mesh(spec, &grid, m, input))
+            .collect(),
+        shafts: shafts(spec, &grid),
+        sharing: sharing(spec, &grid),
+        members,
+        work_in_j: work_in,
+        work_out_j: work_out,
+        dissipated_j: dissipated,
+        stored_j: stored,
+        unexplained_j: work_in - work_out - dissipated - stored,
+    };
+    Some(paths).filter(TorquePaths::is_finite)
+}
+
+fn members(spec: &SceneSpec, grid: &Grid<'_>) -> Vec<MemberPath> {
+    let mounts = spec.gears.iter().map(|g| &g.mount);
+    let mounts = mounts.chain(spec.bodies().map(|b| &b.mount));
+    let of = |(i, mount): (usize, &Mount)| {
+        let column = |what| grid.column(Channel::Gear(i, what));
+        let (angle, speed) = (column(OfGear::Displacement), column(OfGear::HubSpeed));
+        let gear = &grid.scene.gears()[i];
+        let load: Vec<f64> = (speed.iter().enumerate())
+            // The empty sum is less than zero.
+            .map(|(k, speed)| gear.load(grid.time(k), *speed) + 0.0)
+            .collect();
+        let held = column(OfGear::MountTorque);
+        let driven = matches!(mount, Mount::Driven(_));
+        // A hub that is held does no work, and a load on one that is driven is taken by its drive.
+        let exerted: Vec<f64> = match mount {
+            Mount::Fixed => vec![0.0; load.len()],
+            _ if driven => held.clone(),
+            _ => load.clone(),
+        };
+        let forces = [OfGear::BearingX, OfGear::BearingY, OfGear::BearingZ].map(column);
+        let bearing = |k: usize| forces.iter().map(|f| f[k] * f[k]).sum::<f64>().sqrt();
+        let span = grid.time(grid.rows.len() - 1) - grid.time(grid.from);
+        let contact = column(OfGear::ContactTorque);
+        MemberPath {
+            name: spec.member_name(i).to_owned(),
+            speed_rad_s: (angle[angle.len() - 1] - angle[grid.from]) / span,
+            load_nm: grid.mean(|k| load[k]),
+            mount_nm: grid.mean(|k| held[k]),
+            contact_nm: grid.mean(|k| contact[k]),
+            power_w: work(&exerted, &angle, grid.from) / span,
+            bearing_n: grid.mean(bearing),
+            work_j: work(&exerted, &angle, 0),
+        }
+    };
+    mounts.enumerate().map(of).collect()
+}
+
+fn of_mesh(spec: &SceneSpec, grid: &Grid<'_>, m: usize, input: f64) -> MeshPath {
+    let gears = spec.meshes[m].gears;
+    let force = grid.column(Channel::Mesh(m, OfMesh::Force));
+    let torques = OfMesh::TORQUES.map(|what| grid.column(Channel::Mesh(m, what)));
+    let speeds = gears.map(|g| grid.column(Channel::Gear(g, OfGear::HubSpeed)));
+    let carriers = gears.map(|g| carrier_of(spec, g));
+    let carrier = carriers[0].or(carriers[1]);
+    let carried = carrier.map(|c| grid.column(Channel::Gear(c, OfGear::HubSpeed)));
+    let seen = |k: usize, i: usize| speeds[k][i] - carried.as_ref().map_or(0.0, |c| c[i]);
+    // A planet gets power by its pin as well: its mate, about a fixed axis, tells what the mesh hands over.
+    let power = match carriers[0] {
+        None => grid.mean(|i| -torques[0][i] * speeds[0][i]),
+        Some(_) => grid.mean(|i| torques[1][i] * speeds[1][i]),
+    };
+    MeshPath {
+        gears: gears.map(|g| spec.gears[g].name.clone()),
+        force_n: grid.mean(|i| force[i]),
+        torque_nm: [0, 1].map(|k| grid.mean(|i| torques[k][i])),
+        power_w: power,
+        share: (input > 0.0).then(|| power.abs() / input),
+        rolling_w: carrier.map(|_| grid.mean(|i| -torques[0][i] * seen(0, i))),
+        loss_w: grid.mean(|i| -torques[0][i] * seen(0, i) - torques[1][i] * seen(1, i)),
+    }
+}
+
+fn shafts(spec: &SceneSpec, grid: &Grid<'_>) -> Vec<ShaftPath> {
+    let stations = spec.shafts.iter().flat_map(|s| s.stations.windows(2));
+    let member = |name: &str| {
+        let all = spec.gears.len() + spec.bodies().count();
+        (0..all).find(|i| spec.member_name(*i) == name)
+    };
+    let of = |(span, pair): (usize, &[gearbench_models::spec::Station])| {
+        let names = [0, 1].map(|k| spec.station_name(&pair[k]).to_owned());
+        let torque = grid.column(Channel::ShaftTorque(span));
+        let speed = member(&names[1]).map(|i| grid.column(Channel::Gear(i, OfGear::HubSpeed)));
+        ShaftPath {
+            torque_nm: grid.mean(|i| torque[i]),
+            power_w: speed.map_or(0.0, |v| grid.mean(|i| torque[i] * v[i])),
+            between: names,
+        }
+    };
+    stations.enumerate().map(of).collect()
+}
+
+fn sharing(spec: &SceneSpec, grid: &Grid<'_>) -> Vec<Sharing> {
+    let mut all = Vec::new();
+    for carrier in spec.bodies().filter(|b| b.planets.len() > 1) {
+        for gear in 0..spec.gears.len() {
+            // Meshes of planets with this gear; planets that mesh with each other are none.
+            let meshes: Vec<(usize, usize)> = (spec.meshes.iter().enumerate())
+                .filter_map(|(m, mesh)| {
+                    let [a, b] = mesh.gears;
+                    let planet = if a == gear { b } else { a };
+                    let own = mesh.gears.contains(&gear) && carrier.planets.contains(&planet);
+                    (own && !carrier.planets.contains(&gear)).then_some((m, planet))
+                })
+                .collect();
+            if meshes.len() > 1 {
+                all.extend(shared(spec, grid, (&carrier.name, gear), &meshes));
+            }
+        }
+    }
+    all
+}
+
+fn shared(
+    spec: &SceneSpec,
+    grid: &Grid<'_>,
+    (carrier, gear): (&str, usize),
+    meshes: &[(usize, usize)],
+) -> Option<Sharing> {
+    let of = |(m, _): &(usize, usize)| grid.column(Channel::Mesh(*m, OfMesh::Force));
+    let forces: Vec<Vec<f64>> = meshes.iter().map(of).collect();
+    let sum = |i: usize| forces.iter().map(|f| f[i]).sum::<f64>();
+    let times = grid.from..grid.rows.len();
+    let most = times.clone().map(sum).fold(0.0, f64::max);
+    let loaded: Vec<usize> = times.filter(|i| sum(*i) > NOTHING * most).collect();
+    if loaded.is_empty() {
+        return None;
+    }
+    let means: Vec<f64> = forces.iter().map(|f| grid.mean(|i| f[i])).collect();
+    let all: f64 = means.iter().sum();
+    let n = meshes.len() as f64;
+    let greatest = |k: usize| {
+        loaded
+            .iter()
+            .map(|i| forces[k][*i] / sum(*i))
+            .fold(0.0, f64::max)
+    };
+    let least = |k: usize| {
+        let shares = loaded.iter().map(|i| forces[k][*i] / sum(*i));
+        shares.fold(f64::INFINITY, f64::min)
+    };
+    let planets: Vec<PlanetShare> = (meshes.iter().enumerate())
+        .map(|(k, (_, planet))| PlanetShare {
+            planet: spec.gears[*planet].name.clone(),
+            mean: means[k] / all,
+            least: least(k),
+            greatest: greatest(k),
+        })
+        .collect();
+    let largest = |of: fn(&PlanetShare) -> f64| planets.iter().map(of).fold(0.0, f64::max);
+    Some(Sharing {
+        carrier: carrier.to_owned(),
+        gear: spec.gears[gear].name.clone(),
+        factor: n * largest(|p| p.mean),
+        factor_greatest: n * largest(|p| p.greatest),
+        planets,
+    })
+}

@@ -1,0 +1,29 @@
+//! A run that one more observer looks at: what that takes is no cost of the method.
+
+use super::status::RunMonitor;
+use gearbench_integrators::{AcceptedStep, Control, SecondOrderSystem, Sink, State};
+use std::time::Instant;
+
+/// The monitor of a run, and whoever else looks at it.
+pub struct Watched<'w> {
+    pub monitor: &'w mut RunMonitor,
+    pub observer: &'w mut dyn Sink,
+}
+
+impl Sink for Watched<'_> {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        let control = self.monitor.accepted(sys, step);
+        let begin = Instant::now();
+        let other = self.observer.accepted(sys, step);
+        self.monitor.spent += begin.elapsed();
+        match other {
+            Control::Continue => control,
+            stop => stop,
+        }
+    }
+
+    fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
+        self.monitor.restarted(sys, before, after);
+        self.observer.restarted(sys, before, after);
+    }
+}

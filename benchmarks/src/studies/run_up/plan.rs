@@ -1,0 +1,47 @@
+//! What a run-up runs, and how it is looked at.
+
+use crate::experiment::conditions::Conditions;
+use crate::experiment::configuration::Configuration;
+use gearbench_integrators::Scheme;
+use serde::Serialize;
+
+/// Speeds of a run-up in place of what the scene does.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Ramp {
+    /// Speed of the reference gear at the start [rad/s], without its sense.
+    pub from: f64,
+    /// At the end.
+    pub to: f64,
+    /// How long it takes [s].
+    pub over: f64,
+}
+
+/// How a run is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Look {
+    /// The reference gear, by its place in the scene.
+    pub gear: usize,
+    /// Multiples of mesh orders that are followed and shown.
+    pub multiples: usize,
+    /// Whole turns of a window; `None` takes a hundredth of the run.
+    pub turns: Option<u32>,
+    /// What begins earlier is not looked at [s].
+    pub onset: f64,
+    /// Samples of the run.
+    pub samples: usize,
+}
+
+/// What to run.
+#[derive(Clone, Debug)]
+pub struct Plan<'a> {
+    /// What heads the record; its duration is that of the run-up.
+    pub conditions: Conditions<'a>,
+    /// The models.
+    pub entries: Vec<Configuration>,
+    /// Integrator of models without their own.
+    pub method: Scheme,
+    /// In place of what the scene does.
+    pub ramp: Option<Ramp>,
+    /// How it is looked at.
+    pub look: Look,
+}

@@ -1,0 +1,44 @@
+//! What the terminal says of a record of `run-up`.
+
+use crate::cli::terminal::say;
+use gearbench_reports::numbers::{quantity, short};
+use gearbench_reports::record::Results;
+use gearbench_reports::run_up::strongest;
+
+/// Peaks that are told of each model.
+const MOST: usize = 12;
+
+/// The strongest order of each quantity with the speed at which it peaks.
+pub fn summarise(results: &Results) {
+    for run in results.run_ups() {
+        if !run.message.is_empty() {
+            say(&format!("{}: {}", run.label, run.message));
+            continue;
+        }
+        say(&format!(
+            "{}: {} from {} to {} rad/s in {} turns, windows of {} turns and {}",
+            run.label,
+            run.gear,
+            short(run.lowest_rad_s, 4),
+            short(run.highest_rad_s, 4),
+            short(run.turns, 4),
+            short(run.by_turns.span, 4),
+            quantity(run.by_time.span, "s", 3)
+        ));
+        say(&format!(
+            "{:<40} {:<26} {:>9} {:>12} {:>12} {:>10}",
+            "quantity", "order", "", "amplitude", "at rad/s", "at Hz"
+        ));
+        for peak in strongest(run, 1).iter().take(MOST) {
+            say(&format!(
+                "{:<40} {:<26} {:>9} {:>12} {:>12} {:>10}",
+                peak.channel.name,
+                peak.order.name,
+                short(peak.order.order, 5),
+                quantity(peak.amplitude, &peak.channel.unit, 4),
+                short(peak.speed_rad_s, 4),
+                short(peak.frequency_hz(), 4)
+            ));
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Where torque and power go in a train: through meshes, shafts and bearings, into and out of members; how planets share.
+
+use serde::{Deserialize, Serialize};
+
+/// Paths of torque through a scene: means from a time on, works over the whole run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct TorquePaths {
+    /// Means are taken from here on [s].
+    pub from_s: f64,
+    /// To here [s].
+    pub to_s: f64,
+    /// Mean power of the loads and drives that put power in [W].
+    pub input_w: f64,
+    /// Meshes in the order of the scene.
+    pub meshes: Vec<MeshPath>,
+    /// Gears, and behind them bodies on shafts.
+    pub members: Vec<MemberPath>,
+    /// Shafts between neighbouring stations.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shafts: Vec<ShaftPath>,
+    /// How planets share the load of a gear that they all mesh with.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sharing: Vec<Sharing>,
+    /// Work of all loads and drives that put energy in, over the whole run [J].
+    pub work_in_j: f64,
+    /// Work of those that take energy out [J].
+    pub work_out_j: f64,
+    /// What damping and friction took [J].
+    pub dissipated_j: f64,
+    /// What the scene has gained: motion, strain, contact [J].
+    pub stored_j: f64,
+    /// In less out, dissipated and stored [J]: what the integration made up or lost, and what sums over the grid leave.
+    pub unexplained_j: f64,
+}
+
+/// A mesh.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MeshPath {
+    /// Names of its gears.
+    pub gears: [String; 2],
+    /// Mean contact force [N].
+    pub force_n: f64,
+    /// Mean torques on both gears about their axes [N m]; of a rack the force along its slide [N].
+    pub torque_nm: [f64; 2],
+    /// Mean power that the first gear gives (below zero: gets), of a planet its mate, in space [W].
+    pub power_w: f64,
+    /// Its magnitude over the input [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
+    /// Mean power from gear to gear as the carrier of a planetary set sees it [W].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rolling_w: Option<f64>,
+    /// Mean power that its contacts take: damping, friction, and what they store [W].
+    pub loss_w: f64,
+}
+
+/// A gear or a body.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MemberPath {
+    /// Name.
+    pub name: String,
+    /// Mean speed [rad/s].
+    pub speed_rad_s: f64,
+    /// Mean torque of its loads [N m].
+    pub load_nm: f64,
+    /// Mean torque of its mount or drive [N m].
+    pub mount_nm: f64,
+    /// Mean torque of all contacts [N m].
+    pub contact_nm: f64,
+    /// Mean power of loads and drive [W].
+    pub power_w: f64,
+    /// Mean magnitude of the force of its bearing or pin [N].
+    pub bearing_n: f64,
+    /// Work of loads and drive over the whole run [J].
+    pub work_j: f64,
+}
+
+/// A piece of a shaft between neighbours.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ShaftPath {
+    /// Names of the stations.
+    pub between: [String; 2],
+    /// Mean torque that the first exerts on the second [N m].
+    pub torque_nm: f64,
+    /// Mean power that goes over [W].
+    pub power_w: f64,
+}
+
+/// How the planets of a carrier share the load of a gear.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Sharing {
+    /// The carrier.
+    pub carrier: String,
+    /// The gear that they mesh with.
+    pub gear: String,
+    /// Each of them.
+    pub planets: Vec<PlanetShare>,
+    /// Load sharing factor of the mean forces: number of planets times the largest over their sum [-].
+    pub factor: f64,
+    /// The largest that it ever is [-].
+    pub factor_greatest: f64,
+}
+
+/// Share of a planet.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PlanetShare {
+    /// Its name.
+    pub planet: String,
+    /// Mean force of its mesh over the sum of all [-].
+    pub mean: f64,
+    /// The least that it is at a time [-].
+    pub least: f64,
+    /// The greatest [-].
+    pub greatest: f64,
+}
+
+impl TorquePaths {
+    /// Whether every number is one.
+    pub fn is_finite(&self) -> bool {
+        let whole = [
+            self.input_w,
+            self.work_in_j,
+            self.work_out_j,
+            self.dissipated_j,
+            self.stored_j,
+            self.unexplained_j,
+        ];
+        let meshes = self.meshes.iter().flat_map(|m| {
+            [
+                m.force_n,
+                m.torque_nm[0],
+                m.torque_nm[1],
+                m.power_w,
+                m.loss_w,
+            ]
+        });
+        let members = self.members.iter().flat_map(|m| {
+            [
+                m.speed_rad_s,
+                m.load_nm,
+                m.mount_nm,
+                m.contact_nm,
+                m.power_w,
+                m.bearing_n,
+                m.work_j,
+            ]
+        });
+        let shafts = self.shafts.iter().flat_map(|s| [s.torque_nm, s.power_w]);
+        let sharing = self.sharing.iter().flat_map(|s| {
+            let shares = s.planets.iter().flat_map(|p| [p.mean, p.least, p.greatest]);
+            shares.chain([s.factor, s.factor_greatest])
+        });
+        let all = whole.into_iter().chain(meshes).chain(members);
+        all.chain(shafts).chain(sharing).all(f64::is_finite)
+    }
+}

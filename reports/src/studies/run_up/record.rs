@@ -1,0 +1,196 @@
+//! The record of a run-up: amplitudes over the speed of a reference gear, by frequency and by order.
+//!
+//! Amplitudes are half of peak to peak, of bearing forces that of both radial components together, root of the sum of squares.
+//! Orders count per turn of the reference gear.
+
+use crate::record::Results;
+use crate::studies::Part;
+use serde::{Deserialize, Serialize};
+
+/// What the record of this study has of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunUpRecord {
+    /// Run-ups, model by model.
+    pub run_ups: Vec<ModelRunUp>,
+}
+
+impl Results {
+    /// Run-ups of models; none in records of other studies.
+    pub fn run_ups(&self) -> &[ModelRunUp] {
+        match &self.part {
+            Part::RunUp(part) => &part.run_ups,
+            _ => &[],
+        }
+    }
+}
+
+/// The run-up of a model.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ModelRunUp {
+    /// Label of the model in its scene.
+    pub label: String,
+    /// Why there is none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub message: String,
+    /// The reference gear.
+    pub gear: String,
+    /// From when on the run was looked at [s].
+    pub onset_s: f64,
+    /// How often the reference gear turned from there on.
+    pub turns: f64,
+    /// Its lowest speed, mean of a window [rad/s].
+    pub lowest_rad_s: f64,
+    /// Its highest [rad/s].
+    pub highest_rad_s: f64,
+    /// Orders that were followed.
+    pub orders: Vec<TrackedOrder>,
+    /// Windows of equal time; their lines are frequencies [Hz].
+    pub by_time: RunUpMap,
+    /// Windows of equal turns; their lines are orders.
+    pub by_turns: RunUpMap,
+    /// Natural frequencies of the scene under its loads, within the range of the spectra.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub natural: Vec<NaturalFrequency>,
+    /// Transmission errors, mesh forces, bearing forces.
+    pub channels: Vec<RunUpChannel>,
+}
+
+/// An order that was followed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct TrackedOrder {
+    /// Whose multiple it is.
+    pub name: String,
+    /// Cycles per turn of the reference gear.
+    pub order: f64,
+    /// It is one of teeth in mesh, not of a shaft.
+    pub of_mesh: bool,
+}
+
+/// Windows of a map, and its lines.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct RunUpMap {
+    /// Length of a window: [s] or turns. Lines closer than twice its inverse are not told apart.
+    pub span: f64,
+    /// Time in the middle of each window [s].
+    pub time_s: Vec<f64>,
+    /// Mean speed of the reference gear in each [rad/s].
+    pub speed_rad_s: Vec<f64>,
+    /// Frequencies [Hz] or orders.
+    pub lines: Vec<f64>,
+}
+
+/// A natural frequency.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct NaturalFrequency {
+    /// Without damping [Hz].
+    pub frequency_hz: f64,
+    /// What holds most of its strain energy.
+    pub name: String,
+}
+
+/// A quantity over the run-up, in its SI unit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct RunUpChannel {
+    /// Name of its column in files.
+    pub column: String,
+    /// Name for readers.
+    pub name: String,
+    /// Unit of its amplitudes.
+    pub unit: String,
+    /// Amplitudes of the orders that were followed, each over the windows of turns.
+    pub orders: Vec<Vec<f64>>,
+    /// Amplitudes by window of time and frequency; of planets that are alike the first has them for all.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub spectra: Vec<Vec<f64>>,
+    /// Amplitudes by window of turns and order, likewise.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub order_spectra: Vec<Vec<f64>>,
+}
+
+/// Where an order is largest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak<'a> {
+    /// The quantity.
+    pub channel: &'a RunUpChannel,
+    /// The order.
+    pub order: &'a TrackedOrder,
+    /// Its largest amplitude.
+    pub amplitude: f64,
+    /// The speed there [rad/s].
+    pub speed_rad_s: f64,
+    /// It lies at the end of the run-up: the order may grow further beyond.
+    pub at_the_end: bool,
+}
+
+impl Peak<'_> {
+    /// Frequency of the order there [Hz].
+    pub fn frequency_hz(&self) -> f64 {
+        self.order.order * self.speed_rad_s / std::f64::consts::TAU
+    }
+}
+
+impl ModelRunUp {
+    /// The peak of an order of a quantity.
+    pub fn peak<'a>(&'a self, channel: &'a RunUpChannel, order: usize) -> Option<Peak<'a>> {
+        let amplitudes = channel.orders.get(order)?;
+        let at = (0..amplitudes.len()).max_by(|a, b| amplitudes[*a].total_cmp(&amplitudes[*b]))?;
+        Some(Peak {
+            channel,
+            order: self.orders.get(order)?,
+            amplitude: amplitudes[at],
+            speed_rad_s: *self.by_turns.speed_rad_s.get(at)?,
+            at_the_end: at == 0 || at + 1 == amplitudes.len(),
+        })
+    }
+
+    /// Checks what the types do not enforce.
+    ///
+    /// # Errors
+    /// What does not fit together.
+    pub fn validate(&self) -> Result<(), String> {
+        for (what, map) in [("spectra", &self.by_time), ("orders", &self.by_turns)] {
+            if map.time_s.len() != map.speed_rad_s.len() {
+                return Err(format!("{}: windows of {what} without a speed", self.label));
+            }
+        }
+        let fits = |rows: &[Vec<f64>], map: &RunUpMap| {
+            rows.is_empty()
+                || (rows.len() == map.time_s.len()
+                    && rows.iter().all(|r| r.len() == map.lines.len()))
+        };
+        for c in &self.channels {
+            let followed = c.orders.len() == self.orders.len()
+                && c.orders
+                    .iter()
+                    .all(|o| o.len() == self.by_turns.time_s.len());
+            if !followed
+                || !fits(&c.spectra, &self.by_time)
+                || !fits(&c.order_spectra, &self.by_turns)
+            {
+                return Err(format!(
+                    "{}: {} has other windows or lines",
+                    self.label, c.name
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The orders of each quantity with the largest amplitudes, so many of each, the largest first.
+pub fn strongest(run: &ModelRunUp, each: usize) -> Vec<Peak<'_>> {
+    let mut all = Vec::new();
+    for channel in &run.channels {
+        let mut peaks: Vec<Peak<'_>> = (0..run.orders.len())
+            .filter_map(|k| run.peak(channel, k))
+            .collect();
+        peaks.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
+        all.extend(peaks.into_iter().take(each));
+    }
+    all
+}

@@ -1,0 +1,190 @@
+//! Reports of run-ups, and of paths of torque.
+
+use crate::{finding, has_only_numbers, holds, written};
+use gearbench_reports::record::{
+    MemberPath, MeshPath, PlanetShare, Run, ShaftPath, Sharing, TorquePaths,
+};
+use gearbench_reports::run_up::{
+    ModelRunUp, NaturalFrequency, RunUpChannel, RunUpMap, RunUpRecord, TrackedOrder,
+};
+use gearbench_reports::{Column, Part, Results, TimeSeries};
+
+/// A run-up whose mesh order of 16 is largest at 600 rad/s.
+fn run_up() -> Results {
+    let speeds: Vec<f64> = (0..20).map(|i| 200.0 + 50.0 * f64::from(i)).collect();
+    let map = |span: f64, lines: Vec<f64>| RunUpMap {
+        span,
+        time_s: (0..20).map(|i| 0.05 * f64::from(i)).collect(),
+        speed_rad_s: speeds.clone(),
+        lines,
+    };
+    let orders: Vec<f64> = (0..=36).map(f64::from).collect();
+    let frequencies: Vec<f64> = (0..=40).map(|i| 100.0 * f64::from(i)).collect();
+    let resonance = |s: f64| 1e-6 / (0.05 + (s / 600.0 - 1.0).powi(2)).sqrt();
+    let at = |line: f64, here: f64, s: f64| resonance(s) * (-(line - here).powi(2)).exp();
+    let spectra = |s: &f64| {
+        let here = 16.0 * s / std::f64::consts::TAU / 100.0;
+        frequencies
+            .iter()
+            .map(|f| at(f / 100.0, here, *s))
+            .collect()
+    };
+    let of_orders = |s: &f64| orders.iter().map(|o| at(*o, 16.0, *s)).collect();
+    let found = ModelRunUp {
+        label: "rigid".into(),
+        gear: "pinion <a>".into(),
+        turns: 138.0,
+        lowest_rad_s: 200.0,
+        highest_rad_s: 1150.0,
+        orders: vec![
+            TrackedOrder {
+                name: "1x mesh".into(),
+                order: 16.0,
+                of_mesh: true,
+            },
+            TrackedOrder {
+                name: "2x mesh".into(),
+                order: 32.0,
+                of_mesh: true,
+            },
+        ],
+        by_time: map(0.01, frequencies.clone()),
+        by_turns: map(1.0, orders.clone()),
+        natural: vec![NaturalFrequency {
+            frequency_hz: 1530.0,
+            name: "mesh pinion - wheel".into(),
+        }],
+        channels: vec![RunUpChannel {
+            column: "transmission_error_m".into(),
+            name: "transmission error pinion - wheel".into(),
+            unit: "m".into(),
+            orders: vec![
+                speeds.iter().map(|s| resonance(*s)).collect(),
+                vec![1e-8; 20],
+            ],
+            spectra: speeds.iter().map(spectra).collect(),
+            order_spectra: speeds.iter().map(of_orders).collect(),
+        }],
+        ..ModelRunUp::default()
+    };
+    let still = ModelRunUp {
+        label: "elastic".into(),
+        message: "the speed stays".into(),
+        ..ModelRunUp::default()
+    };
+    Results {
+        part: Part::RunUp(RunUpRecord {
+            run_ups: vec![found, still],
+        }),
+        ..Results::default()
+    }
+}
+
+#[test]
+fn a_run_up_tells_where_its_orders_peak() {
+    let files = written(&run_up());
+    let names = "run_up_orders.csv run_up_spectra.csv run_up_order_spectra.csv run_up_orders_rigid.svg \
+                 run_up_rigid_transmission-error-m.svg";
+    holds(&files, &names.split_whitespace().collect::<Vec<_>>());
+    has_only_numbers(&files);
+    let page = &files["index.html"];
+    let found = finding(page);
+    for words in ["600", "1x mesh", "mesh pinion - wheel", "the speed stays"] {
+        assert!(found.contains(words), "{words} in {found}");
+    }
+    assert_eq!(files["run_up_spectra.csv"].lines().count(), 1 + 20 * 41);
+    assert_eq!(files["run_up_orders.csv"].lines().count(), 1 + 20 * 2);
+    // Windows without their lines are refused.
+    let mut broken = run_up();
+    if let Part::RunUp(part) = &mut broken.part {
+        part.run_ups[0].by_turns.lines.pop();
+    }
+    assert!(broken.validate().is_err());
+}
+
+/// Two planets of which one bears twice what the other does.
+#[test]
+fn paths_of_torque_and_shares_of_planets_are_told() {
+    let mesh = |a: &str, b: &str, force_n: f64| MeshPath {
+        gears: [a.into(), b.into()],
+        force_n,
+        torque_nm: [-0.03 * force_n, 0.06 * force_n],
+        power_w: 3.0 * force_n,
+        share: Some(force_n / 900.0),
+        rolling_w: Some(2.0 * force_n),
+        loss_w: 0.1,
+    };
+    let share = |planet: &str, mean: f64| PlanetShare {
+        planet: planet.into(),
+        mean,
+        least: 0.9 * mean,
+        greatest: 1.1 * mean,
+    };
+    let time: Vec<f64> = (0..100).map(|i| 1e-4 * f64::from(i)).collect();
+    let column = |name: &str, value: f64| Column {
+        name: name.into(),
+        values: vec![value; 100],
+    };
+    let run = Run {
+        model: "rigid".into(),
+        integrator: "dopri5".into(),
+        series: Some(TimeSeries {
+            contact_force_n: vec![600.0; 100],
+            omega1_rad_s: vec![100.0; 100],
+            omega2_rad_s: vec![-40.0; 100],
+            columns: vec![column("contact_force_sun_p2_n", 300.0)],
+            time_s: time,
+            ..TimeSeries::default()
+        }),
+        paths: Some(TorquePaths {
+            from_s: 0.005,
+            to_s: 0.0099,
+            input_w: 2700.0,
+            meshes: vec![mesh("sun", "p1", 600.0), mesh("sun", "p2", 300.0)],
+            members: vec![MemberPath {
+                name: "sun".into(),
+                speed_rad_s: 100.0,
+                load_nm: 27.0,
+                power_w: 2700.0,
+                ..MemberPath::default()
+            }],
+            shafts: vec![ShaftPath {
+                between: ["motor".into(), "sun".into()],
+                torque_nm: 27.0,
+                power_w: 2700.0,
+            }],
+            sharing: vec![Sharing {
+                carrier: "arm".into(),
+                gear: "sun".into(),
+                planets: vec![share("p1", 2.0 / 3.0), share("p2", 1.0 / 3.0)],
+                factor: 4.0 / 3.0,
+                factor_greatest: 1.467,
+            }],
+            work_in_j: 27.0,
+            work_out_j: 26.5,
+            dissipated_j: 0.3,
+            stored_j: 0.2,
+            unexplained_j: 1e-9,
+        }),
+        ..Run::default()
+    };
+    let files = written(&Results {
+        runs: vec![run],
+        ..Results::default()
+    });
+    let names =
+        "torque_paths.csv torque_members.csv torque_shafts.csv load_sharing.csv load_sharing.svg";
+    holds(&files, &names.split_whitespace().collect::<Vec<_>>());
+    has_only_numbers(&files);
+    let page = &files["index.html"];
+    for words in [
+        "Paths of torque",
+        "Load sharing of planets",
+        "66.67",
+        "1.333",
+        "motor - sun",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert_eq!(files["load_sharing.csv"].lines().count(), 3);
+}
