@@ -10,14 +10,14 @@ use gearbench_models::gear::table::properties_of;
 const TAKE_ELASTIC: &str =
     "take elastic gears: their modes and compliance are reduced from the same mesh";
 
+/// Models, and settings to show.
+type Taken<'s> = (Vec<&'s ModelChoice>, Vec<(String, String)>);
+
 /// The models that labels ask for, or all of the study but full finite elements, and what a reader must know of them.
 ///
 /// # Errors
 /// Labels that are none, or full finite elements that are asked for.
-pub fn taken<'s>(
-    scene: &'s SceneFile,
-    labels: Option<&str>,
-) -> Result<(Vec<&'s ModelChoice>, Vec<(String, String)>), SceneError> {
+pub fn taken<'s>(scene: &'s SceneFile, labels: Option<&str>) -> Result<Taken<'s>, SceneError> {
     let choices = scene.select(labels)?;
     let large = |c: &&ModelChoice| {
         let ids = c.modelling.gears.iter().map(|g| g.id.as_str());

@@ -1,4 +1,5 @@
 //! Frequency response beside a closed form, and beside gears that run.
+#![allow(clippy::print_stdout, reason = "observed figures")]
 
 use super::plan::Wanted;
 use super::run::response;

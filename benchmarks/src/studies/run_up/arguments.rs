@@ -1,6 +1,6 @@
 //! Arguments of `run-up`.
 
-use crate::cli::arguments::Bounded;
+use crate::cli::arguments::Output;
 use crate::cli::values::{positive, positive_load};
 use clap::Args;
 
@@ -55,7 +55,10 @@ pub struct RunUp {
     /// Samples of the run
     #[arg(long, value_name = "N", default_value_t = 1 << 18, value_parser = clap::value_parser!(u32).range(1024..=16_777_216))]
     pub samples: u32,
-    /// Where results go, and how long a run may take.
+    /// Wall-clock bound of a run in seconds [default: none]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub timeout: Option<f64>,
+    /// Where results go.
     #[command(flatten)]
-    pub run: Bounded,
+    pub output: Output,
 }

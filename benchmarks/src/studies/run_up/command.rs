@@ -11,6 +11,7 @@ use crate::cli::terminal::{Refusal, refuse_study};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::run::LEFT_OUT;
+use crate::experiment::run::NO_BOUND;
 use crate::experiment::settings::settings;
 use crate::models::models;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
@@ -19,6 +20,7 @@ use gearbench_models::gear::table::properties_of;
 use gearbench_models::spec::{Body, Mount};
 use gearbench_reports::Study;
 use gearbench_reports::record::Results;
+use std::time::Duration;
 
 /// Part of the run before the onset when nobody says.
 const BEFORE: f64 = 0.02;
@@ -74,7 +76,7 @@ pub fn run(args: &RunUp, command: &str) -> Result<Answer, Refusal> {
             settings: told,
             duration,
             repeats: 0,
-            timeout: args.run.timeout(),
+            timeout: args.timeout.map_or(NO_BOUND, Duration::from_secs_f64),
             ..Conditions::of(&scene)
         },
         entries: taken.iter().map(|c| Configuration::of(&scene, c)).collect(),
@@ -82,7 +84,7 @@ pub fn run(args: &RunUp, command: &str) -> Result<Answer, Refusal> {
         ramp,
         look,
     };
-    let mut folder = StudyFolder::of(&args.run.output, &scene, Study::RunUp.as_str())?;
+    let mut folder = StudyFolder::of(&args.output, &scene, Study::RunUp.as_str())?;
     let made = folder.run(plan.entries.len(), |runner| study(&plan, runner));
     let results = made.map_err(|e| folder.refuse(refuse_study(&scene, e)))?;
     folder.finish(results, ended, summarise)

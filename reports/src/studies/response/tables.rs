@@ -17,7 +17,7 @@ fn parting(group: &GroupResponse) -> Option<[f64; 2]> {
     let parts = group.points.iter().filter(|p| !p.holds());
     let mut parts = parts.map(|p| p.mesh_frequency_hz);
     let first = parts.next()?;
-    Some([first, parts.last().unwrap_or(first)])
+    Some([first, parts.next_back().unwrap_or(first)])
 }
 
 pub fn finding(responses: &[ModelResponse]) -> Vec<Markup> {
