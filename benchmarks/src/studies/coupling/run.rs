@@ -10,6 +10,7 @@ use crate::experiment::parallel::{in_parallel, lock};
 use crate::experiment::record::time_series;
 use crate::experiment::run::{Job, NO_BOUND, RunError, run};
 use crate::experiment::runner::Runner;
+use crate::experiment::small_signals::assemble;
 use crate::experiment::status::{message_of, status_of};
 use crate::experiment::thin::thin_row;
 use gearbench_integrators::{Resolution, StepError};
@@ -204,9 +205,9 @@ impl About<'_> {
         let job = job(self.plan, self.entry, self.grid);
         let scene = match scene {
             Some(scene) => scene,
-            none => none.insert(
-                Scene::build(job.scene, job.modelling, job.models).map_err(RunError::from)?,
-            ),
+            none => {
+                none.insert(assemble(job.scene, job.modelling, job.models).map_err(RunError::from)?)
+            }
         };
         let mut history = History::whole(scene, self.grid.to_vec(), job.also_steps);
         let bounds = Bounds {

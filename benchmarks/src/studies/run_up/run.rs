@@ -9,6 +9,7 @@ use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
 use crate::experiment::run::{Job, RunError, run_watched};
 use crate::experiment::runner::Runner;
+use crate::experiment::small_signals::assemble;
 use crate::studies::modes::{Wanted, vibrations};
 use gearbench_integrators::SecondOrderSystem as _;
 use gearbench_models::scene::Scene;
@@ -71,8 +72,7 @@ fn one(
     let key = job.key().and(&plan.look);
     let made = runner.row_with(key, method, || {
         let started = Instant::now();
-        let mut scene =
-            Scene::build(&spec, &entry.modelling, job.models).map_err(RunError::from)?;
+        let mut scene = assemble(&spec, &entry.modelling, job.models).map_err(RunError::from)?;
         let recorded = Recorded::of(&spec);
         let range = [plan.look.onset, job.t_end];
         let mut recorder = Recorder::new(recorded.channels(&scene), range, plan.look.samples);
