@@ -62,3 +62,12 @@ pub fn metric(text: &str) -> Result<Metric, String> {
         )
     })
 }
+
+/// A frequency [Hz].
+pub fn frequency(text: &str) -> Result<f64, String> {
+    number(
+        text,
+        |x| *x > 0.0 && x.is_finite(),
+        "expected a positive number of Hz, for example 5000",
+    )
+}

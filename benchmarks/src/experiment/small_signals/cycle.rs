@@ -12,6 +12,7 @@
 //! Meshes of one frequency are taken together, so that their phases to each other are those of the scene. Motions are seen
 //! from the carriers of planetary sets.
 
+use super::equilibrium::pressed;
 use super::{Loaded, NotSolved, loaded};
 use gearbench_integrators::system::{Events, SecondOrderSystem, State};
 use gearbench_models::scene::{Scene, SceneGear};
@@ -75,22 +76,13 @@ pub struct Running {
     pub cycles: Vec<MeshCycle>,
 }
 
-/// Forces of the meshes [N].
-fn forces(scene: &mut Scene, s: &State) -> Vec<f64> {
-    let mut sums = vec![0.0; scene.meshes().len()];
-    for contact in scene.contact_forces(s.at()) {
-        sums[contact.mesh] += contact.normal_force;
-    }
-    sums
-}
-
 /// Change of the forces of all meshes by a displacement and a velocity.
 fn change(scene: &mut Scene, s: &State, [dq, dv]: [&[f64]; 2]) -> Vec<f64> {
     let mut at = |sign: f64| {
         let mut moved = s.clone();
         moved.q.iter_mut().zip(dq).for_each(|(q, x)| *q += sign * x);
         moved.v.iter_mut().zip(dv).for_each(|(v, x)| *v += sign * x);
-        forces(scene, &moved)
+        pressed(scene, &moved)
     };
     let (up, down) = (at(1.0), at(-1.0));
     up.iter().zip(&down).map(|(u, d)| 0.5 * (u - d)).collect()
@@ -245,7 +237,7 @@ impl Cycle<'_> {
         let h = STEP / moved.fold(f64::MIN_POSITIVE, f64::max);
         let step: Vec<f64> = x.iter().map(|x| h * x).collect();
         let by_loads = change(self.scene, s, [&step, &vec![0.0; x.len()]]);
-        let forces = forces(self.scene, s);
+        let forces = pressed(self.scene, s);
         (0..self.rows.len())
             .map(|m| {
                 let compliance = h * dot(&self.rows[m].hubs, &x) / by_loads[m];

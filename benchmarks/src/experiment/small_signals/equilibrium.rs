@@ -49,7 +49,7 @@ pub struct Loaded {
 }
 
 /// Sum of the normal forces of each mesh [N].
-fn pressed(scene: &mut Scene, s: &State) -> Vec<f64> {
+pub(super) fn pressed(scene: &mut Scene, s: &State) -> Vec<f64> {
     let mut sums = vec![0.0; scene.meshes().len()];
     for contact in scene.contact_forces(s.at()) {
         sums[contact.mesh] += contact.normal_force;

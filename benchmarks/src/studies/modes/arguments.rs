@@ -1,7 +1,7 @@
 //! Arguments of `modes`.
 
 use crate::cli::arguments::Output;
-use crate::cli::values::{DEFAULT_SCENE, number};
+use crate::cli::values::{DEFAULT_SCENE, frequency, number};
 use clap::Args;
 
 const EXAMPLES: &str = "\
@@ -41,14 +41,6 @@ pub struct Modes {
     /// Where results go.
     #[command(flatten)]
     pub output: Output,
-}
-
-fn frequency(text: &str) -> Result<f64, String> {
-    number(
-        text,
-        |x| *x > 0.0 && x.is_finite(),
-        "expected a positive number of Hz, for example 5000",
-    )
 }
 
 fn distance(text: &str) -> Result<f64, String> {

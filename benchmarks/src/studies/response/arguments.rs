@@ -1,7 +1,7 @@
 //! Arguments of `response`.
 
 use crate::cli::arguments::Output;
-use crate::cli::values::{DEFAULT_SCENE, number};
+use crate::cli::values::{DEFAULT_SCENE, frequency};
 use clap::Args;
 
 const EXAMPLES: &str = "\
@@ -45,12 +45,4 @@ pub struct Response {
     /// Where results go.
     #[command(flatten)]
     pub output: Output,
-}
-
-fn frequency(text: &str) -> Result<f64, String> {
-    number(
-        text,
-        |x| *x > 0.0 && x.is_finite(),
-        "expected a positive number of Hz, for example 2000",
-    )
 }

@@ -4,11 +4,11 @@ use super::*;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::runner::Runner;
-use crate::scene_file::{Origin, SceneFile};
+use crate::scene_file::SceneFile;
 use crate::studies::modes::{Wanted, vibrations};
 use crate::studies::sweep;
+use crate::studies::test_scene::waves;
 use gearbench_integrators::table::DOPRI5;
-use gearbench_models::spec::mesh_layout;
 use gearbench_reports::run_up::{ModelRunUp, strongest};
 use gearbench_reports::sweep::Branch;
 use std::f64::consts::TAU;
@@ -101,49 +101,9 @@ fn windows_cover_the_run() {
 
 /// Gears whose mesh has a spring `k0 (1 + depth cos)` of one wave per base pitch, so little that their teeth stay in contact.
 fn pair() -> SceneFile {
-    let text = |stiffness: &str| {
-        format!(
-            r#"
-schema = 1
-name = "wave"
-duration_s = 0.25
-[gears.pinion]
-teeth = 20
-module_m = 0.004
-face_width_m = 0.01
-speed_rad_s = 100.0
-loads = [{{ torque_nm = 10.0 }}]
-[gears.wheel]
-teeth = 30
-module_m = 0.004
-face_width_m = 0.01
-speed_rad_s = -66.66666666666667
-loads = [{{ torque_nm = 15.0 }}]
-[[meshes]]
-gears = ["pinion", "wheel"]
-centre_distance_m = 0.1001
-[[models]]
-model = "rigid"
-contact = {{ stiffness = {stiffness}, damping = {{ law = "kelvin-voigt-ratio", ratio = 0.05 }} }}
-"#
-        )
-    };
-    let parse = |stiffness: &str| {
-        SceneFile::unbuilt("wave.toml", &text(stiffness), Origin::Shipped, false).expect("a scene")
-    };
-    let plain = parse("\"iso6336\"");
-    let l = mesh_layout(&plain.spec.gears[0], &plain.spec.gears[1]).unwrap();
-    let at = |i: i32| l.pitch_point + (f64::from(i) / 64.0 - 0.5) * l.base_pitch;
-    let stiffness = |i: i32| 1e8 * (1.0 + DEPTH * (TAU * f64::from(i) / 64.0).cos());
-    let list = |of: &dyn Fn(i32) -> f64| {
-        let all: Vec<String> = (0..=64).map(|i| format!("{:.12e}", of(i))).collect();
-        all.join(", ")
-    };
-    parse(&format!(
-        "{{ kind = \"table\", of = \"mesh\", ends = \"periodic\", path_coordinate_m = [{}], stiffness_n_per_m = [{}] }}",
-        list(&at),
-        list(&stiffness)
-    ))
+    let mut scene = waves(DEPTH, 0.05, 15.0);
+    scene.duration = 0.25;
+    scene
 }
 
 /// Of the wave of stiffness.
