@@ -155,6 +155,15 @@ impl fmt::Display for Subject {
     }
 }
 
+/// Who is at fault where a scene cannot be assembled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// A value of the scene is wrong for every model, or is none that its key takes.
+    Value,
+    /// The scene is sound, but this model cannot run it; other models may.
+    Model,
+}
+
 /// Why a scene cannot be assembled.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{subject}: {reason}")]
@@ -163,9 +172,18 @@ pub struct BuildError {
     pub subject: Box<Subject>,
     /// What is wrong and a way out.
     pub reason: Reason,
+    /// Whether the scene or the model is at fault.
+    pub fault: Fault,
 }
 
 impl BuildError {
+    /// The same error as a limit of the model: a study refuses the model and runs the others.
+    #[must_use]
+    pub fn of_model(mut self) -> Self {
+        self.fault = Fault::Model;
+        self
+    }
+
     /// An error about the scene as a whole.
     pub fn scene(why: impl Into<Reason>) -> Self {
         Self::about(Subject::Scene, why)
@@ -227,6 +245,10 @@ impl BuildError {
     fn about(subject: Subject, why: impl Into<Reason>) -> Self {
         let reason = why.into();
         let subject = Box::new(subject);
-        BuildError { subject, reason }
+        BuildError {
+            subject,
+            reason,
+            fault: Fault::Value,
+        }
     }
 }

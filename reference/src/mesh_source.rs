@@ -221,7 +221,7 @@ impl Source {
             Toothing::Gear(g) => mesh::gear(g, &params),
             Toothing::Rack(r) => mesh::rack(r, &params),
         };
-        mesh.map_err(|e| reader.error("mesh", e.to_string()))
+        mesh.map_err(|e| reader.error("mesh", e.to_string()).of_model())
     }
 
     /// The sector of tooth 0 where the gear is made of equal ones: a generated gear of three teeth or more.
@@ -230,7 +230,7 @@ impl Source {
             (Source::Generated(params), Toothing::Gear(g)) if g.teeth() >= 3 => {
                 let mesh = mesh::sector(g, params);
                 mesh.map(Some)
-                    .map_err(|e| reader.error("mesh", e.to_string()))
+                    .map_err(|e| reader.error("mesh", e.to_string()).of_model())
             }
             _ => Ok(None),
         }

@@ -1,6 +1,6 @@
 //! Arguments that several commands take.
 
-use super::values::{DEFAULT_MEMORY, DEFAULT_REPEATS, DEFAULT_TIMEOUT, gigabytes, positive};
+use super::values::{DEFAULT_REPEATS, DEFAULT_TIMEOUT, positive};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -14,9 +14,6 @@ pub struct Output {
     /// Start over: do not go on with runs that an interrupted start has finished
     #[arg(long)]
     pub fresh: bool,
-    /// Refuse what would take more memory than this [GB]
-    #[arg(long, value_name = "GB", default_value_t = DEFAULT_MEMORY, value_parser = gigabytes)]
-    pub memory: f64,
 }
 
 impl Default for Output {
@@ -24,7 +21,6 @@ impl Default for Output {
         Output {
             out: None,
             fresh: false,
-            memory: DEFAULT_MEMORY,
         }
     }
 }

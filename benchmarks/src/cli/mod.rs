@@ -33,8 +33,10 @@ use crate::tools::reference::{self, arguments::Reference};
 use crate::tools::rerun::{self, Rerun};
 use crate::tools::{init, init::Init, list, report, report::Report};
 use answer::Answer;
+use values::{DEFAULT_MEMORY, gigabytes};
 use clap::{Parser, Subcommand};
 use exit::Exit;
+use gearbench_reference::limits;
 use std::process::ExitCode;
 use terminal::{Manner, Refusal};
 
@@ -78,6 +80,9 @@ pub struct Cli {
     /// Print nothing but warnings and errors
     #[arg(long, short, global = true)]
     quiet: bool,
+    /// Refuse what would take more memory than this [GB]
+    #[arg(long, global = true, value_name = "GB", default_value_t = DEFAULT_MEMORY, value_parser = gigabytes)]
+    memory: f64,
 }
 
 /// The commands.
@@ -177,6 +182,8 @@ pub fn run(cli: Cli) -> ExitCode {
         (_, true) => Manner::Quiet,
         _ => Manner::Lines,
     });
+    // Before anything is read or built: estimates are compared with it from the first file on.
+    limits::set_memory(cli.memory * 1e9);
     let told = terminal::told("gearbench");
     let done = match cli.command {
         None => Command::Compare(Compare::default()).run("gearbench"),

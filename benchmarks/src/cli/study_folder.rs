@@ -6,13 +6,13 @@ use super::exit::Exit;
 use super::progress::Display;
 use super::terminal::{Refusal, absolute, say};
 use crate::experiment::conditions::Progress;
+use crate::experiment::configuration::refused;
 use crate::experiment::interruption;
 use crate::experiment::journal::{JOURNAL, Journal, JournalError};
 use crate::experiment::runner::Runner;
 use crate::scene_file::SceneFile;
-use gearbench_reference::limits;
 use gearbench_reports::RECORD;
-use gearbench_reports::record::{Results, Source, Status};
+use gearbench_reports::record::{Results, Run, Source, Status};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -27,6 +27,8 @@ pub struct StudyFolder {
     made: Option<PathBuf>,
     /// What the record will be made of.
     source: Option<Source>,
+    /// Rows of models that cannot run the scene.
+    refused: Vec<Run>,
 }
 
 impl From<JournalError> for Refusal {
@@ -42,7 +44,6 @@ impl StudyFolder {
     /// # Errors
     /// [`Refusal::Files`] when the folder, or the journal in it, cannot be written.
     pub fn open(output: &Output, scene: &str, study: &str) -> Result<Self, Refusal> {
-        limits::set_memory(output.memory * 1e9);
         let path = (output.out.clone()).unwrap_or_else(|| Path::new("out").join(scene).join(study));
         let fail = |e: io::Error| Refusal::Files(format!("{}: {e}", path.display()));
         let made = path.ancestors().take_while(|p| !p.exists()).last();
@@ -53,6 +54,7 @@ impl StudyFolder {
             path: path.clone(),
             made,
             source: None,
+            refused: Vec::new(),
         };
         interruption::catch().map_err(fail)?;
         Ok(folder)
@@ -65,6 +67,8 @@ impl StudyFolder {
     pub fn of(output: &Output, scene: &SceneFile, study: &str) -> Result<Self, Refusal> {
         let mut folder = Self::open(output, &scene.name, study)?;
         folder.source = Some(scene.source());
+        let rows = scene.refused.iter().map(|r| refused(&r.label, &r.model, r.error.told()));
+        folder.refused = rows.collect();
         Ok(folder)
     }
 
@@ -105,6 +109,12 @@ impl StudyFolder {
         exit: impl FnOnce(&Results) -> Exit,
         summarise: impl FnOnce(&Results),
     ) -> Result<Answer, Refusal> {
+        let runs = &mut results.runs;
+        let nothing_ran = !runs.is_empty() && runs.iter().all(|r| r.status == Status::Refused);
+        runs.extend(self.refused.iter().cloned());
+        if nothing_ran {
+            return Err(self.refuse(none_can_run(runs)));
+        }
         let stopped = interruption::requested();
         if stopped {
             let planned = results.runs.len();
@@ -154,6 +164,23 @@ impl StudyFolder {
             let _ = std::fs::remove_file(self.path.join(JOURNAL));
         }
     }
+}
+
+/// The refusal of a study none of whose models can run, with their reasons.
+fn none_can_run(rows: &[Run]) -> Refusal {
+    let mut reasons: Vec<String> = Vec::new();
+    for row in rows {
+        let reason = row.message.as_deref().unwrap_or("no reason given");
+        let line = format!("{}: {reason}", row.model_label());
+        if !reasons.contains(&line) {
+            reasons.push(line);
+        }
+    }
+    Refusal::Input(miette::miette!(
+        help = "take other models (--models), or a way out that the reasons name",
+        "none of the models can run: {}",
+        reasons.join("; ")
+    ))
 }
 
 impl Drop for StudyFolder {

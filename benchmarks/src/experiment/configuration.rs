@@ -3,7 +3,7 @@
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Scheme;
 use gearbench_models::spec::{Modelling, SceneSpec};
-use gearbench_reports::record::Run;
+use gearbench_reports::record::{Run, Status};
 
 /// What is run: a model with its scene (a calibration may place the gears its own way).
 #[derive(Clone, Debug)]
@@ -51,12 +51,31 @@ impl Configuration {
         Run::called(&self.label, &self.model).model_label()
     }
 
+    /// The row of a model that cannot run.
+    pub fn refused(&self, why: String) -> Run {
+        let mut row = refused(&self.label, &self.model, why);
+        self.sign(&mut row);
+        row
+    }
+
     /// Says in a row of the record what was run.
     pub fn sign(&self, row: &mut Run) {
         row.model.clone_from(&self.model);
         row.variant = self.variant();
         row.calibration.clone_from(&self.calibration);
         row.fitted_to.clone_from(&self.fitted_to);
+    }
+}
+
+/// The row of a model with a label that cannot run: it has no method and no numbers.
+pub fn refused(label: &str, model: &str, why: String) -> Run {
+    Run {
+        status: Status::Refused,
+        message: Some(why),
+        wall_s: f64::NAN,
+        setup_s: f64::NAN,
+        simulated_s: f64::NAN,
+        ..Run::called(label, model)
     }
 }
 

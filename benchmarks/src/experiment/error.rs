@@ -2,7 +2,7 @@
 
 use super::journal::JournalError;
 use gearbench_integrators::MethodError;
-use gearbench_models::error::BuildError;
+use gearbench_models::error::{BuildError, Fault};
 use gearbench_reference::limits::TooMuchMemory;
 use gearbench_reference::statics::StaticsError;
 
@@ -47,6 +47,38 @@ impl RunError {
             self,
             RunError::NoLinearPart(_) | RunError::Refused(_) | RunError::Unsupported(_)
         )
+    }
+}
+
+/// An error that may say that a model cannot run its scene: studies record that as a row and go on with other models.
+pub trait ModelRefusal {
+    /// Why the model cannot run; nothing where something else is wrong.
+    fn refusal(&self) -> Option<String>;
+}
+
+impl ModelRefusal for BuildError {
+    fn refusal(&self) -> Option<String> {
+        (self.fault == Fault::Model).then(|| self.to_string())
+    }
+}
+
+impl ModelRefusal for RunError {
+    fn refusal(&self) -> Option<String> {
+        match self {
+            RunError::Build(e) => e.refusal(),
+            _ => None,
+        }
+    }
+}
+
+impl ModelRefusal for StudyError {
+    fn refusal(&self) -> Option<String> {
+        match self {
+            StudyError::Run(e) => e.refusal(),
+            StudyError::Statics(_, StaticsError::Build(e)) => e.refusal(),
+            StudyError::Statics(_, e) => Some(e.to_string()),
+            _ => None,
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 //! study that was interrupted comes to its end with rows that were not made, which the record then leaves out.
 
 use super::conditions::{Progress, silent};
+use super::error::ModelRefusal;
 use super::interruption;
 use super::journal::{Journal, JournalError};
 use super::key::Key;
@@ -90,11 +91,11 @@ impl<'a> Runner<'a> {
     }
 
     /// The row of a run under a method, made now unless it is finished. After an interruption it is a row that was not
-    /// made, and so is one in which the program itself fails: no run takes others with it.
+    /// made, and so is one of a model that cannot run, or in which the program itself fails: no run takes others with it.
     ///
     /// # Errors
     /// Those of the work, and [`JournalError`].
-    pub fn row<E: From<JournalError>>(
+    pub fn row<E: From<JournalError> + ModelRefusal>(
         &self,
         key: Key,
         method: &Scheme,
@@ -116,7 +117,7 @@ impl<'a> Runner<'a> {
     ) -> Result<(Run, X), E>
     where
         X: Default + Serialize + DeserializeOwned,
-        E: From<JournalError>,
+        E: From<JournalError> + ModelRefusal,
     {
         let not_made = |status, message: String| Run {
             integrator: method.method.to_string(),
@@ -135,8 +136,8 @@ impl<'a> Runner<'a> {
         })
     }
 
-    /// What becomes of a run, of whatever type, made now unless it is finished: after an interruption, and where the
-    /// program itself fails, what `not_made` says of it, which is not kept.
+    /// What becomes of a run, of whatever type, made now unless it is finished: after an interruption, where its model
+    /// cannot run and where the program itself fails, what `not_made` says of it, which is not kept.
     ///
     /// # Errors
     /// Those of the work, and [`JournalError`].
@@ -148,7 +149,7 @@ impl<'a> Runner<'a> {
     ) -> Result<T, E>
     where
         T: Serialize + DeserializeOwned,
-        E: From<JournalError>,
+        E: From<JournalError> + ModelRefusal,
     {
         const INTERRUPTED: &str = "not made: the study was interrupted";
         if let Some(found) = self.finished(key)? {
@@ -161,7 +162,11 @@ impl<'a> Runner<'a> {
             Ok(Err(_)) if interruption::requested() => {
                 Ok(not_made(Status::Interrupted, INTERRUPTED.into()))
             }
-            Ok(row) => Ok(self.keep(key, row?)?),
+            Ok(Ok(row)) => Ok(self.keep(key, row)?),
+            Ok(Err(e)) => match e.refusal() {
+                Some(why) => Ok(not_made(Status::Refused, why)),
+                None => Err(e),
+            },
             Err(panic) => Ok(not_made(Status::Aborted, failure(&*panic))),
         }
     }

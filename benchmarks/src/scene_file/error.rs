@@ -29,6 +29,21 @@ impl SceneError {
         }
     }
 
+    /// Several errors as one: the first with its place, the others in its help, a line each.
+    pub fn all_of(errors: impl IntoIterator<Item = SceneError>) -> Self {
+        let mut errors = errors.into_iter();
+        let Some(mut first) = errors.next() else {
+            return SceneError::plain("nothing can run", "");
+        };
+        let others: Vec<String> = errors.map(|e| e.told()).collect();
+        if !others.is_empty() {
+            let help = first.help.take().unwrap_or_default();
+            let others = others.join("\n");
+            first.help = Some(format!("{help}\nno other model can run either: {others}"));
+        }
+        first
+    }
+
     /// What is wrong.
     pub fn message(&self) -> &str {
         &self.message

@@ -62,6 +62,7 @@ pub use study_plan::Study;
 
 use crate::models::models as model_table;
 use gearbench_integrators::Scheme;
+use gearbench_models::error::Fault;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{GearSpec, SceneSpec};
 use gearbench_reports::record::Tolerance;
@@ -157,6 +158,17 @@ pub enum Origin {
     File(PathBuf),
 }
 
+/// A model that cannot run its scene.
+#[derive(Clone, Debug)]
+pub struct RefusedModel {
+    /// Its label.
+    pub label: String,
+    /// Its model id.
+    pub model: String,
+    /// Why, at the line of the scene, and a way out.
+    pub error: SceneError,
+}
+
 /// A scene file that has been read and found sound.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
@@ -184,6 +196,8 @@ pub struct SceneFile {
     pub origin: Origin,
     /// What is odd about it, though not wrong.
     pub odd: Vec<SceneError>,
+    /// Those of its models that were built and cannot run it: studies record why, and run the others.
+    pub refused: Vec<RefusedModel>,
     document: Document,
 }
 
@@ -198,8 +212,9 @@ impl SceneFile {
         origin: Origin,
         calibrated: bool,
     ) -> Result<Self, SceneError> {
-        let file = Self::unbuilt(name, text, origin, calibrated)?;
-        file.check(&file.models.iter().collect::<Vec<_>>(), calibrated)?;
+        let mut file = Self::unbuilt(name, text, origin, calibrated)?;
+        let all: Vec<usize> = (0..file.models.len()).collect();
+        file.check(&all, calibrated)?;
         Ok(file)
     }
 
@@ -293,6 +308,7 @@ impl SceneFile {
             flank_files: drafts.into_iter().flat_map(|draft| draft.files).collect(),
             origin,
             odd: Vec::new(),
+            refused: Vec::new(),
             document,
         };
         file.odd = plausible::check(&file)?;
@@ -313,15 +329,19 @@ impl SceneFile {
         }
     }
 
-    /// Builds every model once, and returns what is odd about those. Without calibrations a model that asks for one may
-    /// lack its constants.
+    /// Builds models once, by their places in the file, and keeps which of them cannot run the scene; returns what is odd
+    /// about the others. Without calibrations a model that asks for one may lack its constants.
+    ///
+    /// # Errors
+    /// [`SceneError`] when a value is wrong, and when none of the models can run.
     fn check(
-        &self,
-        choices: &[&ModelChoice],
+        &mut self,
+        choices: &[usize],
         calibrated: bool,
     ) -> Result<Vec<SceneError>, SceneError> {
         let mut odd = Vec::new();
-        for choice in choices {
+        let mut refused = Vec::new();
+        for choice in choices.iter().map(|i| &self.models[*i]) {
             let incomplete = choice.calibration.is_some() && !calibrated;
             match Scene::build(&self.spec_for(choice), &choice.modelling, model_table()) {
                 Ok(scene) => {
@@ -329,10 +349,24 @@ impl SceneFile {
                     odd.extend(self.outside_formulas(choice));
                 }
                 Err(e) if incomplete && e.is_missing() => {}
+                Err(e) if e.fault == Fault::Model => refused.push(RefusedModel {
+                    label: choice.label.clone(),
+                    model: choice.model.clone(),
+                    error: self.locate_in(&choice.label, &e),
+                }),
                 Err(e) => return Err(self.locate_in(&choice.label, &e)),
             }
         }
+        if !choices.is_empty() && refused.len() == choices.len() {
+            return Err(SceneError::all_of(refused.into_iter().map(|r| r.error)));
+        }
+        self.refused.extend(refused);
         Ok(odd)
+    }
+
+    /// Whether a model was built and cannot run the scene.
+    pub fn is_refused(&self, label: &str) -> bool {
+        self.refused.iter().any(|r| r.label == label)
     }
 
     /// The text that it was read from.

@@ -4,10 +4,11 @@ use super::reading::suggest;
 use super::{ModelChoice, SceneError, SceneFile};
 
 impl SceneFile {
-    /// Models asked for on the command line, by labels between commas; `None` takes those of the study.
+    /// Models asked for on the command line, by labels between commas; `None` takes those of the study. Those that cannot run
+    /// the scene ([`SceneFile::refused`]) are left out.
     ///
     /// # Errors
-    /// [`SceneError`] lists the labels there are.
+    /// [`SceneError`] lists the labels there are, or says why none of those models can run.
     pub fn select(&self, labels: Option<&str>) -> Result<Vec<&ModelChoice>, SceneError> {
         let wanted: Vec<&str> = match labels {
             Some(text) => text
@@ -31,7 +32,8 @@ impl SceneFile {
                 once.push(label);
             }
         }
-        once.iter()
+        let found: Result<Vec<&ModelChoice>, SceneError> = once
+            .iter()
             .map(|label| {
                 self.model(label).ok_or_else(|| {
                     let near = suggest::did_you_mean(label, &known);
@@ -41,7 +43,14 @@ impl SceneFile {
                     )
                 })
             })
-            .collect()
+            .collect();
+        let mut found = found?;
+        found.retain(|m| !self.is_refused(&m.label));
+        if found.is_empty() {
+            let asked = self.refused.iter().filter(|r| once.contains(&r.label.as_str()));
+            return Err(SceneError::all_of(asked.map(|r| r.error.clone())));
+        }
+        Ok(found)
     }
 
     /// The same for accuracy against cost, which may have models of its own by default.

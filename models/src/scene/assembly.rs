@@ -12,7 +12,7 @@ use super::members::{SceneGear, SceneMesh};
 use super::mesh_assembly::{friction_of, lines_of_action};
 use super::nodal::Nodal;
 use super::placement::{assemble, check_start, views};
-use super::plausible::{check_load, refuse_two_laws};
+use super::plausible::{check_contacts, check_load, refuse_two_laws};
 use super::scales::{Scales, initial_speed};
 use super::shafts::{CELLS, Guided, Plan, ShaftBody, Shafts, guides};
 use super::workspace::Workspace;
@@ -79,7 +79,8 @@ impl Scene {
             let mut meshes = spec.meshes.iter().zip(&modelling.contacts);
             meshes.any(|(mesh, contact)| contact.friction.is_some() && mesh.gears.contains(&gear))
         };
-        let mut gears: Vec<SceneGear> = Vec::new();
+        // What needs no mesh of a gear is refused before gears are meshed, which takes seconds to minutes.
+        let (mut hubs, mut rows) = (Vec::new(), Vec::new());
         for (g, model) in spec.gears.iter().zip(&modelling.gears) {
             for load in &g.loads {
                 check_load(&g.name, load)?;
@@ -93,8 +94,8 @@ impl Scene {
                     format!("driven motion: {problem}"),
                 ));
             }
-            let hub = hub_of(g)?;
-            let row = models.iter().find(|m| m.id == model.id).ok_or_else(|| {
+            hubs.push(hub_of(g)?);
+            rows.push(models.iter().find(|m| m.id == model.id).ok_or_else(|| {
                 let known: Vec<&str> = models.iter().map(|m| m.id).collect();
                 BuildError::gear(
                     &g.name,
@@ -104,22 +105,30 @@ impl Scene {
                         format!("there are {}", known.join(", ")),
                     ),
                 )
-            })?;
+            })?);
+        }
+        plan.check_models(spec, &hubs, &rows)?;
+        sets.check_models(spec, &rows)?;
+        check_contacts(spec, modelling, &hubs)?;
+
+        let mut gears: Vec<SceneGear> = Vec::new();
+        for (i, (g, model)) in spec.gears.iter().zip(&modelling.gears).enumerate() {
+            let hub = &hubs[i];
             let context = GearContext {
                 name: &g.name,
                 body: &g.body,
                 material: g.material,
-                hub: &hub,
+                hub,
                 added_inertia: g.added_inertia + g.body.core_inertia(g.material.density),
-                placement: Placement::new(&hub, phases[gears.len()]),
+                placement: Placement::new(hub, phases[i]),
                 effective_radius: effective_radius(&g.body),
-                meshes: &seen_by[gears.len()],
-                slides: slides(gears.len()),
-                lines: lines_of(spec, modelling, gears.len()),
+                meshes: &seen_by[i],
+                slides: slides(i),
+                lines: lines_of(spec, modelling, i),
                 speed: initial_speed(g),
                 parameters: &model.parameters,
             };
-            let built = row.build(&context).map_err(|e| e.of_gear(&g.name))?;
+            let built = rows[i].build(&context).map_err(|e| e.of_gear(&g.name))?;
             gears.push(SceneGear::new(&g.name, &model.id, built, &g.loads));
         }
         gears.extend(plan.bodies.iter().map(ShaftBody::member));
@@ -147,7 +156,7 @@ impl Scene {
             for i in mesh.gears {
                 // Pairs take turns in standing for the mesh: that is no jump only where all have one gap.
                 if search.whole_mesh && gears[i].model.hub().own > 0 {
-                    return Err(BuildError::mesh(
+                    let error = BuildError::mesh(
                         mesh.gears.map(|i| spec.gears[i].name.as_str()),
                         MeshPart::Stiffness,
                         (
@@ -157,7 +166,8 @@ impl Scene {
                             ),
                             "give the stiffness of a tooth pair",
                         ),
-                    ));
+                    );
+                    return Err(error.of_model());
                 }
             }
             let deviates =
@@ -201,33 +211,6 @@ impl Scene {
             } else {
                 (Search::Pairs(Box::new(search)), law, on_lines)
             };
-            for i in mesh.gears {
-                if strips.is_some()
-                    && let Body::Gear(gear) = &spec.gears[i].body
-                    && gear.is_conical()
-                {
-                    return Err(BuildError::gear(
-                        &spec.gears[i].name,
-                        GearPart::Model,
-                        (
-                            "contact on half-spaces needs cylindrical gears, but this one is conical",
-                            "take the elements' own contact, local = \"mesh\"",
-                        ),
-                    ));
-                }
-                let hub = gears[i].model.hub();
-                let upright = hub.axes[2] == UPRIGHT[2] && hub.lateral.is_none();
-                if strips.is_some() && !upright {
-                    return Err(BuildError::gear(
-                        &spec.gears[i].name,
-                        GearPart::Mount,
-                        (
-                            "contact on half-spaces needs hubs about z that only turn",
-                            "take the elements' own contact, or take bearing, directions and tilt of the axis away",
-                        ),
-                    ));
-                }
-            }
             let has_field = |i: &usize| gears[*i].model.displacement().is_some();
             let nodal = mesh.gears.iter().any(has_field) || search.lines().is_some();
             let towards = mesh.gears.map(|i| {

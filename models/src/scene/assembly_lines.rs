@@ -57,7 +57,7 @@ pub(super) fn strips(
         let model = &gears[i].model;
         let lines = lines_of_gear(model.as_ref());
         if lines.is_none() && (model.teeth().is_some() || model.flanks().is_some()) {
-            return Err(BuildError::gear(
+            let error = BuildError::gear(
                 &spec.gears[i].name,
                 GearPart::Model,
                 (
@@ -67,7 +67,8 @@ pub(super) fn strips(
                     ),
                     "give the contact local = \"mesh\" and a penalty",
                 ),
-            ));
+            );
+            return Err(error.of_model());
         }
         let Some((flanks, _)) = lines else {
             continue;
@@ -200,7 +201,7 @@ pub(super) fn flank_lines(
         let g = &spec.gears[i];
         let compliance = compliance(&g.material);
         let lines = LineGear::new(flanks, near_field.clone(), &g.body, compliance)
-            .map_err(|why| BuildError::gear(&g.name, GearPart::Model, why))?;
+            .map_err(|why| BuildError::gear(&g.name, GearPart::Model, why).of_model())?;
         *out = Some(lines);
     }
     let lines = FlankLines::new(search, of_gears, l.face_width);

@@ -160,7 +160,7 @@ pub(super) fn flank_points(
     }
     if points.hard {
         refuse_singular(spec, mesh, contact, points, gears)
-            .map_err(|(part, why)| error(part, why))?;
+            .map_err(|(part, why)| error(part, why).of_model())?;
     }
     let owner = |k: usize| {
         let i = mesh.gears[k];
@@ -173,9 +173,14 @@ pub(super) fn flank_points(
         }
     };
     let search = FlankPoints::new([owner(0), owner(1)], geometry, points, lines).map_err(
-        |(gear, message)| match gear {
-            Some(k) => BuildError::gear(&spec.gears[mesh.gears[k]].name, GearPart::Model, message),
-            None => error(MeshPart::Contact, message),
+        |(gear, message)| {
+            let error = match gear {
+                Some(k) => {
+                    BuildError::gear(&spec.gears[mesh.gears[k]].name, GearPart::Model, message)
+                }
+                None => error(MeshPart::Contact, message),
+            };
+            error.of_model()
         },
     )?;
     if at_load {

@@ -1,9 +1,11 @@
 //! What of a scene cannot be, whatever the models.
 
 use super::members::{SceneGear, SceneMesh};
+use super::assembly_lines::is_half_space;
 use super::nodal::islands;
 use crate::error::{BuildError, GearPart, MeshPart};
-use crate::spec::{Load, SceneSpec};
+use crate::kinematics::Hub;
+use crate::spec::{Body, Load, Modelling, SceneSpec, UPRIGHT};
 
 /// Meshes that residual compliance couples are solved together, by one kind of law.
 pub(super) fn refuse_two_laws(
@@ -29,6 +31,44 @@ pub(super) fn refuse_two_laws(
                 ),
             ));
         }
+    }
+    Ok(())
+}
+
+/// Refuses contacts on half-spaces that a model of the scene cannot have, before any gear is meshed.
+///
+/// # Errors
+/// A conical gear, a hub that does more than turn about z.
+pub(super) fn check_contacts(
+    spec: &SceneSpec,
+    modelling: &Modelling,
+    hubs: &[Hub],
+) -> Result<(), BuildError> {
+    let meshes = spec.meshes.iter().zip(&modelling.contacts);
+    let half_spaces = meshes.filter(|(_, contact)| is_half_space(contact));
+    for i in half_spaces.flat_map(|(mesh, _)| mesh.gears) {
+        let (gear, hub) = (&spec.gears[i], &hubs[i]);
+        let conical = matches!(&gear.body, Body::Gear(g) if g.is_conical());
+        let (part, why) = if conical {
+            (
+                GearPart::Model,
+                (
+                    "contact on half-spaces needs cylindrical gears, but this one is conical",
+                    "take the elements' own contact, local = \"mesh\"",
+                ),
+            )
+        } else if hub.axes[2] != UPRIGHT[2] || hub.lateral.is_some() {
+            (
+                GearPart::Mount,
+                (
+                    "contact on half-spaces needs hubs about z that only turn",
+                    "take the elements' own contact, or take bearing, directions and tilt of the axis away",
+                ),
+            )
+        } else {
+            continue;
+        };
+        return Err(BuildError::gear(&gear.name, part, why).of_model());
     }
     Ok(())
 }

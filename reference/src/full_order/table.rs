@@ -88,13 +88,14 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let floats = context.hub.lateral.is_some()
         || (context.hub.slide.is_none() && context.hub.axes != UPRIGHT);
     if floats && context.lines.is_some() {
-        return Err(reader.error(
+        let error = reader.error(
             "mesh",
             (
                 "half-spaces touch lines of full finite elements whose hub is about z and moves in its own direction alone",
                 "give the contact local = \"mesh\", hold the hub, or take the model `elastic`",
             ),
-        ));
+        );
+        return Err(error.of_model());
     }
     let lines = match context.lines {
         None => Lines::default(),
@@ -122,7 +123,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     } else {
         Body::new(mesh, material, placement, &hub.mount, mass, own)
     };
-    let body = body.map_err(|e| reader.error("mesh", e.to_string()))?;
+    let body = body.map_err(|e| reader.error("mesh", e.to_string()).of_model())?;
     let gear = FullOrder::new(context.hub.clone(), context.effective_radius, body);
     Ok(Box::new(gear.with_lines(lines)))
 }

@@ -134,7 +134,7 @@ fn computed(
     };
     let of = super::of_gear(MODEL, reader.context, &given.mesh)?;
     let basis = shared::basis_of(&of.request(reader.context.material, wanted))
-        .map_err(|e| reader.error("mesh", e.to_string()))?;
+        .map_err(|e| reader.error("mesh", e.to_string()).of_model())?;
     let candidates = shared::lowest(&basis, wanted);
     let whole = match Source::read(reader, &given.mesh)? {
         Source::Generated(params) if of.sector => {
@@ -276,7 +276,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
             ),
         ));
     }
-    let failed = |e: ReductionError| reader.error("modes", e.to_string());
+    let failed = |e: ReductionError| reader.error("modes", e.to_string()).of_model();
     let (reduced, kept, made) = if teeth.is_empty() {
         let kept = kept_of(&reader, &basis, &choice, target)?;
         let reduced = choose::reduced(&basis, &kept, &damping, residual);
@@ -304,7 +304,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     if let Some(strips) = context.lines {
         reduced = reduced
             .over_lines(strips)
-            .map_err(|e| reader.error("mesh", e))?;
+            .map_err(|e| reader.error("mesh", e).of_model())?;
     }
     let gear = Elastic::new(
         context.hub.clone(),

@@ -36,6 +36,8 @@ words! {
         AdhesiveForce = "adhesive force",
         /// The run was stopped for taking too long.
         Timeout = "timeout",
+        /// The model cannot run the scene, or would take more memory than it may: nothing was run.
+        Refused = "refused",
         /// The program itself failed in the run.
         Aborted = "aborted",
         /// The study was interrupted before the run was finished.

@@ -315,8 +315,9 @@ fn every_class_is_driven_and_labelled() {
         assert!(told || status.holds(), "{how}: {said}");
         assert!(is_finite_text(said), "{how}: {said}");
     }
-    // What is not the doing of a run is driven where it happens: by the runner and by signals.
-    let of_runs = |s: &Status| !matches!(s, Status::Aborted | Status::Interrupted);
+    // What is not the doing of a run is driven where it happens: by the runner, by signals, by models that cannot run.
+    let of_runs =
+        |s: &Status| !matches!(s, Status::Refused | Status::Aborted | Status::Interrupted);
     for status in Status::ALL.into_iter().filter(of_runs) {
         assert!(list.iter().any(|d| d.0 == status), "{status} is not driven");
     }

@@ -109,7 +109,7 @@ pub fn assemble(
     let names = mesh.gears.map(|i| spec.gears[i].name.as_str());
     let refuse = |why: String, help: &str| {
         let why = format!("the loaded start cannot be met: {why}");
-        Err(BuildError::mesh(names, MeshPart::Start, (why, help)))
+        Err(BuildError::mesh(names, MeshPart::Start, (why, help)).of_model())
     };
     if !has_loads(spec, 0.0) {
         return refuse(

@@ -1,6 +1,6 @@
 //! Arguments of `reference`.
 
-use crate::cli::values::{DEFAULT_MEMORY, gigabytes, number, positive};
+use crate::cli::values::{number, positive};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -76,7 +76,4 @@ pub struct Reference {
     /// Wall-clock bound of one integration in seconds
     #[arg(long, value_name = "S", default_value_t = PATIENT, value_parser = positive)]
     pub timeout: f64,
-    /// Refuse what would take more memory than this [GB]
-    #[arg(long, value_name = "GB", default_value_t = DEFAULT_MEMORY, value_parser = gigabytes)]
-    pub memory: f64,
 }

@@ -18,7 +18,6 @@ use arguments::Reference;
 use file::Header;
 use gearbench_integrators::table::DOPRI5;
 use gearbench_integrators::{Resolution, Scheme};
-use gearbench_reference::limits;
 use gearbench_reports::metrics::compare;
 use gearbench_reports::numbers::per_cent;
 use gearbench_reports::record::{Metrics, Run};
@@ -55,7 +54,6 @@ pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
     }
     let method = method(args, &other, &choice)?;
     can_be_written(&args.out)?;
-    limits::set_memory(args.memory * 1e9);
     interruption::catch().map_err(|e| Refusal::Files(e.to_string()))?;
     let display = Display::new(2);
     display.tell(0, 2, &format!("{} under {}", choice.label, told(&method)));

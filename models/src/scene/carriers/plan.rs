@@ -2,6 +2,7 @@
 
 use crate::Vec3;
 use crate::error::{BuildError, GearPart, Reason};
+use crate::gear::table::Model;
 use crate::scene::members::SceneGear;
 use crate::spec::{Body, BodySpec, Carried, Freedom, GearSpec, Mount, SceneSpec, initial_speed};
 use std::borrow::Cow;
@@ -162,6 +163,18 @@ impl Sets {
         self.all.is_empty()
     }
 
+    /// Refuses full finite elements in a planetary set before any gear is meshed.
+    ///
+    /// # Errors
+    /// A gear of a set whose model is of full order.
+    pub fn check_models(&self, spec: &SceneSpec, rows: &[&Model]) -> Result<(), BuildError> {
+        let mut members = self.all.iter().flat_map(|set| &set.gears).map(|g| g.0);
+        match members.find(|i| rows[*i].properties.full_order) {
+            Some(i) => Err(full_order_in_set(&spec.gears[i].name)),
+            None => Ok(()),
+        }
+    }
+
     /// Refuses what gears of a set are on their hubs or shafts and no set knows.
     pub fn check(&self, gears: &[SceneGear]) -> Result<(), BuildError> {
         for set in &self.all {
@@ -174,12 +187,10 @@ impl Sets {
             for member in set.gears.iter().map(|g| g.0).chain([set.body]) {
                 let g = &gears[member];
                 let hub = g.model.hub();
-                let why: Option<Reason> = if g.model.large().is_some() {
-                    Some((
-                        "full finite elements tell in space where their nodes are, and gears of a planetary set are seen from its carrier",
-                        "take the model `elastic`, or leave the carrier out, so that all gears turn about axes of their own",
-                    ).into())
-                } else if !hub.is_free() {
+                if g.model.large().is_some() {
+                    return Err(full_order_in_set(&g.name));
+                }
+                let why: Option<Reason> = if !hub.is_free() {
                     Some(
                         (
                             "a rigid shaft holds or drives it together with something else",
@@ -226,6 +237,15 @@ impl Sets {
         }
         Ok(())
     }
+}
+
+/// Gears of a planetary set are described in the frame of its carrier, which full finite elements are not.
+fn full_order_in_set(name: &str) -> BuildError {
+    let why = (
+        "full finite elements describe their nodes in space, and gears of a planetary set are described in the frame of its carrier",
+        "take the model `elastic`, or leave the carrier out, so that all gears turn about axes of their own",
+    );
+    BuildError::gear(name, GearPart::Mount, why).of_model()
 }
 
 /// Frees a mount; returns what held or drove it.

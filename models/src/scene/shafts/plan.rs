@@ -10,6 +10,7 @@ use super::together::{axis_of, check_names, gears_of, rigid_mount, share_mount};
 use crate::Vec3;
 use crate::error::{BuildError, GearPart};
 use crate::gear::rigid::{self, Rigid};
+use crate::gear::table::Model;
 use crate::kinematics::Hub;
 use crate::scene::hubs::{Across, lateral_of, round_tensor};
 use crate::scene::members::SceneGear;
@@ -76,23 +77,43 @@ struct Node {
     member: usize,
 }
 
+/// Modes move with their hub in its own direction alone.
+fn moves_sideways(name: &str) -> BuildError {
+    let why = (
+        "an elastic gear on a shaft holds its hub sideways, but this one moves",
+        "take its bearing and directions away, or use a rigid gear, movable teeth or `fe`",
+    );
+    BuildError::gear(name, GearPart::Mount, why).of_model()
+}
+
 impl Plan {
     /// Refuses elastic gears whose hubs move sideways: modes move those, and links between hubs do not know them.
     pub fn check(&self, gears: &[SceneGear]) -> Result<(), BuildError> {
         let joined = self.elements.iter().flat_map(|e| e.members);
         for gear in joined.map(|member| &gears[member]) {
             if gear.model.displacement().is_some() && gear.model.hub().lateral.is_some() {
-                return Err(BuildError::gear(
-                    &gear.name,
-                    GearPart::Mount,
-                    (
-                        "an elastic gear on a shaft holds its hub sideways, but this one moves",
-                        "take its bearing and directions away, or use a rigid gear, movable teeth or `fe`",
-                    ),
-                ));
+                return Err(moves_sideways(&gear.name));
             }
         }
         Ok(())
+    }
+
+    /// Refuses such elastic gears before any gear is meshed.
+    ///
+    /// # Errors
+    /// A gear on a shaft whose model has modes and whose hub moves sideways.
+    pub fn check_models(
+        &self,
+        spec: &SceneSpec,
+        hubs: &[Hub],
+        rows: &[&Model],
+    ) -> Result<(), BuildError> {
+        let joined = self.elements.iter().flat_map(|e| e.members);
+        let mut gears = joined.filter(|member| *member < spec.gears.len());
+        match gears.find(|i| rows[*i].properties.modes && hubs[*i].lateral.is_some()) {
+            Some(i) => Err(moves_sideways(&spec.gears[i].name)),
+            None => Ok(()),
+        }
     }
 
     /// That of a scene; with it the scene whose gears have what their shafts add to them.

@@ -37,6 +37,7 @@ pub fn look(status: Status) -> Look {
         Status::Tunnelling => (Ink(0xcc, 0x79, 0xa8, 1.0), "T", true),
         Status::AdhesiveForce => (Ink(0x56, 0xb4, 0xea, 1.0), "A", true),
         Status::Timeout => (Ink(0xd9, 0xdd, 0xe1, 1.0), "t", true),
+        Status::Refused => (Ink(0x8d, 0x93, 0x99, 1.0), "R", false),
         Status::Aborted => (Ink(0x1d, 0x23, 0x29, 1.0), "!", false),
         Status::Interrupted => (Ink(0xf4, 0xf5, 0xf6, 1.0), "-", true),
     };
