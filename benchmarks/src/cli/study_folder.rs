@@ -19,6 +19,9 @@ use std::path::{Path, PathBuf};
 /// The setting that says that a study is not complete.
 const INTERRUPTED_STUDY: &str = "interrupted";
 
+/// The setting that says which models cannot run, and why.
+const REFUSED_MODEL: &str = "refused";
+
 /// The folder of a study.
 pub struct StudyFolder {
     path: PathBuf,
@@ -115,6 +118,11 @@ impl StudyFolder {
         if nothing_ran {
             return Err(self.refuse(none_can_run(runs)));
         }
+        for row in &self.refused {
+            let why = row.message.as_deref().unwrap_or_default();
+            let what = format!("{}: {why}", row.model_label());
+            results.settings.push((REFUSED_MODEL.into(), what));
+        }
         let stopped = interruption::requested();
         if stopped {
             let planned = results.runs.len();
@@ -142,10 +150,11 @@ impl StudyFolder {
         say(&format!("report: {}", page.display()));
         self.close();
         let answer = (Answer::of(&results).with("record", &record)).with("report", &page);
-        Ok(answer.ending(if stopped {
-            Exit::Interrupted
-        } else {
-            exit(&results)
+        Ok(answer.ending(match (stopped, self.refused.is_empty()) {
+            (true, _) => Exit::Interrupted,
+            (false, true) => exit(&results),
+            // Other models ran, but not all that were asked for.
+            (false, false) => Exit::FailedRun,
         }))
     }
 

@@ -45,7 +45,7 @@ impl RunError {
     pub fn leaves_out(&self) -> bool {
         matches!(
             self,
-            RunError::NoLinearPart(_) | RunError::Refused(_) | RunError::Unsupported(_)
+            RunError::NoLinearPart(_) | RunError::Unsupported(_)
         )
     }
 }
@@ -66,6 +66,7 @@ impl ModelRefusal for RunError {
     fn refusal(&self) -> Option<String> {
         match self {
             RunError::Build(e) => e.refusal(),
+            RunError::Refused(e) => Some(e.to_string()),
             _ => None,
         }
     }

@@ -10,6 +10,7 @@ use crate::experiment::machine;
 use crate::scene_file::source::{changed, stand_in};
 use clap::Args;
 use gearbench_reports::record::{OF_THE_CLOCK, Results};
+use super::report::check_record;
 use gearbench_reports::{ReportError, load_results};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -58,6 +59,7 @@ fn refuse(e: &ReportError) -> Refusal {
 /// [`Refusal`] for a record that cannot be made again: of a version that did not keep its scene, or with files that have
 /// changed.
 pub fn prepare(args: &Rerun) -> Result<Again, Refusal> {
+    check_record(&args.record)?;
     let before = load_results(&args.record).map_err(|e| refuse(&e))?;
     let shown = args.record.display();
     let (command, commit) = (&before.header.command, &before.header.commit);
