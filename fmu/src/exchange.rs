@@ -24,6 +24,14 @@ pub struct Update {
     pub next: Option<f64>,
 }
 
+/// Refuses values that are not finite, with the place of the first.
+fn numbers(what: &str, all: &[f64]) -> Done {
+    match all.iter().position(|x| !x.is_finite()) {
+        None => Ok(()),
+        Some(i) => fail(format!("{what} {} is {}, expected a number", i + 1, all[i])),
+    }
+}
+
 impl Instance {
     /// Sets the time of the host [s].
     ///
@@ -44,10 +52,11 @@ impl Instance {
     /// Sets coordinates and velocities.
     ///
     /// # Errors
-    /// Of an instance of another kind, or another number of states.
+    /// Of an instance of another kind, another number of states, or values that are no numbers.
     pub fn set_states(&mut self, x: &[f64]) -> Done {
         self.running(Kind::ModelExchange)?;
         self.count(x.len())?;
+        numbers("continuous state", x)?;
         let State { q, v, .. } = &mut self.memory.state;
         let (of_q, of_v) = x.split_at(q.len());
         q.copy_from_slice(of_q);
@@ -89,9 +98,10 @@ impl Instance {
     /// Their derivatives.
     ///
     /// # Errors
-    /// Another number of states.
+    /// Another number of states; derivatives that overflow.
     pub fn derivatives(&mut self, x: &mut [f64]) -> Done {
         self.count(x.len())?;
+        numbers("derivative of state", self.rates())?;
         x.copy_from_slice(self.rates());
         Ok(())
     }
@@ -108,6 +118,7 @@ impl Instance {
                 self.coupled.interface.event_functions
             ));
         }
+        numbers("event indicator", self.watched())?;
         z.copy_from_slice(self.watched());
         Ok(())
     }

@@ -65,6 +65,7 @@ enum Phase {
     Instantiated,
     Initialising,
     Running,
+    Terminated,
 }
 
 /// All that a step depends on beside the method.
@@ -75,6 +76,8 @@ pub(crate) struct Memory {
     pub(crate) state: State,
     /// Time of the host at the start of the scene [s].
     shift: f64,
+    /// Time of the host beyond which it does not step, where it named one [s].
+    stop: Option<f64>,
     given: Vec<Given>,
     interpolate: bool,
     /// What acts in the scene, by port.
@@ -164,19 +167,35 @@ impl Instance {
         &self.coupled.interface
     }
 
-    /// Begins the initialisation; the scene starts at that time of the host.
+    /// Begins the initialisation; the scene starts at that time of the host, which does not step beyond `stop`.
     ///
     /// # Errors
-    /// After the initialisation.
-    pub fn enter_initialisation(&mut self, time: f64) -> Done {
+    /// After the initialisation; times that are no numbers or in the wrong order.
+    pub fn enter_initialisation(&mut self, time: f64, stop: Option<f64>) -> Done {
         if self.memory.phase != Phase::Instantiated {
             return fail("the instance is initialised already; reset it first");
         }
         if !time.is_finite() {
             return fail(format!("the start time {time} is not a number"));
         }
+        if let Some(stop) = stop.filter(|stop| !(*stop >= time)) {
+            return fail(format!(
+                "the stop time is {stop} s, expected the start time {time} s or later"
+            ));
+        }
         self.memory.shift = time;
+        self.memory.stop = stop;
         self.memory.phase = Phase::Initialising;
+        Ok(())
+    }
+
+    /// Ends the simulation: variables can be read, and the instance can be reset or freed.
+    ///
+    /// # Errors
+    /// Before the end of the initialisation, and of an instance that is terminated already.
+    pub fn terminate(&mut self) -> Done {
+        self.running(self.kind)?;
+        self.memory.phase = Phase::Terminated;
         Ok(())
     }
 
@@ -201,7 +220,10 @@ impl Instance {
         }
         match self.memory.phase {
             Phase::Running => Ok(()),
-            _ => fail("the instance is not initialised yet"),
+            Phase::Terminated => fail("the instance is terminated; reset it first"),
+            Phase::Instantiated | Phase::Initialising => {
+                fail("the instance is not initialised yet")
+            }
         }
     }
 
@@ -257,6 +279,9 @@ impl Instance {
             return fail(format!("{name}: {value} is not a number"));
         }
         match role {
+            _ if self.memory.phase == Phase::Terminated => {
+                return fail("the instance is terminated; reset it first");
+            }
             Role::Input {
                 port,
                 quantity,
@@ -312,7 +337,7 @@ impl Instance {
     /// Moves the scene over a communication step; returns the time at its end.
     ///
     /// # Errors
-    /// A step from another time than the present one, or one that the method cannot make.
+    /// A step from another time than the present one, beyond the stop time, or one that the method cannot make.
     pub fn step(&mut self, from: f64, size: f64) -> Done<f64> {
         self.running(Kind::CoSimulation)?;
         if !(size > 0.0 && size.is_finite()) {
@@ -323,6 +348,14 @@ impl Instance {
             return fail(format!(
                 "a step from {from} s, but the instance is at {} s",
                 self.time()
+            ));
+        }
+        // The sum of many steps misses the stop time by their rounding.
+        let rounding = |stop: f64| OFF_TIME * size + 8.0 * f64::EPSILON * stop.abs();
+        if let Some(stop) = (self.memory.stop).filter(|stop| from + size > stop + rounding(*stop)) {
+            return fail(format!(
+                "a step from {from} s to {} s, but the stop time is {stop} s",
+                from + size
             ));
         }
         let to = self.in_scene(from + size);
@@ -456,6 +489,7 @@ fn start(coupled: &Coupled) -> Memory {
         phase: Phase::Instantiated,
         state: coupled.scene.initial(),
         shift: 0.0,
+        stop: None,
         applied: ports
             .map(|(port, given)| held(port.acts, given, 0.0))
             .collect(),

@@ -1,5 +1,7 @@
 //! Tables in CSV: SI units in the header, numbers to ten digits, nothing where there is none.
 
+use crate::escape;
+
 /// A table that a study writes to a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CsvTable {
@@ -34,7 +36,10 @@ impl CsvTable {
         let mut writer = csv::Writer::from_writer(Vec::new());
         // Writing to memory cannot fail; a refused row would be one of unequal length.
         for row in std::iter::once(&self.header).chain(&self.rows) {
-            let _ = writer.write_record(row);
+            for cell in row {
+                let _ = writer.write_field(escape::cell(cell).as_bytes());
+            }
+            let _ = writer.write_record(None::<&[u8]>);
         }
         String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
     }
@@ -44,6 +49,11 @@ impl CsvTable {
 pub fn number(x: impl Into<Option<f64>>) -> String {
     let finite = x.into().filter(|x| x.is_finite());
     finite.map_or(String::new(), |x| format!("{x:.9e}"))
+}
+
+/// A number with all its digits.
+pub fn exact(x: f64) -> String {
+    format!("{x:e}")
 }
 
 /// What a text says, or nothing.

@@ -7,6 +7,7 @@
 mod csv_table;
 pub mod dictionary;
 mod drawing;
+pub mod escape;
 pub mod force;
 pub mod histories;
 mod markup;
@@ -32,9 +33,8 @@ pub use record::{
 pub use series::{Column, TimeSeries, decimate};
 pub use store::{RECORD, ReportError, load_results, report_from, write_results};
 pub use studies::choose::{ChoiceRecord, ChooseRecord, LevelRecord, TriedRecord};
-pub use studies::stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
 pub use studies::{
     StudyReport, check, choice_check, compare as comparison, coupling, identify, modes, precision,
-    response, run_up, stability, sweep, truncation,
+    response, run_up, stability, stiffness, sweep, truncation,
 };
 pub use view::metric_against;

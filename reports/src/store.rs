@@ -12,6 +12,7 @@ use crate::markup::page;
 use crate::record::{ReferenceSeries, Results, SCHEMA, slug};
 use crate::series::TimeSeries;
 use crate::studies::{Study, report};
+use crate::view::View;
 use serde::Serialize;
 use std::fs;
 use std::io;
@@ -59,13 +60,19 @@ pub fn write_results(dir: &Path, results: &Results) -> Result<PathBuf, ReportErr
         path: path.clone(),
         reason,
     })?;
-    let text = to_json(&results.sanitised()).map_err(|e| ReportError::Record {
+    let mut clean = results.sanitised();
+    let histories = histories(results);
+    for (i, run) in clean.runs.iter_mut().enumerate() {
+        let own = histories.iter().filter(|h| h.run == Some(i));
+        run.files = own.map(|h| h.file.0.clone()).collect();
+    }
+    let text = to_json(&clean).map_err(|e| ReportError::Record {
         path: path.clone(),
         reason: e.to_string(),
     })?;
     let saved = parse(&text, &path)?;
     let mut files = vec![(RECORD.to_owned(), Content::Text(text))];
-    files.extend(histories(results));
+    files.extend(histories.into_iter().map(|h| h.file));
     files.extend(render(&saved)?);
     // What the record before made is drawn once more for its names; one that cannot be read made nothing known.
     let before: Vec<String> = load_results(&path).map_or_else(
@@ -171,31 +178,53 @@ fn render(results: &Results) -> Result<Vec<File<'static>>, ReportError> {
         .collect())
 }
 
+/// A file of histories, with the place of the run that it belongs to; none of a reference.
+struct HistoryFile<'a> {
+    run: Option<usize>,
+    file: File<'a>,
+}
+
+/// Runs whose histories have files. Of a comparison that is one run of each model, the most accurate one: files of all runs
+/// would be hundreds that differ by integration errors alone.
+fn runs_with_files(results: &Results) -> Vec<usize> {
+    if results.study() != Study::Compare {
+        return (0..results.runs.len()).collect();
+    }
+    let view = View::new(results);
+    let kept = view.groups.iter().filter_map(|g| view.kept(g));
+    kept.map(|(i, _)| *i).collect()
+}
+
 /// The histories of references, and of runs the whole ones that a study hands over, else what the record has.
-fn histories<'a>(results: &'a Results) -> Vec<File<'a>> {
-    let mut files: Vec<File<'a>> = Vec::new();
-    let mut add = |name: String, table: Box<dyn Fn() -> CsvTable + 'a>| {
-        files.push((name, Content::Table(table)));
+fn histories<'a>(results: &'a Results) -> Vec<HistoryFile<'a>> {
+    let mut files: Vec<HistoryFile<'a>> = Vec::new();
+    let mut add = |run: Option<usize>, name: String, table: Box<dyn Fn() -> CsvTable + 'a>| {
+        let file = (name, Content::Table(table));
+        files.push(HistoryFile { run, file });
     };
     for (i, r) in results.references.iter().enumerate() {
         for (k, series) in r.all_series().into_iter().enumerate() {
             add(
+                None,
                 reference_name(i, r, k),
                 Box::new(|| series_table(&series.finite_prefix())),
             );
         }
     }
-    for (i, r) in results.runs.iter().enumerate() {
+    let kept = runs_with_files(results);
+    let runs = results.runs.iter().enumerate();
+    for (i, r) in runs.filter(|(i, _)| kept.contains(i)) {
         let stem = r.file_stem(i);
         match (&r.histories, &r.series) {
             (Some(whole), kept) => {
                 for (k, ending) in ENDINGS.into_iter().enumerate() {
                     let table = move || whole.table(k, kept.as_ref());
-                    add(format!("{stem}{ending}"), Box::new(table));
+                    add(Some(i), format!("{stem}{ending}"), Box::new(table));
                 }
             }
             (None, Some(series)) => {
                 add(
+                    Some(i),
                     format!("{stem}.csv"),
                     Box::new(|| series_table(&series.finite_prefix())),
                 );

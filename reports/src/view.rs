@@ -139,6 +139,15 @@ impl<'a> View<'a> {
     /// The run that stands for its model: the least error among runs that did not fail, the
     /// cheapest of those that share its three leading digits.
     pub fn best<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
+        self.best_by(group, |r| r.wall_s)
+    }
+
+    /// The same with another cost.
+    fn best_by<'g>(
+        &self,
+        group: &'g Group<'a>,
+        cost: impl Fn(&Run) -> f64,
+    ) -> Option<&'g (usize, &'a Run)> {
         let usable = || group.runs.iter().filter(|(_, r)| !r.status.is_failure());
         let least = usable()
             .filter_map(|(_, r)| self.error(r))
@@ -150,7 +159,7 @@ impl<'a> View<'a> {
                     self.error(r)
                         .is_some_and(|e| shown(e) == shown(least) || e < NOTHING)
                 })
-                .min_by(|a, b| a.1.wall_s.total_cmp(&b.1.wall_s)),
+                .min_by(|a, b| cost(a.1).total_cmp(&cost(b.1))),
             None => usable().min_by(|a, b| {
                 let drift = |r: &Run| r.ledger.residual_rel.map_or(f64::INFINITY, f64::abs);
                 drift(a.1).total_cmp(&drift(b.1))
@@ -161,8 +170,21 @@ impl<'a> View<'a> {
     /// The run whose histories are drawn for a model: the best one with a series, failing that the
     /// longest failed one.
     pub fn drawn<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
+        self.drawn_by(group, |r| r.wall_s)
+    }
+
+    /// The run whose histories have files: as [`View::drawn`], but chosen by work and not by the clock.
+    pub fn kept<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
+        self.drawn_by(group, |r| r.force_evaluations as f64)
+    }
+
+    fn drawn_by<'g>(
+        &self,
+        group: &'g Group<'a>,
+        cost: impl Fn(&Run) -> f64,
+    ) -> Option<&'g (usize, &'a Run)> {
         let has = |r: &Run| r.series.as_ref().is_some_and(|s| s.len() > 1);
-        if let Some(best) = self.best(group).filter(|(_, r)| has(r)) {
+        if let Some(best) = self.best_by(group, cost).filter(|(_, r)| has(r)) {
             return Some(best);
         }
         let mut candidates: Vec<_> = group.runs.iter().filter(|(_, r)| has(r)).collect();

@@ -10,8 +10,8 @@ use miette::{Diagnostic, Report};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-/// What of a record is not part of an answer: long, and in the record.
-const LONG: [&str; 2] = ["series", "contacts"];
+/// What of a record is not part of an answer: long, and in the record or in files of its own.
+const LONG: [&str; 4] = ["series", "further", "histories", "contacts"];
 
 /// What a command answers.
 #[derive(Clone, Debug)]
@@ -106,5 +106,44 @@ fn without_histories(value: &mut Value) {
         }
         Value::Array(all) => all.iter_mut().for_each(without_histories),
         _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gearbench_reports::record::{ReferenceSeries, Run};
+    use gearbench_reports::{ContactSnapshot, Histories, TimeSeries};
+
+    /// However long the histories of a study are, its answer is not.
+    #[test]
+    fn an_answer_has_no_histories() {
+        let mut series = TimeSeries::default();
+        (0..1000).for_each(|i| series.push(f64::from(i), 1.0, 2.0, 3.0));
+        let results = Results {
+            runs: vec![Run {
+                steps: 7,
+                series: Some(series.clone()),
+                histories: Some(Histories {
+                    series: Some(series.clone()),
+                    ..Histories::default()
+                }),
+                contacts: Some(ContactSnapshot::default()),
+                ..Run::default()
+            }],
+            references: vec![ReferenceSeries {
+                id: "fe".into(),
+                further: vec![series.clone()],
+                series,
+                ..ReferenceSeries::default()
+            }],
+            ..Results::default()
+        };
+        let text = Answer::of(&results).json("compare", Vec::new()).to_string();
+        assert!(text.len() < 3000, "{} characters: {text}", text.len());
+        assert!(text.contains("\"steps\":7") && text.contains("\"id\":\"fe\""));
+        for key in LONG {
+            assert!(!text.contains(&format!("\"{key}\"")), "{key}");
+        }
     }
 }

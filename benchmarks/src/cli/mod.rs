@@ -146,7 +146,7 @@ impl Command {
             Command::Stability(args) => stability::command::run(&args, told),
             Command::Choose(args) => choose::command::run(&args, told),
             Command::Identify(args) => identify::command::run(&args, told),
-            Command::Stiffness(args) => stiffness::command::run(&args),
+            Command::Stiffness(args) => stiffness::command::run(&args, told),
             Command::Truncation(args) => truncation::command::run(&args, told),
             Command::Modes(args) => modes::command::run(&args, told),
             Command::Response(args) => response::command::run(&args, told),

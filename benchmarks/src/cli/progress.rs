@@ -1,6 +1,7 @@
 //! How far a study is: a bar on a terminal, else a line a minute.
 
 use crate::experiment::parallel::lock;
+use gearbench_reports::escape;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -78,6 +79,7 @@ impl Display {
 
     /// Takes note of the pieces done, all that are known of, and the name of the next.
     pub fn tell(&self, done: usize, total: usize, what: &str) {
+        let what = &*escape::terminal(what);
         let mut known = lock(&self.known);
         known.before.get_or_insert(done);
         (known.done, known.total) = (done, total);

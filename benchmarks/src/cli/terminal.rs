@@ -11,8 +11,9 @@ pub use super::refusal::{Refusal, refuse_run, refuse_study};
 use crate::scene_file::SceneFile;
 use crate::scene_file::references::Held;
 use gearbench_reference::data::Reference;
+use gearbench_reports::escape;
 use miette::Report;
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::{Mutex, OnceLock};
@@ -46,10 +47,10 @@ pub fn manner() -> Manner {
     MANNER.get().copied().unwrap_or_default()
 }
 
-/// A line for people on standard output.
+/// A line for people on standard output, as [`escape::terminal`] shows it.
 pub fn say(text: &str) {
     if manner() == Manner::Lines {
-        put(text);
+        put(&escape::terminal(text));
     }
 }
 
@@ -78,8 +79,13 @@ pub fn warn(text: &str) {
     }
 }
 
-/// A line on standard error; where it cannot be written there is nobody to tell.
+/// A line for people on standard error, as [`escape::terminal`] shows it.
 pub fn say_error(text: &str) {
+    put_error(&escape::terminal(text));
+}
+
+/// A text on standard error; one that cannot be written has no other place.
+fn put_error(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
@@ -121,10 +127,14 @@ pub fn end(command: &str, result: Result<Answer, Refusal>) -> ExitCode {
 
 /// Says on standard error why a command did not do its work.
 pub(super) fn complain(command: &str, exit: Exit, report: &Report, warnings: Vec<String>) {
-    say_error(&match manner() {
-        Manner::Json => answer::refusal(command, exit, report, warnings).to_string(),
-        _ => format!("{report:?}"),
-    });
+    match manner() {
+        Manner::Json => {
+            put_error(&answer::refusal(command, exit, report, warnings).to_string());
+        }
+        // A terminal gets colours, a file or a pipe none.
+        _ if io::stderr().is_terminal() => put_error(&escape::coloured(&format!("{report:?}"))),
+        _ => say_error(&format!("{report:?}")),
+    }
 }
 
 /// The command line as it was given, with the program's own name instead of its path.

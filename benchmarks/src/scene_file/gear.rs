@@ -223,6 +223,18 @@ struct Hub {
     loads: Vec<Load>,
 }
 
+/// Checks the name of a gear: it becomes that of columns and of variables of FMUs.
+pub(super) fn check_name(name: &str, at: &Place<'_>) -> Result<(), SceneError> {
+    if !name.trim().is_empty() && name.len() <= 60 && !name.chars().any(char::is_control) {
+        return Ok(());
+    }
+    at.refuse(
+        format!("the name of a gear is {name:?}: it becomes that of columns"),
+        "cannot be used",
+        "give 1 to 60 characters, for example [gears.pinion]",
+    )
+}
+
 /// Checks and builds one gear or rack.
 pub(super) fn gear(
     name: &str,

@@ -240,7 +240,11 @@ impl SceneFile {
             Origin::Shipped => None,
         };
         let mut drafts = (keys.gears.0.into_iter())
-            .map(|(name, keys)| gear::gear(&name, keys, folder, &root.key("gears").key(&name)))
+            .map(|(name, keys)| {
+                let at = root.key("gears").key(&name);
+                gear::check_name(&name, &at)?;
+                gear::gear(&name, keys, folder, &at)
+            })
             .collect::<Result<Vec<_>, _>>()?;
         if drafts.is_empty() {
             return Err(root.missing("gears", &SceneKeys::TABLE));

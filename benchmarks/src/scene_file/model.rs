@@ -59,12 +59,13 @@ impl TryFrom<String> for OwnLabel {
     fn try_from(text: String) -> Result<Self, String> {
         let fits = !text.trim().is_empty()
             && text.len() <= 60
-            && !text.contains([',', '\n'])
+            && !text.contains(',')
+            && !text.chars().any(char::is_control)
             && text.trim() == text;
         let shown: String = text.chars().take(60).collect();
         fits.then_some(OwnLabel(text)).ok_or_else(|| {
             format!(
-                "the label \"{shown}\" cannot be used: expected 1 to 60 characters without commas"
+                "the label {shown:?} cannot be used: expected 1 to 60 characters without commas and control characters"
             )
         })
     }

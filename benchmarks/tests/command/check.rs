@@ -121,14 +121,14 @@ fn work_failures_and_entries() {
     );
     folder.ends("check --out r", 1);
     let found = record(&folder);
-    let entries: Vec<(&str, Verdict)> = (found.entries.iter())
+    let entries: Vec<(String, Verdict)> = (found.entries.iter())
         .flat_map(|e| &e.findings)
         .filter(|f| f.kind == Kind::Entry)
-        .map(|f| (f.now.as_str(), f.verdict))
+        .map(|f| (f.texts()[0].clone(), f.verdict))
         .collect();
     assert_eq!(
         entries,
-        [("new", Verdict::Moved), ("absent", Verdict::Moved)]
+        ["new", "absent"].map(|word| (word.to_owned(), Verdict::Moved))
     );
 
     folder.write("check.baseline.jsonl", "{\"baseline\": 1, oops}\n");

@@ -29,6 +29,10 @@ unsafe fn instantiate(
     resources: *const c_char,
     logger: Logger,
 ) -> *mut c_void {
+    if name.is_null() {
+        logger.say(ERROR, "the name of the instance is missing");
+        return null_mut();
+    }
     // SAFETY: texts of the host.
     let [name, token, resources] = [name, token, resources].map(|p| unsafe { text(p) });
     let path = PathBuf::from(resources.strip_prefix("file://").unwrap_or(&resources));
@@ -95,12 +99,12 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
     _tolerance_defined: bool,
     _tolerance: f64,
     start: f64,
-    _stop_defined: bool,
-    _stop: f64,
+    stop_defined: bool,
+    stop: f64,
 ) -> Status {
     unsafe {
         with(instance, "fmi3EnterInitializationMode", |x| {
-            x.enter_initialisation(start)
+            x.enter_initialisation(start, stop_defined.then_some(stop))
         })
     }
 }
@@ -118,7 +122,7 @@ pub unsafe extern "C" fn fmi3ExitInitializationMode(instance: *mut c_void) -> St
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3Terminate(instance: *mut c_void) -> Status {
-    unsafe { with(instance, "fmi3Terminate", |_| Ok(())) }
+    unsafe { with(instance, "fmi3Terminate", Instance::terminate) }
 }
 
 #[unsafe(no_mangle)]

@@ -45,6 +45,7 @@ unsafe extern "C" {
         stop: f64,
     ) -> c_int;
     fn fmi3ExitInitializationMode(instance: *mut c_void) -> c_int;
+    fn fmi3Terminate(instance: *mut c_void) -> c_int;
     fn fmi3Reset(instance: *mut c_void) -> c_int;
     fn fmi3GetFloat64(i: *mut c_void, r: *const u32, n: usize, v: *mut f64, m: usize) -> c_int;
     fn fmi3SetFloat64(i: *mut c_void, r: *const u32, n: usize, v: *const f64, m: usize) -> c_int;
@@ -238,6 +239,29 @@ impl Fmu {
         })
     }
 
+    /// Whether an instance without a name is made.
+    pub fn is_made_without_a_name(package: &Package) -> bool {
+        let named = Self::stepping(package);
+        let resources = format!("{}/resources/", named.folder.path().display());
+        let text = std::fs::read_to_string(named.folder.path().join("modelDescription.xml"));
+        let text = text.unwrap();
+        let token = attribute(&text, "instantiationToken").unwrap();
+        let [token, resources] = [token, &resources].map(|s| CString::new(s).unwrap());
+        let instance = unsafe {
+            fmi3InstantiateModelExchange(
+                null(),
+                token.as_ptr(),
+                resources.as_ptr(),
+                false,
+                false,
+                null_mut(),
+                Some(listen),
+            )
+        };
+        unsafe { fmi3FreeInstance(instance) };
+        !instance.is_null()
+    }
+
     fn made(package: &Package, exchange: bool) -> Fmu {
         Self::try_new(package, exchange, None).unwrap_or_else(|| panic!("{}", said()))
     }
@@ -256,11 +280,35 @@ impl Fmu {
         assert_eq!(status, 0, "{} ({})", said(), self.folder.path().display());
     }
 
+    pub fn try_enter(&self, start: f64, stop: Option<f64>) -> c_int {
+        let (defined, stop) = (stop.is_some(), stop.unwrap_or(0.0));
+        unsafe { fmi3EnterInitializationMode(self.instance, false, 0.0, start, defined, stop) }
+    }
+
     pub fn initialise(&self, start: f64) {
-        self.ok(unsafe {
-            fmi3EnterInitializationMode(self.instance, false, 0.0, start, false, 0.0)
-        });
+        self.initialise_until(start, None);
+    }
+
+    pub fn initialise_until(&self, start: f64, stop: Option<f64>) {
+        self.ok(self.try_enter(start, stop));
         self.ok(unsafe { fmi3ExitInitializationMode(self.instance) });
+    }
+
+    pub fn try_terminate(&self) -> c_int {
+        unsafe { fmi3Terminate(self.instance) }
+    }
+
+    pub fn try_states(&self, x: &[f64]) -> c_int {
+        unsafe { fmi3SetContinuousStates(self.instance, x.as_ptr(), x.len()) }
+    }
+
+    /// Whether derivatives can be read, and what they are.
+    pub fn try_rates(&self) -> (c_int, Vec<f64>) {
+        let mut x = vec![0.0; self.sizes()[0]];
+        let status = unsafe {
+            fmi3GetContinuousStateDerivatives(self.instance, x.as_mut_ptr(), x.len())
+        };
+        (status, x)
     }
 
     pub fn reset(&self) {
@@ -372,10 +420,8 @@ impl Fmu {
     }
 
     pub fn rates(&self) -> Vec<f64> {
-        let mut x = vec![f64::NAN; self.sizes()[0]];
-        self.ok(unsafe {
-            fmi3GetContinuousStateDerivatives(self.instance, x.as_mut_ptr(), x.len())
-        });
+        let (status, x) = self.try_rates();
+        self.ok(status);
         x
     }
 

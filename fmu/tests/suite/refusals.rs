@@ -50,6 +50,72 @@ fn bad_calls_end_in_errors() {
     assert_eq!(fmu.get("time"), 1e-5);
 }
 
+fn refused(status: i32, why: &str) {
+    let told = said();
+    assert_eq!(status, ERROR, "{told}");
+    assert!(told.contains(why), "{told}");
+}
+
+#[test]
+fn a_terminated_instance_neither_steps_nor_changes() {
+    let fmu = Fmu::stepping(&packed(&shipped("hammer"), "rigid", "rk4@2us", &[]));
+    refused(fmu.try_terminate(), "not initialised");
+    fmu.initialise(0.0);
+    fmu.step(0.0, 1e-5);
+    assert_eq!(fmu.try_terminate(), 0);
+    refused(fmu.try_step(1e-5, 1e-5), "terminated");
+    refused(fmu.try_set("pinion.torque", 1.0), "terminated");
+    refused(fmu.try_terminate(), "terminated");
+    // What it reached is read, and a reset begins anew.
+    assert_eq!(fmu.get("time"), 1e-5);
+    fmu.reset();
+    fmu.initialise(0.0);
+    fmu.step(0.0, 1e-5);
+}
+
+#[test]
+fn times_out_of_order_are_refused() {
+    let fmu = Fmu::stepping(&packed(&shipped("hammer"), "rigid", "rk4@2us", &[]));
+    refused(fmu.try_enter(f64::NAN, None), "start time");
+    refused(fmu.try_enter(1.0, Some(0.5)), "stop time is 0.5 s");
+    refused(fmu.try_enter(0.0, Some(f64::NAN)), "stop time is NaN");
+    fmu.initialise_until(0.0, Some(5e-5));
+    refused(fmu.try_step(0.0, 6e-5), "the stop time is 0.00005 s");
+    refused(fmu.try_step(0.0, f64::NAN), "communication step");
+    // Five steps whose sum misses the stop time by rounding.
+    let mut t = 0.0;
+    for _ in 0..5 {
+        fmu.step(t, 1e-5);
+        t += 1e-5;
+    }
+    refused(fmu.try_step(t, 1e-5), "stop time");
+    assert!((fmu.get("time") - 5e-5).abs() < 1e-18);
+}
+
+#[test]
+fn states_that_are_no_numbers_are_refused() {
+    let package = packed(&shipped("hammer"), "rigid", "rk4@2us", &[]);
+    let fmu = Fmu::exchanging(&package);
+    fmu.initialise(0.0);
+    let good = fmu.states();
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mut x = good.clone();
+        x[1] = bad;
+        refused(fmu.try_states(&x), "continuous state 2");
+        // The state before is kept.
+        assert_eq!(fmu.states(), good);
+        assert!(fmu.rates().iter().all(|x| x.is_finite()));
+    }
+    // Numbers whose derivatives are none.
+    let far = vec![1e300; good.len()];
+    assert_eq!(fmu.try_states(&far), 0);
+    let (status, rates) = fmu.try_rates();
+    assert!(status == ERROR || rates.iter().all(|x| x.is_finite()), "{rates:?}");
+    said();
+    assert!(!Fmu::is_made_without_a_name(&package));
+    assert!(said().contains("name of the instance"));
+}
+
 #[test]
 fn hubs_that_nobody_can_move_are_refused() {
     use gearbench::fmu::coupled::Coupled;

@@ -9,6 +9,10 @@ pub const TICK_SIZE: f64 = 12.5;
 /// Font size of axis names and legends.
 pub const NAME_SIZE: f64 = 13.5;
 
+/// Magnitudes beyond which a chart shows a value at its edge: decades, spans and scales of the page stay numbers.
+const GREATEST: f64 = 1e100;
+const LEAST: f64 = 1e-100;
+
 /// One axis: a range, linear or logarithmic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
@@ -21,7 +25,8 @@ impl Axis {
     /// A linear axis over exactly this range; an empty or broken range is widened.
     pub fn linear(min: f64, max: f64) -> Self {
         let (min, max) = if min.is_finite() && max.is_finite() {
-            (min.min(max), min.max(max))
+            let [a, b] = [min, max].map(|x| x.clamp(-GREATEST, GREATEST));
+            (a.min(b), a.max(b))
         } else {
             (0.0, 1.0)
         };
@@ -57,9 +62,22 @@ impl Axis {
         if !(min > 0.0 && max.is_finite()) {
             return Self::linear(0.0, 1.0);
         }
+        let [low, high] = [min, max.max(min)].map(|x| x.clamp(LEAST, GREATEST).log10());
+        Self::decades(10f64.powf(low - 0.2), 10f64.powf(high + 0.2))
+    }
+
+    /// A logarithmic axis over exactly this range of positive values; an empty or broken range is widened.
+    pub fn decades(min: f64, max: f64) -> Self {
+        let [min, max] = [min, max].map(|x| if x.is_nan() { 1.0 } else { x.clamp(LEAST, GREATEST) });
+        let (min, max) = (min.min(max), min.max(max));
+        let (min, max) = if max > min * (1.0 + 1e-9) {
+            (min, max)
+        } else {
+            (0.9 * min, 1.1 * max)
+        };
         Self {
-            min: 10f64.powf(min.log10() - 0.2),
-            max: 10f64.powf(max.max(min).log10() + 0.2),
+            min,
+            max,
             log: true,
         }
     }
@@ -307,10 +325,22 @@ mod tests {
             (3.0, 3.0),
             (f64::NEG_INFINITY, 0.0),
             (1e300, -1e300),
+            (f64::MIN, f64::MAX),
+            (5e-324, f64::MAX),
+            (0.0, 1.0),
         ] {
-            let axis = Axis::linear(a, b);
-            assert!(axis.max > axis.min);
-            let _ = axis.ticks(5);
+            for axis in [
+                Axis::linear(a, b),
+                Axis::padded(a, b, 0.1),
+                Axis::from_zero(b),
+                Axis::logarithmic(a, b),
+                Axis::decades(a, b),
+            ] {
+                assert!(axis.max > axis.min && (axis.max - axis.min).is_finite(), "{axis:?}");
+                assert!(axis.ticks(5).len() < 1000, "{axis:?}");
+                let place = axis.place(0.5 * (axis.min + axis.max));
+                assert!((0.0..=1.0).contains(&place), "{axis:?}: {place}");
+            }
         }
         assert!(!Axis::logarithmic(0.0, 1.0).log);
     }

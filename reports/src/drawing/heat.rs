@@ -70,6 +70,9 @@ impl HeatMap<'_> {
     /// Paints the cells within a frame, under all else that the canvas has.
     pub fn paint(&self, c: &mut Canvas<'_>, frame: &Frame) {
         let (x, y) = (edges(self.x), edges(self.y));
+        if ![x.as_slice(), &y].concat().iter().all(|at| at.is_finite()) {
+            return;
+        }
         let area = frame.area;
         let mut cells: Vec<Vec<Rect>> = vec![Vec::new(); LEVELS];
         let level = |value: f64| {
@@ -145,11 +148,7 @@ mod tests {
     /// A large value among small ones stands in its place in the lightest colour; equal neighbours are one cell.
     #[test]
     fn a_cell_has_the_colour_of_its_value() {
-        let scale = Axis {
-            min: 1e-3,
-            max: 1.0,
-            log: true,
-        };
+        let scale = Axis::decades(1e-3, 1.0);
         let columns = [vec![1e-3, 1e-3, 1e-3], vec![1e-3, 1.0, 0.0]];
         let map = HeatMap {
             x: &[1.0, 3.0],

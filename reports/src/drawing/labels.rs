@@ -76,6 +76,9 @@ impl Room {
 
     /// Takes the free place for a text that is closest to its point; none when there is none within reach.
     pub fn beside(&mut self, text: &str, size: f64, at: Point) -> Option<Rect> {
+        if !(at.0.is_finite() && at.1.is_finite()) {
+            return None;
+        }
         let width = text_width(text, size) + 2.0;
         let free = (places(width, size, at).into_iter())
             .filter(|(_, r)| self.is_free(r))
@@ -95,6 +98,9 @@ impl Room {
 
     /// Takes the free place for the name of a horizontal line, from the left, above the line before below it.
     pub fn along(&mut self, text: &str, size: f64, y: f64) -> Option<Rect> {
+        if !y.is_finite() {
+            return None;
+        }
         let width = text_width(text, size) + 2.0;
         let half = 0.57 * size;
         let steps = ((self.area.width() - width - 12.0) / 9.0).max(0.0) as usize;

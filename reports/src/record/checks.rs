@@ -3,6 +3,26 @@
 use crate::record::{ContactSnapshot, FlankLoad, Results, Run, SCHEMA, Steady, TorquePaths};
 use crate::series::TimeSeries;
 
+/// Checks every entry of a list; the error begins with the key and the place (from 0) of the entry.
+pub(crate) fn each<T>(
+    key: &str,
+    all: &[T],
+    check: impl Fn(&T) -> Result<(), String>,
+) -> Result<(), String> {
+    let mut places = all.iter().enumerate();
+    places.try_for_each(|(i, one)| check(one).map_err(|e| format!("{key}[{i}].{e}")))
+}
+
+/// Checks that a list has as many entries as what it belongs to.
+pub(crate) fn same_length(key: &str, found: usize, of: &str, expected: usize) -> Result<(), String> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(format!(
+        "{key} has {found} entries, expected {expected} as `{of}`"
+    ))
+}
+
 impl Results {
     /// Checks the rules that the types do not enforce.
     ///
@@ -24,8 +44,15 @@ impl Results {
             if run.model.is_empty() || run.integrator.is_empty() {
                 return Err(format!("run {} lacks model or integrator", i + 1));
             }
+            let of_run = |e: String| format!("{}: {e}", name());
             if let Some(series) = &run.series {
-                series.validate().map_err(|e| format!("{}: {e}", name()))?;
+                series.validate().map_err(|e| of_run(format!("series: {e}")))?;
+            }
+            if let Some(steady) = &run.steady {
+                steady.validate().map_err(|e| of_run(format!("steady.{e}")))?;
+            }
+            if let Some(picture) = &run.contacts {
+                picture.validate().map_err(|e| of_run(format!("contacts.{e}")))?;
             }
             for (k, m) in run.metrics.iter().enumerate() {
                 if run.metrics[..k].iter().any(|o| o.against == m.against) {

@@ -5,7 +5,7 @@
 //! in SI units, the unit stands at the end of the name. A quantity that was not measured, or is not
 //! finite, is absent: use [`finite`].
 
-mod checks;
+pub(crate) mod checks;
 mod paths;
 mod picture;
 mod run;
@@ -25,11 +25,12 @@ use serde::{Deserialize, Serialize};
 pub use source::Source;
 
 /// Keys of what depends on the clock or on the machine: two records of one study differ in these, at every depth.
-pub const OF_THE_CLOCK: [&str; 11] = [
+pub const OF_THE_CLOCK: [&str; 12] = [
     "wall_s",
     "wall_spread_s",
     "repeats",
     "setup_s",
+    "solve_s",
     "cost_s",
     "predicted_cost_s",
     "cpu_s",

@@ -1,5 +1,6 @@
 //! Records for pictures: outlines and contacts in world coordinates.
 
+use super::checks::{each, same_length};
 use serde::{Deserialize, Serialize};
 
 /// The mesh at one instant, in world coordinates, for the picture.
@@ -21,6 +22,26 @@ pub struct ContactSnapshot {
     /// Sections of deformed flanks of elastic gears.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub deformed: Vec<DeformedSection>,
+}
+
+impl ContactSnapshot {
+    /// Checks the lengths of its lists.
+    pub(super) fn validate(&self) -> Result<(), String> {
+        each("deformed", &self.deformed, |d| {
+            let points = d.points.len();
+            same_length("displacements", d.displacements.len(), "points", points)
+        })?;
+        each("flanks", &self.flanks, |f| {
+            let Some(grid) = &f.over_run else {
+                return Ok(());
+            };
+            if grid.rows == 0 || grid.columns == 0 {
+                return Err("over_run has `rows` or `columns` of 0, expected 1 or more".into());
+            }
+            let cells = grid.rows.saturating_mul(grid.columns);
+            same_length("over_run.values", grid.values.len(), "rows times columns", cells)
+        })
+    }
 }
 
 /// The closed outline of one gear.
@@ -149,8 +170,7 @@ impl FlankLoad {
             numbers.iter().all(|x| x.is_finite())
         };
         let grid = |g: &FlankGrid| {
-            g.values.len() == g.rows.saturating_mul(g.columns)
-                && g.values.iter().all(|x| x.is_finite())
+            g.values.iter().all(|x| x.is_finite())
         };
         let ends = self.roll_m.iter().chain(&self.width_m);
         self.patches.iter().all(patch)

@@ -166,6 +166,9 @@ pub struct Run {
     /// Where torque and power go, of trains and shafts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paths: Option<TorquePaths>,
+    /// CSV files with its histories, in the folder of the record.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
     /// Recorded histories.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<TimeSeries>,

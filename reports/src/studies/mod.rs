@@ -13,6 +13,7 @@ pub mod penalty;
 pub mod precision;
 pub mod response;
 pub mod run_up;
+mod runs;
 pub mod stability;
 pub mod stiffness;
 pub mod sweep;
@@ -22,6 +23,7 @@ use crate::csv_table::CsvTable;
 use crate::drawing::Chart;
 use crate::drawing::canvas::DrawError;
 use crate::record::Results;
+use crate::record::checks::each;
 use crate::view::View;
 use crate::words::words;
 use maud::Markup;
@@ -59,6 +61,8 @@ words! {
         Coupling = "coupling",
         /// Spectra and orders over the speed of a run-up.
         RunUp = "run-up",
+        /// Static mesh stiffness, load sharing and transmission error over a mesh cycle.
+        Stiffness = "stiffness",
     }
 }
 
@@ -94,6 +98,8 @@ pub enum Part {
     Coupling(coupling::CouplingRecord),
     /// See [`Study::RunUp`].
     RunUp(run_up::RunUpRecord),
+    /// See [`Study::Stiffness`].
+    Stiffness(stiffness::StiffnessRecord),
 }
 
 impl Default for Part {
@@ -120,6 +126,7 @@ impl Part {
             Part::Response(_) => Study::Response,
             Part::Coupling(_) => Study::Coupling,
             Part::RunUp(_) => Study::RunUp,
+            Part::Stiffness(_) => Study::Stiffness,
         }
     }
 
@@ -127,12 +134,28 @@ impl Part {
     pub(crate) fn validate(&self) -> Result<(), String> {
         match self {
             Part::Choose(part) => part.choice.validate(),
-            Part::Stability(part) => part.maps.iter().try_for_each(stability::Map::validate),
-            Part::RunUp(part) => part
-                .run_ups
-                .iter()
-                .try_for_each(run_up::ModelRunUp::validate),
-            _ => Ok(()),
+            Part::Stability(part) => each("maps", &part.maps, stability::Map::validate),
+            Part::RunUp(part) => each("run_ups", &part.run_ups, run_up::ModelRunUp::validate),
+            Part::Modes(part) => each("vibrations", &part.vibrations, modes::ModelModes::validate),
+            Part::Response(part) => each(
+                "responses",
+                &part.responses,
+                response::ModelResponse::validate,
+            ),
+            Part::Sweep(part) => each("statics", &part.statics, sweep::StaticCycle::validate),
+            Part::Stiffness(part) => each(
+                "stiffness",
+                &part.stiffness,
+                stiffness::ModelStiffness::validate,
+            ),
+            Part::Identify(part) => each("fits", &part.fits, identify::FitRecord::validate),
+            Part::Compare(_)
+            | Part::Precision(_)
+            | Part::ChoiceCheck(_)
+            | Part::Check(_)
+            | Part::Truncation
+            | Part::Penalty
+            | Part::Coupling(_) => Ok(()),
         }
     }
 
@@ -155,7 +178,7 @@ impl Part {
 /// [`DrawError`] when the drawing backend refuses.
 pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
     let view = &View::new(results);
-    match &results.part {
+    let mut report = match &results.part {
         Part::Compare(part) => compare::report(view, part),
         Part::Precision(_) => precision::report(view),
         Part::Stability(part) => stability::report(part),
@@ -170,7 +193,10 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Response(part) => response::report(&part.responses),
         Part::Coupling(part) => coupling::report(view, &part.couplings),
         Part::RunUp(part) => run_up::report(view, &part.run_ups),
-    }
+        Part::Stiffness(part) => stiffness::report(&part.stiffness),
+    }?;
+    report.csv.extend(runs::of_study(results, &report.csv));
+    Ok(report)
 }
 
 /// What a study says of a record: all that the page, the charts and the tables in CSV are written from.

@@ -3,6 +3,7 @@
 mod files;
 mod made_up;
 mod modes;
+mod mutated;
 mod pages;
 mod precision;
 mod studies;

@@ -35,7 +35,7 @@ fn mode(frequency_hz: f64, name: &str, strain: Vec<f64>, turns: [f64; 2]) -> Mod
     }
 }
 
-fn of_models() -> Results {
+pub fn of_models() -> Results {
     let pair = ModelModes {
         label: "rigid".into(),
         about: About::Loaded,

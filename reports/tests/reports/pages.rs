@@ -13,7 +13,7 @@ use gearbench_reports::{
 const PAGE_WIDTH: f64 = 920.0;
 const CHARACTER: f64 = 6.4;
 
-fn stability() -> Results {
+pub fn stability() -> Results {
     let at: Vec<f64> = (0..10).map(|i| 1e-8 * 2_f64.powi(i)).collect();
     let map = |integrator: &str| Map {
         model: "rigid".into(),
@@ -48,7 +48,7 @@ fn stability() -> Results {
     }
 }
 
-fn choose() -> Results {
+pub fn choose() -> Results {
     let tried = |cost_s: f64, error: f64| TriedRecord {
         level: "rigid, own `rigid`".into(),
         family: "rigid".into(),
@@ -89,7 +89,7 @@ fn choose() -> Results {
     }
 }
 
-fn choice_check() -> Results {
+pub fn choice_check() -> Results {
     let scene = |number: usize| ValidatedChoice {
         scene: format!("held-out:{number}"),
         kind: "one impact".into(),

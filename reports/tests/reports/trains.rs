@@ -10,7 +10,7 @@ use gearbench_reports::run_up::{
 use gearbench_reports::{Column, Part, Results, TimeSeries};
 
 /// A run-up whose mesh order of 16 is largest at 600 rad/s.
-fn run_up() -> Results {
+pub fn run_up() -> Results {
     let speeds: Vec<f64> = (0..20).map(|i| 200.0 + 50.0 * f64::from(i)).collect();
     let map = |span: f64, lines: Vec<f64>| RunUpMap {
         span,
@@ -103,8 +103,7 @@ fn a_run_up_tells_where_its_orders_peak() {
 }
 
 /// Two planets of which one bears twice what the other does.
-#[test]
-fn paths_of_torque_and_shares_of_planets_are_told() {
+pub fn trains() -> Results {
     let mesh = |a: &str, b: &str, force_n: f64| MeshPath {
         gears: [a.into(), b.into()],
         force_n,
@@ -168,10 +167,15 @@ fn paths_of_torque_and_shares_of_planets_are_told() {
         }),
         ..Run::default()
     };
-    let files = written(&Results {
+    Results {
         runs: vec![run],
         ..Results::default()
-    });
+    }
+}
+
+#[test]
+fn paths_of_torque_and_shares_of_planets_are_told() {
+    let files = written(&trains());
     let names =
         "torque_paths.csv torque_members.csv torque_shafts.csv load_sharing.csv load_sharing.svg";
     holds(&files, &names.split_whitespace().collect::<Vec<_>>());

@@ -122,6 +122,8 @@ pub(super) fn file(list: &mut List, key: &str, path: &Path, folder: &str) {
         }
         // Written from the record, with fewer digits: tables by columns, histories as they are.
         "csv" if is_timed(&name) || name == "timings.csv" || name == "choose.csv" => {}
+        // Its numbers stand in the record and in the tables of the study.
+        "csv" if name == "runs.csv" => {}
         "csv" => table(list, key, &read()),
         "toml" if name != "chosen.toml" => toml(list, key, &read()),
         "inp" => {

@@ -6,8 +6,8 @@
 
 use super::file::{Rules, Runtime, Work};
 use super::kernel::median;
-use gearbench_reports::check::{Checked, Finding, Kind, Measured, Verdict};
-use gearbench_reports::numbers::{digits_apart, short};
+use gearbench_reports::check::{Checked, CheckedValue, Finding, Kind, Measured, Verdict};
+use gearbench_reports::numbers::short;
 use std::collections::BTreeSet;
 
 /// Key of the runtime among the findings.
@@ -18,12 +18,6 @@ const ALL_RUNTIMES: &str = "median_runtime_ratio";
 const ENOUGH: usize = 8;
 /// Part of the ratio that is slow from which on an entry is measured again.
 pub(super) const LIKELY: f64 = 0.85;
-
-/// Two numbers with as many digits as tell them apart.
-fn apart(now: f64, before: f64) -> [String; 2] {
-    let digits = digits_apart(&[now, before], 5);
-    [now, before].map(|x| short(x, digits))
-}
 
 fn change(now: f64, before: f64) -> Option<f64> {
     Some(now / before - 1.0).filter(|c| c.is_finite())
@@ -90,8 +84,8 @@ fn status(now: &Measured, before: &Measured) -> Finding {
     Finding {
         kind: Kind::Status,
         what: "status".into(),
-        now: told(now),
-        before: told(before),
+        now: told(now).into(),
+        before: told(before).into(),
         allowed: "no change".into(),
         verdict: moved(now.status != before.status),
         ..Finding::default()
@@ -110,12 +104,10 @@ fn metrics(now: &Measured, before: &Measured, rules: &Rules) -> Vec<Finding> {
         };
         match (now.metrics.get(key), before.metrics.get(key)) {
             (Some(&now), Some(&before)) => {
-                let [now_text, before_text] = apart(now, before);
                 let allowed = (t.relative * before.abs()).max(t.absolute);
                 Finding {
-                    now: now_text,
-                    before: before_text,
-                    value: Some(now),
+                    now: now.into(),
+                    before: before.into(),
                     change: change(now, before),
                     allowed: match allowed > t.relative * before.abs() {
                         true => format!("{:e}", t.absolute),
@@ -126,11 +118,10 @@ fn metrics(now: &Measured, before: &Measured, rules: &Rules) -> Vec<Finding> {
                 }
             }
             (now, before) => {
-                let text = |x: Option<&f64>| x.map_or("absent".into(), |x| short(*x, 5));
+                let value = |x: Option<&f64>| x.map_or("absent".into(), |x| (*x).into());
                 Finding {
-                    now: text(now),
-                    before: text(before),
-                    value: now.copied(),
+                    now: value(now),
+                    before: value(before),
                     verdict: Verdict::Moved,
                     ..base
                 }
@@ -147,8 +138,7 @@ fn limits(now: &Measured, rules: &Rules) -> Vec<Finding> {
         Some(Finding {
             kind: Kind::Limit,
             what: key.clone(),
-            now: short(*x, 5),
-            value: Some(*x),
+            now: (*x).into(),
             allowed: format!("at most {}", short(most, 5)),
             verdict: moved(x.abs() > most),
             ..Finding::default()
@@ -168,9 +158,8 @@ fn work(now: &Measured, before: &Measured, rules: &Rules) -> Vec<Finding> {
         Finding {
             kind: Kind::Work,
             what: key.clone(),
-            now: n.to_string(),
-            before: was.map_or("absent".into(), |n| n.to_string()),
-            value: Some(n as f64),
+            now: (n as f64).into(),
+            before: was.map_or("absent".into(), |n| (n as f64).into()),
             change: was.and_then(|was| change(n as f64, was as f64)),
             allowed: allowed.into(),
             verdict: if same { Verdict::Held } else { different },
@@ -181,14 +170,12 @@ fn work(now: &Measured, before: &Measured, rules: &Rules) -> Vec<Finding> {
 
 fn runtime(now: &Measured, before: &Measured, rules: &Rules, same: bool) -> Option<Finding> {
     let (now, before) = (now.runtime?, before.runtime?);
-    let [now_text, before_text] = [now, before].map(|x| short(x, 4));
     let (allowed, verdict) = slower(now / before, rules.runtime.factor, &rules.runtime, same);
     Some(Finding {
         kind: Kind::Runtime,
         what: RUNTIME.into(),
-        now: now_text,
-        before: before_text,
-        value: Some(now),
+        now: now.into(),
+        before: before.into(),
         change: change(now, before),
         allowed,
         verdict,
@@ -233,9 +220,8 @@ pub(super) fn program(
     let finding = Finding {
         kind: Kind::Runtime,
         what: ALL_RUNTIMES.into(),
-        now: short(middle, 4),
-        before: "1".into(),
-        value: Some(middle),
+        now: middle.into(),
+        before: 1.0.into(),
         change: change(middle, 1.0),
         allowed,
         verdict,
@@ -266,18 +252,15 @@ fn parameters(now: &Measured, before: &Measured) -> Vec<Finding> {
     let different = keys.into_iter().filter(|k| now.get(*k) != before.get(*k));
     let found = different.map(|key| {
         let numbers = [now.get(key), before.get(key)].map(|v| v.and_then(|v| v.as_f64()));
-        let texts = match numbers {
-            [Some(a), Some(b)] => apart(a, b),
-            _ => [now.get(key), before.get(key)]
-                .map(|v| v.map_or("absent".into(), ToString::to_string)),
-        };
-        let [now, before] = texts;
+        let [now, before] = [now.get(key), before.get(key)].map(|v| match v {
+            None => CheckedValue::from("absent"),
+            Some(v) => v.as_f64().map_or_else(|| v.to_string().into(), Into::into),
+        });
         Finding {
             kind: Kind::Parameter,
             what: key.clone(),
             now,
             before,
-            value: numbers[0],
             change: match numbers {
                 [Some(a), Some(b)] => change(a, b),
                 _ => None,

@@ -1,5 +1,6 @@
 //! What the choice has been checked on, and in which ways a scene lies outside of it.
 
+use gearbench_reports::numbers::short;
 use super::plan::Prepared;
 use super::problem::Problem;
 use gearbench_models::law::Damping;
@@ -74,8 +75,8 @@ pub fn outside(problem: &Problem, prepared: &Prepared) -> Vec<String> {
         }
         if !(MODULE[0]..=MODULE[1]).contains(&module) {
             found.push(format!(
-                "`{name}` has a module of {:.4} mm; checked were {} to {} mm",
-                1e3 * module,
+                "`{name}` has a module of {} mm; checked were {} to {} mm",
+                short(1e3 * module, 4),
                 1e3 * MODULE[0],
                 1e3 * MODULE[1]
             ));

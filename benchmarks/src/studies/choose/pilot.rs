@@ -4,6 +4,7 @@
 //! are in it, and where gears run under a load, through mesh cycles at all of it; where the whole scene has no more than
 //! that, it is the whole scene.
 
+use gearbench_reports::numbers::{round_quantity, short};
 use super::plan::Fixed;
 use super::problem::Problem;
 use super::run::ChooseError;
@@ -84,15 +85,15 @@ impl Window {
         };
         if self.whole {
             format!(
-                "the whole scene, {:.4} ms with {}",
-                1e3 * self.end,
+                "the whole scene, {} with {}",
+                round_quantity(self.end, "s", 4),
                 spells(self.contacts)
             )
         } else {
             format!(
-                "the first {:.4} ms, 1/{:.1} of the scene, with {} of {}",
-                1e3 * self.end,
-                self.time_ratio,
+                "the first {}, 1/{} of the scene, with {} of {}",
+                round_quantity(self.end, "s", 4),
+                short(self.time_ratio, 3),
                 spells(self.contacts),
                 self.all_contacts
             )

@@ -3,6 +3,7 @@
 //! Steps are halves of halves of the contact time `T = pi sqrt(m/k)` of rigid gears with the stiffness of the norm, so
 //! that candidates of small and large gears resolve a contact alike.
 
+use gearbench_reports::numbers::round_quantity;
 use super::detail::Details;
 use super::level::{Level, Stiffness};
 use super::problem::{Flexible, Own, Problem};
@@ -50,7 +51,7 @@ impl Candidate {
     /// Name for tables: level, integrator, step or tolerance.
     pub fn name(&self) -> String {
         let resolution = match self.method.resolution {
-            Resolution::Step(h) => format!("{:.3} us", 1e6 * h),
+            Resolution::Step(h) => round_quantity(h, "s", 4),
             Resolution::Tolerance(r) => format!("rtol {r:.0e}"),
         };
         format!("{}, {} {resolution}", self.level.name(), self.method.method)

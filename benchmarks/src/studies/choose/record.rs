@@ -1,5 +1,6 @@
 //! A choice as a record.
 
+use gearbench_reports::numbers::round_quantity;
 use super::detail;
 use super::problem::Problem;
 use super::requirement::Requirement;
@@ -93,7 +94,7 @@ fn settings(problem: &Problem, choice: &Choice) -> Vec<(String, String)> {
         None => "generated meshes and a penalty: the scene has no elastic model".into(),
     };
     let mut all = vec![
-        ("duration".into(), format!("{:.6e} s", problem.duration)),
+        ("duration".into(), round_quantity(problem.duration, "s", 4)),
         ("elastic gears".into(), elastic),
         ("window".into(), choice.window.describe()),
     ];

@@ -25,7 +25,7 @@ pub fn summarise(results: &Results) {
                 .map_or(String::new(), |z| format!("{} %", short(100.0 * z, 3)));
             say(&format!(
                 "{:>14} {:>3} {damping:>9}  {}",
-                significant(m.frequency_hz, 7),
+                significant(m.frequency_hz, 5),
                 m.multiplicity,
                 m.name
             ));

@@ -1,5 +1,6 @@
 //! `gearbench penalty SCENE`: results over the penalty of the contact.
 
+use gearbench_reports::numbers::{round_quantity, short};
 use super::arguments::Penalty;
 use super::run::TAKE_POINTS;
 use super::summary::summarise;
@@ -59,7 +60,11 @@ pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {
     if let Some(force) = load {
         told.push((
             "static load".into(),
-            format!("{force:.5} N along the line of action, {} N/mm", args.load),
+            format!(
+                "{} along the line of action, {} N/mm",
+                round_quantity(force, "N", 4),
+                short(args.load, 4)
+            ),
         ));
     }
     let plan = Plan {

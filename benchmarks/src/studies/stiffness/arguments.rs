@@ -15,6 +15,8 @@ loads, speeds, damping and friction of the scene play no part. Beside the models
 and the analytic compliance of the same gears.
 
 Results (--out DIR, default out/SCENE/stiffness/):
+  index.html         the report: mesh stiffness, load sharing and transmission error over the path, models side by side
+  results.json       the record; `gearbench report` and `gearbench rerun` take it
   stiffness.csv      one line per model
   cycle_MODEL.csv    transmission error, stiffness and load of each tooth pair by position
   stiffness.svg      the chart";

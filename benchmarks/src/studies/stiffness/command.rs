@@ -1,25 +1,24 @@
 //! `gearbench stiffness SCENE`: static mesh stiffness, load sharing and transmission error of its models.
 
 use super::arguments::Stiffness;
-use super::csv::summary_csv;
-use super::plan::{Entry, formulas, includes};
-use super::run::{Row, solve};
+use super::plan::{Entry, Plan, formulas, includes};
+use super::run::study;
 use super::summary::summarise;
 use crate::cli::answer::Answer;
-use crate::cli::files::write_whole;
-use crate::cli::progress::Display;
+use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, refuse_study, say};
-use crate::experiment::error::StudyError;
+use crate::cli::terminal::{Refusal, refuse_study};
+use crate::experiment::conditions::Conditions;
+use crate::experiment::settings::settings;
 use crate::models::models;
 use crate::scene_file::{self, Selection};
 use gearbench_models::spec::effective_radius;
-use gearbench_reference::statics::Load;
-use gearbench_reports::{StiffnessCurves, stiffness};
-use std::path::{Path, PathBuf};
+use gearbench_reports::Study;
+use gearbench_reports::numbers::{round_quantity, short};
+use gearbench_reports::record::Results;
 
 /// Loads the models of a scene over a mesh cycle and writes a folder.
-pub fn run(args: &Stiffness) -> Result<Answer, Refusal> {
+pub fn run(args: &Stiffness, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     let mut entries: Vec<Entry> = choices
@@ -43,36 +42,45 @@ pub fn run(args: &Stiffness) -> Result<Answer, Refusal> {
         )));
     }
     entries.extend(formulas(&first.spec, &first.modelling));
+    let mut told = settings(&scene, &choices, false);
+    told.retain(|(what, _)| what != "simulated time");
+    let forces: Result<Vec<f64>, Refusal> = entries.iter().map(|e| force_of(args, e)).collect();
+    let forces = forces?;
+    told.push(("static load".into(), load_of(args, forces[0])));
+    let plan = Plan {
+        conditions: Conditions {
+            command: command.to_string(),
+            settings: told,
+            ..Conditions::of(&scene)
+        },
+        entries: entries.into_iter().zip(forces).collect(),
+        positions: args.positions,
+    };
+    let mut folder = StudyFolder::of(&args.output, &scene, Study::Stiffness.as_str())?;
+    let total = plan.positions * plan.entries.len();
+    let made = folder.run(total, |runner| study(&plan, runner));
+    let results = made.map_err(|e| folder.refuse(refuse_study(&scene, e)))?;
+    folder.finish(results, ended, summarise)
+}
 
-    let folder = StudyFolder::of(&args.output, &scene, "stiffness")?;
-    let total = args.positions * entries.len();
-    let display = Display::new(total);
-    let mut rows: Vec<Row> = Vec::new();
-    let mut load_text = String::new();
-    for (i, entry) in entries.iter().enumerate() {
-        let force = force_of(args, entry)?;
-        let done = args.positions * i;
-        let row = solve(entry, models(), Load::Force(force), args.positions, |n| {
-            display.tell(done + n, total, &entry.label);
-        });
-        let fail = |e| refuse_study(&scene, StudyError::Statics(entry.label.clone(), e));
-        let row = row.map_err(fail)?;
-        load_text = format!(
-            "{:.4} N along the line of action, {:.4} N/mm",
-            force,
-            1e-3 * force / row.cycle.face_width
-        );
-        rows.push(row);
+/// A model without equilibria could not be solved.
+fn ended(results: &Results) -> Exit {
+    match results.stiffness().iter().any(|m| m.positions.is_empty()) {
+        true => Exit::FailedRun,
+        false => Exit::Done,
     }
-    drop(display);
-    let dir = folder.path();
-    summarise(&scene.name, &load_text, &rows);
-    write(dir, &rows, &load_text)?;
-    let written = absolute(dir.to_owned());
-    folder.close();
-    say(&format!("written: {}", written.display()));
-    let table: Vec<_> = rows.iter().map(Row::told).collect();
-    Ok(Answer::done().with("folder", written).with("rows", table))
+}
+
+/// The load in words, for the settings of the record.
+fn load_of(args: &Stiffness, force: f64) -> String {
+    let force = round_quantity(force, "N", 4);
+    match args.torque {
+        Some(torque) => format!(
+            "{force} along the line of action, {} N m on the first gear",
+            short(torque, 4)
+        ),
+        None => format!("{force} along the line of action, {} N/mm", short(args.load, 4)),
+    }
 }
 
 /// The force along the line of action that the command line asks for.
@@ -85,48 +93,4 @@ fn force_of(args: &Stiffness, entry: &Entry) -> Result<f64, Refusal> {
         Some(torque) => torque / effective_radius(&gears[a].body),
         None => 1e3 * args.load * layout.face_width,
     })
-}
-
-/// Name of a file for a label.
-fn file_name(label: &str) -> String {
-    let plain = |c: char| {
-        if c.is_ascii_alphanumeric() || c == '-' || c == '_' {
-            c.to_ascii_lowercase()
-        } else {
-            '-'
-        }
-    };
-    format!("cycle_{}.csv", label.chars().map(plain).collect::<String>())
-}
-
-/// Writes all files; each is complete before it takes its name.
-fn write(dir: &Path, rows: &[Row], load: &str) -> Result<(), Refusal> {
-    let c = &rows[0].cycle;
-    let relative = |s: f64| (s - c.pitch_point) / c.base_pitch;
-    let limits: String = (rows.iter())
-        .flat_map(|r| {
-            r.limits
-                .iter()
-                .map(|l| format!(" Out of range: {}: {l}.", r.label))
-        })
-        .collect();
-    let chart = stiffness(&StiffnessCurves {
-        remark: format!("{load}.{limits}"),
-        path: c.path.map(relative),
-        curves: rows.iter().map(Row::curve).collect(),
-    })
-    .map_err(|e| Refusal::Failed(e.to_string()))?;
-    let mut files: Vec<(String, String)> = vec![
-        (chart.file.to_string(), chart.svg),
-        ("stiffness.csv".into(), summary_csv(rows)),
-    ];
-    files.extend(rows.iter().map(|r| (file_name(&r.label), r.csv())));
-    let fail =
-        |path: &PathBuf, e: std::io::Error| Refusal::Files(format!("{}: {e}", path.display()));
-    std::fs::create_dir_all(dir).map_err(|e| fail(&dir.to_path_buf(), e))?;
-    for (name, text) in files {
-        let path = dir.join(&name);
-        write_whole(&path, &text).map_err(|e| fail(&path, e))?;
-    }
-    Ok(())
 }

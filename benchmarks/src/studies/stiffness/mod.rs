@@ -5,7 +5,6 @@
 
 pub(crate) mod arguments;
 pub(crate) mod command;
-mod csv;
 mod plan;
 mod run;
 mod summary;

@@ -1,5 +1,6 @@
 //! What is loaded: models of a scene, and rigid gears with the stiffness of formulas.
 
+use crate::experiment::conditions::Conditions;
 use crate::scene_file::formula_limits;
 use gearbench_models::gear::rigid;
 use gearbench_models::gear::table::{Model, properties_of};
@@ -8,6 +9,16 @@ use gearbench_models::spec::{Body, LocalContact, Modelling, PointRule, SceneSpec
 use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, PairStiffness, ToothModel, iso_of,
 };
+
+/// What to study.
+pub struct Plan<'a> {
+    /// What heads the record.
+    pub conditions: Conditions<'a>,
+    /// Models of the scene, and behind them formulas, each with its force along the line of action [N].
+    pub entries: Vec<(Entry, f64)>,
+    /// Positions over one base pitch.
+    pub positions: usize,
+}
 
 /// A model to load.
 pub struct Entry {

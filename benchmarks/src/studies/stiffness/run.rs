@@ -1,93 +1,122 @@
-//! Equilibria over a mesh cycle.
+//! Equilibria over a mesh cycle, model by model.
 
-use super::plan::Entry;
+use super::plan::{Entry, Plan};
+use crate::experiment::error::StudyError;
+use crate::experiment::interruption;
+use crate::experiment::key::Key;
+use crate::experiment::run::RunError;
+use crate::experiment::runner::Runner;
 use gearbench_models::gear::table::Model;
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle, StaticsError};
-use gearbench_reports::StiffnessCurve;
+use gearbench_reports::record::{Part, Results};
+use gearbench_reports::stiffness::{
+    LinePressure, ModelStiffness, PairLoad, StiffnessPosition, StiffnessRecord,
+};
 use std::time::Instant;
 
-/// Stiffness of one model over a mesh cycle.
-#[derive(Clone, Debug)]
-pub struct Row {
-    /// Label of the model, or the name of the formula.
-    pub label: String,
-    /// What its stiffness includes.
-    pub includes: String,
-    /// Formulas in it that have left their range: its numbers are no better than they are there.
-    pub limits: Vec<String>,
-    pub cycle: MeshCycle,
-    /// What a norm states, see [`Entry::stated`].
-    pub stated: Option<[f64; 2]>,
-    /// Coordinates that were solved for.
-    pub unknowns: usize,
-    pub work: [u64; 2],
-    /// Wall time of the set-up (meshes, factors) and of all equilibria [s].
-    pub wall: [f64; 2],
+/// Runs the study: a piece of work for each model and formula.
+///
+/// # Errors
+/// [`StudyError`]; a model without equilibria is a row with the reason. Where no model has any, the reason of the first.
+pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
+    let total = plan.positions * plan.entries.len();
+    let (mut all, mut first) = (Vec::new(), None);
+    for (i, (entry, force)) in plan.entries.iter().enumerate() {
+        if interruption::requested() {
+            return Err(RunError::Interrupted.into());
+        }
+        let done = plan.positions * i;
+        let progress = |n: usize| runner.tell(done + n, total, &entry.label);
+        progress(0);
+        let key = Key::new("stiffness")
+            .and_scene(&entry.spec, &entry.modelling)
+            .and(&(&entry.label, &entry.stated, force, plan.positions));
+        let made = runner.piece(key, || {
+            solve((entry, *force), plan.conditions.models, plan.positions, progress)
+                .map_err(|e| StudyError::Statics(entry.label.clone(), e))
+        });
+        match made {
+            Ok(made) => all.push(made),
+            Err(StudyError::Statics(label, e)) if !matches!(e, StaticsError::Build(_)) => {
+                all.push(ModelStiffness {
+                    label: label.clone(),
+                    message: e.to_string(),
+                    includes: entry.includes.clone(),
+                    ..ModelStiffness::default()
+                });
+                first.get_or_insert(StudyError::Statics(label, e));
+            }
+            Err(e) => return Err(e),
+        }
+    }
+    if let Some(e) = first.filter(|_| all.iter().all(|m| m.positions.is_empty())) {
+        return Err(e);
+    }
+    let part = StiffnessRecord { stiffness: all };
+    Ok(plan.conditions.record(Part::Stiffness(part)))
 }
 
-pub fn solve(
-    entry: &Entry,
+/// The mesh cycle of a model under its load.
+fn solve(
+    (entry, force): (&Entry, f64),
     models: &[Model],
-    load: Load,
     positions: usize,
     progress: impl FnMut(usize),
-) -> Result<Row, StaticsError> {
+) -> Result<ModelStiffness, StaticsError> {
     let start = Instant::now();
     let mut pair = LoadedPair::new(&entry.spec, &entry.modelling, models)?;
-    let setup = start.elapsed().as_secs_f64();
+    let setup_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let cycle = MeshCycle::solve(&mut pair, load, positions, progress)?;
-    Ok(Row {
+    let cycle = MeshCycle::solve(&mut pair, Load::Force(force), positions, progress)?;
+    let solve_s = start.elapsed().as_secs_f64();
+    let [equilibria, newton_iterations] = pair.work();
+    // Of helical gears the stiffnesses of a norm are no secants of a loaded mesh.
+    let [single, mesh] =
+        (entry.stated).unwrap_or_else(|| [cycle.single_stiffness(), cycle.mesh_stiffness()]);
+    Ok(ModelStiffness {
         label: entry.label.clone(),
+        message: String::new(),
         includes: entry.includes.clone(),
         limits: entry.limits(),
-        cycle,
-        stated: entry.stated,
+        force_n: force,
+        face_width_m: cycle.face_width,
+        base_pitch_m: cycle.base_pitch,
+        pitch_point_m: cycle.pitch_point,
+        path_m: cycle.path,
+        single_stiffness_n_per_m2: single,
+        at_pitch_point_n_per_m2: cycle.at_pitch_point(),
+        mesh_stiffness_n_per_m2: mesh,
+        mesh_tangent_n_per_m2: cycle.mesh_tangent(),
+        error_mean_m: cycle.mean_error(),
+        error_peak_to_peak_m: cycle.peak_to_peak(),
         unknowns: pair.unknowns(),
-        work: pair.work(),
-        wall: [setup, start.elapsed().as_secs_f64()],
+        equilibria,
+        newton_iterations,
+        setup_s,
+        solve_s,
+        positions: equilibria_of(&cycle),
     })
 }
 
-impl Row {
-    /// Stiffness of one pair [N/m^2]: what a norm states, else the largest secant.
-    pub fn single_stiffness(&self) -> f64 {
-        (self.stated).map_or_else(|| self.cycle.single_stiffness(), |[pair, _]| pair)
-    }
-
-    /// Stiffness of the mesh [N/m^2]: what a norm states, else the mean secant.
-    pub fn mesh_stiffness(&self) -> f64 {
-        (self.stated).map_or_else(|| self.cycle.mesh_stiffness(), |[_, mesh]| mesh)
-    }
-
-    /// Position over the base pitch from the pitch point.
-    pub(super) fn relative(&self, s: f64) -> f64 {
-        (s - self.cycle.pitch_point) / self.cycle.base_pitch
-    }
-
-    /// What the chart draws.
-    pub fn curve(&self) -> StiffnessCurve {
-        let c = &self.cycle;
-        let mut share: Vec<(f64, f64)> = Vec::new();
-        for p in &c.positions {
-            for pair in &p.pairs {
-                let s = p.s + pair.offset as f64 * c.base_pitch;
-                share.push((self.relative(s), pair.force / p.force));
-            }
-        }
-        share.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (pair_position, pair_share) = share.into_iter().unzip();
-        StiffnessCurve {
-            label: self.label.clone(),
-            position: c.positions.iter().map(|p| self.relative(p.s)).collect(),
-            mesh: c
-                .positions
-                .iter()
-                .map(|p| p.force / (p.approach * c.face_width))
+/// The equilibria of a cycle as the record has them.
+fn equilibria_of(cycle: &MeshCycle) -> Vec<StiffnessPosition> {
+    let positions = cycle.positions.iter().zip(&cycle.tangent);
+    positions
+        .map(|(p, tangent)| StiffnessPosition {
+            path_coordinate_m: p.s,
+            error_m: p.approach,
+            force_n: p.force,
+            tangent_n_per_m: *tangent,
+            pairs: (p.pairs.iter())
+                .map(|pair| PairLoad {
+                    offset: pair.offset,
+                    force_n: pair.force,
+                })
                 .collect(),
-            error: c.positions.iter().map(|p| p.approach).collect(),
-            pair_position,
-            pair_share,
-        }
-    }
+            pressure: p.pressure.map(|p| LinePressure {
+                half_width_m: p.half_width,
+                peak_pa: p.peak,
+            }),
+        })
+        .collect()
 }

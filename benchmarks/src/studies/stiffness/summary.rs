@@ -1,18 +1,23 @@
-//! What the terminal says of a study of stiffness.
+//! What the terminal says of a record of `stiffness`.
 
-use super::run::Row;
 use crate::cli::terminal::say;
-
-/// N/(mm um) in N/m^2.
-const PER_MM_UM: f64 = 1e9;
+use gearbench_reports::numbers::{round_quantity, short};
+use gearbench_reports::record::Results;
+use gearbench_reports::stiffness::{ModelStiffness, PER_MM_UM};
 
 /// One line per model, and what finite elements took.
-pub fn summarise(scene: &str, load: &str, rows: &[Row]) {
-    let c = &rows[0].cycle;
+pub fn summarise(results: &Results) {
+    let all = results.stiffness();
+    let solved = || all.iter().filter(|m| !m.positions.is_empty());
+    let Some(first) = solved().next() else {
+        return;
+    };
     say(&format!(
-        "{scene}: {load}, {} positions over one base pitch, common width {:.4} mm",
-        c.positions.len(),
-        1e3 * c.face_width
+        "{}: {}, {} positions over one base pitch, common width {} mm",
+        results.header.scene,
+        load(first),
+        first.positions.len(),
+        short(1e3 * first.face_width_m, 4)
     ));
     say("stiffness in N/(mm um), transmission error in um:");
     say("  c'      largest secant stiffness of one pair, its load over the approach of the gears");
@@ -20,34 +25,45 @@ pub fn summarise(scene: &str, load: &str, rows: &[Row]) {
     say("  c_g     mean secant stiffness of the mesh;  tangent: its slope at the load, mean");
     say("  TE      mean static transmission error, and peak to peak");
     say("");
-    let wide = rows.iter().map(|r| r.label.len()).max().unwrap_or(0).max(5);
+    let wide = all.iter().map(|m| m.label.len()).max().unwrap_or(0).max(5);
     say(&format!(
         "{:<wide$} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8}  includes",
         "model", "c'", "at C", "c_g", "tangent", "TE", "p-p"
     ));
-    for r in rows {
-        let c = &r.cycle;
+    for m in solved() {
         say(&format!(
             "{:<wide$} {:>7.2} {:>7.2} {:>7.2} {:>8.2} {:>8.3} {:>8.3}  {}",
-            r.label,
-            r.single_stiffness() / PER_MM_UM,
-            c.at_pitch_point() / PER_MM_UM,
-            r.mesh_stiffness() / PER_MM_UM,
-            c.mesh_tangent() / PER_MM_UM,
-            1e6 * c.mean_error(),
-            1e6 * c.peak_to_peak(),
-            r.includes
+            m.label,
+            m.single_stiffness_n_per_m2 / PER_MM_UM,
+            m.at_pitch_point_n_per_m2 / PER_MM_UM,
+            m.mesh_stiffness_n_per_m2 / PER_MM_UM,
+            m.mesh_tangent_n_per_m2 / PER_MM_UM,
+            1e6 * m.error_mean_m,
+            1e6 * m.error_peak_to_peak_m,
+            m.includes
         ));
     }
-    for r in rows {
-        for limit in &r.limits {
-            say(&format!("out of range: {}: {limit}", r.label));
+    for m in all.iter().filter(|m| m.positions.is_empty()) {
+        say(&format!("{:<wide$} failed: {}", m.label, m.message));
+    }
+    for m in all {
+        for limit in &m.limits {
+            say(&format!("out of range: {}: {limit}", m.label));
         }
     }
-    for r in rows.iter().filter(|r| r.unknowns > 0) {
+    for m in solved().filter(|m| m.unknowns > 0) {
         say(&format!(
             "{}: {} unknowns, set up in {:.2} s, {} equilibria with {} Newton iterations in {:.2} s",
-            r.label, r.unknowns, r.wall[0], r.work[0], r.work[1], r.wall[1]
+            m.label, m.unknowns, m.setup_s, m.equilibria, m.newton_iterations, m.solve_s
         ));
     }
+}
+
+/// The load in words.
+pub fn load(model: &ModelStiffness) -> String {
+    format!(
+        "{} along the line of action, {} N/mm",
+        round_quantity(model.force_n, "N", 4),
+        short(1e-3 * model.line_load(), 4)
+    )
 }

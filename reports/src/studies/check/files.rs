@@ -1,22 +1,17 @@
 //! A check for other programs: a summary in Markdown for a pull request, JUnit XML for a CI server, CSV.
 
-use super::{CheckRecord, Checked, Finding, Verdict};
-use crate::csv_table::{CsvTable, number};
+use super::{CheckRecord, Checked, CheckedValue, Finding, Verdict};
+use crate::csv_table::{CsvTable, exact, number};
+use crate::escape::markdown as markdown_text;
 use maud::{PreEscaped, html};
 
 /// Findings that the summary shows at most; the page has all.
 const MOST: usize = 40;
 
-/// A cell of a table in Markdown.
-fn cell(text: &str) -> String {
-    let kept = text.chars().filter(|c| !c.is_control());
-    kept.collect::<String>().replace('|', "\\|")
-}
-
 /// The summary in Markdown.
 pub fn markdown(record: &CheckRecord) -> String {
     let mark = if record.holds() { "holds" } else { "moved" };
-    let mut text = format!("### gearbench check: {mark}\n\n{}.\n", record.verdict());
+    let mut text = format!("### gearbench check: {mark}\n\n{}.\n", markdown_text(&record.verdict()));
     let of = |verdict: Verdict| {
         (record.entries.iter()).flat_map(move |e| {
             let findings = e.findings.iter().filter(move |f| f.verdict == verdict);
@@ -38,15 +33,10 @@ pub fn markdown(record: &CheckRecord) -> String {
             let change = f.change.map_or(String::new(), |c| {
                 format!("{} %", crate::numbers::deviation(c, 3))
             });
-            let cells = [
-                &e.measured.name(),
-                &f.what,
-                &f.now,
-                &f.before,
-                &change,
-                &f.allowed,
-            ];
-            let cells = cells.map(|c| cell(c));
+            let [now, before] = f.texts();
+            let name = e.measured.name();
+            let cells = [&name, &f.what, &now, &before, &change, &f.allowed];
+            let cells = cells.map(|c| markdown_text(c));
             text.push_str(&format!("| {} |\n", cells.join(" | ")));
         }
         if found.len() > MOST {
@@ -103,6 +93,14 @@ pub fn junit(record: &CheckRecord) -> String {
         .collect()
 }
 
+/// A value as a cell: a number with all its digits.
+fn value(value: &CheckedValue) -> String {
+    match value {
+        CheckedValue::Number(x) => exact(*x),
+        CheckedValue::Text(text) => text.clone(),
+    }
+}
+
 /// Every quantity as a line.
 pub fn tables(record: &CheckRecord) -> Vec<CsvTable> {
     let rows = record
@@ -121,8 +119,8 @@ pub fn tables(record: &CheckRecord) -> Vec<CsvTable> {
             ("method", &|(e, _)| e.measured.method.clone()),
             ("kind", &|(_, f)| f.kind.to_string()),
             ("quantity", &|(_, f)| f.what.clone()),
-            ("now", &|(_, f)| f.now.clone()),
-            ("baseline", &|(_, f)| f.before.clone()),
+            ("now", &|(_, f)| value(&f.now)),
+            ("baseline", &|(_, f)| value(&f.before)),
             ("change", &|(_, f)| number(f.change)),
             ("allowed", &|(_, f)| f.allowed.clone()),
             ("verdict", &|(_, f)| f.verdict.to_string()),

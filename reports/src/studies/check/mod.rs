@@ -11,6 +11,7 @@ mod page;
 pub use files::{junit, markdown};
 
 use crate::drawing::canvas::DrawError;
+use crate::numbers;
 use crate::record::Status;
 use crate::studies::StudyReport;
 use crate::words::words;
@@ -92,6 +93,54 @@ impl Measured {
     }
 }
 
+/// A value of a quantity: a number with all its digits, or words, such as how a run ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum CheckedValue {
+    /// A number in SI units, or a count.
+    Number(f64),
+    /// Words; empty where there is no value.
+    Text(String),
+}
+
+impl CheckedValue {
+    /// The number, if it is one.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            CheckedValue::Number(x) => Some(*x),
+            CheckedValue::Text(_) => None,
+        }
+    }
+}
+
+impl Default for CheckedValue {
+    fn default() -> Self {
+        CheckedValue::Text(String::new())
+    }
+}
+
+impl From<&str> for CheckedValue {
+    fn from(text: &str) -> Self {
+        CheckedValue::Text(text.into())
+    }
+}
+
+impl From<String> for CheckedValue {
+    fn from(text: String) -> Self {
+        CheckedValue::Text(text)
+    }
+}
+
+impl From<f64> for CheckedValue {
+    /// What is not finite has no form in JSON and is words.
+    fn from(x: f64) -> Self {
+        match x.is_finite() {
+            true => CheckedValue::Number(x),
+            false => CheckedValue::Text(x.to_string()),
+        }
+    }
+}
+
 /// One quantity beside its baseline.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -100,13 +149,10 @@ pub struct Finding {
     pub kind: Kind,
     /// Its key.
     pub what: String,
-    /// Now, as text for people where it is no number.
-    pub now: String,
-    /// In the baseline.
-    pub before: String,
-    /// Number now.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub value: Option<f64>,
+    /// Its value now.
+    pub now: CheckedValue,
+    /// Its value in the baseline.
+    pub before: CheckedValue,
     /// Change over the baseline [-], where both are numbers and the baseline is not zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub change: Option<f64>,
@@ -117,12 +163,25 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// Both values as people read them, `now` first: numbers with as many digits as distinguish them.
+    pub fn texts(&self) -> [String; 2] {
+        let numbers = [&self.now, &self.before].map(CheckedValue::number);
+        let known: Vec<f64> = numbers.iter().copied().flatten().collect();
+        let digits = numbers::digits_apart(&known, if self.kind == Kind::Runtime { 4 } else { 5 });
+        [&self.now, &self.before].map(|value| match value {
+            CheckedValue::Text(text) => text.clone(),
+            CheckedValue::Number(n) if self.kind == Kind::Work => format!("{n:.0}"),
+            CheckedValue::Number(x) => numbers::short(*x, digits),
+        })
+    }
+
     /// In one line: `peak_force_n 3612.3, baseline 3599.1 (+0.37 %, allowed 1e-6 of it)`.
     pub fn told(&self) -> String {
         let change = self.change.map_or(String::new(), |c| {
-            format!("{}\u{a0}%, ", crate::numbers::deviation(c, 3))
+            format!("{}\u{a0}%, ", numbers::deviation(c, 3))
         });
-        let before = match self.before.as_str() {
+        let [now, before] = self.texts();
+        let before = match before.as_str() {
             "" => String::new(),
             before => format!(", baseline {before}"),
         };
@@ -130,7 +189,7 @@ impl Finding {
             "" => "reported".to_owned(),
             allowed => format!("allowed {allowed}"),
         };
-        format!("{} {}{before} ({change}{allowed})", self.what, self.now)
+        format!("{} {now}{before} ({change}{allowed})", self.what)
     }
 }
 
@@ -214,7 +273,7 @@ impl CheckRecord {
 
     /// The verdict in one line, the same in terminal, page and summary.
     pub fn verdict(&self) -> String {
-        use crate::numbers::counted;
+        use numbers::counted;
         let entries = counted(self.entries.len(), "entry", "entries");
         let quantities: usize = self.entries.iter().map(|e| e.findings.len()).sum();
         let quantities = counted(quantities, "quantity", "quantities");

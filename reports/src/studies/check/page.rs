@@ -20,7 +20,10 @@ pub fn finding(record: &CheckRecord) -> Vec<Markup> {
     let mut all = vec![html! { b { (capital(&record.verdict())) "." } }];
     let mut changed: Vec<String> = rows(record, |f| f.kind == Kind::Parameter)
         .iter()
-        .map(|(_, _, f)| format!("{} from {} to {}", f.what, f.before, f.now))
+        .map(|(_, _, f)| {
+            let [now, before] = f.texts();
+            format!("{} from {before} to {now}", f.what)
+        })
         .collect();
     changed.sort();
     changed.dedup();
@@ -48,9 +51,9 @@ fn table(rows: &[Row<'_>]) -> Markup {
         })
         .text("Quantity", |(_, _, f)| f.what.clone())
         .text("Kind", |(_, _, f)| f.kind.to_string())
-        .written("Now", "", |(_, _, f)| f.now.clone())
+        .written("Now", "", |(_, _, f)| f.texts()[0].clone())
         .result()
-        .written("Baseline", "", |(_, _, f)| f.before.clone())
+        .written("Baseline", "", |(_, _, f)| f.texts()[1].clone())
         .result()
         .deviations("Change", |(_, _, f)| f.change)
         .result()

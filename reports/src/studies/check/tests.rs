@@ -6,17 +6,16 @@ fn record() -> CheckRecord {
     let held = Finding {
         kind: Kind::Metric,
         what: "impulse_ns".into(),
-        now: "0.2".into(),
-        before: "0.2".into(),
+        now: 0.2.into(),
+        before: 0.2.into(),
         allowed: "1e-6 of it".into(),
         ..Finding::default()
     };
     let moved = Finding {
         kind: Kind::Work,
         what: "newton_iterations".into(),
-        now: "813".into(),
-        before: "812".into(),
-        value: Some(813.0),
+        now: 813.0.into(),
+        before: 812.0.into(),
         change: Some(1.0 / 812.0),
         allowed: "no change".into(),
         verdict: Verdict::Moved,
@@ -66,6 +65,48 @@ fn what_moved_is_named_everywhere() {
     assert!(page.tables.0.contains("newton_iterations"));
     assert_eq!(page.charts.len(), 1);
     assert_eq!(page.csv[0].rows.len(), 2);
+    // `runs.csv` has the same rows.
+    assert_eq!(page.csv[1].rows, page.csv[0].rows);
+}
+
+/// Values are numbers with all their digits in the record and in the table, and short for people.
+#[test]
+fn numbers_are_numbers() {
+    let mut record = record();
+    let finding = &mut record.entries[0].findings[0];
+    finding.now = (-1.359_912_345_678_9e-8).into();
+    finding.before = (-1.359_912_345_678_8e-8).into();
+    let saved = serde_json::to_value(&record).unwrap();
+    let saved = &saved["entries"][0]["findings"][0];
+    assert_eq!(saved["now"].as_f64(), Some(-1.359_912_345_678_9e-8));
+    assert_eq!(saved["before"].as_f64(), Some(-1.359_912_345_678_8e-8));
+    let table = files::tables(&record)[0].text();
+    assert!(
+        table.contains(",-1.3599123456789e-8,-1.3599123456788e-8,"),
+        "{table}"
+    );
+    assert!(!table.contains('\u{2212}'), "{table}");
+    let old: CheckedValue = serde_json::from_str("\"0.2\"").unwrap();
+    assert_eq!(old, "0.2".into());
+    // People see as many digits as distinguish both, with one minus sign.
+    let [now, before] = record.entries[0].findings[0].texts();
+    assert!(now != before && now.starts_with("\u{2212}1.3599"), "{now}");
+    assert_eq!(record.entries[0].findings[1].texts(), ["813", "812"]);
+}
+
+/// Names cannot tear the summary, link from it or be formulas of a spreadsheet.
+#[test]
+fn names_are_text_in_the_summary_and_in_tables() {
+    let mut record = record();
+    record.entries[0].measured.case = "<img src=x onerror=y>\n| [a](https://b)".into();
+    record.entries[0].measured.model = "=cmd|' /C calc'!A0".into();
+    let text = markdown(&record);
+    let row = text.lines().find(|l| l.contains("newton_iterations"));
+    let row = row.unwrap();
+    assert!(row.contains("&lt;img") && row.contains("https&#58;"), "{row}");
+    assert_eq!(row.replace("\\|", "").matches('|').count(), 7, "{row}");
+    let table = files::tables(&record)[0].text();
+    assert!(table.contains(",'=cmd|' /C calc'!A0,"), "{table}");
 }
 
 /// Names of the user's cannot break the XML.

@@ -1,6 +1,7 @@
 //! Records of identification: what was fitted to what, how sure it is, and what the data do not tell.
 
 use crate::record::Results;
+use crate::record::checks::{each, same_length};
 use crate::studies::Part;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
@@ -170,6 +171,18 @@ impl FitRecord {
             Some(p) => format!("{} [{}]", p.name, p.unit),
             None => key.to_owned(),
         }
+    }
+
+    /// Checks the lengths of its lists.
+    pub(crate) fn validate(&self) -> Result<(), String> {
+        each("data", &self.data, |d| {
+            let n = d.abscissa.len();
+            same_length("data", d.data.len(), "abscissa", n)?;
+            same_length("model", d.model.len(), "abscissa", n)
+        })?;
+        each("profiles", &self.profiles, |p| {
+            same_length("deviation", p.deviation.len(), "value", p.value.len())
+        })
     }
 
     /// Takes out what is not finite.

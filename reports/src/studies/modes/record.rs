@@ -1,6 +1,7 @@
 //! The record of natural frequencies: the state that they are about, and what swings how in each mode.
 
 use crate::record::Results;
+use crate::record::checks::{each, same_length};
 use crate::studies::Part;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
@@ -69,6 +70,22 @@ pub struct ModelModes {
     pub springs: Vec<String>,
     /// Modes by frequency, rigid motions first.
     pub modes: Vec<ModeRecord>,
+}
+
+impl ModelModes {
+    /// Checks the lengths of its lists.
+    pub(crate) fn validate(&self) -> Result<(), String> {
+        each("modes", &self.modes, |m| {
+            let (members, springs) = (self.members.len(), self.springs.len());
+            same_length("kinetic", m.kinetic.len(), "members", members)?;
+            same_length("shape", m.shape.len(), "members", members)?;
+            // A rigid motion strains nothing.
+            if m.strain.is_empty() {
+                return Ok(());
+            }
+            same_length("strain", m.strain.len(), "springs", springs)
+        })
+    }
 }
 
 /// A mesh in the state.

@@ -54,7 +54,7 @@ pub fn tables(vibrations: &[ModelModes]) -> Markup {
     let modes = Table::of(&rows)
         .grouped(|(k, v, ..)| (v.label.clone(), *k))
         .written("Mode", "", |(_, _, i, _)| i.to_string())
-        .written("Frequency", "Hz", |(.., m)| short(m.frequency_hz, 7))
+        .written("Frequency", "Hz", |(.., m)| short(m.frequency_hz, 5))
         .result()
         .written("Times", "", |(.., m)| m.multiplicity.to_string())
         .percents("Damping ratio", 3, |(.., m)| m.damping_ratio)
@@ -68,7 +68,7 @@ pub fn tables(vibrations: &[ModelModes]) -> Markup {
             largest(v.members.iter().map(|p| &p.name), &m.kinetic)
         })
         .written("Frequency, damped", "Hz", |(.., m)| {
-            m.damped_frequency_hz.map(|f| short(f, 7))
+            m.damped_frequency_hz.map(|f| short(f, 5))
         });
     let states: Vec<(usize, &ModelModes)> = vibrations.iter().enumerate().collect();
     let state = Table::of(&states)

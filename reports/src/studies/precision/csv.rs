@@ -4,6 +4,7 @@ use super::{Cloud, Cost, Precision, Shown};
 use crate::csv_table::{CsvColumn, CsvTable, number, text};
 use crate::metrics::Metric;
 use crate::record::{Metrics, Results, Run, SELF};
+use crate::studies::runs::work;
 
 type Row<'a> = (&'a Run, &'a Metrics);
 
@@ -47,28 +48,13 @@ pub fn tables(results: &Results) -> Vec<CsvTable> {
     for (metric, cell) in errors.iter().zip(&cells) {
         columns.push((metric.key(), cell));
     }
-    let work: [CsvColumn<'_, Row<'_>>; 12] = [
-        ("wall_s", &|(r, _)| number(r.wall_s)),
-        ("wall_min_s", &|(r, _)| {
-            number(r.wall_spread_s.map(|s| s[0]))
-        }),
-        ("wall_max_s", &|(r, _)| {
-            number(r.wall_spread_s.map(|s| s[1]))
-        }),
-        ("repeats", &|(r, _)| r.repeats.to_string()),
-        ("setup_s", &|(r, _)| number(r.setup_s)),
-        ("steps", &|(r, _)| r.steps.to_string()),
-        ("rejected", &|(r, _)| r.rejected.to_string()),
-        ("force_evaluations", &|(r, _)| {
-            r.force_evaluations.to_string()
-        }),
-        ("newton_iterations", &|(r, _)| {
-            r.newton_iterations.to_string()
-        }),
-        ("factorisations", &|(r, _)| r.factorisations.to_string()),
-        ("dofs", &|(r, _)| r.dofs.to_string()),
-        ("message", &|(r, _)| text(&r.message)),
-    ];
-    columns.extend(work);
+    let work = work();
+    let of_run: Vec<_> = (work.iter())
+        .map(|(_, cell)| move |(r, _): &Row<'_>| cell(r))
+        .collect();
+    for ((name, _), cell) in work.iter().zip(&of_run) {
+        columns.push((name, cell));
+    }
+    columns.push(("message", &|(r, _)| text(&r.message)));
     vec![CsvTable::new("precision.csv", rows, &columns)]
 }

@@ -67,6 +67,10 @@ pub fn charts(responses: &[ModelResponse]) -> Result<Vec<Chart>, DrawError> {
         }
         let x = Axis::padded(low, high, 0.01);
         for mesh in 0..of[0].2.meshes.len() {
+            // Models of one scene have the same meshes; a record that was edited may not.
+            let of: Vec<_> = (of.iter().copied())
+                .filter(|(.., g)| mesh < g.meshes.len())
+                .collect();
             all.push(over_frequency(&of, mesh, &x, &legend(responses))?);
         }
         all.extend(mounts(&of, g, &x, &legend(responses))?);

@@ -1,6 +1,7 @@
 //! The record of frequency response to the passing of teeth: of each mesh and each mount, at mesh frequency after mesh frequency.
 
 use crate::record::Results;
+use crate::record::checks::{each, same_length};
 use crate::studies::Part;
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +35,21 @@ pub struct ModelResponse {
     pub coordinates: usize,
     /// Meshes that share a mesh frequency.
     pub groups: Vec<GroupResponse>,
+}
+
+impl ModelResponse {
+    /// Checks the lengths of its lists.
+    pub(crate) fn validate(&self) -> Result<(), String> {
+        each("groups", &self.groups, |g| {
+            if g.meshes.is_empty() {
+                return Err("meshes is empty, expected one mesh or more".into());
+            }
+            each("points", &g.points, |p| {
+                same_length("meshes", p.meshes.len(), "meshes of the group", g.meshes.len())?;
+                same_length("mounts", p.mounts.len(), "mounts of the group", g.mounts.len())
+            })
+        })
+    }
 }
 
 /// The response to meshes that share a mesh frequency.

@@ -153,11 +153,7 @@ fn maps(run: &ModelRunUp, channel: &RunUpChannel) -> Result<Chart, DrawError> {
         largest(&channel.spectra, &run.by_time).max(largest(&channel.order_spectra, &run.by_turns));
     let prefix = Prefix::of(top, 1.0);
     let top = if top > 0.0 { top * prefix.factor } else { 1.0 };
-    let scale = Axis {
-        min: top * 10f64.powf(-DECADES),
-        max: top,
-        log: true,
-    };
+    let scale = Axis::decades(top * 10f64.powf(-DECADES), top);
     let scaled = |rows: &[Vec<f64>]| -> Vec<Vec<f64>> {
         let row = |r: &Vec<f64>| r.iter().map(|x| x * prefix.factor).collect();
         rows.iter().map(row).collect()

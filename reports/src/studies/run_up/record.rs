@@ -4,6 +4,7 @@
 //! Orders count per turn of the reference gear.
 
 use crate::record::Results;
+use crate::record::checks::{each, same_length};
 use crate::studies::Part;
 use serde::{Deserialize, Serialize};
 
@@ -153,32 +154,26 @@ impl ModelRunUp {
     /// # Errors
     /// What does not fit together.
     pub fn validate(&self) -> Result<(), String> {
-        for (what, map) in [("spectra", &self.by_time), ("orders", &self.by_turns)] {
-            if map.time_s.len() != map.speed_rad_s.len() {
-                return Err(format!("{}: windows of {what} without a speed", self.label));
-            }
+        for (key, map) in [("by_time", &self.by_time), ("by_turns", &self.by_turns)] {
+            let (speeds, windows) = (map.speed_rad_s.len(), map.time_s.len());
+            same_length(&format!("{key}.speed_rad_s"), speeds, "time_s", windows)?;
         }
-        let fits = |rows: &[Vec<f64>], map: &RunUpMap| {
-            rows.is_empty()
-                || (rows.len() == map.time_s.len()
-                    && rows.iter().all(|r| r.len() == map.lines.len()))
+        let fits = |key: &str, rows: &[Vec<f64>], map: &RunUpMap| {
+            if rows.is_empty() {
+                return Ok(());
+            }
+            same_length(key, rows.len(), "time_s", map.time_s.len())?;
+            each(key, rows, |r| same_length("length", r.len(), "lines", map.lines.len()))
         };
-        for c in &self.channels {
-            let followed = c.orders.len() == self.orders.len()
-                && c.orders
-                    .iter()
-                    .all(|o| o.len() == self.by_turns.time_s.len());
-            if !followed
-                || !fits(&c.spectra, &self.by_time)
-                || !fits(&c.order_spectra, &self.by_turns)
-            {
-                return Err(format!(
-                    "{}: {} has other windows or lines",
-                    self.label, c.name
-                ));
-            }
-        }
-        Ok(())
+        each("channels", &self.channels, |c| {
+            same_length("orders", c.orders.len(), "orders of the run-up", self.orders.len())?;
+            let windows = self.by_turns.time_s.len();
+            each("orders", &c.orders, |o| {
+                same_length("length", o.len(), "by_turns.time_s", windows)
+            })?;
+            fits("spectra", &c.spectra, &self.by_time)?;
+            fits("order_spectra", &c.order_spectra, &self.by_turns)
+        })
     }
 }
 

@@ -10,6 +10,7 @@ mod limit;
 mod tables;
 
 use crate::drawing::canvas::DrawError;
+use crate::record::checks::{each, same_length};
 use crate::record::{Results, Status};
 use crate::studies::{Part, StudyReport};
 use crate::words::words;
@@ -207,21 +208,19 @@ impl Map {
     /// # Errors
     /// A sentence that names the rule.
     pub fn validate(&self) -> Result<(), String> {
-        let name = format!("map of {} under {}", self.model_label(), self.integrator);
-        if self.cells.len() != self.rows() * self.at.len() {
-            return Err(format!(
-                "{name}: {} cells for {} rows of {}",
-                self.cells.len(),
-                self.rows(),
-                self.at.len()
-            ));
-        }
         if self.axes.is_empty() || self.axes.len() > 2 {
-            return Err(format!("{name}: {} axes, expected 1 or 2", self.axes.len()));
+            return Err(format!("axes has {} entries, expected 1 or 2", self.axes.len()));
         }
-        if self.axes.iter().any(|a| a.own >= a.values.len()) {
-            return Err(format!("{name}: the scene's own value is not on the axis"));
+        each("axes", &self.axes, |a| match a.own < a.values.len() {
+            true => Ok(()),
+            false => Err(format!("own is {}, expected less than {} as `values`", a.own, a.values.len())),
+        })?;
+        let cells = self.rows().saturating_mul(self.at.len());
+        same_length("cells", self.cells.len(), "rows times `at`", cells)?;
+        if self.at.is_empty() || !self.at.iter().all(|x| *x > 0.0 && x.is_finite()) {
+            return Err("at has an entry that is not above zero, or none".into());
         }
+        each("lines", &self.lines, |l| same_length("step_s", l.step_s.len(), "rows", self.rows()))?;
         let axes = self.axes.iter().flat_map(|a| &a.values);
         let cells = (self.cells.iter().chain(&self.refined)).flat_map(|c| {
             let more = [c.error, c.energy_rel, c.reached_s];
@@ -233,7 +232,7 @@ impl Map {
             .chain(lines.copied())
             .chain([self.duration_s]);
         if all.into_iter().any(|x| !x.is_finite()) {
-            return Err(format!("{name}: a number is not finite"));
+            return Err("axes, cells, refined, lines or duration_s: a number is not finite".into());
         }
         Ok(())
     }

@@ -116,9 +116,10 @@ fn about(label: &str, maps: &[&Map]) -> Option<Markup> {
 fn beside(maps: &[Map]) -> Option<String> {
     let (mut lost, mut kept, mut accurate) = (0, 0, 0);
     for label in models(maps) {
-        let sets: Vec<usize> = maps.iter().map(|m| m.set).collect();
-        let most = sets.into_iter().max().unwrap_or(0);
-        for set in 0..=most {
+        let mut sets: Vec<usize> = maps.iter().map(|m| m.set).collect();
+        sets.sort_unstable();
+        sets.dedup();
+        for set in sets {
             let of: Vec<&Map> = (maps.iter())
                 .filter(|m| m.set == set && m.model_label() == label && m.limit().is_some())
                 .collect();

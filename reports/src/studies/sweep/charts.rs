@@ -217,7 +217,7 @@ fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, Dra
     let half = resonance(all).map_or(0.5 * peak, |f| 0.5 * f);
     let first = detailed.runs[0].0.mesh_frequency_hz;
     let last = detailed.runs[detailed.runs.len() - 1].0.mesh_frequency_hz;
-    let mut wanted = vec![first, half.clamp(first, last), peak, last];
+    let mut wanted = vec![first, half.max(first).min(last), peak, last];
     wanted.sort_by(f64::total_cmp);
     wanted.dedup_by(|a, b| (*a - *b).abs() < 0.08 * *b);
     let x = Axis::linear(-1.0, 1.0);

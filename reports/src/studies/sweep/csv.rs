@@ -1,7 +1,7 @@
 //! The tables of a sweep: speeds, mesh cycles, static limits.
 
 use super::{ShaftOrders, StaticCycle, Steady};
-use crate::csv_table::{CsvTable, number};
+use crate::csv_table::{CsvColumn, CsvTable, number};
 use crate::record::{Results, Run};
 
 type Settled<'a> = (&'a Run, &'a Steady);
@@ -24,33 +24,41 @@ pub fn tables(results: &Results, still: &[StaticCycle]) -> Vec<CsvTable> {
     all
 }
 
+/// Scalars of steady running at a speed.
+pub fn steady_columns() -> [CsvColumn<'static, Steady>; 12] {
+    [
+        ("branch", &|s| s.branch.to_string()),
+        ("mesh_frequency_hz", &|s| number(s.mesh_frequency_hz)),
+        ("speed_rad_s", &|s| number(s.speed_rad_s)),
+        ("cycles", &|s| number(s.cycles as f64)),
+        ("transmission_error_mean_m", &|s| number(s.error_mean_m)),
+        ("transmission_error_rms_m", &|s| number(s.error_rms_m)),
+        ("transmission_error_peak_to_peak_m", &|s| {
+            number(s.error_peak_to_peak_m)
+        }),
+        ("transmission_error_long_peak_to_peak_m", &|s| {
+            number(s.error_long_peak_to_peak_m)
+        }),
+        ("force_mean_n", &|s| number(s.force_mean_n)),
+        ("force_peak_n", &|s| number(s.force_peak_n)),
+        ("separated", &|s| number(s.separated)),
+        ("irregular", &|s| number(s.irregular)),
+    ]
+}
+
 fn speeds(runs: &[Settled<'_>]) -> CsvTable {
-    let mut table = CsvTable::new(
-        "sweep.csv",
-        runs,
-        &[
-            ("model", &|(r, _)| r.model_label()),
-            ("status", &|(r, _)| r.status.to_string()),
-            ("branch", &|(_, s)| s.branch.to_string()),
-            ("mesh_frequency_hz", &|(_, s)| number(s.mesh_frequency_hz)),
-            ("speed_rad_s", &|(_, s)| number(s.speed_rad_s)),
-            ("cycles", &|(_, s)| number(s.cycles as f64)),
-            ("transmission_error_mean_m", &|(_, s)| {
-                number(s.error_mean_m)
-            }),
-            ("transmission_error_rms_m", &|(_, s)| number(s.error_rms_m)),
-            ("transmission_error_peak_to_peak_m", &|(_, s)| {
-                number(s.error_peak_to_peak_m)
-            }),
-            ("transmission_error_long_peak_to_peak_m", &|(_, s)| {
-                number(s.error_long_peak_to_peak_m)
-            }),
-            ("force_mean_n", &|(_, s)| number(s.force_mean_n)),
-            ("force_peak_n", &|(_, s)| number(s.force_peak_n)),
-            ("separated", &|(_, s)| number(s.separated)),
-            ("irregular", &|(_, s)| number(s.irregular)),
-        ],
-    );
+    let steady = steady_columns();
+    let cells: Vec<_> = (steady.iter())
+        .map(|(_, cell)| move |(_, s): &&Settled<'_>| cell(s))
+        .collect();
+    let mut columns: Vec<CsvColumn<'_, &Settled<'_>>> = vec![
+        ("model", &|(r, _)| r.model_label()),
+        ("status", &|(r, _)| r.status.to_string()),
+    ];
+    for ((name, _), cell) in steady.iter().zip(&cells) {
+        columns.push((name, cell));
+    }
+    let mut table = CsvTable::new("sweep.csv", runs, &columns);
     // As many columns as there are harmonics, and those of each bearing.
     let harmonics = (runs.iter())
         .map(|(_, s)| s.error_harmonics_m.len())

@@ -11,6 +11,7 @@ use crate::record::Run;
 use crate::studies::StudyReport;
 use crate::view::View;
 use maud::html;
+pub(super) use csv::steady_columns;
 pub use record::{
     Bearing, Bistable, Branch, ShaftOrders, StaticCycle, Steady, SweepRecord, bistable,
 };

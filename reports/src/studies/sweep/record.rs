@@ -5,6 +5,7 @@
 //! point over the base pitch, as the second gear has it. Harmonics are amplitudes (half of peak to peak) at one, two,
 //! ... times the mesh frequency.
 
+use crate::record::checks::same_length;
 use crate::record::{Results, Run};
 use crate::studies::Part;
 use crate::words::words;
@@ -225,7 +226,21 @@ impl Steady {
     }
 }
 
+impl Steady {
+    /// Checks the lengths of its lists.
+    pub(crate) fn validate(&self) -> Result<(), String> {
+        let n = self.position.len();
+        same_length("error_cycle_m", self.error_cycle_m.len(), "position", n)?;
+        same_length("force_cycle_n", self.force_cycle_n.len(), "position", n)
+    }
+}
+
 impl StaticCycle {
+    /// Checks the lengths of its lists.
+    pub(crate) fn validate(&self) -> Result<(), String> {
+        same_length("error_m", self.error_m.len(), "position", self.position.len())
+    }
+
     /// Whether every number is one.
     pub fn is_finite(&self) -> bool {
         let single = [

@@ -52,19 +52,12 @@ impl Counts {
         let most = *tried.last()? as f64;
         let none = NONE_AT * least;
         let low = if tried[0] == 0 { none } else { least };
-        let axis = Axis {
-            min: 0.85 * low,
-            max: 1.12 * most,
-            log: true,
-        };
+        let axis = Axis::decades(0.85 * low, 1.12 * most);
         let mut ticks: Vec<(f64, String)> = Vec::new();
         if tried[0] == 0 {
             ticks.push((none, "0".into()));
         }
-        let inner = Axis {
-            min: least,
-            ..axis.clone()
-        };
+        let inner = Axis::decades(least, axis.max);
         let at: Vec<f64> = inner.ticks(9);
         ticks.extend(at.iter().map(|&t| (t, tick_label(t, &at, true))));
         Some(Counts { none, axis, ticks })
@@ -201,11 +194,7 @@ fn frequencies(
         return Ok(None);
     }
     let y = |r: &Run| percent_of(r, against, |m| m.force_l2);
-    let x = Axis {
-        min: 0.88 * low,
-        max: 1.12 * high,
-        log: true,
-    };
+    let x = Axis::decades(0.88 * low, 1.12 * high);
     let panel = Panel {
         x_name: Some("highest frequency among the modes [kHz]".into()),
         limits: limits(),

@@ -31,11 +31,7 @@ fn common(maps: &[&Map]) -> Option<Axis> {
         .iter()
         .filter_map(|m| Some(Abscissa::of(&m.at)?.ends()));
     let (low, high) = extremes(ends.flatten());
-    (low < high).then_some(Axis {
-        min: low * scale,
-        max: high * scale,
-        log: true,
-    })
+    (low < high).then(|| Axis::decades(low * scale, high * scale))
 }
 
 fn block_height(maps: &[&Map]) -> f64 {

@@ -55,11 +55,7 @@ impl Abscissa {
     /// Ticks with labels in the unit of the axis.
     pub fn ticks(&self, scale: f64, most: usize) -> Vec<(f64, String)> {
         let [min, max] = self.ends().map(|x| x * scale);
-        let axis = Axis {
-            min,
-            max,
-            log: true,
-        };
+        let axis = Axis::decades(min, max);
         let at = axis.ticks(most);
         at.iter()
             .map(|x| (x / scale, tick_label(*x, &at, true)))

@@ -15,17 +15,14 @@ use crate::studies::sweep::{Swept, resonance};
 pub(super) fn spectra(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
     let harmonics = |r: &Steady| r.mesh_frequency_hz * r.error_harmonics_m.len() as f64;
     let highest = settled(all).map(harmonics).fold(0.0, f64::max);
-    let (lowest, _) = extremes(settled(all).map(|r| r.mesh_frequency_hz));
+    let frequencies = settled(all).map(|r| r.mesh_frequency_hz);
+    let (lowest, _) = extremes(frequencies.filter(|f| *f > 0.0));
     let Some(fn_hz) = resonance(all) else {
         return Ok(None);
     };
     // Well beyond the mesh resonance bodies and teeth answer.
     let top = highest.min(6.0 * fn_hz);
-    let x = Axis {
-        min: 0.9 * KHZ * lowest,
-        max: KHZ * top,
-        log: true,
-    };
+    let x = Axis::decades(0.9 * KHZ * lowest, KHZ * top);
     let bearings = settled(all).next().map_or(&[][..], |r| &r.bearings);
     let points = |s: &Swept<'_>, of: &dyn Fn(&Steady) -> Vec<f64>, scale: f64| -> Curve {
         let mut points: Vec<(f64, f64)> = (s.runs.iter())

@@ -1,0 +1,23 @@
+//! The study of static stiffness: mesh stiffness, load sharing and transmission error over a mesh cycle under a load.
+
+mod charts;
+mod csv;
+mod record;
+mod tables;
+
+use crate::drawing::canvas::DrawError;
+use crate::studies::StudyReport;
+pub use record::{
+    LinePressure, ModelStiffness, PER_MM_UM, PairLoad, StiffnessPosition, StiffnessRecord,
+};
+
+/// What the study says of a record.
+pub(super) fn report(stiffness: &[ModelStiffness]) -> Result<StudyReport, DrawError> {
+    Ok(StudyReport {
+        finding: tables::finding(stiffness),
+        tables: tables::tables(stiffness),
+        charts: charts::charts(stiffness)?,
+        csv: csv::tables(stiffness),
+        ..StudyReport::default()
+    })
+}
