@@ -3,8 +3,9 @@
 use crate::cli::answer::Answer;
 use crate::cli::terminal::{Refusal, absolute, say};
 use clap::Args;
-use gearbench_reports::ReportError;
-use std::path::PathBuf;
+use gearbench_reference::file_kind;
+use gearbench_reports::{RECORD, ReportError};
+use std::path::{Path, PathBuf};
 
 /// Arguments of `report`.
 #[derive(Args, Clone, Debug)]
@@ -14,12 +15,12 @@ pub struct Report {
     pub dir: PathBuf,
 }
 
-fn refuse(e: ReportError) -> Refusal {
+/// Folders of studies that a refusal names.
+const MOST_NAMED: usize = 5;
+
+fn refuse(dir: &Path, e: ReportError) -> Refusal {
     match &e {
-        ReportError::Io { .. } => Refusal::Input(miette::miette!(
-            help = "name the folder that a study has written (its `--out`, by default out/SCENE/STUDY)",
-            "{e}"
-        )),
+        ReportError::Io { .. } => Refusal::Input(miette::miette!(help = way_out(dir), "{e}")),
         ReportError::Record { .. } => Refusal::Input(miette::miette!(
             help = "a record is made again by the command that it names: `command` in results.json",
             "{e}"
@@ -28,9 +29,42 @@ fn refuse(e: ReportError) -> Refusal {
     }
 }
 
+/// Which folder or command is meant where there is no record.
+fn way_out(dir: &Path) -> String {
+    if let Some(kind) = file_kind::of(dir).filter(|_| dir.is_file()) {
+        let way_out = kind.way_out_of(dir);
+        return format!("this is {}: {way_out}", kind.name);
+    }
+    let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
+    let inside: Vec<PathBuf> = entries.map(|e| e.path()).filter(|p| p.is_dir()).collect();
+    // The folder of a scene has its studies, that of all results the scenes.
+    let deeper = inside
+        .iter()
+        .flat_map(|p| std::fs::read_dir(p).into_iter().flatten().flatten());
+    let all = inside.iter().cloned().chain(deeper.map(|e| e.path()));
+    let studies = all.filter(|p| p.join(RECORD).is_file());
+    let mut studies: Vec<String> = studies.map(|p| format!("`{}`", p.display())).collect();
+    studies.sort();
+    let more = match studies.len().saturating_sub(MOST_NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    studies.truncate(MOST_NAMED);
+    match studies.is_empty() {
+        true => {
+            "name the folder that a study has written (its `--out`, by default out/SCENE/STUDY)"
+                .to_owned()
+        }
+        false => format!(
+            "name one of the studies in it: {}{more}",
+            studies.join(", ")
+        ),
+    }
+}
+
 /// Writes the report.
 pub fn run(args: &Report) -> Result<Answer, Refusal> {
-    let page = gearbench_reports::report_from(&args.dir).map_err(refuse)?;
+    let page = gearbench_reports::report_from(&args.dir).map_err(|e| refuse(&args.dir, e))?;
     let page = absolute(page);
     say(&format!("report: {}", page.display()));
     Ok(Answer::done().with("report", page))
