@@ -17,6 +17,7 @@
 //! | [`Refused`] | why a file is refused, a deck or a stored reduction |
 //! | [`files`] | regular files of a bounded size |
 //! | [`hash`] | the hash that names stored results |
+//! | [`file_kind`] | files of this field by the endings of their names, and what can be done with each |
 //!
 //! The data lie beside the sources in `reference/calculix/`, each case with its deck, results, parameters
 //! and a `SOURCE.md` that says who computed what and how; `regenerate.sh` there runs a deck again.
@@ -27,6 +28,7 @@ pub mod data;
 pub mod deck;
 mod element;
 pub mod files;
+pub mod file_kind;
 pub mod full_order;
 mod groups;
 pub mod hash;

@@ -5,6 +5,7 @@ pub mod answer;
 pub mod arguments;
 pub mod exit;
 pub(crate) mod files;
+pub mod help;
 pub mod progress;
 mod refusal;
 pub mod study_folder;
@@ -31,12 +32,13 @@ use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
 use crate::tools::reference::{self, arguments::Reference};
 use crate::tools::rerun::{self, Rerun};
-use crate::tools::{init, init::Init, list, report, report::Report};
+use crate::tools::{init, init::Init, list, list::List, report, report::Report};
 use answer::Answer;
 use values::{DEFAULT_MEMORY, gigabytes};
 use clap::{Parser, Subcommand};
 use exit::Exit;
 use gearbench_reference::limits;
+use help::Help;
 use std::process::ExitCode;
 use terminal::{Manner, Refusal};
 
@@ -53,6 +55,7 @@ Examples:
   gearbench compare my_scene.toml --out out/a  a scene of your own
   gearbench init                               a commented scene to start from
   gearbench reference my_scene.toml --model fe --out fe.csv --add
+  gearbench init own_gears                     gears of other programs and data from a file
   gearbench list                               scenes, models, integrators, references
 
 Results (--out DIR, default out/SCENE/STUDY/, printed at the end):
@@ -61,7 +64,15 @@ Results (--out DIR, default out/SCENE/STUDY/, printed at the end):
   *.csv         time series, SI units in the header
   *.svg         the charts
 
-Scene files are described in benchmarks/scenes/README.md, what gearbench does not do in docs/limits.md.";
+`gearbench help scene` describes scene files, `gearbench help limits` what gearbench does not do.";
+
+/// Version and commit.
+const VERSION: &str = concat!(
+    env!("CARGO_PKG_VERSION"),
+    " (commit ",
+    env!("GEARBENCH_COMMIT"),
+    ")"
+);
 
 /// Which gear-contact model and which integrator is just good enough for a scene, and what does it cost?
 ///
@@ -69,7 +80,14 @@ Scene files are described in benchmarks/scenes/README.md, what gearbench does no
 /// finite-element reference and against the model's own converged solution, times it, keeps an energy and
 /// an impulse ledger, and writes one report. Without a command it compares the scene spur_impact.
 #[derive(Clone, Debug, Parser)]
-#[command(name = "gearbench", version, after_help = after_help(), max_term_width = 100)]
+#[command(
+    name = "gearbench",
+    version = VERSION,
+    help_template = help::template(),
+    after_help = after_help(),
+    disable_help_subcommand = true,
+    max_term_width = 100
+)]
 pub struct Cli {
     /// What to do; left out, `compare spur_impact`.
     #[command(subcommand)]
@@ -127,7 +145,9 @@ pub(crate) enum Command {
     /// Pack a model of a scene as an FMU (FMI 3.0) for co-simulation and model exchange
     Fmu(Fmu),
     /// List shipped scenes, gear models with their parameters, integrators and references
-    List,
+    List(List),
+    /// Help on a command, or a document: scene, limits, data, fmus
+    Help(Help),
     /// Write the report of a results folder again
     Report(Report),
     /// Make a study again from its record, and hold it against that
@@ -159,7 +179,8 @@ impl Command {
             Command::Reduce(args) => reduce::run(&args),
             Command::Reference(args) => reference::run(&args, told),
             Command::Fmu(args) => fmu::command::run(&args),
-            Command::List => list::run(),
+            Command::List(args) => list::run(&args),
+            Command::Help(args) => help::run(&args),
             Command::Report(args) => report::run(&args),
             Command::Rerun(args) => again(&args),
             Command::Completions(args) => completions::run(&args),
@@ -272,8 +293,8 @@ mod tests {
     #[test]
     fn help_teaches() {
         let help = Cli::command().render_long_help().to_string();
-        let words =
-            "gearbench compare spur_impact|results.json|Exit codes|index.html|identify|mesh";
+        let words = "gearbench compare spur_impact|results.json|Exit codes|index.html|identify|mesh|\
+                     Analyse:|Documents (gearbench help NAME)|--json";
         for word in words.split('|') {
             assert!(help.contains(word), "{word} is missing in\n{help}");
         }

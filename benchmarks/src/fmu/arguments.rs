@@ -9,8 +9,9 @@ Examples:
   gearbench fmu hammer --model rigid --method rk4@1us --out hammer.fmu
   gearbench fmu loaded_mesh --move pinion                 the host moves the pinion, and gets its forces
 
-The file serves co-simulation and model exchange under FMI 3.0. Its library is built once, with
-cargo build --release -p gearbench-fmu. docs/fmu.md describes inputs, outputs and what coupling costs in accuracy.";
+The file serves co-simulation and model exchange under FMI 3.0. It needs the shared library of gearbench-fmu, which
+is looked for in the folder of this program and in ../lib, and is built in a checkout of gearbench with
+cargo build --release -p gearbench-fmu. `gearbench help fmus` describes inputs, outputs and what coupling costs in accuracy.";
 
 /// Arguments of `fmu`.
 #[derive(Args, Clone, Debug)]
@@ -28,7 +29,7 @@ pub struct Fmu {
     /// Gears whose hubs the host moves, between commas
     #[arg(long = "move", value_name = "GEAR,..", value_delimiter = ',')]
     pub moved: Vec<String>,
-    /// Shared library of gearbench-fmu [default: the one beside this program]
+    /// Shared library of gearbench-fmu [default: the one in the folder of this program, or in ../lib]
     #[arg(long, value_name = "FILE")]
     pub library: Option<PathBuf>,
     /// File to write [default: SCENE.fmu]

@@ -10,7 +10,7 @@ use crate::experiment::run::RunError;
 use crate::fmu::coupled::Coupled;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
 use gearbench_integrators::{Scheme, SecondOrderSystem};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
     SceneError::plain(why, help).into()
@@ -69,13 +69,31 @@ fn scheme(args: &Fmu, scene: &SceneFile, choice: &ModelChoice) -> Result<Scheme,
     }
 }
 
-/// The shared library, by its path or beside this program.
+/// Name of the shared library on this system.
+fn library_name() -> String {
+    use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+    format!("{DLL_PREFIX}gearbench_fmu{DLL_SUFFIX}")
+}
+
+/// The shared library, by its path, or in the folder of this program or in `../lib`.
 fn library(args: &Fmu) -> Result<Vec<u8>, Refusal> {
-    let build = "build it with `cargo build --release -p gearbench-fmu`, or name it with --library";
+    let name = library_name();
+    let build = format!(
+        "`{name}` comes with gearbench: put it into the folder of this program or name it with --library; in a checkout of \
+         gearbench `cargo build --release -p gearbench-fmu` makes target/release/{name}"
+    );
     let path = match &args.library {
         Some(path) => path.clone(),
-        None => beside()
-            .ok_or_else(|| bad("the shared library of gearbench-fmu was not found", build))?,
+        None => {
+            let places = places(&name);
+            let found = places.iter().find(|path| path.is_file());
+            let shown: Vec<String> = places.iter().map(|p| p.display().to_string()).collect();
+            let missing = format!(
+                "an FMU needs the shared library `{name}`, which is neither {}",
+                shown.join(" nor ")
+            );
+            found.cloned().ok_or_else(|| bad(missing, build.clone()))?
+        }
     };
     std::fs::read(&path).map_err(|e| {
         bad(
@@ -88,10 +106,17 @@ fn library(args: &Fmu) -> Result<Vec<u8>, Refusal> {
     })
 }
 
-fn beside() -> Option<PathBuf> {
-    use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
-    let folder = std::env::current_exe().ok()?.parent()?.to_owned();
-    Some(folder.join(format!("{DLL_PREFIX}gearbench_fmu{DLL_SUFFIX}")))
+/// Where the library of an installed program may be.
+fn places(name: &str) -> Vec<PathBuf> {
+    let program = std::env::current_exe().ok();
+    let folder = program.as_deref().and_then(Path::parent);
+    folder.map_or_else(Vec::new, |folder| {
+        let lib = folder.parent().map(|p| p.join("lib").join(name));
+        [Some(folder.join(name)), lib]
+            .into_iter()
+            .flatten()
+            .collect()
+    })
 }
 
 /// What a host finds in it.

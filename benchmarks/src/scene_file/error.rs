@@ -4,6 +4,9 @@ use miette::{Diagnostic, LabeledSpan, NamedSource};
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Remarks on a file that a refusal repeats.
+const MOST_REMARKS: usize = 3;
+
 /// Why a scene is refused. Rendered by `miette` it shows file, line and help.
 #[derive(Clone, Debug, thiserror::Error, Diagnostic)]
 #[error("{message}")]
@@ -73,6 +76,34 @@ impl SceneError {
         let start = self.labels.first()?.offset().min(text.len());
         let breaks = text.as_bytes()[..start].iter().filter(|&&b| b == b'\n');
         Some(breaks.count() + 1)
+    }
+
+    /// The same with what is odd about the file, which may be the cause: the remark about the same line, else all.
+    #[must_use]
+    pub(super) fn with_remarks(mut self, odd: &[SceneError]) -> Self {
+        let own = self.line();
+        let same: Vec<&SceneError> = odd.iter().filter(|o| o.line() == own).collect();
+        let remarks: Vec<String> = match same.as_slice() {
+            [] => (odd.iter().take(MOST_REMARKS))
+                .map(SceneError::in_one_line)
+                .collect(),
+            same => same.iter().filter_map(|o| o.help.clone()).collect(),
+        };
+        let help = self.help.take().into_iter();
+        let all: Vec<String> = match same.is_empty() {
+            true => help.chain(remarks).collect(),
+            false => remarks.into_iter().chain(help).collect(),
+        };
+        self.help = (!all.is_empty()).then(|| all.join("; "));
+        self
+    }
+
+    fn in_one_line(&self) -> String {
+        let line = self
+            .line()
+            .map_or(String::new(), |line| format!("line {line}: "));
+        let help = self.help.as_deref().unwrap_or(&self.message);
+        format!("{line}{help}")
     }
 
     /// A further label.

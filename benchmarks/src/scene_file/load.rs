@@ -6,9 +6,14 @@ use super::source::{recorded, recorded_calibration};
 use super::{Calibration, Origin, SceneError, SceneFile};
 use crate::cli::progress::Display;
 use crate::cli::terminal::warn;
+use gearbench_reference::file_kind::{self, Input};
 use gearbench_reference::files;
+use gearbench_reports::RECORD;
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Scene files of a folder that a refusal names.
+const MOST_NAMED: usize = 3;
 
 /// Loads a shipped scene by name, or a file by path (ends in `.toml` or has a folder).
 ///
@@ -124,17 +129,34 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
         );
     }
     let path = Path::new(path_or_name);
+    let is_recorded = recorded(path_or_name).is_some();
+    if path.is_dir() && !is_recorded {
+        return Err(SceneError::plain(
+            format!("`{path_or_name}` is a folder, not a scene"),
+            contents(path),
+        ));
+    }
+    if let Some(kind) = file_kind::foreign(path, Input::Scene).filter(|_| !is_recorded) {
+        return Err(SceneError::plain(
+            format!("`{path_or_name}` is {}, not a scene", kind.name),
+            kind.way_out_of(path),
+        ));
+    }
     let is_path = path.extension().is_some_and(|e| e == "toml") || path.components().count() > 1;
-    if !is_path {
+    if !is_path && !is_recorded {
         let names: Vec<&str> = SHIPPED.iter().map(|s| s.name).collect();
         let near = suggest::did_you_mean(path_or_name, &names);
-        return Err(SceneError::plain(
-            format!("there is no scene `{path_or_name}`"),
-            format!(
+        let file = path.with_extension("toml");
+        let help = match (file.is_file(), path.is_file()) {
+            (true, _) => format!("write `{}`, which is here", file.display()),
+            (_, true) => "the file is here, but scenes end in .toml".to_owned(),
+            _ => format!(
                 "{near}shipped are {}; a scene of your own is a path that ends in .toml",
                 names.join(", ")
             ),
-        ));
+        };
+        let what = format!("there is no scene `{path_or_name}`");
+        return Err(SceneError::plain(what, help));
     }
     let read = || match recorded(path_or_name) {
         Some(text) => Ok(text.to_owned()),
@@ -152,6 +174,27 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
         Origin::File(path.to_owned()),
         calibrated,
     )
+}
+
+/// What can be done with a folder that is named in the place of a scene.
+fn contents(folder: &Path) -> String {
+    if folder.join(RECORD).is_file() {
+        let shown = folder.display();
+        return format!(
+            "it holds the record of a study: `gearbench report {shown}` writes its page again, `gearbench rerun {shown}` makes it again"
+        );
+    }
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_scene = |path: &PathBuf| path.extension().is_some_and(|e| e == "toml");
+    let mut scenes: Vec<String> = (entries.map(|e| e.path()).filter(is_scene))
+        .map(|path| format!("`{}`", path.display()))
+        .collect();
+    scenes.sort();
+    scenes.truncate(MOST_NAMED);
+    match scenes.is_empty() {
+        true => "name a scene file, which ends in .toml: `gearbench init` writes one".to_owned(),
+        false => format!("name a scene file in it, such as {}", scenes.join(", ")),
+    }
 }
 
 /// Calibrations of a scene: of this file beside itself, else in it, else those that are embedded under the name.

@@ -16,7 +16,7 @@ use gearbench_models::Vec3;
 use gearbench_models::error::Reason;
 use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, Side};
 use gearbench_models::spec::{
-    Body, GearSpec, MeshSpec, SceneSpec, Start, UPRIGHT, layout_axes, mesh_layout,
+    Body, GearSpec, MeshSpec, SceneSpec, Start, UPRIGHT, is_internal, layout_axes, mesh_layout,
     pair_of as at_positions, turned_to,
 };
 
@@ -199,7 +199,15 @@ fn put(
             return at.refuse(
                 format!("where `{}` stands is not given", gears[b].spec.name),
                 "in this mesh",
-                "add `centre_distance_m` or `backlash_m` here, or `position_m` to the gear",
+                match gears.iter().find(|g| g.position == Some([0.0; 3])) {
+                    Some(first) if is_internal(&gears[b].spec.body) => format!(
+                        "add `position_m = [0.0, 0.0]` to `{}` if it is on the axis of `{}`, else `centre_distance_m` or \
+                         `backlash_m` here",
+                        gears[b].spec.name, first.spec.name
+                    ),
+                    _ => "add `centre_distance_m` or `backlash_m` here, or `position_m = [x, y]` to the gear"
+                        .to_owned(),
+                },
             );
         }
     };
@@ -271,7 +279,22 @@ fn pair_at(a: &GearDraft, b: &GearDraft, at: &Place<'_>) -> Result<Pair, SceneEr
 /// A refusal of a pair: at the two keys that disagree, or at what sets the distance.
 fn refusal(a: &GearDraft, b: &GearDraft, e: &GeometryError, at: &Place<'_>) -> SceneError {
     let Reason { cause, help } = e.reason();
-    let message = format!("`{}` and `{}`: {cause}", a.spec.name, b.spec.name);
+    // The geometry counts the gears of a pair, the scene names them.
+    let own = |text: &str| {
+        text.replace("gear 1", &format!("`{}`", a.spec.name))
+            .replace("gear 2", &format!("`{}`", b.spec.name))
+            .replace("the rack", &format!("`{}`", b.spec.name))
+    };
+    let message = format!("`{}` and `{}`: {}", a.spec.name, b.spec.name, own(&cause));
+    let help = match e {
+        GeometryError::Interference {
+            tip_of, reduce_by, ..
+        } => {
+            let of = if *tip_of == "gear 1" { a } else { b };
+            shorter_addendum(of, *reduce_by)
+        }
+        _ => own(&help),
+    };
     let [a, b] = [a, b].map(|g| at.root().key("gears").key(&g.spec.name));
     if matches!(
         e,
@@ -289,6 +312,24 @@ fn refusal(a: &GearDraft, b: &GearDraft, e: &GeometryError, at: &Place<'_>) -> S
         at.first(&["centre_distance_m", "backlash_m", "gears"])
     };
     cause.error(message, "does not mesh", help)
+}
+
+/// The key and the value that take a length from the tip of a gear [m].
+fn shorter_addendum(gear: &GearDraft, reduce_by: f64) -> String {
+    let (addendum, module) = match &gear.spec.body {
+        Body::Gear(g) => (g.params().addendum, g.params().module),
+        Body::Rack(r) => (r.params().addendum, r.params().module),
+    };
+    let name = &gear.spec.name;
+    let factor = ((addendum - reduce_by.abs() / module) * 1e4).floor() * 1e-4;
+    let other = "change profile shift or distance";
+    match factor > 0.0 {
+        true => format!(
+            "give `{name}` addendum_factor = {factor:.4}, now {addendum} ({:.3e} m less), or {other}",
+            reduce_by.abs()
+        ),
+        false => other.to_owned(),
+    }
 }
 
 fn start_of(keys: Option<&StartKeys>, pair: &Pair, at: &Place<'_>) -> Result<Start, SceneError> {

@@ -10,6 +10,7 @@
 //! | `contact`, `contact_points`, `stiffness` | `contact = { .. }` |
 //! | `study_plan` | `[study]`, `tolerance`; what one study takes stands in its room |
 //! | `plausible`, `usual` | what no solid can be, and what is only odd |
+//! | `motion` | speeds at the start and loads that do not suit the train |
 //! | `selection` | models by their labels |
 //! | `formulas` | where a scene leaves the range of a stiffness formula |
 //! | [`references`] | what models are held against and fitted to: stored, or tables of the user |
@@ -35,6 +36,7 @@ mod material;
 mod mesh;
 mod model;
 mod modifications;
+mod motion;
 mod plausible;
 mod profile;
 pub(crate) mod reading;
@@ -229,6 +231,19 @@ impl SceneFile {
         calibrated: bool,
     ) -> Result<Self, SceneError> {
         let (document, keys): (_, SceneKeys) = Document::read(name, text, known_words)?;
+        let odd = usual::lengths(&document);
+        let file = Self::from_keys(document, keys, origin, calibrated);
+        let mut file = file.map_err(|e| e.with_remarks(&odd))?;
+        file.odd.extend(odd);
+        Ok(file)
+    }
+
+    fn from_keys(
+        document: Document,
+        keys: SceneKeys,
+        origin: Origin,
+        calibrated: bool,
+    ) -> Result<Self, SceneError> {
         let SceneKeys {
             schema: Schema,
             name: SceneName(name),

@@ -10,10 +10,11 @@
 //! Bounds of the usual are wide: beyond them stand hardly any gears, but many a slip of units.
 
 use super::error::SceneError;
+use super::motion;
 use super::reading::Place;
 use super::usual::{
-    DAMPING_RATIO, DENSITY, DURATION, FACE_WIDTH, FRICTION, HELIX_ANGLE, INERTIA, MODULE, PENALTY,
-    PRESSURE_ANGLE, STIFFNESS, Usual, YOUNG,
+    DAMPING_RATIO, DENSITY, DURATION, FRICTION, HELIX_ANGLE, INERTIA, PENALTY, PRESSURE_ANGLE,
+    STIFFNESS, TOLERANCE, Usual, YOUNG,
 };
 use super::{ModelChoice, SceneFile};
 use gearbench_integrators::{Resolution, Scheme};
@@ -62,6 +63,7 @@ pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
     let root = scene.document.at("");
     let mut odd = Vec::new();
     odd.extend(DURATION.odd(&root.key("duration_s"), "duration_s", scene.duration));
+    odd.extend(tolerance(scene, &root.key("tolerance")));
     for gear in &scene.spec.gears {
         let at = root.key("gears").key(&gear.name);
         toothing(gear, &at, &mut odd);
@@ -71,6 +73,7 @@ pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
     }
     overlap(scene)?;
     driven(scene)?;
+    odd.extend(motion::check(scene));
     steps(
         &scene.study.integrators,
         scene,
@@ -107,6 +110,25 @@ fn driven(scene: &SceneFile) -> Result<(), SceneError> {
     )
 }
 
+/// A tolerance of a relative error that accepts any result.
+fn tolerance(scene: &SceneFile, at: &Place<'_>) -> Option<SceneError> {
+    let of = scene
+        .tolerance
+        .as_ref()
+        .filter(|t| t.metric.unit().is_empty())?;
+    let (place, key) = match at.has("limit") {
+        true => (at.key("limit"), "limit"),
+        false => (at.clone(), "tolerance"),
+    };
+    let odd = TOLERANCE.odd(&place, key, of.limit)?;
+    let message = format!(
+        "`{key}` = {} accepts an error of {} %",
+        short(of.limit, 4),
+        short(100.0 * of.limit, 4)
+    );
+    Some(place.error(message, "odd", odd.help_text().unwrap_or_default()))
+}
+
 /// Constants of an impact in a scene that runs under load: the mesh is then far too stiff.
 fn calibrated(scene: &SceneFile, model: &ModelChoice, at: &Place<'_>) -> Option<SceneError> {
     let calibration = model.calibration.as_ref()?;
@@ -136,15 +158,9 @@ fn calibrated(scene: &SceneFile, model: &ModelChoice, at: &Place<'_>) -> Option<
 }
 
 fn toothing(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) {
-    let (module, width, pressure, helix) = match &gear.body {
-        Body::Gear(g) => {
-            let p = g.params();
-            (p.module, p.face_width, p.pressure_angle, p.helix_angle)
-        }
-        Body::Rack(r) => {
-            let p = r.params();
-            (p.module, p.face_width, p.pressure_angle, p.helix_angle)
-        }
+    let (pressure, helix) = match &gear.body {
+        Body::Gear(g) => (g.params().pressure_angle, g.params().helix_angle),
+        Body::Rack(r) => (r.params().pressure_angle, r.params().helix_angle),
     };
     let mut look = |usual: &Usual, key: &str, value: f64| {
         odd.extend(
@@ -153,8 +169,6 @@ fn toothing(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) {
                 .flatten(),
         );
     };
-    look(&MODULE, "module_m", module);
-    look(&FACE_WIDTH, "face_width_m", width);
     look(&PRESSURE_ANGLE, "pressure_angle_deg", pressure.to_degrees());
     if helix != 0.0 {
         look(&HELIX_ANGLE, "helix_angle_deg", helix.to_degrees().abs());

@@ -1,7 +1,11 @@
 //! Where the values of a scene usually lie, in wide bounds, and units that they are often given in by mistake.
+//!
+//! Lengths are rows of one table, [`LENGTHS`]: bounds in metres, in modules or in reference radii, by the end of the path
+//! that leads to the value. They are checked before the geometry is built, so that a refusal of the geometry names the
+//! unit that is probably meant.
 
 use super::error::SceneError;
-use super::reading::Place;
+use super::reading::{Document, Place};
 
 /// A quantity, its unit, where its values lie, and units that it is often given in by mistake with their factors.
 pub(super) struct Usual {
@@ -10,16 +14,147 @@ pub(super) struct Usual {
     slips: &'static [(f64, &'static str)],
 }
 
-pub(super) const MODULE: Usual = Usual {
-    unit: "m",
-    range: [5e-5, 0.1],
-    slips: &[(1e-3, "millimetres")],
-};
-pub(super) const FACE_WIDTH: Usual = Usual {
-    unit: "m",
-    range: [1e-4, 3.0],
-    slips: &[(1e-3, "millimetres")],
-};
+/// Units that lengths are often given in by mistake.
+const OTHER_LENGTHS: &[(f64, &str)] = &[(1e-3, "millimetres"), (1e-6, "micrometres")];
+/// Bounds of the module [m].
+const MODULES: [f64; 2] = [5e-5, 0.1];
+
+/// What the bounds of a length count in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Measure {
+    /// Metres.
+    Metre,
+    /// Modules of the gear, outside of gears those of the largest one.
+    Module,
+    /// Radii of the reference circle of the gear, outside of gears those of the largest one.
+    Radius,
+}
+
+/// Keys at the end of a path, bounds of the magnitude, and what these count in; the first row that fits counts.
+#[rustfmt::skip]
+const LENGTHS: &[(&str, [f64; 2], Measure)] = &[
+    ("module_m", MODULES, Measure::Metre),
+    ("face_width_m", [1e-4, 3.0], Measure::Metre),
+    ("bore_radius_m", [0.0, 1.5], Measure::Radius),
+    ("tip_circle_radius_m", [0.5, 2.0], Measure::Radius),
+    ("root_circle_radius_m", [0.5, 2.0], Measure::Radius),
+    ("rim_radius_m", [0.5, 10.0], Measure::Radius),
+    ("start_radius_m", [0.3, 2.0], Measure::Radius),
+    ("radii_m", [0.3, 2.0], Measure::Radius),
+    ("heights_m", [0.0, 3.0], Measure::Metre),
+    ("body_height_m", [0.05, 100.0], Measure::Module),
+    ("thinning_m", [0.0, 0.5], Measure::Module),
+    ("amount_m", [0.0, 0.2], Measure::Module),
+    ("profile_crowning_m", [0.0, 0.2], Measure::Module),
+    ("lead_crowning_m", [0.0, 0.2], Measure::Module),
+    ("helix_slope_m", [0.0, 0.2], Measure::Module),
+    ("helix_slope_m.left", [0.0, 0.2], Measure::Module),
+    ("helix_slope_m.right", [0.0, 0.2], Measure::Module),
+    ("twist_m", [0.0, 0.2], Measure::Module),
+    ("twist_m.left", [0.0, 0.2], Measure::Module),
+    ("twist_m.right", [0.0, 0.2], Measure::Module),
+    ("runout_m", [0.0, 0.2], Measure::Module),
+    ("cumulative_pitch_m", [0.0, 0.2], Measure::Module),
+    ("profile_slope_m", [0.0, 0.2], Measure::Module),
+    ("profile_form_m", [0.0, 0.2], Measure::Module),
+    ("low.length_m", [0.0, 3.0], Measure::Metre),
+    ("high.length_m", [0.0, 3.0], Measure::Metre),
+    ("centre_distance_m", [1e-3, 10.0], Measure::Radius),
+    ("backlash_m", [0.0, 0.5], Measure::Module),
+    ("gap_m", [0.0, 0.5], Measure::Module),
+    ("reach_m", [0.0, 0.5], Measure::Module),
+    ("clearance_m", [0.0, 0.5], Measure::Module),
+    ("path_coordinate_m", [0.0, 5.0], Measure::Radius),
+    ("position_m", [0.0, 300.0], Measure::Radius),
+    ("centre_of_mass_m", [0.0, 10.0], Measure::Radius),
+    ("at_m", [0.0, 300.0], Measure::Radius),
+    ("length_m", [0.0, 300.0], Measure::Radius),
+    ("diameter_m", [1e-2, 10.0], Measure::Radius),
+    ("inner_diameter_m", [0.0, 10.0], Measure::Radius),
+    ("stick_m", [0.0, 1e-2], Measure::Metre),
+    ("roughness_m", [0.0, 1e-4], Measure::Metre),
+];
+
+/// Length keys whose values have no typical range: a unit that the user names.
+#[cfg(test)]
+const FREE_LENGTHS: [&str; 1] = ["unit_m"];
+
+/// Lengths of a file that are far from what gears have.
+pub(super) fn lengths(document: &Document) -> Vec<SceneError> {
+    let number = |path: &str| document.number(path);
+    // A module in millimetres is no measure for the other lengths until it is converted.
+    let module_of = |gear: &str| {
+        let module = number(&format!("{gear}.module_m")).filter(|m| *m > 0.0)?;
+        let in_bounds = |m: &f64| (MODULES[0]..=MODULES[1]).contains(m);
+        let meant = OTHER_LENGTHS.iter().map(|(factor, _)| module * factor);
+        std::iter::once(module).chain(meant).find(in_bounds)
+    };
+    let radius_of = |gear: &str| {
+        let teeth = number(&format!("{gear}.teeth"))?;
+        let helix = number(&format!("{gear}.helix_angle_deg")).unwrap_or(0.0);
+        let radius = 0.5 * teeth * module_of(gear)? / helix.to_radians().cos();
+        (radius > 0.0 && radius.is_finite()).then_some(radius)
+    };
+    let gear_of = |path: &str| {
+        let mut parts = path.split('.');
+        let found = (parts.next()? == "gears").then(|| parts.next())??;
+        Some(format!("gears.{found}"))
+    };
+    let gears: std::collections::BTreeSet<String> =
+        document.numbers().filter_map(|(p, _)| gear_of(p)).collect();
+    let largest = |of: &dyn Fn(&str) -> Option<f64>| {
+        let all = gears.iter().filter_map(|g| of(g));
+        all.fold(None, |most: Option<f64>, x| {
+            Some(most.map_or(x, |m| m.max(x)))
+        })
+    };
+    let own_or_largest = |path: &str, of: &dyn Fn(&str) -> Option<f64>| {
+        gear_of(path)
+            .and_then(|gear| of(&gear))
+            .or_else(|| largest(of))
+    };
+    let mut odd = Vec::new();
+    for (path, value) in document.numbers() {
+        let plain = without_places(path);
+        let ends = |end: &str| {
+            let before = plain.strip_suffix(end);
+            before.is_some_and(|b| b.is_empty() || b.ends_with('.'))
+        };
+        let Some((end, range, measure)) = LENGTHS.iter().find(|(end, ..)| ends(end)) else {
+            continue;
+        };
+        let scale = match measure {
+            Measure::Metre => Some(1.0),
+            Measure::Module => own_or_largest(path, &module_of),
+            Measure::Radius => own_or_largest(path, &radius_of),
+        };
+        let Some(scale) = scale else { continue };
+        let usual = Usual {
+            unit: "m",
+            range: range.map(|x| x * scale),
+            slips: OTHER_LENGTHS,
+        };
+        let key = end.split('.').find(|k| k.ends_with("_m")).unwrap_or(end);
+        odd.extend(usual.odd(&document.at(path), key, value));
+    }
+    odd
+}
+
+/// A path without the places of lists.
+fn without_places(path: &str) -> String {
+    let mut plain = String::new();
+    let mut inside = false;
+    for c in path.chars() {
+        match c {
+            '[' => inside = true,
+            ']' => inside = false,
+            c if !inside => plain.push(c),
+            _ => {}
+        }
+    }
+    plain
+}
+
 pub(super) const YOUNG: Usual = Usual {
     unit: "Pa",
     range: [1e7, 1.3e12],
@@ -50,6 +185,12 @@ pub(super) const PENALTY: Usual = Usual {
     range: [1e10, 1e20],
     slips: &[(1e9, "MPa/mm")],
 };
+/// Greatest relative error that a scene accepts.
+pub(super) const TOLERANCE: Usual = Usual {
+    unit: "",
+    range: [0.0, 1.0],
+    slips: &[(0.01, "per cent")],
+};
 pub(super) const DURATION: Usual = Usual {
     unit: "s",
     range: [1e-8, 1e4],
@@ -76,22 +217,26 @@ impl Usual {
     /// What is odd about a value, if anything is, and the value in the unit that is probably meant.
     pub(super) fn odd(&self, place: &Place<'_>, key: &str, value: f64) -> Option<SceneError> {
         let [least, most] = self.range;
-        if (least..=most).contains(&value) {
+        if (least..=most).contains(&value.abs()) {
             return None;
         }
         let unit = self.unit;
         let meant = self
             .slips
             .iter()
-            .find(|(factor, _)| (least..=most).contains(&(value * factor)));
+            .find(|(factor, _)| (least..=most).contains(&(value * factor).abs()));
         let help = match meant {
             Some((factor, slip)) => {
                 let right = suggest_number(value * factor);
                 format!("if {value} is in {slip}, write {key} = {right}")
             }
-            None => format!("usual are {least:e} to {most:e} {unit}")
-                .trim_end()
-                .to_owned(),
+            None => format!(
+                "usual are {} to {} {unit}",
+                scientific(least),
+                scientific(most)
+            )
+            .trim_end()
+            .to_owned(),
         };
         let message = format!(
             "`{key}` = {} {unit} is far from what gears have",
@@ -114,4 +259,43 @@ fn plain(x: f64) -> String {
 fn suggest_number(x: f64) -> String {
     let digits: f64 = format!("{x:.11e}").parse().unwrap_or(x);
     plain(digits)
+}
+
+/// A bound in as few digits as it needs.
+fn scientific(x: f64) -> String {
+    let short: f64 = format!("{x:.1e}").parse().unwrap_or(x);
+    format!("{short:e}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::reading::keys::tables;
+    use super::*;
+
+    /// A further key for a length needs a row.
+    #[test]
+    fn every_length_of_the_format_has_bounds() {
+        let mut lengths = 0;
+        for table in tables() {
+            let of_length = |key: &&str| key.ends_with("_m") && !key.contains("_per_");
+            for key in table.keys.iter().map(|(key, _)| *key).filter(of_length) {
+                let bounded = LENGTHS
+                    .iter()
+                    .any(|(end, ..)| end.split('.').any(|k| k == key));
+                assert!(
+                    bounded || FREE_LENGTHS.contains(&key),
+                    "`{key}` of {} has no bounds",
+                    table.name
+                );
+                lengths += 1;
+            }
+        }
+        assert!(lengths >= 40, "{lengths}");
+    }
+
+    #[test]
+    fn paths_lose_the_places_of_lists() {
+        let path = "shafts[0].carries[12].centre_of_mass_m[2]";
+        assert_eq!(without_places(path), "shafts.carries.centre_of_mass_m");
+    }
 }

@@ -5,13 +5,14 @@ use crate::cli::terminal::{Refusal, absolute, say};
 use crate::scene_file::{SHIPPED, SceneError, Shipped, did_you_mean};
 use clap::Args;
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
   gearbench init                                two gears under load, pair.toml
   gearbench init train --out gearbox.toml       three gears
   gearbench init spur_impact                    a shipped scene as it is, with its fitted constants
+  gearbench init own_gears                      a folder: gears of other programs, data from a file, five commands
   gearbench init check                          check.toml, for `gearbench check`
   gearbench init workflow                       workflow.yml, which runs that check for every pull request";
 
@@ -38,14 +39,41 @@ const OTHERS: [(&str, &str, &str, &str); 2] = [
     ),
 ];
 
+/// An example in several files, a folder of its name.
+const FOLDER: &str = "own_gears";
+
+/// Its files, the one to begin with first.
+const FILES: [(&str, &[u8]); 5] = [
+    (
+        "press.toml",
+        include_bytes!("../../examples/own_gears/press.toml"),
+    ),
+    (
+        "press.csv",
+        include_bytes!("../../examples/own_gears/press.csv"),
+    ),
+    (
+        "pinion.inp.gz",
+        include_bytes!("../../examples/own_gears/pinion.inp.gz"),
+    ),
+    (
+        "wheel.msh.gz",
+        include_bytes!("../../examples/own_gears/wheel.msh.gz"),
+    ),
+    (
+        "check.toml",
+        include_bytes!("../../examples/own_gears/check.toml"),
+    ),
+];
+
 /// Arguments of `init`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Init {
-    /// pair, rack, train, the name of a shipped scene, check or workflow
+    /// pair, rack, train, the name of a shipped scene, own_gears, check or workflow
     #[arg(value_name = "WHAT", default_value = TEMPLATES[0].0)]
     pub what: String,
-    /// File to write [default: WHAT.toml]
+    /// File to write [default: WHAT.toml], of own_gears the folder
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Write over a file that is there
@@ -55,30 +83,63 @@ pub struct Init {
 
 /// Writes the scene.
 pub fn run(args: &Init) -> Result<Answer, Refusal> {
+    if args.what == FOLDER {
+        return write_folder(args);
+    }
     let other = OTHERS.iter().find(|(name, ..)| *name == args.what);
     let (text, ending, next) = match other {
         Some((_, ending, text, next)) => ((*text).to_owned(), *ending, *next),
         None => (text(&args.what)?, "toml", "run it: gearbench compare FILE"),
     };
     let path = (args.out.clone()).unwrap_or_else(|| format!("{}.{ending}", args.what).into());
-    let mut options = std::fs::File::options();
-    match args.force {
-        true => options.write(true).create(true).truncate(true),
-        false => options.write(true).create_new(true),
-    };
-    let written = (options.open(&path)).and_then(|mut f| f.write_all(text.as_bytes()));
-    written.map_err(|e| match e.kind() {
-        ErrorKind::AlreadyExists => Refusal::Input(miette::miette!(
-            help = "name another with --out, or write over it with --force",
-            "{}: the file is there already",
-            path.display()
-        )),
-        _ => Refusal::Files(format!("{}: {e}", path.display())),
-    })?;
+    write(&path, text.as_bytes(), args.force)?;
     let path = absolute(path);
     say(&format!("written: {}", path.display()));
     say(&next.replace("FILE", &path.display().to_string()));
     Ok(Answer::done().with("written", path))
+}
+
+/// Writes a file; one that is there already is replaced only by force.
+fn write(path: &Path, bytes: &[u8], force: bool) -> Result<(), Refusal> {
+    let mut options = std::fs::File::options();
+    match force {
+        true => options.write(true).create(true).truncate(true),
+        false => options.write(true).create_new(true),
+    };
+    let written = (options.open(path)).and_then(|mut f| f.write_all(bytes));
+    written.map_err(|e| match e.kind() {
+        ErrorKind::AlreadyExists => exists(path),
+        _ => Refusal::Files(format!("{}: {e}", path.display())),
+    })
+}
+
+fn exists(path: &Path) -> Refusal {
+    Refusal::Input(miette::miette!(
+        help = "name another with --out, or write over it with --force",
+        "{}: the file is there already",
+        path.display()
+    ))
+}
+
+/// Writes the example of several files into a folder: all of them, or none where one is there already.
+fn write_folder(args: &Init) -> Result<Answer, Refusal> {
+    let folder = (args.out.clone()).unwrap_or_else(|| FOLDER.into());
+    std::fs::create_dir_all(&folder)
+        .map_err(|e| Refusal::Files(format!("{}: {e}", folder.display())))?;
+    let paths: Vec<PathBuf> = FILES.iter().map(|(name, _)| folder.join(name)).collect();
+    if let Some(there) = paths.iter().find(|p| p.exists() && !args.force) {
+        return Err(exists(there));
+    }
+    for (path, (_, bytes)) in paths.iter().zip(FILES) {
+        write(path, bytes, args.force)?;
+    }
+    let folder = absolute(folder);
+    say(&format!("written: {}", folder.display()));
+    say(&format!(
+        "go there; the first lines of {} have the commands",
+        FILES[0].0
+    ));
+    Ok(Answer::done().with("written", folder))
 }
 
 /// A template, or a shipped scene.
@@ -92,6 +153,7 @@ fn text(what: &str) -> Result<String, SceneError> {
             let names = (TEMPLATES.iter().map(|(name, _)| *name))
                 .chain(SHIPPED.iter().map(|s| s.name))
                 .chain(OTHERS.iter().map(|o| o.0))
+                .chain([FOLDER])
                 .collect::<Vec<_>>();
             Err(SceneError::plain(
                 format!("there is no scene `{what}` to start from"),
@@ -144,7 +206,7 @@ mod tests {
             let origin = Origin::File("nowhere/mine.toml".into());
             let scene = SceneFile::unbuilt("mine.toml", &text, origin, true);
             let scene = scene.unwrap_or_else(|e| panic!("{name}: {}", e.told()));
-            assert!(scene.odd.is_empty(), "{name}");
+            assert!(scene.odd.is_empty(), "{name}: {:?}", scene.odd);
             let Ok(shipped) = crate::scene_file::load_for(name, crate::scene_file::Selection::None)
             else {
                 continue;

@@ -4,29 +4,75 @@ use crate::cli::answer::Answer;
 use crate::cli::terminal::{Refusal, say};
 use crate::models::models;
 use crate::scene_file::{self, SHIPPED, SceneFile};
+use clap::{Args, ValueEnum};
 use gearbench_integrators::table::FREE_FLIGHT;
 use gearbench_integrators::{METHODS, Method, Stepping};
 use gearbench_models::gear::table::Model;
 use gearbench_reference::{REFERENCES, StoredReference};
 use serde_json::{Value, json};
 
+const EXAMPLES: &str = "\
+Examples:
+  gearbench list               names and titles of everything
+  gearbench list models        gear models with their parameters
+  gearbench list integrators   order, stepping, parameters, source";
+
+/// A part of the list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Section {
+    /// Shipped scenes
+    Scenes,
+    /// Gear models
+    Models,
+    /// Integrators
+    Integrators,
+    /// Stored references
+    References,
+}
+
+/// Arguments of `list`.
+#[derive(Args, Clone, Debug, Default)]
+#[command(after_help = EXAMPLES)]
+pub struct List {
+    /// What to list with all details; left out, a line for each of all
+    #[arg(value_name = "WHAT")]
+    pub section: Option<Section>,
+}
+
 /// Prints the tables.
-pub fn run() -> Result<Answer, Refusal> {
+pub fn run(args: &List) -> Result<Answer, Refusal> {
     let scenes = (SHIPPED.iter())
         .map(|s| scene_file::load_unbuilt(s.name))
         .collect::<Result<Vec<_>, _>>()?;
-    print(&scenes);
-    Ok(Answer::done()
-        .with("scenes", scenes.iter().map(scene).collect::<Vec<_>>())
-        .with("models", models().iter().map(model).collect::<Vec<_>>())
-        .with(
+    let in_full = |section: Section| args.section == Some(section);
+    let listed = |section: Section| args.section.is_none() || in_full(section);
+    let mut answer = Answer::done();
+    if listed(Section::Scenes) {
+        print_scenes(&scenes, in_full(Section::Scenes));
+        answer = answer.with("scenes", scenes.iter().map(scene).collect::<Vec<_>>());
+    }
+    if listed(Section::Models) {
+        print_models(in_full(Section::Models));
+        answer = answer.with("models", models().iter().map(model).collect::<Vec<_>>());
+    }
+    if listed(Section::Integrators) {
+        print_integrators(in_full(Section::Integrators));
+        answer = answer.with(
             "integrators",
             METHODS.iter().map(method).collect::<Vec<_>>(),
-        )
-        .with(
+        );
+    }
+    if listed(Section::References) {
+        print_references();
+        answer = answer.with(
             "references",
             REFERENCES.iter().map(reference).collect::<Vec<_>>(),
-        ))
+        );
+    }
+    if args.section.is_none() {
+        say("\n`gearbench list scenes`, `models` and `integrators` have the details");
+    }
+    Ok(answer)
 }
 
 fn scene(s: &SceneFile) -> Value {
@@ -70,21 +116,29 @@ fn reference(r: &StoredReference) -> Value {
     json!({ "id": r.id, "title": r.title })
 }
 
-fn print(scenes: &[SceneFile]) {
+fn print_scenes(scenes: &[SceneFile], in_full: bool) {
     say("scenes (gearbench compare NAME)");
     for s in scenes {
-        let labels: Vec<&str> = s.models.iter().map(|m| m.label.as_str()).collect();
         say(&format!("  {:<18} {}", s.name, s.title));
-        say(&format!("  {:<18} models: {}", "", labels.join(", ")));
+        if in_full {
+            let labels: Vec<&str> = s.models.iter().map(|m| m.label.as_str()).collect();
+            say(&format!("  {:<18} models: {}", "", labels.join(", ")));
+        }
     }
+}
+
+fn print_models(in_full: bool) {
     say("\nmodels (model = \"ID\" in a scene)");
     for m in models() {
         say(&format!("  {:<18} {}", m.id, m.title));
-        for p in m.parameters {
+        for p in m.parameters.iter().filter(|_| in_full) {
             let need = if p.required { "required" } else { "optional" };
             say(&format!("    {:<28} {} ({need})", p.key, p.meaning));
         }
     }
+}
+
+fn print_integrators(in_full: bool) {
     say("\nintegrators (--integrators ID or \"ID(parameter=value)@step\")");
     for m in METHODS {
         let i = m.info;
@@ -99,10 +153,15 @@ fn print(scenes: &[SceneFile]) {
         } else {
             ""
         };
-        say(&format!(
-            "  {:<20} order {}, {kind}, {stepping}{needs}; {}",
-            i.id, i.order, i.citation
-        ));
+        let line = format!(
+            "  {:<20} order {}, {kind}, {stepping}{needs}",
+            i.id, i.order
+        );
+        if !in_full {
+            say(&line);
+            continue;
+        }
+        say(&format!("{line}; {}", i.citation));
         for p in i.parameters {
             say(&format!(
                 "    {} = {} in [{}, {}]: {}",
@@ -110,10 +169,15 @@ fn print(scenes: &[SceneFile]) {
             ));
         }
     }
-    say(&format!(
-        "  all take {} in {{0, 1}}, default {}; {}",
-        FREE_FLIGHT.name, FREE_FLIGHT.default, FREE_FLIGHT.meaning
-    ));
+    if in_full {
+        say(&format!(
+            "  all take {} in {{0, 1}}, default {}; {}",
+            FREE_FLIGHT.name, FREE_FLIGHT.default, FREE_FLIGHT.meaning
+        ));
+    }
+}
+
+fn print_references() {
     say("\nreferences (reference = \"ID\" in a scene)");
     for r in REFERENCES {
         say(&format!("  {:<24} {}", r.id, r.title));

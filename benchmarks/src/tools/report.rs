@@ -3,7 +3,7 @@
 use crate::cli::answer::Answer;
 use crate::cli::terminal::{Refusal, absolute, say};
 use clap::Args;
-use gearbench_reference::{files, limits};
+use gearbench_reference::{file_kind, files, limits};
 use gearbench_reports::{RECORD, ReportError};
 use std::path::{Path, PathBuf};
 
@@ -15,12 +15,12 @@ pub struct Report {
     pub dir: PathBuf,
 }
 
-fn refuse(e: ReportError) -> Refusal {
+/// Folders of studies that a refusal names.
+const MOST_NAMED: usize = 5;
+
+fn refuse(dir: &Path, e: ReportError) -> Refusal {
     match &e {
-        ReportError::Io { .. } => Refusal::Input(miette::miette!(
-            help = "name the folder that a study has written (its `--out`, by default out/SCENE/STUDY)",
-            "{e}"
-        )),
+        ReportError::Io { .. } => Refusal::Input(miette::miette!(help = way_out(dir), "{e}")),
         ReportError::Record { .. } => Refusal::Input(miette::miette!(
             help = "a record is made again by the command that it names: `command` in results.json",
             "{e}"
@@ -44,10 +44,11 @@ pub(super) fn check_record(path: &Path) -> Result<(), Refusal> {
         false => path.join(RECORD),
     };
     let size = files::check(&file, MOST_OF_RECORD).map_err(|source| {
-        refuse(ReportError::Io {
+        let error = ReportError::Io {
             path: file.clone(),
             source,
-        })
+        };
+        refuse(path, error)
     })?;
     let what = format!("the record {} of {size} bytes", file.display());
     let way_out = "make the study again with fewer samples";
@@ -55,10 +56,43 @@ pub(super) fn check_record(path: &Path) -> Result<(), Refusal> {
         .map_err(|e| Refusal::Input(miette::miette!("{e}")))
 }
 
+/// Which folder or command is meant where there is no record.
+fn way_out(dir: &Path) -> String {
+    if let Some(kind) = file_kind::of(dir).filter(|_| dir.is_file()) {
+        let way_out = kind.way_out_of(dir);
+        return format!("this is {}: {way_out}", kind.name);
+    }
+    let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
+    let inside: Vec<PathBuf> = entries.map(|e| e.path()).filter(|p| p.is_dir()).collect();
+    // The folder of a scene has its studies, that of all results the scenes.
+    let deeper = inside
+        .iter()
+        .flat_map(|p| std::fs::read_dir(p).into_iter().flatten().flatten());
+    let all = inside.iter().cloned().chain(deeper.map(|e| e.path()));
+    let studies = all.filter(|p| p.join(RECORD).is_file());
+    let mut studies: Vec<String> = studies.map(|p| format!("`{}`", p.display())).collect();
+    studies.sort();
+    let more = match studies.len().saturating_sub(MOST_NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    studies.truncate(MOST_NAMED);
+    match studies.is_empty() {
+        true => {
+            "name the folder that a study has written (its `--out`, by default out/SCENE/STUDY)"
+                .to_owned()
+        }
+        false => format!(
+            "name one of the studies in it: {}{more}",
+            studies.join(", ")
+        ),
+    }
+}
+
 /// Writes the report.
 pub fn run(args: &Report) -> Result<Answer, Refusal> {
     check_record(&args.dir)?;
-    let page = gearbench_reports::report_from(&args.dir).map_err(refuse)?;
+    let page = gearbench_reports::report_from(&args.dir).map_err(|e| refuse(&args.dir, e))?;
     let page = absolute(page);
     say(&format!("report: {}", page.display()));
     Ok(Answer::done().with("report", page))

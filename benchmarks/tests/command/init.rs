@@ -32,6 +32,17 @@ fn scenes_to_start_from_run_in_every_command() {
     folder.says("identify own.toml --model rigid");
 }
 
+/// The example of several files needs the program alone.
+#[test]
+fn the_example_with_foreign_gears_comes_with_the_program() {
+    let folder = Folder::new();
+    has(&folder.says("init own_gears"), &["own_gears", "press.toml"]);
+    folder.refuses("init own_gears", &["is there already", "--force"]);
+    folder.says("init own_gears --force");
+    let run = "compare own_gears/press.toml --models rigid --integrators dopri5@1e-6 --repeats 1";
+    folder.says(run);
+}
+
 /// The smallest scene of the page about scenes, whose gears have no bore.
 #[test]
 fn the_smallest_scene_works() {

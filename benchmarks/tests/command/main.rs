@@ -133,8 +133,26 @@ fn help_and_list_teach() {
         &folder.says("--help"),
         &words.split(' ').collect::<Vec<_>>(),
     );
-    let words = "spur_impact hammer movable-teeth tooth_mass_kg dopri5 calculix/case-a-fine";
-    has(&folder.says("list"), &words.split(' ').collect::<Vec<_>>());
+    let words = "spur_impact hammer movable-teeth dopri5 calculix/case-a-fine";
+    let list = folder.says("list");
+    has(&list, &words.split(' ').collect::<Vec<_>>());
+    assert!(list.lines().count() < 80, "{}", list.lines().count());
+    has(&folder.says("list models"), &["tooth_mass_kg", "required"]);
+    assert!(!folder.says("list models").contains("dopri5"));
+    folder.refuses("list modells", &["models"]);
+    // What a binary alone has in the place of the repository's documents.
+    has(
+        &folder.says("help scene"),
+        &["# ", "centre_distance_m", "```toml"],
+    );
+    has(&folder.says("help limits"), &["**Plausibility.**"]);
+    has(&folder.says("help compare"), &["--models", "Examples:"]);
+    folder.refuses("help scenne", &["did you mean `scene`"]);
+    let version = folder.says("--version");
+    assert!(
+        version.contains("(commit ") && version.lines().count() == 1,
+        "{version}"
+    );
     folder.ends("compare --modles x", 2);
 }
 

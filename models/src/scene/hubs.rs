@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// # Errors
 /// The mount is not for this gear, or a number of bearing or body cannot be.
 pub fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
-    let inertia = own_inertia(g) + g.added_inertia;
+    let inertia = g.own_inertia() + g.added_inertia;
     if !(inertia > 0.0 && inertia.is_finite()) {
         return Err(BuildError::gear(
             &g.name,
@@ -66,17 +66,9 @@ pub fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
     Ok(hub)
 }
 
-/// Inertia about the axis of a body, without what is added at its hub.
-fn own_inertia(g: &GearSpec) -> f64 {
-    g.inertia.unwrap_or_else(|| match &g.body {
-        Body::Gear(gear) => gear.mass_properties(g.material.density).izz,
-        Body::Rack(rack) => rack.mass(g.material.density),
-    })
-}
-
 /// Inertia tensor of a body with three or more equal sectors, about its hub.
 pub(super) fn round_tensor(g: &GearSpec) -> Matrix3<f64> {
-    let about = own_inertia(g) + g.added_inertia;
+    let about = g.own_inertia() + g.added_inertia;
     let added = g.lateral.as_ref().map_or(0.0, |l| l.added_mass);
     let own = g.lateral.as_ref().and_then(|l| l.mass);
     let mass = own.unwrap_or_else(|| g.body.mass(g.material.density)) + added;

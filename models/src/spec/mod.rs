@@ -8,6 +8,7 @@ mod points;
 mod profile;
 mod scene;
 mod shaft;
+mod train;
 
 pub use layout::{
     MeshLayout, effective_radius, is_internal, layout_axes, mesh_layout, pair_of,
@@ -24,3 +25,4 @@ pub use scene::{Body, ContactSpec, GearSpec, MeshSpec, SceneSpec, Start};
 pub use shaft::{
     BodySpec, Carried, Section, SectionKind, ShaftDamping, ShaftSpec, Station, initial_speed,
 };
+pub use train::Train;

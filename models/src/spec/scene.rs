@@ -102,6 +102,17 @@ pub struct GearSpec {
     pub loads: Vec<Load>,
 }
 
+impl GearSpec {
+    /// Inertia about the axis [kg m^2], of a rack the mass [kg], without what is added at the hub.
+    pub fn own_inertia(&self) -> f64 {
+        let density = self.material.density;
+        self.inertia.unwrap_or_else(|| match &self.body {
+            Body::Gear(gear) => gear.mass_properties(density).izz,
+            Body::Rack(rack) => rack.mass(density),
+        })
+    }
+}
+
 /// Where a mesh starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {

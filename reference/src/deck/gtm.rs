@@ -152,7 +152,7 @@ impl Check<'_> {
                 GtmRequirement::Hexahedra,
                 Some(block.place.clone()),
                 block.kind.name().to_owned(),
-                "nothing to do here; the GTM preprocessing wants C3D8, C3D8I, C3D20 or C3D20R",
+                "gearbench reads these elements; programs that build on structured gear meshes need C3D8, C3D8I, C3D20 or C3D20R",
             );
         }
     }

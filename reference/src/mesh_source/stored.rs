@@ -8,6 +8,7 @@
 use super::agree::disagreement;
 use super::{MeshParameters, Reader};
 use crate::deck::{self, BodyShape, Deck, DeckError, DeckGear, Units};
+use crate::file_kind::{self, Input};
 use crate::mesh::{ElementKind, GearMesh};
 use crate::recognise::{Found, Known};
 use gearbench_models::Vec3;
@@ -147,6 +148,15 @@ fn read(reader: &Reader<'_>, given: &MeshParameters, source: &str) -> Result<Dec
             ));
         }
         return deck::read_bytes(source, reference.deck).map_err(bad);
+    }
+    if let Some(kind) = file_kind::foreign(source, Input::Mesh) {
+        return Err(reader.error(
+            "mesh",
+            (
+                format!("\"{source}\" is {}, not a mesh", kind.name),
+                kind.way_out_of(source),
+            ),
+        ));
     }
     if Path::new(source).is_file() {
         return deck::read_in(source, units).map_err(bad);

@@ -161,16 +161,10 @@ impl<'d> Node<'d> {
     }
 
     pub(super) fn number(&self) -> Result<f64, Flaw> {
-        let x = match self.value {
-            DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix())
-                .ok()
-                .map(|i| i as f64),
-            DeValue::Float(f) => f.as_str().parse::<f64>().ok(),
-            _ => return self.expected("a number"),
-        };
-        match x {
-            Some(x) if x.is_finite() => Ok(x),
-            _ => self.expected("a finite number"),
+        match (self.value, finite(self.value)) {
+            (_, Some(x)) => Ok(x),
+            (DeValue::Integer(_) | DeValue::Float(_), None) => self.expected("a finite number"),
+            _ => self.expected("a number"),
         }
     }
 
@@ -223,6 +217,16 @@ impl<'d> Node<'d> {
             _ => entry,
         }
     }
+}
+
+/// A finite number.
+pub(super) fn finite(value: &DeValue<'_>) -> Option<f64> {
+    let x = match value {
+        DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix()).ok()? as f64,
+        DeValue::Float(f) => f.as_str().parse::<f64>().ok()?,
+        _ => return None,
+    };
+    x.is_finite().then_some(x)
 }
 
 /// A value in words.

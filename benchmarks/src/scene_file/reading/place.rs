@@ -2,18 +2,19 @@
 
 use super::super::error::{SceneError, Source};
 use super::keys::Table;
-use super::node::{Context, Node};
+use super::node::{Context, Node, finite};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A file: its text, and where its values stand by path, such as `meshes[0].start.gap_m`.
+/// A file: its text, and where its values stand by path, such as `meshes[0].start.gap_m`; those of numbers too.
 #[derive(Clone, Debug)]
 pub(crate) struct Document {
     source: Source,
     spans: BTreeMap<String, Range<usize>>,
+    numbers: BTreeMap<String, f64>,
 }
 
 /// A table or a list of a [`Document`].
@@ -39,15 +40,31 @@ impl Document {
         let table = table.into_inner();
         let known = known(&table);
         let mut spans = BTreeMap::from([(String::new(), 0..0)]);
+        let mut numbers = BTreeMap::new();
         let root = DeValue::Table(table);
-        index(&root, "", &mut spans);
+        index(&root, "", &mut spans, &mut numbers);
         let context = Context {
             source: &source,
             known,
         };
         let node = Node::root(&context, &root);
         let read = T::deserialize(node).map_err(|flaw| node.place(flaw))?;
-        Ok((Document { source, spans }, read))
+        let document = Document {
+            source,
+            spans,
+            numbers,
+        };
+        Ok((document, read))
+    }
+
+    /// The number at a path.
+    pub(in super::super) fn number(&self, path: &str) -> Option<f64> {
+        self.numbers.get(path).copied()
+    }
+
+    /// All numbers by their paths.
+    pub(in super::super) fn numbers(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.numbers.iter().map(|(path, x)| (path.as_str(), *x))
     }
 
     pub(in super::super) fn text(&self) -> &str {
@@ -73,9 +90,17 @@ fn syntax(source: &Source, e: &toml::de::Error) -> SceneError {
 }
 
 /// Key and value of every entry, every member of a list.
-fn index(value: &DeValue<'_>, path: &str, spans: &mut BTreeMap<String, Range<usize>>) {
+fn index(
+    value: &DeValue<'_>,
+    path: &str,
+    spans: &mut BTreeMap<String, Range<usize>>,
+    numbers: &mut BTreeMap<String, f64>,
+) {
+    if let Some(x) = finite(value) {
+        numbers.insert(path.to_owned(), x);
+    }
     let mut enter = |path: String, start: usize, value: &Spanned<DeValue<'_>>| {
-        index(value.get_ref(), &path, spans);
+        index(value.get_ref(), &path, spans, numbers);
         spans.insert(path, start..value.span().end);
     };
     match value {

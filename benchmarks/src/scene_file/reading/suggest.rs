@@ -37,6 +37,83 @@ const UNITS: &[(&str, &str, f64)] = &[
     ("nm_per_rad_s", "nms_per_rad", 1.0),
 ];
 
+/// A quantity under another name than that of the format.
+struct Alias {
+    /// Names that people write.
+    names: &'static [&'static str],
+    /// Keys that a table has where the name means this.
+    of: &'static [&'static str],
+    /// What to write, `#` in the place of the number.
+    write: &'static str,
+    /// The number over the one that was written.
+    factor: f64,
+}
+
+const fn alias(
+    names: &'static [&'static str],
+    of: &'static [&'static str],
+    write: &'static str,
+    factor: f64,
+) -> Alias {
+    Alias {
+        names,
+        of,
+        write,
+        factor,
+    }
+}
+
+/// Other names of quantities, each with the keys that only the table has which the name is meant for.
+#[rustfmt::skip]
+const ALIASES: &[Alias] = &[
+    alias(&["torque_nm", "moment_nm", "load_nm"], &["loads", "speed_rad_s"], "loads = [{ torque_nm = # }]", 1.0),
+    alias(&["viscous_nms_per_rad", "drag_nms_per_rad", "brake_nms_per_rad", "damping_nms_per_rad"], &["loads", "speed_rad_s"], "loads = [{ viscous_nms_per_rad = # }]", 1.0),
+    alias(&["force_n", "load_n"], &["loads", "speed_m_s"], "loads = [{ force_n = # }]", 1.0),
+    alias(&["bore_diameter_m", "hole_diameter_m", "inner_diameter_m"], &["bore_radius_m"], "bore_radius_m = #", 0.5),
+    alias(&["hole_radius_m", "inner_radius_m", "bore_m"], &["bore_radius_m"], "bore_radius_m = #", 1.0),
+    alias(&["rim_diameter_m", "outer_diameter_m"], &["rim_radius_m"], "rim_radius_m = #", 0.5),
+    alias(&["tip_diameter_m", "tip_circle_diameter_m"], &["tip_circle_radius_m"], "tip_circle_radius_m = #", 0.5),
+    alias(&["root_diameter_m", "root_circle_diameter_m"], &["root_circle_radius_m"], "root_circle_radius_m = #", 0.5),
+    alias(&["start_diameter_m"], &["start_radius_m"], "start_radius_m = #", 0.5),
+    alias(&["radius_m", "outer_radius_m"], &["diameter_m"], "diameter_m = #", 2.0),
+    alias(&["z", "number_of_teeth", "num_teeth", "tooth_count"], &["teeth"], "teeth = #", 1.0),
+    alias(&["m", "m_n", "normal_module_m", "modulus_m"], &["module_m"], "module_m = #", 1.0),
+    alias(&["width_m", "b", "tooth_width_m", "facewidth_m"], &["face_width_m"], "face_width_m = #", 1.0),
+    alias(&["alpha_deg", "alpha_n_deg", "normal_pressure_angle_deg"], &["pressure_angle_deg"], "pressure_angle_deg = #", 1.0),
+    alias(&["beta_deg", "helix_deg", "spiral_angle_deg"], &["helix_angle_deg"], "helix_angle_deg = #", 1.0),
+    alias(&["x", "addendum_modification", "profile_shift_coefficient"], &["profile_shift"], "profile_shift = #", 1.0),
+    alias(&["crowning_m"], &["lead_crowning_m"], "lead_crowning_m = #", 1.0),
+    alias(&["rpm", "n_rpm", "n"], &["speed_rad_s"], "speed_rad_s = #", std::f64::consts::PI / 30.0),
+    alias(&["omega_rad_s", "angular_velocity_rad_s", "angular_speed_rad_s", "velocity_rad_s"], &["speed_rad_s"], "speed_rad_s = #", 1.0),
+    alias(&["velocity_m_s"], &["speed_m_s"], "speed_m_s = #", 1.0),
+    alias(&["center_distance_m", "a", "axis_distance_m"], &["centre_distance_m"], "centre_distance_m = #", 1.0),
+    alias(&["end_time_s", "t_end_s", "time_s", "simulated_time_s"], &["duration_s", "models"], "duration_s = #", 1.0),
+    alias(&["e_pa", "youngs_modulus_pa", "elastic_modulus_pa"], &["young_pa"], "young_pa = #", 1.0),
+    alias(&["nu", "poissons_ratio", "poisson_ratio"], &["poisson"], "poisson = #", 1.0),
+    alias(&["rho_kg_m3"], &["density_kg_m3"], "density_kg_m3 = #", 1.0),
+];
+
+/// What to write for a name that is not the format's own, perhaps in another unit.
+fn other_name(unknown: &str, value: Option<f64>, known: &[&str]) -> Option<String> {
+    let factor = |name: &'static str| match name == unknown {
+        true => Some(1.0),
+        false => other_unit(unknown, &[name]).map(|(_, factor)| factor),
+    };
+    let meant = ALIASES
+        .iter()
+        .filter(|a| a.of.iter().all(|k| known.contains(k)));
+    let mut meant = meant.filter_map(|a| Some((a, a.names.iter().find_map(|n| factor(n))?)));
+    let (alias, factor) = meant.next()?;
+    let number = value.map_or("..".to_owned(), |x| number(x * factor * alias.factor));
+    Some(alias.write.replace('#', &number))
+}
+
+/// A number without the binary digits that a change of unit leaves behind.
+fn number(x: f64) -> String {
+    let short = format!("{x:.12e}").parse::<f64>();
+    format!("{}", short.unwrap_or(x))
+}
+
 /// What gearbench does not do: beginnings of the keys that ask for it, and what to know. docs/limits.md says more.
 const NOT_DONE: &[(&[&str], &str)] = &[
     (
@@ -161,24 +238,28 @@ pub(in super::super) fn help_for(
     meaning: &dyn Fn(&str) -> &'static str,
 ) -> String {
     let renamed = RENAMED.iter().find(|(old, _)| *old == unknown);
+    // Keys of enumerations have no meaning of their own.
+    let explained = |name: &str| match meaning(name) {
+        "" => format!("`{name}`"),
+        meaning => format!("`{name}`: {meaning}"),
+    };
     if let Some((_, name)) = renamed.filter(|(_, new)| known.contains(new)) {
-        format!("`{unknown}` is called `{name}` now: {}", meaning(name))
+        format!("`{unknown}` is now called {}", explained(name))
     } else if let Some((name, factor)) = other_unit(unknown, known) {
-        // Multiplying 4 by 1e-3 leaves binary digits behind that nobody wrote.
-        let written = value.map_or(String::new(), |x| {
-            let short = format!("{:.12e}", x * factor).parse::<f64>();
-            format!(" = {}", short.unwrap_or(x * factor))
-        });
-        format!(
-            "the format takes SI units and degrees; write `{name}{written}`: {}",
-            meaning(name)
-        )
+        let written = value.map_or(String::new(), |x| format!(" = {}", number(x * factor)));
+        let meaning = match meaning(name) {
+            "" => String::new(),
+            meaning => format!(": {meaning}"),
+        };
+        format!("the format takes SI units and degrees; write `{name}{written}`{meaning}")
+    } else if let Some(write) = other_name(unknown, value, known) {
+        format!("write `{write}`")
     } else if let Some(why) = not_done(unknown) {
-        format!("{why}: docs/limits.md says what gearbench does not do")
+        format!("{why}: `gearbench help limits` says what gearbench does not do")
     } else if let Some(name) = without_unit(unknown, known) {
-        format!("keys carry their unit; write `{name}`: {}", meaning(name))
+        format!("keys carry their unit; write {}", explained(name))
     } else if let Some(name) = nearest(unknown, known) {
-        format!("did you mean `{name}`: {}?", meaning(name))
+        format!("did you mean {}?", explained(name))
     } else if known.is_empty() {
         "it takes no keys".to_owned()
     } else {
@@ -200,7 +281,7 @@ mod tests {
             let help = help_for(words[0], None, &["teeth"], &|_| "");
             assert_eq!(
                 help,
-                format!("{why}: docs/limits.md says what gearbench does not do")
+                format!("{why}: `gearbench help limits` says what gearbench does not do")
             );
         }
     }
@@ -229,10 +310,57 @@ mod tests {
         assert_eq!(nearest(&"teeth".repeat(20), &known), None);
         assert_eq!(words(&["a", "b", "c"]), "`a`, `b` or `c`");
         let help = help_for("sleep", Some(0.1), &["vibration_cut_off"], &|_| "a share");
-        assert_eq!(help, "`sleep` is called `vibration_cut_off` now: a share");
+        assert_eq!(help, "`sleep` is now called `vibration_cut_off`: a share");
         assert_eq!(
             help_for("sleep", None, &["teeth"], &|_| ""),
             "known are teeth"
         );
+    }
+
+    #[test]
+    fn other_names_lead_to_the_key_and_the_value() {
+        let gear = ["teeth", "module_m", "bore_radius_m", "speed_rad_s", "loads"];
+        let help = |unknown: &str, value: f64, known: &[&str]| {
+            help_for(unknown, Some(value), known, &|_| "")
+        };
+        for (unknown, value, write) in [
+            ("torque_nm", 20.0, "loads = [{ torque_nm = 20 }]"),
+            ("torque_nmm", 2e4, "loads = [{ torque_nm = 20 }]"),
+            ("bore_diameter_m", 0.03, "bore_radius_m = 0.015"),
+            ("bore_diameter_mm", 30.0, "bore_radius_m = 0.015"),
+            ("z", 20.0, "teeth = 20"),
+        ] {
+            assert_eq!(help(unknown, value, &gear), format!("write `{write}`"));
+        }
+        // A key of an enumeration has no meaning that could follow a colon.
+        assert_eq!(
+            help("torque_nmm", 5.0, &["torque_nm", "ramp"]),
+            "the format takes SI units and degrees; write `torque_nm = 0.005`"
+        );
+        let rack = ["teeth", "module_m", "speed_m_s", "loads"];
+        assert_eq!(
+            help("force_n", 5.0, &rack),
+            "write `loads = [{ force_n = 5 }]`"
+        );
+        assert!(help("torque_nm", 5.0, &rack).starts_with("known are"));
+    }
+
+    /// A name for a quantity is never the name of a key that the same table has.
+    #[test]
+    fn other_names_are_no_keys() {
+        use super::super::keys::tables;
+        for table in tables() {
+            let keys: Vec<&str> = table.keys.iter().map(|k| k.0).collect();
+            for alias in ALIASES
+                .iter()
+                .filter(|a| a.of.iter().all(|k| keys.contains(k)))
+            {
+                let same = alias.names.iter().find(|n| keys.contains(n));
+                assert!(same.is_none(), "{same:?} of {}", table.name);
+            }
+        }
+        let of =
+            |a: &Alias| tables().any(|t| a.of.iter().all(|k| t.keys.iter().any(|x| x.0 == *k)));
+        assert!(ALIASES.iter().all(of), "an alias of no table");
     }
 }

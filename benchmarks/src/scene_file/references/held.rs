@@ -5,6 +5,7 @@ use super::super::{SceneError, SceneFile};
 use super::conditions::stated;
 use super::{DataOrigin, NamedReference, Role, subjects};
 use gearbench_reference::data::{self, Quantity, Reference, Request};
+use gearbench_reference::file_kind::{self, Input};
 use gearbench_reference::{files, limits, reference};
 use gearbench_reports::Metric;
 use std::io::ErrorKind;
@@ -171,6 +172,10 @@ impl SceneFile {
         let place = self.document.at(&*named.at);
         let place = place.first(&["csv"]);
         let refuse = |why: String, help: &str| place.error(why, "this file", help);
+        if let Some(kind) = file_kind::foreign(path, Input::Table) {
+            let why = format!("`{name}` is {}, not a table", kind.name);
+            return Err(refuse(why, &kind.way_out_of(path)));
+        }
         let shorter = "keep every n-th row, or the columns needed";
         let size = files::check(path, LARGEST).map_err(|e| {
             let help = match e.kind() {

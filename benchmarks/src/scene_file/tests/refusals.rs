@@ -342,18 +342,18 @@ const IMPOSSIBLE: &str = r##"
 
 const NOT_DONE: &str = r##"
 10: teeth = 20 => teeth = 20\nshaft_diameter_m = 0.03
-    unknown key `shaft_diameter_m` | what turns together stands in `[[shafts]]` | docs/limits.md
+    unknown key `shaft_diameter_m` | what turns together stands in `[[shafts]]` | gearbench help limits
 10: teeth = 20 => teeth = 20\ncarrier = "arm"
-    a body on a shaft with `planets` is a carrier | docs/limits.md
+    a body on a shaft with `planets` is a carrier | gearbench help limits
 10: teeth = 20 => teeth = 20\nhelix_deviation_m = 1e-5
-    no deviations of the helix | docs/limits.md
+    no deviations of the helix | gearbench help limits
 24: start =  => misalignment_deg = 0.1\nstart = 
     unknown key `misalignment_deg` | known are gears
 "##;
 
 const CONICAL: &str = r##"
 10: teeth = 20 => teeth = 20\nbevel_angle_deg = 5
-    unknown key `bevel_angle_deg` | gears are cylindrical or conical (beveloid) | docs/limits.md
+    unknown key `bevel_angle_deg` | gears are cylindrical or conical (beveloid) | gearbench help limits
 9: teeth = 20 => profile_shift_angle_deg = 60\nteeth = 20
     profile-shift angle is 60 | -45 to 45 degrees
 9: teeth = 20 => tip_cone_angle_deg = -50\nteeth = 20

@@ -14,7 +14,7 @@ Examples:
 
 Results are held within tolerances, counts of work (steps, Newton iterations, ...) exactly; runtime is the processor time of
 one integration over that of a fixed kernel timed beside it, so that a busy machine does not count. The folder has index.html,
-summary.md for a pull request and junit.xml for a CI server. What a check file may say: benchmarks/scenes/README.md.";
+summary.md for a pull request and junit.xml for a CI server. `gearbench help scene` describes check files.";
 
 /// Arguments of `check`.
 #[derive(Args, Clone, Debug)]

@@ -251,7 +251,12 @@ fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<Held>, Ref
     }
     let way_out = match scene.fitting() {
         Some(fitting) => format!("give it a line `{fitting}`"),
-        None => "no stored reference is of these gears, speeds and loads: `gearbench list`".into(),
+        None => format!(
+            "give it measured or computed data, `reference = {{ csv = \"press.csv\" }}`, or compute them: `gearbench \
+             reference {} --model fe --out fe.csv --add`; no stored reference is of these gears, speeds and loads \
+             (`gearbench list references`)",
+            args.scene
+        ),
     };
     Err(Refusal::Input(miette::miette!(
         help = way_out,

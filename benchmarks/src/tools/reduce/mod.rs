@@ -153,13 +153,21 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
             found: g.found,
             mesh: g.mesh,
             sector: false,
-            notes: std::mem::take(&mut notes)
-                .into_iter()
-                .chain(g.missing)
-                .collect(),
+            notes: without_repeats(std::mem::take(&mut notes).into_iter().chain(g.missing)),
         })
     });
     jobs.collect()
+}
+
+/// Notes in their order, each once.
+fn without_repeats(notes: impl Iterator<Item = String>) -> Vec<String> {
+    let mut once: Vec<String> = Vec::new();
+    for note in notes {
+        if !once.contains(&note) {
+            once.push(note);
+        }
+    }
+    once
 }
 
 /// Name of a deck without folder and ending.

@@ -1,0 +1,160 @@
+//! `gearbench help`: the commands in groups, the help of one command, and the documents that come with the program.
+
+use super::answer::Answer;
+use super::terminal::{self, Manner, Refusal};
+use super::{Cli, Command};
+use crate::scene_file::did_you_mean;
+use clap::{Args, CommandFactory, Subcommand};
+
+/// A document that is part of the program.
+struct Document {
+    name: &'static str,
+    title: &'static str,
+    text: &'static str,
+}
+
+const DOCUMENTS: [Document; 4] = [
+    Document {
+        name: "scene",
+        title: "every key of scene files and check files, with an example",
+        text: include_str!("../../scenes/README.md"),
+    },
+    Document {
+        name: "limits",
+        title: "what gearbench does not do",
+        text: include_str!("../../../docs/limits.md"),
+    },
+    Document {
+        name: "data",
+        title: "every column of the CSV files and every key of the records",
+        text: include_str!("../../../docs/data.md"),
+    },
+    Document {
+        name: "fmus",
+        title: "inputs, outputs and accuracy of exported FMUs",
+        text: include_str!("../../../docs/fmu.md"),
+    },
+];
+
+/// The commands by what they are for, in the order of their use.
+const GROUPS: [(&str, &[&str]); 5] = [
+    ("Start", &["init", "list", "help"]),
+    (
+        "Compare and choose",
+        &[
+            "compare",
+            "choose",
+            "precision",
+            "stability",
+            "truncation",
+            "penalty",
+        ],
+    ),
+    (
+        "Analyse",
+        &["stiffness", "modes", "response", "sweep", "run-up"],
+    ),
+    (
+        "Data, meshes and other programs",
+        &["identify", "reference", "mesh", "reduce", "coupling", "fmu"],
+    ),
+    (
+        "Keep and repeat",
+        &["check", "report", "rerun", "completions"],
+    ),
+];
+
+/// Arguments of `help`.
+#[derive(Args, Clone, Debug)]
+pub struct Help {
+    /// A command, or a document: scene, limits, data, fmus
+    #[arg(value_name = "TOPIC")]
+    pub topic: Option<String>,
+}
+
+/// The form of `gearbench --help`.
+pub(super) fn template() -> String {
+    let commands = Command::augment_subcommands(clap::Command::new("gearbench"));
+    let about = |name: &str| {
+        let found = commands
+            .find_subcommand(name)
+            .and_then(clap::Command::get_about);
+        found.map(ToString::to_string).unwrap_or_default()
+    };
+    let line = |name: &str, about: &str| format!("  {name:<12} {about}\n");
+    let groups = GROUPS.map(|(title, names)| {
+        let lines: String = names.iter().map(|name| line(name, &about(name))).collect();
+        format!("{title}:\n{lines}")
+    });
+    let documents: String = DOCUMENTS.iter().map(|d| line(d.name, d.title)).collect();
+    format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{}\nDocuments (gearbench help NAME):\n{documents}\nOptions:\n{{options}}{{after-help}}",
+        groups.join("\n")
+    )
+}
+
+/// Prints a document or the help of a command.
+pub(super) fn run(args: &Help) -> Result<Answer, Refusal> {
+    let mut program = Cli::command();
+    program.build();
+    let text = match args.topic.as_deref() {
+        None => program.render_long_help().to_string(),
+        Some(topic) => {
+            let document = DOCUMENTS.iter().find(|d| d.name == topic);
+            let command = program.find_subcommand_mut(topic);
+            match (document, command) {
+                (Some(document), _) => document.text.to_owned(),
+                (None, Some(command)) => command.render_long_help().to_string(),
+                (None, None) => return Err(unknown(topic)),
+            }
+        }
+    };
+    if terminal::manner() != Manner::Json {
+        terminal::put(text.trim_end());
+    }
+    Ok(Answer::done().with("text", text))
+}
+
+fn unknown(topic: &str) -> Refusal {
+    let commands = GROUPS.iter().flat_map(|(_, names)| names.iter().copied());
+    let known: Vec<&str> = DOCUMENTS.iter().map(|d| d.name).chain(commands).collect();
+    Refusal::Input(miette::miette!(
+        help = format!(
+            "{}there are {}",
+            did_you_mean(topic, &known),
+            known.join(", ")
+        ),
+        "there is no help on `{topic}`"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A further command needs its place in a group.
+    #[test]
+    fn every_command_is_in_one_group() {
+        let program = Cli::command();
+        let names = program.get_subcommands().map(clap::Command::get_name);
+        for name in names {
+            let found = GROUPS.iter().flat_map(|(_, names)| *names);
+            assert_eq!(found.filter(|n| **n == name).count(), 1, "{name}");
+        }
+        for (_, names) in GROUPS {
+            for name in names {
+                assert!(program.find_subcommand(name).is_some(), "{name}");
+            }
+        }
+        let documents = DOCUMENTS.iter().map(|d| d.name);
+        let mut both = documents.filter(|d| program.find_subcommand(d).is_some());
+        assert_eq!(both.next(), None, "a document has the name of a command");
+    }
+
+    #[test]
+    fn documents_are_whole() {
+        for document in &DOCUMENTS {
+            assert!(document.text.starts_with("# "), "{}", document.name);
+        }
+    }
+}
