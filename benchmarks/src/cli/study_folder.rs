@@ -4,7 +4,7 @@ use super::answer::Answer;
 use super::arguments::Output;
 use super::exit::Exit;
 use super::progress::Display;
-use super::terminal::{Refusal, absolute, say};
+use super::terminal::{Refusal, absolute, say, warn};
 use crate::experiment::conditions::Progress;
 use crate::experiment::interruption;
 use crate::experiment::journal::{JOURNAL, Journal, JournalError};
@@ -12,7 +12,7 @@ use crate::experiment::runner::Runner;
 use crate::scene_file::SceneFile;
 use gearbench_reference::limits;
 use gearbench_reports::RECORD;
-use gearbench_reports::record::{Results, Source, Status};
+use gearbench_reports::record::{Results, Source, Status, damping_differs};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -124,6 +124,7 @@ impl StudyFolder {
         let page = gearbench_reports::write_results(&self.path, &results)
             .map_err(|e| Refusal::Files(e.to_string()))?;
         summarise(&results);
+        describe_mesh_modes(&results);
         if let Some((_, what)) = results.settings.last().filter(|_| stopped) {
             say(&format!("interrupted: {what}"));
         }
@@ -153,6 +154,16 @@ impl StudyFolder {
             // A journal that cannot be removed is taken up by the next start, with the same results.
             let _ = std::fs::remove_file(self.path.join(JOURNAL));
         }
+    }
+}
+
+/// The damping of the mesh mode of each model, and a warning where models differ in it.
+fn describe_mesh_modes(results: &Results) {
+    for mode in &results.mesh_modes {
+        say(&format!("mesh mode of {}: {}", mode.label, mode.to_text()));
+    }
+    if let Some(text) = damping_differs(&results.mesh_modes) {
+        warn(&text);
     }
 }
 

@@ -10,11 +10,14 @@ use crate::cli::files::write_whole;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, absolute, refuse_study, say};
+use crate::cli::values::DEFAULT_LOAD;
 use crate::experiment::error::StudyError;
 use crate::models::models;
 use crate::scene_file::{self, Selection};
-use gearbench_models::spec::effective_radius;
-use gearbench_reference::statics::Load;
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{Load, base_radius, initial_speed, signed_base_radius};
+use gearbench_reference::statics::Load as StaticLoad;
+use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::{StiffnessCurves, stiffness};
 use std::path::{Path, PathBuf};
 
@@ -44,23 +47,25 @@ pub fn run(args: &Stiffness) -> Result<Answer, Refusal> {
     }
     entries.extend(formulas(&first.spec, &first.modelling));
 
+    // The formulas stand for rigid gears of the same scene.
+    let own = entries.last().and_then(own_force);
     let folder = StudyFolder::of(&args.output, &scene, "stiffness")?;
     let total = args.positions * entries.len();
     let display = Display::new(total);
     let mut rows: Vec<Row> = Vec::new();
     let mut load_text = String::new();
     for (i, entry) in entries.iter().enumerate() {
-        let force = force_of(args, entry)?;
+        let (force, origin) = force_of(args, entry, own)?;
         let done = args.positions * i;
-        let row = solve(entry, models(), Load::Force(force), args.positions, |n| {
+        let row = solve(entry, models(), StaticLoad::Force(force), args.positions, |n| {
             display.tell(done + n, total, &entry.label);
         });
         let fail = |e| refuse_study(&scene, StudyError::Statics(entry.label.clone(), e));
         let row = row.map_err(fail)?;
         load_text = format!(
-            "{:.4} N along the line of action, {:.4} N/mm",
-            force,
-            1e-3 * force / row.cycle.face_width
+            "{} along the line of action in the transverse plane, {} N/mm, {origin}",
+            quantity(force, "N", 6),
+            short(1e-3 * force / row.cycle.face_width, 6)
         );
         rows.push(row);
     }
@@ -75,15 +80,53 @@ pub fn run(args: &Stiffness) -> Result<Answer, Refusal> {
     Ok(Answer::done().with("folder", written).with("rows", table))
 }
 
-/// The force along the line of action that the command line asks for.
-fn force_of(args: &Stiffness, entry: &Entry) -> Result<f64, Refusal> {
+/// Force in the transverse plane by which the loads of the scene press the flanks of the start [N]; `None` where they do not.
+///
+/// Loads are those at the end of their ramps. Between gears that the loads accelerate the force is that of rigid gears:
+///
+/// ```text
+/// F = (F_1/m_1 + F_2/m_2) / (1/m_1 + 1/m_2),    F_i = T_i / r_bi,    m_i = I_i / r_bi^2,  infinite where the hub is held
+/// ```
+fn own_force(rigid: &Entry) -> Option<f64> {
+    let built = Scene::build(&rigid.spec, &rigid.modelling, models()).ok()?;
+    let mesh = &rigid.spec.meshes[0];
+    let sign = mesh.start.side.sign();
+    let (mut sum, mut inverse) = (0.0, 0.0);
+    for i in mesh.gears {
+        let gear = &rigid.spec.gears[i];
+        let radius = signed_base_radius(&gear.body);
+        let torque: f64 = (rigid.spec.loads_at(i))
+            .map(|load| match load {
+                Load::Applied(profile) => profile.settled(),
+                Load::Viscous(c) => -c * initial_speed(&gear.mount, gear.speed),
+            })
+            .sum();
+        let hub = &built.gears()[i].model.hub().hub;
+        if hub.is_free() {
+            sum += sign * torque / radius * radius.powi(2) / hub.inertia;
+            inverse += radius.powi(2) / hub.inertia;
+        }
+    }
+    Some(sum / inverse).filter(|force| *force > 0.0 && force.is_finite())
+}
+
+/// The force along the line of action in the transverse plane [N], and where it is from: the command line, the loads of the
+/// scene, or the default.
+fn force_of(
+    args: &Stiffness,
+    entry: &Entry,
+    own: Option<f64>,
+) -> Result<(f64, &'static str), Refusal> {
     let gears = &entry.spec.gears;
     let [a, b] = entry.spec.meshes[0].gears;
     let layout = gearbench_models::spec::mesh_layout(&gears[a], &gears[b])
         .map_err(|e| Refusal::Failed(e.to_string()))?;
-    Ok(match args.torque {
-        Some(torque) => torque / effective_radius(&gears[a].body),
-        None => 1e3 * args.load * layout.face_width,
+    let over_width = |load: f64| 1e3 * load * layout.face_width;
+    Ok(match (args.torque, args.load, own) {
+        (Some(torque), ..) => (torque.abs() / base_radius(&gears[a].body), "from --torque"),
+        (None, Some(load), _) => (over_width(load), "from --load"),
+        (None, None, Some(force)) => (force, "from the loads of the scene"),
+        (None, None, None) => (over_width(DEFAULT_LOAD), "the default"),
     })
 }
 
