@@ -4,7 +4,7 @@ use super::answer::Answer;
 use super::arguments::Output;
 use super::exit::Exit;
 use super::progress::Display;
-use super::terminal::{Refusal, absolute, say};
+use super::terminal::{Refusal, absolute, say, warn};
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::refused;
 use crate::experiment::interruption;
@@ -12,7 +12,7 @@ use crate::experiment::journal::{JOURNAL, Journal, JournalError};
 use crate::experiment::runner::Runner;
 use crate::scene_file::SceneFile;
 use gearbench_reports::RECORD;
-use gearbench_reports::record::{Results, Run, Source, Status};
+use gearbench_reports::record::{Results, Run, Source, Status, damping_differs};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -142,6 +142,7 @@ impl StudyFolder {
         let page = gearbench_reports::write_results(&self.path, &results)
             .map_err(|e| Refusal::Files(e.to_string()))?;
         summarise(&results);
+        describe_mesh_modes(&results);
         if let Some((_, what)) = results.settings.last().filter(|_| stopped) {
             say(&format!("interrupted: {what}"));
         }
@@ -190,6 +191,16 @@ fn none_can_run(rows: &[Run]) -> Refusal {
         "none of the models can run: {}",
         reasons.join("; ")
     ))
+}
+
+/// The damping of the mesh mode of each model, and a warning where models differ in it.
+fn describe_mesh_modes(results: &Results) {
+    for mode in &results.mesh_modes {
+        say(&format!("mesh mode of {}: {}", mode.label, mode.to_text()));
+    }
+    if let Some(text) = damping_differs(&results.mesh_modes) {
+        warn(&text);
+    }
 }
 
 impl Drop for StudyFolder {

@@ -1,5 +1,6 @@
 //! Values that several commands take, and what they are when nobody says.
 
+use gearbench_integrators::scheme::seconds;
 use gearbench_reports::Metric;
 
 /// The scene that is compared when none is named.
@@ -28,6 +29,15 @@ pub fn positive(text: &str) -> Result<f64, String> {
     )
 }
 
+/// A positive time with a unit, or in seconds.
+pub fn time(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse().ok().or_else(|| seconds(text));
+    match value {
+        Some(x) if x > 0.0 && x < 1e3 => Ok(x),
+        _ => Err("expected a positive time, for example 500ns, 1us or 1e-6 (seconds)".into()),
+    }
+}
+
 /// A number of gigabytes.
 pub fn gigabytes(text: &str) -> Result<f64, String> {
     let holds = |x: &f64| *x > 0.0 && *x <= 1e6;
@@ -36,6 +46,12 @@ pub fn gigabytes(text: &str) -> Result<f64, String> {
 
 /// Load over the width [N/mm] when the command line does not say.
 pub const DEFAULT_LOAD: f64 = 300.0;
+/// A torque that loads a pair of gears [N m]: the flank of the start carries it, whatever its sense.
+pub fn torque(text: &str) -> Result<f64, String> {
+    let holds = |x: &f64| *x != 0.0 && x.abs() <= 1e9;
+    number(text, holds, "expected a number of N m other than zero, at most 1e9")
+}
+
 /// Positions over a base pitch when the command line does not say.
 pub const DEFAULT_POSITIONS: usize = 24;
 

@@ -44,12 +44,23 @@ impl Grid<'_> {
 
     /// Mean over time from the onset on.
     fn mean(&self, value: impl Fn(usize) -> f64) -> f64 {
-        let last = self.rows.len() - 1;
-        let span = self.time(last) - self.time(self.from);
-        let sum: f64 = (self.from..last)
+        self.mean_within([self.from, self.rows.len() - 1], value)
+    }
+
+    /// Mean over time from one sample to another.
+    fn mean_within(&self, [from, to]: [usize; 2], value: impl Fn(usize) -> f64) -> f64 {
+        let span = self.time(to) - self.time(from);
+        let sum: f64 = (from..to)
             .map(|i| 0.5 * (self.time(i + 1) - self.time(i)) * (value(i) + value(i + 1)))
             .sum();
         sum / span
+    }
+
+    /// Means over both halves of the time from the onset on.
+    fn halves(&self, values: &[f64]) -> [f64; 2] {
+        let last = self.rows.len() - 1;
+        let middle = (self.from + last) / 2;
+        [[self.from, middle], [middle, last]].map(|part| self.mean_within(part, |i| values[i]))
     }
 }
 
@@ -97,6 +108,7 @@ pub fn torque_paths(
     let paths = TorquePaths {
         from_s: grid.time(from),
         to_s: last,
+        change_rel: change(spec, &grid, input),
         input_w: input,
         meshes: (0..spec.meshes.len())
             .map(|m| of_mesh(spec, &grid, m, input))
@@ -111,6 +123,31 @@ pub fn torque_paths(
         unexplained_j: work_in - work_out - dissipated - stored,
     };
     Some(paths).filter(TorquePaths::is_finite)
+}
+
+/// How much the means of a run change between both halves of their time, [`TorquePaths::change_rel`].
+fn change(spec: &SceneSpec, grid: &Grid<'_>, input: f64) -> f64 {
+    let torques: Vec<[f64; 2]> = (0..spec.meshes.len())
+        .flat_map(|m| OfMesh::TORQUES.map(|what| grid.halves(&grid.column(Channel::Mesh(m, what)))))
+        .collect();
+    // Of a torque that is small next to the others the change is small next to them.
+    let relative = |[a, b]: &[f64; 2]| (b - a).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
+    let largest = torques.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let loaded = torques.iter().filter(|[a, b]| a.abs().max(b.abs()) > NOTHING * largest);
+    let of_meshes = loaded.map(relative).fold(0.0, f64::max);
+    let between = 0.5 * (grid.time(grid.rows.len() - 1) - grid.time(grid.from));
+    let accelerates = |i: usize| {
+        let [a, b] = grid.halves(&grid.column(Channel::Gear(i, OfGear::HubSpeed)));
+        let hub = &grid.scene.gears()[i].model.hub().hub;
+        match hub.is_free() {
+            true => 0.5 * (a + b) * hub.inertia * (b - a) / between,
+            false => 0.0,
+        }
+    };
+    let members = spec.gears.len() + spec.bodies().count();
+    let power: f64 = (0..members).map(accelerates).sum();
+    let of_speeds = if input > 0.0 { power.abs() / input } else { 0.0 };
+    of_meshes.max(of_speeds)
 }
 
 fn members(spec: &SceneSpec, grid: &Grid<'_>) -> Vec<MemberPath> {

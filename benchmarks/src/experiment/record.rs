@@ -6,9 +6,8 @@ use gearbench_integrators::State;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::system::{Outputs, Report};
 use gearbench_models::gear::parameters::ModelParameters;
-use gearbench_models::geometry::Side;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
-use gearbench_models::spec::{Body, Modelling, SceneSpec, ShaftSpec, signed_effective_radius};
+use gearbench_models::spec::{self, Body, Modelling, SceneSpec, ShaftSpec, signed_base_radius};
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::histories::Histories;
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
@@ -226,26 +225,19 @@ pub fn carrier_of(scene: &SceneSpec, gear: usize) -> Option<usize> {
     carries.map(|body| scene.gears.len() + body)
 }
 
-/// How far the flanks of a mesh that were placed have moved into each other along the line of action since
-/// rigid ones would have touched [m]; in a planetary set as its carrier sees it.
+/// Transmission error of a mesh [m], [`spec::transmission_error`]; in a planetary set by the motions relative to its carrier.
 fn transmission_error(
     scene: &SceneSpec,
     mesh: usize,
     displacement: impl Fn(usize) -> Vec<f64>,
 ) -> Option<Vec<f64>> {
     let mesh = scene.meshes.get(mesh)?;
-    let approach = approach(mesh.start.side, mesh.gears.map(|i| &scene.gears[i].body));
+    let of = spec::transmission_error(mesh, &scene.gears);
     let carrier = mesh.gears.into_iter().find_map(|g| carrier_of(scene, g));
     let [x, y] = mesh.gears.map(&displacement);
     let seen = carrier.map_or_else(|| vec![0.0; x.len()], &displacement);
-    let error = |((x, y), c): ((&f64, &f64), &f64)| approach(x - c, y - c) - mesh.start.gap;
+    let error = |((x, y), c): ((&f64, &f64), &f64)| of(x - c, y - c);
     Some(x.iter().zip(&y).zip(&seen).map(error).collect())
-}
-
-/// Approach of the flanks of one side by the displacements of two gears [m].
-pub fn approach(side: Side, [a, b]: [&Body; 2]) -> impl Fn(f64, f64) -> f64 {
-    let [pa, pb] = [a, b].map(|body| side.sign() * signed_effective_radius(body));
-    move |x, y| pa * x + pb * y
 }
 
 /// Momentum of each gear along its line of action, `L / r_b` [N s].
@@ -292,8 +284,8 @@ pub fn ledger_record(
         });
     let drift = momenta.filter(|_| two_free).map(|[start, end]| {
         let r = [
-            signed_effective_radius(&job.scene.gears[0].body),
-            signed_effective_radius(&job.scene.gears[1].body),
+            signed_base_radius(&job.scene.gears[0].body),
+            signed_base_radius(&job.scene.gears[1].body),
         ];
         let change: Vec<f64> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
         let moved = (change[0] / r[0]).abs().max(f64::MIN_POSITIVE);

@@ -13,7 +13,9 @@ use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Degrees, NotNegative, Positive};
 use gearbench_models::Vec3;
-use gearbench_models::spec::{Bearing, Freedom, LateralSpec, Load, Profile, SpinTerms};
+use gearbench_models::spec::{
+    Bearing, Freedom, LARGEST_MISALIGNMENT, LateralSpec, Load, Profile, SpinTerms,
+};
 use serde::de::{Deserialize, Deserializer, Error};
 
 keys! {
@@ -145,18 +147,18 @@ pub(super) fn misaligned(
         }
     }
     let away = tilted.angle(&axis);
-    if away > MOST_TILT.to_radians() {
+    if away > LARGEST_MISALIGNMENT {
         return at.refuse(
             format!("the axis is turned by {:.3} degrees", away.to_degrees()),
             "this much",
-            format!("misalignments are small, at most {MOST_TILT} degrees"),
+            format!(
+                "misalignments are small, at most {} degrees",
+                LARGEST_MISALIGNMENT.to_degrees()
+            ),
         );
     }
     Ok(tilted)
 }
-
-/// Largest misalignment [deg].
-const MOST_TILT: f64 = 2.0;
 
 /// What a gear says of its lateral motion.
 pub(super) struct LateralKeys {

@@ -16,8 +16,8 @@ use gearbench_models::Vec3;
 use gearbench_models::error::Reason;
 use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, Side};
 use gearbench_models::spec::{
-    Body, GearSpec, MeshSpec, SceneSpec, Start, UPRIGHT, is_internal, layout_axes, mesh_layout,
-    pair_of as at_positions, turned_to,
+    Body, Freedom, GearSpec, MeshSpec, SceneSpec, Start, UPRIGHT, check_axes as check_spec_axes,
+    is_internal, layout_axes, mesh_layout, pair_of as at_positions, turned_to,
 };
 
 keys! {
@@ -296,6 +296,11 @@ fn refusal(a: &GearDraft, b: &GearDraft, e: &GeometryError, at: &Place<'_>) -> S
         _ => own(&help),
     };
     let [a, b] = [a, b].map(|g| at.root().key("gears").key(&g.spec.name));
+    if matches!(e, GeometryError::CrossedAxes { .. }) {
+        let given = [&b, &a].into_iter().find(|g| g.has("axis"));
+        let place = given.map_or_else(|| b.clone(), |g| g.key("axis"));
+        return place.error(message, "does not mesh", help);
+    }
     if matches!(
         e,
         GeometryError::UnequalModules { .. }
@@ -388,6 +393,63 @@ pub(super) fn misalign<'k>(
     }
     for (gear, axis) in spec.gears.iter_mut().zip(axes) {
         gear.axes = turned_to(&gear.axes, &axis);
+    }
+    Ok(())
+}
+
+/// Times at which driven tilts are looked at through a simulation.
+const TILT_SAMPLES: usize = 1000;
+
+/// Axis of a gear at a time, with what its directions prescribe; free directions tilt as the bearings let them.
+fn axis_at(gear: &GearSpec, t: f64) -> Vec3 {
+    let turned = |i: usize| match gear.lateral.as_deref().map(|l| &l.directions[i]) {
+        Some(Freedom::Driven(speed)) => speed.integral(t),
+        _ => 0.0,
+    };
+    let [x, y, z] = gear.axes;
+    nalgebra::Rotation3::new(x * turned(3) + y * turned(4)) * z
+}
+
+/// Refuses cylindrical gears in mesh whose axes cross, from the start or by prescribed tilts within `duration` [s].
+pub(super) fn check_axes(
+    spec: &SceneSpec,
+    duration: f64,
+    at: &Place<'_>,
+) -> Result<(), SceneError> {
+    for mesh in &spec.meshes {
+        let gears = mesh.gears.map(|i| &spec.gears[i]);
+        let tilts = |g: &&GearSpec| {
+            let driven = |d: &Freedom| matches!(d, Freedom::Driven(_));
+            (g.lateral.as_deref()).is_some_and(|l| l.directions[3..5].iter().any(driven))
+        };
+        let samples = if gears.iter().any(tilts) { TILT_SAMPLES } else { 0 };
+        for i in 0..=samples {
+            let t = duration * i as f64 / samples.max(1) as f64;
+            let [one, two] = gears.map(|g| axis_at(g, t));
+            let Err(e) = check_spec_axes(gears.map(|g| &g.body), [&one, &two]) else {
+                continue;
+            };
+            let Reason { cause, help } = e.reason();
+            let names = gears.map(|g| at.key(&g.name));
+            let keys: &[&str] = match i {
+                0 => &["misalignment_deg", "axis"],
+                _ => &["directions"],
+            };
+            let found = [1, 0].into_iter().find_map(|k| {
+                let given = keys.iter().find(|key| names[k].has(key))?;
+                Some(names[k].key(given))
+            });
+            let place = found.unwrap_or_else(|| names[1].clone());
+            let when = match i {
+                0 => String::new(),
+                _ => format!(" at t = {t:.4e} s, by driven tilts"),
+            };
+            return place.refuse(
+                format!("`{}` and `{}`: {cause}{when}", gears[0].name, gears[1].name),
+                "does not mesh",
+                help,
+            );
+        }
     }
     Ok(())
 }

@@ -299,6 +299,7 @@ impl SceneFile {
         };
         let misalignments = drafts.iter().map(|draft| draft.misalignment.as_ref());
         mesh::misalign(&mut spec, misalignments, &root.key("gears"))?;
+        mesh::check_axes(&spec, keys.duration_s.0, &root.key("gears"))?;
         shaft::roll_planets(&mut spec, &root.key("gears"));
         let beside = references::Beside {
             spec: &spec,

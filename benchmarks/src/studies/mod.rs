@@ -32,4 +32,6 @@ pub(crate) mod stiffness;
 pub(crate) mod sweep;
 #[cfg(test)]
 pub(crate) mod test_scene;
+#[cfg(test)]
+mod transverse_plane_tests;
 pub(crate) mod truncation;

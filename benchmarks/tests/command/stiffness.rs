@@ -22,7 +22,7 @@ fn stiffness_prints_a_table_and_writes_its_folder() {
     has(
         &said,
         &[
-            "300.0000 N/mm",
+            "300 N/mm, the default",
             "ISO 6336-1",
             "analytic",
             "N/(mm um)",

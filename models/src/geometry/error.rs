@@ -63,6 +63,8 @@ pub enum GeometryError {
     UnequalPressureAngles { first_deg: f64, second_deg: f64 },
     /// The helix angles are not equal and opposite.
     HelixMismatch { first_deg: f64, second_deg: f64 },
+    /// The axes of two cylindrical gears, or of a gear and a rack, are not parallel.
+    CrossedAxes { angle_deg: f64, most_deg: f64 },
     /// The base circles overlap: there is no common tangent between them.
     CentreDistanceTooSmall { centre_distance: f64, base_sum: f64 },
     /// The teeth do not reach each other.
@@ -283,6 +285,18 @@ impl GeometryError {
                 "external gears need equal angles of opposite hand (opposite sign), an internal gear \
                  and its mate of one hand"
                     .to_owned(),
+            ),
+            Self::CrossedAxes {
+                angle_deg,
+                most_deg,
+            } => (
+                format!(
+                    "the axes of cylindrical gears are at {angle_deg:.4} degrees to each other: crossed gears are not modelled"
+                ),
+                format!(
+                    "turn the axes parallel, but for a misalignment of at most {most_deg} degrees; gears for axes at an angle are \
+                     conical (`profile_shift_angle_deg`)"
+                ),
             ),
             Self::CentreDistanceTooSmall {
                 centre_distance,

@@ -1,7 +1,7 @@
 //! How the bodies of a mesh stand to each other, whatever their models: centre distance, path of contact, stiffness.
 
 use super::mount::turned_to;
-use super::scene::{Body, ContactSpec, GearSpec};
+use super::scene::{Body, ContactSpec, GearSpec, MeshSpec};
 use crate::Vec3;
 use crate::error::{BuildError, MeshPart, Reason};
 use crate::geometry::{ConicalPair, Frame, GeometryError, Mate, Pair};
@@ -51,23 +51,49 @@ impl<'a> From<&'a Body> for Mate<'a> {
     }
 }
 
-/// Base radius [m] of a gear, or `cos(alpha)` of a rack: deflection on the line of action per hub coordinate.
-pub fn effective_radius(body: &Body) -> f64 {
-    let transverse = match body {
+/// Transverse base radius [m] of a gear, or `cos(alpha_t)` of a rack: path coordinate per hub coordinate. Mesh frequencies,
+/// transmission errors and torques over base radii are of the transverse plane.
+pub fn base_radius(body: &Body) -> f64 {
+    match body {
         Body::Gear(g) => g.r_base(),
         Body::Rack(r) => r.transverse_pressure_angle().cos(),
-    };
-    transverse * body.base_helix_angle().cos()
+    }
 }
 
-/// The same with the sign by which the path coordinate of a left flank grows with the hub coordinate: negative of racks and
-/// internal gears.
-pub fn signed_effective_radius(body: &Body) -> f64 {
+/// Transverse base radius with the sign by which the path coordinate of a left flank grows with the hub coordinate: negative of
+/// racks and internal gears.
+pub fn signed_base_radius(body: &Body) -> f64 {
     let sign = match body {
         Body::Gear(g) => g.sign(),
         Body::Rack(_) => -1.0,
     };
-    sign * effective_radius(body)
+    sign * base_radius(body)
+}
+
+/// Approach along the normal of the flanks per hub coordinate [m], [`base_radius`] times the cosine of the base helix angle.
+/// Gaps, contact forces and masses on them are along the normal.
+pub fn effective_radius(body: &Body) -> f64 {
+    base_radius(body) * body.base_helix_angle().cos()
+}
+
+/// [`effective_radius`] with the sign of [`signed_base_radius`].
+pub fn signed_effective_radius(body: &Body) -> f64 {
+    signed_base_radius(body) * body.base_helix_angle().cos()
+}
+
+/// Transmission error of a mesh by the displacements of its gears [m], in the transverse plane and zero where the loaded flanks
+/// of rigid gears first touch:
+///
+/// ```text
+/// e = +-(r_b1 theta_1 + r_b2 theta_2) - gap / cos(beta_b)
+/// ```
+///
+/// with the sign of the flank of the mesh's start. The gap at the start is along the normal of the flanks.
+pub fn transmission_error(mesh: &MeshSpec, gears: &[GearSpec]) -> impl Fn(f64, f64) -> f64 {
+    let [a, b] = mesh.gears.map(|i| &gears[i].body);
+    let [ra, rb] = [a, b].map(|body| mesh.start.side.sign() * signed_base_radius(body));
+    let gap = mesh.start.gap / a.base_helix_angle().cos();
+    move |x, y| ra * x + rb * y - gap
 }
 
 /// Whether a body is an internal gear.
@@ -96,6 +122,28 @@ fn towards(a: &GearSpec, b: &GearSpec, direction: f64) -> [f64; 2] {
     [seen(&a.axes, apart), seen(&b.axes, -apart)]
 }
 
+/// Largest angle between the axes of cylindrical gears in mesh [rad]: the contact of misaligned gears is that of gears on
+/// parallel axes whose flanks are turned by small angles. Axes of conical gears may be at any angle that their geometry allows.
+pub const LARGEST_MISALIGNMENT: f64 = 2.0 * std::f64::consts::PI / 180.0;
+/// Rounding of an angle between axes [rad].
+const ANGLE_ROUNDING: f64 = 1e-7;
+
+/// Refuses axes of cylindrical gears that are not parallel but for a small misalignment.
+///
+/// # Errors
+/// [`GeometryError::CrossedAxes`].
+pub fn check_axes([a, b]: [&Body; 2], axes: [&Vec3; 2]) -> Result<(), GeometryError> {
+    let conical = |body: &Body| matches!(body, Body::Gear(gear) if gear.is_conical());
+    let angle = axes[0].angle(axes[1]);
+    if conical(a) || conical(b) || angle <= LARGEST_MISALIGNMENT + ANGLE_ROUNDING {
+        return Ok(());
+    }
+    Err(GeometryError::CrossedAxes {
+        angle_deg: angle.to_degrees(),
+        most_deg: LARGEST_MISALIGNMENT.to_degrees(),
+    })
+}
+
 /// The pair of two gears at their positions, in the transverse plane.
 ///
 /// # Errors
@@ -107,6 +155,7 @@ pub fn pair_of(a: &GearSpec, b: &GearSpec) -> Result<Pair, GeometryError> {
             let Body::Gear(gear) = &a.body else {
                 unreachable!("a rack comes second")
             };
+            check_axes([&a.body, &b.body], [&a.axes[2], &b.axes[2]])?;
             Pair::new(gear, &b.body, in_plane(a, b).1)
         }
     }
@@ -141,6 +190,7 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
                 .into(),
         ));
     };
+    check_axes([&a.body, &b.body], [&a.axes[2], &b.axes[2]]).map_err(|e| error(e.reason()))?;
     let (direction, distance, offset, dz) = in_plane(a, b);
     let conical = conical_pair(a, b).map_err(|e| error(e.reason()))?;
     let pair = match &conical {

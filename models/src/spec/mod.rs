@@ -11,8 +11,8 @@ mod shaft;
 mod train;
 
 pub use layout::{
-    MeshLayout, effective_radius, is_internal, layout_axes, mesh_layout, pair_of,
-    signed_effective_radius, stiffness_curve,
+    LARGEST_MISALIGNMENT, MeshLayout, base_radius, check_axes, effective_radius, is_internal, layout_axes, mesh_layout, pair_of,
+    signed_base_radius, signed_effective_radius, stiffness_curve, transmission_error,
 };
 pub use load::Load;
 pub use model::{ModelSpec, Modelling, Parameters, Value};

@@ -118,7 +118,7 @@ impl GearSpec {
 pub struct Start {
     /// Flank whose pair is placed.
     pub side: Side,
-    /// Gap along the line of action, positive when open [m].
+    /// Gap along the normal of the flanks, positive when open [m].
     pub gap: f64,
     /// Path coordinate of the pair from the first gear's tangent point [m]; `None` is the pitch point.
     pub path_coordinate: Option<f64>,

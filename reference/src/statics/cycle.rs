@@ -7,7 +7,7 @@ use super::loaded::{LoadedContact, LoadedPair, StaticsError};
 pub enum Load {
     /// The same approach [m] at every position.
     Approach(f64),
-    /// The same force [N] along the line of action, of the first gear's torque over its base radius.
+    /// The same force [N] along the line of action in the transverse plane: torque over transverse base radius.
     Force(f64),
 }
 

@@ -76,9 +76,9 @@ pub struct PairForce {
 pub struct LoadedContact {
     /// Position of the reference pair [m].
     pub s: f64,
-    /// Approach [m].
+    /// Approach in the transverse plane [m]: the transmission error.
     pub approach: f64,
-    /// Force [N].
+    /// Force in the transverse plane [N]: torque over transverse base radius. The normal force is larger by `1/cos(beta_b)`.
     pub force: f64,
     /// Pairs that carry something, by their offset.
     pub pairs: Vec<PairForce>,

@@ -51,8 +51,8 @@ use history::{Force, Target, force_of, last_finite, trapezoid_weights};
 /// Part of the peak force above which teeth count as in contact [-].
 pub const CONTACT_THRESHOLD: f64 = 1e-6;
 
-/// Name of the column that holds the transmission error \[m\]: how far both hubs have moved into each other along the
-/// line of action since the flanks of rigid gears would have touched.
+/// Name of the column that holds the transmission error \[m\], `r_b1 theta_1 + r_b2 theta_2` in the transverse plane, zero where
+/// the flanks of rigid gears would have touched.
 pub const TRANSMISSION_ERROR: &str = "transmission_error_m";
 
 /// Histories and ledger of a run that reached its end: no other has metrics.

@@ -79,6 +79,7 @@ impl Results {
             settings: self.settings.clone(),
             tolerance: self.tolerance.clone(),
             references: self.references.clone(),
+            mesh_modes: self.mesh_modes.clone(),
             part: self.part.clone(),
         };
         clean.tolerance = clean.tolerance.filter(|t| t.limit.is_finite());

@@ -6,6 +6,7 @@
 //! finite, is absent: use [`finite`].
 
 pub(crate) mod checks;
+mod mesh_mode;
 mod paths;
 mod picture;
 mod run;
@@ -15,6 +16,7 @@ use crate::metrics::Metric;
 use crate::series::TimeSeries;
 pub use crate::studies::sweep::{Bearing, StaticCycle, Steady};
 pub use crate::studies::{Part, Study};
+pub use mesh_mode::{MeshMode, damping_differs};
 pub use paths::{MemberPath, MeshPath, PlanetShare, ShaftPath, Sharing, TorquePaths};
 pub use picture::{
     ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue,
@@ -116,6 +118,9 @@ pub struct Results {
     /// Independent references; the first is the one the charts show as the dark line.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<ReferenceSeries>,
+    /// The mesh mode of each model, of studies of models of a scene with loads.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mesh_modes: Vec<MeshMode>,
     /// What the study alone has, under its name.
     #[serde(flatten)]
     pub part: Part,

@@ -10,6 +10,9 @@ pub struct TorquePaths {
     pub from_s: f64,
     /// To here [s].
     pub to_s: f64,
+    /// How far the run is from settled [-]: the largest relative change between both halves of that time of the mean torque of
+    /// a mesh, or the power that speeds members up over the input.
+    pub change_rel: f64,
     /// Mean power of the loads and drives that put power in [W].
     pub input_w: f64,
     /// Meshes in the order of the scene.
@@ -120,10 +123,19 @@ pub struct PlanetShare {
     pub greatest: f64,
 }
 
+/// Change between both halves of the time of means beyond which a run has not settled.
+const SETTLED: f64 = 0.1;
+
 impl TorquePaths {
+    /// Whether the run has settled, so that its means say where torque and power go.
+    pub fn has_settled(&self) -> bool {
+        self.change_rel <= SETTLED
+    }
+
     /// Whether every number is one.
     pub fn is_finite(&self) -> bool {
         let whole = [
+            self.change_rel,
             self.input_w,
             self.work_in_j,
             self.work_out_j,

@@ -8,6 +8,7 @@ pub mod choose;
 pub mod compare;
 pub mod coupling;
 pub mod identify;
+mod mesh_modes;
 pub mod modes;
 pub mod penalty;
 pub mod precision;
@@ -177,6 +178,15 @@ impl Part {
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.
 pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
+    let mut report = of_part(results)?;
+    let mesh_modes = mesh_modes::tables(&results.mesh_modes);
+    report.tables = maud::html! { (report.tables) (mesh_modes) };
+    report.csv.extend(mesh_modes::csv(&results.mesh_modes));
+    Ok(report)
+}
+
+/// What the part of the study alone says.
+fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
     let view = &View::new(results);
     let mut report = match &results.part {
         Part::Compare(part) => compare::report(view, part),

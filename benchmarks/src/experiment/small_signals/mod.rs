@@ -4,19 +4,26 @@
 //! |---|---|
 //! | `choice` | models with dense matrices |
 //! | [`cycle`] | the meshes through their cycles, slowly |
+//! | `damping` | damping ratios of modes, and frequencies with damping |
 //! | `equilibrium` | the loaded state |
 //! | [`grounds`] | forces of mounts over the motion |
+//! | [`mesh_mode`] | the mode that strains the meshes most, and its damping |
+//! | [`motions`] | natural motions, their damping and their energies |
 //! | [`response`] | frequency response to the passing of teeth |
 //! | `space` | motions without constraints and rigid ones, their modes |
 
 mod choice;
 pub mod cycle;
+mod damping;
 mod equilibrium;
 pub mod grounds;
+pub mod mesh_mode;
+pub mod motions;
 pub mod response;
 mod space;
 
 pub(crate) use choice::taken;
+pub use mesh_mode::mesh_modes;
 pub use equilibrium::{Loaded, loaded};
 pub use space::{Modes, Space};
 

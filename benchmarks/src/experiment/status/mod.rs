@@ -22,13 +22,12 @@ mod compared;
 mod tunnelling;
 
 use super::history::History;
-use super::record::approach;
 use gearbench_integrators::observers::ledger::{Ledger, Member, Rotation};
 use gearbench_integrators::{
     AcceptedStep, Control, Resolution, SecondOrderSystem, Sink, State, StepError, TimePlan,
 };
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
-use gearbench_models::spec::SceneSpec;
+use gearbench_models::spec::{SceneSpec, signed_base_radius};
 use gearbench_reports::numbers::short;
 use gearbench_reports::record::Status;
 use std::time::{Duration, Instant};
@@ -278,8 +277,7 @@ fn rotations(spec: &SceneSpec, scene: &Scene) -> Vec<Rotation> {
         while let Some(&gear) = joined.get(next) {
             next += 1;
             for mesh in spec.meshes.iter().filter(|m| m.gears.contains(&gear)) {
-                let along = approach(mesh.start.side, mesh.gears.map(|i| &spec.gears[i].body));
-                let rates = [along(1.0, 0.0), along(0.0, 1.0)];
+                let rates = mesh.gears.map(|i| signed_base_radius(&spec.gears[i].body));
                 let (here, there) = if mesh.gears[0] == gear {
                     (0, 1)
                 } else {

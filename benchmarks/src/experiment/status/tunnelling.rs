@@ -10,11 +10,10 @@
 //!   but the speeds changed as they would have without: the step went over it.
 
 use super::Finding;
-use crate::experiment::record::approach;
 use gearbench_integrators::{AcceptedStep, Outputs, SecondOrderSystem, State};
 use gearbench_models::kinematics::Hub;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
-use gearbench_models::spec::{Body, SceneSpec, mesh_layout};
+use gearbench_models::spec::{Body, SceneSpec, mesh_layout, signed_effective_radius};
 use gearbench_reports::record::Status;
 use std::ops::Range;
 
@@ -32,10 +31,11 @@ const FELT: f64 = 0.25;
 /// A mesh as rigid geometry.
 struct Pair {
     hubs: [(Hub, Range<usize>); 2],
-    /// Approach by unit displacement of each hub.
+    /// Approach along the normal of the flanks by unit displacement of each hub.
     effective_radii: [f64; 2],
     /// And by its lateral directions.
     lateral: [[f64; 6]; 2],
+    /// Gap at the start, and backlash, along the normal of the flanks [m].
     gap: f64,
     backlash: f64,
     module: f64,
@@ -103,7 +103,6 @@ impl TunnellingDetector {
             let Body::Gear(gear) = &a.body else {
                 return None;
             };
-            let along = approach(mesh.start.side, [&a.body, &b.body]);
             let hubs = mesh.gears.map(|i| {
                 let g = &scene.gears()[i];
                 (g.model.hub().hub.clone(), g.range())
@@ -136,9 +135,10 @@ impl TunnellingDetector {
                     hubs,
                     carrier,
                     lateral,
-                    effective_radii: [along(1.0, 0.0), along(0.0, 1.0)],
+                    effective_radii: [a, b]
+                        .map(|g| mesh.start.side.sign() * signed_effective_radius(&g.body)),
                     gap: mesh.start.gap,
-                    backlash: layout.backlash,
+                    backlash: layout.backlash * a.body.base_helix_angle().cos(),
                     module: gear.params().module,
                     displacement: [displacement(mesh.gears[0])?, displacement(mesh.gears[1])?],
                     sideways: mesh.gears.map(|i| {

@@ -6,6 +6,7 @@ use crate::experiment::converged::{exact, of_model, tight};
 use crate::experiment::key::Key;
 use crate::experiment::run::{Job, LEFT_OUT, RunError, run};
 use crate::experiment::runner::Runner;
+use crate::experiment::small_signals::mesh_modes;
 use crate::experiment::status::{against_contact, against_itself, against_tolerance};
 use crate::experiment::thin::thin_row;
 use gearbench_reports::comparison::CompareRecord;
@@ -111,7 +112,9 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
         return Err(e);
     }
     runner.tell(runs.len(), plan.len(), "report");
+    let mesh_modes = mesh_modes(&plan.entries, plan.conditions.models, runner)?;
     Ok(Results {
+        mesh_modes,
         settings: [plan.conditions.settings.clone(), left_out].concat(),
         tolerance: plan.tolerance.clone(),
         references,

@@ -1,7 +1,7 @@
 //! Arguments of `coupling`.
 
 use crate::cli::arguments::Bounded;
-use crate::cli::values::{DEFAULT_SCENE, number, positive};
+use crate::cli::values::{DEFAULT_SCENE, number, positive, time};
 use crate::studies::stability::axis::spaced;
 use clap::Args;
 use gearbench_reports::coupling::{Extrapolation, Motion};
@@ -36,9 +36,9 @@ pub struct Coupling {
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
     /// Models of the scene by label, between commas [default: those of the study but for full finite elements]
-    #[arg(long, value_name = "A,B")]
+    #[arg(long, visible_alias = "model", value_name = "A,B")]
     pub models: Option<String>,
-    /// Communication steps in seconds [default: from the step of the gears, doubled until the hubs outrun their teeth]
+    /// Communication steps with a unit (1us:100us), or in seconds [default: from the step of the gears, doubled until the hubs outrun their teeth]
     #[arg(long, value_name = "FROM:TO[:POINTS]", value_parser = steps)]
     pub steps: Option<Steps>,
     /// Extrapolations of the forces on hubs: constant, linear, quadratic [default: all]
@@ -70,8 +70,8 @@ pub struct Steps(pub Vec<f64>);
 
 fn steps(text: &str) -> Result<Steps, String> {
     const EXPECTED: &str =
-        "expected FROM:TO or FROM:TO:POINTS in seconds, 0 < FROM < TO, for example 1e-7:1e-4:12";
-    let of = |text: &str| number(text, |x| *x > 0.0 && x.is_finite(), EXPECTED);
+        "expected FROM:TO or FROM:TO:POINTS, 0 < FROM < TO, for example 100ns:100us:12, or in seconds 1e-7:1e-4:12";
+    let of = |text: &str| time(text).map_err(|_| EXPECTED.to_owned());
     let parts: Vec<&str> = text.split(':').collect();
     let (from, to, points) = match parts.as_slice() {
         [from, to] => (of(from)?, of(to)?, 12),
@@ -114,6 +114,7 @@ mod arguments_tests {
     fn what_is_asked_for_is_read() {
         assert_eq!(steps("1e-6:4e-6:3").unwrap().0.len(), 3);
         assert_eq!(steps("1e-6:1e-4").unwrap().0.len(), 12);
+        assert_eq!(steps("1us:100us"), steps("1e-6:1e-4"));
         for wrong in ["1e-4:1e-6", "1e-6", "0:1", "1e-6:1e-4:1", "a:b", "1:2:3:4"] {
             assert!(steps(wrong).is_err(), "{wrong}");
         }

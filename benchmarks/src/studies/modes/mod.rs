@@ -9,12 +9,10 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | `damping` | damping ratios, and frequencies with damping |
-//! | `shares` | energies by member, mesh, shaft and bearing; names |
+//! | `shares` | shares of energy by member, mesh, shaft and bearing; names |
 
 pub(crate) mod arguments;
 pub(crate) mod command;
-mod damping;
 mod plan;
 mod run;
 mod shares;

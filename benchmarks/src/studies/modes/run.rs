@@ -1,12 +1,13 @@
 //! Natural frequencies of models of a scene.
 
-use super::damping::{Damped, damped};
 use super::plan::Plan;
-use super::shares::{Energies, energies, name, name_of, shape, shares};
+use super::shares::{name, name_of, shape, shares};
 use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
+use crate::experiment::small_signals::mesh_mode::mesh_mode_of;
+use crate::experiment::small_signals::motions::{Energies, Motion, SLACK, energies};
 use crate::experiment::small_signals::{Loaded, MOST, NotSolved, has_loads, loaded, settled};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, Fault};
@@ -17,14 +18,11 @@ use gearbench_reference::statics::StaticsError;
 use gearbench_reports::modes::{
     About, MemberPlace, MeshState, ModeRecord, ModelModes, ModesRecord,
 };
-use gearbench_reports::record::{Part, Results};
-use nalgebra::{DMatrix, DVector};
+use gearbench_reports::record::{MeshMode, Part, Results};
 use std::f64::consts::TAU;
 
 /// Largest way at a flank of the shapes that are told [m].
 const WAY: f64 = 1e-6;
-/// Part of the highest eigenvalue below which a motion is rigid.
-const SLACK: f64 = 1e-12;
 
 /// What is wanted of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +55,16 @@ pub fn vibrations(
     models: &[Model],
     wanted: &Wanted,
 ) -> Result<ModelModes, BuildError> {
+    analysed(label, (spec, modelling), models, wanted).map(|(modes, _)| modes)
+}
+
+/// Natural frequencies of a model of a scene, and its mesh mode where the scene has loads.
+fn analysed(
+    label: &str,
+    (spec, modelling): (&SceneSpec, &Modelling),
+    models: &[Model],
+    wanted: &Wanted,
+) -> Result<(ModelModes, Option<MeshMode>), BuildError> {
     let spec = settled(spec);
     let mut scene = Scene::build(&spec, modelling, models)?;
     let n = scene.layout().n;
@@ -73,6 +81,7 @@ pub fn vibrations(
         n if n > MOST => Err(NotSolved::TooLarge(n)),
         _ => loaded(&mut scene, loads),
     };
+    let mesh_mode = loads.then(|| mesh_mode_of(label, &mut scene, found.as_ref()));
     match found {
         Ok(found) => fill(&mut record, &mut scene, &spec, (&found, loads), wanted),
         Err(why) => {
@@ -80,7 +89,7 @@ pub fn vibrations(
             record.message = why.to_string();
         }
     }
-    Ok(record)
+    Ok((record, mesh_mode))
 }
 
 fn places(scene: &Scene, gears: usize) -> Vec<MemberPlace> {
@@ -106,13 +115,11 @@ fn places(scene: &Scene, gears: usize) -> Vec<MemberPlace> {
     scene.gears().iter().enumerate().map(place).collect()
 }
 
-/// A motion of the scene of its own.
-struct Motion {
-    omega: f64,
-    square: f64,
-    damped: Option<Damped>,
+/// Motions of one frequency, by the first of them, and the energies of all.
+struct MotionGroup {
+    first: Motion,
+    multiplicity: usize,
     energies: Energies,
-    x: Vec<f64>,
 }
 
 fn fill(
@@ -122,31 +129,9 @@ fn fill(
     (found, loads): (&Loaded, bool),
     wanted: &Wanted,
 ) {
-    let (squares, n) = (&found.modes.squares, found.space.motions());
-    let highest = squares.last().map_or(0.0, |x| x.abs());
-    let omega = |square: f64| {
-        if square > SLACK * highest {
-            square.sqrt()
-        } else {
-            0.0
-        }
-    };
-    // Rigid motions first.
-    let mut all: Vec<(f64, DVector<f64>)> =
-        (found.rigid.iter()).map(|y| (0.0, y.clone())).collect();
-    all.extend((0..n).map(|i| {
-        let u = found.modes.vectors.column(i).into_owned();
-        (squares[i], found.space.whole(&u))
-    }));
-    let x: Vec<Vec<f64>> = all
-        .iter()
-        .map(|(_, y)| found.space.displacement_of(y))
-        .collect();
-    let size = x.first().map_or(0, Vec::len);
-    let columns = DMatrix::from_fn(size, x.len(), |i, j| x[j][i]);
-    let d = columns.tr_mul(&(&found.linear.damping * &columns));
-    let omegas: Vec<f64> = all.iter().map(|(square, _)| omega(*square)).collect();
-    let damping = damped(&omegas, &d);
+    let squares = &found.modes.squares;
+    let highest = found.highest_square();
+    let all = found.motions();
     record.about = match found.pressed.iter().any(|f| *f > 0.0) {
         false if !found.pressed.is_empty() => About::Apart,
         _ if loads => About::Loaded,
@@ -179,8 +164,8 @@ fn fill(
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for i in 0..all.len() {
         let with = groups.last().filter(|g| {
-            let (w, last) = (omegas[i], omegas[g[g.len() - 1]]);
-            let alike = (all[i].0 < -SLACK * highest) == (all[g[0]].0 < -SLACK * highest);
+            let (w, last) = (all[i].omega, all[g[g.len() - 1]].omega);
+            let alike = (all[i].square < -SLACK * highest) == (all[g[0]].square < -SLACK * highest);
             alike && (w - last).abs() <= wanted.group * w
         });
         match with {
@@ -188,34 +173,28 @@ fn fill(
             None => groups.push(vec![i]),
         }
     }
-    groups.retain(|g| omegas[g[0]] <= TAU * wanted.up_to);
+    groups.retain(|g| all[g[0]].omega <= TAU * wanted.up_to);
     groups.truncate(wanted.most);
-    let mut motions: Vec<(usize, Motion)> = Vec::new();
+    let mut motions: Vec<MotionGroup> = Vec::new();
     for group in &groups {
         let mut sum = Energies::default();
         for &i in group {
-            sum.add(energies(scene, &found.state, &found.linear, &x[i]));
+            sum.add(energies(scene, &found.state, &found.linear, &all[i].x));
         }
-        let first = group[0];
-        let motion = Motion {
-            omega: omegas[first],
-            square: all[first].0,
-            damped: damping[first],
+        motions.push(MotionGroup {
+            first: all[group[0]].clone(),
+            multiplicity: group.len(),
             energies: sum,
-            x: x[first].clone(),
-        };
-        motions.push((group.len(), motion));
+        });
     }
     let mut springs: Vec<StrainIn> = (motions.iter())
-        .flat_map(|(_, m)| m.energies.strain.keys().copied())
+        .flat_map(|m| m.energies.strain.keys().copied())
         .collect();
     springs.sort_unstable();
     springs.dedup();
     record.springs = springs.iter().map(|s| name_of(*s, scene, spec)).collect();
     record.modes = (motions.into_iter())
-        .map(|(multiplicity, m)| {
-            listed(scene, found, (&springs, &record.springs), multiplicity, &m)
-        })
+        .map(|m| listed(scene, found, (&springs, &record.springs), &m))
         .collect();
 }
 
@@ -223,17 +202,17 @@ fn listed(
     scene: &Scene,
     found: &Loaded,
     (springs, names): (&[StrainIn], &[String]),
-    multiplicity: usize,
-    motion: &Motion,
+    group: &MotionGroup,
 ) -> ModeRecord {
-    let energy = |s: &StrainIn| motion.energies.strain.get(s).copied().unwrap_or(0.0);
+    let (motion, energies) = (&group.first, &group.energies);
+    let energy = |s: &StrainIn| energies.strain.get(s).copied().unwrap_or(0.0);
     let swings = motion.omega > 0.0;
     let strain = match swings {
         true => shares(&springs.iter().map(energy).collect::<Vec<_>>()),
         false => Vec::new(),
     };
-    let kinetic = shares(&motion.energies.kinetic);
-    let own: f64 = motion.energies.kinetic.iter().sum();
+    let kinetic = shares(&energies.kinetic);
+    let own: f64 = energies.kinetic.iter().sum();
     // The largest way, with its sign.
     let m = scene.magnitudes();
     let (mut q, mut v) = (vec![0.0; motion.x.len()], vec![0.0; motion.x.len()]);
@@ -246,12 +225,12 @@ fn listed(
     let scale = if largest == 0.0 { 0.0 } else { WAY / largest };
     let x: Vec<f64> = motion.x.iter().map(|x| scale * x).collect();
     let mut shape = shape(scene, &found.state, &x);
-    for (s, energy) in shape.iter_mut().zip(&motion.energies.own) {
+    for (s, energy) in shape.iter_mut().zip(&energies.own) {
         s.own = if own > 0.0 { energy / own } else { 0.0 };
     }
     ModeRecord {
         frequency_hz: motion.omega / TAU,
-        multiplicity,
+        multiplicity: group.multiplicity,
         damping_ratio: motion.damped.map(|d| d.ratio),
         damped_frequency_hz: motion.damped.and_then(|d| d.omega).map(|w| w / TAU),
         name: match swings {
@@ -270,33 +249,44 @@ fn listed(
 /// # Errors
 /// [`StudyError`]; models without an equilibrium are rows.
 pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
-    let mut vibrations_of = Vec::new();
+    let (mut vibrations_of, mut mesh_modes) = (Vec::new(), Vec::new());
     for (done, entry) in plan.entries.iter().enumerate() {
         if interruption::requested() {
             return Err(RunError::Interrupted.into());
         }
         runner.tell(done, plan.entries.len(), &entry.label);
         let scene = (&entry.scene, &entry.modelling);
-        let found = vibrations(
+        let found = analysed(
             &entry.model_label(),
             scene,
             plan.conditions.models,
             &plan.wanted,
         );
-        vibrations_of.push(match found {
-            Err(e) if e.fault == Fault::Model => ModelModes {
+        match found {
+            Err(e) if e.fault == Fault::Model => vibrations_of.push(ModelModes {
                 label: entry.model_label(),
                 about: About::NotFound,
                 message: e.to_string(),
                 ..ModelModes::default()
-            },
-            found => found
-                .map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e)))?,
-        });
+            }),
+            Err(e) => {
+                return Err(StudyError::Statics(
+                    entry.label.clone(),
+                    StaticsError::Build(e),
+                ));
+            }
+            Ok((found, mesh_mode)) => {
+                vibrations_of.push(found);
+                mesh_modes.extend(mesh_mode);
+            }
+        }
     }
     runner.tell(plan.entries.len(), plan.entries.len(), "report");
     let part = ModesRecord {
         vibrations: vibrations_of,
     };
-    Ok(plan.conditions.record(Part::Modes(part)))
+    Ok(Results {
+        mesh_modes,
+        ..plan.conditions.record(Part::Modes(part))
+    })
 }

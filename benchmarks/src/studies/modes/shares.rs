@@ -1,57 +1,10 @@
-//! Where the energies of a mode lie, how its members move, and what it is called for that.
+//! How members move in a mode, its shares of energy, and what it is called for these.
 
 use gearbench_integrators::system::{At, State};
 use gearbench_models::gear::GearModel;
-use gearbench_models::scene::{Linearised, Scene, StrainIn};
+use gearbench_models::scene::{Scene, StrainIn};
 use gearbench_models::spec::SceneSpec;
 use gearbench_reports::modes::MemberShape;
-use std::collections::BTreeMap;
-
-/// Energies of a motion.
-#[derive(Clone, Debug, Default)]
-pub struct Energies {
-    /// Kinetic, by member, for a rate of the motion [J].
-    pub kinetic: Vec<f64>,
-    /// The part of it in own coordinates, by member [J].
-    pub own: Vec<f64>,
-    /// Strain [J].
-    pub strain: BTreeMap<StrainIn, f64>,
-}
-
-/// Energies of a displacement `x` at unit rate.
-pub fn energies(scene: &mut Scene, s: &State, linear: &Linearised, x: &[f64]) -> Energies {
-    let n = x.len();
-    let column = nalgebra::DMatrix::from_column_slice(n, 1, x);
-    let momentum = &linear.mass * column;
-    let over =
-        |range: std::ops::Range<usize>| -> f64 { range.map(|i| 0.5 * x[i] * momentum[i]).sum() };
-    let gears = scene.gears();
-    let of_own = |g: &gearbench_models::scene::SceneGear| {
-        let range = g.range();
-        over((range.start + g.model.hub().first()).min(range.end)..range.end)
-    };
-    Energies {
-        kinetic: gears.iter().map(|g| over(g.range())).collect(),
-        own: gears.iter().map(of_own).collect(),
-        strain: scene.strain_in(s, &linear.stiffness, x),
-    }
-}
-
-impl Energies {
-    /// Those of several motions together.
-    pub fn add(&mut self, other: Energies) {
-        for (to, from) in [
-            (&mut self.kinetic, other.kinetic),
-            (&mut self.own, other.own),
-        ] {
-            to.resize(from.len(), 0.0);
-            to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
-        }
-        for (place, energy) in other.strain {
-            *self.strain.entry(place).or_insert(0.0) += energy;
-        }
-    }
-}
 
 /// Parts of a sum.
 pub fn shares(energies: &[f64]) -> Vec<f64> {

@@ -22,7 +22,7 @@ pub struct Penalty {
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
     /// The model by label [default: the first with a hard twin LABEL-hard, else the first that touches with flank points]
-    #[arg(long, value_name = "LABEL")]
+    #[arg(long, visible_alias = "models", value_name = "LABEL")]
     pub model: Option<String>,
     /// The same model with hard contact by label [default: LABEL-hard, if the scene has it]
     #[arg(long, value_name = "LABEL")]
@@ -36,7 +36,7 @@ pub struct Penalty {
     /// Number of penalties, evenly over the decades
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(2..=1000))]
     pub points: u32,
-    /// Load of the static equilibria over the common face width [N/mm]
+    /// Load of the static equilibria in the transverse plane, over the common face width [N/mm]
     #[arg(long, value_name = "N_PER_MM", default_value_t = DEFAULT_LOAD, value_parser = positive_load)]
     pub load: f64,
     /// Positions of the static cycle over one base pitch

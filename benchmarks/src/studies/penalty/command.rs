@@ -61,7 +61,7 @@ pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {
         told.push((
             "static load".into(),
             format!(
-                "{} along the line of action, {} N/mm",
+                "{} along the line of action in the transverse plane, {} N/mm",
                 round_quantity(force, "N", 4),
                 short(args.load, 4)
             ),

@@ -1,9 +1,8 @@
 //! Arguments of `precision`.
 
 use crate::cli::arguments::{Insist, Output};
-use crate::cli::values::{DEFAULT_REPEATS, metric, number, positive};
+use crate::cli::values::{DEFAULT_REPEATS, metric, number, positive, time};
 use clap::Args;
-use gearbench_integrators::scheme::seconds;
 use gearbench_reports::Metric;
 
 const EXAMPLES: &str = "\
@@ -77,19 +76,11 @@ pub struct Asked {
     #[arg(long, value_name = "N,M", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(0..=2000))]
     pub modes: Vec<u32>,
     /// Steps of methods of fixed steps, between commas, such as 500ns,1us,2e-6
-    #[arg(long, value_name = "H,H", value_delimiter = ',', value_parser = step)]
+    #[arg(long, value_name = "H,H", value_delimiter = ',', value_parser = time)]
     pub steps: Vec<f64>,
     /// Tolerances of adaptive methods, between commas
     #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = tolerance)]
     pub rtols: Vec<f64>,
-}
-
-fn step(text: &str) -> Result<f64, String> {
-    let value = text.trim().parse().ok().or_else(|| seconds(text));
-    match value {
-        Some(x) if x > 0.0 && x < 1e3 => Ok(x),
-        _ => Err("expected a positive time, for example 500ns, 1us or 1e-6 (seconds)".into()),
-    }
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

@@ -8,7 +8,7 @@ use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::cycle::{MeshCycle, MeshPhase, Running, running};
 use crate::experiment::small_signals::grounds::grounds;
 use crate::experiment::small_signals::response::{Answer, Response, spectrum};
-use crate::experiment::small_signals::{MOST, NotSolved, has_loads, settled};
+use crate::experiment::small_signals::{MOST, NotSolved, has_loads, mesh_modes, settled};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, Fault};
 use gearbench_models::gear::table::Model;
@@ -45,13 +45,20 @@ fn harmonics(x: &[f64]) -> Vec<f64> {
     spectrum(x, kept).iter().map(|c| c.norm()).collect()
 }
 
+/// Cosine of the base helix angle of a mesh: an approach along the normal of its flanks over that in the transverse plane.
+fn normal_over_transverse(spec: &SceneSpec, mesh: usize) -> f64 {
+    let [first, _] = spec.meshes[mesh].gears;
+    spec.gears[first].body.base_helix_angle().cos()
+}
+
 /// A mesh that runs slowly.
-fn limit(scene: &Scene, mesh: usize, phases: &[MeshPhase]) -> MeshLimit {
+fn limit(scene: &Scene, spec: &SceneSpec, mesh: usize, phases: &[MeshPhase]) -> MeshLimit {
     let [a, b] = scene.meshes()[mesh]
         .gears
         .map(|i| scene.gears()[i].name.as_str());
-    let error: Vec<f64> = phases.iter().map(|p| p.closing).collect();
-    let stiffness: Vec<f64> = phases.iter().map(|p| 1.0 / p.compliance).collect();
+    let cos = normal_over_transverse(spec, mesh);
+    let error: Vec<f64> = phases.iter().map(|p| p.closing / cos).collect();
+    let stiffness: Vec<f64> = phases.iter().map(|p| cos * cos / p.compliance).collect();
     let [low, high] = ends(&error);
     MeshLimit {
         name: format!("{a} - {b}"),
@@ -64,13 +71,15 @@ fn limit(scene: &Scene, mesh: usize, phases: &[MeshPhase]) -> MeshLimit {
     }
 }
 
-fn point(answer: &Answer) -> ResponsePoint {
+fn point(answer: &Answer, spec: &SceneSpec) -> ResponsePoint {
     let meshes = answer.meshes.iter().map(|m| {
-        let ([low, high], [least, greatest]) = (ends(&m.error), ends(&m.force));
+        let cos = normal_over_transverse(spec, m.mesh);
+        let error: Vec<f64> = m.error.iter().map(|e| e / cos).collect();
+        let ([low, high], [least, greatest]) = (ends(&error), ends(&m.force));
         MeshPoint {
-            error_rms_m: rms(&m.error),
+            error_rms_m: rms(&error),
             error_peak_to_peak_m: high - low,
-            error_harmonics_m: harmonics(&m.error),
+            error_harmonics_m: harmonics(&error),
             force_rms_n: rms(&m.force),
             force_least_n: least,
             force_greatest_n: greatest,
@@ -140,12 +149,12 @@ fn solve(
             let f = ratio * (from + (to - from) * i as f64 / last);
             let answer = response.at(f);
             let answer = answer.ok_or(NotSolved::Matrices("its harmonics have no balance"))?;
-            points.push(point(&answer));
+            points.push(point(&answer, spec));
         }
         let phases = cycle.meshes.iter().zip(&cycle.phases);
         groups.push(GroupResponse {
             own_frequency_hz: cycle.frequency,
-            meshes: phases.map(|(m, phases)| limit(scene, *m, phases)).collect(),
+            meshes: phases.map(|(m, phases)| limit(scene, spec, *m, phases)).collect(),
             mounts: grounds
                 .iter()
                 .map(|g| scene.gears()[g.gear].name.clone())
@@ -222,5 +231,8 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     }
     runner.tell(plan.entries.len(), plan.entries.len(), "report");
     let part = ResponseRecord { responses };
-    Ok(plan.conditions.record(Part::Response(part)))
+    Ok(Results {
+        mesh_modes: mesh_modes(&plan.entries, plan.conditions.models, runner)?,
+        ..plan.conditions.record(Part::Response(part))
+    })
 }

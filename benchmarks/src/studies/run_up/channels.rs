@@ -2,9 +2,9 @@
 //! round with a carrier are seen from it, or what goes with the mesh would stand beside its order, by that of the carrier.
 
 use super::recorder::Recorder;
-use crate::experiment::record::{approach, carrier_of};
+use crate::experiment::record::carrier_of;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
-use gearbench_models::spec::SceneSpec;
+use gearbench_models::spec::{SceneSpec, transmission_error};
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
 
 /// Radial forces of a bearing.
@@ -97,14 +97,14 @@ impl<'a> Recorded<'a> {
         };
         for (m, mesh) in spec.meshes.iter().enumerate() {
             let [a, b] = mesh.gears;
-            let along = approach(mesh.start.side, [a, b].map(|g| &spec.gears[g].body));
+            let of_turns = transmission_error(mesh, &spec.gears);
             let of = |g: usize| recorder.columns[g][from..].iter();
             let carried: Vec<f64> = match self.carrier_of_mesh(m) {
                 Some(c) => recorder.columns[c][from..].to_vec(),
                 None => vec![0.0; recorder.len() - from],
             };
             let error = of(a).zip(of(b)).zip(&carried);
-            let error = error.map(|((x, y), c)| along(x - c, y - c) - mesh.start.gap);
+            let error = error.map(|((x, y), c)| of_turns(x - c, y - c));
             let of_mesh = format!("{} - {}", name(a), name(b));
             let column = match m {
                 0 => TRANSMISSION_ERROR.to_owned(),

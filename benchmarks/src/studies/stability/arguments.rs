@@ -1,7 +1,7 @@
 //! Arguments of `stability`.
 
 use crate::cli::arguments::Bounded;
-use crate::cli::values::positive_load;
+use crate::cli::values::{positive_load, time};
 use crate::studies::stability::axis::{Axis, spaced};
 use crate::studies::stability::scene::{AxisValues, COLUMNS, MOST, ROWS, Span};
 use clap::Args;
@@ -41,7 +41,7 @@ pub struct Stability {
     /// A parameter beside the step: NAME=FROM:TO, NAME=FROM:TO:POINTS or NAME=A,B,C; given twice, small multiples
     #[arg(long, value_name = "NAME=VALUES", value_parser = axis)]
     pub axis: Vec<AxisValues>,
-    /// Steps in seconds [default: those of the scene, else around the model's fastest oscillation]
+    /// Steps with a unit (10ns:1us), or in seconds [default: those of the scene, else around the model's fastest oscillation]
     #[arg(long, value_name = "FROM:TO[:POINTS]", value_parser = span)]
     pub steps: Option<Span>,
     /// Tolerances of methods that choose their steps [default: those of the scene, else 1e-9 to 1e-1]
@@ -74,8 +74,12 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
-/// `FROM:TO` or `FROM:TO:POINTS`.
-fn ends(text: &str, points: usize) -> Result<Span, String> {
+/// `FROM:TO` or `FROM:TO:POINTS`, each end read by `number`.
+fn ends(
+    text: &str,
+    points: usize,
+    number: fn(&str) -> Result<f64, String>,
+) -> Result<Span, String> {
     let parts: Vec<&str> = text.split(':').collect();
     let (from, to, points) = match parts.as_slice() {
         [from, to] => (number(from)?, number(to)?, points),
@@ -92,11 +96,11 @@ fn ends(text: &str, points: usize) -> Result<Span, String> {
 }
 
 fn span(text: &str) -> Result<Span, String> {
-    ends(text, COLUMNS)
+    ends(text, COLUMNS, time)
 }
 
 fn tolerances(text: &str) -> Result<Span, String> {
-    let span = ends(text, COLUMNS)?;
+    let span = ends(text, COLUMNS, number)?;
     if span.to < 1.0 {
         Ok(span)
     } else {
@@ -123,7 +127,7 @@ fn axis(text: &str) -> Result<AxisValues, String> {
     let values = if rest.is_empty() {
         axis.defaults()
     } else if rest.contains(':') {
-        let s = ends(rest, ROWS)?;
+        let s = ends(rest, ROWS, number)?;
         spaced(s.from, s.to, s.points)
     } else {
         rest.split(',').map(number).collect::<Result<_, _>>()?
@@ -148,6 +152,7 @@ mod tests {
         let s = span("1e-8:1e-5:4").unwrap();
         assert_eq!((s.from, s.to, s.points), (1e-8, 1e-5, 4));
         assert_eq!(span("1:2").unwrap().points, COLUMNS);
+        assert_eq!(span("10ns:1us").unwrap(), span("1e-8:1e-6").unwrap());
         assert_eq!(grid("24x16"), Ok([24, 16]));
         let a = axis("damping=0.2,0,0.05").unwrap();
         assert_eq!((a.axis, a.values), (Axis::Damping, vec![0.0, 0.05, 0.2]));

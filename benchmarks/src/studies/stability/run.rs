@@ -9,6 +9,7 @@ use crate::experiment::key::Key;
 use crate::experiment::parallel::{in_parallel, lock};
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
+use crate::experiment::small_signals::mesh_modes;
 use gearbench_models::scene::Scene;
 use gearbench_reports::record::{Part, Results, Status};
 use gearbench_reports::stability::{Cell, Columns, Map, MapAxis, MapLine, StabilityRecord};
@@ -128,6 +129,7 @@ pub fn study(
     Ok((
         Results {
             tolerance: Some(plan.tolerance.clone()),
+            mesh_modes: mesh_modes(&plan.entries, plan.conditions.models, runner)?,
             ..plan
                 .conditions
                 .record(Part::Stability(StabilityRecord { maps }))

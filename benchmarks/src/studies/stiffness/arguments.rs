@@ -1,7 +1,7 @@
 //! Arguments of `stiffness`.
 
 use crate::cli::arguments::Output;
-use crate::cli::values::{DEFAULT_LOAD, DEFAULT_POSITIONS, positions, positive_load};
+use crate::cli::values::{DEFAULT_POSITIONS, positions, positive_load, torque};
 use clap::Args;
 
 const EXAMPLES: &str = "\
@@ -10,8 +10,10 @@ Examples:
   gearbench stiffness spur_impact --load 100        at 100 N per mm of face width
   gearbench stiffness my_scene.toml --torque 80 --positions 48 --out out/te
 
-Both hubs are held: the first gear is turned until it carries the load, at positions over one base pitch. Mounts,
-loads, speeds, damping and friction of the scene play no part. Beside the models stand the stiffness of ISO 6336-1
+Both hubs are held: the first gear is turned until it carries the load, at positions over one base pitch. The load is that
+of the scene, where its loads press the flanks of the start, else 300 N/mm. Mounts, speeds, damping and friction of the scene play
+no part. Forces, stiffness and transmission error are those of the transverse plane: torque over transverse base radius, and
+r_b1 theta_1 + r_b2 theta_2. Beside the models stand the stiffness of ISO 6336-1
 and the analytic compliance of the same gears.
 
 Results (--out DIR, default out/SCENE/stiffness/):
@@ -30,11 +32,12 @@ pub struct Stiffness {
     /// Models of the scene by label, between commas [default: those of its study]
     #[arg(long, visible_alias = "model", value_name = "A,B")]
     pub models: Option<String>,
-    /// Load along the line of action over the common face width [N/mm]
-    #[arg(long, value_name = "N_PER_MM", default_value_t = DEFAULT_LOAD, value_parser = positive_load)]
-    pub load: f64,
-    /// Torque on the first gear [N m], in place of --load
-    #[arg(long, value_name = "NM", conflicts_with = "load", value_parser = positive_load)]
+    /// Load along the line of action in the transverse plane, over the common face width [N/mm] [default: that of the scene's
+    /// loads, else 300]
+    #[arg(long, value_name = "N_PER_MM", value_parser = positive_load)]
+    pub load: Option<f64>,
+    /// Torque on the first gear [N m], in place of --load; the flank of the start carries it, whatever its sign
+    #[arg(long, value_name = "NM", conflicts_with = "load", allow_negative_numbers = true, value_parser = torque)]
     pub torque: Option<f64>,
     /// Positions over one base pitch
     #[arg(long, value_name = "N", default_value_t = DEFAULT_POSITIONS, value_parser = positions)]

@@ -8,11 +8,13 @@ use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
+use crate::cli::values::DEFAULT_LOAD;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
 use crate::models::models;
 use crate::scene_file::{self, Selection};
-use gearbench_models::spec::effective_radius;
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{Load, base_radius, initial_speed, signed_base_radius};
 use gearbench_reports::Study;
 use gearbench_reports::numbers::{round_quantity, short};
 use gearbench_reports::record::Results;
@@ -44,16 +46,19 @@ pub fn run(args: &Stiffness, command: &str) -> Result<Answer, Refusal> {
     entries.extend(formulas(&first.spec, &first.modelling));
     let mut told = settings(&scene, &choices, false);
     told.retain(|(what, _)| what != "simulated time");
-    let forces: Result<Vec<f64>, Refusal> = entries.iter().map(|e| force_of(args, e)).collect();
-    let forces = forces?;
-    told.push(("static load".into(), load_of(args, forces[0])));
+    // The formulas stand for rigid gears of the same scene.
+    let own = entries.last().and_then(own_force);
+    let loads: Result<Vec<StaticLoad>, Refusal> =
+        entries.iter().map(|e| StaticLoad::of(args, e, own)).collect();
+    let loads = loads?;
+    told.push(("static load".into(), loads[0].to_text()));
     let plan = Plan {
         conditions: Conditions {
             command: command.to_string(),
             settings: told,
             ..Conditions::of(&scene)
         },
-        entries: entries.into_iter().zip(forces).collect(),
+        entries: entries.into_iter().zip(loads.iter().map(|l| l.force)).collect(),
         positions: args.positions,
     };
     let mut folder = StudyFolder::of(&args.output, &scene, Study::Stiffness.as_str())?;
@@ -71,26 +76,78 @@ fn ended(results: &Results) -> Exit {
     }
 }
 
-/// The load in words, for the settings of the record.
-fn load_of(args: &Stiffness, force: f64) -> String {
-    let force = round_quantity(force, "N", 4);
-    match args.torque {
-        Some(torque) => format!(
-            "{force} along the line of action, {} N m on the first gear",
-            short(torque, 4)
-        ),
-        None => format!("{force} along the line of action, {} N/mm", short(args.load, 4)),
+/// Force in the transverse plane by which the loads of the scene press the flanks of the start [N]; `None` where they do not.
+///
+/// Loads are those at the end of their ramps. Between gears that the loads accelerate the force is that of rigid gears:
+///
+/// ```text
+/// F = (F_1/m_1 + F_2/m_2) / (1/m_1 + 1/m_2),    F_i = T_i / r_bi,    m_i = I_i / r_bi^2,  infinite where the hub is held
+/// ```
+fn own_force(rigid: &Entry) -> Option<f64> {
+    let built = Scene::build(&rigid.spec, &rigid.modelling, models()).ok()?;
+    let mesh = &rigid.spec.meshes[0];
+    let sign = mesh.start.side.sign();
+    let (mut sum, mut inverse) = (0.0, 0.0);
+    for i in mesh.gears {
+        let gear = &rigid.spec.gears[i];
+        let radius = signed_base_radius(&gear.body);
+        let torque: f64 = (rigid.spec.loads_at(i))
+            .map(|load| match load {
+                Load::Applied(profile) => profile.settled(),
+                Load::Viscous(c) => -c * initial_speed(&gear.mount, gear.speed),
+            })
+            .sum();
+        let hub = &built.gears()[i].model.hub().hub;
+        if hub.is_free() {
+            sum += sign * torque / radius * radius.powi(2) / hub.inertia;
+            inverse += radius.powi(2) / hub.inertia;
+        }
     }
+    Some(sum / inverse).filter(|force| *force > 0.0 && force.is_finite())
 }
 
-/// The force along the line of action that the command line asks for.
-fn force_of(args: &Stiffness, entry: &Entry) -> Result<f64, Refusal> {
-    let gears = &entry.spec.gears;
-    let [a, b] = entry.spec.meshes[0].gears;
-    let layout = gearbench_models::spec::mesh_layout(&gears[a], &gears[b])
-        .map_err(|e| Refusal::Failed(e.to_string()))?;
-    Ok(match args.torque {
-        Some(torque) => torque / effective_radius(&gears[a].body),
-        None => 1e3 * args.load * layout.face_width,
-    })
+/// The static load of a model.
+struct StaticLoad {
+    /// Force along the line of action in the transverse plane [N].
+    force: f64,
+    /// Common face width [m].
+    face_width: f64,
+    /// Where the force is from, in words.
+    origin: &'static str,
+}
+
+impl StaticLoad {
+    /// The load of the command line, else `own`, that of the scene, else the default.
+    ///
+    /// # Errors
+    /// [`Refusal::Failed`] where the gears do not mesh.
+    fn of(args: &Stiffness, entry: &Entry, own: Option<f64>) -> Result<Self, Refusal> {
+        let gears = &entry.spec.gears;
+        let [a, b] = entry.spec.meshes[0].gears;
+        let layout = gearbench_models::spec::mesh_layout(&gears[a], &gears[b])
+            .map_err(|e| Refusal::Failed(e.to_string()))?;
+        let face_width = layout.face_width;
+        let over_width = |load: f64| 1e3 * load * face_width;
+        let (force, origin) = match (args.torque, args.load, own) {
+            (Some(torque), ..) => (torque.abs() / base_radius(&gears[a].body), "from --torque"),
+            (None, Some(load), _) => (over_width(load), "from --load"),
+            (None, None, Some(force)) => (force, "from the loads of the scene"),
+            (None, None, None) => (over_width(DEFAULT_LOAD), "the default"),
+        };
+        Ok(StaticLoad {
+            force,
+            face_width,
+            origin,
+        })
+    }
+
+    /// The load in words, for the settings of the record.
+    fn to_text(&self) -> String {
+        format!(
+            "{} along the line of action in the transverse plane, {} N/mm, {}",
+            round_quantity(self.force, "N", 4),
+            short(1e-3 * self.force / self.face_width, 4),
+            self.origin
+        )
+    }
 }

@@ -14,7 +14,7 @@ use gearbench_integrators::State;
 use gearbench_models::scene::{Scene, SceneGear};
 use gearbench_models::spec::{
     Body, GearSpec, Load, MeshLayout, Mount, Profile, SceneSpec, mesh_layout,
-    signed_effective_radius,
+    signed_base_radius,
 };
 use gearbench_reports::numbers::short;
 use std::f64::consts::TAU;
@@ -54,8 +54,8 @@ impl MeanLoad {
 /// The mesh that is swept.
 pub struct Pair {
     pub layout: MeshLayout,
-    /// Effective base radii of both gears [m].
-    pub effective_radii: [f64; 2],
+    /// Transverse base radii of both gears with their signs [m].
+    pub base_radii: [f64; 2],
     /// Numbers of teeth.
     pub teeth: [usize; 2],
     /// Of the flank in contact, as the first gear turns.
@@ -114,12 +114,12 @@ impl Pair {
         }
         let layout = mesh_layout(a, b).map_err(|e| e.to_string())?;
         let sign = mesh.start.side.sign();
-        let effective_radii = [&a.body, &b.body].map(signed_effective_radius);
+        let base_radii = [&a.body, &b.body].map(signed_base_radius);
         let loads = [a, b].map(MeanLoad::of);
         let driven = [a, b].map(|g| matches!(g.mount, Mount::Driven(_)));
         let viscous = loads.map(|l| l.viscous > 0.0);
         // Both torques press the flanks together along the line of action.
-        let [fa, fb] = [0, 1].map(|i| sign * loads[i].constant / effective_radii[i]);
+        let [fa, fb] = [0, 1].map(|i| sign * loads[i].constant / base_radii[i]);
         let holds = match (driven, viscous) {
             ([true, true], _) => return Err("both gears are driven: nothing can vibrate".into()),
             ([true, false], _) => Some(0),
@@ -134,7 +134,7 @@ impl Pair {
                     short(loads[0].constant, 5),
                     a.name,
                     short(
-                        loads[0].constant * effective_radii[1] / effective_radii[0],
+                        loads[0].constant * base_radii[1] / base_radii[0],
                         8
                     ),
                     b.name,
@@ -146,7 +146,7 @@ impl Pair {
         let pair = Pair {
             start: mesh.start.path_coordinate.unwrap_or(layout.pitch_point),
             layout,
-            effective_radii,
+            base_radii,
             teeth,
             sign,
             loads,
@@ -185,14 +185,14 @@ impl Pair {
         })
     }
 
-    /// Force along the line of action at a mesh frequency [N].
+    /// Force in the transverse plane at a mesh frequency [N]: torque over base radius.
     pub fn force(&self, frequency: f64) -> f64 {
         let pressing = match self.holds {
             Some(0) => 1,
             _ => 0,
         };
         let torque = self.loads[pressing].at(self.speeds(frequency)[pressing]);
-        self.sign * torque / self.effective_radii[pressing]
+        self.sign * torque / self.base_radii[pressing]
     }
 
     /// Refuses speeds at which the loads do not press the flank.
@@ -223,7 +223,7 @@ impl Pair {
         let first = self.sign * TAU * frequency / self.teeth[0] as f64;
         [
             first,
-            -first * self.effective_radii[0] / self.effective_radii[1],
+            -first * self.base_radii[0] / self.base_radii[1],
         ]
     }
 
@@ -250,7 +250,7 @@ impl Pair {
             }
             let lost = self.loads[i].viscous * speed;
             let full = if self.holds == Some(i) && !driven {
-                self.sign * self.force(frequency) * self.effective_radii[i] + lost
+                self.sign * self.force(frequency) * self.base_radii[i] + lost
             } else {
                 self.loads[i].constant
             };
@@ -328,7 +328,7 @@ impl Pair {
 
     /// Speeds of both gears by unit speed of the first.
     fn ratios(&self) -> [f64; 2] {
-        [1.0, -self.effective_radii[0] / self.effective_radii[1]]
+        [1.0, -self.base_radii[0] / self.base_radii[1]]
     }
 
     /// The state in which a run in a scene of this mesh starts: assembled, or as another left it, turning at the new

@@ -9,10 +9,11 @@ use crate::experiment::error::{ModelRefusal, StudyError};
 use crate::experiment::key::Key;
 use crate::experiment::run::{Job, RunError, run_from};
 use crate::experiment::runner::Runner;
+use crate::experiment::small_signals::mesh_modes;
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{SceneSpec, effective_radius};
+use gearbench_models::spec::{SceneSpec, base_radius};
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_reports::Part;
 use gearbench_reports::record::{self, Results, Run, StaticCycle, Status};
@@ -53,7 +54,7 @@ impl Pair {
         };
         let displacement = |k: usize| column(format!("hub_angle_{}_rad", gears[k].0));
         let (first, second) = (displacement(0)?, displacement(1)?);
-        let [ra, rb] = self.effective_radii;
+        let [ra, rb] = self.base_radii;
         let error: Vec<f64> = (first.iter().zip(second))
             .map(|(a, b)| self.sign * (ra * a + rb * b))
             .collect();
@@ -92,14 +93,14 @@ impl Pair {
     }
 }
 
-/// Frequency of two gears against each other on a stiffness along the line of action [Hz].
+/// Frequency of two gears against each other on a stiffness along the line of action in the transverse plane [Hz].
 fn resonance(entry: &Configuration, models: &[Model], stiffness: f64) -> Option<f64> {
     let scene = Scene::build(&entry.scene, &entry.modelling, models).ok()?;
     // Whole gears: a model's contact mass may be that of a tooth.
     let compliance: f64 = (scene.gears().iter().zip(&entry.scene.gears))
         .map(|(g, spec)| {
             let hub = g.model.hub();
-            f64::from(hub.is_free()) * effective_radius(&spec.body).powi(2) / hub.inertia
+            f64::from(hub.is_free()) * base_radius(&spec.body).powi(2) / hub.inertia
         })
         .sum();
     (compliance > 0.0).then(|| (stiffness * compliance).sqrt() / TAU)
@@ -199,7 +200,10 @@ pub fn sweep(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     }
     runner.tell(runs.len(), total, "report");
     runs.extend(refused);
+    let entries = plan.entries.iter().chain(&plan.standing);
+    let mesh_modes = mesh_modes(entries, plan.conditions.models, runner)?;
     Ok(Results {
+        mesh_modes,
         runs,
         ..plan.conditions.record(Part::Sweep(SweepRecord { statics }))
     })

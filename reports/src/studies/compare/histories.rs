@@ -272,6 +272,9 @@ fn residual(
     }
 }
 
+/// Speed over the greatest of all gears below which a gear is at rest.
+const AT_REST: f64 = 1e-9;
+
 /// What names of further columns with the speed of a gear end in.
 const SPEED: &str = "_rad_s";
 
@@ -295,6 +298,16 @@ pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             names.push(name);
         }
     }
+    // Gears that are held have no panel: their speed is rounding.
+    let largest = |name: &str| {
+        let all = h.curves.iter().flat_map(History::all_series);
+        let values = all.filter_map(|s| speed(s, name)).flatten();
+        values.fold(0.0_f64, |most, x| most.max(x.abs()))
+    };
+    let fastest = names.iter().map(|n| largest(n)).fold(0.0, f64::max);
+    let moving: Vec<(usize, &str)> = (names.iter().copied().enumerate())
+        .filter(|(_, name)| largest(name) > AT_REST * fastest)
+        .collect();
     // The picture of the teeth knows what the gears are called, in their order.
     let gears: Vec<&str> = (view.results.runs.iter())
         .find_map(|r| r.contacts.as_ref())
@@ -317,10 +330,10 @@ pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let size = if h.zoom.is_some() { 130.0 } else { 160.0 };
     let mut panels = Vec::new();
     for time in std::iter::once(&h.time).chain(&h.zoom) {
-        for (i, name) in names.iter().enumerate() {
+        for (place, (i, name)) in moving.iter().enumerate() {
             panels.push(Panel {
-                x_name: (i + 1 == names.len()).then(|| time.name.clone()),
-                ..Panel::new(size, &time.axis, &label(i, name))
+                x_name: (place + 1 == moving.len()).then(|| time.name.clone()),
+                ..Panel::new(size, &time.axis, &label(*i, name))
                     .curves(h.lines(|s| speed(s, name), 1.0, time))
                     .close()
             });
@@ -331,10 +344,8 @@ pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     } else {
         ""
     };
-    let of = match gears.get(..names.len()) {
-        Some(gears) => gears.join(", "),
-        None => "the gears".into(),
-    };
+    let of: Option<Vec<&str>> = moving.iter().map(|(i, _)| gears.get(*i).copied()).collect();
+    let of = of.map_or_else(|| "the gears".into(), |gears| gears.join(", "));
     let title = "Angular velocities of the gears";
     let caption = format!(
         "Angular velocities of {of}, counter-clockwise positive. Elastic bodies are shown by their momentum mean, angular \

@@ -9,7 +9,7 @@ use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::look;
 use crate::markup::table::Table;
 use crate::markup::{note, section};
-use crate::numbers::{Prefix, quantity, significant};
+use crate::numbers::{Prefix, percent, quantity, significant};
 use crate::record::{MemberPath, MeshPath, PlanetShare, Run, ShaftPath, Sharing, TorquePaths};
 use crate::series::TimeSeries;
 use crate::view::View;
@@ -42,8 +42,11 @@ fn shown<'a>(view: &'a View<'a>) -> Vec<Shown<'a>> {
 }
 
 /// Rows of all models with their look.
-fn rows<'a, R>(all: &'a [Shown<'a>], of: fn(&TorquePaths) -> &[R]) -> Vec<(&'a Shown<'a>, &'a R)> {
-    let each = |s: &'a Shown<'a>| of(s.paths).iter().map(move |r| (s, r));
+fn rows<'a, R>(all: &[&'a Shown<'a>], of: fn(&TorquePaths) -> &[R]) -> Vec<(&'a Shown<'a>, &'a R)> {
+    let each = |s: &&'a Shown<'a>| {
+        let s = *s;
+        of(s.paths).iter().map(move |r| (s, r))
+    };
     all.iter().flat_map(each).collect()
 }
 
@@ -62,7 +65,20 @@ pub fn tables(view: &View<'_>) -> Markup {
         return Markup::default();
     };
     let watt = |x: f64| quantity(x, "W", 4);
-    let meshes = rows(&all, |p| &p.meshes);
+    let unsettled: Vec<String> = (all.iter())
+        .filter(|s| !s.paths.has_settled())
+        .map(|s| {
+            format!(
+                "{}: the run has not settled, its means change by {} between both halves of the time from {} to {}; no means are shown.",
+                s.label,
+                percent(s.paths.change_rel, 2),
+                quantity(s.paths.from_s, "s", 3),
+                quantity(s.paths.to_s, "s", 3)
+            )
+        })
+        .collect();
+    let settled: Vec<&Shown<'_>> = all.iter().filter(|s| s.paths.has_settled()).collect();
+    let meshes = rows(&settled, |p| &p.meshes);
     let of_meshes = Table::of(&meshes)
         .grouped(|(s, _)| (s.label.to_owned(), s.style))
         .text("Mesh", |(_, m)| m.gears.join(" - "))
@@ -80,7 +96,7 @@ pub fn tables(view: &View<'_>) -> Markup {
         .result()
         .text("Rolling power", |(_, m)| m.rolling_w.map(watt))
         .text("Lost", |(_, m)| watt(m.loss_w));
-    let members = rows(&all, |p| &p.members);
+    let members = rows(&settled, |p| &p.members);
     let of_members = Table::of(&members)
         .grouped(|(s, _)| (s.label.to_owned(), s.style))
         .text("Gear or body", |(_, m)| m.name.clone())
@@ -96,7 +112,7 @@ pub fn tables(view: &View<'_>) -> Markup {
         .result()
         .written("Bearing or pin, mean", "N", |(_, m)| told(m.bearing_n))
         .result();
-    let shafts = rows(&all, |p| &p.shafts);
+    let shafts = rows(&settled, |p| &p.shafts);
     let of_shafts = Table::of(&shafts)
         .grouped(|(s, _)| (s.label.to_owned(), s.style))
         .text("Shaft", |(_, s)| s.between.join(" - "))
@@ -125,10 +141,11 @@ pub fn tables(view: &View<'_>) -> Markup {
     );
     html! {
         (section("Paths of torque", html! {
-            (of_meshes) (note(window)) (of_members)
+            @if !settled.is_empty() { (of_meshes) (note(window)) (of_members) }
             @if !shafts.is_empty() { (of_shafts) }
+            @for text in &unsettled { (note(text)) }
         }))
-        (sharing(&all))
+        (sharing(&settled))
         (section("Balance of power", html! {
             (balances)
             (note("Over the whole run. Works of loads are sums over the turn of their hub, exact for constant torques; works of drives are \
@@ -137,8 +154,8 @@ pub fn tables(view: &View<'_>) -> Markup {
     }
 }
 
-fn sharing(all: &[Shown<'_>]) -> Markup {
-    let rows: Vec<(&Shown<'_>, &Sharing, &PlanetShare)> = (all.iter())
+fn sharing(all: &[&Shown<'_>]) -> Markup {
+    let rows: Vec<(&Shown<'_>, &Sharing, &PlanetShare)> = (all.iter().copied())
         .flat_map(|s| s.paths.sharing.iter().map(move |of| (s, of)))
         .flat_map(|(s, of)| of.planets.iter().map(move |p| (s, of, p)))
         .collect();
@@ -187,7 +204,7 @@ pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let all = shown(view);
     let with = all.iter().find(|s| {
         let series = s.run.series.as_ref();
-        !s.paths.sharing.is_empty() && series.is_some_and(|x| !x.columns.is_empty())
+        s.paths.has_settled() && !s.paths.sharing.is_empty() && series.is_some_and(|x| !x.columns.is_empty())
     });
     let Some((model, series)) = with.and_then(|s| Some((s, s.run.series.as_ref()?))) else {
         return Ok(None);
@@ -269,10 +286,10 @@ pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     .map(Some)
 }
 
-/// The same of all runs as files.
+/// The same of all runs that have settled as files.
 pub fn csv(view: &View<'_>) -> Vec<CsvTable> {
     let runs: Vec<(&Run, &TorquePaths)> = (view.results.runs.iter())
-        .filter_map(|r| Some((r, r.paths.as_ref()?)))
+        .filter_map(|r| Some((r, r.paths.as_ref().filter(|p| p.has_settled())?)))
         .collect();
     type Of<'a, R> = (&'a Run, &'a R);
     fn all<'a, R>(

@@ -75,13 +75,13 @@ pub struct GroupResponse {
 pub struct MeshLimit {
     /// Names of its gears.
     pub name: String,
-    /// Mean force [N].
+    /// Mean contact force, along the normal of the flanks [N].
     pub force_n: f64,
-    /// Mean stiffness between the hubs [N/m].
+    /// Mean stiffness between the hubs in the transverse plane [N/m]: force there over transmission error.
     pub stiffness_n_per_m: f64,
     /// Least and greatest stiffness over a cycle [N/m].
     pub stiffness_range_n_per_m: [f64; 2],
-    /// Transmission error about its mean [m]: root mean square.
+    /// Transmission error in the transverse plane, about its mean [m]: root mean square.
     pub error_rms_m: f64,
     /// Greatest less least [m].
     pub error_peak_to_peak_m: f64,

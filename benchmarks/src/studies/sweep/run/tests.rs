@@ -119,7 +119,7 @@ fn viscous_loads_count_at_the_speed_that_is_swept() {
     let results = sweep(&plan, &Runner::default()).unwrap();
     for (run, f) in results.runs.iter().zip([300.0, 600.0]) {
         let s = run.steady.as_ref().unwrap();
-        let brake = 0.05 * TAU * f / 30.0 / pair.effective_radii[1];
+        let brake = 0.05 * TAU * f / 30.0 / pair.base_radii[1];
         assert!(
             (s.force_mean_n / brake - 1.0).abs() < 1e-3,
             "{} {brake}",

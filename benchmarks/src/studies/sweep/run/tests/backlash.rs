@@ -41,7 +41,7 @@ impl Gears {
         let scene = load(case.scene).unwrap_or_else(|e| panic!("{e:?}"));
         let [a, b] = [&scene.spec.gears[0], &scene.spec.gears[1]];
         let l = mesh_layout(a, b).unwrap();
-        let rb = effective_radius(&b.body);
+        let rb = base_radius(&b.body);
         let inertia = b.inertia.unwrap();
         Gears {
             pitch: l.base_pitch,

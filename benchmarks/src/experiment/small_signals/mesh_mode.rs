@@ -1,0 +1,117 @@
+//! The mesh mode of a model: of the natural motions of its scene about the equilibrium of the loads that with the largest share
+//! of strain energy in the meshes.
+//!
+//! A damping that a scene states means different things to different models: a ratio of the contact's spring, of each mode of a
+//! body, of tooth springs. The damping ratio of the mesh mode is comparable across models.
+
+use super::motions::energies;
+use super::{Loaded, NotSolved, has_loads, loaded, settled};
+use crate::experiment::configuration::Configuration;
+use crate::experiment::interruption;
+use crate::experiment::journal::JournalError;
+use crate::experiment::key::Key;
+use crate::experiment::runner::Runner;
+use gearbench_integrators::system::SecondOrderSystem;
+use gearbench_models::gear::table::{Model, properties_of};
+use gearbench_models::scene::{Scene, StrainIn};
+use gearbench_models::spec::ModelSpec;
+use gearbench_reports::record::{MeshMode, finite};
+use std::f64::consts::TAU;
+
+/// Coordinates up to which the mesh mode is computed next to a study of another kind: the work grows with their cube.
+pub const FEW: usize = 300;
+
+/// The mesh mode of a scene with loads, where its loaded state was found.
+pub fn mesh_mode_of(
+    label: &str,
+    scene: &mut Scene,
+    found: Result<&Loaded, &NotSolved>,
+) -> MeshMode {
+    let none = |message: String| MeshMode {
+        label: label.to_owned(),
+        message,
+        ..MeshMode::default()
+    };
+    let found = match found {
+        Ok(found) if found.pressed.iter().all(|f| *f == 0.0) => {
+            return none("the loads press no flanks together".into());
+        }
+        Ok(found) => found,
+        Err(why) => return none(why.to_string()),
+    };
+    let mut best: Option<MeshMode> = None;
+    for motion in found.motions().into_iter().filter(|m| m.omega > 0.0) {
+        let strain = energies(scene, &found.state, &found.linear, &motion.x).strain;
+        let in_meshes = |(place, energy): (&StrainIn, &f64)| match place {
+            StrainIn::Mesh(_) => *energy,
+            _ => 0.0,
+        };
+        let all: f64 = strain.values().sum();
+        let share = strain.iter().map(in_meshes).sum::<f64>() / all.max(f64::MIN_POSITIVE);
+        if best.as_ref().is_none_or(|b| b.mesh_share < Some(share)) {
+            best = Some(MeshMode {
+                label: label.to_owned(),
+                frequency_hz: finite(motion.omega / TAU),
+                damping_ratio: motion.damped.and_then(|d| finite(d.ratio)),
+                mesh_share: finite(share),
+                message: String::new(),
+            });
+        }
+    }
+    best.unwrap_or_else(|| none("nothing in it vibrates".into()))
+}
+
+/// The mesh mode of a model of a scene; `None` where the scene has no loads.
+fn mesh_mode(entry: &Configuration, models: &[Model]) -> Option<MeshMode> {
+    let spec = settled(&entry.scene);
+    if !has_loads(&spec, 0.0) {
+        return None;
+    }
+    let label = entry.model_label();
+    let none = |message: String| MeshMode {
+        label: label.clone(),
+        message,
+        ..MeshMode::default()
+    };
+    let full = |g: &ModelSpec| properties_of(models, &g.id).full_order;
+    if entry.modelling.gears.iter().any(full) {
+        return Some(none(
+            "not computed: full finite elements have too many coordinates".into(),
+        ));
+    }
+    let mut scene = match Scene::build(&spec, &entry.modelling, models) {
+        Ok(scene) => scene,
+        Err(e) => return Some(none(e.to_string())),
+    };
+    let found = match scene.layout().n {
+        0 => Err(NotSolved::Matrices("nothing in it can move")),
+        n if n > FEW => {
+            return Some(none(format!(
+                "not computed: {n} coordinates, more than {FEW}; `gearbench modes` takes more"
+            )));
+        }
+        _ => loaded(&mut scene, true),
+    };
+    Some(mesh_mode_of(&label, &mut scene, found.as_ref()))
+}
+
+/// The mesh modes of all models of a study whose scene has loads. What cannot be computed is a row with the reason.
+///
+/// # Errors
+/// [`JournalError`].
+pub fn mesh_modes<'e>(
+    entries: impl IntoIterator<Item = &'e Configuration>,
+    models: &[Model],
+    runner: &Runner<'_>,
+) -> Result<Vec<MeshMode>, JournalError> {
+    let mut all = Vec::new();
+    for entry in entries {
+        if interruption::requested() {
+            break;
+        }
+        let key = Key::new("mesh mode").and_scene(&entry.scene, &entry.modelling);
+        let found = runner.piece(key, || Ok::<_, JournalError>(mesh_mode(entry, models)))?;
+        all.extend(found);
+    }
+    Ok(all)
+}

@@ -1,0 +1,110 @@
+//! The natural motions of a scene about its loaded state: frequencies, damping, and where the energy of each lies.
+
+use super::Loaded;
+use super::damping::{Damped, damped};
+use gearbench_integrators::system::State;
+use gearbench_models::scene::{Linearised, Scene, StrainIn};
+use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeMap;
+
+/// Part of the highest eigenvalue below which a motion is rigid.
+pub const SLACK: f64 = 1e-12;
+
+/// A natural motion of a scene.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// Angular frequency [rad/s]; zero of rigid motions and of those with a negative stiffness.
+    pub omega: f64,
+    /// Eigenvalue [rad^2/s^2].
+    pub square: f64,
+    /// Damping, of motions that swing.
+    pub damped: Option<Damped>,
+    /// Displacement of the coordinates at unit modal mass.
+    pub x: Vec<f64>,
+}
+
+impl Loaded {
+    /// Largest eigenvalue [rad^2/s^2].
+    pub fn highest_square(&self) -> f64 {
+        self.modes.squares.last().map_or(0.0, |x| x.abs())
+    }
+
+    /// All natural motions, rigid ones first, then ascending in frequency.
+    pub fn motions(&self) -> Vec<Motion> {
+        let squares = &self.modes.squares;
+        let highest = self.highest_square();
+        let rigid = self.rigid.iter().map(|y| (0.0, y.clone()));
+        let swinging = (0..self.space.motions()).map(|i| {
+            let u: DVector<f64> = self.modes.vectors.column(i).into_owned();
+            (squares[i], self.space.whole(&u))
+        });
+        let all: Vec<(f64, Vec<f64>)> = (rigid.chain(swinging))
+            .map(|(square, y)| (square, self.space.displacement_of(&y)))
+            .collect();
+        let size = all.first().map_or(0, |(_, x)| x.len());
+        let columns = DMatrix::from_fn(size, all.len(), |i, j| all[j].1[i]);
+        let d = columns.tr_mul(&(&self.linear.damping * &columns));
+        let omega = |square: f64| match square > SLACK * highest {
+            true => square.sqrt(),
+            false => 0.0,
+        };
+        let omegas: Vec<f64> = all.iter().map(|(square, _)| omega(*square)).collect();
+        let damping = damped(&omegas, &d);
+        let motions = all.into_iter().zip(omegas).zip(damping);
+        motions
+            .map(|(((square, x), omega), damped)| Motion {
+                omega,
+                square,
+                damped,
+                x,
+            })
+            .collect()
+    }
+}
+
+/// Energies of a motion.
+#[derive(Clone, Debug, Default)]
+pub struct Energies {
+    /// Kinetic, by member, for a rate of the motion [J].
+    pub kinetic: Vec<f64>,
+    /// The part of it in own coordinates, by member [J].
+    pub own: Vec<f64>,
+    /// Strain [J].
+    pub strain: BTreeMap<StrainIn, f64>,
+}
+
+/// Energies of a displacement `x` at unit rate.
+pub fn energies(scene: &mut Scene, s: &State, linear: &Linearised, x: &[f64]) -> Energies {
+    let n = x.len();
+    let column = nalgebra::DMatrix::from_column_slice(n, 1, x);
+    let momentum = &linear.mass * column;
+    let over =
+        |range: std::ops::Range<usize>| -> f64 { range.map(|i| 0.5 * x[i] * momentum[i]).sum() };
+    let gears = scene.gears();
+    let of_own = |g: &gearbench_models::scene::SceneGear| {
+        let range = g.range();
+        over((range.start + g.model.hub().first()).min(range.end)..range.end)
+    };
+    Energies {
+        kinetic: gears.iter().map(|g| over(g.range())).collect(),
+        own: gears.iter().map(of_own).collect(),
+        strain: scene.strain_in(s, &linear.stiffness, x),
+    }
+}
+
+impl Energies {
+    /// Those of several motions together.
+    pub fn add(&mut self, other: Energies) {
+        for (to, from) in [
+            (&mut self.kinetic, other.kinetic),
+            (&mut self.own, other.own),
+        ] {
+            to.resize(from.len(), 0.0);
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+        }
+        for (place, energy) in other.strain {
+            *self.strain.entry(place).or_insert(0.0) += energy;
+        }
+    }
+}
+

@@ -1,0 +1,179 @@
+//! Mesh frequency, resonance and transmission error of one pair by `sweep`, `stiffness`, `modes`, `response` and runs agree, whatever
+//! the helix angle: all are of the transverse plane.
+#![allow(clippy::print_stdout, reason = "observed figures")]
+
+use super::response::{Wanted, response};
+use super::sweep::{self, mesh_resonance};
+use crate::experiment::conditions::Conditions;
+use crate::experiment::configuration::Configuration;
+use crate::experiment::run::run;
+use crate::experiment::runner::Runner;
+use crate::models::models;
+use crate::scene_file::{Origin, SHIPPED, SceneFile};
+use crate::studies::modes::{self, vibrations};
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{Body, Load, Mount, Profile, base_radius};
+use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
+use gearbench_reports::record::{Run, Steady};
+use gearbench_reports::sweep::Branch;
+use std::f64::consts::TAU;
+
+/// Two gears under 100 N m with a constant stiffness per width; the helix angle of the first one in degrees.
+fn cylindrical(helix_deg: f64, damping_ratio: f64) -> SceneFile {
+    let distance = 0.102 / helix_deg.to_radians().cos() + 1e-4;
+    let text = format!(
+        r#"
+schema = 1
+name = "pair"
+duration_s = 1e-4
+gears.pinion = {{ teeth = 20, module_m = 0.004, face_width_m = 0.03, helix_angle_deg = {helix_deg}, inertia_kgm2 = 1e-3, speed_rad_s = 10.0, loads = [{{ torque_nm = 100.0 }}] }}
+gears.wheel = {{ teeth = 31, module_m = 0.004, face_width_m = 0.03, helix_angle_deg = {}, inertia_kgm2 = 3e-3, speed_rad_s = -6.4516129032, loads = [{{ torque_nm = 155.0 }}] }}
+meshes = [{{ gears = ["pinion", "wheel"], centre_distance_m = {distance}, start = {{ flank = "left", gap_m = 0.0 }} }}]
+[[models]]
+model = "rigid"
+contact = {{ stiffness = {{ kind = "constant", stiffness_n_per_m2 = 1.4e10 }}, damping = {{ law = "ratio-at-load", ratio = {damping_ratio} }}, slices = 30 }}
+"#,
+        -helix_deg
+    );
+    SceneFile::parse("pair.toml", &text, Origin::Shipped, false).unwrap()
+}
+
+/// The shipped conical pair on axes that meet, under its loads from the start on.
+fn conical() -> SceneFile {
+    let shipped = SHIPPED.iter().find(|s| s.name == "beveloid").unwrap();
+    let scene = SceneFile::unbuilt("beveloid", shipped.text, Origin::Shipped, true);
+    let mut scene = scene.unwrap();
+    for g in &mut scene.spec.gears {
+        for load in &mut g.loads {
+            if let Load::Applied(torque) = load {
+                *load = Load::Applied(Profile::Constant(torque.settled()));
+            }
+        }
+    }
+    scene
+}
+
+fn entry(scene: &SceneFile) -> Configuration {
+    Configuration::of(scene, scene.model("rigid").unwrap())
+}
+
+fn plan(scene: &SceneFile, frequencies: Vec<f64>, cycles: usize, settle: f64) -> sweep::Plan<'static> {
+    sweep::Plan {
+        conditions: Conditions {
+            repeats: 0,
+            ..Conditions::of(scene)
+        },
+        entries: vec![entry(scene)],
+        standing: Vec::new(),
+        method: gearbench_integrators::table::DOPRI5.at_tolerance(1e-6),
+        frequencies,
+        branches: vec![Branch::Fresh],
+        cycles,
+        settle,
+        positions: 12,
+    }
+}
+
+fn steady(run: &Run) -> &Steady {
+    assert!(!run.status.is_failure(), "{:?}", run.message);
+    run.steady.as_ref().unwrap()
+}
+
+/// Transmission error at the start of a run whose gears are in equilibrium, the second one held [m].
+fn error_at_the_start(scene: &SceneFile) -> f64 {
+    let mut own = entry(scene);
+    for g in &mut own.scene.gears {
+        g.speed = 0.0;
+    }
+    own.scene.gears[1].mount = Mount::Fixed;
+    own.scene.meshes[0].start.loaded = true;
+    let conditions = Conditions::of(scene);
+    let method = gearbench_integrators::table::DOPRI5.at_tolerance(1e-6);
+    let job = conditions.job((&own.scene, &own.modelling), &method, &[0.0, 1e-6]);
+    let made = run(&crate::experiment::run::Job {
+        t_end: 1e-6,
+        repeats: 0,
+        ..job
+    });
+    let series = made.unwrap().series.unwrap();
+    let column = (series.columns.iter()).find(|c| c.name == "transmission_error_m");
+    column.unwrap().values[0]
+}
+
+#[test]
+fn studies_agree_in_the_transverse_plane() {
+    let cylindrical = [0.0, 15.0, 25.0].map(|helix| {
+        let name = format!("{helix} degrees");
+        (name, cylindrical(helix, 0.2))
+    });
+    let all = cylindrical.into_iter().chain([("conical".to_owned(), conical())]);
+    for (name, scene) in all {
+        let near = |what: &str, found: f64, expected: f64, within: f64| {
+            println!("{name}, {what}: {found:.6e} for {expected:.6e}");
+            assert!((found / expected - 1.0).abs() < within, "{name}, {what}: {found} for {expected}");
+        };
+        let own = entry(&scene);
+        let gears = &own.scene.gears;
+        let radii = [0, 1].map(|i| base_radius(&gears[i].body));
+        let torque = gears[0].loads.iter().map(|l| l.greatest(0.0)).sum::<f64>();
+        // `stiffness --torque`: force and stiffness of the transverse plane at the pitch point.
+        let mut pair = LoadedPair::new(&own.scene, &own.modelling, models()).unwrap();
+        let load = StaticLoad::Force(torque / radii[0]);
+        let cycle = MeshCycle::solve(&mut pair, load, 12, |_| {}).unwrap();
+        let at = cycle.positions.len() / 2;
+        let built = Scene::build(&own.scene, &own.modelling, models()).unwrap();
+        let yielding: f64 = (0..2)
+            .map(|i| radii[i].powi(2) / built.gears()[i].model.hub().hub.inertia)
+            .sum();
+        let natural = |tangent: f64| (tangent * yielding).sqrt() / TAU;
+        let local = natural(cycle.tangent[at]);
+        // `compare`: the gears start in the equilibrium.
+        let start = error_at_the_start(&scene);
+        near("error of a run in equilibrium", start, cycle.positions[at].approach, 1e-3);
+        // `modes`.
+        let found = vibrations("rigid", (&own.scene, &own.modelling), models(), &modes::Wanted::default()).unwrap();
+        let mode = found.modes.iter().find(|m| m.frequency_hz > 0.0).unwrap();
+        near("frequency by modes", mode.frequency_hz, local, 1e-3);
+        // `response`.
+        let wanted = Wanted { range: Some([500.0, 1000.0]), points: 2, phases: 24 };
+        let answered = response("rigid", (&own.scene, &own.modelling), models(), &wanted, &|_| false).unwrap();
+        assert!(answered.message.is_empty(), "{}", answered.message);
+        let group = &answered.groups[0];
+        near("resonance by response", group.resonance_hz.unwrap(), local, 1e-3);
+        let limit = &group.meshes[0];
+        near("stiffness by response", limit.stiffness_n_per_m, cycle.mesh_tangent() * cycle.face_width, 0.02);
+        // `sweep`: at rest, and slowly.
+        let still = plan(&scene, Vec::new(), 2, 4e-3);
+        let resonance = mesh_resonance(&still, &still.entries[0]).unwrap().unwrap();
+        let mean = natural(cycle.mesh_tangent() * cycle.face_width);
+        near("resonance by sweep", resonance, mean, 1e-3);
+        let slow = plan(&scene, vec![50.0, 100.0], 2, 0.01);
+        let results = sweep::sweep(&slow, &Runner::default()).unwrap();
+        let rest = &results.statics()[0];
+        near("static error of sweep", rest.error_mean_m, cycle.mean_error(), 1e-3);
+        let Body::Gear(first) = &gears[0].body else {
+            unreachable!("a gear")
+        };
+        let mean_of_modes: f64 = limit.force_n * first.base_helix_angle().cos();
+        near("force by response", mean_of_modes, torque / radii[0], 1e-3);
+        for (run, f) in results.runs.iter().zip([50.0, 100.0]) {
+            let s = steady(run);
+            let by_speed = s.speed_rad_s.abs() * f64::from(first.teeth()) / TAU;
+            near("mesh frequency of sweep", s.mesh_frequency_hz, f, 1e-3);
+            near("the same by the speed", by_speed, f, 1e-3);
+            near("error of slow running", s.error_mean_m, rest.error_mean_m, 5e-3);
+        }
+    }
+}
+
+/// The 27 speeds of which ten were windows of too few mesh cycles.
+#[test]
+fn helical_gears_are_measured_over_whole_cycles_at_all_speeds() {
+    let scene = cylindrical(25.0, 0.03);
+    let frequencies = (0..27).map(|i| 1500.0 + 250.0 * f64::from(i)).collect();
+    let results = sweep::sweep(&plan(&scene, frequencies, 2, 0.01), &Runner::default()).unwrap();
+    for run in &results.runs {
+        steady(run);
+    }
+    assert_eq!(results.runs.len(), 27);
+}

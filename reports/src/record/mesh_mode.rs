@@ -1,0 +1,90 @@
+//! Mesh modes: the damping that each model of a scene has, comparable across models.
+
+use crate::numbers::{quantity, short};
+use serde::{Deserialize, Serialize};
+
+/// Ratio of two damping ratios of mesh modes from which on models are said to differ in damping.
+const DIFFERS: f64 = 1.5;
+/// Damping ratio below which a mesh mode counts as undamped.
+const UNDAMPED: f64 = 1e-6;
+
+/// The natural mode of a model that strains its meshes most, in the equilibrium of the loads of the scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MeshMode {
+    /// Label of the model.
+    pub label: String,
+    /// Natural frequency without damping [Hz].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frequency_hz: Option<f64>,
+    /// Damping ratio [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping_ratio: Option<f64>,
+    /// Share of its strain energy in the meshes [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_share: Option<f64>,
+    /// Why there is none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub message: String,
+}
+
+impl MeshMode {
+    /// Frequency and damping ratio in words, or why there is none.
+    pub fn to_text(&self) -> String {
+        match (self.frequency_hz, self.damping_ratio) {
+            (Some(f), Some(z)) => {
+                format!("{}, damping ratio {} %", quantity(f, "Hz", 4), short(100.0 * z, 3))
+            }
+            (Some(f), None) => quantity(f, "Hz", 4),
+            _ => self.message.clone(),
+        }
+    }
+}
+
+/// What to know of models whose mesh modes are damped differently; `None` where they are not.
+pub fn damping_differs(all: &[MeshMode]) -> Option<String> {
+    let known: Vec<(&str, f64)> = (all.iter())
+        .filter_map(|m| Some((m.label.as_str(), m.damping_ratio?)))
+        .collect();
+    let (least, most) = (known.iter().map(|(_, z)| *z))
+        .fold((f64::INFINITY, 0.0_f64), |(a, b), z| (a.min(z), b.max(z)));
+    if known.len() < 2 || most < UNDAMPED || most <= DIFFERS * least {
+        return None;
+    }
+    let each: Vec<String> = (known.iter())
+        .map(|(label, z)| format!("{label} {} %", short(100.0 * z, 3)))
+        .collect();
+    Some(format!(
+        "the models differ in the damping of their mesh mode: {}; near resonances their results differ by this, whatever their contact",
+        each.join(", ")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(label: &str, ratio: f64) -> MeshMode {
+        MeshMode {
+            label: label.into(),
+            frequency_hz: Some(5e3),
+            damping_ratio: Some(ratio),
+            ..MeshMode::default()
+        }
+    }
+
+    #[test]
+    fn models_that_differ_in_damping_are_named_with_their_values() {
+        let text = damping_differs(&[of("rigid", 0.05), of("elastic", 0.0017)]).unwrap();
+        assert!(text.contains("rigid 5 %") && text.contains("elastic 0.17 %"), "{text}");
+        assert!(damping_differs(&[of("rigid", 0.05), of("elastic", 0.0)]).is_some());
+        let unknown = MeshMode::default();
+        for alike in [
+            vec![of("a", 0.05), of("b", 0.04)],
+            vec![of("a", 0.0), of("b", 0.0)],
+            vec![of("a", 0.05), unknown],
+        ] {
+            assert_eq!(damping_differs(&alike), None);
+        }
+    }
+}
