@@ -35,7 +35,9 @@ pub struct Bounded {
     /// Where results go.
     #[command(flatten)]
     pub output: Output,
-    /// Wall-clock bound of one integration in seconds; a run that would take far longer at its pace ends at once
+    /// Bound on the processor time of one integration in seconds; a run that would take far longer at its pace ends at once
+    ///
+    /// The time that recording takes does not count, nor does other work on the machine.
     #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
     pub timeout: f64,
 }

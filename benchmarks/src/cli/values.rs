@@ -7,7 +7,7 @@ pub const DEFAULT_SCENE: &str = "spur_impact";
 /// Timed repeats when the command line does not say.
 pub const DEFAULT_REPEATS: u32 = 3;
 
-/// Wall-clock bound of one integration [s] when the command line does not say.
+/// Bound on the processor time of one integration [s] when the command line does not say.
 pub const DEFAULT_TIMEOUT: f64 = 30.0;
 /// Memory that a command may take [GB] when the command line does not say.
 pub const DEFAULT_MEMORY: f64 = 2.0;

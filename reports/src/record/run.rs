@@ -88,6 +88,9 @@ pub struct Run {
     /// Shortest and longest wall time of the repeats \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wall_spread_s: Option<[f64; 2]>,
+    /// Processor time of the integration, the median of the repeats \[s\]: other work on the machine does not change it.
+    #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
+    pub cpu_s: f64,
     /// Number of timed repeats without observers; 0 when the observed run itself was timed.
     #[serde(default)]
     pub repeats: u32,

@@ -5,7 +5,7 @@
 //! | newton failure | Newton's method did not converge, its matrix was singular, or a library's solver gave up |
 //! | step underflow | the tolerance asked for steps below what time resolves |
 //! | chatter | contacts open and close at one instant without end |
-//! | timeout | the bound of wall-clock time or of steps was reached |
+//! | timeout | the bound of processor time of the integration, or of steps, was reached |
 //! | blow-up | a coordinate or an energy is not finite, or the energy has grown [`BLOWN_UP`]-fold |
 //! | energy growth | more than [`ENERGY_GROWTH`] of the energy that vibrates ([`Ledger::growth`]) is made up at the end, or [`HOPELESS`] of all energy on the way |
 //! | tunnelling | teeth passed through each other, or stood in each other without a force, or a step went over a contact |
@@ -118,7 +118,7 @@ pub struct RunMonitor {
     fixed: bool,
     /// Events are located.
     located: bool,
-    /// Wall time of watching.
+    /// Wall time of watching, which neither the cost of a run nor its bound of time contains.
     pub spent: Duration,
 }
 
@@ -320,7 +320,13 @@ impl Sink for RunMonitor {
     }
 
     fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
+        let begin = Instant::now();
         self.history.restarted(sys, before, after);
         self.ledger.restarted(sys, before, after);
+        self.spent += begin.elapsed();
+    }
+
+    fn spent(&self) -> Duration {
+        self.spent
     }
 }
