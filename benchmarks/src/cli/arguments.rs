@@ -1,6 +1,7 @@
 //! Arguments that several commands take.
 
-use super::values::{DEFAULT_MEMORY, DEFAULT_REPEATS, DEFAULT_TIMEOUT, gigabytes, positive};
+use super::values::{DEFAULT_BUDGET, DEFAULT_MEMORY, DEFAULT_REPEATS, DEFAULT_TIMEOUT, gigabytes, positive};
+use crate::experiment::budget::Budget;
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -26,6 +27,23 @@ impl Default for Output {
             fresh: false,
             memory: DEFAULT_MEMORY,
         }
+    }
+}
+
+/// How long a whole study may take that tries one thing after the other.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Budgeted {
+    /// Processor time in seconds that the whole study may take; what is not tried within it is listed
+    ///
+    /// All threads count, set-up included. The answer is of what was tried.
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_BUDGET, value_parser = positive)]
+    pub budget: f64,
+}
+
+impl Budgeted {
+    /// The bound, from now on.
+    pub fn budget(&self) -> Budget {
+        Budget::new(Duration::from_secs_f64(self.budget))
     }
 }
 

@@ -9,6 +9,9 @@ pub const DEFAULT_REPEATS: u32 = 3;
 
 /// Bound on the processor time of one integration [s] when the command line does not say.
 pub const DEFAULT_TIMEOUT: f64 = 30.0;
+/// Processor time that a whole study may take [s] when the command line does not say, where it tries one thing after the
+/// other: ten minutes.
+pub const DEFAULT_BUDGET: f64 = 600.0;
 /// Memory that a command may take [GB] when the command line does not say.
 pub const DEFAULT_MEMORY: f64 = 2.0;
 

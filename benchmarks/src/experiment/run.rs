@@ -200,7 +200,7 @@ fn timed_from(
     let info = job.method.method.info();
     let mut method = job.method.method.build();
     if info.linear_part && scene.modal().is_none() {
-        return Err(RunError::NoLinearPart(info.id.into()));
+        return Err(RunError::no_linear_part(info.id, scene, job.scene));
     }
     if info.dense_matrices {
         let n = scene.layout().n;

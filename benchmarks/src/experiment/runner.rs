@@ -3,6 +3,7 @@
 //! A study is written as if it computed everything. What an earlier start has finished is taken from the journal, and a
 //! study that was interrupted comes to its end with rows that were not made, which the record then leaves out.
 
+use super::budget::Budget;
 use super::conditions::{Progress, silent};
 use super::interruption;
 use super::journal::{Journal, JournalError};
@@ -21,6 +22,8 @@ use std::sync::Mutex;
 pub struct Runner<'a> {
     journal: Option<Mutex<Journal>>,
     progress: Progress<'a>,
+    /// The processor time that all pieces may take together.
+    budget: Budget,
 }
 
 impl fmt::Debug for Runner<'_> {
@@ -38,6 +41,7 @@ impl Default for Runner<'_> {
         Runner {
             journal: None,
             progress: &silent,
+            budget: Budget::unlimited(),
         }
     }
 }
@@ -48,7 +52,19 @@ impl<'a> Runner<'a> {
         Runner {
             journal: Some(Mutex::new(journal)),
             progress,
+            budget: Budget::unlimited(),
         }
+    }
+
+    /// The same within a budget, which counts from when it was made.
+    #[must_use]
+    pub fn within(self, budget: Budget) -> Self {
+        Runner { budget, ..self }
+    }
+
+    /// The processor time that the study may take.
+    pub fn budget(&self) -> &Budget {
+        &self.budget
     }
 
     /// Tells the runs done, all that are known of, and the name of the next.

@@ -42,13 +42,16 @@ fn load_with(
     selection: Selection<'_>,
     calibrated: bool,
 ) -> Result<SceneFile, SceneError> {
-    let file = read(path_or_name, calibrated)?;
+    let mut file = read(path_or_name, calibrated)?;
     let chosen = match selection {
         Selection::All => file.models.iter().collect(),
         Selection::None => Vec::new(),
         Selection::Labels(labels) => file.select(labels)?,
         Selection::Precision(labels) => file.select_precision(labels)?,
     };
+    let labels: Vec<&str> = chosen.iter().map(|m| m.label.as_str()).collect();
+    let is_chosen = |i: &usize| labels.contains(&file.models[*i].label.as_str());
+    let chosen: Vec<usize> = (0..file.models.len()).filter(is_chosen).collect();
     let built = file.check(&chosen, calibrated)?;
     let odd = file.odd.iter().chain(&built);
     odd.for_each(|odd| warn(&odd.told()));

@@ -198,8 +198,9 @@ impl SceneFile {
         origin: Origin,
         calibrated: bool,
     ) -> Result<Self, SceneError> {
-        let file = Self::unbuilt(name, text, origin, calibrated)?;
-        file.check(&file.models.iter().collect::<Vec<_>>(), calibrated)?;
+        let mut file = Self::unbuilt(name, text, origin, calibrated)?;
+        let all: Vec<usize> = (0..file.models.len()).collect();
+        file.check(&all, calibrated)?;
         Ok(file)
     }
 
@@ -250,6 +251,7 @@ impl SceneFile {
             let gears: Vec<&GearSpec> = drafts.iter().map(|d| &d.spec).collect();
             for m in models.iter_mut().filter(|m| m.integrators.is_none()) {
                 m.integrators = study_plan::default_of(&m.model, &gears);
+                m.default_integrators = m.integrators.is_some();
             }
         }
         let labels: Vec<&str> = models.iter().map(|m| m.label.as_str()).collect();
@@ -313,24 +315,32 @@ impl SceneFile {
         }
     }
 
-    /// Builds every model once, and returns what is odd about those. Without calibrations a model that asks for one may
-    /// lack its constants.
+    /// Builds models once, by their places in the file, and settles the integrators of those for which the scene names
+    /// none; returns what is odd about them. Without calibrations a model that asks for one may lack its constants.
     fn check(
-        &self,
-        choices: &[&ModelChoice],
+        &mut self,
+        choices: &[usize],
         calibrated: bool,
     ) -> Result<Vec<SceneError>, SceneError> {
         let mut odd = Vec::new();
-        for choice in choices {
+        let mut defaults = Vec::new();
+        for (place, choice) in choices.iter().map(|i| (*i, &self.models[*i])) {
             let incomplete = choice.calibration.is_some() && !calibrated;
             match Scene::build(&self.spec_for(choice), &choice.modelling, model_table()) {
-                Ok(scene) => {
+                Ok(mut scene) => {
                     odd.extend(self.without_effect(choice, &scene)?);
                     odd.extend(self.outside_formulas(choice));
+                    if choice.default_integrators {
+                        let default = study_plan::default_in(&choice.model, &mut scene);
+                        defaults.extend(default.map(|d| (place, d)));
+                    }
                 }
                 Err(e) if incomplete && e.is_missing() => {}
                 Err(e) => return Err(self.locate_in(&choice.label, &e)),
             }
+        }
+        for (place, methods) in defaults {
+            self.models[place].integrators = Some(methods);
         }
         Ok(odd)
     }

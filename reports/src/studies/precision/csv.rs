@@ -12,7 +12,7 @@ pub fn tables(results: &Results) -> Vec<CsvTable> {
     let study = Precision::of(results);
     let clouds: Vec<Cloud<'_>> = (study.references.iter().map(String::as_str))
         .chain([SELF])
-        .map(|id| study.cloud(id, study.headline_against(id), Cost::Wall))
+        .map(|id| study.cloud(id, study.headline_against(id), Cost::Processor))
         .collect();
     // The front of each reference, of the model's own converged solution that of each model.
     let on_front = |(r, m): &Row<'_>| {
@@ -47,7 +47,8 @@ pub fn tables(results: &Results) -> Vec<CsvTable> {
     for (metric, cell) in errors.iter().zip(&cells) {
         columns.push((metric.key(), cell));
     }
-    let work: [CsvColumn<'_, Row<'_>>; 12] = [
+    let work: [CsvColumn<'_, Row<'_>>; 13] = [
+        ("cpu_s", &|(r, _)| number(r.cpu_s)),
         ("wall_s", &|(r, _)| number(r.wall_s)),
         ("wall_min_s", &|(r, _)| {
             number(r.wall_spread_s.map(|s| s[0]))
