@@ -1,10 +1,15 @@
-//! The bounds of a run: number of steps, wall clock, cancellation from outside.
+//! The bounds of a run: number of steps, processor time, cancellation from outside.
 //!
-//! The clock also tells the pace: a run that has gone on for a while and would, from what it has done of its time,
-//! take a multiple of its limit, is stopped there and then and says how long it would have taken.
+//! A bound of time counts the processor time of the integration. Other work on the machine does not count, and neither
+//! does the work of observers ([`Sink::spent`]): its share of the wall time is taken off the processor time, because
+//! reading the processor clock twice in every step would cost as much as a step of two coordinates.
+//!
+//! The clock also gives the pace: a run that has gone on for a while and would, from what it has done of its time,
+//! take a multiple of its limit, is stopped there and then with an estimate of how long it would have taken.
 
+use crate::clock::processor_time;
 use crate::error::StepError;
-use crate::method::{TimePlan, Work};
+use crate::method::{Sink, TimePlan, Work};
 use std::fmt;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -23,9 +28,9 @@ const PACE_BEYOND: f64 = 2.0;
 pub enum Bound {
     /// Number of attempted steps.
     Steps(u64),
-    /// Wall clock [s].
+    /// Processor time [s].
     Time(f64),
-    /// Wall clock [s], and the time that the whole run would have taken at its pace so far [s].
+    /// Processor time [s], and the time that the whole run would have taken at its pace so far [s].
     Pace {
         /// The bound.
         limit: f64,
@@ -38,13 +43,50 @@ impl fmt::Display for Bound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Bound::Steps(n) => write!(f, "{n} attempted steps are the limit"),
-            Bound::Time(limit) => write!(f, "{limit:.3} s of wall time are the limit"),
+            Bound::Time(limit) => write!(f, "{limit:.3} s of processor time are the limit"),
             Bound::Pace { limit, estimate } => write!(
                 f,
-                "at this pace the run would take {estimate:.2e} s, where {limit:.3} s of wall time are the limit"
+                "at this pace the run would take {estimate:.2e} s, where {limit:.3} s of processor time are the limit"
             ),
         }
     }
+}
+
+/// Readings of the clocks at one instant.
+#[derive(Clone, Copy, Debug)]
+struct Reading {
+    wall: Instant,
+    processor: Option<Duration>,
+    /// Wall time that the observers of the run have taken.
+    observed: Duration,
+}
+
+impl Reading {
+    fn now(observed: Duration) -> Reading {
+        Reading {
+            wall: Instant::now(),
+            processor: processor_time(),
+            observed,
+        }
+    }
+
+    /// Processor time of the integration since an earlier reading [s]; wall time where the system reports no other.
+    fn since(&self, begin: &Reading) -> f64 {
+        let wall = (self.wall - begin.wall).as_secs_f64();
+        let observed = self.observed.saturating_sub(begin.observed).as_secs_f64();
+        let spent = match (begin.processor, self.processor) {
+            (Some(from), Some(to)) => to.saturating_sub(from).as_secs_f64(),
+            _ => wall,
+        };
+        integration_time(spent, observed, wall)
+    }
+}
+
+/// The part of a processor time [s] that is not of observers, which took `observed` of a wall time [s].
+#[must_use]
+pub fn integration_time(processor: f64, observed: f64, wall: f64) -> f64 {
+    let share = if wall > 0.0 { observed / wall } else { 0.0 };
+    processor * (1.0 - share.clamp(0.0, 1.0))
 }
 
 /// Counts attempted steps against a plan.
@@ -54,22 +96,19 @@ pub(crate) struct Bounds {
     /// The attempt at which the clock is looked at next, and the attempts between two looks.
     next_look: u64,
     stride: u64,
-    begin: Instant,
     looked: Instant,
-    /// Time at the first look [s].
-    start: Option<f64>,
+    /// The clocks at the first look, and the simulated time there [s].
+    begin: Option<(Reading, f64)>,
 }
 
 impl Default for Bounds {
     fn default() -> Self {
-        let now = Instant::now();
         Bounds {
             tries: 0,
             next_look: 0,
             stride: 1,
-            begin: now,
-            looked: now,
-            start: None,
+            looked: Instant::now(),
+            begin: None,
         }
     }
 }
@@ -82,6 +121,7 @@ impl Bounds {
         plan: &TimePlan<'_>,
         t: f64,
         work: &Work,
+        sink: &dyn Sink,
     ) -> Result<(), StepError> {
         if plan.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
             return Err(StepError::Interrupted { t });
@@ -92,7 +132,7 @@ impl Bounds {
         } else if let Some(limit) = plan.time_limit
             && self.tries > self.next_look
         {
-            self.look(limit, plan.t_end, t)
+            self.look(limit, plan.t_end, t, sink.spent())
         } else {
             None
         };
@@ -100,23 +140,23 @@ impl Bounds {
         bound.map_or(Ok(()), |bound| Err(StepError::Timeout { t, steps, bound }))
     }
 
-    /// Looks at the clock.
+    /// Reads the clocks.
     #[cold]
-    fn look(&mut self, limit: Duration, t_end: f64, t: f64) -> Option<Bound> {
-        let now = Instant::now();
-        self.stride = if now - self.looked > LONG_STEPS {
+    fn look(&mut self, limit: Duration, t_end: f64, t: f64, observed: Duration) -> Option<Bound> {
+        let now = Reading::now(observed);
+        self.stride = if now.wall - self.looked > LONG_STEPS {
             1
         } else {
             (2 * self.stride).min(CLOCK_STRIDE)
         };
-        self.looked = now;
+        self.looked = now.wall;
         self.next_look = self.tries + self.stride - 1;
-        let (spent, limit) = ((now - self.begin).as_secs_f64(), limit.as_secs_f64());
-        let start = *self.start.get_or_insert(t);
+        let (begin, start) = self.begin.get_or_insert((now, t));
+        let (spent, limit) = (now.since(begin), limit.as_secs_f64());
         if spent >= limit {
             return Some(Bound::Time(limit));
         }
-        let estimate = spent * (t_end - start) / (t - start);
+        let estimate = spent * (t_end - *start) / (t - *start);
         let known = spent >= PACE_AFTER.1.max(PACE_AFTER.0 * limit);
         (known && estimate > PACE_BEYOND * limit).then_some(Bound::Pace { limit, estimate })
     }

@@ -34,6 +34,7 @@
 //! | [`modal`] | the trigonometric method: exact for linear oscillators, flight in one step |
 //! | [`free_flight`] | motion without contact in closed form, for the loops of all methods |
 //! | [`diffsol_adapter`] | the loop of the methods that diffsol provides |
+//! | [`clock`] | processor time, the measure of bounds and costs |
 //! | [`interpolation`], [`dense_solve`] | Hermite interpolants; small dense linear algebra |
 //! | [`linear_stability`] | the largest stable step of each method on linear systems |
 //! | [`mod@equilibrium`] | static equilibrium by Newton's method on the system's own tangent |
@@ -96,6 +97,7 @@
 //! ```
 
 mod bounds;
+pub mod clock;
 pub mod dense_solve;
 pub mod diffsol_adapter;
 pub mod equilibrium;
@@ -115,7 +117,7 @@ pub mod stepped;
 pub mod system;
 pub mod table;
 
-pub use bounds::Bound;
+pub use bounds::{Bound, integration_time};
 pub use equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
 pub use error::StepError;
 pub use free_flight::FlightPath;

@@ -99,7 +99,8 @@ pub struct TimePlan<'a> {
     pub events: bool,
     /// Largest number of steps, rejected ones included.
     pub max_steps: u64,
-    /// Wall-clock bound of the run. A run whose pace would take it far beyond is stopped early.
+    /// Bound on the processor time of the integration, that of observers ([`Sink::spent`]) excluded. A run whose pace
+    /// would take it far beyond is stopped early.
     pub time_limit: Option<Duration>,
     /// Set from outside to stop the run.
     pub cancel: Option<&'a AtomicBool>,
@@ -201,6 +202,11 @@ pub trait Sink {
     /// False lets the loop skip copies that only observers need.
     fn wants_restarts(&self) -> bool {
         true
+    }
+
+    /// Wall time that the observer itself has taken so far. No bound of a run counts it.
+    fn spent(&self) -> Duration {
+        Duration::ZERO
     }
 }
 

@@ -26,6 +26,14 @@ impl Scheme {
         }
         Ok(asked.iter().map(|a| a.or_known(known)).collect())
     }
+
+    /// Method with its step or tolerance, for a reader.
+    pub fn described(&self) -> String {
+        match self.resolution {
+            Resolution::Step(h) => format!("{}, step {h:.0e} s", self.method),
+            Resolution::Tolerance(rtol) => format!("{}, rtol {rtol:.0e}", self.method),
+        }
+    }
 }
 
 /// A method, and the step or tolerance that somebody asked for with it.

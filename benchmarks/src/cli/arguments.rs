@@ -1,6 +1,7 @@
 //! Arguments that several commands take.
 
-use super::values::{DEFAULT_REPEATS, DEFAULT_TIMEOUT, positive};
+use super::values::{DEFAULT_BUDGET, DEFAULT_REPEATS, DEFAULT_TIMEOUT, positive};
+use crate::experiment::budget::Budget;
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -25,13 +26,32 @@ impl Default for Output {
     }
 }
 
+/// How long a whole study may take that tries one thing after the other.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Budgeted {
+    /// Processor time in seconds that the whole study may take; what is not tried within it is listed
+    ///
+    /// All threads count, set-up included. The answer is of what was tried.
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_BUDGET, value_parser = positive)]
+    pub budget: f64,
+}
+
+impl Budgeted {
+    /// The bound, from now on.
+    pub fn budget(&self) -> Budget {
+        Budget::new(Duration::from_secs_f64(self.budget))
+    }
+}
+
 /// Where results go, and how long a run may take.
 #[derive(Args, Clone, Debug)]
 pub struct Bounded {
     /// Where results go.
     #[command(flatten)]
     pub output: Output,
-    /// Wall-clock bound of one integration in seconds; a run that would take far longer at its pace ends at once
+    /// Bound on the processor time of one integration in seconds; a run that would take far longer at its pace ends at once
+    ///
+    /// The time that recording takes does not count, nor does other work on the machine.
     #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
     pub timeout: f64,
 }

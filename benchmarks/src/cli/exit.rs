@@ -29,6 +29,11 @@ impl Exit {
         Exit::Interrupted,
     ];
 
+    /// The rule of what passes, for the help.
+    pub const RULE: &str = "\
+What was not judged has not passed: under a scene's `tolerance` a run that could not be compared
+ends with 1, as one beyond the tolerance does; `except` names models that are left out of that.";
+
     /// The number that a shell sees.
     pub fn code(self) -> u8 {
         match self {
@@ -61,18 +66,24 @@ impl Exit {
         lines.join("\n")
     }
 
-    /// Of a study whose runs are all meant to hold: one that failed decides, then one beyond the tolerance, unless its
-    /// model is shown for its error (`except` of the scene's `tolerance`).
+    /// Of a study whose runs are all meant to hold: one that failed decides, then one beyond the tolerance or not judged
+    /// by it, unless its model is shown for its error (`except` of the scene's `tolerance`).
     pub fn of_every_run(results: &Results) -> Exit {
         let excepted = |r: &Run| {
             (results.tolerance.as_ref()).is_some_and(|t| t.except.contains(&r.model_label()))
         };
         // A comparison that asks for no tolerance shows errors, whatever they are.
         let asked = results.tolerance.is_some() || results.study() != Study::Compare;
+        // What the tolerance of the scene did not judge has not passed it.
+        let falls_short = |r: &Run| match r.status {
+            Status::Inaccurate => true,
+            Status::Unchecked => results.tolerance.is_some(),
+            _ => false,
+        };
         let mut runs = results.runs.iter();
         if runs.clone().any(|r| r.status.is_failure()) {
             Exit::FailedRun
-        } else if asked && runs.any(|r| r.status == Status::Inaccurate && !excepted(r)) {
+        } else if asked && runs.any(|r| falls_short(r) && !excepted(r)) {
             Exit::FellShort
         } else {
             Exit::Done
@@ -80,12 +91,14 @@ impl Exit {
     }
 
     /// Of a study that goes on until methods fail (errors against cost, errors over modes): its failures are its
-    /// subject, and only one without any sound run has failed.
+    /// subject. One without any run that was compared with something falls short, and one without any sound run has failed.
     pub fn of_any_run(results: &Results) -> Exit {
-        let mut statuses = results.runs.iter().map(|r| r.status);
-        if results.runs.is_empty() || statuses.clone().any(Status::holds) {
+        let sound = |r: &&Run| r.status.holds();
+        let mut ended = results.runs.iter().filter(|r| !r.status.is_failure());
+        let judged = |r: &Run| r.status == Status::Converged || !r.metrics.is_empty();
+        if results.runs.is_empty() || ended.clone().filter(sound).any(judged) {
             Exit::Done
-        } else if statuses.any(|s| s == Status::Inaccurate) {
+        } else if ended.next().is_some() {
             Exit::FellShort
         } else {
             Exit::FailedRun
@@ -124,7 +137,7 @@ mod tests {
 
     #[test]
     fn a_run_beyond_the_tolerance_gates_unless_its_model_is_shown_for_its_error() {
-        use Status::{Converged, Inaccurate, Timeout};
+        use Status::{Converged, Inaccurate, Timeout, Unchecked};
         let holds = |statuses: &[(&str, Status)], every, any| {
             let r = record(statuses);
             let found = (Exit::of_every_run(&r), Exit::of_any_run(&r));
@@ -136,6 +149,16 @@ mod tests {
         holds(&[("a", Converged), ("a", Inaccurate)], short, done);
         holds(&[("shown", Inaccurate), ("a", Inaccurate)], short, short);
         holds(&[("a", Inaccurate), ("a", Timeout)], failed, short);
+        holds(&[("a", Converged), ("a", Unchecked)], short, done);
+        holds(&[("a", Converged), ("shown", Unchecked)], done, done);
+        holds(&[("a", Unchecked), ("a", Unchecked)], short, short);
+        holds(&[("a", Unchecked), ("a", Timeout)], failed, short);
+        // Without a tolerance a comparison shows errors and judges nothing.
+        let without = Results {
+            tolerance: None,
+            ..record(&[("a", Unchecked), ("a", Inaccurate)])
+        };
+        assert_eq!(Exit::of_every_run(&without), done);
         holds(&[("a", Timeout), ("a", Timeout)], failed, failed);
     }
 

@@ -44,7 +44,7 @@ use terminal::{Manner, Refusal};
 
 /// What stands at the end of `--help`.
 fn after_help() -> String {
-    format!("{EXAMPLES}\n\nExit codes:\n{}", Exit::table())
+    format!("{EXAMPLES}\n\nExit codes:\n{}\n{}", Exit::table(), Exit::RULE)
 }
 
 const EXAMPLES: &str = "\

@@ -5,6 +5,7 @@ use super::arguments::Output;
 use super::exit::Exit;
 use super::progress::Display;
 use super::terminal::{Refusal, absolute, say, warn};
+use crate::experiment::budget::Budget;
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::refused;
 use crate::experiment::interruption;
@@ -85,6 +86,18 @@ impl StudyFolder {
         let display = Display::new(length);
         let progress = |done, total, what: &str| display.tell(done, total, what);
         study(&self.runner(&progress))
+    }
+
+    /// Does a study of some known number of runs within a budget.
+    pub fn run_within<T>(
+        &mut self,
+        budget: Budget,
+        length: usize,
+        study: impl FnOnce(&Runner<'_>) -> T,
+    ) -> T {
+        let display = Display::new(length);
+        let progress = |done, total, what: &str| display.tell(done, total, what);
+        study(&self.runner(&progress).within(budget))
     }
 
     /// What does the pieces of the study, once: it has the journal.

@@ -8,8 +8,11 @@ pub const DEFAULT_SCENE: &str = "spur_impact";
 /// Timed repeats when the command line does not say.
 pub const DEFAULT_REPEATS: u32 = 3;
 
-/// Wall-clock bound of one integration [s] when the command line does not say.
+/// Bound on the processor time of one integration [s] when the command line does not say.
 pub const DEFAULT_TIMEOUT: f64 = 30.0;
+/// Processor time that a whole study may take [s] when the command line does not say, where it tries one thing after the
+/// other: ten minutes.
+pub const DEFAULT_BUDGET: f64 = 600.0;
 /// Memory that a command may take [GB] when the command line does not say.
 pub const DEFAULT_MEMORY: f64 = 2.0;
 

@@ -34,7 +34,7 @@ pub struct Conditions<'a> {
     pub events: bool,
     /// Timed repeats.
     pub repeats: u32,
-    /// Wall-clock bound of one integration.
+    /// Bound on the processor time of one integration, recording excluded.
     pub timeout: Duration,
     /// Bound on its steps.
     pub max_steps: u64,

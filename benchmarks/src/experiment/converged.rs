@@ -1,38 +1,91 @@
-//! A model's own converged solution: Dormand-Prince with located events at the tightest tolerance that is affordable; of
-//! gears with modes the trigonometric method at a tenth of the step that is asked of it, which leaves a hundredth of its
-//! error, or under a tolerance. A run by the same method at the same tolerance is this solution, and its errors are 0.
+//! A model's own converged solution: the run that the error of integration of its other runs is measured against.
+//!
+//! Candidates are tried from the finest on, and the first that reaches the end within its bound of work is taken. Work is
+//! steps times coordinates, and never time: the solution, and with it every error against it, is the same on every
+//! machine and under every load. The record names the candidate that was taken ([`OwnSolution`]).
+//!
+//! | model | candidates |
+//! |---|---|
+//! | without modes | Dormand-Prince with located events at 1e-12, 1e-10, 1e-8 |
+//! | with modes, adaptive methods among those of the study | Dormand-Prince at a tenth of their finest tolerance |
+//! | with modes | the method that is exact for these at a tenth of its shortest step, then at a tenth of its finest tolerance or 1e-4 |
+//!
+//! **Which runs it judges.** A run is judged by a solution whose own error is at most a tenth of the run's
+//! ([`Converged::judges`]): never by itself, and never by one that is hardly finer.
 
-use super::run::{Job, RunError, run};
+use super::run::{Job, NO_BOUND, RunError, run};
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
-use gearbench_integrators::{Resolution, Scheme};
-use gearbench_reports::record::Run;
+use gearbench_integrators::{MethodSpec, Resolution, Scheme};
+use gearbench_reports::record::{OwnSolution, Run, Status};
 use gearbench_reports::series::TimeSeries;
+use serde::{Deserialize, Serialize};
 
-/// Tolerances tried for the converged solution, and the steps times coordinates that each may take: a hundredth of the
-/// tightest that people ask for where it takes seconds; long stiff scenes get the last.
+/// Tolerances of the converged solution, and the steps times coordinates that each may take: a hundredth of the
+/// tightest in use where it takes seconds; long stiff scenes get the last.
 const TIGHT: [(f64, u64); 3] = [
     (1e-12, 10_000_000),
-    (1e-10, 20_000_000),
-    (1e-8, 100_000_000),
+    (1e-10, 10_000_000),
+    (1e-8, 20_000_000),
 ];
-/// Of gears with modes, by the method that is exact for these: the part of the shortest step that is asked of it, a
-/// tolerance where none is or where that takes too long, and the steps that either may take.
-const EXACT_MODES: (f64, f64, u64) = (0.1, 1e-4, 1_000_000);
+/// Tolerance of the method that is exact for modes where the study asks for no finer one.
+const EXACT_RTOL: f64 = 1e-4;
+/// Steps that a solution by this method may take.
+const EXACT_STEPS: u64 = 1_000_000;
+/// Share of the error of a run that its converged solution may have itself.
+const FINER: f64 = 0.1;
+/// Coordinates up to which a converged solution is computed: beyond, it costs more than all the runs.
+pub const SMALL: usize = 2000;
 
-/// How converged solutions of gears without modes are computed, the best first, with the work that each may take.
-pub fn tight() -> [(Scheme, u64); TIGHT.len()] {
-    TIGHT.map(|(rtol, work)| (DOPRI5.at_tolerance(rtol), work))
+/// A candidate, and the attempted steps that it may take.
+pub type Candidate = (Scheme, u64);
+
+/// A model's own converged solution.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Converged {
+    /// How it was computed.
+    pub by: OwnSolution,
+    /// Its history.
+    pub series: TimeSeries,
+}
+
+/// The converged solution, or the reason why there is none.
+pub type Found = Result<Converged, String>;
+
+impl Converged {
+    /// Whether the error of a run under a method can be measured against this solution.
+    ///
+    /// # Errors
+    /// The reason why it cannot, for the message of the run.
+    pub fn judges(&self, method: &Scheme, row: &Run) -> Result<(), String> {
+        let same = (self.by.integrator.parse::<MethodSpec>())
+            .is_ok_and(|m| m.id() == method.method.id());
+        let order = method.method.info().order as i32;
+        // What is left of the error of a run, by the resolution of both.
+        let left = match (method.resolution, self.by.step, self.by.rtol) {
+            (Resolution::Tolerance(own), _, Some(rtol)) => rtol / own,
+            (Resolution::Step(own), Some(step), _) if same => (step / own).powi(order),
+            _ if same => (row.steps as f64 / self.by.steps.max(1) as f64).powi(order),
+            // Two methods have no error in common.
+            _ => 0.0,
+        };
+        if left <= FINER * (1.0 + 1e-9) {
+            return Ok(());
+        }
+        Err(format!(
+            "the model's own converged solution ({}) is not ten times finer than this run",
+            self.by
+        ))
+    }
 }
 
 /// How converged solutions are computed, for a reader.
 pub fn described() -> String {
     let [first, others @ ..] = TIGHT.map(|(rtol, _)| format!("{rtol:.0e}"));
     format!(
-        "{}, rtol {first} ({} where that takes too long), a run at the same tolerance is this very solution; of gears with modes {} at a tenth of the shortest of its steps, rtol {:.0e} where it has none or that takes too long; a tolerance multiplies the scene's typical deflection and speed",
+        "{}, rtol {first} ({} where that takes too many steps); of gears with modes {} at a tenth of the shortest of its steps, or rtol {EXACT_RTOL:.0e}; each run names its own, which is at least ten times finer; a tolerance multiplies the scene's typical deflection and speed",
         DOPRI5.info().id,
         others.join(", "),
         TRIGONOMETRIC.info().id,
-        EXACT_MODES.1,
     )
 }
 
@@ -41,63 +94,108 @@ pub fn exact_for_modes(rtol: f64) -> Scheme {
     TRIGONOMETRIC.at_tolerance(rtol)
 }
 
-/// How converged solutions of gears with modes are computed where these methods are asked for, the best first, with the
-/// steps that each may take.
-pub fn exact(asked: &[Scheme]) -> Vec<(Scheme, u64)> {
-    let (part, rtol, steps) = EXACT_MODES;
-    let of_trigonometric = |s: &Scheme| match s.resolution {
-        Resolution::Step(h) if s.method.id() == TRIGONOMETRIC.id() => Some(h),
-        _ => None,
-    };
-    let shortest = asked.iter().filter_map(of_trigonometric);
-    let shortest = shortest.min_by(f64::total_cmp);
-    let finer = shortest.map(|h| TRIGONOMETRIC.at(Resolution::Step(part * h)));
-    let all = finer.into_iter().chain([exact_for_modes(rtol)]);
-    all.map(|scheme| (scheme, steps)).collect()
+/// Candidates for gears without modes and so many coordinates.
+fn tight(coordinates: usize) -> impl Iterator<Item = Candidate> {
+    let steps = move |work: u64| work / coordinates.max(1) as u64;
+    (TIGHT.into_iter()).map(move |(rtol, work)| (DOPRI5.at_tolerance(rtol), steps(work)))
 }
 
-/// Coordinates up to which a converged solution is computed: beyond, it costs more than all the runs.
-pub const SMALL: usize = 2000;
-
-/// The converged solution of the model that a `row` of the record is of, which says how large it is: of gears with modes by
-/// one of the methods that are `exact` for these. Where terms of rotation couple the modes there is none that is, and they
-/// are taken as others are.
-pub fn of_model<'a>(
-    job: &impl Fn(&'a Scheme) -> Job<'a>,
-    row: &Run,
-    exact: &'a [(Scheme, u64)],
-    tight: &'a [(Scheme, u64)],
-) -> Result<Option<TimeSeries>, RunError> {
+/// Candidates for a model whose `row` shows its coordinates and modes, where the study runs it under the methods
+/// `asked`.
+pub fn candidates(row: &Run, asked: &[Scheme]) -> Vec<Candidate> {
+    let exact = |s: &&Scheme| s.method.id() == TRIGONOMETRIC.id();
+    let least = |all: &mut dyn Iterator<Item = f64>| all.min_by(f64::total_cmp);
+    let mut all = Vec::new();
     if row.modes.is_some() {
-        match converged(job, 1, exact) {
-            Err(RunError::NoLinearPart(_)) => {}
-            found => return found,
+        let mut others = (asked.iter().filter(|s| !exact(s))).filter_map(|s| s.resolution.tolerance());
+        if let Some(rtol) = least(&mut others)
+            && row.dofs <= SMALL
+        {
+            let (_, work) = TIGHT[1];
+            let rtol = (FINER * rtol).max(TIGHT[0].0);
+            all.push((DOPRI5.at_tolerance(rtol), work / row.dofs.max(1) as u64));
         }
+        let of_method = || asked.iter().filter(exact);
+        if let Some(h) = least(&mut of_method().filter_map(|s| s.resolution.step())) {
+            let scheme = TRIGONOMETRIC.at(Resolution::Step(FINER * h));
+            all.push((scheme, EXACT_STEPS));
+        }
+        let finest = least(&mut of_method().filter_map(|s| s.resolution.tolerance()));
+        let rtol = finest.map_or(EXACT_RTOL, |r| (FINER * r).min(EXACT_RTOL));
+        all.push((exact_for_modes(rtol), EXACT_STEPS));
+        all.push((exact_for_modes(EXACT_RTOL), EXACT_STEPS));
+        all.dedup();
     }
-    if row.dofs > SMALL {
-        return Ok(None);
+    if row.dofs <= SMALL {
+        all.extend(tight(row.dofs));
     }
-    converged(job, row.dofs, tight)
+    all
 }
 
-/// The model's own converged solution by the first of these methods that reaches the end with its work,
-/// steps times `coordinates`; `None` when none does.
-pub fn converged<'a>(
-    job: &impl Fn(&'a Scheme) -> Job<'a>,
-    coordinates: usize,
-    tight: &'a [(Scheme, u64)],
-) -> Result<Option<TimeSeries>, RunError> {
-    for (method, work) in tight {
-        let row = run(&Job {
+/// The converged solution of the model that a `row` of the record is of.
+///
+/// # Errors
+/// [`RunError`] where the model cannot be built, or the user interrupts.
+pub fn of_model(job: &Job<'_>, row: &Run, candidates: &[Candidate]) -> Result<Found, RunError> {
+    match converged(job, candidates)? {
+        Ok(found) => Ok(Ok(found)),
+        Err(_) if candidates.is_empty() => Ok(Err(format!(
+            "{} coordinates are beyond the {SMALL} up to which a converged solution is computed",
+            row.dofs
+        ))),
+        Err(why) => Ok(Err(why)),
+    }
+}
+
+/// The solution by the first of the candidates that reaches the end within its steps. One whose steps, by how far a finer
+/// one came, will not do is not tried.
+///
+/// # Errors
+/// [`RunError`] where the model cannot be built, or the user interrupts.
+pub fn converged(job: &Job<'_>, candidates: &[Candidate]) -> Result<Found, RunError> {
+    let mut tried: Vec<String> = Vec::new();
+    // A finer candidate that did not get through, and the steps that the whole time would have taken at its pace.
+    let mut pace: Option<(&Scheme, f64)> = None;
+    for (method, steps) in candidates {
+        let order = f64::from(method.method.info().order);
+        if let Some((finer, needed)) = pace.filter(|(finer, _)| finer.method == method.method)
+            && let [Some(rtol), Some(finer)] = [method, finer].map(|s| s.resolution.tolerance())
+            && needed * (finer / rtol).powf(order.recip()) > *steps as f64
+        {
+            tried.push(format!("{}: more than {steps} steps", method.described()));
+            continue;
+        }
+        let job = Job {
+            method,
             repeats: 0,
-            max_steps: work / coordinates.max(1) as u64,
+            timeout: NO_BOUND,
+            max_steps: *steps,
             events: true,
             histories: false,
-            ..job(method)
-        })?;
-        if !row.status.is_failure() {
-            return Ok(row.series);
+            pictures: None,
+            ..*job
+        };
+        let row = match run(&job) {
+            // Terms of rotation couple the modes, or a carrier turns: this method is not for the model.
+            Err(RunError::NoLinearPart(..)) => continue,
+            row => row?,
+        };
+        let by = OwnSolution {
+            integrator: row.integrator,
+            step: row.step,
+            rtol: row.rtol,
+            steps: row.steps,
+        };
+        match row.series.filter(|_| !row.status.is_failure()) {
+            Some(series) => return Ok(Ok(Converged { by, series })),
+            None => tried.push(format!("{}: {}", method.described(), row.status)),
         }
+        let part = row.simulated_s / job.t_end;
+        pace = (part > 0.0 && row.status == Status::Timeout)
+            .then(|| (method, (row.steps + row.rejected) as f64 / part));
     }
-    Ok(None)
+    Ok(Err(format!(
+        "no converged solution of the model reached the end within its bound of steps ({})",
+        tried.join("; ")
+    )))
 }

@@ -3,6 +3,8 @@
 use super::journal::JournalError;
 use gearbench_integrators::MethodError;
 use gearbench_models::error::{BuildError, Fault};
+use gearbench_models::scene::{Coupling, Scene};
+use gearbench_models::spec::SceneSpec;
 use gearbench_reference::limits::TooMuchMemory;
 use gearbench_reference::statics::StaticsError;
 
@@ -19,9 +21,7 @@ pub enum RunError {
     #[error("{0}")]
     Unsupported(String),
     /// The integrator needs a linear part to be exact for, which not every model has.
-    #[error(
-        "`{0}` needs gears whose coordinates are oscillators, as those of rigid and elastic gears are; name another integrator for this model, for example velocity-verlet or dopri5"
-    )]
+    #[error("{0}")]
     NoLinearPart(String),
     /// A run that others are to be held against did not reach the end.
     #[error("{0}")]
@@ -41,6 +41,40 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// The refusal of a method that is exact for oscillators by a scene whose coordinates are coupled: the reason, and what
+    /// helps.
+    pub fn no_linear_part(method: &str, scene: &Scene, spec: &SceneSpec) -> RunError {
+        const OTHER: &str = "name another integrator for this model, for example dopri5 or hht-alpha";
+        let name = |i: usize| spec.gears.get(i).map_or("", |g| g.name.as_str());
+        let why = match scene.coupling() {
+            Some(Coupling::Carrier) => {
+                format!("the rotation of the carrier couples the gears on it; {OTHER}")
+            }
+            Some(Coupling::Gyroscopic(i)) => format!(
+                "gyroscopic terms couple the directions of `{}` on its bearing; leave them out (`spin_terms = \"off\"` of the bearing), or {OTHER}",
+                name(i)
+            ),
+            Some(Coupling::Coriolis(i)) => format!(
+                "Coriolis forces couple the modes of `{}`; leave them out (`spin_terms = \"none\"` among the model's parameters), or {OTHER}",
+                name(i)
+            ),
+            Some(Coupling::Bearing(i)) => format!(
+                "the bearing of `{}` has clearance or couples its directions; {OTHER}",
+                name(i)
+            ),
+            Some(Coupling::Gear(i)) => format!(
+                "those of `{}` are none, as those of rigid and elastic gears are; {OTHER}",
+                name(i)
+            ),
+            Some(Coupling::Shaft) | None => {
+                format!("a rigid shaft joins coordinates that swing; {OTHER}")
+            }
+        };
+        RunError::NoLinearPart(format!(
+            "`{method}` needs coordinates that are independent oscillators: {why}"
+        ))
+    }
+
     /// Whether the method and the model do not go together, so that a study leaves the pair out and goes on.
     pub fn leaves_out(&self) -> bool {
         matches!(

@@ -2,6 +2,7 @@
 //!
 //! | module | owns |
 //! |---|---|
+//! | [`budget`] | the processor time that a whole study may take |
 //! | [`conditions`] | what all runs of a study share, and what heads its record |
 //! | `contact_log` | tooth pairs in contact, and contacts that close and open |
 //! | [`configuration`] | what is run: a model of a scene |
@@ -28,6 +29,7 @@
 //! | `thin` | histories as records keep them |
 //! | `watched` | one more observer of a run |
 
+pub mod budget;
 pub mod conditions;
 pub mod configuration;
 pub(crate) mod contact_log;

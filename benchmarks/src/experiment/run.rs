@@ -6,6 +6,7 @@ use super::flanks::{deformed_sections, flank_loads};
 use super::history::History;
 use super::interruption;
 use super::key::Key;
+use super::machine::cpu_time;
 use super::parameters::parameters;
 use super::paths::torque_paths;
 use super::pictures::Pictures;
@@ -18,7 +19,7 @@ use crate::experiment::small_signals::assemble;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{
-    Integrator, NullSink, Resolution, Scheme, Sink, StepError, TimePlan, Work,
+    Integrator, NullSink, Resolution, Scheme, Sink, StepError, TimePlan, Work, integration_time,
 };
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
@@ -27,7 +28,7 @@ use gearbench_reference::limits;
 use gearbench_reports::record::{ContactSnapshot, Run};
 use std::time::{Duration, Instant};
 
-/// A run that took longer [s] is not repeated without observers: what they cost is small beside it.
+/// A run that took more processor time [s] is not repeated without observers: what they cost is small beside it.
 const LONG: f64 = 1.0;
 /// Timed repeats of a run at most, however short it is.
 const MOST_REPEATS: usize = 300;
@@ -38,7 +39,7 @@ const DENSE_COPIES: f64 = 4.0;
 /// The setting that names pairs of a model and an integrator that cannot run it.
 pub const LEFT_OUT: &str = "left out";
 
-/// No bound of wall-clock time: what ends such a run is its end, or the number of its steps.
+/// No bound of time: such a run ends at its end, or at its number of steps.
 pub const NO_BOUND: Duration = Duration::from_secs(1_000_000_000);
 
 /// What a run needs to know.
@@ -70,7 +71,7 @@ pub struct Job<'a> {
     pub events: bool,
     /// Timed repeats.
     pub repeats: u32,
-    /// Wall-clock bound of one integration.
+    /// Bound on the processor time of one integration, recording excluded.
     pub timeout: Duration,
     /// Bound on its steps, rejected ones included: a timeout that does not depend on the machine.
     pub max_steps: u64,
@@ -96,6 +97,39 @@ impl Job<'_> {
             max_steps: self.max_steps,
             time_limit: (self.timeout < NO_BOUND).then_some(self.timeout),
             cancel: Some(interruption::flag()),
+        }
+    }
+}
+
+/// Time that an integration took without its observers [s].
+#[derive(Clone, Copy, Debug)]
+struct Cost {
+    wall: f64,
+    /// Processor time; wall time where the system reports no other.
+    processor: f64,
+}
+
+/// The clocks at the start of an integration.
+struct Stopwatch {
+    wall: Instant,
+    processor: Option<f64>,
+}
+
+impl Stopwatch {
+    fn start() -> Stopwatch {
+        Stopwatch {
+            wall: Instant::now(),
+            processor: cpu_time(),
+        }
+    }
+
+    /// What has passed since, without the wall time that observers took.
+    fn read(&self, observers: Duration) -> Cost {
+        let processor = (self.processor.zip(cpu_time())).map(|(from, to)| to - from);
+        let (wall, observed) = (self.wall.elapsed().as_secs_f64(), observers.as_secs_f64());
+        Cost {
+            wall: (wall - observed).max(0.0),
+            processor: integration_time(processor.unwrap_or(wall), observed, wall),
         }
     }
 }
@@ -185,7 +219,7 @@ fn timed_from(
     let info = job.method.method.info();
     let mut method = job.method.method.build();
     if info.linear_part && scene.modal().is_none() {
-        return Err(RunError::NoLinearPart(info.id.into()));
+        return Err(RunError::no_linear_part(info.id, scene, job.scene));
     }
     if info.dense_matrices {
         let n = scene.layout().n;
@@ -217,7 +251,7 @@ fn timed_from(
     let start = state.clone();
     let start_momenta = momenta(scene, state);
     let mut work = Work::default();
-    let begin = Instant::now();
+    let begin = Stopwatch::start();
     let plan = job.plan();
     let outcome = match observer {
         None => method.run(scene, state, &plan, &mut monitor, &mut work),
@@ -230,7 +264,7 @@ fn timed_from(
         }
     };
     // What watching costs is no cost of the method.
-    let observed = begin.elapsed().saturating_sub(monitor.spent).as_secs_f64();
+    let observed = begin.read(monitor.spent);
     match &outcome {
         Err(StepError::Unsupported { .. }) if scene.layout().n == 0 => {
             let why = "every gear is fixed or driven, nothing is left to integrate; free one of them, or take a method of fixed steps";
@@ -257,34 +291,39 @@ fn timed_from(
 
     // Timings come from runs without observers, but for long ones. A failed run is not repeated: its time is no
     // cost.
-    let repeats = if status.is_failure() || observed > LONG {
+    let repeats = if status.is_failure() || observed.processor > LONG {
         0
     } else {
         job.repeats
     };
-    let mut walls: Vec<f64> = Vec::new();
-    let more = |walls: &[f64]| {
-        let short =
-            walls.len() < MOST_REPEATS && walls.iter().sum::<f64>() < together.as_secs_f64();
-        walls.len() < repeats as usize || (repeats > 0 && short)
+    let mut times: Vec<Cost> = Vec::new();
+    let more = |times: &[Cost]| {
+        let spent: f64 = times.iter().map(|t| t.processor).sum();
+        let short = times.len() < MOST_REPEATS && spent < together.as_secs_f64();
+        times.len() < repeats as usize || (repeats > 0 && short)
     };
-    while more(&walls) {
+    while more(&times) {
         let mut s = start.clone();
         let plan = job.plan();
-        let begin = Instant::now();
+        let begin = Stopwatch::start();
         let _ = method.run(scene, &mut s, &plan, &mut NullSink, &mut Work::default());
-        walls.push(begin.elapsed().as_secs_f64());
+        times.push(begin.read(Duration::ZERO));
     }
     // A repeat that was cut short is no time.
     if interruption::requested() {
         return Err(RunError::Interrupted);
     }
-    let repeats = walls.len() as u32;
-    if walls.is_empty() {
-        walls.push(observed);
+    let repeats = times.len() as u32;
+    if times.is_empty() {
+        times.push(observed);
     }
-    walls.sort_by(f64::total_cmp);
-    let wall_s = walls[walls.len() / 2];
+    let sorted = |of: fn(&Cost) -> f64| {
+        let mut all: Vec<f64> = times.iter().map(of).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    let [walls, processors] = [sorted(|t| t.wall), sorted(|t| t.processor)];
+    let middle = times.len() / 2;
 
     Ok(Run {
         parameters: parameters(job.scene, job.modelling),
@@ -295,7 +334,8 @@ fn timed_from(
         rtol: job.method.resolution.tolerance(),
         status,
         message,
-        wall_s,
+        wall_s: walls[middle],
+        cpu_s: processors[middle],
         wall_spread_s: Some([walls[0], walls[walls.len() - 1]]),
         repeats,
         setup_s: setup.as_secs_f64(),

@@ -3,6 +3,7 @@
 //! A study is written as if it computed everything. What an earlier start has finished is taken from the journal, and a
 //! study that was interrupted comes to its end with rows that were not made, which the record then leaves out.
 
+use super::budget::Budget;
 use super::conditions::{Progress, silent};
 use super::error::ModelRefusal;
 use super::interruption;
@@ -28,6 +29,8 @@ pub struct Runner<'a> {
     progress: Progress<'a>,
     /// Bytes of rows that the study keeps to its end.
     kept: AtomicU64,
+    /// The processor time that all pieces may take together.
+    budget: Budget,
 }
 
 impl Drop for Runner<'_> {
@@ -52,6 +55,7 @@ impl Default for Runner<'_> {
             journal: None,
             progress: &silent,
             kept: AtomicU64::new(0),
+            budget: Budget::unlimited(),
         }
     }
 }
@@ -63,7 +67,19 @@ impl<'a> Runner<'a> {
             journal: Some(Mutex::new(journal)),
             progress,
             kept: AtomicU64::new(0),
+            budget: Budget::unlimited(),
         }
+    }
+
+    /// The same within a budget, which counts from when it was made.
+    #[must_use]
+    pub fn within(self, budget: Budget) -> Self {
+        Runner { budget, ..self }
+    }
+
+    /// The processor time that the study may take.
+    pub fn budget(&self) -> &Budget {
+        &self.budget
     }
 
     /// Tells the runs done, all that are known of, and the name of the next.

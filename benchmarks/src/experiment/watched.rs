@@ -2,7 +2,7 @@
 
 use super::status::RunMonitor;
 use gearbench_integrators::{AcceptedStep, Control, SecondOrderSystem, Sink, State};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// The monitor of a run, and whoever else looks at it.
 pub struct Watched<'w> {
@@ -24,6 +24,12 @@ impl Sink for Watched<'_> {
 
     fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
         self.monitor.restarted(sys, before, after);
+        let begin = Instant::now();
         self.observer.restarted(sys, before, after);
+        self.monitor.spent += begin.elapsed();
+    }
+
+    fn spent(&self) -> Duration {
+        self.monitor.spent
     }
 }

@@ -24,8 +24,9 @@ pub fn run(args: &Fmu) -> Result<Answer, Refusal> {
     let library = library(args)?;
     let mut coupled = Coupled::assemble(&scene, choice, &args.moved)?;
     if scheme.method.info().linear_part && coupled.scene.modal().is_none() {
-        let id = scheme.method.id().to_owned();
-        return Err(refuse_run(RunError::NoLinearPart(id)));
+        let (id, spec) = (scheme.method.id(), scene.spec_for(choice));
+        let refused = RunError::no_linear_part(id, &coupled.scene, &spec);
+        return Err(refuse_run(refused));
     }
     let mut package = Package::of(&scene, choice, scheme, &args.moved)?;
     package.add_library(library);

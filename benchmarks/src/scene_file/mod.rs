@@ -284,6 +284,7 @@ impl SceneFile {
             let gears: Vec<&GearSpec> = drafts.iter().map(|d| &d.spec).collect();
             for m in models.iter_mut().filter(|m| m.integrators.is_none()) {
                 m.integrators = study_plan::default_of(&m.model, &gears);
+                m.default_integrators = m.integrators.is_some();
             }
         }
         let labels: Vec<&str> = models.iter().map(|m| m.label.as_str()).collect();
@@ -349,8 +350,9 @@ impl SceneFile {
         }
     }
 
-    /// Builds models once, by their places in the file, and keeps which of them cannot run the scene; returns what is odd
-    /// about the others. `begins` gets the number of those that are built and the label of the next. Without calibrations a model that asks for one may lack its constants.
+    /// Builds models once, by their places in the file, settles the integrators of those for which the scene names none, and
+    /// keeps which of them cannot run the scene; returns what is odd about the others. `begins` gets the number of those that
+    /// are built and the label of the next. Without calibrations a model that asks for one may lack its constants.
     ///
     /// # Errors
     /// [`SceneError`] when a value is wrong, and when none of the models can run.
@@ -361,14 +363,19 @@ impl SceneFile {
         begins: &dyn Fn(usize, &str),
     ) -> Result<Vec<SceneError>, SceneError> {
         let mut odd = Vec::new();
-        let mut refused = Vec::new();
-        for (done, choice) in choices.iter().map(|i| &self.models[*i]).enumerate() {
+        let (mut refused, mut defaults) = (Vec::new(), Vec::new());
+        for (done, &place) in choices.iter().enumerate() {
+            let choice = &self.models[place];
             begins(done, &choice.label);
             let incomplete = choice.calibration.is_some() && !calibrated;
             match Scene::build(&self.spec_for(choice), &choice.modelling, model_table()) {
-                Ok(scene) => {
+                Ok(mut scene) => {
                     odd.extend(self.without_effect(choice, &scene)?);
                     odd.extend(self.outside_formulas(choice));
+                    if choice.default_integrators {
+                        let default = study_plan::default_in(&choice.model, &mut scene);
+                        defaults.extend(default.map(|d| (place, d)));
+                    }
                 }
                 Err(e) if incomplete && e.is_missing() => {}
                 Err(e) if e.fault == Fault::Model => refused.push(RefusedModel {
@@ -383,6 +390,9 @@ impl SceneFile {
             return Err(SceneError::all_of(refused.into_iter().map(|r| r.error)));
         }
         self.refused.extend(refused);
+        for (place, methods) in defaults {
+            self.models[place].integrators = Some(methods);
+        }
         Ok(odd)
     }
 

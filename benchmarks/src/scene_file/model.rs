@@ -108,6 +108,8 @@ pub struct ModelChoice {
     pub own_gap: Option<f64>,
     /// Its integrators, where they are not those of the study.
     pub integrators: Option<Vec<Scheme>>,
+    /// The scene names no integrators: they are the default of the model, which is settled when the model is built.
+    pub default_integrators: bool,
     /// Time that others publish for such a model [s].
     pub published: Option<f64>,
 }
@@ -226,6 +228,7 @@ fn model(
         calibration,
         own_gap: keys.gap_m,
         integrators: integrators.transpose()?,
+        default_integrators: false,
         published: keys.published_s,
     })
 }

@@ -14,9 +14,12 @@ use crate::models::models;
 use crate::studies::precision::scene::{Precision, PrecisionKeys};
 use crate::studies::stability::scene::{StabilityKeys, StabilitySet};
 use crate::studies::sweep::scene::Sweep;
-use gearbench_integrators::table::{HHT_ALPHA, NEWMARK, TRIGONOMETRIC};
+use gearbench_integrators::SecondOrderSystem as _;
+use gearbench_integrators::modal::resonance::safe_step;
+use gearbench_integrators::table::{DOPRI5, HHT_ALPHA, NEWMARK, TRIGONOMETRIC};
 use gearbench_integrators::{METHODS, MethodSpec, Resolution, Scheme, Stepping};
 use gearbench_models::gear::table::properties_of;
+use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Body, GearSpec};
 use gearbench_reports::Metric;
 use gearbench_reports::record::{SELF, Tolerance};
@@ -85,8 +88,11 @@ const DEFAULT_SAMPLES: usize = 2000;
 /// Tolerance of the adaptive methods that are compared when a scene names none.
 const DEFAULT_RTOL: f64 = 1e-6;
 
-/// Tolerance of the method that is exact for modes, likewise.
-const EXACT_RTOL: f64 = 1e-3;
+/// Step of the method that is exact for modes, likewise, at most [s]. It has to resolve the contact and what the modes
+/// do to it, not the modes themselves.
+const EXACT_STEP: f64 = 1e-6;
+/// Tolerance under which modes run that terms of rotation or a carrier couple, likewise.
+const COUPLED_RTOL: f64 = 1e-5;
 /// Step of full finite elements, likewise, in times in which a wave crosses a module.
 const CROSSING: f64 = 0.5;
 
@@ -156,6 +162,9 @@ fn default_integrators() -> Vec<Scheme> {
 
 /// Integrators of a model in a scene whose study names none: gears with modes take the method that is exact for these,
 /// full finite elements those that solve with their sparse matrices, all others those of the study.
+///
+/// Whether modes are coupled, and how high they are, is known when the gears are built ([`default_in`]); until then modes
+/// are taken as uncoupled.
 pub(super) fn default_of(model: &str, gears: &[&GearSpec]) -> Option<Vec<Scheme>> {
     let properties = properties_of(models(), model);
     if properties.full_order {
@@ -166,7 +175,27 @@ pub(super) fn default_of(model: &str, gears: &[&GearSpec]) -> Option<Vec<Scheme>
         let step = format!("{:.0e}", CROSSING * step).parse().unwrap_or(step);
         return Some(vec![HHT_ALPHA.at_step(step), NEWMARK.at_step(step)]);
     }
-    (properties.modes).then(|| vec![TRIGONOMETRIC.at_tolerance(EXACT_RTOL)])
+    (properties.modes).then(|| vec![TRIGONOMETRIC.at_step(EXACT_STEP)])
+}
+
+/// The same of a model that is built. Gears with modes take the method that is exact for these, at the longest step up to
+/// [`EXACT_STEP`] at which no mode resonates with it, in one significant digit; where a carrier, a bearing or terms of
+/// rotation couple the modes, an adaptive method.
+pub(super) fn default_in(model: &str, scene: &mut Scene) -> Option<Vec<Scheme>> {
+    if !properties_of(models(), model).modes {
+        return None;
+    }
+    let n = scene.layout().n;
+    let Some(modal) = scene.modal() else {
+        return Some(vec![DOPRI5.at_tolerance(COUPLED_RTOL)]);
+    };
+    let (mut omega, mut zeta) = (vec![0.0; n], vec![0.0; n]);
+    modal.oscillators(&mut omega, &mut zeta);
+    let step = safe_step(&omega).min(EXACT_STEP);
+    let digit = 10f64.powf(step.log10().floor());
+    let rounded = (step / digit * (1.0 + 1e-9)).floor() * digit;
+    let written = format!("{rounded:.0e}").parse().unwrap_or(rounded);
+    Some(vec![TRIGONOMETRIC.at_step(written)])
 }
 
 /// Time in which a wave of compression crosses a module [s].

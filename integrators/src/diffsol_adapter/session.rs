@@ -171,7 +171,8 @@ impl<'x, 'a> Session<'x, 'a> {
         if until <= later {
             return Ok(None);
         }
-        self.bounds.check(self.plan, self.s.t, self.work)?;
+        self.bounds
+            .check(self.plan, self.s.t, self.work, &*self.sink)?;
         let (to, path) = (&mut self.to, &self.flight.path);
         to.t = until;
         path.at(until, &mut to.q, &mut to.v);
@@ -206,7 +207,8 @@ impl<'x, 'a> Session<'x, 'a> {
     /// One step of the solver and what follows from it.
     fn step(&mut self, kernel: &mut dyn Kernel, stop: f64) -> Result<Next, Failed> {
         let shared = self.shared;
-        self.bounds.check(self.plan, self.s.t, self.work)?;
+        self.bounds
+            .check(self.plan, self.s.t, self.work, &*self.sink)?;
         shared.not_finite.set(None);
         let h = kernel.step_size();
         let stepped = kernel.step();

@@ -348,7 +348,7 @@ impl<M: OneStep> Stepped<M> {
             }
         }
         while s.t < plan.t_end {
-            bounds.check(plan, s.t, work)?;
+            bounds.check(plan, s.t, work, &*sink)?;
             match self.segment(sys, s, &mut r, &mut bounds, sink, work)? {
                 Segment::Unknown => self.leave_segment(sys, s, &mut r, work),
                 Segment::Stopped => return Ok(()),

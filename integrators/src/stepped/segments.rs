@@ -51,7 +51,7 @@ impl<M: OneStep> Stepped<M> {
         let mut part = 0.0;
         while part < parts && change == Change::None {
             if part > 0.0 {
-                bounds.check(r.plan, s.t, work)?;
+                bounds.check(r.plan, s.t, work, &*sink)?;
             }
             part += 1.0;
             let to = if part < parts {

@@ -100,6 +100,11 @@ pub trait LinearMotion {
         None
     }
 
+    /// Coriolis forces couple its modes.
+    fn spins(&self) -> bool {
+        false
+    }
+
     /// Adds what of the internal forces is not its [`Self::oscillators`]: the inertia of its own coordinates where the
     /// hub's motion is prescribed, what couples them with a bearing.
     fn add_other_forces(&self, _at: At<'_>, _f: &mut [f64]) {}

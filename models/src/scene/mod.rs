@@ -55,4 +55,5 @@ pub use deformed::DeformedFlank;
 pub use friction::MeshFriction;
 pub use hubs::hub_of;
 pub use members::{SceneGear, SceneMesh};
+pub use modal::Coupling;
 pub use small_signals::{Linearised, Mechanism, StrainIn};

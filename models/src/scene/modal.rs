@@ -4,6 +4,51 @@ use super::assembled::Scene;
 use crate::gear::LinearMotion;
 use gearbench_integrators::system::{At, Events, HalfKick, ModalSplit, SecondOrderSystem, State};
 
+/// Reason why the coordinates of a scene are no independent oscillators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coupling {
+    /// Gears go round on a carrier, whose rotation couples them.
+    Carrier,
+    /// Gyroscopic terms couple the directions of a gear on its bearing.
+    Gyroscopic(usize),
+    /// Coriolis forces couple the modes of a gear.
+    Coriolis(usize),
+    /// The bearing of a gear has clearance, or couples its directions.
+    Bearing(usize),
+    /// The coordinates of a gear are none of a linear body.
+    Gear(usize),
+    /// A rigid shaft joins coordinates that swing.
+    Shaft,
+}
+
+impl Scene {
+    /// Why the coordinates are no independent oscillators; `None` where they are.
+    pub fn coupling(&self) -> Option<Coupling> {
+        if self.oscillators {
+            return None;
+        }
+        let of = |i: usize| match self.gears[i].model.linear() {
+            None => Some(Coupling::Gear(i)),
+            Some(l) if l.oscillators().is_some() => None,
+            Some(l) if l.spins() => Some(Coupling::Coriolis(i)),
+            Some(_) if self.gears[i].model.hub().lateral.as_ref().is_some_and(|l| l.spins) => {
+                Some(Coupling::Gyroscopic(i))
+            }
+            Some(_) => Some(Coupling::Bearing(i)),
+        };
+        // What no setting of a gear changes comes first.
+        let coupled = (0..self.gears.len()).filter_map(of);
+        match self.carriers.is_empty() {
+            false => Some(Coupling::Carrier),
+            true => coupled.reduce(|a, b| match (a, b) {
+                (_, b @ Coupling::Gear(_)) if !matches!(a, Coupling::Gear(_)) => b,
+                (a, _) => a,
+            }),
+        }
+        .or(Some(Coupling::Shaft))
+    }
+}
+
 impl ModalSplit for Scene {
     fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
         for g in &self.gears {

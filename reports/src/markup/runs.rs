@@ -4,7 +4,7 @@ use super::table::Table;
 use super::{note, section};
 use crate::metrics::Metric;
 use crate::numbers::{count, quantity, significant};
-use crate::record::{Ledger, Run, Status};
+use crate::record::{Ledger, Run, SELF, Status};
 use crate::view::{View, capital, resolution};
 use maud::{Markup, html};
 
@@ -80,6 +80,11 @@ fn metrics(view: &View<'_>) -> Markup {
                 _ => table.percents(&heading, 3, |row| get(m)(row).map(f64::abs)),
             };
             table = table.result();
+        }
+        if id == SELF {
+            table = table.text("Converged by", |(r, ..)| {
+                r.own_solution.as_ref().map_or_else(String::new, ToString::to_string)
+            });
         }
         table
             .numbers("Shift in time", "s", 3, get(Metric::TimeShift))
@@ -185,7 +190,9 @@ fn ledger(view: &View<'_>) -> Markup {
 /// Every run that fell short, with the reason.
 pub fn failures(view: &View<'_>) -> Markup {
     let mut short = rows(view);
-    short.retain(|(r, ..)| !r.status.holds());
+    // What the tolerance of the scene did not judge has not passed it.
+    let gated = view.results.tolerance.is_some();
+    short.retain(|(r, ..)| !r.status.holds() || (gated && r.status == Status::Unchecked));
     if short.is_empty() {
         let unchecked = view
             .results
@@ -194,7 +201,7 @@ pub fn failures(view: &View<'_>) -> Markup {
             .any(|r| r.status == Status::Unchecked);
         let said = match unchecked {
             true => {
-                "No run failed. Runs called unchecked have a sound energy balance, but nothing tells their error."
+                "No run failed. Runs called unchecked have a sound energy balance, but were not judged: nothing shows their error."
             }
             false => "Every run converged.",
         };

@@ -132,8 +132,8 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
     }
     let whole = force_of(reference);
     let whole = Force::until(&whole, window);
-    metrics.peak_force_rel = finite(peak / whole.peak().0 - 1.0);
-    metrics.impulse_rel = finite(impulse / whole.impulse() - 1.0);
+    metrics.peak_force_rel = finite(deviation(peak, whole.peak().0));
+    metrics.impulse_rel = finite(deviation(impulse, whole.impulse()));
     metrics.rebound_rel = rebound(series, reference, window);
     metrics.transmission_error_l2 = larger(
         transmission_error(series, reference, whole.peak().0),
@@ -176,6 +176,14 @@ pub fn compare_all(run: Finished<'_>, all: &[&TimeSeries], against: &str) -> Met
         }
     }
     whole
+}
+
+/// Deviation of a value over that of a reference; zero agrees with zero.
+fn deviation(value: f64, reference: f64) -> f64 {
+    match (value, reference) {
+        (0.0, 0.0) => 0.0,
+        (value, reference) => value / reference - 1.0,
+    }
 }
 
 /// The error of larger magnitude, of those that there are.

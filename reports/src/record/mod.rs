@@ -22,7 +22,7 @@ pub use picture::{
     ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue,
     Outline,
 };
-pub use run::{Run, Status};
+pub use run::{OwnSolution, Run, Status};
 use serde::{Deserialize, Serialize};
 pub use source::Source;
 

@@ -9,14 +9,15 @@ use crate::series::TimeSeries;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fmt;
 
 words! {
     /// How a run ended. All but those that hold are drawn as what they are.
     pub enum Status {
-        /// Reached the end, and an error estimate is within the tolerance: that of the method itself, or a comparison.
+        /// Reached the end, and a comparison shows an error within the tolerance.
         #[default]
         Converged = "converged",
-        /// Reached the end with a sound energy balance; nothing tells its error.
+        /// Reached the end with a sound energy balance, but was not judged: nothing shows its error.
         Unchecked = "unchecked",
         /// Reached the end beyond the tolerance.
         Inaccurate = "inaccurate",
@@ -90,6 +91,9 @@ pub struct Run {
     /// Shortest and longest wall time of the repeats \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wall_spread_s: Option<[f64; 2]>,
+    /// Processor time of the integration, the median of the repeats \[s\]: other work on the machine does not change it.
+    #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
+    pub cpu_s: f64,
     /// Number of timed repeats without observers; 0 when the observed run itself was timed.
     #[serde(default)]
     pub repeats: u32,
@@ -157,6 +161,10 @@ pub struct Run {
     /// What charts call this run where it stands out among others of its variant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mark: Option<String>,
+    /// The model's own converged solution that its metrics against `self` are measured against; absent where there is
+    /// none that is ten times finer than the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub own_solution: Option<OwnSolution>,
     /// One entry per reference the run is compared with.
     #[serde(default)]
     pub metrics: Vec<Metrics>,
@@ -178,6 +186,32 @@ pub struct Run {
     /// The mesh at peak force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contacts: Option<ContactSnapshot>,
+}
+
+/// How a model's own converged solution was computed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OwnSolution {
+    /// Integrator id.
+    pub integrator: String,
+    /// Fixed step \[s\].
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub step: Option<f64>,
+    /// Relative tolerance [-].
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub rtol: Option<f64>,
+    /// Accepted steps.
+    pub steps: u64,
+}
+
+impl fmt::Display for OwnSolution {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.integrator)?;
+        match (self.step, self.rtol) {
+            (Some(h), _) => write!(f, ", step {h:.0e} s"),
+            (None, Some(rtol)) => write!(f, ", rtol {rtol:.0e}"),
+            (None, None) => Ok(()),
+        }
+    }
 }
 
 impl Run {

@@ -41,6 +41,7 @@ pub fn identity() -> [CsvColumn<'static, Run>; 17] {
 /// What a run cost.
 pub fn work() -> [CsvColumn<'static, Run>; 11] {
     [
+        ("cpu_s", &|r| number(r.cpu_s)),
         ("wall_s", &|r| number(r.wall_s)),
         ("wall_min_s", &|r| number(r.wall_spread_s.map(|s| s[0]))),
         ("wall_max_s", &|r| number(r.wall_spread_s.map(|s| s[1]))),

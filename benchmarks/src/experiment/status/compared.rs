@@ -4,58 +4,100 @@ use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Run, SELF, Status, Tolerance};
 use gearbench_reports::series::TimeSeries;
 
-/// Labels a run that converged but lies beyond the tolerance of its scene, once its metrics are there. A metric that
-/// cannot be told of the run, as the relative error of a force that should not be there, is beyond any tolerance.
-pub fn against_tolerance(run: &mut Run, tolerance: &Tolerance) {
+/// Error in the L1 norm against the model's own converged solution from which on a run is inaccurate where the scene does
+/// not say [-].
+pub const OWN_ERROR: f64 = 0.05;
+
+/// Judges a run that reached its end, once its metrics are there: by the tolerance of the scene, or, where the scene has
+/// none, by the model's own converged solution; `missing` is the reason why there is no such solution for this run. A run
+/// that neither can judge is `unchecked` and has not passed.
+pub fn judge(run: &mut Run, tolerance: Option<&Tolerance>, missing: Option<&str>) {
     if !run.status.holds() {
         return;
     }
-    let Some(metrics) = run.against(&tolerance.against) else {
-        return;
+    let verdict = match tolerance {
+        Some(tolerance) => by_tolerance(run, tolerance, missing),
+        None => by_own_solution(run, missing),
     };
+    match verdict {
+        Verdict::Within => run.status = Status::Converged,
+        Verdict::Beyond(message) => {
+            run.status = Status::Inaccurate;
+            run.message = Some(message);
+        }
+        Verdict::NotJudged(why) => {
+            run.status = Status::Unchecked;
+            run.message.get_or_insert(format!("not judged: {why}"));
+        }
+    }
+}
+
+/// Outcome of a comparison.
+enum Verdict {
+    Within,
+    Beyond(String),
+    NotJudged(String),
+}
+
+/// What makes an error against a reference smaller: of a model against itself it is one of integration.
+fn way_out(run: &Run, against: &str, limit: f64) -> &'static str {
+    const FINER: &str = "use a smaller step or tolerance";
+    if against == SELF {
+        return FINER;
+    }
+    // The error of integration is known where the model's own converged solution is.
+    match run.against(SELF).and_then(|m| m.force_l1) {
+        Some(own) if own <= 0.25 * limit => {
+            "the integration is accurate enough: use a finer model, or another one"
+        }
+        Some(own) if own >= limit => {
+            "the integration alone is beyond the limit: use a smaller step or tolerance first"
+        }
+        _ => "use a smaller step or tolerance, or a finer model",
+    }
+}
+
+fn by_tolerance(run: &Run, tolerance: &Tolerance, missing: Option<&str>) -> Verdict {
     let Tolerance {
         metric,
         against,
         limit,
         ..
     } = tolerance;
-    let digits = |x: f64| digits_apart(&[x, *limit], 3);
-    let message = match metrics.get(*metric) {
-        Some(x) if x.abs() <= *limit => {
-            run.status = Status::Converged;
-            return;
-        }
-        Some(x) => format!(
-            "{metric} against {against} is {}, beyond the scene's {}; use a smaller step or tolerance, or a finer model",
-            short(x, digits(x.abs())),
-            short(*limit, digits(x.abs()))
-        ),
-        None => format!("{metric} against {against} cannot be told of this run"),
+    let Some(metrics) = run.against(against) else {
+        let why = missing.filter(|_| against == SELF);
+        let none = || format!("the run was not compared with {against}");
+        return Verdict::NotJudged(why.map_or_else(none, str::to_owned));
     };
-    run.status = Status::Inaccurate;
-    run.message = Some(message);
+    let digits = |x: f64| digits_apart(&[x, *limit], 3);
+    match metrics.get(*metric) {
+        Some(x) if x.abs() <= *limit => Verdict::Within,
+        Some(x) => Verdict::Beyond(format!(
+            "{metric} against {against} is {}, beyond the scene's {}; {}",
+            short(x, digits(x.abs())),
+            short(*limit, digits(x.abs())),
+            way_out(run, against, *limit)
+        )),
+        None => Verdict::NotJudged(format!(
+            "{metric} against {against} is not defined for this run"
+        )),
+    }
 }
 
-/// Error in the L1 norm against the model's own converged solution from which on a run is inaccurate where the scene does
-/// not say [-].
-pub const OWN_ERROR: f64 = 0.05;
-
-/// Labels a run by its model's own converged solution, unless the tolerance of the scene has judged it.
-pub fn against_itself(run: &mut Run, tolerance: Option<&Tolerance>) {
-    let judged = tolerance.is_some_and(|t| run.against(&t.against).is_some());
-    if judged || !run.status.holds() {
-        return;
-    }
-    match run.against(SELF).and_then(|m| m.force_l1) {
-        Some(e) if e > OWN_ERROR => {
-            run.status = Status::Inaccurate;
-            run.message = Some(format!(
+fn by_own_solution(run: &Run, missing: Option<&str>) -> Verdict {
+    match (run.against(SELF), missing) {
+        (None, why) => Verdict::NotJudged(
+            why.unwrap_or("the run was not compared with the model's own converged solution")
+                .to_owned(),
+        ),
+        (Some(metrics), _) => match metrics.force_l1 {
+            Some(e) if e > OWN_ERROR => Verdict::Beyond(format!(
                 "the force is {} % off the model's own converged solution; use a smaller step or tolerance",
                 short(100.0 * e, 3)
-            ));
-        }
-        Some(_) => run.status = Status::Converged,
-        None => {}
+            )),
+            Some(_) => Verdict::Within,
+            None => Verdict::NotJudged("there is no force to compare".into()),
+        },
     }
 }
 
@@ -79,7 +121,22 @@ pub fn against_contact(run: &mut Run, reference: &TimeSeries) {
     if run.status.is_failure() {
         return;
     }
-    let (Some(series), Some(at)) = (&run.series, first_touch(reference)) else {
+    let Some(series) = &run.series else {
+        return;
+    };
+    let Some(at) = first_touch(reference) else {
+        match first_touch(series) {
+            None => {
+                let note = "no contact: the force is zero throughout, as in the converged solution";
+                run.message.get_or_insert(note.into());
+            }
+            Some(t) => {
+                run.status = Status::Inaccurate;
+                run.message = Some(format!(
+                    "the teeth touch at t = {t:.4e} s, where they stay apart in the converged solution; use a smaller step or tolerance"
+                ));
+            }
+        }
         return;
     };
     if first_touch(series).is_none() && at <= run.simulated_s {

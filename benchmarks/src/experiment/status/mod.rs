@@ -5,18 +5,18 @@
 //! | newton failure | Newton's method did not converge, its matrix was singular, or a library's solver gave up |
 //! | step underflow | the tolerance asked for steps below what time resolves |
 //! | chatter | contacts open and close at one instant without end |
-//! | timeout | the bound of wall-clock time or of steps was reached |
+//! | timeout | the bound of processor time of the integration, or of steps, was reached |
 //! | blow-up | a coordinate or an energy is not finite, or the energy has grown [`BLOWN_UP`]-fold |
 //! | energy growth | more than [`ENERGY_GROWTH`] of the energy that vibrates ([`Ledger::growth`]) is made up at the end, or [`HOPELESS`] of all energy on the way |
 //! | tunnelling | teeth passed through each other, or stood in each other without a force, or a step went over a contact |
 //! | adhesive force | a contact pulled |
 //! | inaccurate | the run reached its end beyond the tolerance of its scene, or [`OWN_ERROR`] off its model's converged solution |
-//! | converged | none of these, and an error estimate says so: within the tolerance of the scene or of the converged solution, or the method controls its own error |
-//! | unchecked | none of these, but a fixed step, and nothing to hold it against |
+//! | converged | none of these, and a comparison shows an error within the tolerance of the scene, or within [`OWN_ERROR`] of the model's converged solution |
+//! | unchecked | none of these, and no comparison: the run was not judged. That a method kept its own tolerance is no judgement |
 //!
 //! What an integrator says of itself ([`status_of`]) comes first; what only the whole run shows comes next, by a
 //! [`RunMonitor`] that watches it: whatever went wrong first names the run, because what follows is its consequence. What
-//! only a comparison shows comes last ([`against_tolerance`], [`against_contact`], [`against_itself`]).
+//! only a comparison shows comes last ([`against_contact`], [`judge`]).
 
 mod compared;
 mod tunnelling;
@@ -32,7 +32,7 @@ use gearbench_reports::numbers::short;
 use gearbench_reports::record::Status;
 use std::time::{Duration, Instant};
 
-pub use compared::{OWN_ERROR, against_contact, against_itself, against_tolerance};
+pub use compared::{OWN_ERROR, against_contact, judge};
 pub use tunnelling::TunnellingDetector;
 
 /// Energy that the integration may make up, over the largest energy, before a run counts as growth.
@@ -117,7 +117,7 @@ pub struct RunMonitor {
     fixed: bool,
     /// Events are located.
     located: bool,
-    /// Wall time of watching.
+    /// Wall time of watching, which neither the cost of a run nor its bound of time contains.
     pub spent: Duration,
 }
 
@@ -187,8 +187,7 @@ impl RunMonitor {
             }
             (Err(e), _) => (status_of(e), Some(message_of(e, self.fixed))),
             (Ok(()), Some(f)) => (f.status, Some(f.message)),
-            (Ok(()), None) if self.fixed => (Status::Unchecked, None),
-            (Ok(()), None) => (Status::Converged, None),
+            (Ok(()), None) => (Status::Unchecked, None),
         }
     }
 
@@ -318,7 +317,13 @@ impl Sink for RunMonitor {
     }
 
     fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
+        let begin = Instant::now();
         self.history.restarted(sys, before, after);
         self.ledger.restarted(sys, before, after);
+        self.spent += begin.elapsed();
+    }
+
+    fn spent(&self) -> Duration {
+        self.spent
     }
 }

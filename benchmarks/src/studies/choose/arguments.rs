@@ -1,6 +1,6 @@
 //! Arguments of `choose`.
 
-use crate::cli::arguments::Output;
+use crate::cli::arguments::{Bounded, Budgeted};
 use crate::cli::values::{metric, number};
 use clap::Args;
 use gearbench_reports::Metric;
@@ -10,13 +10,14 @@ Examples:
   gearbench choose spur_impact --metric force-aligned --tolerance 0.05
   gearbench choose hammer --metric impulse --tolerance 0.02
   gearbench choose my_scene.toml --metric peak --tolerance 0.1 --out out/peak
-  gearbench choose my_scene.toml --references      and hold what was chosen against what was measured
+  gearbench choose my_scene.toml --references      and compare what was chosen with what was measured
+  gearbench choose my_scene.toml --timeout 5 --budget 60
 
 No finite-element transient runs: a hierarchy of models is refined on a short part of the scene, and differences between
 its levels estimate the errors. Modes, contact and mesh are levels of it: flanks touch on half-spaces where they may, and
 all models are held against elastic gears of twice the elements. The folder holds chosen.toml, the scene with the choice written in:
-`gearbench compare out/SCENE/choose/chosen.toml` runs it. Exit code 1 says that nothing is adequate, or
-that a reference (--references) is further from the choice than was asked for.";
+`gearbench compare out/SCENE/choose/chosen.toml` runs it. What --budget leaves untried is listed, and the
+answer is of what was tried. Exit code 1 says that nothing is adequate, or that a reference (--references) is further from the choice than was asked for.";
 
 /// Arguments of `choose`.
 #[derive(Args, Clone, Debug)]
@@ -34,9 +35,12 @@ pub struct Choose {
     /// these
     #[arg(long)]
     pub references: bool,
-    /// Where results go.
+    /// Where results go, and how long a run may take.
     #[command(flatten)]
-    pub output: Output,
+    pub run: Bounded,
+    /// How long the whole study may take.
+    #[command(flatten)]
+    pub budget: Budgeted,
 }
 
 /// A metric that one model can be held against another in.

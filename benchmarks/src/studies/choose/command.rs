@@ -35,9 +35,10 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
             scene.name
         )));
     }
-    let mut folder = StudyFolder::of(&args.output, &scene, Study::Choose.as_str())?;
+    let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Choose.as_str())?;
     let problem = Problem {
-        runner: Arc::new(folder.runner(&silent)),
+        runner: Arc::new(folder.runner(&silent).within(args.budget.budget())),
+        timeout: args.run.timeout(),
         ..Problem::of(&scene)
     };
     let requirement = Requirement {
@@ -103,7 +104,9 @@ fn refuse(scene: &SceneFile, problem: &Problem, e: ChooseError) -> Refusal {
         (e @ (ChooseError::NoContact { .. } | ChooseError::Build(_)), _) => {
             Refusal::Input(miette::miette!("{e}"))
         }
-        (e @ ChooseError::Hierarchy(_), _) => Refusal::Failed(e.to_string()),
+        (e @ (ChooseError::Hierarchy(_) | ChooseError::Budget(_)), _) => {
+            Refusal::Failed(e.to_string())
+        }
     }
 }
 

@@ -17,6 +17,7 @@
 //! and the stiffness `k_c = 2 a b p`.
 
 use super::detail::Detail;
+use crate::cli::values::DEFAULT_TIMEOUT;
 use crate::experiment::runner::Runner;
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
@@ -29,6 +30,7 @@ use gearbench_reference::MeshParameters;
 use gearbench_reference::reduction::ElasticParameters;
 use std::f64::consts::TAU;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Penalty of generated meshes [Pa/m].
 pub const PENALTY: f64 = 1e15;
@@ -83,6 +85,8 @@ pub struct Problem {
     pub own: Vec<Own>,
     /// Table of models.
     pub models: &'static [Model],
+    /// Bound on the processor time of one integration on the window: far beyond what an adequate one takes.
+    pub timeout: Duration,
 }
 
 impl Problem {
@@ -122,6 +126,7 @@ impl Problem {
         );
         Problem {
             runner: Arc::default(),
+            timeout: Duration::from_secs_f64(DEFAULT_TIMEOUT),
             name: file.name.clone(),
             scene: elastic.map_or_else(|| file.spec.clone(), |m| file.spec_for(m)),
             duration: file.duration,

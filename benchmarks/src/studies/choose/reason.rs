@@ -35,6 +35,12 @@ pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinemen
         if refinement.settled { "settles at" } else { "ends unsettled at" },
         per_cent(refinement.remaining)
     ));
+    if !choice.not_tried.is_empty() {
+        said.push(format!(
+            "The answer is of what was tried: for {} levels and methods no processor time was left (--budget).",
+            choice.not_tried.len()
+        ));
+    }
     said.extend(beyond_the_mesh(choice, metric, refinement));
     if refinement.growth > 1.05 {
         said.push(format!(

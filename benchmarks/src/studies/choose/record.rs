@@ -5,6 +5,7 @@ use super::detail;
 use super::problem::Problem;
 use super::requirement::Requirement;
 use super::run::{Choice, LevelTried, Tried};
+use crate::experiment::budget::NOT_TRIED;
 use crate::experiment::machine;
 use gearbench_models::spec::{LocalContact, PointContact};
 use gearbench_reports::record::{Part, Results, Tolerance, finite};
@@ -102,6 +103,11 @@ fn settings(problem: &Problem, choice: &Choice) -> Vec<(String, String)> {
         if let Some(p) = c.points {
             all.push((format!("contact of mesh {}", i + 1), law(&p)));
         }
+    }
+    if !choice.not_tried.is_empty() {
+        let rest = choice.not_tried.join("; ");
+        let budget = problem.runner.budget().described();
+        all.push((NOT_TRIED.into(), format!("{budget}: {rest}")));
     }
     let details = &choice.details;
     let judge = details.judge();

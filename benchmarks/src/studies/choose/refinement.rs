@@ -18,6 +18,8 @@ use super::problem::{Flexible, Problem};
 use super::requirement::{Requirement, is_scalar};
 use super::run::ChooseError;
 use super::trial::{Outcome, Trial};
+use crate::experiment::run::RunError;
+use crate::experiment::budget::NOT_TRIED;
 use gearbench_reports::Metric;
 
 /// Steps per contact time of the refinement, for tolerances up to a limit: their own error is not to show beside it.
@@ -61,6 +63,8 @@ pub struct Refinement {
     pub growth: f64,
     /// The differences became small.
     pub settled: bool,
+    /// Levels for which no processor time was left.
+    pub not_tried: Vec<String>,
     /// Steps per contact time.
     steps: f64,
 }
@@ -101,7 +105,13 @@ fn level(
     candidate: Candidate,
     window: &Window,
 ) -> Result<Result<RefinedLevel, String>, ChooseError> {
-    let mut trial = Trial::new(problem, &candidate.scene, &candidate.modelling)?;
+    let mut trial = match Trial::new(problem, &candidate.scene, &candidate.modelling) {
+        // A level that would take too much memory, or that cannot be meshed, takes none of the others with it.
+        Err(RunError::Build(e)) if candidate.level.modes() != Some(0) => {
+            return Ok(Err(e.to_string()));
+        }
+        made => made?,
+    };
     let outcome = trial.run(&candidate.method, window)?;
     if !outcome.usable() {
         return Ok(Err(
@@ -139,7 +149,13 @@ pub fn refine(
     let mut settled = false;
     // How far histories are apart, for metrics that are single numbers.
     let mut apart: Vec<f64> = Vec::new();
+    let mut not_tried: Vec<String> = Vec::new();
+    let budget = problem.runner.budget();
     for modes in std::iter::once(0).chain(MODES) {
+        if budget.is_spent() {
+            not_tried.push(Level::elastic(modes, lead.detail).name());
+            continue;
+        }
         progress(&format!(
             "{} on the window",
             Level::elastic(modes, lead.detail).name()
@@ -172,7 +188,10 @@ pub fn refine(
     }
     let modes = remaining(&differences(&levels));
     let (Some(last), true) = (levels.last_mut(), modes.is_finite()) else {
-        return Err(ChooseError::Hierarchy(failure));
+        return Err(match not_tried.is_empty() {
+            true => ChooseError::Hierarchy(failure),
+            false => ChooseError::Budget(budget.described()),
+        });
     };
     let floor = FLOOR[usize::from(is_scalar(requirement.metric))];
     let mut refinement = Refinement {
@@ -182,9 +201,16 @@ pub fn refine(
         of_finer: None,
         growth,
         settled,
+        not_tried,
         steps,
     };
     refinement.finer = match &prepared.details.finer {
+        Ok(finer) if budget.is_spent() => {
+            let modes = last.candidate.level.modes().unwrap_or(0);
+            let name = Level::elastic(modes, finer.detail).name();
+            refinement.not_tried.push(name);
+            Err(NOT_TRIED.into())
+        }
         Ok(finer) => {
             let modes = last.candidate.level.modes().unwrap_or(0);
             progress(&format!(

@@ -29,6 +29,11 @@ pub enum ChooseError {
         /// Duration of the scene [s].
         duration: f64,
     },
+    /// Nothing can be estimated within the budget.
+    #[error(
+        "the budget of {0} is spent before two levels of elastic gears have run, so that no error can be estimated: allow more with --budget, or give the elastic model fewer elements (`flank_elements`, `rim_elements`)"
+    )]
+    Budget(String),
     /// The elastic gears do not run.
     #[error(
         "the elastic gears that all models are held against do not reach the end of the window: {0}"
@@ -102,6 +107,8 @@ pub struct Choice {
     pub outside: Vec<String>,
     /// What elastic gears are made of, and what all models are held against.
     pub details: Details,
+    /// Levels and candidates for which no processor time was left.
+    pub not_tried: Vec<String>,
 }
 
 /// Parts of an estimated error.

@@ -46,12 +46,23 @@ struct Selector<'a, 'p> {
     cheapest: f64,
     /// Least cost of elastic gears times their step [s^2].
     per_step: Option<f64>,
+    /// Levels and candidates for which no processor time was left.
+    not_tried: Vec<String>,
 }
 
 impl Selector<'_, '_> {
     /// Estimated error over the whole scene of something at a distance from the top level.
     fn error(&self, distance: f64) -> f64 {
         self.refinement.growth * (distance + self.refinement.remaining)
+    }
+
+    /// Whether there is no processor time left for something, which is then listed.
+    fn leaves(&mut self, name: impl FnOnce() -> String) -> bool {
+        let spent = self.problem.runner.budget().is_spent();
+        if spent {
+            self.not_tried.push(name());
+        }
+        spent
     }
 
     fn adequate(&self, error: f64) -> bool {
@@ -115,7 +126,9 @@ impl Selector<'_, '_> {
         let Some(modes) = top.and_then(|l| l.candidate.level.modes()) else {
             return Ok(None);
         };
-        if prepared.details.lead.detail == given.detail {
+        if prepared.details.lead.detail == given.detail
+            || self.leaves(|| Level::elastic(modes, given.detail).name())
+        {
             return Ok(None);
         }
         (self.progress)(&format!(
@@ -177,7 +190,7 @@ impl Selector<'_, '_> {
         for row in candidates.chunk_by(same) {
             let mut pending: Option<(&Candidate, f64)> = None;
             for (i, candidate) in row.iter().enumerate() {
-                if self.too_dear(candidate) {
+                if self.too_dear(candidate) || self.leaves(|| candidate.name()) {
                     break;
                 }
                 (self.progress)(&candidate.name());
@@ -294,12 +307,16 @@ pub fn select(
         progress,
         cheapest: f64::INFINITY,
         per_step: None,
+        not_tried: refinement.not_tried.clone(),
     };
     let all = prepared.candidates(problem);
     let (mut standings, mut tried) = (Vec::new(), Vec::new());
     for fixed in &prepared.fixed {
         // Movable teeth never cost less than rigid ones.
         if matches!(fixed.level, Level::MovableTeeth(_)) && selector.cheapest.is_finite() {
+            continue;
+        }
+        if selector.leaves(|| fixed.level.name()) {
             continue;
         }
         let mut standing = selector.stand(fixed, prepared.oscillator.contact_time())?;
@@ -322,6 +339,9 @@ pub fn select(
     {
         for modes in refinement.levels.split_last().map_or(&[][..], |x| x.1) {
             let modes = modes.candidate.level.modes().unwrap_or(0);
+            if selector.leaves(|| Level::elastic(modes, of.detail).name()) {
+                continue;
+            }
             (selector.progress)(&format!(
                 "{} on the window",
                 Level::elastic(modes, of.detail).name()
@@ -374,6 +394,7 @@ pub fn select(
         window: window.clone(),
         outside: Vec::new(),
         details: prepared.details.clone(),
+        not_tried: selector.not_tried,
     };
     if let Some((i, candidate, cost)) = best {
         let standing = &standings[i];

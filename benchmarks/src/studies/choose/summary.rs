@@ -4,6 +4,7 @@ use super::reason::{per_cent, seconds};
 use super::requirement::Requirement;
 use super::run::Choice;
 use crate::cli::terminal::say;
+use crate::experiment::budget::NOT_TRIED;
 
 /// What is to be said where the finer mesh itself is off by more than was asked.
 pub(super) fn doubt(choice: &Choice, requirement: &Requirement) -> Option<String> {
@@ -46,6 +47,9 @@ pub(super) fn summarise(choice: &Choice, requirement: &Requirement) {
     }
     if let Some(doubt) = doubt(choice, requirement) {
         say(&format!("warning: {doubt}"));
+    }
+    if !choice.not_tried.is_empty() {
+        say(&format!("{NOT_TRIED}: {}", choice.not_tried.join("; ")));
     }
     say(&format!(
         "{:<34} {:>9} {:>9}  {}",

@@ -14,13 +14,11 @@ use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::Metric;
 use gearbench_reports::metrics::Finished;
-use gearbench_reports::record::{Ledger, Run};
+use gearbench_reports::record::{Ledger, Run, Status};
 use gearbench_reports::series::TimeSeries;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
-/// Bound of one integration on the window: far beyond what an adequate one takes.
-const PATIENCE: Duration = Duration::from_secs(30);
 /// Time after which the processor time of repeated runs is known to a tenth [s].
 const LONG_ENOUGH: f64 = 0.04;
 
@@ -91,7 +89,8 @@ impl<'a> Trial<'a> {
     /// Runs a method to the end of a window.
     pub fn run(&mut self, method: &Scheme, window: &Window) -> Result<Outcome, RunError> {
         // The characteristic time of modes and of movable teeth is far finer than any jump of a dashpot asks for.
-        self.observe(method, (window.end, &window.grid), self.rigid, PATIENCE)
+        let timeout = self.problem.timeout;
+        self.observe(method, (window.end, &window.grid), self.rigid, timeout)
     }
 
     /// Runs a method to an end [s] and records at the times of a grid, with accepted steps in contact or without.
@@ -122,16 +121,29 @@ impl<'a> Trial<'a> {
             timeout,
             max_steps: u64::MAX,
         };
-        self.problem.runner.piece(job.key(), || {
-            let mut row = run_in(&job, &mut self.scene, self.setup)?;
-            row.contacts = None;
-            Ok(Outcome {
-                series: row.series.take().unwrap_or_default(),
-                ledger: row.ledger.clone(),
-                row,
-                end_s: t_end,
-            })
-        })
+        let runner = &self.problem.runner;
+        let key = job.key();
+        if let Some(found) = runner.finished(key)? {
+            return Ok(found);
+        }
+        // A run that the budget cuts short is no finished piece: another start may have more time for it.
+        let bounded = timeout.min(runner.budget().left());
+        let job = Job {
+            timeout: bounded,
+            ..job
+        };
+        let mut row = run_in(&job, &mut self.scene, self.setup)?;
+        row.contacts = None;
+        let outcome = Outcome {
+            series: row.series.take().unwrap_or_default(),
+            ledger: row.ledger.clone(),
+            row,
+            end_s: t_end,
+        };
+        if bounded < timeout && outcome.row.status == Status::Timeout {
+            return Ok(outcome);
+        }
+        runner.piece(key, || Ok(outcome))
     }
 
     /// Time that a method takes to the end of a window without observers [s]: processor time over repeats where they
@@ -157,7 +169,7 @@ impl<'a> Trial<'a> {
         {
             let mut state = self.scene.initial();
             let plan = TimePlan {
-                time_limit: Some(PATIENCE),
+                time_limit: Some(self.problem.timeout.min(self.problem.runner.budget().left())),
                 ..TimePlan::new(end, method.resolution)
             };
             let one = Instant::now();

@@ -2,16 +2,17 @@
 
 use super::plan::Plan;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::converged::{exact, of_model, tight};
+use crate::experiment::converged::{Found, candidates, of_model};
 use crate::experiment::key::Key;
-use crate::experiment::run::{Job, LEFT_OUT, RunError, run};
+use crate::experiment::run::{Job, LEFT_OUT, NO_BOUND, RunError, run};
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::mesh_modes;
-use crate::experiment::status::{against_contact, against_itself, against_tolerance};
+use crate::experiment::status::{against_contact, judge};
 use crate::experiment::thin::thin_row;
 use gearbench_reports::comparison::CompareRecord;
 use gearbench_reports::metrics::{compare as measure, compare_all};
-use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run};
+use gearbench_integrators::Scheme;
+use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run, SELF, Tolerance};
 use gearbench_reports::series::TimeSeries;
 use std::fmt::Display;
 
@@ -21,10 +22,6 @@ use std::fmt::Display;
 /// [`RunError`] when a model cannot be built, or nothing of what is asked for can run.
 pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> {
     let grid = plan.conditions.grid();
-    let tight = tight();
-    let exact_modes: Vec<_> = (plan.entries.iter())
-        .map(|entry| exact(plan.methods_of(entry)))
-        .collect();
     let mut runs = Vec::with_capacity(plan.len());
     let mut left_out = Vec::new();
     let mut refused = None;
@@ -46,7 +43,8 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 ..plan.conditions.job(of, method, &grid)
             }
         };
-        let mut own: Option<Option<TimeSeries>> = None;
+        let mut own: Option<Found> = None;
+        let asked = plan.methods_of(entry);
         let mut pictured = false;
         for method in plan.methods_of(entry) {
             let pictures = plan.pictures_of(entry, method);
@@ -59,7 +57,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 runner.tell(done + runs.len(), plan.len(), &what);
             };
             tell(&method.method);
-            let held = (&references, &plan.tolerance);
+            let held = (&references, &plan.tolerance, asked);
             let mut make = || {
                 let mut row = run(&own_job())?;
                 row.published_s = entry.published;
@@ -68,14 +66,23 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                     Some(own) => own,
                     none => {
                         tell(&"converged solution");
-                        let exact = &exact_modes[i];
-                        let schemes = [&exact[0].0, &tight[0].0].map(|s| job(s).key());
-                        let key = Key::new("converged solution").and(&schemes);
-                        let found = runner.piece(key, || of_model(&job, &row, exact, &tight));
+                        let candidates = candidates(&row, asked);
+                        // Neither the time that a run may take nor the machine has any part in it.
+                        let job = Job {
+                            timeout: NO_BOUND,
+                            ..job(method)
+                        };
+                        let key = Key::new("converged solution")
+                            .and_scene(job.scene, job.modelling)
+                            .and(&(job.t_end, job.grid, job.torques, &candidates));
+                        let found = runner.piece(key, || of_model(&job, &row, &candidates));
                         none.insert(found?)
                     }
                 };
-                measure_against(&mut row, plan, &references, own.as_ref());
+                // Of the reference itself and its model the converged solution is the judge.
+                let tolerance = (plan.tolerance.as_ref())
+                    .filter(|t| !(is_reference(entry) && t.against == entry.label));
+                measure_against(&mut row, method, tolerance, &references, own);
                 Ok::<_, RunError>(row)
             };
             let mut row = match runner.row(own_job().key().and(&held), method, &mut make) {
@@ -142,23 +149,26 @@ fn reference_of(entry: &Configuration, row: &Run, series: &TimeSeries) -> Refere
 
 fn measure_against(
     row: &mut Run,
-    plan: &Plan<'_>,
+    method: &Scheme,
+    tolerance: Option<&Tolerance>,
     references: &[ReferenceSeries],
-    converged: Option<&TimeSeries>,
+    own: &Found,
 ) {
     let Ok(run) = row.finished() else { return };
+    let own = match own {
+        Ok(own) => own.judges(method, row).map(|()| own),
+        Err(why) => Err(why.clone()),
+    };
     let mut metrics: Vec<Metrics> = (references.iter())
         .map(|r| compare_all(run, &r.all_series(), &r.id))
         .collect();
-    metrics.extend(converged.map(|own| measure(run, own, "self")));
+    metrics.extend((own.iter()).map(|own| measure(run, &own.series, SELF)));
     row.metrics.extend(metrics);
-    if let Some(own) = converged {
-        against_contact(row, own);
+    if let Ok(own) = &own {
+        row.own_solution = Some(own.by.clone());
+        against_contact(row, &own.series);
     }
-    if let Some(t) = &plan.tolerance {
-        against_tolerance(row, t);
-    }
-    against_itself(row, plan.tolerance.as_ref());
+    judge(row, tolerance, own.err().as_deref());
 }
 
 #[cfg(test)]

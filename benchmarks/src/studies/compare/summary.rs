@@ -41,14 +41,12 @@ pub fn summarise(results: &Results) {
         } else {
             format!("{:.2} s", r.wall_s)
         };
-        let outcome = match (r.status, r.against(against)) {
-            (Status::Converged | Status::Unchecked, Some(m)) => (m.get(metric))
-                .map_or("reached its end; no force to compare".into(), |e| {
-                    format!("{} %", short(100.0 * e, 3))
-                }),
-            (Status::Converged, None) => "reached its end within its own tolerance".into(),
-            (Status::Unchecked, None) => {
-                "unchecked: reached its end; nothing to hold it against".into()
+        let error = r.against(against).and_then(|m| m.get(metric));
+        let outcome = match (r.status, error) {
+            (Status::Converged, Some(e)) => format!("{} %", short(100.0 * e, 3)),
+            (Status::Unchecked, Some(e)) => {
+                let why = r.message.as_deref().unwrap_or("not judged");
+                format!("{} %, {why}", short(100.0 * e, 3))
             }
             // The scene shows this model for its error.
             (Status::Inaccurate, Some(m)) if is_excepted(results, r) => {
@@ -72,6 +70,9 @@ pub fn summarise(results: &Results) {
             outcome
         ));
     }
+    for (model, own) in own_solutions(results) {
+        say(&format!("{SELF} of {model}: {own}"));
+    }
     for (what, pair) in results.settings.iter().filter(|(what, _)| what == LEFT_OUT) {
         say(&format!("{what}: {pair}"));
     }
@@ -86,4 +87,27 @@ pub fn summarise(results: &Results) {
             results.runs.len()
         ));
     }
+    let count = |status| results.runs.iter().filter(|r| r.status == status).count();
+    let [inaccurate, unchecked] = [Status::Inaccurate, Status::Unchecked].map(count);
+    if results.tolerance.is_some() && inaccurate + unchecked > 0 {
+        say(&format!(
+            "of {} runs {inaccurate} are beyond the scene's tolerance, and {unchecked} were not judged by it: a run that was not judged has not passed",
+            results.runs.len()
+        ));
+    }
+}
+
+/// Models, each with the converged solution that its runs are judged by.
+fn own_solutions(results: &Results) -> Vec<(String, String)> {
+    let mut all: Vec<(String, String)> = Vec::new();
+    for run in &results.runs {
+        let Some(own) = &run.own_solution else {
+            continue;
+        };
+        let row = (run.model_label(), own.to_string());
+        if !all.contains(&row) {
+            all.push(row);
+        }
+    }
+    all
 }

@@ -138,9 +138,8 @@ fn plan<'a>(scene: &SceneFile, args: &Coupling, command: &str) -> Result<Plan<'a
         let time = built.characteristic_time(built.initial().at());
         let method = method(scene, &configuration, args.integrator.as_deref(), time)?;
         if method.method.info().linear_part && built.modal().is_none() {
-            return Err(refuse_run(RunError::NoLinearPart(
-                method.method.id().into(),
-            )));
+            let refused = RunError::no_linear_part(method.method.id(), &built, of.0);
+            return Err(refuse_run(refused));
         }
         // Without theory the runs are there all the same.
         let oscillator = oscillator(of.0, of.1, models(), &frames).ok().flatten();

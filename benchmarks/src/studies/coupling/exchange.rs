@@ -42,7 +42,7 @@ pub struct Bounds {
     pub events: bool,
     /// Steps of the gears, rejected ones included.
     pub max_steps: u64,
-    /// Wall-clock bound, if there is one.
+    /// Bound of processor time, if there is one.
     pub timeout: Option<Duration>,
     /// Energy that the coupling may make up before the run is given up [J].
     pub hopeless: f64,

@@ -8,7 +8,8 @@ use crate::experiment::runner::Runner;
 use crate::experiment::thin::thin_row;
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
 use gearbench_reports::metrics::compare as measure;
-use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
+use gearbench_reports::record::{Part, ReferenceSeries, Results, Run, SELF};
+use gearbench_reports::series::TimeSeries;
 
 /// The way out for a model without a penalty.
 pub(super) const TAKE_POINTS: &str = "take a model that touches with the points of its flanks: `contact = { penalty_pa_per_m = .. }`";
@@ -79,7 +80,9 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         let mut row = one(hard, 0, "hard contact")?;
         row.hard = Some(true);
         if let Some(series) = row.series.as_ref().filter(|_| !row.status.is_failure()) {
-            let metrics = row.finished().map(|run| measure(run, series, "hard"));
+            // The outputs alone: this run is the reference.
+            let none = TimeSeries::default();
+            let metrics = row.finished().map(|run| measure(run, &none, "hard"));
             references.push(ReferenceSeries {
                 id: "hard".into(),
                 title: "hard contact".into(),
@@ -97,11 +100,12 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         let what = format!("{}, {penalty:.1e} Pa/m", entry.label);
         let mut row = one(&entry, runs.len() + usize::from(last.is_some()), &what)?;
         row.penalty_pa_per_m = Some(penalty);
-        if let (Ok(run), Some(series)) = (row.finished(), &row.series) {
+        if let Ok(run) = row.finished() {
             // Without a limit to refer to, the outputs alone.
+            let none = TimeSeries::default();
             let (target, id) = match references.first() {
                 Some(r) => (&r.series, "hard"),
-                None => (series, "self"),
+                None => (&none, SELF),
             };
             let metrics = measure(run, target, id);
             row.metrics.push(metrics);

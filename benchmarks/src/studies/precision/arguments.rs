@@ -1,6 +1,6 @@
 //! Arguments of `precision`.
 
-use crate::cli::arguments::{Insist, Output};
+use crate::cli::arguments::{Budgeted, Insist, Output};
 use crate::cli::values::{DEFAULT_REPEATS, metric, number, positive, time};
 use clap::Args;
 use gearbench_reports::Metric;
@@ -16,7 +16,7 @@ Examples:
 Every model runs under every integrator at a series of steps or tolerances, coarse enough to fail, elastic models also
 with a series of mode counts. Errors against the model's own converged solution are those of the integrator; errors
 against a reference are those of the model. Failed and timed-out runs are rows, and crosses on their own edge of the
-charts. Cost is wall time without setup, and work: steps, force evaluations, factorisations.
+charts. Cost is processor time without setup, and work: steps, force evaluations, factorisations.
 
 References are the scene's stored one and its models `fe` on a fine step; each model is held against those that have
 its contact. Without any, the elastic model with the most modes takes their place. A reference named with --against
@@ -46,12 +46,16 @@ pub struct Precision {
     /// Timed repeats of every run, at least; short runs are repeated more often
     #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
-    /// Wall-clock bound of one integration in seconds; beyond it a run is recorded as a timeout, and finer ones are left out
+    /// Bound on the processor time of one integration in seconds; beyond it a run is recorded as a timeout, and finer ones
+    /// are left out
     ///
-    /// A reference may take ten times as long. Where a bound keeps it, or a model's own converged solution, from its
-    /// tolerance, the next coarser one is taken and the record and the terminal say so.
+    /// The time that recording takes does not count. References and converged solutions are bounded by their steps alone:
+    /// where these keep one from its tolerance, the next coarser one is taken and the record and the terminal say so.
     #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
     pub timeout: f64,
+    /// How long the whole study may take.
+    #[command(flatten)]
+    pub budget: Budgeted,
     /// Whether a reference of other gears will do.
     #[command(flatten)]
     pub insist: Insist,

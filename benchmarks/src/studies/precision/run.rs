@@ -1,41 +1,41 @@
 //! Runs of accuracy against cost.
 
 use super::plan::{Full, Plan, Variant};
-use crate::experiment::converged::{SMALL, converged, exact_for_modes, tight};
+use crate::experiment::budget::NOT_TRIED;
+use crate::experiment::converged::{
+    Candidate, Converged, Found, SMALL, candidates, converged, exact_for_modes,
+};
 use crate::experiment::key::Key;
-use crate::experiment::run::{Job, LEFT_OUT, RunError, run, run_timed};
+use crate::experiment::run::{Job, LEFT_OUT, NO_BOUND, RunError, run, run_timed};
 use crate::experiment::runner::Runner;
+use crate::experiment::status::judge;
 use crate::experiment::thin::thin;
-use gearbench_integrators::Resolution;
 use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::metrics::{compare as measure, compare_all};
 use gearbench_reports::precision::PrecisionRecord;
-use gearbench_reports::record::{Part, ReferenceSeries, Results, Run, SELF, Status};
+use gearbench_reports::record::{OwnSolution, Part, ReferenceSeries, Results, Run, SELF, Status};
 use gearbench_reports::series::TimeSeries;
 use std::fmt::Display;
-use std::time::Duration;
 
 #[cfg(test)]
 mod tests;
 
-/// Tolerances tried for the converged solution of gears with modes and the steps each may take. A hundredth of the
-/// finest tolerance of a series, where that is affordable.
-const EXACT_MODES: [(f64, u64); 3] = [(1e-6, 1_000_000), (1e-4, 2_500_000), (1e-3, 2_500_000)];
-/// Step of the converged solution of a full model that is no reference over the finest of its series.
-const FINER: f64 = 0.5;
-/// So many times longer than others a reference may take.
-const PATIENCE: u32 = 10;
+/// Tolerances tried for the converged solution of gears with modes and the steps each may take. A tenth of the finest
+/// tolerance of a series, where that is affordable.
+const EXACT_MODES: [(f64, u64); 3] = [(1e-6, 1_000_000), (1e-4, 1_500_000), (1e-3, 1_500_000)];
+/// Step of the converged solution of a full model that is no reference over the finest of its series: a method of second
+/// order then leaves a tenth of the error.
+const FINER: f64 = 0.3;
+/// Steps of a reference with a fixed step at most.
+const MOST_STEPS: u64 = 20_000_000;
 
 /// The setting that says which resolutions were left out.
 const TOO_FINE: &str = "left out: finer than a run that took too long";
 /// The setting that says whose converged solution is coarser than it should be.
 pub(super) const COARSE: &str = "converged less far than they should be";
 /// The setting that says whose errors of integration are unknown.
-const UNKNOWN: &str = "without a converged solution in the time of a run";
-
-/// A converged solution of gears with modes.
-type Exact = Option<(Scheme, TimeSeries)>;
+const UNKNOWN: &str = "without a converged solution";
 
 /// Runs the study.
 ///
@@ -47,34 +47,36 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
         grid: plan.conditions.grid(),
     };
     let mut notes: Vec<(String, String)> = Vec::new();
-    let mut computed: Vec<(ReferenceSeries, TimeSeries)> = Vec::new();
+    let mut computed: Vec<(ReferenceSeries, Converged)> = Vec::new();
     for full in &plan.fulls {
         let what = format!("reference {}", full.id);
+        if runner.budget().is_spent() {
+            return Err(RunError::Reference(format!(
+                "the budget of {} is spent before the reference {}; allow more (--budget), or name another reference (--against)",
+                runner.budget().described(),
+                full.id
+            )));
+        }
         runner.tell(computed.len(), plan.len(), &what);
         let entry = &full.entry;
         let key = Key::new("reference")
             .and_scene(&entry.scene, &entry.modelling)
-            .and(&(&full.method, &study.grid, plan.conditions.timeout));
-        let (record, series, short) = runner.piece(key, || study.reference(full))?;
-        if let Some(rtol) = short {
-            let bound = study.patient().as_secs_f64();
-            note(
-                &mut notes,
-                COARSE,
-                told_short(&format!("the reference {}", full.id), rtol, bound),
-            );
+            .and(&(&full.method, &study.grid));
+        let (record, found) = runner.piece(key, || study.reference(full))?;
+        if let Some(short) = short_of(&found, &format!("the reference {}", full.id)) {
+            note(&mut notes, COARSE, short);
         }
-        computed.push((record, series));
+        computed.push((record, found));
     }
     let mut references: Vec<(&str, Vec<&TimeSeries>)> = Vec::new();
     references.extend((plan.external.iter()).map(|e| (e.id.as_str(), e.all_series())));
-    references.extend((computed.iter()).map(|(r, s)| (r.id.as_str(), vec![s])));
+    references.extend((computed.iter()).map(|(r, own)| (r.id.as_str(), vec![&own.series])));
 
     let full_names: Vec<String> = plan.fulls.iter().map(|f| format!("{f:?}")).collect();
     let mut runs: Vec<Run> = Vec::with_capacity(plan.len());
     let mut done = plan.fulls.len();
     for variant in &plan.variants {
-        let mut own: Option<Option<TimeSeries>> = None;
+        let mut own: Option<Found> = None;
         // Integrators that cannot run this model, or whose steps have become too many.
         let mut closed: Vec<MethodSpec> = Vec::new();
         for method in &variant.methods {
@@ -83,6 +85,11 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
                 continue;
             }
             let label = variant.label();
+            if runner.budget().is_spent() {
+                let rest = format!("{label} under {}", method.described());
+                note(&mut notes, NOT_TRIED, rest);
+                continue;
+            }
             let tell = |what: &dyn Display| {
                 runner.tell(done - 1, plan.len(), &format!("{label}, {what}"));
             };
@@ -97,20 +104,21 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
                         tell(&"converged solution");
                         let key = Key::new("converged solution")
                             .and_scene(job.scene, job.modelling)
-                            .and(&(&study.grid, plan.conditions.timeout));
-                        let found =
-                            runner.piece(key, || study.own_solution(variant, &row, &references));
-                        let (found, short) = found?;
-                        if let Some(rtol) = short {
-                            let bound = plan.conditions.timeout.as_secs_f64();
-                            note(&mut notes, COARSE, told_short(&label, rtol, bound));
-                        } else if found.is_none() {
-                            note(&mut notes, UNKNOWN, label.clone());
+                            .and(&(&study.grid, &variant.methods));
+                        let found: Found =
+                            runner.piece(key, || study.own_solution(variant, &row, &computed))?;
+                        match &found {
+                            Ok(own) => {
+                                if let Some(short) = short_of(own, &label) {
+                                    note(&mut notes, COARSE, short);
+                                }
+                            }
+                            Err(why) => note(&mut notes, UNKNOWN, format!("{label}: {why}")),
                         }
                         none.insert(found)
                     }
                 };
-                measure_against(&mut row, variant, &references, own.as_ref());
+                measure_against(&mut row, variant, method, &references, own);
                 Ok::<_, RunError>(row)
             };
             let mut row = match runner.row(job.key().and(&held), method, make) {
@@ -136,6 +144,9 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
             runs.push(row);
         }
     }
+    if let Some((_, rest)) = notes.iter_mut().find(|(what, _)| what == NOT_TRIED) {
+        *rest = format!("{}: {rest}", runner.budget().described());
+    }
     runner.tell(done, plan.len(), "report");
     let computed = computed.into_iter().map(|(r, _)| r);
     Ok(Results {
@@ -148,20 +159,19 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
     })
 }
 
-/// A solution that has a coarser tolerance than the first in words.
-fn told_short(whose: &str, rtol: f64, bound: f64) -> String {
-    format!(
-        "{whose} to {rtol:.0e} in place of {:.0e}, which did not end in {bound} s, or in its steps: runs at finer tolerances are less off than is told",
-        EXACT_MODES[0].0
-    )
-}
-
-/// The tolerance of a solution of gears with modes, where it is coarser than it should be.
-fn short_of(found: &Exact) -> Option<f64> {
-    match found.as_ref()?.0.resolution {
-        Resolution::Tolerance(r) if r > EXACT_MODES[0].0 => Some(r),
-        _ => None,
-    }
+/// What to know of the solution of gears with modes, where it is coarser than it should be.
+fn short_of(found: &Converged, whose: &str) -> Option<String> {
+    let exact = exact_for_modes(EXACT_MODES[0].0);
+    let (wanted, steps) = EXACT_MODES[0];
+    let steps = steps as f64;
+    (found.by.integrator == exact.method.to_string())
+        .then_some(found.by.rtol?)
+        .filter(|rtol| *rtol > wanted)
+        .map(|rtol| {
+            format!(
+                "{whose} to {rtol:.0e} in place of {wanted:.0e}, which takes more than {steps:.0e} steps: runs that are not ten times coarser have no error of integration"
+            )
+        })
 }
 
 /// Adds a setting, or to the one of its name.
@@ -195,17 +205,24 @@ fn fill(row: &mut Run, variant: &Variant) {
 fn measure_against(
     row: &mut Run,
     variant: &Variant,
+    method: &Scheme,
     references: &[(&str, Vec<&TimeSeries>)],
-    own: Option<&TimeSeries>,
+    own: &Found,
 ) {
     let mut metrics = Vec::new();
+    let own = match own {
+        Ok(own) => own.judges(method, row).map(|()| own),
+        Err(why) => Err(why.clone()),
+    };
     if let Ok(run) = row.finished() {
         let held = (references.iter()).filter(|(id, _)| variant.against.iter().any(|a| a == id));
         metrics.extend(held.map(|(id, all)| compare_all(run, all, id)));
-        metrics.extend(own.map(|own| measure(run, own, SELF)));
+        metrics.extend((own.iter()).map(|own| measure(run, &own.series, SELF)));
+        row.own_solution = own.as_ref().ok().map(|own| own.by.clone());
     }
     row.metrics.extend(metrics);
     row.series = None;
+    judge(row, None, own.err().as_deref());
 }
 
 struct Study<'a> {
@@ -218,139 +235,104 @@ impl Study<'_> {
         self.plan.conditions.job(of, method, &self.grid)
     }
 
-    /// The time of a reference.
-    fn patient(&self) -> Duration {
-        PATIENCE * self.plan.conditions.timeout
+    /// A job whose end no clock decides: all that runs are compared with is bounded by its work alone.
+    fn unhurried<'j>(&'j self, of: (&'j SceneSpec, &'j Modelling), method: &'j Scheme) -> Job<'j> {
+        Job {
+            repeats: 0,
+            timeout: NO_BOUND,
+            max_steps: MOST_STEPS,
+            events: true,
+            ..self.job(of, method)
+        }
     }
 
-    /// A reference as the record keeps it, its whole history, and its tolerance where it is coarser than it should be.
-    fn reference(
-        &self,
-        full: &Full,
-    ) -> Result<(ReferenceSeries, TimeSeries, Option<f64>), RunError> {
+    /// A reference as the record keeps it, and its whole history.
+    fn reference(&self, full: &Full) -> Result<(ReferenceSeries, Converged), RunError> {
         let entry = &full.entry;
-        let mut short = None;
-        let (series, method, dofs) = match &full.method {
+        let of = (&entry.scene, &entry.modelling);
+        let mut coordinates = String::new();
+        let found = match &full.method {
             Some(method) => {
-                let row = run(&Job {
-                    repeats: 0,
-                    timeout: self.patient(),
-                    max_steps: u64::MAX,
-                    events: true,
-                    ..self.job((&entry.scene, &entry.modelling), method)
-                })?;
-                if row.status.is_failure() {
-                    return Err(RunError::Reference(format!(
-                        "{} under {} did not reach the end: {}",
-                        full.id,
-                        method.method,
+                let row = run(&self.unhurried(of, method))?;
+                coordinates = format!("{} coordinates ", row.dofs);
+                let by = OwnSolution {
+                    integrator: row.integrator,
+                    step: row.step,
+                    rtol: row.rtol,
+                    steps: row.steps,
+                };
+                match row.series.filter(|_| !row.status.is_failure()) {
+                    Some(series) => Ok(Converged { by, series }),
+                    None => Err(format!(
+                        "{}: {}",
+                        method.described(),
                         row.message.as_deref().unwrap_or("no reason given")
-                    )));
+                    )),
                 }
-                (row.series, *method, row.dofs)
             }
-            None => {
-                let found = self.exact((&entry.scene, &entry.modelling), self.patient())?;
-                short = short_of(&found);
-                let (method, series) = found.unzip();
-                (
-                    series,
-                    method.unwrap_or_else(|| exact_for_modes(EXACT_MODES[0].0)),
-                    0,
-                )
-            }
+            None => converged(
+                &self.unhurried(of, &exact_for_modes(EXACT_MODES[0].0)),
+                &exact_modes(),
+            )?,
         };
-        let Some(series) = series else {
-            return Err(RunError::Reference(format!(
-                "{}, which the others would be held against, has no converged solution: it may take {} s, {PATIENCE} times the bound of a run, and {} steps at a tolerance of {:.0e}; allow more (--timeout), shorten the scene ([study.precision] duration_s), or name another reference (--against)",
+        let own = found.map_err(|why| {
+            RunError::Reference(format!(
+                "{}, which the others would be compared with, has no converged solution: {why}; shorten the scene ([study.precision] duration_s), or name another reference (--against)",
                 full.id,
-                self.patient().as_secs_f64(),
-                EXACT_MODES[2].1,
-                EXACT_MODES[2].0
-            )));
-        };
-        let resolution = match method.resolution {
-            Resolution::Step(h) => format!("step {h:.1e} s"),
-            Resolution::Tolerance(r) => format!("rtol {r:.0e}"),
-        };
-        let coordinates = if dofs > 0 {
-            format!("{dofs} coordinates ")
-        } else {
-            String::new()
-        };
+            ))
+        })?;
         let record = ReferenceSeries {
             id: full.id.clone(),
             title: full.title.clone(),
-            source: format!(
-                "computed for this record: {coordinates}under {}, {resolution}",
-                method.method
-            ),
-            series: thin(&series),
+            source: format!("computed for this record: {coordinates}under {}", own.by),
+            series: thin(&own.series),
             ..ReferenceSeries::default()
         };
-        Ok((record, series, short))
+        Ok((record, own))
     }
 
-    /// The converged solution of gears with modes, by the finest tolerance that a time allows.
-    fn exact(&self, of: (&SceneSpec, &Modelling), timeout: Duration) -> Result<Exact, RunError> {
-        for (rtol, steps) in EXACT_MODES {
-            let tries = [(exact_for_modes(rtol), steps)];
-            let job = |method| Job {
-                timeout,
-                ..self.job(of, method)
-            };
-            if let Some(series) = converged(&job, 1, &tries)? {
-                let [(method, _)] = tries;
-                return Ok(Some((method, series)));
-            }
-        }
-        Ok(None)
-    }
-
-    /// The model's own converged solution, and its tolerance where it is coarser than it should be; `row` says how large
-    /// the model is.
+    /// The model's own converged solution; `row` says how large the model is.
     fn own_solution(
         &self,
         variant: &Variant,
         row: &Run,
-        references: &[(&str, Vec<&TimeSeries>)],
-    ) -> Result<(Option<TimeSeries>, Option<f64>), RunError> {
+        computed: &[(ReferenceSeries, Converged)],
+    ) -> Result<Found, RunError> {
         let entry = &variant.entry;
         // A model that is a reference has its converged solution already.
         let reference = self.plan.fulls.iter().find(|f| {
             f.entry.label == entry.label
                 && (f.method.is_some() || f.entry.modelling.gears == entry.modelling.gears)
         });
-        if let Some(full) = reference {
-            let found = references.iter().find(|(id, _)| *id == full.id);
-            let whole = found.and_then(|(_, all)| all.first());
-            return Ok((whole.map(|series| (*series).clone()), None));
+        if let Some(full) = reference
+            && let Some((_, own)) = computed.iter().find(|(r, _)| r.id == full.id)
+        {
+            return Ok(Ok(own.clone()));
         }
-        if row.modes.is_some() {
-            let of = (&entry.scene, &entry.modelling);
-            match self.exact(of, self.plan.conditions.timeout) {
-                // Terms of rotation couple the modes.
-                Err(RunError::NoLinearPart(_)) => {}
-                found => {
-                    let found = found?;
-                    let short = short_of(&found);
-                    return Ok((found.map(|(_, series)| series), short));
-                }
-            }
-        }
-        let job = |method| Job {
-            timeout: self.patient(),
-            ..self.job((&entry.scene, &entry.modelling), method)
+        let of = (&entry.scene, &entry.modelling);
+        let tries: Vec<Candidate> = if row.modes.is_some() {
+            let others = candidates(row, &variant.methods);
+            exact_modes().into_iter().chain(others).collect()
+        } else if row.dofs <= SMALL {
+            candidates(row, &variant.methods)
+        } else {
+            // A full model: its own integrator at a part of the finest step.
+            let steps = (variant.methods.iter()).filter_map(|m| Some((m.resolution.step()?, m)));
+            let finest = steps.min_by(|a, b| a.0.total_cmp(&b.0));
+            (finest.into_iter())
+                .map(|(h, m)| (m.method.at_step(FINER * h), MOST_STEPS))
+                .collect()
         };
-        if row.dofs <= SMALL {
-            return Ok((converged(&job, row.dofs, &tight())?, None));
+        match tries.first() {
+            Some((method, _)) => converged(&self.unhurried(of, method), &tries),
+            None => Ok(Err("no method with a fixed step to compute it with".into())),
         }
-        // A full model: its own integrator on half the finest step.
-        let steps = (variant.methods.iter()).filter_map(|m| Some((m.resolution.step()?, m)));
-        let Some((h, method)) = steps.min_by(|a, b| a.0.total_cmp(&b.0)) else {
-            return Ok((None, None));
-        };
-        let own = converged(&job, 1, &[(method.method.at_step(FINER * h), u64::MAX)])?;
-        Ok((own, None))
     }
+}
+
+/// Candidates for the converged solution of gears with modes.
+fn exact_modes() -> Vec<Candidate> {
+    let all = EXACT_MODES.into_iter();
+    all.map(|(rtol, steps)| (exact_for_modes(rtol), steps))
+        .collect()
 }

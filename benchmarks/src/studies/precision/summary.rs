@@ -1,9 +1,10 @@
 //! What the terminal says of a record of `precision`.
 
 use super::run::COARSE;
+use crate::experiment::budget::NOT_TRIED;
 use crate::cli::terminal::say;
 use gearbench_reports::numbers::{percent, quantity};
-use gearbench_reports::precision::{Cost, LEVELS, Precision as Told, family, modes_and_step};
+use gearbench_reports::precision::{Cost, LEVELS, cost_s, Precision as Told, family, modes_and_step};
 use gearbench_reports::record::{Results, SELF, Status};
 
 /// The front against every reference, and who leads.
@@ -11,7 +12,7 @@ pub fn summarise(results: &Results) {
     let told = Told::of(results);
     for id in &told.references {
         let metric = told.headline_against(id);
-        let cloud = told.cloud(id, metric, Cost::Wall);
+        let cloud = told.cloud(id, metric, Cost::Processor);
         if cloud.shown.is_empty() {
             continue;
         }
@@ -22,7 +23,7 @@ pub fn summarise(results: &Results) {
             say(&format!(
                 "  {:>10} %  {:>9}  {} ({}){fitted}",
                 percent(s.point.error, 3),
-                quantity(s.run.wall_s, "s", 3),
+                quantity(cost_s(s.run), "s", 3),
                 family(s.run),
                 modes_and_step(s.run)
             ));
@@ -65,13 +66,14 @@ pub fn summarise(results: &Results) {
             say(&format!(
                 "  {:>10}  {:>9}  {} ({})",
                 own.map_or("unknown".into(), |e| format!("{} %", percent(e, 3))),
-                quantity(r.wall_s, "s", 3),
+                quantity(cost_s(r), "s", 3),
                 family(r),
                 modes_and_step(r)
             ));
         }
     }
-    for (what, which) in results.settings.iter().filter(|(what, _)| what == COARSE) {
+    let shown = |what: &str| what == COARSE || what == NOT_TRIED;
+    for (what, which) in results.settings.iter().filter(|(what, _)| shown(what)) {
         say(&format!("{what}: {which}"));
     }
     let failed = (results.runs.iter())

@@ -55,7 +55,7 @@ pub struct RunUp {
     /// Samples of the run
     #[arg(long, value_name = "N", default_value_t = 1 << 18, value_parser = clap::value_parser!(u32).range(1024..=16_777_216))]
     pub samples: u32,
-    /// Wall-clock bound of a run in seconds [default: none]
+    /// Bound on the processor time of a run in seconds [default: none]
     #[arg(long, value_name = "S", value_parser = positive)]
     pub timeout: Option<f64>,
     /// Where results go.

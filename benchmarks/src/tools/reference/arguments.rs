@@ -4,7 +4,7 @@ use crate::cli::values::{number, positive};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Wall-clock bound of one integration [s]: references take their time.
+/// Bound on the processor time of one integration [s]: references take their time.
 const PATIENT: f64 = 3600.0;
 
 const EXAMPLES: &str = "\
@@ -73,7 +73,7 @@ pub struct Reference {
     /// Hold it out of identification (role = "validate")
     #[arg(long)]
     pub validate: bool,
-    /// Wall-clock bound of one integration in seconds
+    /// Bound on the processor time of one integration in seconds
     #[arg(long, value_name = "S", default_value_t = PATIENT, value_parser = positive)]
     pub timeout: f64,
 }

@@ -80,6 +80,10 @@ impl LinearMotion for Elastic {
             .then_some(Oscillators { omega, zeta })
     }
 
+    fn spins(&self) -> bool {
+        self.spinning().is_some()
+    }
+
     fn add_other_forces(&self, at: At<'_>, f: &mut [f64]) {
         self.add_modal_inertia(at.t, f);
         self.add_bearing(at, false, f);

@@ -13,7 +13,7 @@ pub fn tables(results: &Results) -> Vec<CsvTable> {
     let study = Precision::of(results);
     let clouds: Vec<Cloud<'_>> = (study.references.iter().map(String::as_str))
         .chain([SELF])
-        .map(|id| study.cloud(id, study.headline_against(id), Cost::Wall))
+        .map(|id| study.cloud(id, study.headline_against(id), Cost::Processor))
         .collect();
     // The front of each reference, of the model's own converged solution that of each model.
     let on_front = |(r, m): &Row<'_>| {

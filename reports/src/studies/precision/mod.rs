@@ -33,8 +33,8 @@ pub struct PrecisionRecord {
 /// What a run is charged with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cost {
-    /// Wall time \[s\].
-    Wall,
+    /// Processor time \[s\].
+    Processor,
     /// Evaluations of the force.
     Evaluations,
 }
@@ -43,10 +43,18 @@ impl Cost {
     /// The cost of a run, if it was measured.
     pub fn of(self, run: &Run) -> Option<f64> {
         let x = match self {
-            Cost::Wall => run.wall_s,
+            Cost::Processor => cost_s(run),
             Cost::Evaluations => run.force_evaluations as f64,
         };
         (x.is_finite() && x > 0.0).then_some(x)
+    }
+}
+
+/// Processor time of a run \[s\]; of a record without it the wall time.
+pub fn cost_s(run: &Run) -> f64 {
+    match run.cpu_s {
+        x if x.is_finite() => x,
+        _ => run.wall_s,
     }
 }
 
@@ -305,7 +313,7 @@ impl Standing<'_, '_> {
             "{} ({}) {}",
             run.model_label(),
             modes_and_step(run),
-            quantity(run.wall_s, "s", 2).replace('\u{a0}', " ")
+            quantity(cost_s(run), "s", 2).replace('\u{a0}', " ")
         )
     }
 

@@ -1,7 +1,7 @@
 //! Finding and tables of a study of accuracy against cost.
 
 use super::pareto::cheapest;
-use super::{Cloud, Cost, LEVELS, Precision, Shown, family, modes_and_step};
+use super::{Cloud, Cost, LEVELS, Precision, Shown, cost_s, family, modes_and_step};
 use crate::markup::table::Table;
 use crate::markup::{failed_of, note, runs as common, section};
 use crate::numbers::{self, count, counted, per_cent, quantity};
@@ -32,7 +32,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
             match cloud.cheapest(*limit, |s| !s.is_fitted()) {
                 Some(s) => html! {
                     "within " (text) " " b { (s.run.model_label()) } " under " (s.run.integrator) " ("
-                    (modes_and_step(s.run)) ", " (quantity(s.run.wall_s, "s", 2)) ")"
+                    (modes_and_step(s.run)) ", " (quantity(cost_s(s.run), "s", 2)) ")"
                 },
                 None => html! { "within " (text) " nothing" },
             }
@@ -59,7 +59,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
 /// The points against every reference that has any.
 fn clouds<'a>(study: &Precision<'a>) -> Vec<Cloud<'a>> {
     let metric = study.headline();
-    let all = (study.references.iter()).map(|id| study.cloud(id, metric, Cost::Wall));
+    let all = (study.references.iter()).map(|id| study.cloud(id, metric, Cost::Processor));
     all.filter(|c| !c.shown.is_empty()).collect()
 }
 
@@ -89,7 +89,7 @@ pub fn tables(view: &View<'_>) -> Markup {
                 h2 { "Cheapest run of each model against " (reference) }
                 (within(&study, cloud))
                 p.note {
-                    "Least wall time among the runs within the limit of the " (metric.words()) "; a dash: none gets there."
+                    "Least processor time among the runs within the limit of the " (metric.words()) "; a dash: none gets there."
                     @if cloud.has_fitted() {
                         " A model that was fitted to this very history is not predicted by it: its error is the rest of the fit."
                     }
@@ -100,7 +100,7 @@ pub fn tables(view: &View<'_>) -> Markup {
                 h2 { "Pareto front against " (reference) }
                 (front(cloud))
                 p.note {
-                    "Runs that no other beats in wall time and in " (metric.words()) " at once"
+                    "Runs that no other beats in processor time and in " (metric.words()) " at once"
                     @if cloud.has_fitted() {
                         ", fitted models included; a check stands where a run is on the front of the models that were not \
                          fitted to this history"
@@ -170,7 +170,7 @@ fn front(cloud: &Cloud<'_>) -> Markup {
         .percents("Error", 3, |i| cloud.shown[*i].point.error)
         .result()
         // From microseconds to seconds: each time with its own prefix.
-        .written("Wall time", "", |i| quantity(run(i).wall_s, "s", 3))
+        .written("Processor time", "", |i| quantity(cost_s(run(i)), "s", 3))
         .result()
         .text("Fitted to", |i| run(i).fitted_to.clone())
         .result()
@@ -204,7 +204,7 @@ fn within(study: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
             let kept: Vec<&Shown<'_>> = of(*m).collect();
             let points: Vec<_> = kept.iter().map(|s| s.point).collect();
             let run = kept[cheapest(&points, limit)?].run;
-            let time = quantity(run.wall_s, "s", 2);
+            let time = quantity(cost_s(run), "s", 2);
             Some(format!(
                 "{time} ({}, {})",
                 run.integrator,
@@ -250,7 +250,7 @@ pub fn runs(view: &View<'_>) -> Markup {
         table = table.result();
     }
     let table = table
-        .numbers("Wall time", "s", 3, |(r, ..)| r.wall_s)
+        .numbers("Processor time", "s", 3, |(r, ..)| cost_s(r))
         .result()
         .ranges("Wall time, least \u{2013} greatest", "s", 3, |(r, ..)| {
             r.wall_spread_s

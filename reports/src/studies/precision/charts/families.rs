@@ -20,8 +20,8 @@ pub(super) fn families(
     against: &str,
     metric: Metric,
 ) -> Result<Option<Chart>, DrawError> {
-    let cloud = study.cloud(against, metric, Cost::Wall);
-    let Some(scale) = Scale::of(cloud.shown.iter().map(|s| s.point), Cost::Wall) else {
+    let cloud = study.cloud(against, metric, Cost::Processor);
+    let Some(scale) = Scale::of(cloud.shown.iter().map(|s| s.point), Cost::Processor) else {
         return Ok(None);
     };
     let mut names: Vec<String> = Vec::new();

@@ -21,7 +21,7 @@ pub(super) fn integration(
     metric: Metric,
 ) -> Result<Option<Chart>, DrawError> {
     let metric = metric_against(study.results, SELF, metric);
-    let cloud = study.cloud(SELF, metric, Cost::Wall);
+    let cloud = study.cloud(SELF, metric, Cost::Processor);
     let mut panels: Vec<(usize, Option<usize>, Vec<&Shown<'_>>)> = Vec::new();
     for style in 0..study.models.len() {
         let of: Vec<&Shown<'_>> = cloud.shown.iter().filter(|s| s.style == style).collect();
@@ -32,7 +32,7 @@ pub(super) fn integration(
         }
     }
     let points = panels.iter().flat_map(|p| p.2.iter().map(|s| s.point));
-    let Some(whole) = Scale::of(points.collect::<Vec<_>>().into_iter(), Cost::Wall) else {
+    let Some(whole) = Scale::of(points.collect::<Vec<_>>().into_iter(), Cost::Processor) else {
         return Ok(None);
     };
     let gap = 62.0;
@@ -44,7 +44,7 @@ pub(super) fn integration(
     let shown = panels.iter().flat_map(|p| &p.2);
     let numbers = Numbers::of(shown.map(|s| s.run.integrator.as_str()));
     let top = scatter::key_height(&models) + ABOVE;
-    let title = "What integrators lose, model by model, over wall time";
+    let title = "What integrators lose, model by model, over processor time";
     let pitch = SMALL + 34.0 + ABOVE;
     let below = top + pitch * rows as f64 + 14.0;
     let svg = draw(WIDTH, below + numbers.height(), title, |c| {
@@ -54,7 +54,7 @@ pub(super) fn integration(
             let x0 = LEFT + (k % 2) as f64 * (width + gap);
             let y0 = top + pitch * (k / 2) as f64;
             let area = Rect::new(x0, y0, x0 + width, y0 + SMALL);
-            let Some(own) = Scale::of(shown.iter().map(|s| s.point), Cost::Wall) else {
+            let Some(own) = Scale::of(shown.iter().map(|s| s.point), Cost::Processor) else {
                 continue;
             };
             let scale = Scale {

@@ -41,7 +41,7 @@ pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
         all_runs(view, &study, (against, metric, cost), file)
     };
     for (i, id) in study.references.iter().enumerate() {
-        charts.extend(one(id, metric, Cost::Wall, numbered("model", i))?);
+        charts.extend(one(id, metric, Cost::Processor, numbered("model", i))?);
     }
     charts.extend(integration(&study, metric)?);
     let work = "precision_work.svg".to_owned();
@@ -49,7 +49,7 @@ pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
         charts.extend(families(view, &study, first, metric)?);
         charts.extend(one(first, metric, Cost::Evaluations, work)?);
         for (i, further) in study.metrics.iter().enumerate().skip(1) {
-            charts.extend(one(first, *further, Cost::Wall, numbered("metric", i))?);
+            charts.extend(one(first, *further, Cost::Processor, numbered("metric", i))?);
         }
     } else {
         charts.extend(one(SELF, metric, Cost::Evaluations, work)?);
@@ -76,7 +76,7 @@ struct Scale {
 impl Scale {
     fn of(points: impl Iterator<Item = Point> + Clone, cost: Cost) -> Option<Self> {
         let (factor, x_name) = match cost {
-            Cost::Wall => (1e3, "wall time [ms]"),
+            Cost::Processor => (1e3, "processor time [ms]"),
             Cost::Evaluations => (1.0, "force evaluations"),
         };
         let x = extremes(points.clone().map(|p| factor * p.cost));
@@ -154,7 +154,7 @@ fn all_runs(
     let area = Rect::new(LEFT, top + strip, WIDTH - RIGHT, top + strip + PLOT);
     let reference = view.reference_name(against);
     let over = match cost {
-        Cost::Wall => "wall time",
+        Cost::Processor => "processor time",
         Cost::Evaluations => "force evaluations",
     };
     let title = format!(
@@ -209,7 +209,7 @@ fn all_runs(
 
 fn caption(reference: &str, metric: Metric, cost: Cost, fitted: bool, own: bool) -> String {
     let what = match cost {
-        Cost::Wall => "wall time, median of the repeats without setup",
+        Cost::Processor => "processor time, median of the repeats without setup",
         Cost::Evaluations => {
             "evaluations of the contact forces, which a noisy machine does not change; one of a larger model takes longer"
         }

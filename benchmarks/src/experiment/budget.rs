@@ -1,0 +1,69 @@
+//! The processor time that a whole study may take.
+//!
+//! All threads of the process count, set-up included: meshes and modes are computed on several threads. A study asks
+//! before each piece whether there is time left; what it does not try is named in its record, and its answer is of what
+//! was tried. What an earlier start has finished costs nothing.
+
+use gearbench_integrators::clock::processor_time_of_all_threads;
+use std::time::{Duration, Instant};
+
+/// The setting that names what a study did not try.
+pub const NOT_TRIED: &str = "not tried within the budget";
+
+/// A bound on the processor time of a study.
+#[derive(Clone, Copy, Debug)]
+pub struct Budget {
+    limit: Duration,
+    processor: Option<Duration>,
+    wall: Instant,
+}
+
+impl Budget {
+    /// A bound that begins now.
+    pub fn new(limit: Duration) -> Budget {
+        Budget {
+            limit,
+            processor: processor_time_of_all_threads(),
+            wall: Instant::now(),
+        }
+    }
+
+    /// No bound.
+    pub fn unlimited() -> Budget {
+        Budget::new(Duration::MAX)
+    }
+
+    /// Time that is left; wall time is counted where the system reports no processor time.
+    pub fn left(&self) -> Duration {
+        let spent = match (self.processor, processor_time_of_all_threads()) {
+            (Some(from), Some(now)) => now.saturating_sub(from),
+            _ => self.wall.elapsed(),
+        };
+        self.limit.saturating_sub(spent)
+    }
+
+    /// Whether nothing more may begin.
+    pub fn is_spent(&self) -> bool {
+        self.left().is_zero()
+    }
+
+    /// The bound, in words.
+    pub fn described(&self) -> String {
+        format!("{} s of processor time (--budget)", self.limit.as_secs_f64())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_budget_is_spent_by_work() {
+        assert!(Budget::new(Duration::ZERO).is_spent());
+        assert!(!Budget::unlimited().is_spent());
+        let budget = Budget::new(Duration::from_secs(1000));
+        let before = budget.left();
+        let x = (0..100_000).fold(0.5_f64, |x, _| std::hint::black_box((x + 1.0).sin()));
+        assert!(x.is_finite() && budget.left() < before && !budget.is_spent());
+    }
+}
