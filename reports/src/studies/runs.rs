@@ -39,7 +39,7 @@ pub fn identity() -> [CsvColumn<'static, Run>; 17] {
 }
 
 /// What a run cost.
-pub fn work() -> [CsvColumn<'static, Run>; 11] {
+pub fn work() -> [CsvColumn<'static, Run>; 12] {
     [
         ("cpu_s", &|r| number(r.cpu_s)),
         ("wall_s", &|r| number(r.wall_s)),
