@@ -31,13 +31,14 @@ fn missed(name: &str, turns: &[f64], recorder: &Recorder, ramp: &Ramp) -> Option
     let reached = TAU * (turns[last] - turns[first]) / (end - start);
     let rate = (ramp.to - ramp.from) / ramp.over;
     let asked = ramp.from + rate * 0.5 * (start + end);
-    let left = (reached - asked).abs() / (ramp.to - ramp.from).abs();
-    (left > MISSED).then(|| {
+    let left = (reached - asked) / (ramp.to - ramp.from).abs();
+    (left.abs() > MISSED).then(|| {
+        let sense = if left < 0.0 { "below" } else { "above" };
         format!(
             "`{name}` does not follow the run-up: at its end it has {reached:.1} rad/s in place of {asked:.1}, {:.1} % of the change of speed \
-             less or more, of which {:.0} % is allowed; the driver balances the loads, but not what friction and vibration take: drive a hub \
+             {sense} it where {:.0} % is allowed; the driver balances the loads, but not what friction and vibration take: drive a hub \
              (mount = {{ driven = {{ speed_rad_s = .. }} }}), whose speed is then the ramp of --from and --to",
-            100.0 * left,
+            100.0 * left.abs(),
             100.0 * MISSED
         )
     })
