@@ -73,8 +73,9 @@ impl<'a> Runner<'a> {
 
     /// The same within a budget, which counts from when it was made.
     #[must_use]
-    pub fn within(self, budget: Budget) -> Self {
-        Runner { budget, ..self }
+    pub fn within(mut self, budget: Budget) -> Self {
+        self.budget = budget;
+        self
     }
 
     /// The processor time that the study may take.

@@ -8,7 +8,7 @@ use super::channels;
 use super::direct::Follows;
 use super::hubs::hub_of;
 use super::linear_path::OneSpring;
-use super::members::{SceneGear, SceneMesh};
+use super::members::{ActingFlanks, SceneGear, SceneMesh};
 use super::mesh_assembly::{friction_of, lines_of_action};
 use super::nodal::Nodal;
 use super::placement::{assemble, check_start, views};
@@ -185,6 +185,10 @@ impl Scene {
             let k_max = search.stiffness.maximum().1;
             scales.add(spec, mesh, &gears, k_max);
             let on_lines = search.clearances();
+            let acting = Side::BOTH.map(|side| ActingFlanks {
+                middle: search.middle_of(side),
+                gap: search.assembled_gap(side),
+            });
             let with_flanks = mesh
                 .gears
                 .iter()
@@ -220,6 +224,7 @@ impl Scene {
             meshes.push(SceneMesh {
                 gears: mesh.gears,
                 towards,
+                acting,
                 axis: geometry.axes[2],
                 search,
                 law,
@@ -359,6 +364,7 @@ impl Scene {
             (&mass, of_guides, scales.magnitudes().speed),
         );
         let carriers = Carriers::new(sets, &gears);
+        carriers.carry_along(&mut initial);
         let mut scene = Scene {
             oscillators: carriers.is_empty() && gears.iter().all(linear),
             gears,

@@ -153,6 +153,16 @@ impl SceneGear {
     }
 }
 
+/// Flanks of one side of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ActingFlanks {
+    /// The point halfway along the path of contact and of the width [m], and the normal from the first gear to the second there;
+    /// none where the mesh has no line of action.
+    pub middle: Option<(Vec3, Vec3)>,
+    /// Gap at the assembled position [m].
+    pub gap: f64,
+}
+
 /// A mesh in the scene.
 pub struct SceneMesh {
     /// Indices of the gears; the first is never a rack.
@@ -162,6 +172,8 @@ pub struct SceneMesh {
     /// Ways of the flanks towards each other along the line of action by a unit of the hubs' own motion: effective base radii, of
     /// an internal gear below zero; a rack recedes as its mate approaches.
     pub towards: [f64; 2],
+    /// Its left and its right flanks.
+    pub(super) acting: [ActingFlanks; 2],
     /// Finds candidate points.
     pub search: Search,
     /// Normal law.

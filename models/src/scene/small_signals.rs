@@ -8,13 +8,15 @@
 //! displacement lies; and the stiffness of the scene as a mechanism, whose null space are its rigid motions.
 //!
 //! The mechanism is what stays whatever the loads: bodies, bearings as if without clearance, shafts, and each mesh as a
-//! spring along its line of action between hubs, closed or not. Under load a rigid motion has a small stiffness of its own,
+//! spring between hubs, closed or not, along the line of action of the flanks that touch, or are nearest to touching. It
+//! acts on all free directions of both hubs, so that a hub without a bearing floats on its meshes. Under load a rigid motion has a small stiffness of its own,
 //! by how the stiffness of teeth changes along the path of contact, which is none of a train that runs.
 
 use super::assembled::Scene;
 use super::carriers::RelativeState;
 use super::contacts::ContactForce;
 use super::shafts::Way;
+use crate::geometry::Side;
 use gearbench_integrators::system::{At, SecondOrderSystem, State};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -42,6 +44,12 @@ pub struct Mechanism {
     pub stiffness: DMatrix<f64>,
     /// Rate of the forces that driven hubs make in it while all others stand still.
     pub driven: Vec<f64>,
+}
+
+/// A mesh of the mechanism: the coordinates that close it, their weights, and its stiffness [N/m].
+struct MeshSpring {
+    row: Vec<(usize, f64)>,
+    stiffness: f64,
 }
 
 /// Where strain energy lies.
@@ -112,23 +120,16 @@ impl Scene {
         let own = (0..self.n).map(|i| stiffness[(i, i)] / mass[(i, i)]);
         let typical = Some(own.fold(0.0, f64::max)).filter(|x| *x > 0.0);
         // Meshes as stiff as the rest, so that neither is lost beside the other.
-        let meshes: Vec<f64> = (self.meshes.iter())
-            .map(|m| {
-                let yielding = |&i: &usize| {
-                    let g = &self.gears[i];
-                    let r = g.model.hub().effective_base_radius;
-                    if g.model.hub().is_free() {
-                        r * r / mass[(g.offset, g.offset)]
-                    } else {
-                        0.0
-                    }
-                };
-                let all: f64 = m.gears.iter().map(yielding).sum();
-                if all > 0.0 {
-                    typical.unwrap_or(1.0) / all
+        let rows = self.mesh_rows(at);
+        let meshes: Vec<MeshSpring> = (rows.into_iter())
+            .map(|row| {
+                let yielding: f64 = row.iter().map(|&(i, r)| r * r / mass[(i, i)]).sum();
+                let stiffness = if yielding > 0.0 {
+                    typical.unwrap_or(1.0) / yielding
                 } else {
                     0.0
-                }
+                };
+                MeshSpring { row, stiffness }
             })
             .collect();
         stiffness = by_columns(self.n, |x, y| self.mechanism_times(at, x, &meshes, y));
@@ -136,22 +137,92 @@ impl Scene {
         for link in self.shafts.springs() {
             link.add_to(-link.stiffness * link.drift(&self.gears, at), &mut driven);
         }
-        for (mesh, k) in self.meshes.iter().zip(&meshes) {
+        self.add_driven_bodies(at, &mut driven);
+        for (mesh, spring) in self.meshes.iter().zip(&meshes) {
             let members = mesh.gears.map(|i| &self.gears[i]).into_iter();
-            let along: Vec<_> = members.zip(mesh.towards).collect();
-            let prescribed = along.iter().filter(|(g, _)| !g.model.hub().is_free());
+            let along = members.zip(mesh.towards);
+            let prescribed = along.filter(|(g, _)| !g.model.hub().is_free());
             let moved: f64 = prescribed
                 .map(|(g, way)| way * g.model.hub().speed(at.t, &[]))
                 .sum();
-            for (g, way) in along.iter().filter(|(g, _)| g.model.hub().is_free()) {
-                driven[g.offset] -= k * moved * way;
+            for &(i, r) in &spring.row {
+                driven[i] -= spring.stiffness * moved * r;
             }
         }
         Mechanism { stiffness, driven }
     }
 
-    /// `y = K x` of the mechanism with meshes of some stiffness [N/m].
-    fn mechanism_times(&mut self, at: At<'_>, x: &[f64], meshes: &[f64], y: &mut [f64]) {
+    /// Adds the rate of the forces that driven hubs exert on the own coordinates of their gears, as on movable teeth.
+    fn add_driven_bodies(&mut self, at: At<'_>, driven: &mut [f64]) {
+        for (i, g) in self.gears.iter_mut().enumerate() {
+            let own = g.at(at);
+            let rates = g.model.hub().motion(own.t, own.q, &[]).v;
+            let fastest = rates.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            if !g.internal || fastest == 0.0 || self.carriers.carries(i) {
+                continue;
+            }
+            let h = TURN / fastest;
+            let mut ends = [own.t, own.t + h].map(|t| {
+                let mut f = vec![0.0; g.n];
+                g.model.forces(At { t, ..own }, &mut f);
+                f
+            });
+            let [from, to] = &mut ends;
+            let changes = to.iter().zip(from).map(|(to, from)| (to - *from) / h);
+            (driven[g.range()].iter_mut().zip(changes)).for_each(|(d, x)| *d += x);
+        }
+    }
+
+    /// By mesh: how its flanks close by the free directions of both hubs, as coordinates and their weights. Signs are those of
+    /// left flanks.
+    fn mesh_rows(&mut self, at: At<'_>) -> Vec<Vec<(usize, f64)>> {
+        let sides = self.acting_sides(at);
+        let meshes = self.meshes.iter().zip(sides);
+        meshes
+            .map(|(mesh, side)| {
+                let mut row = Vec::new();
+                for (k, &i) in mesh.gears.iter().enumerate() {
+                    let g = &self.gears[i];
+                    let hub = &g.model.hub().hub;
+                    for (j, d) in hub.free_directions().enumerate() {
+                        let weight = if d == hub.moving() {
+                            mesh.towards[k]
+                        } else if let Some((x, n)) = &mesh.acting[side.index()].middle {
+                            let sign = if k == 0 { side.sign() } else { -side.sign() };
+                            sign * hub.component(d, x, n)
+                        } else {
+                            0.0
+                        };
+                        row.push((g.offset + j, weight));
+                    }
+                }
+                row
+            })
+            .collect()
+    }
+
+    /// The flanks of each mesh that are pressed, or else those that are nearest to it at the assembled position.
+    pub fn acting_sides(&mut self, at: At<'_>) -> Vec<Side> {
+        let mut forces = vec![[0.0; 2]; self.meshes.len()];
+        for contact in self.contact_forces(at) {
+            forces[contact.mesh][contact.side.index()] += contact.normal_force;
+        }
+        let meshes = self.meshes.iter().zip(forces);
+        meshes
+            .map(|(mesh, [left, right])| {
+                let gap = |side: Side| mesh.acting[side.index()].gap;
+                let right_acts = if left == right {
+                    gap(Side::Right) < gap(Side::Left)
+                } else {
+                    right > left
+                };
+                if right_acts { Side::Right } else { Side::Left }
+            })
+            .collect()
+    }
+
+    /// `y = K x` of the mechanism.
+    fn mechanism_times(&mut self, at: At<'_>, x: &[f64], meshes: &[MeshSpring], y: &mut [f64]) {
         let n = self.n;
         let none = vec![0.0; n];
         y.fill(0.0);
@@ -181,14 +252,10 @@ impl Scene {
                 }
             }
         }
-        for (mesh, k) in self.meshes.iter().zip(meshes) {
-            let row = [0, 1].map(|k| {
-                let g = &self.gears[mesh.gears[k]];
-                (g.model.hub().is_free()).then_some((g.offset, mesh.towards[k]))
-            });
-            let moved: f64 = row.iter().flatten().map(|&(i, r)| r * along[i]).sum();
-            for &(i, r) in row.iter().flatten() {
-                f[i] -= k * moved * r;
+        for MeshSpring { row, stiffness } in meshes {
+            let moved: f64 = row.iter().map(|&(i, r)| r * along[i]).sum();
+            for &(i, r) in row {
+                f[i] -= stiffness * moved * r;
             }
         }
         seen.f = f;

@@ -6,13 +6,8 @@ use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart, Subject};
 use gearbench_models::scene::Scene;
 
-/// A model of a shipped scene with `loaded = true` in its start, and other changes to its text.
-fn scene(
-    name: &str,
-    label: &str,
-    loaded: bool,
-    changes: &[(&str, &str)],
-) -> Result<Scene, BuildError> {
+/// A shipped scene, with `loaded = true` in its start or not, and other changes to its text.
+pub(crate) fn shipped(name: &str, loaded: bool, changes: &[(&str, &str)]) -> SceneFile {
     let shipped = SHIPPED.iter().find(|s| s.name == name).unwrap();
     let mut text = shipped.text.to_owned();
     if loaded {
@@ -24,7 +19,17 @@ fn scene(
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);
     }
-    let file = SceneFile::unbuilt(name, &text, Origin::Shipped, true).unwrap();
+    SceneFile::unbuilt(name, &text, Origin::Shipped, true).unwrap()
+}
+
+/// A model of such a scene.
+pub(crate) fn scene(
+    name: &str,
+    label: &str,
+    loaded: bool,
+    changes: &[(&str, &str)],
+) -> Result<Scene, BuildError> {
+    let file = shipped(name, loaded, changes);
     let choice = file.model(label).unwrap();
     assemble(
         &file.spec_for(choice),
@@ -103,4 +108,119 @@ fn a_start_without_loads_is_refused() {
     );
     assert!(of_start && !error.reason.help.is_empty(), "{error}");
     assert!(error.reason.cause.contains("no load acts"), "{error}");
+}
+
+/// Largest force that is not balanced, over the largest load: of a train that is free but for what accelerates it as a whole.
+fn imbalance(scene: &mut Scene, free: bool) -> f64 {
+    let s = scene.initial();
+    let n = s.q.len();
+    let (mut f, mut q, mut v) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    scene.force(s.at(), &mut f);
+    scene.add_centrifugal(s.at(), &mut f);
+    let mut momentum = vec![0.0; n];
+    scene.apply_mass(s.at(), &s.v, &mut momentum);
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let energy = dot(&s.v, &momentum);
+    let along = if free && energy > 0.0 {
+        dot(&s.v, &f) / energy
+    } else {
+        0.0
+    };
+    (f.iter_mut().zip(&momentum)).for_each(|(f, p)| *f -= along * p);
+    scene.scales(&mut q, &mut v);
+    let load = scene
+        .gears()
+        .iter()
+        .filter(|g| !g.range().is_empty())
+        .map(|g| {
+            let i = g.range().start;
+            (g.load(0.0, s.v[i]) * q[i]).abs()
+        });
+    let load = load.fold(0.0, f64::max);
+    f.iter()
+        .zip(&q)
+        .map(|(f, q)| (f * q).abs())
+        .fold(0.0, f64::max)
+        / load
+}
+
+/// Ways to carry a pinion and a wheel under load.
+const MOUNTS: [(&str, &str, &str); 5] = [
+    (
+        "driven pinion",
+        "mount = { driven = { speed_rad_s = 157.08 } }",
+        "loads = [{ torque_nm = 86.7 }]",
+    ),
+    (
+        "free",
+        "speed_rad_s = 157.08\nloads = [{ torque_nm = 34.984210526315790 }]",
+        "speed_rad_s = -63.38315789473684\nloads = [{ torque_nm = 86.7 }]",
+    ),
+    (
+        "fixed wheel",
+        "loads = [{ torque_nm = 35.0 }]",
+        "mount = \"fixed\"",
+    ),
+    (
+        "bearings",
+        "speed_rad_s = 157.08\nloads = [{ torque_nm = 34.984210526315790 }]\nbearing = { stiffness = [2e8, 2e8, 0, 0, 0, 0], damping = [2e3, 2e3, 0, 0, 0, 0] }\ndirections = { z = \"held\", tilt_x = \"held\", tilt_y = \"held\" }",
+        "speed_rad_s = -63.38315789473684\nloads = [{ torque_nm = 86.7 }]\nbearing = { stiffness = [4e8, 4e8, 0, 0, 0, 0], damping = [4e3, 4e3, 0, 0, 0, 0] }\ndirections = { z = \"held\", tilt_x = \"held\", tilt_y = \"held\" }",
+    ),
+    (
+        "driven pinion, wheel on a bearing",
+        "mount = { driven = { speed_rad_s = 157.08 } }",
+        "loads = [{ torque_nm = 86.7 }]\nbearing = { stiffness = [4e8, 4e8, 0, 0, 0, 0], damping = [4e3, 4e3, 0, 0, 0, 0] }\ndirections = { z = \"held\", tilt_x = \"held\", tilt_y = \"held\" }",
+    ),
+];
+
+const LAWS: [&str; 6] = [
+    "law = \"none\"",
+    "law = \"kelvin-voigt\", damping_ns_per_m = 500.0",
+    "law = \"kelvin-voigt-ratio\", ratio = 0.05",
+    "law = \"ratio-at-load\", ratio = 0.05",
+    "law = \"hunt-crossley\", e = 0.7",
+    "law = \"flores\", e = 0.7",
+];
+
+/// The pair of a user's scene with a mount and a damping law.
+fn user_pair((pinion, wheel): (&str, &str), law: &str) -> SceneFile {
+    let text = format!(
+        "schema = 1\nname = \"pair\"\nduration_s = 5e-3\n\
+         [gears.pinion]\nteeth = 23\nmodule_m = 2.5e-3\nface_width_m = 0.018\nbore_radius_m = 0.0125\nprofile_shift = 0.3\n\
+         tip_relief = {{ amount_m = 12e-6, start_radius_m = 0.0305 }}\n{pinion}\n\
+         [gears.wheel]\nteeth = 57\nmodule_m = 2.5e-3\nface_width_m = 0.018\nbore_radius_m = 0.02\nprofile_shift = -0.1\n\
+         added_inertia_kgm2 = 2e-3\n{wheel}\n\
+         [[meshes]]\ngears = [\"pinion\", \"wheel\"]\ncentre_distance_m = 0.1006\nstart = {{ flank = \"left\", loaded = true }}\n\
+         [[models]]\nmodel = \"rigid\"\ncontact = {{ stiffness = \"iso6336\", damping = {{ {law} }} }}\n\
+         [[models]]\nmodel = \"movable-teeth\"\nparameters = {{ tooth_stiffness_n_per_m = 7.8e8, tooth_mass_kg = 2e-3 }}\n\
+         contact = {{ stiffness = \"iso6336\", damping = {{ {law} }} }}\n\
+         [[models]]\nmodel = \"elastic\"\nparameters = {{ modes = 10, damping_ratio = 0.02, flank_elements = 6, width_elements = 1 }}\n\
+         contact = {{ penalty_pa_per_m = 1e15 }}\n"
+    );
+    SceneFile::unbuilt("pair", &text, Origin::Shipped, true).unwrap_or_else(|e| panic!("{e:?}"))
+}
+
+/// Models, mounts and damping laws: all start in equilibrium.
+#[test]
+fn every_model_mount_and_damping_law_starts_in_equilibrium() {
+    for (mount, pinion, wheel) in MOUNTS {
+        for law in LAWS {
+            let file = user_pair((pinion, wheel), law);
+            // Elastic gears have no law of pairs.
+            let labels: &[&str] = if law == LAWS[0] {
+                &["rigid", "movable-teeth", "elastic"]
+            } else {
+                &["rigid", "movable-teeth"]
+            };
+            for label in labels {
+                let choice = file.model(label).unwrap();
+                let spec = file.spec_for(choice);
+                let made = assemble(&spec, &choice.modelling, gearbench::models::models());
+                let mut scene = made.unwrap_or_else(|e| panic!("{label}, {mount}, {law}: {e}"));
+                let left = imbalance(&mut scene, !pinion.contains("driven"));
+                println!("{label}, {mount}, {law}: {left:.1e} of the load");
+                assert!(left < 1e-6, "{label}, {mount}, {law}: {left:e}");
+            }
+        }
+    }
 }

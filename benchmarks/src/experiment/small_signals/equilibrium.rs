@@ -8,9 +8,10 @@
 //! ```
 //!
 //! which Newton's method solves in the modes of the stiffness at each state. Gears that stand apart have a motion against each
-//! other without stiffness: it is followed by a bounded step, and flanks that would be pressed too deep are met by bisection of
-//! the step, so that contacts close and open as they have to. Speeds are those of the rigid motions nearest to the start, and
+//! other without stiffness: it is followed by a bounded step. A step ends where the power of the forces along it changes its
+//! sign, by bisection: the potential of loads and contacts falls on the way there, and contacts close and open as they have to. Speeds are those of the rigid motions nearest to the start, and
 //! `v_d` of what follows driven gears in the mechanism, so that dampers of contacts and shafts do nothing, while viscous loads do.
+//! Gears that go round with a carrier have its velocity where they are, and their centrifugal forces are part of `f`.
 
 use super::NotSolved;
 use super::space::{Modes, Space};
@@ -20,8 +21,12 @@ use nalgebra::DVector;
 
 /// Part of the highest eigenvalue below which a motion has no stiffness.
 const SLACK: f64 = 1e-12;
-/// Largest motion of a step, in typical deflections.
+/// Largest motion of a step that meets flanks, in typical deflections.
 const BOUND: f64 = 20.0;
+/// Largest motion of any other step [m]: far less than a tooth.
+const FARTHEST: f64 = 2e-5;
+/// Part of the power along a step that is left where the step may end.
+const LEFT: f64 = 0.5;
 /// Motion of a step from which on the state is found, in typical deflections.
 const FOUND: f64 = 1e-7;
 /// Part of all forces below which what pushes gears that stand apart is rounding.
@@ -93,6 +98,14 @@ fn motions(scene: &mut Scene, s: &State, linear: &Linearised) -> Result<Motions,
     Ok((space, rigid, speeds))
 }
 
+/// How a step ends.
+enum Along {
+    /// The forces along it hardly change: no flank is met.
+    Free,
+    /// This part of it leads to where forces along it are nearly balanced.
+    Met(f64),
+}
+
 /// What is the same at all states of a search.
 struct Search<'a> {
     scene: &'a mut Scene,
@@ -106,7 +119,60 @@ impl Search<'_> {
     fn forces(&mut self, s: &State) -> Vec<f64> {
         let mut f = vec![0.0; s.q.len()];
         self.scene.force(s.at(), &mut f);
+        self.scene.add_centrifugal(s.at(), &mut f);
         f
+    }
+
+    /// A state that has moved along a displacement.
+    fn moved(&self, s: &State, displacement: &[f64], part: f64) -> State {
+        let mut moved = s.clone();
+        (moved.q.iter_mut().zip(displacement)).for_each(|(q, x)| *q += part * x);
+        self.scene.follow_carriers(&mut moved);
+        moved
+    }
+
+    /// How far to go along a step that starts with forces `on` the modes: the loads and the contacts of a scene have a potential,
+    /// which falls along the step until the power of all forces along it, `f . x`, changes its sign.
+    fn part_of(&mut self, s: &State, step: &[f64], modes: &Modes, on: &DVector<f64>) -> Along {
+        let along = modes.vectors.tr_mul(&self.space.velocity(step));
+        let before = on.dot(&along);
+        let (mut low, mut high, mut part) = (0.0, 1.0, 1.0);
+        for trials in 0..MOST_HALVINGS {
+            let trial = self.moved(s, step, part);
+            let after = self.on_modes(&trial, modes).dot(&along);
+            if trials == 0 && after > LEFT * before {
+                return Along::Free;
+            }
+            if after.abs() <= LEFT * before || (trials == 0 && after >= 0.0) {
+                return Along::Met(part);
+            }
+            if after > 0.0 {
+                low = part;
+            } else {
+                high = part;
+            }
+            part = 0.5 * (low + high);
+        }
+        Along::Met(if low > 0.0 { low } else { part })
+    }
+
+    /// Where forces are least balanced, and by which part of the largest load.
+    fn imbalance(&self, s: &State, on: &DVector<f64>) -> (f64, String) {
+        let left = self.space.force_of(on);
+        let gears = self.scene.gears();
+        let along = |i: usize, force: f64| (force * self.scales[i]).abs();
+        let loads = gears.iter().filter(|g| !g.range().is_empty()).map(|g| {
+            let speed = g.model.hub_state(g.at(s.at())).speed;
+            along(g.range().start, g.load(s.t, speed))
+        });
+        let load = loads.fold(f64::MIN_POSITIVE, f64::max);
+        let parts = left
+            .iter()
+            .enumerate()
+            .map(|(i, f)| (i, along(i, *f) / load));
+        let (place, most) = parts.fold((0, 0.0), |most, x| if x.1 > most.1 { x } else { most });
+        let owner = gears.iter().find(|g| g.range().contains(&place));
+        (most, owner.map_or_else(String::new, |g| g.name.clone()))
     }
 
     /// Forces on the modes.
@@ -149,8 +215,11 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
     {
         return Err(NotSolved::Matrices("its tangent is not finite"));
     }
+    let start = s.v.clone();
+    let mut sides = scene.acting_sides(s.at());
     let (space, rigid, speeds) = motions(scene, &s, &first)?;
     s.v = speeds;
+    scene.follow_carriers(&mut s);
     let (mut scales, mut speeds) = (vec![0.0; s.q.len()], vec![0.0; s.q.len()]);
     scene.scales(&mut scales, &mut speeds);
     let mut search = Search {
@@ -160,6 +229,8 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
         scales,
     };
     let mut steps = 0;
+    let mut bound = BOUND;
+    let farthest = BOUND.max(FARTHEST / search.scene.magnitudes().deflection);
     loop {
         let linear = search.scene.linearised(s.at());
         let modes = search.space.modes(&linear.stiffness)?;
@@ -173,7 +244,21 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
             .fold(0.0_f64, |m, (_, on)| m.max(on.abs()));
         let pushes = apart > ROUNDING * search.space.size_of(&all);
         let (mut step, mut moved) = search.answer(&modes, &on, 0.0);
-        if !loads || (!pushes && moved <= FOUND) {
+        let balanced = !pushes && moved <= FOUND;
+        let acting = search.scene.acting_sides(s.at());
+        if loads && balanced && acting != sides && steps < MOST_STEPS {
+            steps += 1;
+            // On which flanks hubs without bearings float is known only now.
+            sides = acting;
+            s.v.clone_from(&start);
+            (search.space, search.rigid, s.v) = motions(search.scene, &s, &linear)?;
+            search.scene.follow_carriers(&mut s);
+            continue;
+        }
+        if !loads || balanced {
+            if loads {
+                s = search.moved(&s, &step, 1.0);
+            }
             let pressed = pressed(search.scene, &s);
             return Ok(Loaded {
                 pressed,
@@ -186,51 +271,37 @@ pub fn loaded(scene: &mut Scene, loads: bool) -> Result<Loaded, NotSolved> {
             });
         }
         if steps == MOST_STEPS {
+            let on = search.on_modes(&s, &modes);
+            let (imbalance, at) = search.imbalance(&s, &(&modes.vectors * on));
             return Err(NotSolved::Unbalanced {
                 steps,
-                moved: moved * search.scene.magnitudes().deflection,
+                imbalance,
+                at,
             });
         }
         steps += 1;
-        if pushes || moved > BOUND {
+        if pushes || moved > bound {
             // As if masses were tied to where they are: what has no stiffness moves as far as the bound.
             let by_one = search.answer(&modes, &on, 1.0).1;
-            let mut more = (2.0 * slack_of(&modes)).max(1e-6 * by_one / BOUND);
+            let mut more = (2.0 * slack_of(&modes)).max(1e-6 * by_one / bound);
             loop {
                 (step, moved) = search.answer(&modes, &on, more);
-                if moved <= BOUND || !moved.is_finite() {
+                if moved <= bound || !moved.is_finite() {
                     break;
                 }
                 more *= 2.0;
             }
         }
-        let before = on.norm_squared();
-        let (mut low, mut high, mut part) = (0.0, f64::INFINITY, 1.0);
-        for _ in 0..MOST_HALVINGS {
-            let mut trial = s.clone();
-            trial
-                .q
-                .iter_mut()
-                .zip(&step)
-                .for_each(|(q, x)| *q += part * x);
-            let after = search.on_modes(&trial, &modes).norm_squared();
-            if after < (1.0 - 1e-9) * before {
-                low = part;
-                break;
-            }
-            if after <= (1.0 + 1e-9) * before {
-                low = part;
-            } else {
-                high = part;
-            }
-            if high.is_infinite() {
-                break;
-            }
-            part = 0.5 * (low + high);
-        }
-        if low == 0.0 {
-            low = part;
-        }
-        s.q.iter_mut().zip(&step).for_each(|(q, x)| *q += low * x);
+        let part = search.part_of(&s, &step, &modes, &on);
+        // What meets no flank on its way may go further.
+        bound = match part {
+            Along::Free => (2.0 * bound).min(farthest),
+            Along::Met(_) => BOUND,
+        };
+        let low = match part {
+            Along::Free => 1.0,
+            Along::Met(part) => part,
+        };
+        s = search.moved(&s, &step, low);
     }
 }

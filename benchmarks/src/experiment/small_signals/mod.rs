@@ -44,15 +44,18 @@ pub enum NotSolved {
     Matrices(&'static str),
     /// No equilibrium was found.
     #[error(
-        "no equilibrium under its loads was found: after {steps} Newton steps it still moves by {:.3} um a step; let the loads \
-         balance but for what accelerates the whole train, or start pressed together without loads (`gap_um` below zero)",
-        1e6 * moved
+        "no equilibrium under its loads was found: after {steps} Newton steps the forces on `{at}` are out of balance by {:.3e} of \
+         the largest load; let the loads balance but for what accelerates the whole train, or start pressed together without \
+         loads (`gap_m` below zero)",
+        imbalance
     )]
     Unbalanced {
         /// Steps taken.
         steps: u32,
-        /// Motion of the last step [m].
-        moved: f64,
+        /// Largest force that is not balanced, over the largest load.
+        imbalance: f64,
+        /// The member of the scene that it acts on.
+        at: String,
     },
     /// The user ended it.
     #[error("interrupted")]
@@ -115,7 +118,12 @@ pub fn assemble(
     };
     let names = mesh.gears.map(|i| spec.gears[i].name.as_str());
     let refuse = |why: String, help: &str| {
-        let why = format!("the loaded start cannot be met: {why}");
+        let mut ids: Vec<&str> = modelling.gears.iter().map(|g| g.id.as_str()).collect();
+        ids.dedup();
+        let why = format!(
+            "the loaded start of the model `{}` cannot be met: {why}",
+            ids.join("`, `")
+        );
         Err(BuildError::mesh(names, MeshPart::Start, (why, help)).of_model())
     };
     if !has_loads(spec, 0.0) {

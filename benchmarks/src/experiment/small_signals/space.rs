@@ -98,6 +98,11 @@ impl Space {
         y.rows(self.held(), self.motions()).into_owned()
     }
 
+    /// The force over coordinates of one in the coordinates of the space.
+    pub fn force_of(&self, u: &DVector<f64>) -> Vec<f64> {
+        (self.mass.l() * self.whole(u)).as_slice().to_vec()
+    }
+
     /// A velocity in the coordinates of the space: what of it lies there.
     pub fn velocity(&self, v: &[f64]) -> DVector<f64> {
         let mut y = self.all_velocity(v);

@@ -49,12 +49,10 @@ pub fn summarise(results: &Results) {
                 format!("{} %, {why}", short(100.0 * e, 3))
             }
             // The scene shows this model for its error.
-            (Status::Inaccurate, Some(m)) if is_excepted(results, r) => {
-                let error = m.get(metric).map_or(String::new(), |e| {
-                    format!("{} %, ", short(100.0 * e, 3))
-                });
-                format!("{error}beyond the tolerance, from which the scene excepts the model")
-            }
+            (Status::Inaccurate, Some(e)) if is_excepted(results, r) => format!(
+                "{} %, beyond the tolerance, from which the scene excepts the model",
+                short(100.0 * e, 3)
+            ),
             (status, _) => format!(
                 "{status}: {}",
                 r.message.as_deref().unwrap_or("no reason given")

@@ -2,7 +2,7 @@
 
 use super::channels::Recorded;
 use super::orders::tracked;
-use super::plan::Look;
+use super::plan::{Look, Ramp};
 use super::recorder::Recorder;
 use super::windows::{Cut, Windows, follow, map, rounded};
 use gearbench_models::spec::SceneSpec;
@@ -17,6 +17,32 @@ const LEAST_TURNS: f64 = 4.0;
 const BEYOND: f64 = 1.1;
 /// Orders below this many lines of a window are hidden by what changes slowly.
 const HIDDEN: f64 = 2.0;
+
+/// Last part of a run whose mean speed is compared with that of its ramp.
+const AT_END: f64 = 0.01;
+/// How far the speed at the end may be from that of the ramp, over the change of speed.
+const MISSED: f64 = 0.02;
+
+/// Why a run does not follow its ramp, if it does not, and a way out.
+fn missed(name: &str, turns: &[f64], recorder: &Recorder, ramp: &Ramp) -> Option<String> {
+    let last = turns.len() - 1;
+    let first = last - ((AT_END * last as f64).ceil() as usize).clamp(1, last);
+    let [start, end] = [first, last].map(|i| recorder.time(i));
+    let reached = TAU * (turns[last] - turns[first]) / (end - start);
+    let rate = (ramp.to - ramp.from) / ramp.over;
+    let asked = ramp.from + rate * 0.5 * (start + end);
+    let left = (reached - asked) / (ramp.to - ramp.from).abs();
+    (left.abs() > MISSED).then(|| {
+        let sense = if left < 0.0 { "below" } else { "above" };
+        format!(
+            "`{name}` does not follow the run-up: at its end it has {reached:.1} rad/s in place of {asked:.1}, {:.1} % of the change of speed \
+             {sense} it where {:.0} % is allowed; the driver balances the loads, but not what friction and vibration take: drive a hub \
+             (mount = {{ driven = {{ speed_rad_s = .. }} }}), whose speed is then the ramp of --from and --to",
+            100.0 * left.abs(),
+            100.0 * MISSED
+        )
+    })
+}
 
 /// The first sample from which on the reference gear only turns forward.
 fn forward(turns: &[f64]) -> usize {
@@ -46,7 +72,7 @@ pub fn analyse(
     spec: &SceneSpec,
     recorded: &Recorded<'_>,
     recorder: &Recorder,
-    look: &Look,
+    (look, ramp): (&Look, Option<&Ramp>),
 ) -> Result<ModelRunUp, String> {
     let name = spec.gears[look.gear].name.clone();
     let angle = recorded.angle(recorder, look.gear);
@@ -55,16 +81,27 @@ pub fn analyse(
         return Err("the run ended before it could be looked at".into());
     }
     let sense = (angle[n - 1] - angle[0]).signum();
-    let turns: Vec<f64> = angle.iter().map(|a| sense * a / TAU).collect();
-    let from = forward(&turns);
-    let turns = &turns[from..];
+    let all_turns: Vec<f64> = angle.iter().map(|a| sense * a / TAU).collect();
+    let from = forward(&all_turns);
+    let turns = &all_turns[from..];
     let turned = turns[turns.len() - 1] - turns[0];
     if turned < LEAST_TURNS || turns.len() < n / 2 {
+        let way_out = match ramp {
+            Some(_) => {
+                "take a longer --over, a higher --to, or a faster gear as the reference (--gear)"
+            }
+            None => {
+                "name a run-up with --from, --to and --over, or take a faster gear as the reference (--gear)"
+            }
+        };
         return Err(format!(
-            "`{name}` turns forward {turned:.2} times alone from {:.4} s on; a run-up needs {LEAST_TURNS} turns: let it take longer, \
-             or take a faster gear as the reference",
+            "a run-up needs {LEAST_TURNS} turns without a turn back, but from {:.4} s on, after the last time that it turns back, \
+             `{name}` turns {turned:.2} times; {way_out}",
             recorder.time(from)
         ));
+    }
+    if let Some(why) = ramp.and_then(|ramp| missed(&name, &all_turns, recorder, ramp)) {
+        return Err(why);
     }
     let cut = Cut {
         time: [recorder.time(from), recorder.apart()],

@@ -14,7 +14,9 @@ A scene whose shafts are brought from one speed to another (a driven hub with a 
 once. Transmission error and force of every mesh and the forces of bearings are cut into windows that overlap; spectra over the
 speed of a reference gear show what resonates (frequency by speed), maps of orders what goes with which shaft, and orders of
 meshes and shafts are followed over the speed. Without such a scene --from and --to drive it: its driven hub, or, where none is
-driven, all hubs by torques that accelerate each alone and press no flank. Amplitudes are half of peak to peak.
+driven, all hubs by torques that accelerate each alone and press no flank, while the member that puts most power in gives what
+the loads of the others take at each speed: the speeds follow the ramp whatever the loads. Friction is not balanced; a run
+that ends more than 2 % of the change of speed beside its ramp has failed, and says so. Amplitudes are half of peak to peak.
 
 Results (--out DIR, default out/SCENE/run-up/), beside report and record:
   run_up_orders.csv         amplitudes of orders over the speed

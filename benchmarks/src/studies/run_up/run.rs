@@ -90,7 +90,12 @@ fn one(
         let mut row = run_watched(&job, &mut scene, started.elapsed(), &mut recorder)?;
         let mut found = match row.status.is_failure() {
             true => Err(row.message.clone().unwrap_or_default()),
-            false => analyse(&spec, &recorded, &recorder, &plan.look),
+            false => analyse(
+                &spec,
+                &recorded,
+                &recorder,
+                (&plan.look, plan.ramp.as_ref()),
+            ),
         }
         .unwrap_or_else(|message| ModelRunUp {
             message,

@@ -16,7 +16,7 @@ pub fn summarise(results: &Results) {
             continue;
         }
         say(&format!(
-            "{}: {} from {} to {} rad/s in {} turns, windows of {} turns and {}",
+            "{}: {} at mean speeds of windows from {} to {} rad/s in {} turns, windows of {} turns and {}",
             run.label,
             run.gear,
             short(run.lowest_rad_s, 4),

@@ -4,7 +4,7 @@ use super::plan::Sets;
 use crate::Vec3;
 use crate::kinematics::HubFrame;
 use crate::scene::members::SceneGear;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::{At, State};
 use std::ops::Range;
 
 /// A carrier and the gears that are seen from it.
@@ -106,6 +106,42 @@ impl Carriers {
     #[inline]
     pub fn carries(&self, gear: usize) -> bool {
         self.carried.get(gear).copied().unwrap_or(false)
+    }
+
+    /// Gives gears on carriers the velocity with which their carriers move the pins, `u' = u_c' + theta_c' e_z x (P + u - u_c)`:
+    /// their speed in the relative state is then zero across and along the axis.
+    pub fn carry_along(&self, s: &mut State) {
+        for carrier in &self.all {
+            let spin = s.v[carrier.turn];
+            let shift = |x: &[f64]| carrier.shift.map(|i| i.map_or(0.0, |i| x[i]));
+            let (place, speed) = (shift(&s.q), shift(&s.v));
+            for m in carrier.members.iter().filter(|m| self.carries(m.gear)) {
+                if let Some([ix, iy]) = m.across {
+                    let [px, py] = m.place;
+                    let (x, y) = (px + s.q[ix] - place[0], py + s.q[iy] - place[1]);
+                    (s.v[ix], s.v[iy]) = (speed[0] - spin * y, speed[1] + spin * x);
+                }
+                if let Some(i) = m.along {
+                    s.v[i] = speed[2];
+                }
+            }
+        }
+    }
+
+    /// Accelerations of gears on carriers that go round at their speeds of the moment, `theta_c'' = 0`:
+    /// `u'' = -theta_c'^2 (P + u - u_c)`.
+    pub fn centripetal(&self, at: At<'_>, a: &mut [f64]) {
+        a.fill(0.0);
+        for carrier in &self.all {
+            let square = at.v[carrier.turn].powi(2);
+            let place = carrier.shift.map(|i| i.map_or(0.0, |i| at.q[i]));
+            for m in carrier.members.iter().filter(|m| self.carries(m.gear)) {
+                if let Some([ix, iy]) = m.across {
+                    a[ix] = -square * (m.place[0] + at.q[ix] - place[0]);
+                    a[iy] = -square * (m.place[1] + at.q[iy] - place[1]);
+                }
+            }
+        }
     }
 
     /// The relative state.

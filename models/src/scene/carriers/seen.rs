@@ -3,7 +3,7 @@
 use super::relative::RelativeState;
 use crate::kinematics::HubFrame;
 use crate::scene::assembled::Scene;
-use gearbench_integrators::system::{At, State};
+use gearbench_integrators::system::{At, SecondOrderSystem, State};
 
 impl Scene {
     /// Calls `act` with the state that contacts see: the relative one where there are carriers.
@@ -90,6 +90,23 @@ impl Scene {
                 g.model.forces(own, &mut f[range]);
             }
         }
+    }
+
+    /// Gives gears on carriers the velocities with which their carriers move them.
+    pub fn follow_carriers(&self, s: &mut State) {
+        self.carriers.carry_along(s);
+    }
+
+    /// Adds the centrifugal forces of gears that go round with their carriers at the speeds of the moment.
+    pub fn add_centrifugal(&mut self, at: At<'_>, f: &mut [f64]) {
+        if self.carriers.is_empty() {
+            return;
+        }
+        let mut a = vec![0.0; f.len()];
+        self.carriers.centripetal(at, &mut a);
+        let mut inertia = vec![0.0; f.len()];
+        self.apply_mass(at, &a, &mut inertia);
+        f.iter_mut().zip(&inertia).for_each(|(f, i)| *f -= i);
     }
 
     /// Whether a gear goes round with a carrier.
