@@ -6,6 +6,9 @@ use gearbench_reports::check::{CheckRecord, Checked, Finding, Kind, Measured, St
 use gearbench_reports::response::{
     GroupResponse, MeshLimit, MeshPoint, ModelResponse, MountPoint, ResponsePoint, ResponseRecord,
 };
+use gearbench_reports::stiffness::{
+    LinePressure, ModelStiffness, PairLoad, StiffnessPosition, StiffnessRecord,
+};
 use gearbench_reports::store::{RECORD, ReportError};
 use gearbench_reports::studies::Study;
 use gearbench_reports::{Part, Results, report_from};
@@ -132,6 +135,97 @@ pub fn check_results() -> Results {
     }
 }
 
+/// Two models over a mesh cycle, one of which has no equilibrium.
+pub fn stiffness_results() -> Results {
+    let position = |i: u32| StiffnessPosition {
+        path_coordinate_m: 0.012 * (f64::from(i) / 8.0 - 0.5),
+        error_m: 1e-5 * (1.0 + 0.1 * f64::from(i % 3)),
+        force_n: 3000.0,
+        tangent_n_per_m: 3e8,
+        pairs: (0..=i64::from(i % 2))
+            .map(|offset| PairLoad {
+                offset,
+                force_n: 3000.0 / f64::from(i % 2 + 1),
+            })
+            .collect(),
+        pressure: (i > 2).then_some(LinePressure {
+            half_width_m: 1e-4,
+            peak_pa: 1e9,
+        }),
+    };
+    let solved = ModelStiffness {
+        label: "rigid".into(),
+        includes: "constant".into(),
+        limits: vec!["made up".into()],
+        force_n: 3000.0,
+        face_width_m: 0.01,
+        base_pitch_m: 0.012,
+        pitch_point_m: 0.001,
+        path_m: [-0.008, 0.009],
+        single_stiffness_n_per_m2: 1.4e10,
+        at_pitch_point_n_per_m2: 1.4e10,
+        mesh_stiffness_n_per_m2: 2e10,
+        mesh_tangent_n_per_m2: 2.1e10,
+        error_mean_m: 1.1e-5,
+        error_peak_to_peak_m: 2e-6,
+        positions: (0..8).map(position).collect(),
+        ..ModelStiffness::default()
+    };
+    let lost = ModelStiffness {
+        label: "elastic".into(),
+        message: "no approach carries the load".into(),
+        ..ModelStiffness::default()
+    };
+    Results {
+        part: Part::Stiffness(StiffnessRecord {
+            stiffness: vec![solved, lost],
+        }),
+        ..Results::default()
+    }
+}
+
+/// A study of stiffness has a record, a page and tables as the others have.
+#[test]
+fn stiffness_has_a_page() {
+    let files = written(&stiffness_results());
+    crate::holds(&files, &["stiffness.svg", "stiffness.csv", "cycle_rigid.csv", "runs.csv"]);
+    has_only_numbers(&files);
+    let found = crate::finding(&files["index.html"]);
+    for words in ["3\u{a0}kN", "300\u{a0}N/mm", "20.0", "2.00\u{a0}\u{b5}m", "no approach"] {
+        assert!(found.contains(words), "{words} in {found}");
+    }
+    let cycle = &files["cycle_rigid.csv"];
+    assert_eq!(cycle.lines().count(), 1 + 8);
+    assert!(cycle.lines().next().unwrap().ends_with(
+        "force_pair_0_n,force_pair_1_n,contact_half_width_m,contact_pressure_pa"
+    ));
+    assert!(!files.contains_key("cycle_elastic.csv"));
+    assert_eq!(files["runs.csv"], files["stiffness.csv"]);
+}
+
+/// `runs.csv` of every study: rows, and of runs their errors against each reference and their work.
+#[test]
+fn every_study_has_a_table_of_its_runs() {
+    for results in records() {
+        let files = written(&results);
+        let table = &files["runs.csv"];
+        assert!(table.lines().count() > 1, "{}", results.study());
+    }
+    let results = precision::results();
+    let files = written(&results);
+    let mut lines = files["runs.csv"].lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    for column in ["run", "model", "force_l2_aligned_against_fe", "wall_s", "force_evaluations"] {
+        assert!(header.contains(&column), "{column} in {header:?}");
+    }
+    assert_eq!(lines.count(), results.runs.len());
+    // A column that no run has a value for is left out.
+    assert!(!header.contains(&"mesh_frequency_hz"));
+    let sweep = written(&made_up::sweep_results());
+    let header = sweep["runs.csv"].lines().next().unwrap().to_owned();
+    assert!(header.contains(",mesh_frequency_hz,") && header.contains(",force_peak_n,"), "{header}");
+}
+
 /// A record of every study.
 fn records() -> Vec<Results> {
     let mut compare = made_up::impact_results();
@@ -156,6 +250,7 @@ fn records() -> Vec<Results> {
         trains::run_up(),
         response_results(),
         check_results(),
+        stiffness_results(),
     ]
 }
 
