@@ -49,10 +49,17 @@ fn stiffness_prints_a_table_and_writes_its_folder() {
     has(&page, &["mesh stiffness", "rigid-iso6336", "ISO 6336-1"]);
     folder.says("report out/spur_impact/stiffness");
     assert_eq!(page, read("index.html"));
-    has(&folder.says("rerun out/spur_impact/stiffness"), &["the same"]);
+    has(
+        &folder.says("rerun out/spur_impact/stiffness"),
+        &["the same"],
+    );
     let record = gearbench_reports::load_results(&folder.at("out/spur_impact/stiffness"));
     let record = record.unwrap();
-    let models: Vec<&str> = record.stiffness().iter().map(|m| m.label.as_str()).collect();
+    let models: Vec<&str> = record
+        .stiffness()
+        .iter()
+        .map(|m| m.label.as_str())
+        .collect();
     assert_eq!(models, ["rigid-iso6336", "ISO 6336-1", "analytic"]);
     assert_eq!(record.stiffness()[0].positions.len(), 10);
 

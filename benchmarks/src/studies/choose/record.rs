@@ -1,12 +1,12 @@
 //! A choice as a record.
 
-use gearbench_reports::numbers::round_quantity;
 use super::detail;
 use super::problem::Problem;
 use super::requirement::Requirement;
 use super::run::{Choice, LevelTried, Tried};
 use crate::experiment::machine;
 use gearbench_models::spec::{LocalContact, PointContact};
+use gearbench_reports::numbers::round_quantity;
 use gearbench_reports::record::{Part, Results, Tolerance, finite};
 use gearbench_reports::{ChoiceRecord, ChooseRecord, LevelRecord, Metric, TriedRecord};
 

@@ -79,7 +79,10 @@ fn load_of(args: &Stiffness, force: f64) -> String {
             "{force} along the line of action, {} N m on the first gear",
             short(torque, 4)
         ),
-        None => format!("{force} along the line of action, {} N/mm", short(args.load, 4)),
+        None => format!(
+            "{force} along the line of action, {} N/mm",
+            short(args.load, 4)
+        ),
     }
 }
 

@@ -32,8 +32,13 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
             .and_scene(&entry.spec, &entry.modelling)
             .and(&(&entry.label, &entry.stated, force, plan.positions));
         let made = runner.piece(key, || {
-            solve((entry, *force), plan.conditions.models, plan.positions, progress)
-                .map_err(|e| StudyError::Statics(entry.label.clone(), e))
+            solve(
+                (entry, *force),
+                plan.conditions.models,
+                plan.positions,
+                progress,
+            )
+            .map_err(|e| StudyError::Statics(entry.label.clone(), e))
         });
         match made {
             Ok(made) => all.push(made),
