@@ -137,7 +137,10 @@ mod tests {
             markdown("<img src=x onerror=alert(1)> & [a](https://b) | `c`\n# d"),
             "&lt;img src=x onerror=alert(1)&gt; &amp; \\[a\\](https&#58;//b) \\| \\`c\\` \\# d"
         );
-        assert_eq!(markdown("force_l2@calculix, _x_ www.b @c"), "force_l2@calculix, \\_x\\_ www&#46;b &#64;c");
+        assert_eq!(
+            markdown("force_l2@calculix, _x_ www.b @c"),
+            "force_l2@calculix, \\_x\\_ www&#46;b &#64;c"
+        );
     }
 
     #[test]

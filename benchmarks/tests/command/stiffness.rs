@@ -40,7 +40,28 @@ fn stiffness_prints_a_table_and_writes_its_folder() {
     assert!(cycle.starts_with("path_coordinate_m,"));
     assert!(read("stiffness.svg").starts_with("<svg"));
     let left = std::fs::read_dir(folder.at("out/spur_impact/stiffness")).unwrap();
-    assert_eq!(left.count(), 5, "nothing half written");
+    // Record, page, chart, two tables and three cycles.
+    assert_eq!(left.count(), 8, "nothing half written");
+    super::as_documented(&folder.at("out/spur_impact/stiffness"));
+
+    // As other studies: its page is drawn again, and it is made again from its record.
+    let page = read("index.html");
+    has(&page, &["mesh stiffness", "rigid-iso6336", "ISO 6336-1"]);
+    folder.says("report out/spur_impact/stiffness");
+    assert_eq!(page, read("index.html"));
+    has(
+        &folder.says("rerun out/spur_impact/stiffness"),
+        &["the same"],
+    );
+    let record = gearbench_reports::load_results(&folder.at("out/spur_impact/stiffness"));
+    let record = record.unwrap();
+    let models: Vec<&str> = record
+        .stiffness()
+        .iter()
+        .map(|m| m.label.as_str())
+        .collect();
+    assert_eq!(models, ["rigid-iso6336", "ISO 6336-1", "analytic"]);
+    assert_eq!(record.stiffness()[0].positions.len(), 10);
 
     // The torque of a force on the line of action is the same load.
     let rb = 0.04 * 20f64.to_radians().cos();

@@ -305,9 +305,8 @@ impl Fmu {
     /// Whether derivatives can be read, and what they are.
     pub fn try_rates(&self) -> (c_int, Vec<f64>) {
         let mut x = vec![0.0; self.sizes()[0]];
-        let status = unsafe {
-            fmi3GetContinuousStateDerivatives(self.instance, x.as_mut_ptr(), x.len())
-        };
+        let status =
+            unsafe { fmi3GetContinuousStateDerivatives(self.instance, x.as_mut_ptr(), x.len()) };
         (status, x)
     }
 

@@ -110,7 +110,10 @@ fn states_that_are_no_numbers_are_refused() {
     let far = vec![1e300; good.len()];
     assert_eq!(fmu.try_states(&far), 0);
     let (status, rates) = fmu.try_rates();
-    assert!(status == ERROR || rates.iter().all(|x| x.is_finite()), "{rates:?}");
+    assert!(
+        status == ERROR || rates.iter().all(|x| x.is_finite()),
+        "{rates:?}"
+    );
     said();
     assert!(!Fmu::is_made_without_a_name(&package));
     assert!(said().contains("name of the instance"));

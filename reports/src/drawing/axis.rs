@@ -68,7 +68,13 @@ impl Axis {
 
     /// A logarithmic axis over exactly this range of positive values; an empty or broken range is widened.
     pub fn decades(min: f64, max: f64) -> Self {
-        let [min, max] = [min, max].map(|x| if x.is_nan() { 1.0 } else { x.clamp(LEAST, GREATEST) });
+        let [min, max] = [min, max].map(|x| {
+            if x.is_nan() {
+                1.0
+            } else {
+                x.clamp(LEAST, GREATEST)
+            }
+        });
         let (min, max) = (min.min(max), min.max(max));
         let (min, max) = if max > min * (1.0 + 1e-9) {
             (min, max)
@@ -336,7 +342,10 @@ mod tests {
                 Axis::logarithmic(a, b),
                 Axis::decades(a, b),
             ] {
-                assert!(axis.max > axis.min && (axis.max - axis.min).is_finite(), "{axis:?}");
+                assert!(
+                    axis.max > axis.min && (axis.max - axis.min).is_finite(),
+                    "{axis:?}"
+                );
                 assert!(axis.ticks(5).len() < 1000, "{axis:?}");
                 let place = axis.place(0.5 * (axis.min + axis.max));
                 assert!((0.0..=1.0).contains(&place), "{axis:?}: {place}");

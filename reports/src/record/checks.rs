@@ -14,7 +14,12 @@ pub(crate) fn each<T>(
 }
 
 /// Checks that a list has as many entries as what it belongs to.
-pub(crate) fn same_length(key: &str, found: usize, of: &str, expected: usize) -> Result<(), String> {
+pub(crate) fn same_length(
+    key: &str,
+    found: usize,
+    of: &str,
+    expected: usize,
+) -> Result<(), String> {
     if found == expected {
         return Ok(());
     }
@@ -46,13 +51,27 @@ impl Results {
             }
             let of_run = |e: String| format!("{}: {e}", name());
             if let Some(series) = &run.series {
-                series.validate().map_err(|e| of_run(format!("series: {e}")))?;
+                series
+                    .validate()
+                    .map_err(|e| of_run(format!("series: {e}")))?;
+                // A reference may lack one of these, a run has them all.
+                for (key, column) in [
+                    ("series.contact_force_n", &series.contact_force_n),
+                    ("series.omega1_rad_s", &series.omega1_rad_s),
+                    ("series.omega2_rad_s", &series.omega2_rad_s),
+                ] {
+                    same_length(key, column.len(), "time_s", series.len()).map_err(of_run)?;
+                }
             }
             if let Some(steady) = &run.steady {
-                steady.validate().map_err(|e| of_run(format!("steady.{e}")))?;
+                steady
+                    .validate()
+                    .map_err(|e| of_run(format!("steady.{e}")))?;
             }
             if let Some(picture) = &run.contacts {
-                picture.validate().map_err(|e| of_run(format!("contacts.{e}")))?;
+                picture
+                    .validate()
+                    .map_err(|e| of_run(format!("contacts.{e}")))?;
             }
             for (k, m) in run.metrics.iter().enumerate() {
                 if run.metrics[..k].iter().any(|o| o.against == m.against) {

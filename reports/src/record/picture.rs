@@ -39,7 +39,12 @@ impl ContactSnapshot {
                 return Err("over_run has `rows` or `columns` of 0, expected 1 or more".into());
             }
             let cells = grid.rows.saturating_mul(grid.columns);
-            same_length("over_run.values", grid.values.len(), "rows times columns", cells)
+            same_length(
+                "over_run.values",
+                grid.values.len(),
+                "rows times columns",
+                cells,
+            )
         })
     }
 }
@@ -169,9 +174,7 @@ impl FlankLoad {
             ];
             numbers.iter().all(|x| x.is_finite())
         };
-        let grid = |g: &FlankGrid| {
-            g.values.iter().all(|x| x.is_finite())
-        };
+        let grid = |g: &FlankGrid| g.values.iter().all(|x| x.is_finite());
         let ends = self.roll_m.iter().chain(&self.width_m);
         self.patches.iter().all(patch)
             && self.over_run.as_ref().is_none_or(grid)

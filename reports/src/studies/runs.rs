@@ -82,7 +82,10 @@ fn of_part<'c, T: 'static>(
 ) -> impl Iterator<Item = Column<'c>> {
     columns.into_iter().map(move |(name, cell)| {
         let cell = move |r: &Run| part(r).map_or(String::new(), cell);
-        (name.to_owned(), Box::new(cell) as Box<dyn Fn(&Run) -> String>)
+        (
+            name.to_owned(),
+            Box::new(cell) as Box<dyn Fn(&Run) -> String>,
+        )
     })
 }
 
@@ -155,7 +158,11 @@ pub fn of_study(results: &Results, tables: &[CsvTable]) -> Option<CsvTable> {
         | Study::Truncation
         | Study::Penalty
         | Study::Sweep
-        | Study::RunUp => (!results.runs.is_empty()).then(|| table(results)),
+        | Study::RunUp
+            if !results.runs.is_empty() =>
+        {
+            Some(table(results))
+        }
         _ => tables.first().map(|t| CsvTable {
             file: RUNS.into(),
             ..t.clone()

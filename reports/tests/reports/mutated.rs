@@ -2,9 +2,14 @@
 //! place in it; nothing panics.
 
 use crate::{contents, has_only_numbers, made_up, modes, pages, precision, trains, written};
-use gearbench_reports::check::{CheckRecord, Checked, Finding, Kind, Measured, Stored, Trend, Verdict};
+use gearbench_reports::check::{
+    CheckRecord, Checked, Finding, Kind, Measured, Stored, Trend, Verdict,
+};
 use gearbench_reports::response::{
     GroupResponse, MeshLimit, MeshPoint, ModelResponse, MountPoint, ResponsePoint, ResponseRecord,
+};
+use gearbench_reports::stiffness::{
+    LinePressure, ModelStiffness, PairLoad, StiffnessPosition, StiffnessRecord,
 };
 use gearbench_reports::store::{RECORD, ReportError};
 use gearbench_reports::studies::Study;
@@ -132,6 +137,124 @@ pub fn check_results() -> Results {
     }
 }
 
+/// Two models over a mesh cycle, one of which has no equilibrium.
+pub fn stiffness_results() -> Results {
+    let position = |i: u32| StiffnessPosition {
+        path_coordinate_m: 0.012 * (f64::from(i) / 8.0 - 0.5),
+        error_m: 1e-5 * (1.0 + 0.1 * f64::from(i % 3)),
+        force_n: 3000.0,
+        tangent_n_per_m: 3e8,
+        pairs: (0..=i64::from(i % 2))
+            .map(|offset| PairLoad {
+                offset,
+                force_n: 3000.0 / f64::from(i % 2 + 1),
+            })
+            .collect(),
+        pressure: (i > 2).then_some(LinePressure {
+            half_width_m: 1e-4,
+            peak_pa: 1e9,
+        }),
+    };
+    let solved = ModelStiffness {
+        label: "rigid".into(),
+        includes: "constant".into(),
+        limits: vec!["made up".into()],
+        force_n: 3000.0,
+        face_width_m: 0.01,
+        base_pitch_m: 0.012,
+        pitch_point_m: 0.001,
+        path_m: [-0.008, 0.009],
+        single_stiffness_n_per_m2: 1.4e10,
+        at_pitch_point_n_per_m2: 1.4e10,
+        mesh_stiffness_n_per_m2: 2e10,
+        mesh_tangent_n_per_m2: 2.1e10,
+        error_mean_m: 1.1e-5,
+        error_peak_to_peak_m: 2e-6,
+        positions: (0..8).map(position).collect(),
+        ..ModelStiffness::default()
+    };
+    let lost = ModelStiffness {
+        label: "elastic".into(),
+        message: "no approach carries the load".into(),
+        ..ModelStiffness::default()
+    };
+    Results {
+        part: Part::Stiffness(StiffnessRecord {
+            stiffness: vec![solved, lost],
+        }),
+        ..Results::default()
+    }
+}
+
+/// A study of stiffness has a record, a page and tables as the others have.
+#[test]
+fn stiffness_has_a_page() {
+    let files = written(&stiffness_results());
+    crate::holds(
+        &files,
+        &[
+            "stiffness.svg",
+            "stiffness.csv",
+            "cycle_rigid.csv",
+            "runs.csv",
+        ],
+    );
+    has_only_numbers(&files);
+    let found = crate::finding(&files["index.html"]);
+    for words in [
+        "3\u{a0}kN",
+        "300\u{a0}N/mm",
+        "20.0",
+        "2.00\u{a0}\u{b5}m",
+        "no approach",
+    ] {
+        assert!(found.contains(words), "{words} in {found}");
+    }
+    let cycle = &files["cycle_rigid.csv"];
+    assert_eq!(cycle.lines().count(), 1 + 8);
+    assert!(
+        cycle
+            .lines()
+            .next()
+            .unwrap()
+            .ends_with("force_pair_0_n,force_pair_1_n,contact_half_width_m,contact_pressure_pa")
+    );
+    assert!(!files.contains_key("cycle_elastic.csv"));
+    assert_eq!(files["runs.csv"], files["stiffness.csv"]);
+}
+
+/// `runs.csv` of every study: rows, and of runs their errors against each reference and their work.
+#[test]
+fn every_study_has_a_table_of_its_runs() {
+    for results in records() {
+        let files = written(&results);
+        let table = &files["runs.csv"];
+        assert!(table.lines().count() > 1, "{}", results.study());
+    }
+    let results = precision::results();
+    let files = written(&results);
+    let mut lines = files["runs.csv"].lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    for column in [
+        "run",
+        "model",
+        "force_l2_aligned_against_fe",
+        "wall_s",
+        "force_evaluations",
+    ] {
+        assert!(header.contains(&column), "{column} in {header:?}");
+    }
+    assert_eq!(lines.count(), results.runs.len());
+    // A column that no run has a value for is left out.
+    assert!(!header.contains(&"mesh_frequency_hz"));
+    let sweep = written(&made_up::sweep_results());
+    let header = sweep["runs.csv"].lines().next().unwrap().to_owned();
+    assert!(
+        header.contains(",mesh_frequency_hz,") && header.contains(",force_peak_n,"),
+        "{header}"
+    );
+}
+
 /// A record of every study.
 fn records() -> Vec<Results> {
     let mut compare = made_up::impact_results();
@@ -156,6 +279,7 @@ fn records() -> Vec<Results> {
         trains::run_up(),
         response_results(),
         check_results(),
+        stiffness_results(),
     ]
 }
 
@@ -247,10 +371,14 @@ fn an_edited_record_is_reported_or_refused() {
     let edits = edits.and_then(|n| n.parse().ok()).unwrap_or(EDITS);
     let all = records();
     for study in Study::ALL {
-        assert!(all.iter().any(|r| r.study() == study), "no record of {study}");
+        assert!(
+            all.iter().any(|r| r.study() == study),
+            "no record of {study}"
+        );
     }
     let dir = tempfile::tempdir().unwrap();
     let (mut reported, mut refused) = (0, 0);
+    let mut failures: Vec<String> = Vec::new();
     for results in &all {
         let good: Value = serde_json::from_str(&written(results)[RECORD]).unwrap();
         for seed in 0..edits {
@@ -263,25 +391,34 @@ fn an_edited_record_is_reported_or_refused() {
             let name = format!("{}, seed {seed}, {edited:?}", results.study());
             let path = dir.path().to_owned();
             fs::write(path.join(RECORD), record.to_string()).unwrap();
-            let report = catch_unwind(|| report_from(&path));
-            match report.unwrap_or_else(|_| panic!("panic: {name}")) {
-                Ok(_) => {
+            match catch_unwind(|| report_from(&path)) {
+                Ok(Ok(_)) => {
                     reported += 1;
-                    has_only_numbers(&contents_but_record(&path));
+                    let files = contents_but_record(&path);
+                    if catch_unwind(|| has_only_numbers(&files)).is_err() {
+                        failures.push(format!("no number: {name}"));
+                    }
                 }
-                Err(e @ ReportError::Record { .. }) => {
+                Ok(Err(e @ ReportError::Record { .. })) => {
                     refused += 1;
-                    assert!(e.to_string().contains(RECORD), "{name}: {e}");
+                    if !e.to_string().contains(RECORD) {
+                        failures.push(format!("no file: {name}: {e}"));
+                    }
                 }
-                Err(e) => panic!("{name}: {e}"),
+                Ok(Err(e)) => failures.push(format!("{name}: {e}")),
+                Err(_) => failures.push(format!("panic: {name}")),
             }
             for file in fs::read_dir(&path).unwrap() {
                 fs::remove_file(file.unwrap().path()).unwrap();
             }
         }
     }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
     // Both happen often, or the edits are of no use.
-    assert!(reported > refused / 4 && refused > reported / 20, "{reported}, {refused}");
+    assert!(
+        reported > refused / 4 && refused > reported / 20,
+        "{reported}, {refused}"
+    );
 }
 
 fn contents_but_record(dir: &std::path::Path) -> std::collections::BTreeMap<String, String> {
@@ -295,7 +432,9 @@ fn contents_but_record(dir: &std::path::Path) -> std::collections::BTreeMap<Stri
 fn lists_of_unequal_length_are_refused_with_their_place() {
     let refusal = |results: &Results, place: &str, to: Value| {
         let mut record: Value = serde_json::from_str(&written(results)[RECORD]).unwrap();
-        *record.pointer_mut(place).unwrap_or_else(|| panic!("{place}")) = to;
+        *record
+            .pointer_mut(place)
+            .unwrap_or_else(|| panic!("{place}")) = to;
         let dir = tempfile::tempdir().unwrap();
         fs::write(dir.path().join(RECORD), record.to_string()).unwrap();
         report_from(dir.path()).unwrap_err().to_string()
@@ -306,9 +445,17 @@ fn lists_of_unequal_length_are_refused_with_their_place() {
         e.contains("vibrations[0].modes[1].shape has 0 entries, expected 2 as `members`"),
         "{e}"
     );
-    let e = refusal(&response_results(), "/responses/0/groups/0/points/3/meshes", json!([]));
+    let e = refusal(
+        &response_results(),
+        "/responses/0/groups/0/points/3/meshes",
+        json!([]),
+    );
     assert!(e.contains("responses[0].groups[0].points[3].meshes"), "{e}");
-    let e = refusal(&response_results(), "/responses/0/groups/0/meshes", json!([]));
+    let e = refusal(
+        &response_results(),
+        "/responses/0/groups/0/meshes",
+        json!([]),
+    );
     assert!(e.contains("responses[0].groups[0].meshes is empty"), "{e}");
     let grid = "/runs/0/contacts/flanks/0/over_run/columns";
     let e = refusal(&made_up::impact_results(), grid, json!(0));
@@ -316,7 +463,20 @@ fn lists_of_unequal_length_are_refused_with_their_place() {
     let own = "/maps/0/axes/0/own";
     let e = refusal(&pages::stability(), own, json!(99));
     assert!(e.contains("maps[0].axes[0].own is 99"), "{e}");
-    let e = refusal(&made_up::sweep_results(), "/runs/2/steady/position", json!([0.1]));
+    let e = refusal(
+        &made_up::impact_results(),
+        "/runs/3/series/contact_force_n",
+        json!([]),
+    );
+    assert!(
+        e.contains("series.contact_force_n has 0 entries, expected"),
+        "{e}"
+    );
+    let e = refusal(
+        &made_up::sweep_results(),
+        "/runs/2/steady/position",
+        json!([0.1]),
+    );
     assert!(e.contains("steady.error_cycle_m"), "{e}");
 }
 
@@ -324,15 +484,25 @@ fn lists_of_unequal_length_are_refused_with_their_place() {
 #[test]
 fn numbers_at_the_ends_of_their_range_have_a_report() {
     for (results, place, to) in [
-        (made_up::sweep_results(), "/runs/2/steady/mesh_frequency_hz", json!(0)),
+        (
+            made_up::sweep_results(),
+            "/runs/2/steady/mesh_frequency_hz",
+            json!(0),
+        ),
         (pages::stability(), "/maps/0/set", json!(1u64 << 63)),
         (pages::choose(), "/choice/tried/0/error", json!(5e-324)),
         (pages::choose(), "/choice/tried/0/cost_s", json!(5e-324)),
         (precision::results(), "/runs/0/wall_s", json!(5e-324)),
-        (precision::results(), "/runs/0/metrics/0/force_l2_aligned", json!(5e-324)),
+        (
+            precision::results(),
+            "/runs/0/metrics/0/force_l2_aligned",
+            json!(5e-324),
+        ),
     ] {
         let mut record: Value = serde_json::from_str(&written(&results)[RECORD]).unwrap();
-        *record.pointer_mut(place).unwrap_or_else(|| panic!("{place}")) = to;
+        *record
+            .pointer_mut(place)
+            .unwrap_or_else(|| panic!("{place}")) = to;
         let dir = tempfile::tempdir().unwrap();
         fs::write(dir.path().join(RECORD), record.to_string()).unwrap();
         report_from(dir.path()).unwrap_or_else(|e| panic!("{place}: {e}"));

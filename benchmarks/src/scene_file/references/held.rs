@@ -8,6 +8,7 @@ use gearbench_reference::data::{self, Quantity, Reference, Request};
 use gearbench_reference::file_kind::{self, Input};
 use gearbench_reference::{files, limits, reference};
 use gearbench_reports::Metric;
+use gearbench_reports::numbers::short;
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -87,6 +88,7 @@ impl SceneFile {
             data.source.clone_from(source);
         }
         self.can_be_told(&data)?;
+        self.odd.extend(self.negative_force(&named, &data));
         if !differs.is_empty() {
             let place = self.document.at(&*named.at);
             let error = place.error(
@@ -107,6 +109,28 @@ impl SceneFile {
             self.odd.push(error);
         }
         Ok(Held { named, data, scene })
+    }
+
+    /// A warning about contact forces that point the other way: contact forces of runs are magnitudes, so that no model
+    /// comes near such a reference, and each fits its negative far better.
+    fn negative_force(&self, named: &NamedReference, data: &Reference) -> Option<SceneError> {
+        let forces = data.channels.iter();
+        let mut forces = forces.filter(|c| matches!(c.quantity, Quantity::Force(_)));
+        let (least, greatest) = forces.find_map(|c| {
+            let least = c.value.iter().copied().fold(0.0, f64::min);
+            let greatest = c.value.iter().copied().fold(0.0, f64::max);
+            (-least > greatest).then_some((least, greatest))
+        })?;
+        Some(self.document.at(&*named.at).error(
+            format!(
+                "the contact force of the reference \"{}\" is negative: it goes from {} to {} N",
+                data.id,
+                short(least, 4),
+                short(greatest, 4)
+            ),
+            "sign of the force",
+            "contact forces of runs are magnitudes: change the sign of the column, or errors are above 100 %",
+        ))
     }
 
     /// Refuses a tolerance in a metric of what its reference does not have.

@@ -139,6 +139,24 @@ fn a_table_is_a_reference() {
     }
 }
 
+/// A force that points the other way is a reference that no model comes near: its sign is named.
+#[test]
+fn a_negative_force_is_warned_about() {
+    let negative = "t [us];Fn [kN]\n0,0;0,1\n25,0;-1,5\n50,0;0\n";
+    for (table, warned) in [(PRESS, false), (negative, true)] {
+        let (_folder, scene) = beside("reference = \"press.csv\"", table);
+        let mut scene = scene.unwrap_or_else(|e| panic!("{}", render(&e)));
+        let before = scene.odd.len();
+        scene.held_of_the_scene(false).unwrap();
+        let odd: Vec<String> = scene.odd[before..].iter().map(SceneError::told).collect();
+        assert_eq!(odd.len(), usize::from(warned), "{odd:?}");
+        if warned {
+            assert!(odd[0].contains("\"press\" is negative"), "{odd:?}");
+            assert!(odd[0].contains("1500 to 100 N"), "{odd:?}");
+        }
+    }
+}
+
 /// Further references may be of other conditions; the scene as of one of them has these and nothing else changed.
 #[test]
 fn a_scene_stands_under_its_references() {

@@ -1,10 +1,10 @@
 //! What the choice has been checked on, and in which ways a scene lies outside of it.
 
-use gearbench_reports::numbers::short;
 use super::plan::Prepared;
 use super::problem::Problem;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Body, Mount, Profile};
+use gearbench_reports::numbers::short;
 use std::f64::consts::{PI, TAU};
 
 /// Numbers of teeth of the gears that choices were validated on.

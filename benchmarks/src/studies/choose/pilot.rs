@@ -4,7 +4,6 @@
 //! are in it, and where gears run under a load, through mesh cycles at all of it; where the whole scene has no more than
 //! that, it is the whole scene.
 
-use gearbench_reports::numbers::{round_quantity, short};
 use super::plan::Fixed;
 use super::problem::Problem;
 use super::run::ChooseError;
@@ -15,6 +14,7 @@ use gearbench_integrators::table::TRIGONOMETRIC;
 use gearbench_models::spec::{effective_radius, mesh_layout};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use gearbench_reports::Metric;
+use gearbench_reports::numbers::{round_quantity, short};
 
 /// Steps and samples of a pilot run per contact time.
 const STEPS: f64 = 32.0;

@@ -3,7 +3,6 @@
 //! Steps are halves of halves of the contact time `T = pi sqrt(m/k)` of rigid gears with the stiffness of the norm, so
 //! that candidates of small and large gears resolve a contact alike.
 
-use gearbench_reports::numbers::round_quantity;
 use super::detail::Details;
 use super::level::{Level, Stiffness};
 use super::problem::{Flexible, Own, Problem};
@@ -19,6 +18,7 @@ use gearbench_models::law::Damping;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reference::reduction::ElasticParameters;
+use gearbench_reports::numbers::round_quantity;
 use std::sync::Arc;
 
 /// Modes of the elastic levels.

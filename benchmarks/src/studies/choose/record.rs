@@ -1,6 +1,5 @@
 //! A choice as a record.
 
-use gearbench_reports::numbers::round_quantity;
 use super::detail;
 use super::problem::Problem;
 use super::requirement::Requirement;
@@ -8,6 +7,7 @@ use super::run::{Choice, LevelTried, Tried};
 use crate::experiment::budget::NOT_TRIED;
 use crate::experiment::machine;
 use gearbench_models::spec::{LocalContact, PointContact};
+use gearbench_reports::numbers::round_quantity;
 use gearbench_reports::record::{Part, Results, Tolerance, finite};
 use gearbench_reports::{ChoiceRecord, ChooseRecord, LevelRecord, Metric, TriedRecord};
 

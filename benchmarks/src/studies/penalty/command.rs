@@ -1,6 +1,5 @@
 //! `gearbench penalty SCENE`: results over the penalty of the contact.
 
-use gearbench_reports::numbers::{round_quantity, short};
 use super::arguments::Penalty;
 use super::run::TAKE_POINTS;
 use super::summary::summarise;
@@ -16,6 +15,7 @@ use crate::scene_file::{self, ModelChoice, SceneError};
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::spec::{ContactSpec, mesh_layout};
 use gearbench_reports::Study;
+use gearbench_reports::numbers::{round_quantity, short};
 
 /// Runs the study and writes its folder.
 pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {

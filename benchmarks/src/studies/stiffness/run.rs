@@ -32,8 +32,13 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
             .and_scene(&entry.spec, &entry.modelling)
             .and(&(&entry.label, &entry.stated, force, plan.positions));
         let made = runner.piece(key, || {
-            solve((entry, *force), plan.conditions.models, plan.positions, progress)
-                .map_err(|e| StudyError::Statics(entry.label.clone(), e))
+            solve(
+                (entry, *force),
+                plan.conditions.models,
+                plan.positions,
+                progress,
+            )
+            .map_err(|e| StudyError::Statics(entry.label.clone(), e))
         });
         match made {
             Ok(made) => all.push(made),
@@ -119,4 +124,43 @@ fn equilibria_of(cycle: &MeshCycle) -> Vec<StiffnessPosition> {
             }),
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan::formulas;
+    use super::*;
+    use crate::experiment::conditions::Conditions;
+    use crate::experiment::journal::{JOURNAL, Journal};
+    use crate::scene_file::load_unbuilt;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// Models that an interrupted start has finished are taken from its journal, with the same numbers.
+    #[test]
+    fn finished_models_are_not_solved_again() {
+        let scene = load_unbuilt("spur_impact").unwrap();
+        let choice = scene.model("rigid-iso6336").unwrap();
+        let entries = formulas(&scene.spec_for(choice), &choice.modelling);
+        let mut plan = Plan {
+            conditions: Conditions::of(&scene),
+            entries: entries.into_iter().map(|e| (e, 3000.0)).collect(),
+            positions: 4,
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let open = || Journal::open(&folder.path().join(JOURNAL), false).unwrap();
+        let solved = AtomicUsize::new(0);
+        let progress = |done: usize, _: usize, _: &str| {
+            solved.fetch_add(usize::from(done % 4 != 0), Ordering::Relaxed);
+        };
+        let run = |plan: &Plan<'_>| study(plan, &Runner::new(open(), &progress)).unwrap();
+        let first = run(&plan);
+        // The last position of each ends a multiple of four.
+        assert_eq!((solved.load(Ordering::Relaxed), open().len()), (6, 2));
+        assert_eq!(run(&plan).stiffness(), first.stiffness());
+        assert_eq!(solved.load(Ordering::Relaxed), 6);
+        // Under another load they are other pieces.
+        plan.entries[0].1 = 2000.0;
+        assert_eq!(run(&plan).stiffness()[1], first.stiffness()[1]);
+        assert_eq!((solved.load(Ordering::Relaxed), open().len()), (9, 3));
+    }
 }

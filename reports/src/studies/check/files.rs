@@ -11,7 +11,10 @@ const MOST: usize = 40;
 /// The summary in Markdown.
 pub fn markdown(record: &CheckRecord) -> String {
     let mark = if record.holds() { "holds" } else { "moved" };
-    let mut text = format!("### gearbench check: {mark}\n\n{}.\n", markdown_text(&record.verdict()));
+    let mut text = format!(
+        "### gearbench check: {mark}\n\n{}.\n",
+        markdown_text(&record.verdict())
+    );
     let of = |verdict: Verdict| {
         (record.entries.iter()).flat_map(move |e| {
             let findings = e.findings.iter().filter(move |f| f.verdict == verdict);

@@ -103,7 +103,10 @@ fn names_are_text_in_the_summary_and_in_tables() {
     let text = markdown(&record);
     let row = text.lines().find(|l| l.contains("newton_iterations"));
     let row = row.unwrap();
-    assert!(row.contains("&lt;img") && row.contains("https&#58;"), "{row}");
+    assert!(
+        row.contains("&lt;img") && row.contains("https&#58;"),
+        "{row}"
+    );
     assert_eq!(row.replace("\\|", "").matches('|').count(), 7, "{row}");
     let table = files::tables(&record)[0].text();
     assert!(table.contains(",'=cmd|' /C calc'!A0,"), "{table}");

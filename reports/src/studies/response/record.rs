@@ -45,8 +45,18 @@ impl ModelResponse {
                 return Err("meshes is empty, expected one mesh or more".into());
             }
             each("points", &g.points, |p| {
-                same_length("meshes", p.meshes.len(), "meshes of the group", g.meshes.len())?;
-                same_length("mounts", p.mounts.len(), "mounts of the group", g.mounts.len())
+                same_length(
+                    "meshes",
+                    p.meshes.len(),
+                    "meshes of the group",
+                    g.meshes.len(),
+                )?;
+                same_length(
+                    "mounts",
+                    p.mounts.len(),
+                    "mounts of the group",
+                    g.mounts.len(),
+                )
             })
         })
     }

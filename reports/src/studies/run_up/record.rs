@@ -163,10 +163,17 @@ impl ModelRunUp {
                 return Ok(());
             }
             same_length(key, rows.len(), "time_s", map.time_s.len())?;
-            each(key, rows, |r| same_length("length", r.len(), "lines", map.lines.len()))
+            each(key, rows, |r| {
+                same_length("length", r.len(), "lines", map.lines.len())
+            })
         };
         each("channels", &self.channels, |c| {
-            same_length("orders", c.orders.len(), "orders of the run-up", self.orders.len())?;
+            same_length(
+                "orders",
+                c.orders.len(),
+                "orders of the run-up",
+                self.orders.len(),
+            )?;
             let windows = self.by_turns.time_s.len();
             each("orders", &c.orders, |o| {
                 same_length("length", o.len(), "by_turns.time_s", windows)

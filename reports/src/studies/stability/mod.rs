@@ -209,18 +209,27 @@ impl Map {
     /// A sentence that names the rule.
     pub fn validate(&self) -> Result<(), String> {
         if self.axes.is_empty() || self.axes.len() > 2 {
-            return Err(format!("axes has {} entries, expected 1 or 2", self.axes.len()));
+            return Err(format!(
+                "axes has {} entries, expected 1 or 2",
+                self.axes.len()
+            ));
         }
         each("axes", &self.axes, |a| match a.own < a.values.len() {
             true => Ok(()),
-            false => Err(format!("own is {}, expected less than {} as `values`", a.own, a.values.len())),
+            false => Err(format!(
+                "own is {}, expected less than {} as `values`",
+                a.own,
+                a.values.len()
+            )),
         })?;
         let cells = self.rows().saturating_mul(self.at.len());
         same_length("cells", self.cells.len(), "rows times `at`", cells)?;
         if self.at.is_empty() || !self.at.iter().all(|x| *x > 0.0 && x.is_finite()) {
             return Err("at has an entry that is not above zero, or none".into());
         }
-        each("lines", &self.lines, |l| same_length("step_s", l.step_s.len(), "rows", self.rows()))?;
+        each("lines", &self.lines, |l| {
+            same_length("step_s", l.step_s.len(), "rows", self.rows())
+        })?;
         let axes = self.axes.iter().flat_map(|a| &a.values);
         let cells = (self.cells.iter().chain(&self.refined)).flat_map(|c| {
             let more = [c.error, c.energy_rel, c.reached_s];

@@ -101,7 +101,11 @@ pub fn charts(stiffness: &[ModelStiffness]) -> Result<Vec<Chart>, DrawError> {
     ];
     panels[2].x_name = Some("path coordinate from the pitch point / base pitch".into());
     let limits: String = (stiffness.iter())
-        .flat_map(|m| m.limits.iter().map(move |l| format!(" Out of range: {}: {l}.", m.label)))
+        .flat_map(|m| {
+            m.limits
+                .iter()
+                .map(move |l| format!(" Out of range: {}: {l}.", m.label))
+        })
         .collect();
     let caption = format!(
         "Under {} along the line of action, {}\u{a0}N/mm.{limits} Pale lines: start of contact, pitch point, end of contact. \
@@ -145,7 +149,10 @@ mod tests {
         let near = |a: &[f64], b: &[f64]| {
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12)
         };
-        assert!(near(&x, &[-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75]), "{x:?}");
+        assert!(
+            near(&x, &[-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75]),
+            "{x:?}"
+        );
         assert!(near(&y, &[4.0, 1.0, 2.0, 3.0, 4.0, 1.0, 2.0]), "{y:?}");
         assert!(shares(&model).iter().all(|s| (s.1 - 30.0).abs() < 1e-12));
         let chart = charts(&[model]).unwrap().remove(0);

@@ -40,7 +40,9 @@ fn models(stiffness: &[ModelStiffness]) -> CsvTable {
             ("mesh_stiffness_n_per_m2", &|m| {
                 made(m, m.mesh_stiffness_n_per_m2)
             }),
-            ("mesh_tangent_n_per_m2", &|m| made(m, m.mesh_tangent_n_per_m2)),
+            ("mesh_tangent_n_per_m2", &|m| {
+                made(m, m.mesh_tangent_n_per_m2)
+            }),
             ("transmission_error_mean_m", &|m| made(m, m.error_mean_m)),
             ("transmission_error_peak_to_peak_m", &|m| {
                 made(m, m.error_peak_to_peak_m)

@@ -137,7 +137,10 @@ impl ModelStiffness {
         each("positions", &self.positions, |p| {
             each("pairs", &p.pairs, |pair| match pair.offset.unsigned_abs() {
                 0..=MOST => Ok(()),
-                _ => Err(format!("offset is {}, expected {MOST} or less", pair.offset)),
+                _ => Err(format!(
+                    "offset is {}, expected {MOST} or less",
+                    pair.offset
+                )),
             })
         })
     }

@@ -61,7 +61,9 @@ pub fn tables(stiffness: &[ModelStiffness]) -> Markup {
         .written("at the pitch point", unit, |(_, m)| {
             per_width(m.at_pitch_point_n_per_m2)
         })
-        .written("c\u{3b3}", unit, |(_, m)| per_width(m.mesh_stiffness_n_per_m2))
+        .written("c\u{3b3}", unit, |(_, m)| {
+            per_width(m.mesh_stiffness_n_per_m2)
+        })
         .result()
         .written("Tangent, mean", unit, |(_, m)| {
             per_width(m.mesh_tangent_n_per_m2)
@@ -74,7 +76,9 @@ pub fn tables(stiffness: &[ModelStiffness]) -> Markup {
         .text("Includes", |(_, m)| m.includes.clone())
         .numbers("Unknowns", "", 4, |(_, m)| m.unknowns as f64)
         .numbers("Equilibria", "", 4, |(_, m)| m.equilibria as f64)
-        .numbers("Newton iterations", "", 4, |(_, m)| m.newton_iterations as f64)
+        .numbers("Newton iterations", "", 4, |(_, m)| {
+            m.newton_iterations as f64
+        })
         .numbers("Set-up", "s", 3, |(_, m)| m.setup_s)
         .numbers("Solved in", "s", 3, |(_, m)| m.solve_s);
     html! {

@@ -10,8 +10,8 @@ use crate::markup::runs;
 use crate::record::Run;
 use crate::studies::StudyReport;
 use crate::view::View;
-use maud::html;
 pub(super) use csv::steady_columns;
+use maud::html;
 pub use record::{
     Bearing, Bistable, Branch, ShaftOrders, StaticCycle, Steady, SweepRecord, bistable,
 };

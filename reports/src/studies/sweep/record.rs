@@ -238,7 +238,12 @@ impl Steady {
 impl StaticCycle {
     /// Checks the lengths of its lists.
     pub(crate) fn validate(&self) -> Result<(), String> {
-        same_length("error_m", self.error_m.len(), "position", self.position.len())
+        same_length(
+            "error_m",
+            self.error_m.len(),
+            "position",
+            self.position.len(),
+        )
     }
 
     /// Whether every number is one.
