@@ -14,7 +14,10 @@ fn frequencies(file: &SceneFile) -> (usize, Vec<f64>) {
     let spec = file.spec_for(choice);
     let of = (&spec, &choice.modelling);
     let found = vibrations("rigid", of, gearbench::models::models(), &Wanted::default()).unwrap();
-    let all: Vec<f64> = found.modes.iter().map(|m| m.frequency_hz).collect();
+    let times = found.modes.iter();
+    let all: Vec<f64> = times
+        .flat_map(|m| std::iter::repeat_n(m.frequency_hz, m.multiplicity))
+        .collect();
     let rigid = all.iter().filter(|f| **f == 0.0).count();
     (rigid, all.into_iter().filter(|f| *f > 0.0).collect())
 }
@@ -80,6 +83,7 @@ fn a_floating_sun_shares_the_load() {
         )
     };
     let held = "z = \"held\", tilt_x = \"held\", tilt_y = \"held\" }";
+    let mut found: Vec<[f64; 8]> = Vec::new();
     for sun in [
         format!("directions = {{ x = \"free\", y = \"free\", {held}"),
         format!("bearing = {{ stiffness = [1, 1, 0, 0, 0, 0] }}\ndirections = {{ {held}"),
@@ -96,12 +100,19 @@ fn a_floating_sun_shares_the_load() {
         let first = scene.gears()[0].range().start;
         let sun = [s.q[first + 1], s.q[first + 2]].map(|x| 1e6 * x);
         println!("{forces:?} N, sun at {sun:?} um");
-        for (found, is) in forces.iter().zip([574.96, 311.85, 574.96, 311.85]) {
-            assert!((found / is - 1.0).abs() < 2e-5, "{found} {is}");
+        // The closed form is linear: that of opposite planets is their mean.
+        for (k, is) in [(0, 574.96), (1, 311.85)] {
+            let mean = 0.5 * (forces[k] + forces[k + 2]);
+            assert!((mean / is - 1.0).abs() < 3e-5, "{mean} {is}");
+            assert!((forces[k] / is - 1.0).abs() < 2e-4, "{forces:?} {is}");
         }
+        found.push(forces);
         for (found, is) in sun.into_iter().zip([-1.766, 0.643]) {
             assert!((found - is).abs() < 1e-3, "{found} {is}");
         }
+    }
+    for (free, soft) in found[0].iter().zip(&found[1]) {
+        assert!((free / soft - 1.0).abs() < 1e-6, "{found:?}");
     }
 }
 
@@ -134,7 +145,7 @@ fn a_double_helical_pinion_swings_along_its_axis() {
         text += "[[shafts]]\nname = \"pinion\"\ncarries = [{ gear = \"lower\", at_m = 0.0 }, { gear = \"upper\", at_m = 0.05 }]\n";
         for half in ["upper", "lower"] {
             text += &format!(
-                "[[meshes]]\ngears = [\"{half}\", \"{half}_wheel\"]\nstart = {{ flank = \"left\" }}\n"
+                "[[meshes]]\ngears = [\"{half}\", \"{half}_wheel\"]\nbacklash_m = 1e-4\nstart = {{ flank = \"left\" }}\n"
             );
         }
         text += "[[models]]\nmodel = \"rigid\"\ncontact = { stiffness = { kind = \"constant\", stiffness_n_per_m2 = 1.4e10, of = \"mesh\" }, slices = 1 }\n";
@@ -165,7 +176,7 @@ fn centrifugal_forces_are_part_of_the_loaded_start() {
     let planet = "bore_radius_m = 0.015\n";
     let pins = "bore_radius_m = 0.015\nmass_kg = 1.3\nbearing = { stiffness = [1e8, 1e8, 0, 0, 0, 0], damping = [2e3, 2e3, 0, 0, 0, 0] }\ndirections = { z = \"held\", tilt_x = \"held\", tilt_y = \"held\" }\n";
     let speed: f64 = 100.0;
-    for torque in [60.0_f64, 1.0, 0.01] {
+    for torque in [60.0_f64, 1.0, 0.1] {
         let (on_sun, on_carrier) = (
             format!("torque_nm = {torque:?} "),
             format!("torque_nm = {:?} ", -4.5 * torque),
