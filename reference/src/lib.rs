@@ -15,6 +15,7 @@
 //! | `vector` | sums and turns of vectors that several modules need |
 //! | [`recognise`] | a gear from its surface alone: axis, bore, teeth, flanks, involute |
 //! | [`Refused`] | why a file is refused, a deck or a stored reduction |
+//! | [`files`] | regular files of a bounded size |
 //! | [`hash`] | the hash that names stored results |
 //!
 //! The data lie beside the sources in `reference/calculix/`, each case with its deck, results, parameters
@@ -25,6 +26,7 @@ pub mod assembly;
 pub mod data;
 pub mod deck;
 mod element;
+pub mod files;
 pub mod full_order;
 mod groups;
 pub mod hash;

@@ -8,6 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub const DEFAULT: f64 = 2e9;
 
 static LIMIT: AtomicU64 = AtomicU64::new(0);
+/// Bytes that results take which stay to the end of a study.
+static RESERVED: AtomicU64 = AtomicU64::new(0);
 
 /// Sets the limit [bytes].
 pub fn set_memory(bytes: f64) {
@@ -20,6 +22,18 @@ pub fn memory() -> f64 {
         0 => DEFAULT,
         bits => f64::from_bits(bits),
     }
+}
+
+/// Counts bytes that stay taken, such as the histories of finished runs: estimates are compared with what is left.
+pub fn reserve(bytes: u64) {
+    RESERVED.fetch_add(bytes, Ordering::Relaxed);
+}
+
+/// Counts bytes as free again that were [reserved](reserve).
+pub fn release(bytes: u64) {
+    // More is never released than was reserved.
+    let less = |all: u64| Some(all.saturating_sub(bytes));
+    let _ = RESERVED.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less);
 }
 
 /// Something that would take more memory than it may.
@@ -44,12 +58,17 @@ pub struct TooMuchMemory {
 /// [`TooMuchMemory`] beyond it.
 pub fn check(what: impl Into<String>, bytes: f64, way_out: &str) -> Result<(), TooMuchMemory> {
     let allowed = memory();
-    if bytes <= allowed {
+    let reserved = RESERVED.load(Ordering::Relaxed) as f64;
+    if reserved + bytes <= allowed {
         return Ok(());
     }
+    let what = match reserved > 0.01 * allowed {
+        true => format!("{}, with {} of results", what.into(), gigabytes(reserved)),
+        false => what.into(),
+    };
     Err(TooMuchMemory {
-        what: what.into(),
-        needed: gigabytes(bytes),
+        what,
+        needed: gigabytes(reserved + bytes),
         allowed: gigabytes(allowed),
         way_out: way_out.into(),
     })

@@ -245,6 +245,11 @@ impl Scene {
         }
     }
 
+    /// Number of all channels.
+    pub fn channel_count(&self) -> usize {
+        self.channels.len()
+    }
+
     /// Where a quantity of every mesh stands.
     pub fn channels_of_meshes(&self, what: OfMesh) -> Vec<usize> {
         let all = (0..self.meshes.len()).map(|m| Channel::Mesh(m, what));

@@ -13,6 +13,9 @@ pub struct Material {
     pub density: f64,
 }
 
+/// Greatest Poisson's ratio: the bulk modulus is then 5000 times the shear modulus, and matrices are ill-conditioned beyond.
+const MOST_POISSON: f64 = 0.4999;
+
 impl Material {
     /// The steel of the stored finite-element reference data: E = 210 GPa, nu = 0.3, 7850 kg/m^3.
     pub const STEEL: Material = Material {
@@ -37,7 +40,7 @@ impl Material {
             (Property::Young, self.young)
         } else if !positive(self.density) {
             (Property::Density, self.density)
-        } else if !(0.0..0.5).contains(&self.poisson) {
+        } else if !(0.0..=MOST_POISSON).contains(&self.poisson) {
             (Property::Poisson, self.poisson)
         } else {
             return Ok(());

@@ -47,6 +47,14 @@ impl Processing {
                 [a.min(c.time[0]), b.max(c.time[c.time.len() - 1])]
             });
         if let Some(width) = self.moving_average {
+            let span = whole[1] - whole[0];
+            if width > span {
+                return Err((
+                    format!("a moving average over at most the {span:e} s of the table"),
+                    format!("one over {width:e} s"),
+                    "give a window of a few samples in seconds".into(),
+                ));
+            }
             for c in channels.iter_mut() {
                 c.value = moving_average(&c.time, &c.value, width);
             }

@@ -54,6 +54,8 @@ fn of(list: &[(Quantity, String)], quantity: Quantity) -> Option<&str> {
 /// Numbers with points or commas, the same in the whole table.
 struct Numbers {
     comma: Option<bool>,
+    /// Commas stand between cells, and nobody says that numbers have them too.
+    between_cells: bool,
 }
 
 impl Numbers {
@@ -65,6 +67,12 @@ impl Numbers {
             return Err((
                 "a number without thousands separators",
                 "export plain numbers",
+            ));
+        }
+        if self.between_cells && is_thousands(cell) {
+            return Err((
+                "a number without thousands separators",
+                "export plain numbers, or say `decimal = \"comma\"` where the comma is the decimal sign",
             ));
         }
         if comma || point {
@@ -101,6 +109,15 @@ impl Numbers {
     }
 }
 
+/// Whether a cell reads as a whole number with commas between its thousands, such as `1,000` or `-12,345,678`.
+fn is_thousands(cell: &str) -> bool {
+    let mut groups = cell.trim_start_matches(['+', '-']).split(',');
+    let digits = |g: &str| !g.is_empty() && g.bytes().all(|b| b.is_ascii_digit());
+    let first = groups.next().is_some_and(|g| digits(g) && g.len() <= 3);
+    let mut others = groups.peekable();
+    first && others.peek().is_some() && others.all(|g| digits(g) && g.len() == 3)
+}
+
 /// Histories of a table, with what was done to them; id, title and source are the caller's.
 ///
 /// Units become those of SI, transverse forces normal ones. Samples are those of the file: a cell that is empty is a
@@ -118,6 +135,7 @@ pub fn read(text: &str, request: &Request, subjects: &Subjects) -> Result<Refere
     let mut found = columns(&rows, &head, request, subjects)?;
     let mut numbers = Numbers {
         comma: request.decimal_comma,
+        between_cells: rows.delimiter == Delimiter::Comma && request.decimal_comma.is_none(),
     };
     let mut row = Row::default();
     let mut more = rows.next(&mut row)?;

@@ -254,3 +254,35 @@ fn files_state_their_conditions() {
         [("gears.pinion.speed_rad_s".to_owned(), 60.0)]
     );
 }
+
+/// `1,000` between quotes in a table with commas is a thousand to who wrote it, and was one.
+#[test]
+fn thousands_are_no_decimals() {
+    let text = "time [s],force [N]\n0,\"1,000\"\n1,\"2,000\"\n2,\"3,000\"\n";
+    let e = plain(text).unwrap_err();
+    assert!(e.expected.contains("thousands separators"), "{e}");
+    let decimal = Request {
+        decimal_comma: Some(true),
+        ..Request::default()
+    };
+    let found = spur(text, &decimal).unwrap();
+    near(values(&found, Quantity::Force(0)).1, &[1.0, 2.0, 3.0]);
+    let other = "time [s],force [N]\n0,\"1,5\"\n1,\"2,5\"\n2,\"3,5\"\n";
+    near(
+        values(&plain(other).unwrap(), Quantity::Force(0)).1,
+        &[1.5, 2.5, 3.5],
+    );
+}
+
+#[test]
+fn a_moving_average_fits_into_its_table() {
+    let request = Request {
+        processing: Processing {
+            moving_average: Some(1e300),
+            ..Processing::default()
+        },
+        ..Request::default()
+    };
+    let e = spur("time [s];force [N]\n0;1\n1;2\n2;3\n", &request).unwrap_err();
+    assert!(e.expected.contains("at most the 2e0 s"), "{e}");
+}

@@ -5,15 +5,21 @@
 //! including file, so that the reader sees one stream of lines, each with the file and line it came from.
 
 use super::error::{DeckError, DeckErrorKind, Place, quote};
-use std::collections::VecDeque;
+use std::borrow::Cow;
 use std::io;
 use std::sync::Arc;
 
 /// Includes within includes that are followed.
 pub const MAX_INCLUDE_DEPTH: usize = 16;
 
+/// Includes that a deck may have in all: a few files that include each other several times would never end.
+pub const MAX_INCLUDES: usize = 1000;
+
 /// Text [bytes] that a deck may have in all, includes counted each time.
 pub const MAX_DECK_BYTES: usize = 1 << 30;
+
+/// Text [bytes] of a line with the lines that continue it.
+pub const MAX_LINE_BYTES: usize = 1 << 20;
 
 /// An option of a keyword line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -83,41 +89,85 @@ pub(crate) enum Line {
 /// Reads the text of an included file; the name is joined with the folder of the including file.
 pub type Resolver<'a> = dyn FnMut(&str) -> io::Result<String> + 'a;
 
-struct Source {
+struct Source<'a> {
     name: Arc<str>,
-    lines: VecDeque<String>,
+    text: Cow<'a, str>,
+    /// Where the next line begins [bytes].
+    next: usize,
+    /// Lines that were read.
     at: usize,
+}
+
+impl Source<'_> {
+    /// The next line that is not blank and not a comment, trimmed; within one file.
+    ///
+    /// # Errors
+    /// A line beyond [`MAX_LINE_BYTES`].
+    fn line(&mut self) -> Result<Option<(Place, String)>, DeckError> {
+        while let Some(rest) = self.text.get(self.next..).filter(|r| !r.is_empty()) {
+            let end = rest.find('\n');
+            let line = &rest[..end.unwrap_or(rest.len())];
+            self.next += end.map_or(rest.len(), |e| e + 1);
+            self.at += 1;
+            let text = line.trim_matches(|c: char| c.is_whitespace() || c == '\u{feff}');
+            if text.is_empty() || text.starts_with("**") {
+                continue;
+            }
+            let place = Place {
+                file: self.name.clone(),
+                line: self.at,
+            };
+            check_length(&place, text)?;
+            return Ok(Some((place, text.to_owned())));
+        }
+        Ok(None)
+    }
+}
+
+fn check_length(place: &Place, text: &str) -> Result<(), DeckError> {
+    if text.len() <= MAX_LINE_BYTES {
+        return Ok(());
+    }
+    Err(place.error(
+        DeckErrorKind::Limit,
+        "",
+        format!("lines of at most {MAX_LINE_BYTES} bytes"),
+        "a longer one",
+        "is it a deck?",
+    ))
 }
 
 /// The stream of lines of a deck.
 pub(crate) struct Lexer<'a> {
-    stack: Vec<Source>,
+    stack: Vec<Source<'a>>,
     resolver: &'a mut Resolver<'a>,
     bytes: usize,
+    includes: usize,
     ahead: Option<Line>,
 }
 
 impl<'a> Lexer<'a> {
     pub(crate) fn new(
         name: &str,
-        text: &str,
+        text: &'a str,
         resolver: &'a mut Resolver<'a>,
     ) -> Result<Self, DeckError> {
         let mut lexer = Lexer {
             stack: Vec::new(),
             resolver,
             bytes: 0,
+            includes: 0,
             ahead: None,
         };
         let start = Place {
             file: name.into(),
             line: 0,
         };
-        lexer.open(&start, name, text)?;
+        lexer.open(&start, name, Cow::Borrowed(text))?;
         Ok(lexer)
     }
 
-    fn open(&mut self, from: &Place, name: &str, text: &str) -> Result<(), DeckError> {
+    fn open(&mut self, from: &Place, name: &str, text: Cow<'a, str>) -> Result<(), DeckError> {
         self.bytes = self.bytes.saturating_add(text.len());
         if self.bytes > MAX_DECK_BYTES {
             return Err(from.error(
@@ -130,7 +180,8 @@ impl<'a> Lexer<'a> {
         }
         self.stack.push(Source {
             name: name.into(),
-            lines: text.lines().map(str::to_owned).collect(),
+            text,
+            next: 0,
             at: 0,
         });
         Ok(())
@@ -148,23 +199,6 @@ impl<'a> Lexer<'a> {
                 line: 0,
             },
         }
-    }
-
-    /// The next line that is not blank and not a comment, trimmed; within one file.
-    fn raw(source: &mut Source) -> Option<(Place, String)> {
-        while let Some(line) = source.lines.pop_front() {
-            source.at += 1;
-            let text = line.trim_matches(|c: char| c.is_whitespace() || c == '\u{feff}');
-            if text.is_empty() || text.starts_with("**") {
-                continue;
-            }
-            let place = Place {
-                file: source.name.clone(),
-                line: source.at,
-            };
-            return Some((place, text.to_owned()));
-        }
-        None
     }
 
     /// The next line without taking it.
@@ -199,7 +233,7 @@ impl<'a> Lexer<'a> {
             let Some(source) = self.stack.last_mut() else {
                 return Ok(None);
             };
-            let Some((place, text)) = Self::raw(source) else {
+            let Some((place, text)) = source.line()? else {
                 if self.stack.len() == 1 {
                     return Ok(None); // the deck itself stays, it names the end
                 }
@@ -221,13 +255,14 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    fn keyword(source: &mut Source, place: Place, first: String) -> Result<Keyword, DeckError> {
+    fn keyword(source: &mut Source<'_>, place: Place, first: String) -> Result<Keyword, DeckError> {
         let mut text = first;
         while text.ends_with(',') {
-            match Self::raw(source) {
+            match source.line()? {
                 Some((_, more)) if !more.starts_with('*') => {
                     text.push(' ');
                     text.push_str(&more);
+                    check_length(&place, &text)?;
                 }
                 _ => {
                     return Err(place.error(
@@ -307,9 +342,18 @@ impl<'a> Lexer<'a> {
                 "does a file include itself?",
             );
         }
+        self.includes += 1;
+        if self.includes > MAX_INCLUDES {
+            return error(
+                DeckErrorKind::Limit,
+                &format!("at most {MAX_INCLUDES} includes in all"),
+                "more".into(),
+                "put the included files into one",
+            );
+        }
         let name = join(&keyword.place.file, input);
         match (self.resolver)(&name) {
-            Ok(text) => self.open(&keyword.place, &name, &text),
+            Ok(text) => self.open(&keyword.place, &name, Cow::Owned(text)),
             Err(e) => error(
                 DeckErrorKind::Io,
                 "a readable file",
@@ -317,6 +361,19 @@ impl<'a> Lexer<'a> {
                 "the name counts from the folder of the including file",
             ),
         }
+    }
+}
+
+/// Whether an included file, by its name as [`join`] makes it, is outside the folder of the deck that includes it.
+pub(super) fn is_foreign(deck: &str, included: &str) -> bool {
+    let folder = |name: &str| name.rfind(['/', '\\']).map_or(0, |end| end + 1);
+    let own = &deck[..folder(deck)];
+    match included.strip_prefix(own) {
+        Some(rest) => {
+            let absolute = rest.starts_with(['/', '\\']) || rest.get(1..2) == Some(":");
+            absolute || rest.split(['/', '\\']).any(|part| part == "..")
+        }
+        None => true,
     }
 }
 

@@ -29,13 +29,13 @@ pub use data::{
 pub use error::{DeckError, DeckErrorKind, Place};
 pub use gears::{BodyShape, DeckGear, gears, gears_known, gears_with};
 pub use gtm::{Finding, GtmRequirement, check_gtm};
-pub use lexer::{MAX_DECK_BYTES, MAX_INCLUDE_DEPTH, Resolver};
+pub use lexer::{MAX_DECK_BYTES, MAX_INCLUDE_DEPTH, MAX_INCLUDES, MAX_LINE_BYTES, Resolver};
 
 pub use units::Units;
 pub use writer::{GearDeck, Hub, Impact, ImpactGear, WriteError, write, write_impact};
 
+use crate::{files, limits};
 use std::borrow::Cow;
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -95,11 +95,25 @@ fn unreadable(name: &str, expected: &str, e: &io::Error) -> DeckError {
 }
 
 fn bytes_of(name: &str) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    File::open(name)?
-        .take(MAX_DECK_BYTES as u64 + 1)
-        .read_to_end(&mut bytes)?;
-    Ok(unpacked(&bytes)?.into_owned())
+    let bytes = files::read(Path::new(name), MAX_DECK_BYTES as u64)?;
+    if is_gzip(&bytes) {
+        return Ok(unpacked(&bytes)?.into_owned());
+    }
+    check_memory(bytes.len())?;
+    Ok(bytes)
+}
+
+fn is_gzip(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0x1f, 0x8b])
+}
+
+/// Memory that a deck takes over the bytes of its text: the text itself, nodes, elements and their labels.
+const MEMORY_OVER_TEXT: f64 = 4.0;
+
+fn check_memory(bytes: usize) -> io::Result<()> {
+    let what = format!("a deck of {bytes} bytes");
+    limits::check(what, MEMORY_OVER_TEXT * bytes as f64, "use fewer elements")
+        .map_err(io::Error::other)
 }
 
 fn text_of(name: &str) -> io::Result<String> {
@@ -108,13 +122,20 @@ fn text_of(name: &str) -> io::Result<String> {
 
 /// Bytes, unpacked when they are gzip.
 fn unpacked(bytes: &[u8]) -> io::Result<Cow<'_, [u8]>> {
-    let bytes = match bytes.starts_with(&[0x1f, 0x8b]) {
+    let bytes = match is_gzip(bytes) {
         false => Cow::Borrowed(bytes),
         true => {
             let mut unpacked = Vec::new();
+            let most = (limits::memory() / MEMORY_OVER_TEXT).min(MAX_DECK_BYTES as f64);
             flate2::read::MultiGzDecoder::new(bytes)
-                .take(MAX_DECK_BYTES as u64 + 1)
-                .read_to_end(&mut unpacked)?;
+                .take(most as u64 + 1)
+                .read_to_end(&mut unpacked)
+                .map_err(|e| {
+                    io::Error::other(format!(
+                        "an archive of gzip that is cut off, damaged or followed by other bytes ({e})"
+                    ))
+                })?;
+            check_memory(unpacked.len())?;
             Cow::Owned(unpacked)
         }
     };

@@ -25,7 +25,7 @@ pub(crate) use others::{MARK, Others};
 
 use super::data::{Deck, Label, Step, Target};
 use super::error::{DeckError, DeckErrorKind, Place, quote};
-use super::lexer::{Data, Keyword, Lexer, Line, Resolver};
+use super::lexer::{Data, Keyword, Lexer, Line, Resolver, is_foreign};
 use super::units::{Units, in_si};
 use std::collections::{BTreeMap, HashSet};
 
@@ -50,9 +50,22 @@ pub(crate) fn read(
         transforms: Vec::new(),
         passed_surfaces: HashSet::new(),
     };
-    reader.all()?;
-    reader.finish()?;
+    (reader.all().and_then(|()| reader.finish())).map_err(|e| without_foreign_text(name, e))?;
     Ok(in_si(reader.deck, units))
+}
+
+/// The error without what it quotes of a file outside the folder of the deck: that may be any file of the machine, and
+/// messages end in the logs of others.
+fn without_foreign_text(deck: &str, error: DeckError) -> DeckError {
+    if *error.file == *deck || !is_foreign(deck, &error.file) {
+        return error;
+    }
+    DeckError {
+        context: "".into(),
+        found: "a line that does not fit, which is not shown: the file is outside the folder of the deck".into(),
+        help: "include files of the deck, from its own folder".into(),
+        ..error
+    }
 }
 
 /// A step that is being read.

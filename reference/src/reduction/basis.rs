@@ -23,6 +23,7 @@ use super::surface::Surface;
 use super::{Basis, Mounting, Wanted, compliance, integrals, near_field};
 use crate::assembly::tie::{MassKind, Tie};
 use crate::assembly::{Assembly, assemble};
+use crate::limits;
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{Hub, Sector};
 use crate::modes::{self, Options, Target};
@@ -77,6 +78,8 @@ pub fn of_mesh(
         true => nodes.with_profile(),
         false => nodes,
     };
+    compliance::check_whole(&nodes)?;
+    check_shapes(&nodes, wanted)?;
     let assembly = assemble(&mesh.mesh, material)?;
     let motions = mounting.motions();
     let tie = Tie::new(&mesh.mesh.nodes, &mesh.bore, &motions);
@@ -164,6 +167,8 @@ pub fn of_sector(
         true => nodes.with_profile(),
         false => nodes,
     };
+    compliance::check_sector(&nodes, sector.teeth as usize, 3 * sector.mesh.nodes.len())?;
+    check_shapes(&nodes, wanted)?;
     let teeth = f64::from(sector.teeth);
     let rigid = mounting.rigid(&sector.mesh.nodes);
     let mut pull = vec![0.0; rigid.len()];
@@ -210,6 +215,21 @@ pub fn of_sector(
         }),
     };
     finish(nodes, mounting, body, shapes, (residual, integrals))
+}
+
+/// Memory of a number of a mode shape at the flank nodes: as it is found, as it is kept in the basis, and in a model [bytes].
+const SHAPE_BYTES: f64 = 24.0;
+
+/// Checks the memory of the shapes at the flank nodes of all teeth before modes are searched.
+fn check_shapes(surface: &Surface, wanted: Wanted) -> Result<(), ReductionError> {
+    let Wanted::Count(modes) = wanted else {
+        return Ok(());
+    };
+    let rows = surface.directions.len();
+    let what = format!("{modes} modes at {rows} displacements of flank nodes");
+    let bytes = SHAPE_BYTES * rows as f64 * modes as f64;
+    let way_out = "ask for fewer modes, or use fewer elements along the flank or over the width";
+    Ok(limits::check(what, bytes, way_out)?)
 }
 
 /// What of a gear does not depend on its modes.

@@ -77,7 +77,7 @@ fn held_of_assembly(
 ) -> Result<Held, ReductionError> {
     let nodes = &gear.mesh.nodes;
     let n = surface.directions.len();
-    check_memory(n, 24.0 * (n as f64).powi(2))?;
+    check_whole(surface)?;
     let tie = Tie::new(nodes, &gear.bore, &[]);
     let columns = loads(surface, &tie)?;
     let stiffness = tie.reduce(assembly, &[], MassKind::Consistent).stiffness;
@@ -198,8 +198,7 @@ fn held_of_sector(
     }
     let cyclic = Sector::new(sector, material, &Hub::fixed())?;
     let per_tooth = surface.directions.len() / teeth;
-    let (m, unknowns) = (per_tooth as f64, cyclic.unknowns() as f64);
-    check_memory(per_tooth, 24.0 * m * m * teeth as f64 + 64.0 * m * unknowns)?;
+    check_sector(surface, teeth, cyclic.unknowns())?;
     let columns = columns(surface, per_tooth, |node| cyclic.place_of(node))?;
     let found = cyclic.static_responses(&columns)?;
     let relief = relief_of_sector(&cyclic, sector, &columns, mounting)?;
@@ -293,6 +292,31 @@ fn relief_of_sector(
         hub,
         inertia,
     })
+}
+
+/// Checks the memory of the compliance of a whole mesh, before anything of it is computed.
+///
+/// # Errors
+/// An estimate beyond the limit.
+pub(super) fn check_whole(surface: &Surface) -> Result<(), ReductionError> {
+    let n = surface.directions.len();
+    check_memory(n, 24.0 * (n as f64).powi(2))
+}
+
+/// Checks the memory of the compliance of a gear of equal teeth, before anything of it is computed; `surface` is that of all
+/// teeth.
+///
+/// # Errors
+/// An estimate beyond the limit.
+pub(super) fn check_sector(
+    surface: &Surface,
+    teeth: usize,
+    unknowns: usize,
+) -> Result<(), ReductionError> {
+    let per_tooth = surface.directions.len() / teeth.max(1);
+    let m = per_tooth as f64;
+    let bytes = 24.0 * m * m * teeth as f64 + 64.0 * m * unknowns as f64;
+    check_memory(per_tooth, bytes)
 }
 
 /// Checks the memory of a compliance [bytes] before it is computed.

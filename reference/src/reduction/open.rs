@@ -29,7 +29,7 @@ pub fn open(path: &Path) -> Result<Arc<Stored>, StoreError> {
     if let Some(stored) = all.get(&version) {
         return Ok(stored.clone());
     }
-    let stored = Arc::new(store::read(path)?);
+    let stored = Arc::new(store::read_body(path)?);
     all.insert(version, stored.clone());
     Ok(stored)
 }
@@ -38,6 +38,9 @@ pub fn open(path: &Path) -> Result<Arc<Stored>, StoreError> {
 const NEAR: f64 = 0.1;
 /// Base radii may differ by this fraction: the normals of a coarse mesh are no better.
 const NEAR_BASE: f64 = 0.01;
+
+/// Inertias may differ by this factor.
+const OTHER_BODY: f64 = 20.0;
 
 /// What of a stored reduction does not suit a gear, with a way out behind a semicolon.
 pub fn misfit(stored: &Stored, context: &GearContext<'_>) -> Option<String> {
@@ -109,6 +112,21 @@ pub fn misfit(stored: &Stored, context: &GearContext<'_>) -> Option<String> {
         return Some(format!(
             "{:e} is added to its hub, but {:e} to that of `{name}`; reduce the gear with `--added-inertia {:e}`",
             basis.added_inertia, context.added_inertia, context.added_inertia
+        ));
+    }
+    // A body may have a web, a rim or a shaft that the scene does not describe, but not be another one.
+    let own = basis.inertia - basis.added_inertia;
+    let density = context.material.density;
+    let (of_gear, unit) = match context.body {
+        Body::Gear(g) => (
+            g.mass_properties(density).izz + g.core_inertia(density),
+            "kg m^2",
+        ),
+        Body::Rack(_) => (context.body.mass(density), "kg"),
+    };
+    if own > OTHER_BODY * of_gear || own < of_gear / OTHER_BODY {
+        return Some(format!(
+            "its inertia is {own:.3e} {unit}, that of the body of `{name}` about {of_gear:.3e} {unit}; reduce the mesh of this gear"
         ));
     }
     if let Some(lateral) = &basis.lateral {

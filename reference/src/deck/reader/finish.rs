@@ -5,6 +5,7 @@ use crate::deck::data::{Deck, Target};
 use crate::deck::error::{DeckError, DeckErrorKind};
 use crate::element::Inside;
 use std::collections::HashSet;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 impl Reader<'_> {
     pub(super) fn finish(&mut self) -> Result<(), DeckError> {
@@ -135,8 +136,45 @@ impl Reader<'_> {
 }
 
 impl Deck {
-    /// Refuses elements that are turned inside out, with their labels.
+    /// Refuses solid elements on the same nodes under two labels, which would count twice.
+    fn check_twins(&self) -> Result<(), DeckError> {
+        let mut nodes = Vec::new();
+        let mut hashed: Vec<(u64, u32)> = Vec::with_capacity(self.element_count());
+        for e in 0..self.element_count() as u32 {
+            nodes.clear();
+            nodes.extend_from_slice(self.element(e));
+            nodes.sort_unstable();
+            let mut hash = DefaultHasher::new();
+            nodes.hash(&mut hash);
+            hashed.push((hash.finish(), e));
+        }
+        hashed.sort_unstable();
+        let sorted = |e: u32| {
+            let mut nodes = self.element(e).to_vec();
+            nodes.sort_unstable();
+            nodes
+        };
+        let twins = hashed.windows(2).filter(|w| w[0].0 == w[1].0);
+        let twins = twins.map(|w| [w[0].1, w[1].1]);
+        match twins.clone().find(|[a, b]| sorted(*a) == sorted(*b)) {
+            None => Ok(()),
+            Some([a, b]) => Err(self.block(b).place.error(
+                DeckErrorKind::Reference,
+                "*ELEMENT",
+                "each solid element once",
+                format!(
+                    "elements {} and {} on the same nodes",
+                    self.element_name(a),
+                    self.element_name(b)
+                ),
+                "remove one of them: its stiffness and its mass would count twice",
+            )),
+        }
+    }
+
+    /// Refuses elements that are turned inside out and elements that are there twice, with their labels.
     pub(crate) fn check_elements(&self) -> Result<(), DeckError> {
+        self.check_twins()?;
         let mut x = Vec::new();
         for block in &self.blocks {
             let inside = Inside::new(block.kind);

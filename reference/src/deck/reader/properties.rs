@@ -1,10 +1,14 @@
 //! Materials, sections, rigid bodies, boundary and initial conditions.
 
 use super::model::{field, twice};
+use super::passed::name;
 use super::{Reader, at_most, known, named, number, number_or_zero, options, whole};
 use crate::deck::data::{Boundary, DeckMaterial, InitialVelocity, RigidBody, Section};
 use crate::deck::error::DeckError;
 use crate::deck::lexer::{Data, Keyword};
+
+/// Highest number of a degree of freedom of any element: temperatures over the thickness of shells.
+const MOST_DIRECTIONS: u32 = 31;
 
 impl Reader<'_> {
     pub(super) fn material(&mut self, k: &Keyword) -> Result<(), DeckError> {
@@ -137,7 +141,14 @@ impl Reader<'_> {
         if self.scope.is_none() {
             self.transforms.push(set);
         }
-        self.pass_over(k)
+        self.count_passed(name(k));
+        while let Some(data) = self.lexer.data()? {
+            at_most(k, &data, 6)?;
+            for i in 0..data.fields.len() {
+                number_or_zero(k, &data, i)?;
+            }
+        }
+        Ok(())
     }
 
     pub(super) fn rigid_body(&mut self, k: &Keyword) -> Result<(), DeckError> {
@@ -207,6 +218,14 @@ impl Reader<'_> {
                         "" | "0" => first,
                         text => whole(k, &data, text, what)?,
                     };
+                    if let Some(beyond) = [first, last].into_iter().find(|d| *d > MOST_DIRECTIONS) {
+                        return Err(data.syntax(
+                            k,
+                            format!("directions up to {MOST_DIRECTIONS}"),
+                            format!("direction {beyond}"),
+                            "displacements are directions 1 to 3",
+                        ));
+                    }
                     if last < first {
                         return Err(data.syntax(
                             k,

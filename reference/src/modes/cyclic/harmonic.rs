@@ -22,6 +22,8 @@ pub(super) struct Harmonic {
 enum Search {
     Real(Box<State<f64>>),
     Complex(Box<State<c64>>),
+    /// None of its modes is wanted: what the search came to.
+    GivenUp(Box<Modes<c64>>),
 }
 
 impl Harmonic {
@@ -71,7 +73,25 @@ impl Harmonic {
         self.found = match &mut self.search {
             Search::Real(s) => s.find(target, keep)?,
             Search::Complex(s) => s.find(target, keep)?,
+            // The lowest of its modes is above every later bound.
+            Search::GivenUp(_) => return Ok(()),
         };
+        Ok(())
+    }
+
+    /// Gives up matrices and basis where all modes are above a bound, which later bounds never exceed.
+    pub fn give_up_above(
+        &mut self,
+        sector: &Sector,
+        harmonic: u32,
+        omega2: f64,
+        verify: bool,
+    ) -> Result<(), ModesError> {
+        let above = self.found.first().is_some_and(|lowest| *lowest > omega2);
+        if above && !matches!(self.search, Search::GivenUp(_)) {
+            let none = self.finish(sector, harmonic, omega2, verify)?;
+            self.search = Search::GivenUp(Box::new(none));
+        }
         Ok(())
     }
 
@@ -94,6 +114,7 @@ impl Harmonic {
         match &self.search {
             Search::Real(s) => s.finish(sector, harmonic, count, bound, scale),
             Search::Complex(s) => s.finish(sector, harmonic, count, bound, scale),
+            Search::GivenUp(none) => Ok((**none).clone()),
         }
     }
 }

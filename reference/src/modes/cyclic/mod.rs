@@ -30,6 +30,7 @@ use faer::{Mat, c64};
 use gearbench_models::stiffness::Material;
 use harmonic::Harmonic;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Which of the two modes of a pair, or a mode by itself.
@@ -141,6 +142,9 @@ impl Hub {
 /// Factors are kept between rounds while all together stay below this [bytes].
 const KEEP_BELOW: usize = 800_000_000;
 
+/// Harmonics that are searched before those without a wanted mode are given up.
+const AT_A_TIME: usize = 128;
+
 /// Memory of an unknown of the sector in a mode: the complex vector, and the basis that it is found in [bytes].
 const VECTOR_BYTES: f64 = 48.0;
 
@@ -182,11 +186,29 @@ impl Sector {
             Target::Above(_) => teeth,
         };
         let guess = (count.div_ceil(teeth) + 1).min(self.unknowns());
-        let mut states = self.each(harmonics, |n| {
-            let mut state = Harmonic::new(self, n as u32, 2 * guess, &symbolic, options)?;
-            state.find(Target::Count(guess), keep)?;
-            Ok(state)
-        })?;
+        let mut states: Vec<Harmonic> = Vec::new();
+        // Low harmonics have the low modes: of a gear with very many teeth most harmonics have none of those wanted, and
+        // their matrices and bases are given up before the next are made.
+        while states.len() < harmonics {
+            let first = states.len();
+            let made = self.each(first..harmonics.min(first + AT_A_TIME), |n| {
+                let mut state = Harmonic::new(self, n as u32, 2 * guess, &symbolic, options)?;
+                state.find(Target::Count(guess), keep)?;
+                Ok(state)
+            })?;
+            states.extend(made);
+            if harmonics > AT_A_TIME {
+                let bound = match target {
+                    Target::Count(_) => last_wanted(&states, count, f64::INFINITY),
+                    Target::Above(omega2) => omega2,
+                };
+                let numbered = states.par_iter_mut().enumerate();
+                let given_up: Vec<_> = numbered
+                    .map(|(n, state)| state.give_up_above(self, n as u32, bound, options.verify))
+                    .collect();
+                given_up.into_iter().collect::<Result<(), _>>()?;
+            }
+        }
         // The last mode wanted, as far as known: an upper bound of the true one.
         let bound = match target {
             Target::Count(_) => last_wanted(&states, count, f64::INFINITY),
@@ -201,7 +223,7 @@ impl Sector {
             Target::Count(_) => last_wanted(&states, count, bound),
             Target::Above(omega2) => omega2,
         };
-        let finished = self.each(harmonics, |n| {
+        let finished = self.each(0..harmonics, |n| {
             states[n].finish(self, n as u32, bound, options.verify)
         })?;
         let mut modes = Vec::new();
@@ -237,10 +259,10 @@ impl Sector {
     /// Runs a job for each harmonic, in parallel; the results, and the first error, are those of their order.
     fn each<S: Send>(
         &self,
-        count: usize,
+        harmonics: Range<usize>,
         job: impl Fn(usize) -> Result<S, ModesError> + Send + Sync,
     ) -> Result<Vec<S>, ModesError> {
-        let done: Vec<_> = (0..count).into_par_iter().map(job).collect();
+        let done: Vec<_> = harmonics.into_par_iter().map(job).collect();
         done.into_iter().collect()
     }
 }

@@ -55,7 +55,7 @@ impl Sector {
         let teeth = self.teeth();
         let harmonics = teeth / 2 + 1;
         let symbolic = Arc::new(self.symbolic()?);
-        let compliance = self.each(harmonics as usize, |n| {
+        let compliance = self.each(0..harmonics as usize, |n| {
             let n = n as u32;
             if n == 0 || 2 * n == teeth {
                 self.harmonic_compliance::<f64>(n, columns, &symbolic)

@@ -6,6 +6,8 @@ use crate::reduction::geometry::tests::bare;
 use crate::reduction::store::Meta;
 use crate::reduction::{Basis, Mounting, Request, Wanted};
 use crate::test_support::{self, counted};
+use gearbench_models::gear::elastic::inertia::Integrals;
+use gearbench_models::gear::elastic::reduced::FlankCompliance;
 use gearbench_models::geometry::{Gear, GearParams};
 use gearbench_models::spec::{Mount, Parameters};
 use gearbench_models::stiffness::Material;
@@ -131,18 +133,110 @@ fn what_does_not_suit_a_gear_is_told_with_a_way_out() {
     }
 }
 
+/// Modes of a small gear, as they are reduced.
+fn reduced(modes: usize) -> (Basis, Meta) {
+    let mesh = mesh::gear(&gear(18, |_| {}), &counted(4, 1, 1)).unwrap();
+    let request = Request {
+        along_profile: false,
+        mesh: &mesh,
+        sector: false,
+        material: Material::STEEL,
+        mounting: Mounting::gear(true, 0.0),
+        wanted: Wanted::Count(modes),
+    };
+    (request.compute().unwrap(), Meta::new(&request, "a test"))
+}
+
 #[test]
 fn a_file_is_opened_once_until_it_changes() {
-    let (basis, meta) = crate::reduction::store::tests::example(3, 5, true);
+    let (basis, meta) = reduced(5);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.npz");
     store::write(&path, &basis, &meta).unwrap();
     let first = open(&path).unwrap();
     assert!(Arc::ptr_eq(&first, &open(&path).unwrap()));
-    let (basis, meta) = crate::reduction::store::tests::example(3, 6, true);
-    store::write(&path, &basis, &meta).unwrap();
+    let (more, meta) = reduced(9);
+    store::write(&path, &more, &meta).unwrap();
     let second = open(&path).unwrap();
-    assert_eq!((first.basis.omega.len(), second.basis.omega.len()), (5, 6));
+    let counts = [&first, &second].map(|s| s.basis.omega.len());
+    assert_eq!(counts, [basis.omega.len(), more.omega.len()]);
     std::fs::remove_file(&path).unwrap();
     assert!(open(&path).is_err());
+}
+
+/// What follows from mechanics alone is checked: reciprocity, modes within the compliance, size, mass.
+#[test]
+fn reductions_of_no_elastic_body_are_refused() {
+    let (basis, meta) = reduced(8);
+    let folder = tempfile::tempdir().unwrap();
+    let blocks = |b: &mut Basis, change: &dyn Fn(&mut [f64])| match &mut b.compliance.flanks {
+        FlankCompliance::Full(c) | FlankCompliance::Cyclic { blocks: c, .. } => change(c),
+        FlankCompliance::Lessened(_) => {}
+    };
+    let integrals = |b: &mut Basis, change: &dyn Fn(&mut Integrals)| {
+        change(Arc::make_mut(b.integrals.as_mut().unwrap()));
+    };
+    type Change<'a> = &'a dyn Fn(&mut Basis);
+    let cases: [(&str, Change<'_>, &str); 8] = [
+        ("sound", &|_| {}, ""),
+        (
+            "compliance",
+            &|b| blocks(b, &|c| c.iter_mut().for_each(|x| *x *= 1e10)),
+            "of this width and modulus",
+        ),
+        (
+            "asymmetric",
+            &|b| blocks(b, &|c| c[1] *= 1.5),
+            "reciprocity",
+        ),
+        (
+            "shapes",
+            &|b| b.shapes.iter_mut().for_each(|x| *x *= 100.0),
+            "not more compliant than the whole body",
+        ),
+        (
+            "inertia",
+            &|b| b.inertia *= 100.0,
+            "that of the mass of the mesh",
+        ),
+        (
+            "frequencies",
+            &|b| b.omega.iter_mut().for_each(|w| *w = 1e300),
+            "at most",
+        ),
+        (
+            "mass",
+            &|b| integrals(b, &|i| i.mass = -5.0),
+            "a positive mass",
+        ),
+        (
+            "heavy",
+            &|b| b.inertia = 1e300,
+            "that of the mass of the mesh",
+        ),
+    ];
+    for (name, change, words) in cases {
+        let mut changed = basis.clone();
+        change(&mut changed);
+        let path = folder.path().join(format!("{name}.npz"));
+        store::write(&path, &changed, &meta).unwrap();
+        match open(&path) {
+            Ok(_) => assert!(words.is_empty(), "{name} is taken"),
+            Err(e) => {
+                let said = e.to_string();
+                assert!(!words.is_empty() && said.contains(words), "{name}: {said}");
+            }
+        }
+    }
+    // Another body in the place of the gear, where the file has no masses to compare with.
+    let heavy = judged(
+        Body::Gear(gear(18, |_| {})),
+        Mount::Revolute,
+        0.0,
+        Material::STEEL,
+        |b| {
+            b.inertia *= 100.0;
+        },
+    );
+    assert!(heavy.is_some_and(|why| why.contains("its inertia is")));
 }

@@ -2,7 +2,9 @@
 
 use super::error::{StoreError, StoreErrorKind, refused, unusable};
 use super::npy::{self, Head, shape_text};
+use crate::limits;
 use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 
@@ -93,6 +95,8 @@ pub(super) enum Axis {
 pub(super) struct Reader<'a> {
     archive: ZipSliceArchive<&'a [u8]>,
     entries: BTreeMap<String, (ZipArchiveEntryWayfinder, CompressionMethod)>,
+    /// Bytes of the arrays that were read so far, the archive's own ones included.
+    bytes: Cell<f64>,
 }
 
 impl<'a> Reader<'a> {
@@ -128,7 +132,11 @@ impl<'a> Reader<'a> {
                 return Err(damaged(format!("`{}` twice", name.escape_debug())));
             }
         }
-        Ok(Reader { archive, entries })
+        Ok(Reader {
+            archive,
+            entries,
+            bytes: Cell::new(bytes.len() as f64),
+        })
     }
 
     fn missing(&self, name: &str) -> StoreError {
@@ -215,6 +223,18 @@ impl<'a> Reader<'a> {
                 shape_text(&head.shape),
             ));
         };
+        // What an archive holds is as large as its heads say, however small the archive is.
+        self.bytes.set(self.bytes.get() + (N * count) as f64);
+        let what = "the arrays of a stored reduction";
+        limits::check(
+            what,
+            self.bytes.get(),
+            "store fewer modes, or reduce a coarser mesh",
+        )
+        .map_err(|e| {
+            let expected = format!("at most {} of memory", e.allowed);
+            unusable(StoreErrorKind::Value, name, expected, e.to_string())
+        })?;
         let mut numbers = Vec::with_capacity(count.min(CHUNK));
         let mut chunk = vec![0; CHUNK.min(count.saturating_mul(N))];
         while numbers.len() < count {

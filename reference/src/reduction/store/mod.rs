@@ -16,6 +16,7 @@ mod lateral;
 mod meta;
 mod names;
 mod npy;
+mod physics;
 #[cfg(test)]
 pub(super) mod tests;
 
@@ -24,6 +25,7 @@ pub use error::{StoreError, StoreErrorKind};
 use super::{Basis, Request, Wanted};
 use crate::assembly::tie::HubMotion;
 use crate::hash::Hash;
+use crate::{files, limits};
 use archive::Reader;
 use error::unusable_file;
 use gearbench_models::stiffness::Material;
@@ -153,14 +155,21 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
         let help = "`gearbench reduce DECK --out F.npz` makes one";
         unusable_file(&name, "a readable reduction (.npz)", found, help)
     };
-    let size = fs::metadata(path).map_err(|e| fail(e.to_string()))?.len();
-    if size > MAX_FILE_BYTES {
-        return Err(fail(format!(
-            "{size} bytes, more than {MAX_FILE_BYTES} that are read"
-        )));
-    }
-    let bytes = fs::read(path).map_err(|e| fail(e.to_string()))?;
+    let most = (MAX_FILE_BYTES as f64).min(limits::memory()) as u64;
+    let bytes = files::read(path, most).map_err(|e| fail(e.to_string()))?;
     read_bytes(&name, &bytes)
+}
+
+/// Reads a basis from a file that is to run in a scene: it has to be that of an elastic body.
+///
+/// # Errors
+/// Those of [`read`], and what no elastic body can be.
+pub fn read_body(path: &Path) -> Result<Stored, StoreError> {
+    let stored = read(path)?;
+    match physics::problem(&stored.basis, &stored.meta) {
+        Some(problem) => Err(problem.at(&path.to_string_lossy(), 0)),
+        None => Ok(stored),
+    }
 }
 
 /// Reads a basis from the bytes of a file; `name` stands in refusals.

@@ -7,6 +7,7 @@ use crate::test_support::parsed;
 use gearbench_models::Vec3;
 use std::io;
 
+mod bounds;
 mod parts;
 mod passed;
 
