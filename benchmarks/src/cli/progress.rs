@@ -91,6 +91,11 @@ impl Display {
         });
     }
 
+    /// Takes the bar away while something else is written.
+    pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
+        self.bar.suspend(write)
+    }
+
     /// What is being done.
     pub fn message(&self, what: &str) {
         let (done, total) = {
@@ -113,7 +118,7 @@ impl Drop for Display {
 }
 
 /// A bar on a terminal, nothing otherwise.
-pub fn progress_bar(length: usize) -> ProgressBar {
+fn progress_bar(length: usize) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }

@@ -19,6 +19,9 @@ use std::path::{Path, PathBuf};
 /// The setting that says that a study is not complete.
 const INTERRUPTED_STUDY: &str = "interrupted";
 
+/// The setting that says which models cannot run, and why.
+const REFUSED_MODEL: &str = "refused";
+
 /// The folder of a study.
 pub struct StudyFolder {
     path: PathBuf,
@@ -67,7 +70,10 @@ impl StudyFolder {
     pub fn of(output: &Output, scene: &SceneFile, study: &str) -> Result<Self, Refusal> {
         let mut folder = Self::open(output, &scene.name, study)?;
         folder.source = Some(scene.source());
-        let rows = scene.refused.iter().map(|r| refused(&r.label, &r.model, r.error.told()));
+        let rows = scene
+            .refused
+            .iter()
+            .map(|r| refused(&r.label, &r.model, r.error.told()));
         folder.refused = rows.collect();
         Ok(folder)
     }
@@ -115,6 +121,11 @@ impl StudyFolder {
         if nothing_ran {
             return Err(self.refuse(none_can_run(runs)));
         }
+        for row in &self.refused {
+            let why = row.message.as_deref().unwrap_or_default();
+            let what = format!("{}: {why}", row.model_label());
+            results.settings.push((REFUSED_MODEL.into(), what));
+        }
         let stopped = interruption::requested();
         if stopped {
             let planned = results.runs.len();
@@ -133,6 +144,8 @@ impl StudyFolder {
         results.header.source.clone_from(&self.source);
         let page = gearbench_reports::write_results(&self.path, &results)
             .map_err(|e| Refusal::Files(e.to_string()))?;
+        // They are in files of their own now, and as values of an answer they would take many times their memory.
+        results.runs.iter_mut().for_each(|r| r.histories = None);
         summarise(&results);
         if let Some((_, what)) = results.settings.last().filter(|_| stopped) {
             say(&format!("interrupted: {what}"));
@@ -142,10 +155,11 @@ impl StudyFolder {
         say(&format!("report: {}", page.display()));
         self.close();
         let answer = (Answer::of(&results).with("record", &record)).with("report", &page);
-        Ok(answer.ending(if stopped {
-            Exit::Interrupted
-        } else {
-            exit(&results)
+        Ok(answer.ending(match (stopped, self.refused.is_empty()) {
+            (true, _) => Exit::Interrupted,
+            (false, true) => exit(&results),
+            // Other models ran, but not all that were asked for.
+            (false, false) => Exit::FailedRun,
         }))
     }
 

@@ -126,6 +126,15 @@ impl Journal {
             path: path.to_owned(),
             source,
         };
+        // A pipe in its place would keep the study waiting for ever.
+        match path.metadata() {
+            Ok(data) if !data.is_file() => {
+                return Err(io(std::io::Error::other(
+                    "it is no regular file; remove it",
+                )));
+            }
+            _ => {}
+        }
         let mut file = (OpenOptions::new().read(true).append(true).create(true))
             .open(path)
             .map_err(io)?;

@@ -2,8 +2,10 @@
 //! be the same.
 
 use gearbench_models::spec::{Modelling, SceneSpec, Value};
+use gearbench_reference::files as bounded;
 use gearbench_reference::hash::Hash;
 use std::fmt;
+use std::path::Path;
 
 /// The name of a piece of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -30,7 +32,7 @@ impl Key {
         let mut key = self.and(scene).and(modelling);
         for path in files(modelling) {
             // A file that cannot be read is the affair of the model that reads it.
-            if let Ok(bytes) = std::fs::read(path) {
+            if let Ok(bytes) = bounded::read(Path::new(path), MOST_OF_MODEL) {
                 key.0.bytes(&bytes);
             }
         }
@@ -44,12 +46,15 @@ impl fmt::Display for Key {
     }
 }
 
+/// Bytes of a file that a model reads, as many as the reader of reductions takes.
+const MOST_OF_MODEL: u64 = gearbench_reference::reduction::store::MAX_FILE_BYTES;
+
 /// Files that models read: texts among their parameters that are paths of files.
 pub fn files(modelling: &Modelling) -> impl Iterator<Item = &str> {
     (modelling.gears.iter())
         .flat_map(|g| g.parameters.values())
         .filter_map(|v| match v {
-            Value::Text(text) if std::path::Path::new(text).is_file() => Some(text.as_str()),
+            Value::Text(text) if Path::new(text).is_file() => Some(text.as_str()),
             _ => None,
         })
 }

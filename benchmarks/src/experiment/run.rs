@@ -105,6 +105,26 @@ fn dense_bytes(coordinates: usize) -> f64 {
     DENSE_COPIES * 8.0 * (2.0 * coordinates as f64).powi(2)
 }
 
+/// Memory of a number of a history while its run is recorded, journalled and written to a table [bytes].
+const RECORDED: f64 = 26.0;
+/// The same where no files of histories are asked for.
+const MEASURED: f64 = 14.0;
+
+/// Checks the memory of the histories of a run before it is made.
+fn check_histories(job: &Job<'_>, scene: &Scene) -> Result<(), RunError> {
+    let samples = job.grid.len();
+    let columns = scene.channel_count() + 1;
+    let bytes = if job.histories { RECORDED } else { MEASURED };
+    let what = format!("a run with {samples} samples of {columns} histories");
+    let way_out =
+        "take fewer `samples` (table [study] of the scene), or fewer models and integrators";
+    Ok(limits::check(
+        what,
+        bytes * samples as f64 * columns as f64,
+        way_out,
+    )?)
+}
+
 /// Runs a job and fills a row; model names and metrics are the caller's.
 pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     run_timed(job, Duration::ZERO)
@@ -175,6 +195,7 @@ fn timed_from(
             "take a method that solves with the model's own matrices, for example hht or newmark";
         limits::check(what, dense_bytes(n), way_out)?;
     }
+    check_histories(job, scene)?;
     if interruption::requested() {
         return Err(RunError::Interrupted);
     }

@@ -10,18 +10,30 @@ use super::journal::{Journal, JournalError};
 use super::key::Key;
 use super::parallel::lock;
 use gearbench_integrators::Scheme;
+use gearbench_reference::limits;
+use gearbench_reports::force::ForceHistory;
 use gearbench_reports::record::{Run, Status};
+use gearbench_reports::series::TimeSeries;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::any::Any;
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Does the pieces of a study.
 pub struct Runner<'a> {
     journal: Option<Mutex<Journal>>,
     progress: Progress<'a>,
+    /// Bytes of rows that the study keeps to its end.
+    kept: AtomicU64,
+}
+
+impl Drop for Runner<'_> {
+    fn drop(&mut self) {
+        limits::release(*self.kept.get_mut());
+    }
 }
 
 impl fmt::Debug for Runner<'_> {
@@ -39,6 +51,7 @@ impl Default for Runner<'_> {
         Runner {
             journal: None,
             progress: &silent,
+            kept: AtomicU64::new(0),
         }
     }
 }
@@ -49,12 +62,20 @@ impl<'a> Runner<'a> {
         Runner {
             journal: Some(Mutex::new(journal)),
             progress,
+            kept: AtomicU64::new(0),
         }
     }
 
     /// Tells the runs done, all that are known of, and the name of the next.
     pub fn tell(&self, done: usize, total: usize, what: &str) {
         (self.progress)(done, total, what);
+    }
+
+    /// Counts the histories of a row that the study keeps to its end: the memory for further runs is less by that.
+    pub fn keeps(&self, row: &Run) {
+        let bytes = 8 * numbers_of(row) as u64;
+        limits::reserve(bytes);
+        self.kept.fetch_add(bytes, Ordering::Relaxed);
     }
 
     /// The result of a piece of work, if it is finished.
@@ -170,6 +191,21 @@ impl<'a> Runner<'a> {
             Err(panic) => Ok(not_made(Status::Aborted, failure(&*panic))),
         }
     }
+}
+
+/// Numbers in the histories of a row.
+fn numbers_of(row: &Run) -> usize {
+    let of_series = |s: &TimeSeries| {
+        let force = s.force.as_ref().map_or(0, ForceHistory::len);
+        s.len() * (4 + s.columns.len()) + 2 * force
+    };
+    let own = row.series.as_ref().map_or(0, of_series);
+    let whole = row.histories.as_ref().map_or(0, |h| {
+        let further: usize = h.further.iter().map(|c| c.values.len()).sum();
+        let series = h.series.as_ref().map_or(0, of_series);
+        series + further + h.on_grid.len() + 5 * h.pairs.len() + 8 * h.events.len()
+    });
+    own + whole
 }
 
 /// What a panic says.

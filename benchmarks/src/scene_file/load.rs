@@ -4,7 +4,10 @@ use super::reading::suggest;
 use super::shipped::{self, SHIPPED};
 use super::source::{recorded, recorded_calibration};
 use super::{Calibration, Origin, SceneError, SceneFile};
+use crate::cli::progress::Display;
 use crate::cli::terminal::warn;
+use gearbench_reference::files;
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// Loads a shipped scene by name, or a file by path (ends in `.toml` or has a folder).
@@ -52,17 +55,40 @@ fn load_with(
     let labels: Vec<&str> = chosen.iter().map(|m| m.label.as_str()).collect();
     let is_chosen = |i: &usize| labels.contains(&file.models[*i].label.as_str());
     let chosen: Vec<usize> = (0..file.models.len()).filter(is_chosen).collect();
-    let built = file.check(&chosen, calibrated)?;
-    let odd = file.odd.iter().chain(&built);
-    odd.for_each(|odd| warn(&odd.told()));
-    for refused in &file.refused {
-        warn(&format!(
-            "the model `{}` is refused, the others run: {}",
-            refused.label,
-            refused.error.told()
-        ));
-    }
+    file.odd.iter().for_each(|odd| warn(&odd.told()));
+    file.build(&chosen, calibrated)?;
     Ok(file)
+}
+
+impl SceneFile {
+    /// Builds models that were not built when the scene was loaded, as [`SceneFile::select`] takes them, and warns of those
+    /// that cannot run it.
+    ///
+    /// # Errors
+    /// [`SceneError`] when a value is wrong, and when none of them can run.
+    pub fn build_selected(&mut self, labels: &[&str]) -> Result<(), SceneError> {
+        let is_chosen = |i: &usize| labels.contains(&self.models[*i].label.as_str());
+        let chosen: Vec<usize> = (0..self.models.len()).filter(is_chosen).collect();
+        self.build(&chosen, true)
+    }
+
+    fn build(&mut self, chosen: &[usize], calibrated: bool) -> Result<(), SceneError> {
+        let display = Display::new(chosen.len());
+        let known = self.refused.len();
+        let odd = self.check(chosen, calibrated, &|done, label| {
+            display.tell(done, chosen.len(), &format!("building the model `{label}`"));
+        })?;
+        drop(display);
+        odd.iter().for_each(|odd| warn(&odd.told()));
+        for refused in &self.refused[known..] {
+            warn(&format!(
+                "the model `{}` is refused, the others run: {}",
+                refused.label,
+                refused.error.told()
+            ));
+        }
+        Ok(())
+    }
 }
 
 /// Loads a scene without applying calibrations: models keep the constants that the scene gives, which is
@@ -112,7 +138,7 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
     }
     let read = || match recorded(path_or_name) {
         Some(text) => Ok(text.to_owned()),
-        None => std::fs::read_to_string(path),
+        None => files::read_text(path, files::MOST_OF_TEXT),
     };
     let text = read().map_err(|e| {
         SceneError::plain(
@@ -139,8 +165,15 @@ pub(super) fn find_calibration(
     }
     if let (Origin::File(path), true) = (origin, scene == name) {
         let beside = path.with_extension("calibration.toml");
-        if let Ok(text) = std::fs::read_to_string(&beside) {
-            return Calibration::parse(&beside.to_string_lossy(), &text).map(Some);
+        match files::read_text(&beside, files::MOST_OF_TEXT) {
+            Ok(text) => return Calibration::parse(&beside.to_string_lossy(), &text).map(Some),
+            Err(e) if e.kind() == ErrorKind::NotFound => {}
+            Err(e) => {
+                return Err(SceneError::plain(
+                    format!("{}: {e}", beside.display()),
+                    "expected a file of calibrations as `gearbench identify --write` makes it; move it away to run without",
+                ));
+            }
         }
     }
     if scene == name && !own.sets.is_empty() {

@@ -214,7 +214,7 @@ impl SceneFile {
     ) -> Result<Self, SceneError> {
         let mut file = Self::unbuilt(name, text, origin, calibrated)?;
         let all: Vec<usize> = (0..file.models.len()).collect();
-        file.check(&all, calibrated)?;
+        file.check(&all, calibrated, &|_, _| {})?;
         Ok(file)
     }
 
@@ -330,7 +330,7 @@ impl SceneFile {
     }
 
     /// Builds models once, by their places in the file, and keeps which of them cannot run the scene; returns what is odd
-    /// about the others. Without calibrations a model that asks for one may lack its constants.
+    /// about the others. `begins` gets the number of those that are built and the label of the next. Without calibrations a model that asks for one may lack its constants.
     ///
     /// # Errors
     /// [`SceneError`] when a value is wrong, and when none of the models can run.
@@ -338,10 +338,12 @@ impl SceneFile {
         &mut self,
         choices: &[usize],
         calibrated: bool,
+        begins: &dyn Fn(usize, &str),
     ) -> Result<Vec<SceneError>, SceneError> {
         let mut odd = Vec::new();
         let mut refused = Vec::new();
-        for choice in choices.iter().map(|i| &self.models[*i]) {
+        for (done, choice) in choices.iter().map(|i| &self.models[*i]).enumerate() {
+            begins(done, &choice.label);
             let incomplete = choice.calibration.is_some() && !calibrated;
             match Scene::build(&self.spec_for(choice), &choice.modelling, model_table()) {
                 Ok(scene) => {

@@ -15,7 +15,9 @@ use super::reading::values::Positive;
 use super::references::located;
 use gearbench_models::geometry::{EndRelief, ReliefShape, Topography};
 use gearbench_reference::data::decode;
+use gearbench_reference::files;
 use serde::Deserialize;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -167,26 +169,16 @@ fn rows_of(path: &Path, at: &Place<'_>) -> Result<Vec<Vec<f64>>, SceneError> {
     let shown = path.display();
     let refuse =
         |found: String, help: &str| at.refuse(format!("`{shown}` {found}"), "this file", help);
-    let size = match std::fs::metadata(path) {
-        Ok(found) if found.is_file() => found.len(),
-        Ok(_) => {
-            return refuse(
-                "is no file".into(),
-                "give the path of a CSV file of numbers",
-            );
-        }
+    let bytes = match files::read(path, MOST_BYTES) {
+        Ok(bytes) => bytes,
         Err(e) => {
-            let help = "paths count from the folder of the scene file";
+            let help = match e.kind() {
+                ErrorKind::NotFound => "paths count from the folder of the scene file",
+                ErrorKind::FileTooLarge => "give at most 1000 rows of 1000 amounts",
+                _ => "give the path of a readable CSV file of numbers",
+            };
             return refuse(format!("cannot be read: {e}"), help);
         }
-    };
-    if size > MOST_BYTES {
-        let found = format!("has {size} bytes");
-        return refuse(found, "give at most 1000 rows of 1000 amounts");
-    }
-    let bytes = match std::fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(e) => return refuse(format!("cannot be read: {e}"), "check its permissions"),
     };
     let (text, _) = match decode(&bytes) {
         Ok(text) => text,

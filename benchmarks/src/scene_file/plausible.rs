@@ -70,6 +70,7 @@ pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
         loads(gear, &at, &mut odd)?;
     }
     overlap(scene)?;
+    driven(scene)?;
     steps(
         &scene.study.integrators,
         scene,
@@ -83,6 +84,26 @@ pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
         steps(own, scene, &at.key("integrators"))?;
     }
     Ok(odd)
+}
+
+/// Refuses a mesh both of whose gears move as they are prescribed to: no force moves anything, teeth go through each other.
+///
+/// # Errors
+/// [`SceneError`] at the mount of the second gear.
+fn driven(scene: &SceneFile) -> Result<(), SceneError> {
+    let gears = &scene.spec.gears;
+    let prescribed =
+        |i: &usize| matches!(gears[*i].mount, Mount::Driven(_)) && gears[*i].lateral.is_none();
+    let Some(mesh) = (scene.spec.meshes.iter()).find(|m| m.gears.iter().all(prescribed)) else {
+        return Ok(());
+    };
+    let [a, b] = mesh.gears.map(|i| gears[i].name.as_str());
+    let gear = scene.document.at("gears").key(b);
+    gear.first(&["mount"]).refuse(
+        format!("`{a}` and `{b}` mesh and are both driven"),
+        "nothing is left to move",
+        format!("drive one of them and give the other `loads`, for example {b}.loads = [{{ torque_nm = 10.0 }}]"),
+    )
 }
 
 /// Constants of an impact in a scene that runs under load: the mesh is then far too stiff.

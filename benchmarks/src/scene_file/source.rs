@@ -5,10 +5,12 @@
 
 use super::calibration::Calibration;
 use super::{Origin, SceneFile};
-use crate::experiment::key::{Key, files};
+use crate::experiment::key::{self, Key};
+use gearbench_reference::files;
 use gearbench_reference::hash::Hash;
 use gearbench_reports::record::Source;
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// The record that is run again.
@@ -31,10 +33,13 @@ pub(super) fn recorded_calibration(scene: &str) -> Option<&'static str> {
     Some(text)
 }
 
+/// Bytes of a file that a study reads: of a deck or a table as many as their readers take.
+const MOST_OF_SOURCE: u64 = 1 << 30;
+
 /// The hash of a file; `None` of one that cannot be read.
 fn hash_of(path: &str) -> Option<String> {
     let mut hash = Hash::START;
-    hash.bytes(&std::fs::read(path).ok()?);
+    hash.bytes(&files::read(Path::new(path), MOST_OF_SOURCE).ok()?);
     Some(hash.to_string())
 }
 
@@ -70,7 +75,7 @@ impl SceneFile {
         }
         let tables = self.references.iter().filter_map(|r| r.file());
         let tables = tables.map(|path| path.display().to_string());
-        let read = self.models.iter().flat_map(|m| files(&m.modelling));
+        let read = self.models.iter().flat_map(|m| key::files(&m.modelling));
         let flanks = self.flank_files.iter();
         let flanks = flanks.map(|path| path.display().to_string());
         let read = read.map(str::to_owned).chain(tables).chain(flanks);

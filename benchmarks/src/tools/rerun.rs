@@ -3,6 +3,7 @@
 //! The command of the record runs with the scene and the calibrations of the record. All that does not depend on the
 //! clock or the machine has to come out the same, to the last bit, under the same version of gearbench.
 
+use super::report::check_record;
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
 use crate::cli::terminal::{Refusal, absolute, say, warn};
@@ -58,6 +59,7 @@ fn refuse(e: &ReportError) -> Refusal {
 /// [`Refusal`] for a record that cannot be made again: of a version that did not keep its scene, or with files that have
 /// changed.
 pub fn prepare(args: &Rerun) -> Result<Again, Refusal> {
+    check_record(&args.record)?;
     let before = load_results(&args.record).map_err(|e| refuse(&e))?;
     let shown = args.record.display();
     let (command, commit) = (&before.header.command, &before.header.commit);

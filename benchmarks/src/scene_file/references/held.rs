@@ -5,14 +5,17 @@ use super::super::{SceneError, SceneFile};
 use super::conditions::stated;
 use super::{DataOrigin, NamedReference, Role, subjects};
 use gearbench_reference::data::{self, Quantity, Reference, Request};
-use gearbench_reference::reference;
+use gearbench_reference::{files, limits, reference};
 use gearbench_reports::Metric;
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// Relative deviation of a condition that is still the same one.
 const SAME: f64 = 1e-4;
 /// Size of a file that is read at most [bytes].
 const LARGEST: u64 = 1 << 30;
+/// Memory that a table takes over the bytes of its text: lines and cells, numbers, what is made of them.
+const MEMORY_OVER_TEXT: f64 = 14.0;
 
 /// A reference with its data.
 #[derive(Clone, Debug)]
@@ -168,25 +171,19 @@ impl SceneFile {
         let place = self.document.at(&*named.at);
         let place = place.first(&["csv"]);
         let refuse = |why: String, help: &str| place.error(why, "this file", help);
-        let size = std::fs::metadata(path).map_err(|e| {
-            refuse(
-                format!("{name}: {e}"),
-                "paths count from the folder of the scene file; expected a readable CSV file",
-            )
+        let shorter = "keep every n-th row, or the columns needed";
+        let size = files::check(path, LARGEST).map_err(|e| {
+            let help = match e.kind() {
+                ErrorKind::NotFound => "paths count from the folder of the scene file",
+                ErrorKind::FileTooLarge => shorter,
+                _ => "expected a readable CSV file with a line of names",
+            };
+            refuse(format!("{name}: {e}"), help)
         })?;
-        if !size.is_file() {
-            let help = "expected a CSV file with a line of names";
-            return Err(refuse(format!("{name} is no file"), help));
-        }
-        if size.len() > LARGEST {
-            let help = "keep every n-th row, or the columns needed";
-            let why = format!(
-                "{name} has {} bytes, at most {LARGEST} are read",
-                size.len()
-            );
-            return Err(refuse(why, help));
-        }
-        let bytes = std::fs::read(path)
+        let what = format!("the table {name} of {size} bytes");
+        limits::check(what, MEMORY_OVER_TEXT * size as f64, shorter)
+            .map_err(|e| refuse(e.to_string(), shorter))?;
+        let bytes = files::read(path, LARGEST)
             .map_err(|e| refuse(format!("{name}: {e}"), "expected a readable CSV file"))?;
         let (text, latin) =
             data::decode(&bytes).map_err(|e| refuse(format!("{name}: {e}"), &e.help))?;

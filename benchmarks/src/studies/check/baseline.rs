@@ -3,6 +3,7 @@
 
 use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
+use gearbench_reference::files;
 use gearbench_reports::check::{Measured, Stored, Trend};
 use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
@@ -46,16 +47,13 @@ impl Baselines {
                 path.display()
             ))
         };
-        let text = match std::fs::metadata(path) {
-            Ok(m) if m.len() > MOST_BYTES => {
-                let what = format!("{} bytes are more than a file of baselines has", m.len());
-                return Err(bad(what, "`baseline` names a file that --update writes"));
+        let text = match files::read_text(path, MOST_BYTES) {
+            Ok(text) => text,
+            Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Baselines::default()),
+            Err(e) => {
+                let help = "`baseline` names a file that --update writes";
+                return Err(bad(e.to_string(), help));
             }
-            _ => match std::fs::read_to_string(path) {
-                Ok(text) => text,
-                Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Baselines::default()),
-                Err(e) => return Err(bad(e.to_string(), "expected a file that --update wrote")),
-            },
         };
         Self::parse(&text).map_err(|(line, what)| {
             let help = "restore the line from version control, or remove the file and store a baseline with --update";

@@ -5,6 +5,7 @@ use crate::scene_file::SceneError;
 use crate::scene_file::reading::keys::keys;
 use crate::scene_file::reading::values::{Factor, InOrder, NotNegative, Positive};
 use crate::scene_file::reading::{Document, Place};
+use gearbench_reference::files;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -195,7 +196,7 @@ impl CheckFile {
     /// # Errors
     /// [`SceneError`] with line and a way out.
     pub(super) fn read(path: &Path) -> Result<Self, SceneError> {
-        let text = std::fs::read_to_string(path).map_err(|e| {
+        let text = files::read_text(path, files::MOST_OF_TEXT).map_err(|e| {
             SceneError::plain(
                 format!("{}: {e}", path.display()),
                 "expected a readable TOML file that says what is checked; `gearbench init check` writes one",

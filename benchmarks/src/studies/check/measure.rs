@@ -38,8 +38,10 @@ pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<Loaded<'a>, R
     let mut scene = scene_file::load_for(&case.scene, Selection::Labels(labels))?;
     let references = references_of(&mut scene, &Insist::default())?;
     let choices = scene.select(labels)?;
-    let mut configurations: Vec<Configuration> = choices
-        .iter()
+    // A model that cannot run is an entry as well: what is not measured has not passed.
+    let refused = scene.refused.iter().filter_map(|r| scene.model(&r.label));
+    let mut configurations: Vec<Configuration> = (choices.iter().copied())
+        .chain(refused)
         .map(|c| Configuration::of(&scene, c))
         .collect();
     let mut methods = scene.study.integrators.clone();

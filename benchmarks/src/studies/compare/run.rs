@@ -102,6 +102,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 pictured = row.contacts.is_some();
             }
             thin_row(&mut row);
+            runner.keeps(&row);
             runs.push(row);
         }
     }

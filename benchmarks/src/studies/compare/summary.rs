@@ -3,8 +3,13 @@
 use crate::cli::terminal::say;
 use crate::experiment::run::LEFT_OUT;
 use gearbench_reports::numbers::{digits_apart, short};
-use gearbench_reports::record::{Results, SELF, Status};
+use gearbench_reports::record::{Results, Run, SELF, Status};
 use gearbench_reports::{Metric, metric_against};
+
+/// Whether the scene's tolerance excepts the model of a run.
+fn is_excepted(results: &Results, run: &Run) -> bool {
+    (results.tolerance.as_ref()).is_some_and(|t| t.except.contains(&run.model_label()))
+}
 
 /// One line per run, failures with their reason.
 pub fn summarise(results: &Results) {
@@ -44,6 +49,13 @@ pub fn summarise(results: &Results) {
             (Status::Converged, None) => "reached its end within its own tolerance".into(),
             (Status::Unchecked, None) => {
                 "unchecked: reached its end; nothing to hold it against".into()
+            }
+            // The scene shows this model for its error.
+            (Status::Inaccurate, Some(m)) if is_excepted(results, r) => {
+                let error = m
+                    .get(metric)
+                    .map_or(String::new(), |e| format!("{} %, ", short(100.0 * e, 3)));
+                format!("{error}beyond the tolerance, from which the scene excepts the model")
             }
             (status, _) => format!(
                 "{status}: {}",

@@ -32,7 +32,11 @@ const TRUNCATED_STEP: f64 = 2e-8;
 
 /// Runs the study and writes its folder.
 pub fn run(args: &Coupling, command: &str) -> Result<Answer, Refusal> {
-    let scene = scene_file::load_for(&args.scene, Selection::None)?;
+    let mut scene = scene_file::load_for(&args.scene, Selection::None)?;
+    let chosen: Vec<String> = (choices(&scene, args)?.iter())
+        .map(|c| c.label.clone())
+        .collect();
+    scene.build_selected(&chosen.iter().map(String::as_str).collect::<Vec<_>>())?;
     let plan = plan(&scene, args, command)?;
     let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Coupling.as_str())?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);

@@ -18,6 +18,7 @@ use crate::scene_file::calibration::{Constants, of_gear};
 use crate::scene_file::{ModelChoice, Origin, SceneFile};
 use gearbench_models::law::Damping;
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
+use gearbench_reference::files;
 use std::path::PathBuf;
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
@@ -47,7 +48,7 @@ pub fn write_scene(scene: &SceneFile, all: &[Written<'_>]) -> Result<PathBuf, Re
         Origin::File(path) => path.clone(),
     };
     let shown = path.display();
-    let there = std::fs::read_to_string(&path).map_err(|e| match &scene.origin {
+    let there = files::read_text(&path, files::MOST_OF_TEXT).map_err(|e| match &scene.origin {
         Origin::Shipped => Refusal::Files(format!(
             "{shown}: {e}; run this from the root of the repository for a shipped scene"
         )),

@@ -9,8 +9,10 @@ use crate::cli::terminal::Refusal;
 use crate::experiment::machine;
 use crate::scene_file::calibration::{Constants, FittedTo, of_gear};
 use crate::scene_file::{Calibration, SceneFile};
+use gearbench_reference::files;
 use gearbench_reports::identify::{FitRecord, Outcome};
 use std::fmt::Display;
+use std::io::ErrorKind;
 use std::path::PathBuf;
 use toml_edit::{DocumentMut, Item, Table, Value};
 
@@ -24,7 +26,10 @@ pub fn write(
 ) -> Result<PathBuf, Refusal> {
     let path = scene.calibration_path();
     let fail = |e: &dyn Display| Refusal::Files(format!("{}: {e}", path.display()));
-    let before = std::fs::read_to_string(&path).unwrap_or_default();
+    let before = match files::read_text(&path, files::MOST_OF_TEXT) {
+        Err(e) if e.kind() == ErrorKind::NotFound => String::new(),
+        read => read.map_err(|e| fail(&e))?,
+    };
     Calibration::parse(&path.display().to_string(), &before)?;
     let sets: Vec<(&FitRecord, Constants)> = (found.iter())
         .map(|f| {

@@ -9,7 +9,7 @@ use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::{Loaded, MOST, NotSolved, has_loads, loaded, settled};
 use gearbench_integrators::system::SecondOrderSystem;
-use gearbench_models::error::BuildError;
+use gearbench_models::error::{BuildError, Fault};
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::{Scene, StrainIn};
 use gearbench_models::spec::{Modelling, SceneSpec};
@@ -283,9 +283,16 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
             plan.conditions.models,
             &plan.wanted,
         );
-        vibrations_of.push(
-            found.map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e)))?,
-        );
+        vibrations_of.push(match found {
+            Err(e) if e.fault == Fault::Model => ModelModes {
+                label: entry.model_label(),
+                about: About::NotFound,
+                message: e.to_string(),
+                ..ModelModes::default()
+            },
+            found => found
+                .map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e)))?,
+        });
     }
     runner.tell(plan.entries.len(), plan.entries.len(), "report");
     let part = ModesRecord {

@@ -70,6 +70,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         // One name for soft and hard contact: they are one model.
         row.model.clone_from(&plan.entry.model);
         row.variant = plan.entry.variant();
+        runner.keeps(&row);
         Ok(row)
     };
     let mut references = Vec::new();

@@ -10,7 +10,7 @@ use crate::experiment::small_signals::grounds::grounds;
 use crate::experiment::small_signals::response::{Answer, Response, spectrum};
 use crate::experiment::small_signals::{MOST, NotSolved, has_loads, settled};
 use gearbench_integrators::system::SecondOrderSystem;
-use gearbench_models::error::BuildError;
+use gearbench_models::error::{BuildError, Fault};
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
@@ -205,8 +205,15 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         if interruption::requested() {
             return Err(RunError::Interrupted.into());
         }
-        let found =
-            found.map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e)))?;
+        let found = match found {
+            Err(e) if e.fault == Fault::Model => ModelResponse {
+                label,
+                message: e.to_string(),
+                ..ModelResponse::default()
+            },
+            found => found
+                .map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e)))?,
+        };
         // All models at the frequencies of the first.
         let points = found.groups.first().map(|g| &g.points);
         let ends = points.and_then(|p| Some([p.first()?, p.last()?]));

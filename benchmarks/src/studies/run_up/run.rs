@@ -6,7 +6,7 @@ use super::drive::{NoRamp, run_up};
 use super::plan::Plan;
 use super::recorder::Recorder;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::error::StudyError;
+use crate::experiment::error::{ModelRefusal, StudyError};
 use crate::experiment::run::{Job, RunError, run_watched};
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::assemble;
@@ -33,7 +33,18 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     let (mut runs, mut run_ups) = (Vec::new(), Vec::new());
     for (done, entry) in plan.entries.iter().enumerate() {
         runner.tell(done, plan.entries.len(), &entry.label);
-        let (row, found) = one(plan, runner, entry)?;
+        let made = one(plan, runner, entry);
+        let (row, found) = match made.as_ref().err().and_then(ModelRefusal::refusal) {
+            Some(message) => (
+                entry.refused(message.clone()),
+                ModelRunUp {
+                    label: entry.model_label(),
+                    message,
+                    ..ModelRunUp::default()
+                },
+            ),
+            None => made?,
+        };
         runs.push(row);
         run_ups.push(found);
     }

@@ -50,7 +50,12 @@ const TIMINGS: &str = "timings.csv";
 
 /// Runs the study and writes its folder.
 pub fn run(args: &Stability, command: &str) -> Result<Answer, Refusal> {
-    let scene = scene_file::load_for(&args.scene, Selection::None)?;
+    let mut scene = scene_file::load_for(&args.scene, Selection::None)?;
+    let mut chosen: Vec<String> = Vec::new();
+    for set in sets(&scene, args)?.iter() {
+        chosen.extend(choices(&scene, set)?.iter().map(|c| c.label.clone()));
+    }
+    scene.build_selected(&chosen.iter().map(String::as_str).collect::<Vec<_>>())?;
     let plan = plan(&scene, args, command)?;
     let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Stability.as_str())?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);

@@ -80,9 +80,10 @@ pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
         (Some(from), Some(to), _) => [from, to],
         (_, _, Some(range)) => range,
         _ => {
-            let first = plan.entries.first().or(plan.standing.first());
-            let found = first.map(|e| mesh_resonance(&plan, e)).transpose();
-            let f = found.map_err(refuse)?.flatten().unwrap_or(1000.0);
+            // A model without an equilibrium is refused by the study itself.
+            let mut entries = plan.entries.iter().chain(&plan.standing);
+            let found = entries.find_map(|e| mesh_resonance(&plan, e).ok());
+            let f = found.flatten().unwrap_or(1000.0);
             AROUND.map(|x| x * f)
         }
     };

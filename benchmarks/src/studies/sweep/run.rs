@@ -5,7 +5,7 @@ use super::pair::Pair;
 use super::plan::Plan;
 use super::steady::{Histories, measure};
 use crate::experiment::configuration::Configuration;
-use crate::experiment::error::StudyError;
+use crate::experiment::error::{ModelRefusal, StudyError};
 use crate::experiment::key::Key;
 use crate::experiment::run::{Job, RunError, run_from};
 use crate::experiment::runner::Runner;
@@ -153,7 +153,7 @@ pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f
 /// [`StudyError`] when the scene is no loaded pair, a model cannot be built, or the user interrupts. Runs that fail
 /// are rows.
 pub fn sweep(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
-    let mut statics = Vec::new();
+    let (mut statics, mut refused) = (Vec::new(), Vec::new());
     let total = plan.count();
     let ends = [0, plan.frequencies.len().saturating_sub(1)].map(|i| plan.frequencies.get(i));
     for entry in plan.entries.iter().chain(&plan.standing) {
@@ -163,10 +163,18 @@ pub fn sweep(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         let key = Key::new("static cycle")
             .and_scene(&entry.scene, &entry.modelling)
             .and(&(plan.positions, ends));
-        statics.push(runner.piece(key, || standing(plan, entry))?);
+        let found = runner.piece(key, || standing(plan, entry));
+        match found.as_ref().err().and_then(ModelRefusal::refusal) {
+            Some(why) => refused.push(entry.refused(why)),
+            None => statics.push(found?),
+        }
     }
     let mut runs = Vec::new();
-    for (entry, statics) in plan.entries.iter().zip(&statics) {
+    for entry in &plan.entries {
+        let own = |s: &&StaticCycle| s.label == entry.model_label();
+        let Some(statics) = statics.iter().find(own) else {
+            continue;
+        };
         let branch = Branches {
             plan,
             runner,
@@ -190,6 +198,7 @@ pub fn sweep(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         }
     }
     runner.tell(runs.len(), total, "report");
+    runs.extend(refused);
     Ok(Results {
         runs,
         ..plan.conditions.record(Part::Sweep(SweepRecord { statics }))

@@ -90,6 +90,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
         // The modes that were kept, as the model says; a model without any keeps none.
         row.modes = Some(row.modes.unwrap_or(0));
         row.mark = case.mark.map(Into::into);
+        runner.keeps(&row);
         results.runs.push(row);
         Ok(())
     };

@@ -6,7 +6,7 @@ mod mounting;
 mod report;
 
 use crate::cli::answer::Answer;
-use crate::cli::progress::progress_bar;
+use crate::cli::progress::Display;
 use crate::cli::terminal::{Refusal, absolute, say};
 use crate::scene_file;
 use crate::tools::mesh::{chosen, is_deck, named};
@@ -66,28 +66,30 @@ struct Done {
 /// Reduces the gears, tells what came out and writes what was asked for.
 pub fn run(args: &Arguments) -> Result<Answer, Refusal> {
     let mut jobs = Vec::new();
+    let display = Display::new(0);
     for input in &args.inputs {
+        display.message(&format!("reading {input}"));
         match is_deck(input) {
             true => jobs.extend(from_deck(args, input)?),
             false => jobs.extend(from_scene(args, input)?),
         }
     }
     let files = files(args, &jobs)?;
-    let bar = progress_bar(jobs.len());
     let mut gears = Vec::new();
-    for (job, file) in jobs.iter().zip(&files) {
-        let done = reduce(args, job, &bar).inspect_err(|_| bar.finish_and_clear())?;
-        bar.suspend(|| report::tell(job, &done));
+    for (i, (job, file)) in jobs.iter().zip(&files).enumerate() {
+        display.tell(i, jobs.len(), &format!("reducing `{}`", job.name));
+        let done = reduce(args, job)?;
+        display.suspend(|| report::tell(job, &done));
         let mut gear = report::told(job, &done);
         if let Some(path) = file {
             let size = store::write(path, &done.basis, &done.meta)
                 .map_err(|e| Refusal::Files(e.to_string()))?;
-            bar.suspend(|| say(&report::line("written", &report::file(path, size))));
+            display.suspend(|| say(&report::line("written", &report::file(path, size))));
             gear["written"] = json!(absolute(path.clone()));
         }
         gears.push(gear);
     }
-    bar.finish_and_clear();
+    drop(display);
     if args.out.is_none() {
         say("nothing was written; `--out F.npz` writes the reduction");
     }
@@ -320,7 +322,7 @@ fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal
     Ok(files.into_iter().map(Some).collect())
 }
 
-fn reduce(args: &Arguments, job: &Job, bar: &indicatif::ProgressBar) -> Result<Done, Refusal> {
+fn reduce(args: &Arguments, job: &Job) -> Result<Done, Refusal> {
     let most = args.modes.map(|n| n as usize);
     let by = match args.choose.as_str() {
         "flank-compliance" => Criterion::FlankCompliance,
@@ -342,9 +344,7 @@ fn reduce(args: &Arguments, job: &Job, bar: &indicatif::ProgressBar) -> Result<D
         wanted,
     };
     let start = Instant::now();
-    bar.set_message(job.name.clone());
     let found = cache::in_use().basis(&request, &job.source, || request.compute());
-    bar.inc(1);
     let found = found.map_err(|e| match e {
         ReductionError::Modes(_) => Refusal::Failed(format!("{}: {e}", job.source)),
         e => Refusal::Input(miette::miette!("{}: {e}", job.source)),
