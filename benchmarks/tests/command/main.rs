@@ -1,5 +1,6 @@
 //! The command as a user meets it: what it writes, what it refuses, how it ends.
 
+mod bounds;
 mod check;
 mod choose;
 mod compare;

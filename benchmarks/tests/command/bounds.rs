@@ -1,0 +1,141 @@
+//! Bounds of memory and of inputs, and models that cannot run.
+
+use super::{Folder, has, stderr};
+use serde_json::Value;
+
+const PAIR: &str = include_str!("../malformed/scene.toml");
+
+/// The pair with full finite elements that take far more than a tenth of a gigabyte.
+fn with_fe() -> String {
+    let fe = "[[models]]\nmodel = \"fe\"\nparameters = { flank_elements = 20, width_elements = 8 }\n\
+              contact = { penalty_pa_per_m = 1e15 }\nintegrators = [{ method = \"newmark\", step_s = 1e-6 }]\n\n[study]";
+    PAIR.replace("[study]", fe)
+}
+
+/// The limit is read before models are built; the model that is beyond it is a row, the others run.
+#[test]
+fn a_model_beyond_the_memory_is_a_row_and_the_others_run() {
+    let folder = Folder::new();
+    folder.write("s.toml", &with_fe());
+    let study = "compare s.toml --models rigid,movable-teeth,fe --integrators dopri5@1e-6 --repeats 1 --out o";
+    let out = folder.ends(&format!("{study} --memory 0.05"), 3);
+    has(
+        &stderr(&out),
+        &[
+            "the model `fe` is refused, the others run",
+            "s.toml:",
+            "--memory",
+        ],
+    );
+    let record: Value = serde_json::from_str(&folder.read("o/results.json")).unwrap();
+    let rows = record["runs"].as_array().unwrap();
+    let ended: Vec<[&str; 2]> = (rows.iter())
+        .map(|r| ["model", "status"].map(|key| r[key].as_str().unwrap()))
+        .collect();
+    assert_eq!(ended[2], ["fe", "refused"], "{ended:?}");
+    assert!(
+        ended[..2].iter().all(|[_, status]| *status != "refused"),
+        "{ended:?}"
+    );
+    let reason = rows[2]["message"].as_str().unwrap();
+    assert!(reason.contains("would take about"), "{reason}");
+    // Where none can run that is an error of the input, with the limit that was given.
+    folder.refuses(
+        "compare s.toml --models fe --repeats 1 --memory 0.05 --out p",
+        &["would take about", "raise the limit with --memory"],
+    );
+    assert!(!folder.at("p").exists());
+    // Commands without a folder have the limit as well.
+    for command in ["mesh s.toml --out g.inp", "reduce s.toml --model elastic"] {
+        folder.refuses(&format!("{command} --memory 1e-5"), &["--memory"]);
+    }
+}
+
+/// What needs no mesh is refused before meshing: this mesh would be refused for its size.
+#[test]
+fn a_half_space_on_bearings_is_refused_before_its_gears_are_meshed() {
+    let folder = Folder::new();
+    let elastic = "parameters = { modes = 4, flank_elements = 400, width_elements = 400 }\ncontact = { local = \"half-space\" }";
+    let text = PAIR
+        .replace("mount = \"revolute\"", "bearing = { stiffness = [1e8, 1e8, 1e8, 0.0, 0.0, 0.0] }")
+        .replace(
+            "parameters = { modes = 4, flank_elements = 4, width_elements = 1 }\ncontact = { penalty_pa_per_m = 1e15 }",
+            elastic,
+        );
+    assert!(text.contains("half-space") && text.contains("bearing"));
+    folder.write("s.toml", &text);
+    folder.refuses(
+        "compare s.toml --models elastic --repeats 1 --out o",
+        &["hubs about z that only turn"],
+    );
+    for study in ["modes", "stiffness", "response"] {
+        folder.refuses(
+            &format!("{study} s.toml --models elastic --out o"),
+            &["hubs about z that only turn"],
+        );
+    }
+}
+
+#[test]
+fn two_driven_gears_are_refused_at_the_line() {
+    let folder = Folder::new();
+    let driven = "mount = { driven = { speed_rad_s = 10.0 } }";
+    let text = PAIR
+        .replace("speed_rad_s = 20.0\nloads = [{ torque_nm = 1.0 }]", driven)
+        .replace("mount = \"revolute\"", driven);
+    folder.write("s.toml", &text);
+    folder.refuses(
+        "compare s.toml --out o",
+        &["s.toml:19", "are both driven", "give the other `loads`"],
+    );
+}
+
+/// Histories have an estimate, and a way out.
+#[test]
+fn histories_beyond_the_memory_are_refused() {
+    let folder = Folder::new();
+    folder.write(
+        "s.toml",
+        &PAIR.replace("[study]", "[study]\nsamples = 1000000"),
+    );
+    folder.refuses(
+        "compare s.toml --models rigid --integrators dopri5@1e-6 --repeats 1 --memory 0.5 --out o",
+        &[
+            "none of the models can run",
+            "1000000 samples",
+            "fewer `samples`",
+        ],
+    );
+}
+
+/// Whatever is no regular file of a bounded size is refused at once by every reader.
+#[cfg(unix)]
+#[test]
+fn pipes_devices_and_folders_are_no_inputs() {
+    let folder = Folder::new();
+    let fifo = |name: &str| {
+        let made = std::process::Command::new("mkfifo")
+            .arg(folder.at(name))
+            .status();
+        assert!(made.unwrap().success());
+    };
+    fifo("fifo.toml");
+    folder.refuses("compare fifo.toml --out o", &["regular file"]);
+    folder.refuses("check fifo.toml", &["regular file"]);
+    std::os::unix::fs::symlink("/dev/zero", folder.at("zero.toml")).unwrap();
+    folder.refuses("compare zero.toml --out o", &["regular file"]);
+    folder.write("s.toml", PAIR);
+    std::fs::create_dir(folder.at("record")).unwrap();
+    fifo("record/results.json");
+    folder.refuses("report record", &["regular file"]);
+    folder.refuses("rerun record", &["regular file"]);
+    std::fs::create_dir(folder.at("o")).unwrap();
+    fifo("o/journal.jsonl");
+    folder.refuses(
+        "compare s.toml --models rigid --out o",
+        &["no regular file"],
+    );
+    let large = std::fs::File::create(folder.at("large.toml")).unwrap();
+    large.set_len(1 << 34).unwrap();
+    folder.refuses("compare large.toml --out o", &["at most 16000000 are read"]);
+}
