@@ -52,9 +52,9 @@ pub fn summarise(results: &Results) {
             }
             // The scene shows this model for its error.
             (Status::Inaccurate, Some(m)) if is_excepted(results, r) => {
-                let error = m.get(metric).map_or(String::new(), |e| {
-                    format!("{} %, ", short(100.0 * e, 3))
-                });
+                let error = m
+                    .get(metric)
+                    .map_or(String::new(), |e| format!("{} %, ", short(100.0 * e, 3)));
                 format!("{error}beyond the tolerance, from which the scene excepts the model")
             }
             (status, _) => format!(
