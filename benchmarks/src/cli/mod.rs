@@ -34,13 +34,13 @@ use crate::tools::reference::{self, arguments::Reference};
 use crate::tools::rerun::{self, Rerun};
 use crate::tools::{init, init::Init, list, list::List, report, report::Report};
 use answer::Answer;
-use values::{DEFAULT_MEMORY, gigabytes};
 use clap::{Parser, Subcommand};
 use exit::Exit;
 use gearbench_reference::limits;
 use help::Help;
 use std::process::ExitCode;
 use terminal::{Manner, Refusal};
+use values::{DEFAULT_MEMORY, gigabytes};
 
 /// What stands at the end of `--help`.
 fn after_help() -> String {

@@ -71,7 +71,10 @@ impl StudyFolder {
     pub fn of(output: &Output, scene: &SceneFile, study: &str) -> Result<Self, Refusal> {
         let mut folder = Self::open(output, &scene.name, study)?;
         folder.source = Some(scene.source());
-        let rows = scene.refused.iter().map(|r| refused(&r.label, &r.model, r.error.told()));
+        let rows = scene
+            .refused
+            .iter()
+            .map(|r| refused(&r.label, &r.model, r.error.told()));
         folder.refused = rows.collect();
         Ok(folder)
     }
@@ -154,6 +157,8 @@ impl StudyFolder {
         results.header.source.clone_from(&self.source);
         let page = gearbench_reports::write_results(&self.path, &results)
             .map_err(|e| Refusal::Files(e.to_string()))?;
+        // They are in files of their own now, and as values of an answer they would take many times their memory.
+        results.runs.iter_mut().for_each(|r| r.histories = None);
         summarise(&results);
         describe_mesh_modes(&results);
         if let Some((_, what)) = results.settings.last().filter(|_| stopped) {

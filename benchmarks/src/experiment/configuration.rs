@@ -67,9 +67,13 @@ impl Configuration {
     }
 }
 
+/// What stands for the integrator of a model that was not run.
+const NO_METHOD: &str = "none";
+
 /// The row of a model with a label that cannot run: it has no method and no numbers.
 pub fn refused(label: &str, model: &str, why: String) -> Run {
     Run {
+        integrator: NO_METHOD.into(),
         status: Status::Refused,
         message: Some(why),
         wall_s: f64::NAN,

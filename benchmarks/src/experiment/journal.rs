@@ -129,7 +129,9 @@ impl Journal {
         // A pipe in its place would keep the study waiting for ever.
         match path.metadata() {
             Ok(data) if !data.is_file() => {
-                return Err(io(std::io::Error::other("it is no regular file; remove it")));
+                return Err(io(std::io::Error::other(
+                    "it is no regular file; remove it",
+                )));
             }
             _ => {}
         }

@@ -140,9 +140,9 @@ fn dense_bytes(coordinates: usize) -> f64 {
 }
 
 /// Memory of a number of a history while its run is recorded, journalled and written to a table [bytes].
-const RECORDED: f64 = 60.0;
+const RECORDED: f64 = 26.0;
 /// The same where no files of histories are asked for.
-const MEASURED: f64 = 30.0;
+const MEASURED: f64 = 14.0;
 
 /// Checks the memory of the histories of a run before it is made.
 fn check_histories(job: &Job<'_>, scene: &Scene) -> Result<(), RunError> {
@@ -150,7 +150,8 @@ fn check_histories(job: &Job<'_>, scene: &Scene) -> Result<(), RunError> {
     let columns = scene.channel_count() + 1;
     let bytes = if job.histories { RECORDED } else { MEASURED };
     let what = format!("a run with {samples} samples of {columns} histories");
-    let way_out = "take fewer `samples` (table [study] of the scene), or fewer models and integrators";
+    let way_out =
+        "take fewer `samples` (table [study] of the scene), or fewer models and integrators";
     Ok(limits::check(
         what,
         bytes * samples as f64 * columns as f64,

@@ -95,9 +95,8 @@ pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
 /// [`SceneError`] at the mount of the second gear.
 fn driven(scene: &SceneFile) -> Result<(), SceneError> {
     let gears = &scene.spec.gears;
-    let prescribed = |i: &usize| {
-        matches!(gears[*i].mount, Mount::Driven(_)) && gears[*i].lateral.is_none()
-    };
+    let prescribed =
+        |i: &usize| matches!(gears[*i].mount, Mount::Driven(_)) && gears[*i].lateral.is_none();
     let Some(mesh) = (scene.spec.meshes.iter()).find(|m| m.gears.iter().all(prescribed)) else {
         return Ok(());
     };

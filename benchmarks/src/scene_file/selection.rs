@@ -47,7 +47,10 @@ impl SceneFile {
         let mut found = found?;
         found.retain(|m| !self.is_refused(&m.label));
         if found.is_empty() {
-            let asked = self.refused.iter().filter(|r| once.contains(&r.label.as_str()));
+            let asked = self
+                .refused
+                .iter()
+                .filter(|r| once.contains(&r.label.as_str()));
             return Err(SceneError::all_of(asked.map(|r| r.error.clone())));
         }
         Ok(found)

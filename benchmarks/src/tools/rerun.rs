@@ -3,6 +3,7 @@
 //! The command of the record runs with the scene and the calibrations of the record. All that does not depend on the
 //! clock or the machine has to come out the same, to the last bit, under the same version of gearbench.
 
+use super::report::check_record;
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
 use crate::cli::terminal::{Refusal, absolute, say, warn};
@@ -10,7 +11,6 @@ use crate::experiment::machine;
 use crate::scene_file::source::{changed, stand_in};
 use clap::Args;
 use gearbench_reports::record::{OF_THE_CLOCK, Results};
-use super::report::check_record;
 use gearbench_reports::{ReportError, load_results};
 use serde_json::Value;
 use std::path::{Path, PathBuf};

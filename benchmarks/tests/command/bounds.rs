@@ -19,16 +19,26 @@ fn a_model_beyond_the_memory_is_a_row_and_the_others_run() {
     folder.write("s.toml", &with_fe());
     let study = "compare s.toml --models rigid,movable-teeth,fe --integrators dopri5@1e-6 --repeats 1 --out o";
     let out = folder.ends(&format!("{study} --memory 0.05"), 3);
-    has(&stderr(&out), &["the model `fe` is refused, the others run", "s.toml:", "--memory"]);
+    has(
+        &stderr(&out),
+        &[
+            "the model `fe` is refused, the others run",
+            "s.toml:",
+            "--memory",
+        ],
+    );
     let record: Value = serde_json::from_str(&folder.read("o/results.json")).unwrap();
     let rows = record["runs"].as_array().unwrap();
     let ended: Vec<[&str; 2]> = (rows.iter())
         .map(|r| ["model", "status"].map(|key| r[key].as_str().unwrap()))
         .collect();
     assert_eq!(ended[2], ["fe", "refused"], "{ended:?}");
-    assert!(ended[..2].iter().all(|[_, status]| *status != "refused"), "{ended:?}");
+    assert!(
+        ended[..2].iter().all(|[_, status]| *status != "refused"),
+        "{ended:?}"
+    );
     let reason = rows[2]["message"].as_str().unwrap();
-    assert!(reason.contains("where 0.1 GB are allowed") || reason.contains("where 0.0 GB are allowed"), "{reason}");
+    assert!(reason.contains("would take about"), "{reason}");
     // Where none can run that is an error of the input, with the limit that was given.
     folder.refuses(
         "compare s.toml --models fe --repeats 1 --memory 0.05 --out p",
@@ -36,7 +46,7 @@ fn a_model_beyond_the_memory_is_a_row_and_the_others_run() {
     );
     assert!(!folder.at("p").exists());
     // Commands without a folder have the limit as well.
-    for command in ["mesh s.toml --model fe --out g.inp", "reduce s.toml --model elastic"] {
+    for command in ["mesh s.toml --out g.inp", "reduce s.toml --model elastic"] {
         folder.refuses(&format!("{command} --memory 1e-5"), &["--memory"]);
     }
 }
@@ -76,7 +86,7 @@ fn two_driven_gears_are_refused_at_the_line() {
     folder.write("s.toml", &text);
     folder.refuses(
         "compare s.toml --out o",
-        &["s.toml:21", "are both driven", "give the other `loads`"],
+        &["s.toml:19", "are both driven", "give the other `loads`"],
     );
 }
 
@@ -84,10 +94,17 @@ fn two_driven_gears_are_refused_at_the_line() {
 #[test]
 fn histories_beyond_the_memory_are_refused() {
     let folder = Folder::new();
-    folder.write("s.toml", &PAIR.replace("[study]", "[study]\nsamples = 1000000"));
+    folder.write(
+        "s.toml",
+        &PAIR.replace("[study]", "[study]\nsamples = 1000000"),
+    );
     folder.refuses(
         "compare s.toml --models rigid --integrators dopri5@1e-6 --repeats 1 --memory 0.5 --out o",
-        &["none of the models can run", "1000000 samples", "fewer `samples`"],
+        &[
+            "none of the models can run",
+            "1000000 samples",
+            "fewer `samples`",
+        ],
     );
 }
 
@@ -97,7 +114,9 @@ fn histories_beyond_the_memory_are_refused() {
 fn pipes_devices_and_folders_are_no_inputs() {
     let folder = Folder::new();
     let fifo = |name: &str| {
-        let made = std::process::Command::new("mkfifo").arg(folder.at(name)).status();
+        let made = std::process::Command::new("mkfifo")
+            .arg(folder.at(name))
+            .status();
         assert!(made.unwrap().success());
     };
     fifo("fifo.toml");
@@ -106,16 +125,16 @@ fn pipes_devices_and_folders_are_no_inputs() {
     std::os::unix::fs::symlink("/dev/zero", folder.at("zero.toml")).unwrap();
     folder.refuses("compare zero.toml --out o", &["regular file"]);
     folder.write("s.toml", PAIR);
-    fifo("s.calibration.toml");
-    folder.refuses("compare s.toml --out o", &["s.calibration.toml", "regular file"]);
-    std::fs::remove_file(folder.at("s.calibration.toml")).unwrap();
     std::fs::create_dir(folder.at("record")).unwrap();
     fifo("record/results.json");
     folder.refuses("report record", &["regular file"]);
     folder.refuses("rerun record", &["regular file"]);
     std::fs::create_dir(folder.at("o")).unwrap();
     fifo("o/journal.jsonl");
-    folder.refuses("compare s.toml --models rigid --out o", &["no regular file"]);
+    folder.refuses(
+        "compare s.toml --models rigid --out o",
+        &["no regular file"],
+    );
     let large = std::fs::File::create(folder.at("large.toml")).unwrap();
     large.set_len(1 << 34).unwrap();
     folder.refuses("compare large.toml --out o", &["at most 16000000 are read"]);

@@ -102,7 +102,10 @@ fn mutated_scenes_do_not_panic() {
         // A panic within a run is a row of the record.
         for run in done.iter().flat_map(|r| &r.runs) {
             let message = run.message.as_deref().unwrap_or_default();
-            assert!(!message.contains("the program itself failed"), "scene {number}: {message}\n{text}");
+            assert!(
+                !message.contains("the program itself failed"),
+                "scene {number}: {message}\n{text}"
+            );
         }
         ran += usize::from(done.is_some());
     }
@@ -279,10 +282,13 @@ fn a_thousand_mutated_records() {
             _ => "",
         };
         let command = format!("{study} s.toml --timeout 5 --out {study} {more}");
-        let arguments = command.replace("--timeout 5", match study {
-            "modes" | "response" => "",
-            _ => "--timeout 5",
-        });
+        let arguments = command.replace(
+            "--timeout 5",
+            match study {
+                "modes" | "response" => "",
+                _ => "--timeout 5",
+            },
+        );
         let arguments: Vec<&str> = arguments.split_whitespace().collect();
         run(folder.path(), &arguments);
         let record = folder.path().join(study).join("results.json");

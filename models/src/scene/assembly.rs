@@ -25,8 +25,7 @@ use crate::geometry::Side;
 use crate::kinematics::Placement;
 use crate::law::Law;
 use crate::spec::{
-    Body, Modelling, Mount, SceneSpec, effective_radius, mesh_layout,
-    signed_effective_radius,
+    Body, Modelling, Mount, SceneSpec, effective_radius, mesh_layout, signed_effective_radius,
 };
 use gearbench_integrators::system::State;
 

@@ -1,7 +1,7 @@
 //! What of a scene cannot be, whatever the models.
 
-use super::members::{SceneGear, SceneMesh};
 use super::assembly_lines::is_half_space;
+use super::members::{SceneGear, SceneMesh};
 use super::nodal::islands;
 use crate::error::{BuildError, GearPart, MeshPart};
 use crate::kinematics::Hub;

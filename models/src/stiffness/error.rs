@@ -60,7 +60,10 @@ impl StiffnessError {
             Self::Material { property, value } => {
                 let (name, rule) = match property {
                     Property::Young => ("Young's modulus [Pa]", "it must be finite and positive"),
-                    Property::Poisson => ("Poisson's ratio", "it must lie in [0, 0.4999]: beyond, a solid hardly changes its volume and its finite elements lock"),
+                    Property::Poisson => (
+                        "Poisson's ratio",
+                        "it must lie in [0, 0.4999]: beyond, a solid hardly changes its volume and its finite elements lock",
+                    ),
                     Property::Density => ("density [kg/m^3]", "it must be finite and positive"),
                 };
                 (format!("{name} is {value}"), rule.to_owned())

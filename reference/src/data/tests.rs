@@ -268,7 +268,10 @@ fn thousands_are_no_decimals() {
     let found = spur(text, &decimal).unwrap();
     near(values(&found, Quantity::Force(0)).1, &[1.0, 2.0, 3.0]);
     let other = "time [s],force [N]\n0,\"1,5\"\n1,\"2,5\"\n2,\"3,5\"\n";
-    near(values(&plain(other).unwrap(), Quantity::Force(0)).1, &[1.5, 2.5, 3.5]);
+    near(
+        values(&plain(other).unwrap(), Quantity::Force(0)).1,
+        &[1.5, 2.5, 3.5],
+    );
 }
 
 #[test]

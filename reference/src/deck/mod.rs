@@ -112,7 +112,8 @@ const MEMORY_OVER_TEXT: f64 = 4.0;
 
 fn check_memory(bytes: usize) -> io::Result<()> {
     let what = format!("a deck of {bytes} bytes");
-    limits::check(what, MEMORY_OVER_TEXT * bytes as f64, "use fewer elements").map_err(io::Error::other)
+    limits::check(what, MEMORY_OVER_TEXT * bytes as f64, "use fewer elements")
+        .map_err(io::Error::other)
 }
 
 fn text_of(name: &str) -> io::Result<String> {

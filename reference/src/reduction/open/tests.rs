@@ -184,20 +184,36 @@ fn reductions_of_no_elastic_body_are_refused() {
             &|b| blocks(b, &|c| c.iter_mut().for_each(|x| *x *= 1e10)),
             "of this width and modulus",
         ),
-        ("asymmetric", &|b| blocks(b, &|c| c[1] *= 1.5), "reciprocity"),
+        (
+            "asymmetric",
+            &|b| blocks(b, &|c| c[1] *= 1.5),
+            "reciprocity",
+        ),
         (
             "shapes",
             &|b| b.shapes.iter_mut().for_each(|x| *x *= 100.0),
             "not more compliant than the whole body",
         ),
-        ("inertia", &|b| b.inertia *= 100.0, "that of the mass of the mesh"),
+        (
+            "inertia",
+            &|b| b.inertia *= 100.0,
+            "that of the mass of the mesh",
+        ),
         (
             "frequencies",
             &|b| b.omega.iter_mut().for_each(|w| *w = 1e300),
             "at most",
         ),
-        ("mass", &|b| integrals(b, &|i| i.mass = -5.0), "a positive mass"),
-        ("heavy", &|b| b.inertia = 1e300, "that of the mass of the mesh"),
+        (
+            "mass",
+            &|b| integrals(b, &|i| i.mass = -5.0),
+            "a positive mass",
+        ),
+        (
+            "heavy",
+            &|b| b.inertia = 1e300,
+            "that of the mass of the mesh",
+        ),
     ];
     for (name, change, words) in cases {
         let mut changed = basis.clone();
@@ -213,8 +229,14 @@ fn reductions_of_no_elastic_body_are_refused() {
         }
     }
     // Another body in the place of the gear, where the file has no masses to compare with.
-    let heavy = judged(Body::Gear(gear(18, |_| {})), Mount::Revolute, 0.0, Material::STEEL, |b| {
-        b.inertia *= 100.0;
-    });
+    let heavy = judged(
+        Body::Gear(gear(18, |_| {})),
+        Mount::Revolute,
+        0.0,
+        Material::STEEL,
+        |b| {
+            b.inertia *= 100.0;
+        },
+    );
     assert!(heavy.is_some_and(|why| why.contains("its inertia is")));
 }

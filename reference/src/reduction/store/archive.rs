@@ -2,8 +2,8 @@
 
 use super::error::{StoreError, StoreErrorKind, refused, unusable};
 use super::npy::{self, Head, shape_text};
-use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
 use crate::limits;
+use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
@@ -226,11 +226,15 @@ impl<'a> Reader<'a> {
         // What an archive holds is as large as its heads say, however small the archive is.
         self.bytes.set(self.bytes.get() + (N * count) as f64);
         let what = "the arrays of a stored reduction";
-        limits::check(what, self.bytes.get(), "store fewer modes, or reduce a coarser mesh")
-            .map_err(|e| {
-                let expected = format!("at most {} of memory", e.allowed);
-                unusable(StoreErrorKind::Value, name, expected, e.to_string())
-            })?;
+        limits::check(
+            what,
+            self.bytes.get(),
+            "store fewer modes, or reduce a coarser mesh",
+        )
+        .map_err(|e| {
+            let expected = format!("at most {} of memory", e.allowed);
+            unusable(StoreErrorKind::Value, name, expected, e.to_string())
+        })?;
         let mut numbers = Vec::with_capacity(count.min(CHUNK));
         let mut chunk = vec![0; CHUNK.min(count.saturating_mul(N))];
         while numbers.len() < count {

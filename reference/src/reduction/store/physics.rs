@@ -77,7 +77,9 @@ fn rows(b: &Basis) -> std::ops::Range<usize> {
 
 /// Compliance between two rows of the first tooth, or of the whole gear.
 fn between(b: &Basis, i: usize, j: usize) -> f64 {
-    b.compliance.flanks.between(i as u32, j as u32, b.directions())
+    b.compliance
+        .flanks
+        .between(i as u32, j as u32, b.directions())
 }
 
 /// A row that the stored modes alone move further than the whole body gives way.

@@ -14,7 +14,10 @@ fn includes_are_bounded_in_number() {
     let mut asked = 0;
     let mut resolver = |name: &str| {
         asked += 1;
-        let depth: usize = name.trim_matches(|c: char| !c.is_ascii_digit()).parse().unwrap();
+        let depth: usize = name
+            .trim_matches(|c: char| !c.is_ascii_digit())
+            .parse()
+            .unwrap();
         Ok(match depth {
             8.. => String::new(),
             _ => format!("*INCLUDE, INPUT=i{}.inp\n", depth + 1).repeat(8),
@@ -39,11 +42,20 @@ fn lines_are_bounded() {
 fn foreign_files_are_not_quoted() {
     for name in ["/proc/self/environ", "../secret"] {
         let text = format!("*INCLUDE, INPUT={name}\n");
-        let e = read_str("folder/a.inp", &text, &mut |_| Ok("PASSWORD=12345\n".into()));
+        let e = read_str(
+            "folder/a.inp",
+            &text,
+            &mut |_| Ok("PASSWORD=12345\n".into()),
+        );
         let said = e.unwrap_err().to_string();
-        assert!(said.contains("not shown") && !said.contains("12345"), "{said}");
+        assert!(
+            said.contains("not shown") && !said.contains("12345"),
+            "{said}"
+        );
     }
-    let own = read_str("folder/a.inp", "*INCLUDE, INPUT=b.inp\n", &mut |_| Ok("word\n".into()));
+    let own = read_str("folder/a.inp", "*INCLUDE, INPUT=b.inp\n", &mut |_| {
+        Ok("word\n".into())
+    });
     assert!(own.unwrap_err().to_string().contains("word"));
 }
 
@@ -60,8 +72,15 @@ fn archives_with_something_behind_say_so() {
 
 #[test]
 fn twins_and_impossible_numbers_are_refused() {
-    let twins = refused(&format!("{BRICKS}*ELEMENT, TYPE=C3D8\n41,1,2,3,4,5,6,7,8\n"));
-    assert!(twins.to_string().contains("elements 1 and 41 on the same nodes"), "{twins}");
+    let twins = refused(&format!(
+        "{BRICKS}*ELEMENT, TYPE=C3D8\n41,1,2,3,4,5,6,7,8\n"
+    ));
+    assert!(
+        twins
+            .to_string()
+            .contains("elements 1 and 41 on the same nodes"),
+        "{twins}"
+    );
     let e = refused(&format!("{BRICKS}*TRANSFORM, NSET=all\nnan,0,0,1,0,0\n"));
     assert!(e.to_string().contains("finite number"), "{e}");
     let e = refused(&format!("{BRICKS}*BOUNDARY\nall, 1, 99999999\n"));
@@ -74,11 +93,24 @@ fn twins_and_impossible_numbers_are_refused() {
 fn pipes_and_folders_are_no_decks() {
     let folder = tempfile::tempdir().unwrap();
     let fifo = folder.path().join("a.inp");
-    std::process::Command::new("mkfifo").arg(&fifo).status().unwrap();
+    std::process::Command::new("mkfifo")
+        .arg(&fifo)
+        .status()
+        .unwrap();
     let said = read(&fifo).unwrap_err().to_string();
     assert!(said.contains("regular file"), "{said}");
-    assert!(read(folder.path()).unwrap_err().to_string().contains("folder"));
+    assert!(
+        read(folder.path())
+            .unwrap_err()
+            .to_string()
+            .contains("folder")
+    );
     let deck = folder.path().join("b.inp");
     std::fs::write(&deck, "*INCLUDE, INPUT=a.inp\n").unwrap();
-    assert!(read(&deck).unwrap_err().to_string().contains("regular file"));
+    assert!(
+        read(&deck)
+            .unwrap_err()
+            .to_string()
+            .contains("regular file")
+    );
 }
