@@ -110,26 +110,30 @@ impl Start<'_> {
         }
     }
 
-    /// Place of a member among those that a shaft carries.
-    fn station(&self, member: usize) -> Option<Place<'_>> {
+    /// Members that stand on shafts, each with the places of the shaft and of its station in the file.
+    fn stations(&self) -> Vec<(usize, usize, usize)> {
         let spec = &self.scene.spec;
-        let mut body = spec.gears.len();
+        let (mut all, mut body) = (Vec::new(), spec.gears.len());
         for (i, shaft) in spec.shafts.iter().enumerate() {
             for (j, station) in shaft.stations.iter().enumerate() {
-                let own = match station.carries {
+                let member = match station.carries {
                     Carried::Gear(gear) => gear,
                     Carried::Body(_) => {
                         body += 1;
                         body - 1
                     }
                 };
-                if own == member {
-                    let shaft = self.root.key("shafts").member(i);
-                    return Some(shaft.key("carries").member(j));
-                }
+                all.push((member, i, j));
             }
         }
-        None
+        all
+    }
+
+    /// Place of a member among those that a shaft carries.
+    fn station(&self, member: usize) -> Option<Place<'_>> {
+        let found = self.stations().into_iter().find(|(own, ..)| *own == member);
+        let shafts = self.root.key("shafts");
+        found.map(|(_, i, j)| shafts.member(i).key("carries").member(j))
     }
 
     /// Where the speed of a member is given, if it is.
@@ -141,19 +145,9 @@ impl Start<'_> {
         };
         let own = keys.iter().map(|key| own.key(key)).find(Place::exists);
         own.or_else(|| {
-            let shafts = self.root.key("shafts");
-            let spec = &self.scene.spec;
-            let bodies = spec.gears.len()..;
-            let mut bodies = bodies.into_iter();
-            let of = spec.shafts.iter().position(|shaft| {
-                (shaft.stations.iter())
-                    .map(|s| match s.carries {
-                        Carried::Gear(gear) => Some(gear),
-                        Carried::Body(_) => bodies.next(),
-                    })
-                    .fold(false, |found, own| found || own == Some(member))
-            })?;
-            Some(shafts.member(of).key("speed_rad_s")).filter(Place::exists)
+            let (_, shaft, _) = (self.stations().into_iter()).find(|(on, ..)| *on == member)?;
+            let shaft = self.root.key("shafts").member(shaft);
+            Some(shaft.key("speed_rad_s")).filter(Place::exists)
         })
     }
 

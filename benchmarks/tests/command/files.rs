@@ -92,7 +92,10 @@ fn folders_and_names_without_an_ending_lead_to_what_is_there() {
         "report pair.toml",
         &["this is a scene", "gearbench compare pair.toml"],
     );
-    folder.refuses("report nowhere", &["out/SCENE/STUDY"]);
+    folder.refuses(
+        "report nowhere",
+        &["name the folder that a study has written"],
+    );
     folder.refuses(
         "identify pair.toml",
         &["reference = { csv =", "gearbench reference pair.toml"],
