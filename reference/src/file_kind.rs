@@ -174,9 +174,7 @@ pub fn of(path: impl AsRef<Path>) -> Option<&'static FileKind> {
         let before = name.strip_suffix(*ending);
         before.is_some_and(|b| b.ends_with('.') && b.len() > 1)
     };
-    KINDS
-        .iter()
-        .find(|kind| kind.endings.iter().any(|e| ends(&e)))
+    KINDS.iter().find(|kind| kind.endings.iter().any(ends))
 }
 
 /// The kind of a file that is known and cannot be read as `input`.

@@ -5,7 +5,8 @@
 //! `k` the 14 N/(mm um) of face width that ISO 6336-1 gives as a mean value for steel gears. A scene is taken as an impact
 //! that is meant, without a warning, where
 //! - no load and no driven hub acts on the train: then nothing but an impact can happen in it;
-//! - held hubs leave the gears no motion in step.
+//! - held hubs leave the gears no motion in step;
+//! - the mesh starts within its backlash, a quarter of it or more away from the flank.
 //!
 //! Speeds that differ by less than a thousandth, as those of rounded input do, and impacts below a tenth of the tooth
 //! force of the loads are not mentioned either.
@@ -26,10 +27,18 @@ use gearbench_reports::numbers::short;
 const ROUNDING: f64 = 1e-3;
 /// Force of an impact over that of the loads that is not worth a word.
 const SLIGHT: f64 = 0.1;
+/// Gap at the start over the backlash from which on flanks are apart on purpose.
+const APART: f64 = 0.25;
 /// Stiffness of a tooth pair by face width [N/m^2]: ISO 6336-1, mean value for steel.
 const STIFFNESS: f64 = 14e9;
 /// Normal force over that of the loads alone below which no flank is pressed.
 const NO_FORCE: f64 = 1e-6;
+
+/// A number as it is written in a scene, with an ASCII sign and without the digits of rounding.
+fn written(x: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{x:.*e}", digits - 1).parse().unwrap_or(x);
+    format!("{rounded:?}")
+}
 
 /// A train, and where its members stand in the file.
 struct Start<'s> {
@@ -101,26 +110,30 @@ impl Start<'_> {
         }
     }
 
-    /// Place of a member among those that a shaft carries.
-    fn station(&self, member: usize) -> Option<Place<'_>> {
+    /// Members that stand on shafts, each with the places of the shaft and of its station in the file.
+    fn stations(&self) -> Vec<(usize, usize, usize)> {
         let spec = &self.scene.spec;
-        let mut body = spec.gears.len();
+        let (mut all, mut body) = (Vec::new(), spec.gears.len());
         for (i, shaft) in spec.shafts.iter().enumerate() {
             for (j, station) in shaft.stations.iter().enumerate() {
-                let own = match station.carries {
+                let member = match station.carries {
                     Carried::Gear(gear) => gear,
                     Carried::Body(_) => {
                         body += 1;
                         body - 1
                     }
                 };
-                if own == member {
-                    let shaft = self.root.key("shafts").member(i);
-                    return Some(shaft.key("carries").member(j));
-                }
+                all.push((member, i, j));
             }
         }
-        None
+        all
+    }
+
+    /// Place of a member among those that a shaft carries.
+    fn station(&self, member: usize) -> Option<Place<'_>> {
+        let found = self.stations().into_iter().find(|(own, ..)| *own == member);
+        let shafts = self.root.key("shafts");
+        found.map(|(_, i, j)| shafts.member(i).key("carries").member(j))
     }
 
     /// Where the speed of a member is given, if it is.
@@ -132,19 +145,9 @@ impl Start<'_> {
         };
         let own = keys.iter().map(|key| own.key(key)).find(Place::exists);
         own.or_else(|| {
-            let shafts = self.root.key("shafts");
-            let spec = &self.scene.spec;
-            let bodies = spec.gears.len()..;
-            let mut bodies = bodies.into_iter();
-            let of = spec.shafts.iter().position(|shaft| {
-                (shaft.stations.iter())
-                    .map(|s| match s.carries {
-                        Carried::Gear(gear) => Some(gear),
-                        Carried::Body(_) => bodies.next(),
-                    })
-                    .fold(false, |found, own| found || own == Some(member))
-            })?;
-            Some(shafts.member(of).key("speed_rad_s")).filter(Place::exists)
+            let (_, shaft, _) = (self.stations().into_iter()).find(|(on, ..)| *on == member)?;
+            let shaft = self.root.key("shafts").member(shaft);
+            Some(shaft.key("speed_rad_s")).filter(Place::exists)
         })
     }
 
@@ -178,7 +181,7 @@ impl Start<'_> {
         for (i, mesh) in spec.meshes.iter().enumerate() {
             let both = mesh.gears.map(|g| std::mem::replace(&mut placed[g], true)) == [true; 2];
             let held = mesh.gears.iter().all(|g| self.train.is_held(*g));
-            if held || !self.is_driven_or_loaded(mesh.gears[0]) {
+            if held || self.starts_apart(mesh) || !self.is_driven_or_loaded(mesh.gears[0]) {
                 continue;
             }
             let actual: Vec<f64> = (0..self.train.members())
@@ -237,7 +240,7 @@ impl Start<'_> {
         let (name, own) = (self.name(member), self.train.speed(member));
         let is = match own == 0.0 {
             true => format!("`{name}` is at rest"),
-            false => format!("`{name}` starts at {} {unit}", short(own, 5)),
+            false => format!("`{name}` starts at {} {unit}", written(own, 5)),
         };
         let place = match self.stated_speed(member) {
             Some(place) => place,
@@ -246,7 +249,10 @@ impl Start<'_> {
         place.error(
             format!("{is}: {what}"),
             "out of step",
-            format!("in step with the train it has {key} = {}", short(right, 7)),
+            format!(
+                "in step with the train it has {key} = {}",
+                written(right, 7)
+            ),
         )
     }
 
@@ -356,10 +362,10 @@ impl Start<'_> {
         self.warnings.extend(found);
     }
 
-    /// Whether the flank of a mesh starts in the half of the backlash that is nearer to the other flank.
+    /// Whether the flanks of a mesh start apart on purpose, within the backlash.
     fn starts_apart(&self, mesh: &MeshSpec) -> bool {
         let [a, b] = mesh.gears.map(|g| &self.scene.spec.gears[g]);
-        mesh_layout(a, b).is_ok_and(|l| mesh.start.gap >= 0.5 * l.backlash)
+        mesh_layout(a, b).is_ok_and(|l| mesh.start.gap >= APART * l.backlash)
     }
 
     /// Where the loads of a train stand, the last ones of the file.

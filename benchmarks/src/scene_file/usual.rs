@@ -53,7 +53,7 @@ const LENGTHS: &[(&str, [f64; 2], Measure)] = &[
     ("twist_m", [0.0, 0.2], Measure::Module),
     ("twist_m.left", [0.0, 0.2], Measure::Module),
     ("twist_m.right", [0.0, 0.2], Measure::Module),
-    ("runout_m", [0.0, 0.2], Measure::Module),
+    ("runout_m", [0.0, 1.0], Measure::Module),
     ("cumulative_pitch_m", [0.0, 0.2], Measure::Module),
     ("profile_slope_m", [0.0, 0.2], Measure::Module),
     ("profile_form_m", [0.0, 0.2], Measure::Module),

@@ -5,6 +5,7 @@ mod check;
 mod choose;
 mod compare;
 mod coupling;
+mod files;
 mod fmu;
 mod identify;
 mod init;

@@ -67,7 +67,11 @@ impl Metric {
     /// What it is called in prose, its SI unit (empty for ratios), its name on the command line.
     fn facts(self) -> (&'static str, &'static str, Option<&'static str>) {
         match self {
-            Self::ForceL1 => ("misplaced share of the impulse", "", Some("force-l1")),
+            Self::ForceL1 => (
+                "relative L1 error of the contact force",
+                "",
+                Some("force-l1"),
+            ),
             Self::ForceL2 => ("force-history error", "", Some("force")),
             Self::ForceL2Aligned => (
                 "time-aligned force-history error",

@@ -1,7 +1,9 @@
 //! Tests of the scene format: what is read, what is refused and in which words, what never panics.
 
 mod contacts;
+mod lengths;
 mod modifications;
+mod motion;
 mod plausible;
 mod precision;
 mod referenced;

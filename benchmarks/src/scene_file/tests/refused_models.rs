@@ -123,7 +123,7 @@ const STUDIES: &str = r##"
 36: method = "rk4" => method = "rk4(coast=1)"
     `coast` | `free_flight`
 33: tooth_mass_kg = 4.8e-3 => tooth_mass_kg = 4.8e-3, sleep = 1e-6
-    `sleep` is called `vibration_cut_off` now
+    `sleep` is now called `vibration_cut_off`
 36: method = "rk4" => method = "rk4(free_flight=2)"
     free_flight = 2 | neither 0 nor 1
 36: method = "rk4" => method = "trigonometric(free_flight=0)"

@@ -5,6 +5,7 @@ use crate::scene_file::SceneError;
 use crate::scene_file::reading::keys::keys;
 use crate::scene_file::reading::values::{Factor, InOrder, NotNegative, Positive};
 use crate::scene_file::reading::{Document, Place};
+use gearbench_reference::file_kind::{self, Input};
 use gearbench_reference::files;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -196,6 +197,10 @@ impl CheckFile {
     /// # Errors
     /// [`SceneError`] with line and a way out.
     pub(super) fn read(path: &Path) -> Result<Self, SceneError> {
+        if let Some(kind) = file_kind::foreign(path, Input::Scene) {
+            let why = format!("{} is {}, not a check file", path.display(), kind.name);
+            return Err(SceneError::plain(why, kind.way_out_of(path)));
+        }
         let text = files::read_text(path, files::MOST_OF_TEXT).map_err(|e| {
             SceneError::plain(
                 format!("{}: {e}", path.display()),

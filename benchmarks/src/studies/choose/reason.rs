@@ -75,7 +75,7 @@ pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinemen
         ));
     }
     said.push(format!(
-        "{} with {} is estimated to be {} off: {} from the model and {} from the integration on the window, which add as they do in the metric, with what the top of the hierarchy is off itself, over the whole scene.",
+        "{} with {} has an estimated error of {} over the whole scene. It combines {} from the model and {} from the integration, both on the window, with the error of the most detailed model itself.",
         capital(&candidate.level.name()),
         candidate.method.method,
         per_cent(choice.predicted_error),
