@@ -1,6 +1,8 @@
 //! Arguments that several commands take.
 
-use super::values::{DEFAULT_BUDGET, DEFAULT_MEMORY, DEFAULT_REPEATS, DEFAULT_TIMEOUT, gigabytes, positive};
+use super::values::{
+    DEFAULT_BUDGET, DEFAULT_MEMORY, DEFAULT_REPEATS, DEFAULT_TIMEOUT, gigabytes, positive,
+};
 use crate::experiment::budget::Budget;
 use clap::Args;
 use std::path::PathBuf;

@@ -40,7 +40,11 @@ use terminal::{Manner, Refusal};
 
 /// What stands at the end of `--help`.
 fn after_help() -> String {
-    format!("{EXAMPLES}\n\nExit codes:\n{}\n{}", Exit::table(), Exit::RULE)
+    format!(
+        "{EXAMPLES}\n\nExit codes:\n{}\n{}",
+        Exit::table(),
+        Exit::RULE
+    )
 }
 
 const EXAMPLES: &str = "\

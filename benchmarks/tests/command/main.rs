@@ -7,6 +7,7 @@ mod coupling;
 mod fmu;
 mod identify;
 mod init;
+mod judged;
 mod kill;
 mod malformed;
 mod mesh;
