@@ -177,12 +177,21 @@ impl Prefix {
     }
 }
 
+/// The kilogram has its prefix already: a prefix goes before the gram.
+fn in_grams(x: f64, unit: &str) -> (f64, &str) {
+    match unit.strip_prefix('k') {
+        Some(grams) if grams.starts_with('g') => (1e3 * x, grams),
+        _ => (x, unit),
+    }
+}
+
 /// As [`quantity`], without trailing zeros: for steps and other numbers that were set.
 pub fn round_quantity(x: f64, unit: &str, digits: usize) -> String {
-    let p = Prefix::of(x, 1.0);
     if !x.is_finite() || x.abs() < ROUNDING {
         return quantity(x, unit, digits);
     }
+    let (x, unit) = in_grams(x, unit);
+    let p = Prefix::of(x, 1.0);
     format!("{}\u{a0}{}{unit}", short(x * p.factor, digits), p.symbol)
 }
 
@@ -194,6 +203,7 @@ pub fn quantity(x: f64, unit: &str, digits: usize) -> String {
     if x.abs() < ROUNDING {
         return format!("0\u{a0}{unit}");
     }
+    let (x, unit) = in_grams(x, unit);
     let p = Prefix::of(x, 1.0);
     format!(
         "{}\u{a0}{}{unit}",
@@ -210,6 +220,13 @@ fn minus(text: String) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn masses_have_one_prefix() {
+        let found = [5.2404e-3, 12.0, 2.5e3].map(|x| quantity(x, "kg", 3));
+        assert_eq!(found, ["5.24\u{a0}g", "12.0\u{a0}kg", "2.50\u{a0}Mg"]);
+        assert_eq!(round_quantity(2e-3, "kg", 3), "2\u{a0}g");
+    }
 
     #[test]
     fn significant_digits() {

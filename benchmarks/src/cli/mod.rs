@@ -44,7 +44,11 @@ use values::{DEFAULT_MEMORY, gigabytes};
 
 /// What stands at the end of `--help`.
 fn after_help() -> String {
-    format!("{EXAMPLES}\n\nExit codes:\n{}\n{}", Exit::table(), Exit::RULE)
+    format!(
+        "{EXAMPLES}\n\nExit codes:\n{}\n{}",
+        Exit::table(),
+        Exit::RULE
+    )
 }
 
 const EXAMPLES: &str = "\

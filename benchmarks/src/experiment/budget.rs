@@ -49,7 +49,10 @@ impl Budget {
 
     /// The bound, in words.
     pub fn described(&self) -> String {
-        format!("{} s of processor time (--budget)", self.limit.as_secs_f64())
+        format!(
+            "{} s of processor time (--budget)",
+            self.limit.as_secs_f64()
+        )
     }
 }
 

@@ -22,11 +22,7 @@ use serde::{Deserialize, Serialize};
 
 /// Tolerances of the converged solution, and the steps times coordinates that each may take: a hundredth of the
 /// tightest in use where it takes seconds; long stiff scenes get the last.
-const TIGHT: [(f64, u64); 3] = [
-    (1e-12, 10_000_000),
-    (1e-10, 10_000_000),
-    (1e-8, 20_000_000),
-];
+const TIGHT: [(f64, u64); 3] = [(1e-12, 4_000_000), (1e-10, 4_000_000), (1e-8, 8_000_000)];
 /// Tolerance of the method that is exact for modes where the study asks for no finer one.
 const EXACT_RTOL: f64 = 1e-4;
 /// Steps that a solution by this method may take.
@@ -57,8 +53,8 @@ impl Converged {
     /// # Errors
     /// The reason why it cannot, for the message of the run.
     pub fn judges(&self, method: &Scheme, row: &Run) -> Result<(), String> {
-        let same = (self.by.integrator.parse::<MethodSpec>())
-            .is_ok_and(|m| m.id() == method.method.id());
+        let same =
+            (self.by.integrator.parse::<MethodSpec>()).is_ok_and(|m| m.id() == method.method.id());
         let order = method.method.info().order as i32;
         // What is left of the error of a run, by the resolution of both.
         let left = match (method.resolution, self.by.step, self.by.rtol) {
@@ -107,7 +103,8 @@ pub fn candidates(row: &Run, asked: &[Scheme]) -> Vec<Candidate> {
     let least = |all: &mut dyn Iterator<Item = f64>| all.min_by(f64::total_cmp);
     let mut all = Vec::new();
     if row.modes.is_some() {
-        let mut others = (asked.iter().filter(|s| !exact(s))).filter_map(|s| s.resolution.tolerance());
+        let mut others =
+            (asked.iter().filter(|s| !exact(s))).filter_map(|s| s.resolution.tolerance());
         if let Some(rtol) = least(&mut others)
             && row.dofs <= SMALL
         {
@@ -198,4 +195,112 @@ pub fn converged(job: &Job<'_>, candidates: &[Candidate]) -> Result<Found, RunEr
         "no converged solution of the model reached the end within its bound of steps ({})",
         tried.join("; ")
     )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gearbench_integrators::table::{RK4, VELOCITY_VERLET};
+
+    fn by(integrator: &str, step: Option<f64>, rtol: Option<f64>) -> Converged {
+        Converged {
+            by: OwnSolution {
+                integrator: integrator.into(),
+                step,
+                rtol,
+                steps: 1000,
+            },
+            series: TimeSeries::default(),
+        }
+    }
+
+    /// A solution judges what is at least ten times coarser: by tolerances of any two methods, by steps with the order of
+    /// the method, by the number of steps where one has a step and the other a tolerance.
+    #[test]
+    fn a_solution_judges_what_is_ten_times_coarser() {
+        let row = |steps| Run {
+            steps,
+            ..Run::default()
+        };
+        let tight = by("dopri5", None, Some(1e-10));
+        let judges = |own: &Converged, method: Scheme| own.judges(&method, &row(400)).is_ok();
+        for (method, expected) in [
+            (DOPRI5.at_tolerance(1e-10), false),
+            (DOPRI5.at_tolerance(5e-10), false),
+            (DOPRI5.at_tolerance(1e-9), true),
+            (
+                "bdf".parse::<MethodSpec>().unwrap().at_tolerance(1e-10),
+                false,
+            ),
+            (
+                "bdf".parse::<MethodSpec>().unwrap().at_tolerance(1e-6),
+                true,
+            ),
+            (VELOCITY_VERLET.at_step(1e-6), true),
+            (RK4.at_step(1e-9), true),
+        ] {
+            assert_eq!(judges(&tight, method), expected, "{method:?}");
+        }
+        // Of second order: half the step leaves a quarter of the error, a third of it a ninth, a quarter a sixteenth.
+        let stepped = by("trigonometric", Some(1e-6), None);
+        for (step, expected) in [(1e-6, false), (2e-6, false), (3e-6, false), (4e-6, true)] {
+            assert_eq!(
+                judges(&stepped, TRIGONOMETRIC.at_step(step)),
+                expected,
+                "{step}"
+            );
+        }
+        // 400 steps of 1000: a sixth of the error is left.
+        let exact = by("trigonometric", None, Some(1e-4));
+        assert!(
+            exact
+                .judges(&TRIGONOMETRIC.at_step(1e-6), &row(400))
+                .is_err()
+        );
+        assert!(
+            exact
+                .judges(&TRIGONOMETRIC.at_step(1e-6), &row(300))
+                .is_ok()
+        );
+        let why = tight
+            .judges(&DOPRI5.at_tolerance(1e-10), &row(1))
+            .unwrap_err();
+        assert!(why.contains("dopri5, rtol 1e-10"), "{why}");
+    }
+
+    /// Candidates are ten times finer than what the study asks for.
+    #[test]
+    fn candidates_are_finer_than_the_methods_of_the_study() {
+        let asked = [
+            TRIGONOMETRIC.at_step(1e-6),
+            TRIGONOMETRIC.at_tolerance(1e-4),
+            DOPRI5.at_tolerance(1e-6),
+        ];
+        let row = Run {
+            modes: Some(20),
+            dofs: 42,
+            ..Run::default()
+        };
+        let all: Vec<Scheme> = candidates(&row, &asked).into_iter().map(|c| c.0).collect();
+        assert_eq!(
+            all[..4],
+            [
+                DOPRI5.at_tolerance(FINER * 1e-6),
+                TRIGONOMETRIC.at(Resolution::Step(FINER * 1e-6)),
+                exact_for_modes(FINER * 1e-4),
+                exact_for_modes(EXACT_RTOL),
+            ]
+        );
+        let rigid = Run {
+            dofs: 2,
+            ..Run::default()
+        };
+        let all = candidates(&rigid, &asked);
+        assert_eq!(all[0], (DOPRI5.at_tolerance(1e-12), 2_000_000));
+        let large = Run {
+            dofs: SMALL + 1,
+            ..Run::default()
+        };
+        assert!(candidates(&large, &asked).is_empty());
+    }
 }

@@ -44,7 +44,8 @@ impl RunError {
     /// The refusal of a method that is exact for oscillators by a scene whose coordinates are coupled: the reason, and what
     /// helps.
     pub fn no_linear_part(method: &str, scene: &Scene, spec: &SceneSpec) -> RunError {
-        const OTHER: &str = "name another integrator for this model, for example dopri5 or hht-alpha";
+        const OTHER: &str =
+            "name another integrator for this model, for example dopri5 or hht-alpha";
         let name = |i: usize| spec.gears.get(i).map_or("", |g| g.name.as_str());
         let why = match scene.coupling() {
             Some(Coupling::Carrier) => {

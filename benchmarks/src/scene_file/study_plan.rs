@@ -91,8 +91,6 @@ const DEFAULT_RTOL: f64 = 1e-6;
 /// Step of the method that is exact for modes, likewise, at most [s]. It has to resolve the contact and what the modes
 /// do to it, not the modes themselves.
 const EXACT_STEP: f64 = 1e-6;
-/// Tolerance under which modes run that terms of rotation or a carrier couple, likewise.
-const COUPLED_RTOL: f64 = 1e-5;
 /// Step of full finite elements, likewise, in times in which a wave crosses a module.
 const CROSSING: f64 = 0.5;
 
@@ -187,7 +185,7 @@ pub(super) fn default_in(model: &str, scene: &mut Scene) -> Option<Vec<Scheme>> 
     }
     let n = scene.layout().n;
     let Some(modal) = scene.modal() else {
-        return Some(vec![DOPRI5.at_tolerance(COUPLED_RTOL)]);
+        return Some(vec![DOPRI5.at_tolerance(DEFAULT_RTOL)]);
     };
     let (mut omega, mut zeta) = (vec![0.0; n], vec![0.0; n]);
     modal.oscillators(&mut omega, &mut zeta);

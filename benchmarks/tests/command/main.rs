@@ -9,6 +9,7 @@ mod files;
 mod fmu;
 mod identify;
 mod init;
+mod judged;
 mod kill;
 mod malformed;
 mod mesh;

@@ -31,7 +31,14 @@ impl Scene {
             None => Some(Coupling::Gear(i)),
             Some(l) if l.oscillators().is_some() => None,
             Some(l) if l.spins() => Some(Coupling::Coriolis(i)),
-            Some(_) if self.gears[i].model.hub().lateral.as_ref().is_some_and(|l| l.spins) => {
+            Some(_)
+                if self.gears[i]
+                    .model
+                    .hub()
+                    .lateral
+                    .as_ref()
+                    .is_some_and(|l| l.spins) =>
+            {
                 Some(Coupling::Gyroscopic(i))
             }
             Some(_) => Some(Coupling::Bearing(i)),

@@ -10,7 +10,7 @@ pub mod table;
 use crate::drawing::style::{mark, night};
 use crate::metrics::Metric;
 use crate::numbers::{count, quantity};
-use crate::record::Results;
+use crate::record::{Results, Run, Status};
 use crate::studies::StudyReport;
 use crate::view::{Group, View};
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
@@ -61,6 +61,15 @@ pub fn failed_of(results: &Results) -> String {
         (1, 1) => "the run failed and is shown as a failure".into(),
         (1, all) => format!("1 of {all} runs failed and is shown as a failure"),
         (n, all) => format!("{n} of {all} runs failed and are shown as failures"),
+    }
+}
+
+/// How many runs failed, and how many of the others are inaccurate.
+pub fn short_of(results: &Results) -> String {
+    let inaccurate = |r: &&Run| r.status == Status::Inaccurate;
+    match results.runs.iter().filter(inaccurate).count() {
+        0 => failed_of(results),
+        n => format!("{}, {n} are inaccurate", failed_of(results)),
     }
 }
 

@@ -83,7 +83,9 @@ fn metrics(view: &View<'_>) -> Markup {
         }
         if id == SELF {
             table = table.text("Converged by", |(r, ..)| {
-                r.own_solution.as_ref().map_or_else(String::new, ToString::to_string)
+                r.own_solution
+                    .as_ref()
+                    .map_or_else(String::new, ToString::to_string)
             });
         }
         table

@@ -46,6 +46,35 @@ fn half_sine_has_its_closed_form() {
     close(m.omega2_end, -4000.0, 0.0);
 }
 
+/// Teeth that never touch: zero agrees with zero, and is no reference for anything else.
+#[test]
+fn a_force_of_zero_agrees_with_zero() {
+    let none = half_sine(1e-4, 1e-4, 0.0, 1e-7);
+    let m = metrics_of(&none, &none, "self");
+    for error in [
+        m.force_l1,
+        m.force_l2,
+        m.force_l2_aligned,
+        m.peak_force_rel,
+        m.impulse_rel,
+    ] {
+        close(error, 0.0, 0.0);
+    }
+    let some = half_sine(1e-4, 1e-4, 3000.0, 1e-7);
+    let m = metrics_of(&some, &none, "self");
+    assert_eq!(
+        (m.force_l1, m.force_l2, m.peak_force_rel),
+        (None, None, None)
+    );
+    // A reference without a force says nothing of it.
+    let speeds = TimeSeries {
+        contact_force_n: Vec::new(),
+        ..none.clone()
+    };
+    let m = metrics_of(&none, &speeds, "measured");
+    assert_eq!((m.force_l1, m.force_l2), (None, None));
+}
+
 #[test]
 fn rebound_and_transmission_error() {
     let with = |s: &mut TimeSeries, scale: f64, end: f64| {

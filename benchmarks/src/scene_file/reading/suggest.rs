@@ -216,17 +216,21 @@ pub(in super::super) fn there_are<K: AsRef<str>>(unknown: &str, known: &[K]) -> 
     format!(
         "{}there are {}",
         did_you_mean(unknown, &known),
-        words(&known)
+        listed(&known, "and")
     )
 }
 
 /// Words in a sentence: `a`, `b` or `c`.
 pub(in super::super) fn words<K: AsRef<str>>(known: &[K]) -> String {
+    listed(known, "or")
+}
+
+fn listed<K: AsRef<str>>(known: &[K], joined: &str) -> String {
     let known: Vec<String> = known.iter().map(|k| format!("`{}`", k.as_ref())).collect();
     match known.as_slice() {
         [] => "nothing".into(),
         [one] => one.clone(),
-        [most @ .., last] => format!("{} or {last}", most.join(", ")),
+        [most @ .., last] => format!("{} {joined} {last}", most.join(", ")),
     }
 }
 

@@ -241,7 +241,7 @@ const GEARS: &str = r##"
 19: mount = "revolute" => mount = "revolut"
     did you mean `revolute`
 19: mount = "revolute" => mount = "prismatic"
-    there are `revolute`, `fixed`, `driven` or `guided`
+    there are `revolute`, `fixed`, `driven` and `guided`
 19: mount = "revolute" => mount = { guided = {} }
     guides nothing | stiffness_nm_per_rad
 19: mount = "revolute" => mount = { guided = { friction_nm = 1.0 } }

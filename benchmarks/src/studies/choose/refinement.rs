@@ -18,8 +18,8 @@ use super::problem::{Flexible, Problem};
 use super::requirement::{Requirement, is_scalar};
 use super::run::ChooseError;
 use super::trial::{Outcome, Trial};
-use crate::experiment::run::RunError;
 use crate::experiment::budget::NOT_TRIED;
+use crate::experiment::run::RunError;
 use gearbench_reports::Metric;
 
 /// Steps per contact time of the refinement, for tolerances up to a limit: their own error is not to show beside it.

@@ -169,7 +169,11 @@ impl<'a> Trial<'a> {
         {
             let mut state = self.scene.initial();
             let plan = TimePlan {
-                time_limit: Some(self.problem.timeout.min(self.problem.runner.budget().left())),
+                time_limit: Some(
+                    self.problem
+                        .timeout
+                        .min(self.problem.runner.budget().left()),
+                ),
                 ..TimePlan::new(end, method.resolution)
             };
             let one = Instant::now();

@@ -53,6 +53,21 @@ pub fn undetermined(estimate: &Estimate, chosen: &Chosen, data: &[DataSet]) -> V
     };
     let mut all: Vec<String> = estimate.weak.iter().map(told).collect();
     all.dedup();
+    for (j, profile) in estimate.profiles.iter().enumerate() {
+        let Some([low, high]) = profile.as_ref().filter(|p| p.is_open()).map(|p| p.interval) else {
+            continue;
+        };
+        let name = chosen.parameters[j].name(data);
+        let value = |z: f64| chosen.coordinates[j].value(z);
+        let bound = match (low.is_finite(), high.is_finite()) {
+            (true, _) => format!("the data bound it from below alone, at {:.3e}", value(low)),
+            (_, true) => format!("the data bound it from above alone, at {:.3e}", value(high)),
+            _ => "the data bound it to neither side".into(),
+        };
+        all.push(format!(
+            "{name} is not determined: {bound}; hold it with --hold, or add data that depend on it"
+        ));
+    }
     all
 }
 

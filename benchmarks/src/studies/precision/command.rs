@@ -50,7 +50,9 @@ pub fn run(args: &Precision, command: &str) -> Result<Answer, Refusal> {
         ..plan
     };
     let mut folder = StudyFolder::of(&args.output, &scene, Study::Precision.as_str())?;
-    let made = folder.run_within(args.budget.budget(), plan.len(), |runner| study(&plan, runner));
+    let made = folder.run_within(args.budget.budget(), plan.len(), |runner| {
+        study(&plan, runner)
+    });
     folder.finish(
         made.map_err(|e| folder.refuse(refuse_run(e)))?,
         Exit::of_any_run,

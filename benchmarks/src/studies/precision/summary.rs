@@ -1,10 +1,12 @@
 //! What the terminal says of a record of `precision`.
 
 use super::run::COARSE;
-use crate::experiment::budget::NOT_TRIED;
 use crate::cli::terminal::say;
+use crate::experiment::budget::NOT_TRIED;
 use gearbench_reports::numbers::{percent, quantity};
-use gearbench_reports::precision::{Cost, LEVELS, cost_s, Precision as Told, family, modes_and_step};
+use gearbench_reports::precision::{
+    Cost, LEVELS, Precision as Told, cost_s, family, modes_and_step,
+};
 use gearbench_reports::record::{Results, SELF, Status};
 
 /// The front against every reference, and who leads.
@@ -39,15 +41,7 @@ pub fn summarise(results: &Results) {
             };
             let lines: Vec<String> = (LEVELS.iter())
                 .filter_map(|l| cloud.standing(*l, fitted_too))
-                .map(|s| {
-                    format!(
-                        "{} {}: {}; {}",
-                        s.level(),
-                        s.own(),
-                        s.beside_next(),
-                        s.beside_other()
-                    )
-                })
+                .map(|s| format!("{} {}: {}", s.level(), s.own(), s.rivals()))
                 .collect();
             if !lines.is_empty() {
                 say(&format!("{which}:\n  {}", lines.join("\n  ")));

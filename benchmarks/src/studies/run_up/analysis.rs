@@ -6,6 +6,7 @@ use super::plan::{Look, Ramp};
 use super::recorder::Recorder;
 use super::windows::{Cut, Windows, follow, map, rounded};
 use gearbench_models::spec::SceneSpec;
+use gearbench_reports::numbers::counted;
 use gearbench_reports::run_up::{ModelRunUp, RunUpChannel, RunUpMap};
 use std::f64::consts::TAU;
 
@@ -125,8 +126,8 @@ pub fn analyse(
     let top = highest(&orders_of(0.0));
     let Some(by_turns) = cut.by_turns(top, look.turns.map(f64::from)) else {
         return Err(format!(
-            "windows of {} turns do not fit into the {turned:.2} turns of `{name}`",
-            look.turns.unwrap_or(1)
+            "windows of {} do not fit into the {turned:.2} turns of `{name}`",
+            counted(look.turns.unwrap_or(1) as usize, "turn", "turns")
         ));
     };
     let orders = orders_of(HIDDEN / by_turns.span);

@@ -16,13 +16,18 @@ pub fn summarise(results: &Results) {
             continue;
         }
         say(&format!(
-            "{}: {} at mean speeds of windows from {} to {} rad/s in {} turns, windows of {} turns and {}",
+            "{}: {} at mean speeds of windows from {} to {} rad/s in {} turns, windows of {} {} and {}",
             run.label,
             run.gear,
             short(run.lowest_rad_s, 4),
             short(run.highest_rad_s, 4),
             short(run.turns, 4),
             short(run.by_turns.span, 4),
+            if run.by_turns.span == 1.0 {
+                "turn"
+            } else {
+                "turns"
+            },
             quantity(run.by_time.span, "s", 3)
         ));
         say(&format!(

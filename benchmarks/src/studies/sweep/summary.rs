@@ -1,7 +1,7 @@
 //! What the terminal says of a record of `sweep`.
 
 use crate::cli::terminal::say;
-use gearbench_reports::record::Results;
+use gearbench_reports::record::{Results, Status};
 use gearbench_reports::sweep::bistable;
 
 /// One line per model, and the failures.
@@ -17,7 +17,8 @@ pub fn summarise(results: &Results) {
         let runs: Vec<_> = (results.runs.iter())
             .filter(|r| r.model_label() == label)
             .collect();
-        let peak = (runs.iter().filter(|r| !r.status.is_failure()))
+        // A run that did not settle has no amplitude that stands for its speed.
+        let peak = (runs.iter().filter(|r| r.status.holds()))
             .filter_map(|r| r.steady.as_ref())
             .max_by(|a, b| a.error_rms_m.total_cmp(&b.error_rms_m));
         let um = |x: f64| format!("{:.3} um", 1e6 * x);
@@ -55,6 +56,18 @@ pub fn summarise(results: &Results) {
             failed.len(),
             results.runs.len(),
             first.status,
+            first.message.as_deref().unwrap_or("no reason given")
+        ));
+    }
+    let unsettled: Vec<_> = (results.runs.iter())
+        .filter(|r| r.status == Status::Inaccurate)
+        .collect();
+    if let Some(first) = unsettled.first() {
+        say(&format!(
+            "{} of {} runs are inaccurate, so that the exit code is 1; the first: {}, {}",
+            unsettled.len(),
+            results.runs.len(),
+            first.model_label(),
             first.message.as_deref().unwrap_or("no reason given")
         ));
     }

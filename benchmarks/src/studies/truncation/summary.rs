@@ -9,15 +9,14 @@ use gearbench_reports::truncation::{LIMITS, Way, counts, ways};
 /// The table of errors and the fewest modes.
 pub fn summarise(results: &Results) {
     let all = ways(results);
-    let wide = all
-        .iter()
-        .map(|w| w.label.chars().count())
-        .max()
-        .unwrap_or(0)
-        .max(8)
-        + 2;
-    let heads: Vec<String> = all.iter().map(|w| format!("{:>wide$}", w.label)).collect();
     say("force-history error against full finite elements [%]");
+    // Labels are sentences: columns go by letters, with a key above.
+    let letters: Vec<String> = ('A'..='Z').map(String::from).take(all.len()).collect();
+    for (letter, way) in letters.iter().zip(&all) {
+        say(&format!("  {letter}: {}", way.label));
+    }
+    let wide = 10;
+    let heads: Vec<String> = letters.iter().map(|l| format!("{l:>wide$}")).collect();
     say(&format!("{:>6}{}", "modes", heads.join("")));
     for n in counts(&all) {
         let cell = |w: &Way<'_>| {
@@ -32,6 +31,10 @@ pub fn summarise(results: &Results) {
             format!("{text:>wide$}")
         };
         let cells: Vec<String> = all.iter().map(cell).collect();
+        // A number of modes of which no way has an error is no row.
+        if cells.iter().all(|c| c.trim().is_empty()) {
+            continue;
+        }
         say(&format!("{n:>6}{}", cells.join("")));
     }
     for limit in LIMITS {

@@ -317,6 +317,13 @@ impl Standing<'_, '_> {
         )
     }
 
+    /// What is next to it, in words, each once.
+    pub fn rivals(&self) -> String {
+        let mut both = vec![self.beside_next(), self.beside_other()];
+        both.dedup();
+        both.join("; ")
+    }
+
     /// The next family, in words.
     pub fn beside_next(&self) -> String {
         beside(self.next)
@@ -331,7 +338,7 @@ impl Standing<'_, '_> {
 /// By how much ours is faster than a rival, or a rival than ours.
 fn beside(rival: Option<(&Shown<'_>, f64)>) -> String {
     let Some((rival, factor)) = rival else {
-        return "no other gets there".into();
+        return "no other is within the limit".into();
     };
     let fitted = if rival.is_fitted() { ", fitted" } else { "" };
     let (model, integrator) = (rival.run.model_label(), id_of(&rival.run.integrator));

@@ -89,7 +89,7 @@ pub fn tables(view: &View<'_>) -> Markup {
                 h2 { "Cheapest run of each model against " (reference) }
                 (within(&study, cloud))
                 p.note {
-                    "Least processor time among the runs within the limit of the " (metric.words()) "; a dash: none gets there."
+                    "Least processor time among the runs within the limit of the " (metric.words()) "; a dash: no run is within it."
                     @if cloud.has_fitted() {
                         " A model that was fitted to this very history is not predicted by it: its error is the rest of the fit."
                     }

@@ -2,7 +2,7 @@
 
 use super::{Bistable, Steady, Swept, resonance};
 use crate::markup::table::Table;
-use crate::markup::{failed_of, glance, note, section};
+use crate::markup::{glance, note, section, short_of};
 use crate::numbers::{quantity, short, significant};
 use crate::view::View;
 use maud::{Markup, html};
@@ -47,9 +47,9 @@ pub fn finding(view: &View<'_>, all: &[Swept<'_>], two: &[Bistable]) -> Vec<Mark
         (resonance) "."
     }];
     sentences.push(if apart.is_empty() {
-        html! { "The teeth stay in contact at all speeds; " (failed_of(view.results)) "." }
+        html! { "The teeth stay in contact at all speeds; " (short_of(view.results)) "." }
     } else {
-        html! { "The teeth lift off for " (apart.join(", ")) "; " (failed_of(view.results)) "." }
+        html! { "The teeth lift off for " (apart.join(", ")) "; " (short_of(view.results)) "." }
     });
     if !two.is_empty() {
         let of = |t: &Bistable| {

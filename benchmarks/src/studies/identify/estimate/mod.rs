@@ -156,7 +156,7 @@ pub fn estimate(problem: &Problem, residuals: &mut Residuals<'_>) -> Option<Esti
     evaluations += minimum.evaluations;
     let known = uncertainty(&minimum, (coordinates, free), &problem.blocks, LEVEL);
     let weak = weak(&minimum, &known);
-    let unknown = unknown(&minimum, &known, &weak);
+    let mut unknown = unknown(&minimum, &known, &weak);
     let mut counted = |z: &[f64]| {
         evaluations += 1;
         residuals(z)
@@ -174,6 +174,10 @@ pub fn estimate(problem: &Problem, residuals: &mut Residuals<'_>) -> Option<Esti
             },
         )
         .collect();
+    // Data that bound a value to one side alone do not determine it.
+    for (unknown, profile) in unknown.iter_mut().zip(&profiles) {
+        *unknown |= profile.as_ref().is_some_and(Profile::is_open);
+    }
     let values = (0..coordinates.len())
         .map(|j| {
             let (c, z) = (&coordinates[j], minimum.z[j]);

@@ -26,6 +26,13 @@ pub struct Profile {
     pub quantile: f64,
 }
 
+impl Profile {
+    /// Whether the data bound the coordinate to one side alone, or not at all.
+    pub fn is_open(&self) -> bool {
+        self.interval.iter().any(|end| !end.is_finite())
+    }
+}
+
 /// Deviation of the profile from the straight line, relative, from which on it gives the interval.
 pub const BENT: f64 = 0.15;
 /// Places of a profile in half widths.

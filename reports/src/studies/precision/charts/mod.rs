@@ -49,7 +49,12 @@ pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
         charts.extend(families(view, &study, first, metric)?);
         charts.extend(one(first, metric, Cost::Evaluations, work)?);
         for (i, further) in study.metrics.iter().enumerate().skip(1) {
-            charts.extend(one(first, *further, Cost::Processor, numbered("metric", i))?);
+            charts.extend(one(
+                first,
+                *further,
+                Cost::Processor,
+                numbered("metric", i),
+            )?);
         }
     } else {
         charts.extend(one(SELF, metric, Cost::Evaluations, work)?);
