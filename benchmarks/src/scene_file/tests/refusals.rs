@@ -190,8 +190,8 @@ const GEARS: &str = r##"
 # gears
 8: [gears.pinion] => [gears.""] && "pinion" => ""
     the name of a gear is "" | columns | 1 to 60 characters
-8: [gears.pinion] => [gears."a\\u001bb"] && "pinion" => "a\\u001bb"
-    the name of a gear | \\u{1b} | 1 to 60 characters
+8: [gears.pinion] => [gears."a\u001bb"] && "pinion" => "a\u001bb"
+    the name of a gear | \u{1b} | 1 to 60 characters
 9: teeth = 20 => teeth = 12
     [gears.pinion]: undercut | profile shift of at least
 9: teeth = 20 => teeth = 2
