@@ -1,9 +1,11 @@
 //! The command as a user meets it: what it writes, what it refuses, how it ends.
 
+mod axes;
 mod check;
 mod choose;
 mod compare;
 mod coupling;
+mod damping;
 mod fmu;
 mod identify;
 mod init;

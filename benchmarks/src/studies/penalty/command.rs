@@ -59,7 +59,10 @@ pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {
     if let Some(force) = load {
         told.push((
             "static load".into(),
-            format!("{force:.5} N along the line of action in the transverse plane, {} N/mm", args.load),
+            format!(
+                "{force:.5} N along the line of action in the transverse plane, {} N/mm",
+                args.load
+            ),
         ));
     }
     let plan = Plan {

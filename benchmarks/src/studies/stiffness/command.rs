@@ -57,9 +57,15 @@ pub fn run(args: &Stiffness) -> Result<Answer, Refusal> {
     for (i, entry) in entries.iter().enumerate() {
         let (force, origin) = force_of(args, entry, own)?;
         let done = args.positions * i;
-        let row = solve(entry, models(), StaticLoad::Force(force), args.positions, |n| {
-            display.tell(done + n, total, &entry.label);
-        });
+        let row = solve(
+            entry,
+            models(),
+            StaticLoad::Force(force),
+            args.positions,
+            |n| {
+                display.tell(done + n, total, &entry.label);
+            },
+        );
         let fail = |e| refuse_study(&scene, StudyError::Statics(entry.label.clone(), e));
         let row = row.map_err(fail)?;
         load_text = format!(

@@ -204,7 +204,9 @@ pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let all = shown(view);
     let with = all.iter().find(|s| {
         let series = s.run.series.as_ref();
-        s.paths.has_settled() && !s.paths.sharing.is_empty() && series.is_some_and(|x| !x.columns.is_empty())
+        s.paths.has_settled()
+            && !s.paths.sharing.is_empty()
+            && series.is_some_and(|x| !x.columns.is_empty())
     });
     let Some((model, series)) = with.and_then(|s| Some((s, s.run.series.as_ref()?))) else {
         return Ok(None);
