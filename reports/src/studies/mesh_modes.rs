@@ -3,7 +3,7 @@
 use crate::csv_table::{CsvTable, number};
 use crate::markup::table::Table;
 use crate::markup::{note, section};
-use crate::numbers::{percent, quantity};
+use crate::numbers::quantity;
 use crate::record::{MeshMode, damping_differs};
 use maud::{Markup, html};
 
@@ -18,13 +18,9 @@ pub fn tables(all: &[MeshMode]) -> Markup {
             m.frequency_hz.map(|f| quantity(f, "Hz", 4))
         })
         .result()
-        .written("Damping ratio", "", |m| {
-            m.damping_ratio.map(|z| percent(z, 3))
-        })
+        .percents("Damping ratio", 3, |m| m.damping_ratio)
         .result()
-        .written("Strain energy in meshes", "", |m| {
-            m.mesh_share.map(|s| percent(s, 3))
-        })
+        .percents("Strain energy in meshes", 3, |m| m.mesh_share)
         .text("Remark", |m| {
             (!m.message.is_empty()).then(|| m.message.clone())
         });
