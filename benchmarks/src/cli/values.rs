@@ -52,7 +52,11 @@ pub const DEFAULT_LOAD: f64 = 300.0;
 /// A torque that loads a pair of gears [N m]: the flank of the start carries it, whatever its sense.
 pub fn torque(text: &str) -> Result<f64, String> {
     let holds = |x: &f64| *x != 0.0 && x.abs() <= 1e9;
-    number(text, holds, "expected a number of N m other than zero, at most 1e9")
+    number(
+        text,
+        holds,
+        "expected a number of N m other than zero, at most 1e9",
+    )
 }
 
 /// Positions over a base pitch when the command line does not say.

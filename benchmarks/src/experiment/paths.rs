@@ -132,8 +132,13 @@ fn change(spec: &SceneSpec, grid: &Grid<'_>, input: f64) -> f64 {
         .collect();
     // Of a torque that is small next to the others the change is small next to them.
     let relative = |[a, b]: &[f64; 2]| (b - a).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
-    let largest = torques.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let loaded = torques.iter().filter(|[a, b]| a.abs().max(b.abs()) > NOTHING * largest);
+    let largest = torques
+        .iter()
+        .flatten()
+        .fold(0.0_f64, |most, x| most.max(x.abs()));
+    let loaded = torques
+        .iter()
+        .filter(|[a, b]| a.abs().max(b.abs()) > NOTHING * largest);
     let of_meshes = loaded.map(relative).fold(0.0, f64::max);
     let between = 0.5 * (grid.time(grid.rows.len() - 1) - grid.time(grid.from));
     let accelerates = |i: usize| {
@@ -146,7 +151,11 @@ fn change(spec: &SceneSpec, grid: &Grid<'_>, input: f64) -> f64 {
     };
     let members = spec.gears.len() + spec.bodies().count();
     let power: f64 = (0..members).map(accelerates).sum();
-    let of_speeds = if input > 0.0 { power.abs() / input } else { 0.0 };
+    let of_speeds = if input > 0.0 {
+        power.abs() / input
+    } else {
+        0.0
+    };
     of_meshes.max(of_speeds)
 }
 

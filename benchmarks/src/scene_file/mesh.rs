@@ -37,7 +37,7 @@ keys! {
     pub(super) struct StartKeys {
         /// "left" (default; drives when the first gear turns counter-clockwise) or "right"
         flank: Option<Side>,
-        /// gap of that flank along the line of action in metres, default 0
+        /// gap of that flank along its normal in metres, default 0
         #[serde(default)]
         gap_m: f64,
         /// path coordinate of the pair from the first gear's tangent point in metres; left out, the pitch point
@@ -422,7 +422,11 @@ pub(super) fn check_axes(
             let driven = |d: &Freedom| matches!(d, Freedom::Driven(_));
             (g.lateral.as_deref()).is_some_and(|l| l.directions[3..5].iter().any(driven))
         };
-        let samples = if gears.iter().any(tilts) { TILT_SAMPLES } else { 0 };
+        let samples = if gears.iter().any(tilts) {
+            TILT_SAMPLES
+        } else {
+            0
+        };
         for i in 0..=samples {
             let t = duration * i as f64 / samples.max(1) as f64;
             let [one, two] = gears.map(|g| axis_at(g, t));

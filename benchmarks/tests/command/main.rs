@@ -1,11 +1,13 @@
 //! The command as a user meets it: what it writes, what it refuses, how it ends.
 
 mod bounds;
+mod axes;
 mod check;
 mod choose;
 mod compare;
 mod coupling;
 mod files;
+mod damping;
 mod fmu;
 mod identify;
 mod init;

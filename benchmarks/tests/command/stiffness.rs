@@ -72,6 +72,30 @@ fn stiffness_prints_a_table_and_writes_its_folder() {
     }
 }
 
+/// Without --load a scene with loads is loaded by these, and the flank of the start carries a torque of either sense.
+#[test]
+fn stiffness_takes_the_load_of_the_scene() {
+    let folder = Folder::new();
+    let said = folder.says("stiffness loaded_mesh --models rigid --positions 4 --out own");
+    has(&said, &["from the loads of the scene", "2.78"]);
+    let own = folder.read("own/cycle_rigid.csv");
+    let rb = 0.5 * 16.0 * 4.5e-3 * 20f64.to_radians().cos();
+    for force in column(&own, 3) {
+        assert!((force * rb / 94.1 - 1.0).abs() < 1e-5, "{force}");
+    }
+    for torque in ["94.1", "-94.1"] {
+        let said = folder.says(&format!(
+            "stiffness loaded_mesh --models rigid --positions 4 --out t --torque {torque}"
+        ));
+        has(&said, &["from --torque"]);
+        let other = folder.read("t/cycle_rigid.csv");
+        for (a, b) in column(&own, 2).iter().zip(column(&other, 2)) {
+            assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
+        }
+    }
+    folder.refuses("stiffness loaded_mesh --torque 0", &["other than zero"]);
+}
+
 #[test]
 fn stiffness_of_finite_elements_stands_beside_the_norm() {
     let folder = Folder::new();

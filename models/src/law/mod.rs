@@ -34,7 +34,7 @@
 //! ```
 //!
 //! so that small vibrations about the load have the damping ratio `zeta`, which is what a restitution `e` loses in half a
-//! period; with `e` near 1 it is near none. A free impact has `v_L = 0`: it loses what it always lost, at any speed. A
+//! period; with `e` near 1 it is near none. A free impact has `v_L = 0`: its restitution is that of the table's law, at any speed. A
 //! contact that is squeezed faster than it was touched takes that speed: no force is more than `1 + chi` times the elastic
 //! one. Kelvin-Voigt damping is the same under any load; a ratio of it is that of the stiffest pair.
 //!

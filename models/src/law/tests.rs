@@ -235,6 +235,25 @@ fn restitution_and_energy_of_a_free_impact() {
     }
 }
 
+/// The figures that `benchmarks/scenes/README.md` has for free impacts.
+#[test]
+fn published_laws_rebound_with_their_own_restitution() {
+    let (half, tenth) = (0.5, 0.1);
+    for (damping, documented) in [
+        (Damping::HuntCrossley { e: half }, 0.663),
+        (Damping::LankaraniNikravesh { e: half }, 0.725),
+        (Damping::Flores { e: half }, 0.470),
+        (Damping::Gonthier { e: half }, 0.488),
+        (Damping::HuntCrossley { e: tenth }, 0.516),
+    ] {
+        let realised = realised_restitution(Law::new(1.0, damping).unwrap().chi());
+        assert!(
+            (realised - documented).abs() < 5.1e-4,
+            "{damping:?}: {realised}"
+        );
+    }
+}
+
 /// Half a period of the damped oscillator, released where the force (not the gap) is zero.
 #[test]
 fn kelvin_voigt_restitution_is_the_closed_form() {

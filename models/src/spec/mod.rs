@@ -11,8 +11,9 @@ mod shaft;
 mod train;
 
 pub use layout::{
-    LARGEST_MISALIGNMENT, MeshLayout, base_radius, check_axes, effective_radius, is_internal, layout_axes, mesh_layout, pair_of,
-    signed_base_radius, signed_effective_radius, stiffness_curve, transmission_error,
+    LARGEST_MISALIGNMENT, MeshLayout, base_radius, check_axes, effective_radius, is_internal,
+    layout_axes, mesh_layout, pair_of, signed_base_radius, signed_effective_radius,
+    stiffness_curve, transmission_error,
 };
 pub use load::Load;
 pub use model::{ModelSpec, Modelling, Parameters, Value};

@@ -33,7 +33,11 @@ impl MeshMode {
     pub fn to_text(&self) -> String {
         match (self.frequency_hz, self.damping_ratio) {
             (Some(f), Some(z)) => {
-                format!("{}, damping ratio {} %", quantity(f, "Hz", 4), short(100.0 * z, 3))
+                format!(
+                    "{}, damping ratio {} %",
+                    quantity(f, "Hz", 4),
+                    short(100.0 * z, 3)
+                )
             }
             (Some(f), None) => quantity(f, "Hz", 4),
             _ => self.message.clone(),
@@ -76,7 +80,10 @@ mod tests {
     #[test]
     fn models_that_differ_in_damping_are_named_with_their_values() {
         let text = damping_differs(&[of("rigid", 0.05), of("elastic", 0.0017)]).unwrap();
-        assert!(text.contains("rigid 5 %") && text.contains("elastic 0.17 %"), "{text}");
+        assert!(
+            text.contains("rigid 5 %") && text.contains("elastic 0.17 %"),
+            "{text}"
+        );
         assert!(damping_differs(&[of("rigid", 0.05), of("elastic", 0.0)]).is_some());
         let unknown = MeshMode::default();
         for alike in [

@@ -3,7 +3,7 @@
 use crate::csv_table::{CsvTable, number};
 use crate::markup::table::Table;
 use crate::markup::{note, section};
-use crate::numbers::{percent, quantity};
+use crate::numbers::quantity;
 use crate::record::{MeshMode, damping_differs};
 use maud::{Markup, html};
 
@@ -14,12 +14,16 @@ pub fn tables(all: &[MeshMode]) -> Markup {
     }
     let table = Table::of(all)
         .text("Model", |m| m.label.clone())
-        .written("Frequency", "", |m| m.frequency_hz.map(|f| quantity(f, "Hz", 4)))
+        .written("Frequency", "", |m| {
+            m.frequency_hz.map(|f| quantity(f, "Hz", 4))
+        })
         .result()
-        .written("Damping ratio", "", |m| m.damping_ratio.map(|z| percent(z, 3)))
+        .percents("Damping ratio", 3, |m| m.damping_ratio)
         .result()
-        .written("Strain energy in meshes", "", |m| m.mesh_share.map(|s| percent(s, 3)))
-        .text("Remark", |m| (!m.message.is_empty()).then(|| m.message.clone()));
+        .percents("Strain energy in meshes", 3, |m| m.mesh_share)
+        .text("Remark", |m| {
+            (!m.message.is_empty()).then(|| m.message.clone())
+        });
     let meaning = "The mesh mode is the natural mode with the largest share of strain energy in the meshes, in the equilibrium of the \
                    loads at the start. Damping that a scene states means different things to different models; this ratio is comparable.";
     let differs = damping_differs(all).map(|text| format!("Note: {text}."));

@@ -131,13 +131,17 @@ pub fn trains() -> Results {
             contact_force_n: vec![600.0; 100],
             omega1_rad_s: vec![100.0; 100],
             omega2_rad_s: vec![-40.0; 100],
-            columns: vec![column("contact_force_sun_p2_n", 300.0)],
+            columns: vec![
+                column("contact_force_sun_p2_n", 300.0),
+                column("speed_ring_rad_s", 1e-16),
+            ],
             time_s: time,
             ..TimeSeries::default()
         }),
         paths: Some(TorquePaths {
             from_s: 0.005,
             to_s: 0.0099,
+            change_rel: 0.02,
             input_w: 2700.0,
             meshes: vec![mesh("sun", "p1", 600.0), mesh("sun", "p2", 300.0)],
             members: vec![MemberPath {
@@ -175,7 +179,15 @@ pub fn trains() -> Results {
 
 #[test]
 fn paths_of_torque_and_shares_of_planets_are_told() {
-    let files = written(&trains());
+    let results = trains();
+    let mut unsettled = results.runs[0].clone();
+    if let Some(paths) = &mut unsettled.paths {
+        (paths.change_rel, paths.meshes[0].share) = (0.4, Some(1.08));
+    }
+    let files = written(&results);
+    // A ring that is held has no panel of its speed.
+    assert!(files["speeds.svg"].contains("sun") || files["speeds.svg"].contains('\u{3c9}'));
+    assert!(!files["speeds.svg"].contains("ring"));
     let names =
         "torque_paths.csv torque_members.csv torque_shafts.csv load_sharing.csv load_sharing.svg";
     holds(&files, &names.split_whitespace().collect::<Vec<_>>());
@@ -191,4 +203,17 @@ fn paths_of_torque_and_shares_of_planets_are_told() {
         assert!(page.contains(words), "{words}");
     }
     assert_eq!(files["load_sharing.csv"].lines().count(), 3);
+    // Of a run that has not settled no means are shown.
+    let files = written(&Results {
+        runs: vec![unsettled],
+        ..Results::default()
+    });
+    let page = &files["index.html"];
+    assert!(page.contains("the run has not settled, its means change by 40\u{a0}%"));
+    assert!(page.contains("Balance of power") && !page.contains("Load sharing of planets"));
+    assert!(
+        !page.contains("of the input"),
+        "no share of a run that has not settled"
+    );
+    assert!(!files.contains_key("torque_paths.csv") && !files.contains_key("load_sharing.svg"));
 }

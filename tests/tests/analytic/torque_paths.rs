@@ -82,6 +82,22 @@ fn balances(run: &Run, within: f64) {
     let stored = ledger.energy_end_j.unwrap() - ledger.energy_start_j.unwrap();
     assert!((p.stored_j - stored).abs() < 1e-12 * p.work_in_j);
     assert!(p.unexplained_j.abs() < within * p.work_in_j);
+    assert!(p.has_settled(), "{}", p.change_rel);
+}
+
+/// A torque that nothing balances accelerates a train: its mean speeds rise, and shares of the input say nothing.
+#[test]
+fn a_train_that_accelerates_has_not_settled() {
+    let text = gear(
+        "first",
+        20,
+        "speed_rad_s = 30.0\nloads = [{ torque_nm = 30.0 }]",
+    ) + &gear("idler", 30, "speed_rad_s = -20.0")
+        + &gear("last", 24, "speed_rad_s = 25.0")
+        + "[[meshes]]\ngears = [\"first\", \"idler\"]\nbacklash_m = 8e-5\n\
+           [[meshes]]\ngears = [\"idler\", \"last\"]\nbacklash_m = 8e-5\n";
+    let run = run_of(&text, 0.02);
+    assert!(!paths(&run).has_settled(), "{}", paths(&run).change_rel);
 }
 
 /// 30 N m on the first of three gears: the idler passes on the force, not its own torque, and all power leaves at the last one.

@@ -23,8 +23,8 @@ pub mod response;
 mod space;
 
 pub(crate) use choice::taken;
-pub use mesh_mode::mesh_modes;
 pub use equilibrium::{Loaded, loaded};
+pub use mesh_mode::mesh_modes;
 pub use space::{Modes, Space};
 
 use gearbench_integrators::system::SecondOrderSystem;

@@ -1,5 +1,6 @@
 //! Tests of the scene format: what is read, what is refused and in which words, what never panics.
 
+mod axes;
 mod contacts;
 mod lengths;
 mod modifications;
@@ -58,6 +59,9 @@ parameters = { tooth_stiffness_n_per_m = 5.3e8, tooth_mass_kg = 4.8e-3 }
 [study]
 integrators = [{ method = "dopri5", rtol = 1e-6 }, { method = "rk4", step_s = 1e-6 }]
 "#;
+
+/// Conical gears on axes that meet.
+const SHIPPED_BEVELOID: &str = include_str!("../../../scenes/beveloid.toml");
 
 /// A set of maps of stability, to stand below the base scene.
 const STABILITY: &str = r#"

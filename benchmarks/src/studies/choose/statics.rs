@@ -214,7 +214,10 @@ pub fn calibrate(
         let l = pair.layout();
         (l.pitch_point, l.base_pitch, l.path)
     };
-    let [low, high] = APPROACHES.map(|part| part * approach);
+    // The contact law is that along the normal of the flanks, statics are those of the transverse plane.
+    let first = problem.scene.meshes[0].gears[0];
+    let cos = problem.scene.gears[first].body.base_helix_angle().cos();
+    let [low, high] = APPROACHES.map(|part| part * approach / cos);
     let mut exponents = Vec::new();
     // Path coordinate and force of every pair at the larger approach.
     let mut forces: Vec<(f64, f64)> = Vec::new();
@@ -229,7 +232,7 @@ pub fn calibrate(
             let at = s + p.offset as f64 * base;
             // Where teeth touch off the path, rigid ones do not.
             if p.force > 0.0 && at >= path[0] && at <= path[1] {
-                forces.push((at, p.force));
+                forces.push((at, p.force / cos));
             }
         }
     }
@@ -242,7 +245,7 @@ pub fn calibrate(
     let exponent = exponents.get(exponents.len() / 2).copied().unwrap_or(1.0);
     let exponent = exponent.clamp(EXPONENTS[0], EXPONENTS[1]);
     let (s, k) = (forces.into_iter())
-        .map(|(s, f)| (s, f / high.powf(exponent)))
+        .map(|(s, f)| (s, f / (cos * high).powf(exponent)))
         .unzip();
     Ok(Calibrated {
         s,

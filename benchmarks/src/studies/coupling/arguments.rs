@@ -69,8 +69,7 @@ pub struct Coupling {
 pub struct Steps(pub Vec<f64>);
 
 fn steps(text: &str) -> Result<Steps, String> {
-    const EXPECTED: &str =
-        "expected FROM:TO or FROM:TO:POINTS, 0 < FROM < TO, for example 100ns:100us:12, or in seconds 1e-7:1e-4:12";
+    const EXPECTED: &str = "expected FROM:TO or FROM:TO:POINTS, 0 < FROM < TO, for example 100ns:100us:12, or in seconds 1e-7:1e-4:12";
     let of = |text: &str| time(text).map_err(|_| EXPECTED.to_owned());
     let parts: Vec<&str> = text.split(':').collect();
     let (from, to, points) = match parts.as_slice() {
@@ -114,7 +113,7 @@ mod arguments_tests {
     fn what_is_asked_for_is_read() {
         assert_eq!(steps("1e-6:4e-6:3").unwrap().0.len(), 3);
         assert_eq!(steps("1e-6:1e-4").unwrap().0.len(), 12);
-        assert_eq!(steps("1us:100us"), steps("1e-6:1e-4"));
+        assert_eq!(steps("1us:4us:3"), steps("1e-6:4e-6:3"));
         for wrong in ["1e-4:1e-6", "1e-6", "0:1", "1e-6:1e-4:1", "a:b", "1:2:3:4"] {
             assert!(steps(wrong).is_err(), "{wrong}");
         }

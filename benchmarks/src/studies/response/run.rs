@@ -154,7 +154,9 @@ fn solve(
         let phases = cycle.meshes.iter().zip(&cycle.phases);
         groups.push(GroupResponse {
             own_frequency_hz: cycle.frequency,
-            meshes: phases.map(|(m, phases)| limit(scene, spec, *m, phases)).collect(),
+            meshes: phases
+                .map(|(m, phases)| limit(scene, spec, *m, phases))
+                .collect(),
             mounts: grounds
                 .iter()
                 .map(|g| scene.gears()[g.gear].name.clone())

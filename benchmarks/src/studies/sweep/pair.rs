@@ -13,8 +13,7 @@ use crate::studies::sweep::plan::Plan;
 use gearbench_integrators::State;
 use gearbench_models::scene::{Scene, SceneGear};
 use gearbench_models::spec::{
-    Body, GearSpec, Load, MeshLayout, Mount, Profile, SceneSpec, mesh_layout,
-    signed_base_radius,
+    Body, GearSpec, Load, MeshLayout, Mount, Profile, SceneSpec, mesh_layout, signed_base_radius,
 };
 use gearbench_reports::numbers::short;
 use std::f64::consts::TAU;
@@ -133,10 +132,7 @@ impl Pair {
                     short(loads[1].constant, 5),
                     short(loads[0].constant, 5),
                     a.name,
-                    short(
-                        loads[0].constant * base_radii[1] / base_radii[0],
-                        8
-                    ),
+                    short(loads[0].constant * base_radii[1] / base_radii[0], 8),
                     b.name,
                 ));
             }
@@ -221,10 +217,7 @@ impl Pair {
     /// Speeds of both gears at a mesh frequency [rad/s].
     fn speeds(&self, frequency: f64) -> [f64; 2] {
         let first = self.sign * TAU * frequency / self.teeth[0] as f64;
-        [
-            first,
-            -first * self.base_radii[0] / self.base_radii[1],
-        ]
+        [first, -first * self.base_radii[0] / self.base_radii[1]]
     }
 
     /// The scene at a speed with its teeth touching, its loads rising from nothing in sum until `rise` [s]; or as it

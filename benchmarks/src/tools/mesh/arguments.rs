@@ -13,7 +13,8 @@ Examples:
   gearbench mesh old_deck.inp --vtu old_deck.vtu         quality of a mesh from elsewhere
 
 A deck holds one gear in its own frame: axis z, tooth 1 on +x, metre. Its sets are bore, flank_1l, flank_1r, ...
-(l: the counter-clockwise flank), its surfaces sflank_1l, ...; a sector also has cut_low and cut_high, where node i
+(l: the counter-clockwise flank of a tooth, of internal gears the clockwise one, so that
+flanks of one letter mesh), its surfaces sflank_1l, ...; a sector also has cut_low and cut_high, where node i
 of one is node i of the other turned by a pitch. Several gears make several files, NAME appended to each.";
 
 /// Arguments of `mesh`.

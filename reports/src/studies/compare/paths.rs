@@ -9,7 +9,7 @@ use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::look;
 use crate::markup::table::Table;
 use crate::markup::{note, section};
-use crate::numbers::{Prefix, percent, quantity, significant};
+use crate::numbers::{Prefix, per_cent, quantity, significant};
 use crate::record::{MemberPath, MeshPath, PlanetShare, Run, ShaftPath, Sharing, TorquePaths};
 use crate::series::TimeSeries;
 use crate::view::View;
@@ -71,7 +71,7 @@ pub fn tables(view: &View<'_>) -> Markup {
             format!(
                 "{}: the run has not settled, its means change by {} between both halves of the time from {} to {}; no means are shown.",
                 s.label,
-                percent(s.paths.change_rel, 2),
+                per_cent(s.paths.change_rel, 2),
                 quantity(s.paths.from_s, "s", 3),
                 quantity(s.paths.to_s, "s", 3)
             )
@@ -204,7 +204,9 @@ pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let all = shown(view);
     let with = all.iter().find(|s| {
         let series = s.run.series.as_ref();
-        s.paths.has_settled() && !s.paths.sharing.is_empty() && series.is_some_and(|x| !x.columns.is_empty())
+        s.paths.has_settled()
+            && !s.paths.sharing.is_empty()
+            && series.is_some_and(|x| !x.columns.is_empty())
     });
     let Some((model, series)) = with.and_then(|s| Some((s, s.run.series.as_ref()?))) else {
         return Ok(None);
