@@ -353,6 +353,27 @@ impl OneStep for Trigonometric {
         }
     }
 
+    /// What the closed form of the oscillators loses between both kicks, `[(u^2 + omega^2 q^2)/2 - g q]` before less after.
+    fn damping_beyond_trapezoid(&self, from: &State, to: &State, beyond: &mut [f64]) -> bool {
+        let half = 0.5 * (to.t - from.t);
+        let [start, end] = &self.ends;
+        for (i, beyond) in beyond.iter_mut().enumerate() {
+            let delta = self.zeta[i] * self.omega[i];
+            *beyond = 0.0;
+            if delta == 0.0 {
+                continue;
+            }
+            let kick = |of: &Kick| if of.acts { half * of.a[i] } else { 0.0 };
+            let (q0, q1) = (from.q[i], to.q[i]);
+            let (v0, v1) = (from.v[i], to.v[i]);
+            let (u0, u1) = (v0 + kick(start), v1 - kick(end));
+            let strain = self.omega[i] * self.omega[i] * (q0 - q1) * (q0 + q1);
+            let lost = 0.5 * ((u0 - u1) * (u0 + u1) + strain) + self.steady[i] * (q1 - q0);
+            *beyond = lost - 2.0 * half * delta * (v0 * v0 + v1 * v1);
+        }
+        true
+    }
+
     /// Oscillators, steady loads and the kick at the start, taken as a constant load, in closed form; what is then
     /// missing at the end, by a cubic.
     fn interpolate(&self, from: &State, to: &State, theta: f64, q: &mut [f64], v: &mut [f64]) {
