@@ -5,7 +5,7 @@
 //! the interpolant. A method that kicks at the ends of its steps (Verlet, trigonometric) takes from a linear damper the
 //! work `h c v^2` at the velocity between both halves of a kick, which is that of the state: there the trapezoidal rule is
 //! the method's own balance, and each state is evaluated once, which counts where contact takes a solve. A method that
-//! has the dampers of oscillators in closed form knows what these took between its kicks
+//! has damped oscillators in closed form books what forces put into each over its displacement, less what its energy grew by
 //! ([`Dense::damping_beyond_trapezoid`](crate::method::Dense::damping_beyond_trapezoid)): at the ends of a step a stiffly
 //! damped oscillator has half a kick that decays within the step, and the trapezoidal rule books it for the whole step. `J` books the
 //! jumps of energy where a branch is switched. A step of flight is exact: what its energy loses beyond the work of loads is booked as
