@@ -168,6 +168,12 @@ pub trait Dense {
     fn order(&self) -> u32 {
         u32::MAX
     }
+
+    /// Energy per unit mass [m^2/s^2] of each coordinate that linear dampers took in the step beyond the trapezoidal rule
+    /// on their powers at its ends. False where the method has no better figure than that rule.
+    fn damping_beyond_trapezoid(&self, _beyond: &mut [f64]) -> bool {
+        false
+    }
 }
 
 /// An accepted step, before events switch or commit the discrete state.
@@ -311,6 +317,11 @@ pub trait OneStep {
     /// ends and its derivative.
     fn interpolate(&self, from: &State, to: &State, theta: f64, q: &mut [f64], v: &mut [f64]) {
         crate::interpolation::hermite(from, to, theta, q, v);
+    }
+
+    /// [`Dense::damping_beyond_trapezoid`] of the last step.
+    fn damping_beyond_trapezoid(&self, _from: &State, _to: &State, _beyond: &mut [f64]) -> bool {
+        false
     }
 }
 

@@ -4,7 +4,10 @@
 //! of the method: up to order two the trapezoidal rule on the states between steps, else three-point Gauss quadrature on
 //! the interpolant. A method that kicks at the ends of its steps (Verlet, trigonometric) takes from a linear damper the
 //! work `h c v^2` at the velocity between both halves of a kick, which is that of the state: there the trapezoidal rule is
-//! the method's own balance, and each state is evaluated once, which counts where contact takes a solve. `J` books the
+//! the method's own balance, and each state is evaluated once, which counts where contact takes a solve. A method that
+//! has damped oscillators in closed form books what forces put into each over its displacement, less what its energy grew by
+//! ([`Dense::damping_beyond_trapezoid`](crate::method::Dense::damping_beyond_trapezoid)): at the ends of a step a stiffly
+//! damped oscillator has half a kick that decays within the step, and the trapezoidal rule books it for the whole step. `J` books the
 //! jumps of energy where a branch is switched. A step of flight is exact: what its energy loses beyond the work of loads is booked as
 //! dissipated. The residual is the integration error (and that of the quadrature), in joule.
 //!
@@ -215,6 +218,10 @@ impl Ledger {
         let known = sys.work_of_loads(step.from.at(), step.to.at());
         self.external += known.map_or(external, |work| external - loads + work);
         self.dissipated += half * (before.dissipated + self.powers.dissipated);
+        if self.powers.dissipated != 0.0 && step.dense.damping_beyond_trapezoid(&mut self.q) {
+            sys.apply_mass(step.to.at(), &self.q, &mut self.v);
+            self.dissipated += self.v.iter().sum::<f64>();
+        }
         self.looked();
     }
 

@@ -2,7 +2,9 @@
 
 use crate::unit_masses;
 use gearbench_integrators::modal::propagator::coefficients;
-use gearbench_integrators::{At, Layout, ModalSplit, SecondOrderSystem, State};
+use gearbench_integrators::{
+    At, Energy, Layout, ModalSplit, Outputs, Power, Report, SecondOrderSystem, State,
+};
 
 /// Independent oscillators under steady loads, next to a smooth nonlinear coupling and a stop.
 #[derive(Clone)]
@@ -115,8 +117,27 @@ impl ModalSplit for Modes {
     }
 }
 
+impl Report for Modes {
+    fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+        let s = State {
+            q: at.q.to_vec(),
+            v: at.v.to_vec(),
+            ..State::default()
+        };
+        let oscillators = self.omega.iter().zip(&self.zeta).zip(at.v);
+        out.energy = Energy {
+            contact: self.energy(&s),
+            ..Energy::default()
+        };
+        out.power = Power {
+            dissipated: oscillators.map(|((w, z), v)| 2.0 * z * w * v * v).sum(),
+            ..Power::default()
+        };
+    }
+}
+
 impl SecondOrderSystem for Modes {
-    unit_masses!(|own| [own.omega.len(), 0, 0], modal: ModalSplit);
+    unit_masses!(|own| [own.omega.len(), 0, 0], modal: ModalSplit, report: Report);
 
     fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1

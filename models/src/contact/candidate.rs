@@ -38,3 +38,12 @@ pub struct Candidate {
     /// point, whose law has a damper per area.
     pub share: f64,
 }
+
+impl Candidate {
+    /// Direction of the contact force on the second gear, per normal force: the normal, and at a point that leaves over a
+    /// tip the part of the force by which the factor of the gap changes.
+    #[inline]
+    pub fn direction(&self) -> Vec3 {
+        self.normal + self.aside[0] + self.aside[1]
+    }
+}

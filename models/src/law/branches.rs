@@ -17,6 +17,16 @@ pub const OPEN: f64 = 0.0;
 pub const CLOSED: f64 = 1.0;
 /// Mode of a contact whose bounded dashpot pushes with the force of the spring.
 pub const SATURATED: f64 = 2.0;
+/// Stored touch speed [m/s] of a contact that has not touched. Zero is the touch speed of a contact that closes without
+/// speed, so the mark is a value that no touch speed has.
+pub const UNTOUCHED: f64 = -1.0;
+
+/// Touch speed [m/s] of a contact from its stored value: the speed at first touch, or the present approach speed of a
+/// contact that has not touched.
+#[inline(always)]
+pub fn touch_speed(stored: f64, g_rate: f64) -> f64 {
+    if stored >= 0.0 { stored } else { -g_rate }
+}
 
 impl Law {
     /// Its dashpot is bounded by the elastic force: a closed contact has two branches.

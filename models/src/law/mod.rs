@@ -36,7 +36,8 @@
 //! so that small vibrations about the load have the damping ratio `zeta`, which is what a restitution `e` loses in half a
 //! period; with `e` near 1 it is near none. A free impact has `v_L = 0`: its restitution is that of the table's law, at any speed. A
 //! contact that is squeezed faster than it was touched takes that speed: no force is more than `1 + chi` times the elastic
-//! one. Kelvin-Voigt damping is the same under any load; a ratio of it is that of the stiffest pair.
+//! one. A contact that closes without speed, as one that starts in the equilibrium of its load, has the touch speed zero
+//! for as long as it stays closed: its damping is `zeta` alone. Kelvin-Voigt damping is the same under any load; a ratio of it is that of the stiffest pair.
 //!
 //! **Bounded dashpot.** A constant damper pushes with a jump where flanks touch; bounded by the elastic force it does not
 //! (K. H. Hunt, F. R. E. Crossley, *J. Appl. Mech.* 42 (1975) 440; the backlash `ElastoBacklash` of the Modelica Standard
@@ -57,7 +58,7 @@ mod normal;
 #[cfg(test)]
 mod tests;
 
-pub use branches::{CLOSED, OPEN, SATURATED};
+pub use branches::{CLOSED, OPEN, SATURATED, UNTOUCHED, touch_speed};
 pub use damping::{Damping, realised_restitution};
 pub use dry::{DryFriction, Part};
 pub use error::LawError;

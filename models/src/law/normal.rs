@@ -232,7 +232,7 @@ impl Law {
         if self.chi == 0.0 {
             return (0.0, 0.0);
         }
-        // Neither a NaN, which an unset slot of the discrete state holds, nor a speed of parting counts.
+        // A speed of parting does not count.
         let touched = if self.damping.restitution().is_some() {
             v0.max(0.0)
         } else {

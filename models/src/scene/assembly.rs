@@ -23,7 +23,7 @@ use crate::gear::LinearMotion;
 use crate::gear::table::{GearContext, Model};
 use crate::geometry::Side;
 use crate::kinematics::Placement;
-use crate::law::Law;
+use crate::law::{Law, UNTOUCHED};
 use crate::spec::{
     Body, Modelling, Mount, SceneSpec, effective_radius, mesh_layout, signed_effective_radius,
 };
@@ -296,6 +296,11 @@ impl Scene {
             v: vec![0.0; n],
             discrete: vec![0.0; discrete],
         };
+        for m in &meshes {
+            for slot in 0..m.slots {
+                initial.discrete[m.slot(slot) + 1] = UNTOUCHED;
+            }
+        }
         let speeds = spec.gears.iter().map(initial_speed);
         let speeds = speeds.chain(plan.bodies.iter().map(|b| b.speed));
         for (g, speed) in gears.iter_mut().zip(speeds) {

@@ -117,8 +117,7 @@ impl Scene {
             let rows = &mut work.rows[i];
             let prescribed = fill_rows(gears, mesh, [&a, &b], c, rows);
             let rate = rows[0].dot(at.v) + prescribed.gap;
-            let stored = mesh.impact_speed(at.discrete, c.slot);
-            let impact_speed = if stored > 0.0 { stored } else { -rate };
+            let impact_speed = mesh.impact_speed(at.discrete, c.slot, rate);
             let law = mesh.law.shared(c.share);
             let force = if mesh.search.points().is_some() {
                 law.at_point(c.gap, rate, c.stiffness)
@@ -226,13 +225,13 @@ impl Scene {
             .map(|c| {
                 let candidate = &self.work.candidates[c.candidate];
                 let (teeth, side) = self.meshes[c.mesh].search.flank_of(candidate);
-                let n = &candidate.normal;
+                let direction = candidate.direction();
                 ContactForce {
                     mesh: c.mesh,
                     teeth,
                     side,
                     x: candidate.points[0].x,
-                    force: c.force.n * n + c.friction.f * sliding_of(candidate),
+                    force: c.force.n * direction + c.friction.f * sliding_of(candidate),
                     normal_force: c.force.n,
                     friction: c.friction.f,
                     on_hubs: [0, 1].map(|k| self.on_hub(at, c, k)),
@@ -266,7 +265,7 @@ impl Scene {
         let x = &c.points[k].x;
         let radius = |n: &Vec3| hub.effective_radius_at(own.t, own.q, x, &(sign * n));
         let mut on =
-            a.on[k] * c.scale[k] * radius(&c.normal) + a.friction.f * radius(&sliding_of(c));
+            a.on[k] * c.scale[k] * radius(&c.direction()) + a.friction.f * radius(&sliding_of(c));
         if let (Some([force, moment]), true) = (&c.along, hub.slide.is_none()) {
             let axis = hub.frame(own.t, own.q).axes[2];
             on -= 2.0 * a.along * (radius(force) + sign * axis.dot(moment));
@@ -285,11 +284,10 @@ impl Scene {
         for c in &self.work.active {
             let candidate = &self.work.candidates[c.candidate];
             let (teeth, _) = self.meshes[c.mesh].search.flank_of(candidate);
-            let n = &candidate.normal;
             add(
                 c.mesh,
                 teeth,
-                c.force.n * n + c.friction.f * sliding_of(candidate),
+                c.force.n * candidate.direction() + c.friction.f * sliding_of(candidate),
             );
         }
         for a in self.work.nodal.active.iter().filter(|a| a.force.n > 0.0) {

@@ -4,7 +4,7 @@ use super::active::gap_rate;
 use super::assembled::Scene;
 use super::members::parties;
 use crate::contact::{Candidate, Wanted};
-use crate::law::{CLOSED, OPEN};
+use crate::law::{CLOSED, OPEN, UNTOUCHED, touch_speed};
 use crate::spec::Load;
 use gearbench_integrators::system::{At, Change, Events, State};
 
@@ -127,7 +127,7 @@ impl Scene {
                     self.tell(s, m, &c, false);
                 }
                 s.discrete[at] = 0.0;
-                s.discrete[at + 1] = 0.0;
+                s.discrete[at + 1] = UNTOUCHED;
             }
             if let Some(slot) = change.entered {
                 self.refresh_modes(s, Some((m, slot)));
@@ -140,7 +140,7 @@ impl Scene {
             let found = self.find(s, m, slot);
             let apart = found.is_none_or(|c| c.gap >= -1e-6 * self.magnitudes.deflection);
             if closing {
-                if apart || s.discrete[at + 1] <= 0.0 {
+                if apart || s.discrete[at + 1] < 0.0 {
                     let speed = found.map_or(0.0, |c| self.approach_speed(s, m, &c));
                     s.discrete[at + 1] = speed;
                 }
@@ -156,7 +156,7 @@ impl Scene {
                     return Change::Restart;
                 }
                 if apart {
-                    s.discrete[at + 1] = 0.0;
+                    s.discrete[at + 1] = UNTOUCHED;
                 }
             }
             if let Some(c) = found {
@@ -179,8 +179,8 @@ impl Scene {
             }
             for slot in 0..mesh.slots {
                 let at = mesh.slot(slot);
-                s.discrete[at] = 0.0;
-                s.discrete[at + 1] = 0.0;
+                s.discrete[at] = OPEN;
+                s.discrete[at + 1] = UNTOUCHED;
             }
         }
         self.begin_friction(s);
@@ -253,7 +253,7 @@ impl Scene {
                 continue;
             }
             let rate = gap_rate(gears, mesh, c, at, &mut work.scratch);
-            let v0 = if stored > 0.0 { stored } else { -rate };
+            let v0 = touch_speed(stored, rate);
             let law = mesh.law.shared(c.share);
             slots[c.slot] = if mode != 0.0 {
                 law.valid_for(mode, c.gap, rate, v0, c.stiffness)
@@ -316,8 +316,8 @@ impl Scene {
                         self.engage(s, m, slot, true);
                     }
                     None if s.discrete[at] != 0.0 => {
-                        s.discrete[at] = 0.0;
-                        s.discrete[at + 1] = 0.0;
+                        s.discrete[at] = OPEN;
+                        s.discrete[at + 1] = UNTOUCHED;
                         self.engage(s, m, slot, false);
                     }
                     _ => {}

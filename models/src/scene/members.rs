@@ -5,7 +5,7 @@ use super::friction::MeshFriction;
 use crate::Vec3;
 use crate::contact::{LineClearance, Party, Search};
 use crate::gear::GearModel;
-use crate::law::Law;
+use crate::law::{Law, UNTOUCHED, touch_speed};
 use crate::spec::{Load, Profile};
 use gearbench_integrators::system::At;
 
@@ -218,14 +218,15 @@ impl SceneMesh {
         self.slot(0)..self.slot(self.slots)
     }
 
-    /// Speed stored at the first touch of a contact [m/s]; 0 where none is, as with a search without slots.
+    /// [Touch speed](touch_speed) of a contact with a gap rate [m/s]; contacts of a search without slots store none.
     #[inline]
-    pub(super) fn impact_speed(&self, discrete: &[f64], slot: usize) -> f64 {
-        if slot < self.slots {
+    pub(super) fn impact_speed(&self, discrete: &[f64], slot: usize, g_rate: f64) -> f64 {
+        let stored = if slot < self.slots {
             discrete[self.slot(slot) + 1]
         } else {
-            0.0
-        }
+            UNTOUCHED
+        };
+        touch_speed(stored, g_rate)
     }
 
     /// Mode of a contact; 0 with a search without slots.

@@ -36,6 +36,7 @@ mod steering;
 mod tangents;
 mod tooth_springs;
 mod torque_paths;
+mod touch_speed;
 mod trains;
 mod vibration_cut_off;
 mod zones;

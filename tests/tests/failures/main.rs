@@ -392,3 +392,19 @@ fn movable_teeth_that_blow_up_come_to_an_end() {
         assert!(ended.is_err() || s.q[0].abs() > 1e6, "{text}: {:?}", s.q[0]);
     }
 }
+
+/// Teeth that deflect by more than a tenth of the module are warned of, in the message of a run that is else fine: no
+/// contact law and no linear tooth holds there.
+#[test]
+fn deflections_beyond_a_tenth_of_the_module_are_warned_of() {
+    for (speed, warned) in [(20.0, false), (1500.0, true)] {
+        let mut way = Way::rigid();
+        way.scene.gears[0].speed = speed;
+        // The flanks part again before the others meet.
+        way.t_end = 0.9 * T_END;
+        let run = way.run("dopri5", Resolution::Tolerance(1e-8));
+        let message = run.message.unwrap_or_default();
+        println!("{speed} rad/s: {:?} {message}", run.status);
+        assert_eq!(message.contains("of the module"), warned, "{message}");
+    }
+}

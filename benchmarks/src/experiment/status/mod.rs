@@ -181,13 +181,19 @@ impl RunMonitor {
         // A failure of the method that follows from what went wrong before is its consequence; a run that never got
         // that far has only that.
         let first = found.into_iter().min_by(|a, b| a.time.total_cmp(&b.time));
-        match (outcome, first) {
+        let (status, message) = match (outcome, first) {
             (Err(e), Some(f)) if f.status == Status::Tunnelling => {
                 (f.status, Some(format!("{}; then: {e}", f.message)))
             }
             (Err(e), _) => (status_of(e), Some(message_of(e, self.fixed))),
             (Ok(()), Some(f)) => (f.status, Some(f.message)),
             (Ok(()), None) => (Status::Unchecked, None),
+        };
+        // Teeth that passed through each other have said by how much they overlap.
+        let warning = self.tunnelling.warning();
+        match (message, warning.filter(|_| status != Status::Tunnelling)) {
+            (Some(message), Some(warning)) => (status, Some(format!("{message}; {warning}"))),
+            (message, warning) => (status, message.or(warning)),
         }
     }
 

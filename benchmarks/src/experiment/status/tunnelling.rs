@@ -89,6 +89,8 @@ pub struct TunnellingDetector {
     /// Mesh, time, overlap.
     passed: Option<(usize, f64, f64)>,
     grazed: Option<(usize, f64, f64)>,
+    /// Mesh, time and overlap where it was largest, beyond a tenth of the module.
+    deepest: Option<(usize, f64, f64)>,
     inside: State,
     out: Outputs,
 }
@@ -158,6 +160,7 @@ impl TunnellingDetector {
             deflection: scene.magnitudes().deflection,
             passed: None,
             grazed: None,
+            deepest: None,
             inside: State::default(),
             out: Outputs::default(),
         }
@@ -172,6 +175,10 @@ impl TunnellingDetector {
             let limit = (PASSED * pair.module).max(DEFLECTIONS * self.deflection);
             if depth > limit && self.passed.is_none() {
                 self.passed = Some((*m, step.to.t, depth));
+            }
+            if depth > PASSED * pair.module && self.deepest.is_none_or(|(_, _, most)| depth > most)
+            {
+                self.deepest = Some((*m, step.to.t, depth));
             }
             if step.flight || h <= 0.0 {
                 continue;
@@ -204,6 +211,18 @@ impl TunnellingDetector {
                 self.grazed = Some((*m, self.inside.t, overlap));
             }
         }
+    }
+
+    /// A warning where teeth overlap by more than a tenth of the module: the laws and the linear elasticity of teeth say
+    /// nothing of such deflections.
+    pub(super) fn warning(&self) -> Option<String> {
+        let (m, time, depth) = self.deepest?;
+        let (_, pair) = self.pairs.iter().find(|(mesh, _)| *mesh == m)?;
+        let [first, second] = &self.names[m];
+        Some(format!(
+            "the teeth of `{first}` and `{second}` deflect by up to {depth:.3e} m (at t = {time:.4e} s), {:.2} of the module; beyond {PASSED} no contact law and no linear tooth holds: lower speeds or loads, or check the stiffness",
+            depth / pair.module
+        ))
     }
 
     /// What was missed first; `rows` are times and channels of the run, `forces` the channels of its mesh forces.

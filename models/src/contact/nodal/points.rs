@@ -46,6 +46,12 @@ impl GapBound {
         self.least.max(Self::BESIDE * self.depth)
     }
 
+    /// [`Self::gap`] after a search that finds overlaps up to a depth [m].
+    #[inline]
+    pub fn gap_after(&self, depth: f64) -> f64 {
+        self.least.max(Self::BESIDE * self.depth.max(depth))
+    }
+
     /// Whether a point of that gap is wanted; it may deepen the overlap.
     #[inline]
     pub fn takes(&mut self, gap0: f64) -> bool {

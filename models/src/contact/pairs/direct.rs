@@ -9,7 +9,7 @@
 use super::coupling::{Group, MOST_ON_LINE};
 use super::lines::{Line, LinesOfAction, ZONE_EVENTS, all_open};
 use crate::kinematics::{Hub, Tooth};
-use crate::law::Law;
+use crate::law::{Law, touch_speed};
 
 /// In place of the number of a coordinate: the motion of the gear is prescribed.
 pub(crate) const PRESCRIBED: usize = usize::MAX;
@@ -90,11 +90,10 @@ impl Mesh<'_> {
         }
     }
 
-    /// Speed stored at the first touch of a contact, or that of the contact itself [m/s].
+    /// [Touch speed](touch_speed) of a contact [m/s].
     #[inline(always)]
     fn impact_speed(&self, p: &Pressed) -> f64 {
-        let stored = self.modes[2 * p.slot + 1];
-        if stored > 0.0 { stored } else { -p.rate }
+        touch_speed(self.modes[2 * p.slot + 1], p.rate)
     }
 }
 

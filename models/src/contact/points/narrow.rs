@@ -246,17 +246,17 @@ impl MeshFlanks {
             if clearance > limit {
                 return;
             }
-            work.projections += 1;
             let past = (0.5 * p.length / tip).min(MOST_PAST);
-            let Some(hit) = master.project(&x, begin, past) else {
+            let Some(fade) = Fade::new(self.tip_place(m, &master, &x), past) else {
+                return;
+            };
+            work.projections += 1;
+            let Some(hit) = master.project(&x, begin) else {
                 return;
             };
             if hit.gap > limit {
                 return;
             }
-            let Some(fade) = Fade::new(self.tip_place(m, &master, &x), past) else {
-                return;
-            };
             found(&Found {
                 k,
                 flanks: [&slave, &master],

@@ -6,7 +6,7 @@
 //! that both send a point to the other the closest point is their common edge.
 
 use super::chords::{Bulge, Chord, chords, on_curve};
-use super::projection::{NEAR_EDGE, OVERLAP, RIM, beyond_tip};
+use super::projection::{BEYOND_TIP, NEAR_EDGE, OVERLAP, RIM};
 use super::rule::Rule;
 use super::surface::Shape;
 use crate::geometry::{Side, Tips};
@@ -274,21 +274,20 @@ impl Profile {
         }
     }
 
-    /// The closest point, looked for from a place on a face on; `None` beyond the ends, at the tip by more than
-    /// `past` parts of the last face.
+    /// The closest point, looked for from a place on a face on; `None` beyond the ends, at the tip by more than a face.
     #[inline]
-    pub fn project(&self, x: &Vec2, row: usize, a: f64, past: f64) -> Option<Foot> {
-        self.projection(x, (row, a), past, CLOSE)
+    pub fn project(&self, x: &Vec2, row: usize, a: f64) -> Option<Foot> {
+        self.projection(x, (row, a), CLOSE)
     }
 
     /// The same, but for the cube of [`NEARLY`] in the gap over the length of a face and its square in the place.
     #[inline]
-    pub fn project_nearly(&self, x: &Vec2, row: usize, a: f64, past: f64) -> Option<Foot> {
-        self.projection(x, (row, a), past, NEARLY)
+    pub fn project_nearly(&self, x: &Vec2, row: usize, a: f64) -> Option<Foot> {
+        self.projection(x, (row, a), NEARLY)
     }
 
     #[inline]
-    fn projection(&self, x: &Vec2, (row, a): (usize, f64), past: f64, close: f64) -> Option<Foot> {
+    fn projection(&self, x: &Vec2, (row, a): (usize, f64), close: f64) -> Option<Foot> {
         let mut foot = self.on_face(x, row, a, close);
         let mut last: Option<Foot> = None;
         for _ in 0..self.faces() {
@@ -310,7 +309,7 @@ impl Profile {
             };
             foot = self.on_face(x, row, place, close);
         }
-        if !(-RIM..=1.0 + beyond_tip(past)).contains(&foot.a) {
+        if !(-RIM..=1.0 + BEYOND_TIP).contains(&foot.a) {
             return None;
         }
         Some(self.nearer(x, foot))

@@ -80,6 +80,10 @@ pub(super) const OVERLAP: f64 = 1e-9;
 pub(super) const RIM: f64 = 0.01;
 /// Part of the last face by which a point may at most lie beyond the tip and still count.
 pub(super) const MOST_PAST: f64 = 0.5;
+/// Part of the last face up to which projections beyond the tip are taken. When a point is gone is decided by its height
+/// ([`Fade`]): the projection of a point that overlaps deeply, as before residual
+/// compliance, lies further out than its height, so this bound must never come first.
+pub(super) const BEYOND_TIP: f64 = 1.0;
 /// Near an edge both faces are looked at, so that the gap over facets has no jump.
 pub(super) const NEAR_EDGE: f64 = 0.1;
 /// Newton step on a face [1] after which the closest point is found: what is left is of the size of its square times what
@@ -147,13 +151,6 @@ impl Fade {
     pub fn area(&self) -> f64 {
         self.factor * self.factor
     }
-}
-
-/// Part of the last face up to which projections beyond the tip are taken, `past` half a point's length over the face:
-/// [`Fade`] tells by the height when the point is gone, which the place of the projection follows nearly.
-#[inline]
-pub(super) fn beyond_tip(past: f64) -> f64 {
-    1.25 * past + RIM
 }
 
 /// -1, 0 or 1: where a coordinate lies of `[0, 1]`.
@@ -268,9 +265,8 @@ impl Deformed<'_> {
         }
     }
 
-    /// The closest point of the flank; `None` beyond its outer edges, at the tip by more than `past` parts of
-    /// the last face.
-    pub fn project(&self, x: &Vec3, begin: Begin, past: f64) -> Option<Hit> {
+    /// The closest point of the flank; `None` beyond its outer edges, at the tip by more than a face.
+    pub fn project(&self, x: &Vec3, begin: Begin) -> Option<Hit> {
         let (rows, columns) = (self.shape.rows - 1, self.shape.columns - 1);
         let mut hit = self.on_face(x, begin.row, begin.column, begin.place);
         let mut last: Option<Hit> = None;
@@ -293,7 +289,7 @@ impl Deformed<'_> {
             }
             if let Some(last) = last.filter(|l| (l.row, l.column) == (row, column)) {
                 let turned = column != hit.column;
-                return self.inside(self.on_edge(x, [hit, last], turned), past);
+                return self.inside(self.on_edge(x, [hit, last], turned));
             }
             last = Some(hit);
             // The place on the next face, as long as faces have about one size.
@@ -303,14 +299,14 @@ impl Deformed<'_> {
             ];
             hit = self.on_face(x, row, column, place);
         }
-        let hit = self.inside(hit, past)?;
+        let hit = self.inside(hit)?;
         Some(self.nearer(x, hit))
     }
 
     /// Drops projections beyond the outer edges.
     #[inline]
-    fn inside(&self, hit: Hit, past: f64) -> Option<Hit> {
-        let along = (-RIM..=1.0 + beyond_tip(past)).contains(&hit.a);
+    fn inside(&self, hit: Hit) -> Option<Hit> {
+        let along = (-RIM..=1.0 + BEYOND_TIP).contains(&hit.a);
         (along && (-RIM..=1.0 + RIM).contains(&hit.b)).then_some(hit)
     }
 

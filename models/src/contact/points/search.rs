@@ -120,11 +120,14 @@ impl FlankPoints {
             return;
         }
         let [a, b] = &mut sides;
-        let mut limit = (a.bound() + b.bound()).min(self.flanks.reach);
-        if apart > limit {
+        let displaced = a.bound() + b.bound();
+        if apart > displaced.min(self.flanks.reach) {
             self.scratch.borrow_mut().work = SearchWork::default();
             return;
         }
+        // Nodes next to loaded ones may rise: points that nearly touch count as well.
+        let mut limit = displaced + gap_bound.gap_after(displaced - apart);
+        limit = limit.min(self.flanks.reach);
         if self.flanks.hard {
             limit = self.flanks.reach;
             gap_bound.least = f64::INFINITY;

@@ -175,18 +175,18 @@ impl Held<'_, '_, '_> {
             if master.clearance_bound(&x, face) - rise > gap_bound.gap() {
                 continue;
             }
+            let (height, gradient) = master.tip_place(&x);
+            let gradient = m_pose.turn(&Vec3::new(gradient.x, gradient.y, 0.0));
+            let Some(fade) = Fade::new((height, gradient), past) else {
+                continue;
+            };
             work.projections += 1;
-            let Some(foot) = master.project(&x, face, place, past) else {
+            let Some(foot) = master.project(&x, face, place) else {
                 continue;
             };
             if foot.gap > pair.limit {
                 continue;
             }
-            let (place, gradient) = master.tip_place(&x);
-            let gradient = m_pose.turn(&Vec3::new(gradient.x, gradient.y, 0.0));
-            let Some(fade) = Fade::new((place, gradient), past) else {
-                continue;
-            };
             pair.meet(m, foot.row..=foot.row + 1, self.of_master, self.master_rows);
             let turn = |n: &Vec2| m_pose.turn(&Vec3::new(n.x, n.y, 0.0));
             let (normal, sensitivity) = (turn(&foot.normal), turn(&foot.sensitivity));

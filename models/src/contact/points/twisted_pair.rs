@@ -278,7 +278,7 @@ impl<'a> Pass<'a, '_> {
             column: cell.on,
             place: [place, cell.b_on],
         };
-        if let Some(foot) = master.project_nearly(&x, face, place, past) {
+        if let Some(foot) = master.project_nearly(&x, face, place) {
             let drift = twisted.twists[m].drift(&(x - foot.gap * foot.normal));
             let w = -foot.normal.dot(&drift);
             let cos2 = (1.0 + w * w).recip();
@@ -335,26 +335,26 @@ impl<'a> Pass<'a, '_> {
     ) {
         let (k, m) = (self.k, 1 - self.k);
         let m_shape = self.shapes[m];
-        self.work.projections += 1;
         let x = self.frame.point(own);
+        let (height, gradient) = self.profiles[m].tip_place(&x.xy());
+        let pose = &self.poses[m];
+        let gradient = pose.turn(&Vec3::new(gradient.x, gradient.y, 0.0));
+        let Some(fade) = Fade::new((height, gradient), past) else {
+            return;
+        };
+        self.work.projections += 1;
         let surface = Deformed {
             shape: m_shape,
             x: &m_shape.positions,
             pose: &Pose::STILL,
             patches: Some(self.patches),
         };
-        let Some(hit) = surface.project(&x, begin, past) else {
+        let Some(hit) = surface.project(&x, begin) else {
             return;
         };
         if hit.gap > self.limit {
             return;
         }
-        let (place, gradient) = self.profiles[m].tip_place(&x.xy());
-        let pose = &self.poses[m];
-        let gradient = pose.turn(&Vec3::new(gradient.x, gradient.y, 0.0));
-        let Some(fade) = Fade::new((place, gradient), past) else {
-            return;
-        };
         if on.of_master.face != (hit.row, hit.column) {
             on.of_master = Corners::of(&mut self.sides[m], m_shape, hit.row, hit.column);
         }
