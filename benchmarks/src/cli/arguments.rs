@@ -14,9 +14,18 @@ pub struct Output {
     /// Start over: do not go on with runs that an interrupted start has finished
     #[arg(long)]
     pub fresh: bool,
+    /// Replace what the folder holds of another study, scene or choice of models, or of another program
+    #[arg(long)]
+    pub force: bool,
     /// Refuse what would take more memory than this [GB]
     #[arg(long, value_name = "GB", default_value_t = DEFAULT_MEMORY, value_parser = gigabytes)]
     pub memory: f64,
+    /// Name of the command.
+    #[arg(skip)]
+    pub command: String,
+    /// The choice of models on the command line, which distinguishes two studies of one scene.
+    #[arg(skip)]
+    pub models: Option<String>,
 }
 
 impl Default for Output {
@@ -24,7 +33,10 @@ impl Default for Output {
         Output {
             out: None,
             fresh: false,
+            force: false,
             memory: DEFAULT_MEMORY,
+            command: String::new(),
+            models: None,
         }
     }
 }

@@ -1,10 +1,10 @@
 //! `gearbench init`: a scene file to start from, or the files of a check.
 
 use crate::cli::answer::Answer;
+use crate::cli::files::{Overwriting, write_whole};
 use crate::cli::terminal::{Refusal, absolute, say};
 use crate::scene_file::{SHIPPED, SceneError, Shipped, did_you_mean};
 use clap::Args;
-use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -61,20 +61,14 @@ pub fn run(args: &Init) -> Result<Answer, Refusal> {
         None => (text(&args.what)?, "toml", "run it: gearbench compare FILE"),
     };
     let path = (args.out.clone()).unwrap_or_else(|| format!("{}.{ending}", args.what).into());
-    let mut options = std::fs::File::options();
-    match args.force {
-        true => options.write(true).create(true).truncate(true),
-        false => options.write(true).create_new(true),
+    let overwriting = Overwriting {
+        inputs: &[],
+        // What it wrote is changed by its user, and is no longer its own.
+        mark: None,
+        force: args.force,
     };
-    let written = (options.open(&path)).and_then(|mut f| f.write_all(text.as_bytes()));
-    written.map_err(|e| match e.kind() {
-        ErrorKind::AlreadyExists => Refusal::Input(miette::miette!(
-            help = "name another with --out, or write over it with --force",
-            "{}: the file is there already",
-            path.display()
-        )),
-        _ => Refusal::Files(format!("{}: {e}", path.display())),
-    })?;
+    overwriting.check(&path)?;
+    write_whole(&path, &text).map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
     let path = absolute(path);
     say(&format!("written: {}", path.display()));
     say(&next.replace("FILE", &path.display().to_string()));

@@ -1,6 +1,8 @@
 //! `gearbench report DIR`: the page of a results folder, written again.
 
 use crate::cli::answer::Answer;
+use crate::cli::folder_lock::FolderLock;
+use crate::cli::study_folder::remove_staging;
 use crate::cli::terminal::{Refusal, absolute, say};
 use clap::Args;
 use gearbench_reports::ReportError;
@@ -30,7 +32,16 @@ fn refuse(e: ReportError) -> Refusal {
 
 /// Writes the report.
 pub fn run(args: &Report) -> Result<Answer, Refusal> {
+    // A folder without a record is refused by what reads it.
+    let lock = match args.dir.join(gearbench_reports::RECORD).is_file() {
+        true => Some(FolderLock::take(&args.dir)?),
+        false => None,
+    };
+    if lock.is_some() {
+        remove_staging(&args.dir);
+    }
     let page = gearbench_reports::report_from(&args.dir).map_err(refuse)?;
+    drop(lock);
     let page = absolute(page);
     say(&format!("report: {}", page.display()));
     Ok(Answer::done().with("report", page))

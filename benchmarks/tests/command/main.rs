@@ -5,6 +5,7 @@ mod choose;
 mod compare;
 mod coupling;
 mod fmu;
+mod folders;
 mod identify;
 mod init;
 mod kill;
@@ -13,6 +14,8 @@ mod mesh;
 mod precision;
 mod reduce;
 mod reference;
+mod rerun;
+mod signals;
 mod stiffness;
 mod terminal;
 

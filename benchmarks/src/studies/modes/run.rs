@@ -5,7 +5,7 @@ use super::plan::Plan;
 use super::shares::{Energies, energies, name, name_of, shape, shares};
 use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
-use crate::experiment::run::RunError;
+use crate::experiment::key::Key;
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::{Loaded, MOST, NotSolved, has_loads, loaded, settled};
 use gearbench_integrators::system::SecondOrderSystem;
@@ -273,19 +273,18 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     let mut vibrations_of = Vec::new();
     for (done, entry) in plan.entries.iter().enumerate() {
         if interruption::requested() {
-            return Err(RunError::Interrupted.into());
+            // What is finished is reported.
+            break;
         }
         runner.tell(done, plan.entries.len(), &entry.label);
         let scene = (&entry.scene, &entry.modelling);
-        let found = vibrations(
-            &entry.model_label(),
-            scene,
-            plan.conditions.models,
-            &plan.wanted,
-        );
-        vibrations_of.push(
-            found.map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e)))?,
-        );
+        let label = entry.model_label();
+        let key = (Key::new("modes").and_scene(scene.0, scene.1)).and(&(&label, &plan.wanted));
+        let found = runner.piece(key, || {
+            let found = vibrations(&label, scene, plan.conditions.models, &plan.wanted);
+            found.map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e)))
+        });
+        vibrations_of.push(found?);
     }
     runner.tell(plan.entries.len(), plan.entries.len(), "report");
     let part = ModesRecord {
