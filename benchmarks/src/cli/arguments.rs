@@ -15,6 +15,15 @@ pub struct Output {
     /// Start over: do not go on with runs that an interrupted start has finished
     #[arg(long)]
     pub fresh: bool,
+    /// Replace what the folder holds of another study, scene or choice of models, or of another program
+    #[arg(long)]
+    pub force: bool,
+    /// Name of the command.
+    #[arg(skip)]
+    pub command: String,
+    /// The choice of models on the command line, which distinguishes two studies of one scene.
+    #[arg(skip)]
+    pub models: Option<String>,
 }
 
 impl Default for Output {
@@ -22,6 +31,9 @@ impl Default for Output {
         Output {
             out: None,
             fresh: false,
+            force: false,
+            command: String::new(),
+            models: None,
         }
     }
 }

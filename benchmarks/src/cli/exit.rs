@@ -1,5 +1,6 @@
 //! How the command can end: the one table of exit codes, for the terminal, `--help`, `--json` and the README.
 
+use crate::experiment::interruption;
 use gearbench_reports::Study;
 use gearbench_reports::record::{Results, Run, Status};
 use std::process::ExitCode;
@@ -41,7 +42,7 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
             Exit::FellShort => 1,
             Exit::BadInput => 2,
             Exit::FailedRun => 3,
-            Exit::Interrupted => 130,
+            Exit::Interrupted => interruption::CODE,
         }
     }
 

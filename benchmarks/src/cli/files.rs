@@ -1,16 +1,262 @@
-//! Files of commands that have no folder of their own: written whole or not at all.
+//! Files that commands write: whole or not at all, and never in the place of an input or of somebody else's file.
+//!
+//! A file gets its name when it is whole and on disk. Until then it is `.NAME.PID-N.part` beside its place, created anew,
+//! so that no link is followed. A failure removes it. A kill leaves it, and the next file of that name removes it: its
+//! writer held a lock on it that the system has freed.
 
-use std::io;
-use std::path::Path;
+use super::refusal::Refusal;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Writes a file under another name first, and gives it its own when it is whole.
+/// A file on its way to its place.
+#[derive(Debug)]
+pub struct Staged {
+    file: File,
+    part: PathBuf,
+    path: PathBuf,
+    kept: bool,
+}
+
+impl Staged {
+    /// Begins a file beside its place.
+    ///
+    /// # Errors
+    /// When its folder cannot be written to.
+    pub fn begin(path: &Path) -> io::Result<Self> {
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let name = path.file_name().ok_or(ErrorKind::InvalidInput)?;
+        remove_parts(path);
+        let mut part = std::ffi::OsString::from(".");
+        part.push(name);
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        part.push(format!(".{}-{number}.part", std::process::id()));
+        let part = path.with_file_name(part);
+        let file = File::options().write(true).create_new(true).open(&part)?;
+        // Without locks on this file system a part of a killed process stays.
+        let _ = file.try_lock();
+        Ok(Staged {
+            file,
+            part,
+            path: path.to_owned(),
+            kept: false,
+        })
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// When it cannot be brought to disk, or its place not be taken; what was there before stays.
+    pub fn keep(mut self) -> io::Result<()> {
+        self.file.sync_all()?;
+        fs::rename(&self.part, &self.path)?;
+        self.kept = true;
+        Ok(())
+    }
+
+    /// Its place.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Write for Staged {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        if !self.kept {
+            let _ = fs::remove_file(&self.part);
+        }
+    }
+}
+
+/// Removes what killed processes have left of a file.
+fn remove_parts(path: &Path) {
+    let (Some(name), folder) = (path.file_name(), folder_of(path)) else {
+        return;
+    };
+    let head = format!(".{}.", name.to_string_lossy());
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let part = entry.file_name().to_string_lossy().into_owned();
+        let middle = (part.strip_prefix(&head)).and_then(|rest| rest.strip_suffix(".part"));
+        let writer = middle.and_then(|m| m.split_once('-')?.0.parse::<u32>().ok());
+        let others = writer.is_some_and(|pid| pid != std::process::id());
+        if others && entry.file_type().is_ok_and(|t| t.is_file()) {
+            let file = File::options().read(true).open(entry.path());
+            if file.is_ok_and(|f| f.try_lock().is_ok()) {
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
+}
+
+/// The folder that a file is in.
+pub fn folder_of(path: &Path) -> &Path {
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
+    parent.unwrap_or(Path::new("."))
+}
+
+/// Writes a file, whole or not at all.
 ///
 /// # Errors
 /// When it cannot be written; what was there before stays.
 pub fn write_whole(path: &Path, contents: impl AsRef<[u8]>) -> io::Result<()> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let staged = path.with_file_name(name);
-    std::fs::write(&staged, contents)?;
-    std::fs::rename(&staged, path)
+    let mut staged = Staged::begin(path)?;
+    staged.write_all(contents.as_ref())?;
+    staged.keep()
+}
+
+/// Whether two paths lead to one file, by whatever links.
+pub fn is_same(a: &Path, b: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        if let (Ok(a), Ok(b)) = (fs::metadata(a), fs::metadata(b)) {
+            return (a.dev(), a.ino()) == (b.dev(), b.ino());
+        }
+    }
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// What a command may write over, beside a place where nothing is.
+#[derive(Clone, Copy, Debug)]
+pub struct Overwriting<'a> {
+    /// Files that the command reads. None of them is ever written.
+    pub inputs: &'a [PathBuf],
+    /// Text in the files that the command writes, near their beginning or their end: such a file is replaced.
+    pub mark: Option<&'a str>,
+    /// Other files are replaced too (`--force`).
+    pub force: bool,
+}
+
+impl Overwriting<'_> {
+    /// Makes sure, before anything is computed, that a file may be written.
+    ///
+    /// # Errors
+    /// A refusal with a way out.
+    pub fn check(&self, path: &Path) -> Result<(), Refusal> {
+        let refuse = |what: &str, help: &str| {
+            Err(Refusal::Input(miette::miette!(
+                help = help.to_owned(),
+                "{}: {what}",
+                path.display()
+            )))
+        };
+        if self.inputs.iter().any(|input| is_same(input, path)) {
+            return refuse(
+                "the file is an input of the command, and would be replaced by its output",
+                "choose another name with --out",
+            );
+        }
+        match fs::metadata(path) {
+            Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
+            Err(e) => Err(Refusal::Files(format!("{}: {e}", path.display()))),
+            Ok(found) if !found.is_file() => {
+                refuse("is not a regular file", "choose another name with --out")
+            }
+            Ok(_) if self.force || self.mark.is_some_and(|mark| has_mark(path, mark)) => Ok(()),
+            Ok(_) => refuse(
+                "the file is there already, and is not one that this command has written",
+                "name another with --out, or write over it with --force",
+            ),
+        }
+    }
+}
+
+/// Whether a text is in the first or the last bytes of a file.
+fn has_mark(path: &Path, mark: &str) -> bool {
+    const PART: u64 = 1 << 16;
+    let read = || -> io::Result<Vec<u8>> {
+        let mut file = File::open(path)?;
+        let length = file.metadata()?.len();
+        let mut bytes = Vec::new();
+        (&mut file).take(PART).read_to_end(&mut bytes)?;
+        file.seek(SeekFrom::Start(length.saturating_sub(PART)))?;
+        file.take(PART).read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    let mark = mark.as_bytes();
+    read().is_ok_and(|bytes| bytes.windows(mark.len()).any(|w| w == mark))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_whole_or_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        write_whole(&path, "before").unwrap();
+        // A failure on the way leaves the old file, and nothing else.
+        let mut staged = Staged::begin(&path).unwrap();
+        staged.write_all(b"half of wh").unwrap();
+        drop(staged);
+        assert_eq!(fs::read_to_string(&path).unwrap(), "before");
+        // What a killed process left goes; what a living one writes stays.
+        let (dead, alive) = (
+            folder.path().join(".a.csv.1-0.part"),
+            folder.path().join(".a.csv.2-0.part"),
+        );
+        fs::write(&dead, "half").unwrap();
+        fs::write(&alive, "half").unwrap();
+        let writer = File::open(&alive).unwrap();
+        writer.lock().unwrap();
+        write_whole(&path, "after").unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "after");
+        assert!(!dead.exists() && alive.exists());
+        drop(writer);
+        write_whole(&path, "after all").unwrap();
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn no_link_is_followed() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("mine"), "mine").unwrap();
+        std::os::unix::fs::symlink(at("mine"), at("out.csv")).unwrap();
+        std::os::unix::fs::symlink(at("mine"), at("out.csv.part")).unwrap();
+        write_whole(&at("out.csv"), "output").unwrap();
+        assert_eq!(fs::read_to_string(at("mine")).unwrap(), "mine");
+        assert_eq!(fs::read_to_string(at("out.csv")).unwrap(), "output");
+    }
+
+    #[test]
+    fn inputs_and_foreign_files_are_not_written_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let inputs = [at("scene.toml")];
+        let check = |name: &str, force| {
+            let of = Overwriting {
+                inputs: &inputs,
+                mark: Some("made by gearbench"),
+                force,
+            };
+            of.check(&at(name)).is_ok()
+        };
+        fs::write(at("scene.toml"), "# made by gearbench").unwrap();
+        fs::write(at("measured.csv"), "1,2").unwrap();
+        fs::write(
+            at("own.csv"),
+            format!("{}made by gearbench", " ".repeat(200_000)),
+        )
+        .unwrap();
+        assert!(check("nothing there.csv", false) && check("own.csv", false));
+        assert!(!check("measured.csv", false) && check("measured.csv", true));
+        assert!(!check("scene.toml", false) && !check("scene.toml", true));
+        assert!(!check(".", true), "a folder");
+        fs::hard_link(at("scene.toml"), at("the same.toml")).unwrap();
+        assert!(!check("the same.toml", true));
+    }
 }

@@ -3,30 +3,20 @@
 
 pub mod answer;
 pub mod arguments;
+pub(crate) mod command_line;
 pub mod exit;
 pub(crate) mod files;
+pub(crate) mod folder_lock;
 pub mod help;
 pub mod progress;
 mod refusal;
+pub(crate) mod study_command;
 pub mod study_folder;
 pub mod terminal;
 pub(crate) mod values;
 
+use crate::experiment::interruption;
 use crate::fmu::{self, arguments::Fmu};
-use crate::studies::check::{self, arguments::Check};
-use crate::studies::choose::{self, arguments::Choose};
-use crate::studies::compare::{self, arguments::Compare};
-use crate::studies::coupling::{self, arguments::Coupling};
-use crate::studies::identify::{self, arguments::Identify};
-use crate::studies::modes::{self, arguments::Modes};
-use crate::studies::penalty::{self, arguments::Penalty};
-use crate::studies::precision::{self, arguments::Precision};
-use crate::studies::response::{self, arguments::Response};
-use crate::studies::run_up::{self, arguments::RunUp};
-use crate::studies::stability::{self, arguments::Stability};
-use crate::studies::stiffness::{self, arguments::Stiffness};
-use crate::studies::sweep::{self, arguments::Sweep};
-use crate::studies::truncation::{self, arguments::Truncation};
 use crate::tools::completions::{self, Completions};
 use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
@@ -34,11 +24,14 @@ use crate::tools::reference::{self, arguments::Reference};
 use crate::tools::rerun::{self, Rerun};
 use crate::tools::{init, init::Init, list, list::List, report, report::Report};
 use answer::Answer;
-use clap::{Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use exit::Exit;
 use gearbench_reference::limits;
 use help::Help;
+use std::ffi::OsString;
 use std::process::ExitCode;
+use study_command::StudyCommand;
 use terminal::{Manner, Refusal};
 use values::{DEFAULT_MEMORY, gigabytes};
 
@@ -112,34 +105,9 @@ pub struct Cli {
 pub(crate) enum Command {
     /// Write a commented scene to start from: a pair, a rack, a train, or a shipped one
     Init(Init),
-    /// Compare the models and integrators of a scene, against its reference
-    Compare(Compare),
-    /// Error against cost of every model, integrator and resolution of a scene, with its Pareto front
-    Precision(Precision),
-    /// Where methods fail: maps over step size and stiffness, damping, speed or modes, with theory beside
-    Stability(Stability),
-    /// The cheapest model, integrator and step that keep a tolerance on a scene, and why
-    Choose(Choose),
-    /// Fit stiffness, tooth mass and touch time of the models to the scene's reference
-    Identify(Identify),
-    /// Static mesh stiffness, load sharing and transmission error of the models of a scene
-    Stiffness(Stiffness),
-    /// Error of the elastic model by number of modes, against full finite elements on the same mesh
-    Truncation(Truncation),
-    /// Natural frequencies and shapes of the whole scene about its loaded state
-    Modes(Modes),
-    /// Frequency response to the passing of teeth: transmission error and forces of mounts, without running
-    Response(Response),
-    /// Results over the penalty of the contact, beside hard contact
-    Penalty(Penalty),
-    /// Run under load at speed after speed: transmission error, bearing forces, spectra, resonances
-    Sweep(Sweep),
-    /// Gears as a sub-system whose hubs a host moves: error, energy and stability over the communication step
-    Coupling(Coupling),
-    /// Run from one speed to another: spectra and orders over the speed, resonances
-    RunUp(RunUp),
-    /// Hold results, work and runtime of chosen runs against a stored baseline, for CI
-    Check(Check),
+    /// Run a study of a scene.
+    #[command(flatten)]
+    Study(StudyCommand),
     /// Mesh the gears of a scene with hexahedra, as a deck for CalculiX or Abaqus and for ParaView
     Mesh(Mesh),
     /// Reduce gears of a deck or a scene to modes and static compliance, stored for the elastic model and for numpy
@@ -148,7 +116,7 @@ pub(crate) enum Command {
     Reference(Reference),
     /// Pack a model of a scene as an FMU (FMI 3.0) for co-simulation and model exchange
     Fmu(Fmu),
-    /// List shipped scenes, gear models with their parameters, integrators and references
+    /// List shipped scenes, gear models with their parameters, integrators and references, and what the cache holds
     List(List),
     /// Help on a command, or a document: scene, limits, data, fmus
     Help(Help),
@@ -165,20 +133,7 @@ impl Command {
     fn run(self, told: &str) -> Result<Answer, Refusal> {
         match self {
             Command::Init(args) => init::run(&args),
-            Command::Compare(args) => compare::command::run(&args, told),
-            Command::Precision(args) => precision::command::run(&args, told),
-            Command::Stability(args) => stability::command::run(&args, told),
-            Command::Choose(args) => choose::command::run(&args, told),
-            Command::Identify(args) => identify::command::run(&args, told),
-            Command::Stiffness(args) => stiffness::command::run(&args, told),
-            Command::Truncation(args) => truncation::command::run(&args, told),
-            Command::Modes(args) => modes::command::run(&args, told),
-            Command::Response(args) => response::command::run(&args, told),
-            Command::Penalty(args) => penalty::command::run(&args, told),
-            Command::Sweep(args) => sweep::command::run(&args, told),
-            Command::Coupling(args) => coupling::command::run(&args, told),
-            Command::RunUp(args) => run_up::command::run(&args, told),
-            Command::Check(args) => check::command::run(&args, told),
+            Command::Study(study) => study.run(told),
             Command::Mesh(args) => mesh::run(&args, told),
             Command::Reduce(args) => reduce::run(&args),
             Command::Reference(args) => reference::run(&args, told),
@@ -194,9 +149,48 @@ impl Command {
 
 /// Reads the command line, does what it says, and says how that ended.
 pub fn main() -> ExitCode {
-    match Cli::try_parse() {
+    if let Err(e) = interruption::catch() {
+        terminal::warn(&format!("signals cannot be caught: {e}"));
+    }
+    match Cli::read(std::env::args_os()) {
         Ok(cli) => run(cli),
         Err(e) => refuse(&e),
+    }
+}
+
+impl Cli {
+    /// Reads the words of a command line, the program first.
+    ///
+    /// # Errors
+    /// What is wrong with them, or the help that they ask for.
+    fn read(
+        words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+    ) -> Result<Self, clap::Error> {
+        let matches = Cli::command().try_get_matches_from(words)?;
+        let mut cli = Cli::from_arg_matches(&matches)?;
+        if let (Some(Command::Study(study)), Some((name, given))) =
+            (&mut cli.command, matches.subcommand())
+        {
+            let output = study.output();
+            (output.command, output.models) = (name.to_owned(), models(given));
+        }
+        Ok(cli)
+    }
+}
+
+/// The choice of models of a study: labels between commas.
+fn models(given: &ArgMatches) -> Option<String> {
+    let text = |id| given.try_get_one::<String>(id).ok().flatten().cloned();
+    text("models").or_else(|| text("model"))
+}
+
+/// The choice of models in the command line of a record; `None` where the line is that of no study.
+fn models_of(command_line: &str) -> Option<Option<String>> {
+    let words = std::iter::once("gearbench".to_owned()).chain(command_line::split(command_line));
+    match Cli::read(words).ok()?.command {
+        Some(Command::Study(mut study)) => Some(study.output().models.clone()),
+        None => Some(None),
+        _ => None,
     }
 }
 
@@ -211,25 +205,50 @@ pub fn run(cli: Cli) -> ExitCode {
     limits::set_memory(cli.memory * 1e9);
     let told = terminal::told("gearbench");
     let done = match cli.command {
-        None => Command::Compare(Compare::default()).run("gearbench"),
+        None => StudyCommand::default().run("gearbench"),
         Some(command) => command.run(&told),
     };
     terminal::end(&told, done)
 }
 
-/// Makes a study again from its record.
+/// Makes a study again from its record. A record is input from elsewhere: its command has to be the study that the record
+/// is of, and all that the study writes goes into the output folder.
 fn again(args: &Rerun) -> Result<Answer, Refusal> {
     let again = rerun::prepare(args)?;
-    let words = std::iter::once("gearbench").chain(again.words.iter().map(String::as_str));
-    let command = Cli::try_parse_from(words).ok().and_then(|cli| cli.command);
-    let Some(command) = command else {
-        return Err(Refusal::Input(miette::miette!(
-            help = "a record of another version may have a command that is called otherwise now",
-            "the command of the record, `{}`, is none that can be made again",
-            again.command()
-        )));
+    let shown = again.command();
+    let refuse = |help: String| {
+        Refusal::Input(miette::miette!(
+            help = help,
+            "the command of the record, `{shown}`, cannot be made again"
+        ))
     };
-    let answer = command.run(again.command())?;
+    let words = std::iter::once("gearbench").chain(again.words.iter().map(String::as_str));
+    let command = match Cli::read(words) {
+        Ok(cli) => cli.command,
+        Err(e) if e.kind() == ErrorKind::DisplayHelp || e.kind() == ErrorKind::DisplayVersion => {
+            return Err(refuse("it asks for help, and runs nothing".into()));
+        }
+        Err(_) => {
+            return Err(refuse(
+                "a record of another version may have a command that is called otherwise now"
+                    .into(),
+            ));
+        }
+    };
+    let study = match command {
+        Some(Command::Study(mut study)) => {
+            let named = study.output().command == again.study();
+            named.then_some(study)
+        }
+        _ => None,
+    };
+    let study = study.ok_or_else(|| {
+        refuse(format!(
+            "the record is of the study `{}`: only `gearbench {0} ..` makes it again",
+            again.study()
+        ))
+    })?;
+    let answer = study.confined_to(again.out.clone()).run(shown)?;
     again.compare(answer)
 }
 
@@ -254,15 +273,15 @@ fn refuse(e: &clap::Error) -> ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
+    use crate::studies::compare::arguments::Compare;
 
     fn parse(arguments: &str) -> Result<Cli, clap::Error> {
-        Cli::try_parse_from(arguments.split_whitespace())
+        Cli::read(arguments.split_whitespace())
     }
 
     fn compare(arguments: &str) -> Compare {
         match parse(arguments).unwrap().command {
-            Some(Command::Compare(c)) => c,
+            Some(Command::Study(StudyCommand::Compare(c))) => c,
             other => panic!("{other:?}"),
         }
     }

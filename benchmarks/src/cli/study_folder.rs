@@ -1,24 +1,35 @@
-//! The folder of a study: tried before the first run, with the journal of what is finished, and at the end the record.
+//! The folder of a study: locked and tried before the first run, with the journal of what is finished, and at the end the
+//! record.
+//!
+//! A folder belongs to one study of one scene with one choice of models. The same command works there again and again,
+//! also after the scene was edited. Another one is refused before it computes anything, unless it comes with `--force`.
 
 use super::answer::Answer;
 use super::arguments::Output;
 use super::exit::Exit;
+use super::files::{folder_of, is_same};
+use super::folder_lock::FolderLock;
 use super::progress::Display;
 use super::terminal::{Refusal, absolute, say, warn};
 use crate::experiment::budget::Budget;
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::refused;
 use crate::experiment::interruption;
-use crate::experiment::journal::{JOURNAL, Journal, JournalError};
+use crate::experiment::journal::{JOURNAL, Journal, JournalError, Subject};
 use crate::experiment::runner::Runner;
 use crate::scene_file::SceneFile;
 use gearbench_reports::RECORD;
-use gearbench_reports::record::{Results, Run, Source, Status, damping_differs};
+use gearbench_reports::record::{Part, Results, Run, SCHEMA, Source, Status, damping_differs};
+use serde::Deserialize;
 use std::io;
 use std::path::{Path, PathBuf};
 
 /// The setting that says that a study is not complete.
 const INTERRUPTED_STUDY: &str = "interrupted";
+/// Files by which the folder of a study is known.
+const OWN: [&str; 3] = [RECORD, JOURNAL, "stiffness.csv"];
+/// Endings of files that a study writes.
+const ENDINGS: [&str; 3] = ["csv", "svg", "html"];
 
 /// The setting that says which models cannot run, and why.
 const REFUSED_MODEL: &str = "refused";
@@ -33,6 +44,10 @@ pub struct StudyFolder {
     source: Option<Source>,
     /// Rows of models that cannot run the scene.
     refused: Vec<Run>,
+    /// The journal in the folder is that of this study.
+    has_journal: bool,
+    /// Held until the folder is done with.
+    lock: Option<FolderLock>,
 }
 
 impl From<JournalError> for Refusal {
@@ -42,40 +57,69 @@ impl From<JournalError> for Refusal {
 }
 
 impl StudyFolder {
-    /// Makes sure that the folder can be written to, takes up what an interrupted start has left in it, and catches
-    /// signals from here on.
+    /// Makes sure that the folder can be written to and belongs to this study, takes up what an interrupted start has left
+    /// in it, and lets signals end the study in good order from here on.
     ///
     /// # Errors
-    /// [`Refusal::Files`] when the folder, or the journal in it, cannot be written.
+    /// [`Refusal::Files`] when the folder, or the journal in it, cannot be written; [`Refusal::Input`] when another process
+    /// works there, or when it holds the results of another study.
     pub fn open(output: &Output, scene: &str, study: &str) -> Result<Self, Refusal> {
-        let path = (output.out.clone()).unwrap_or_else(|| Path::new("out").join(scene).join(study));
-        let fail = |e: io::Error| Refusal::Files(format!("{}: {e}", path.display()));
-        let made = path.ancestors().take_while(|p| !p.exists()).last();
-        let made = made.map(Path::to_owned);
-        std::fs::create_dir_all(&path).map_err(fail)?;
-        let folder = StudyFolder {
-            journal: Some(Journal::open(&path.join(JOURNAL), output.fresh)?),
-            path: path.clone(),
-            made,
-            source: None,
-            refused: Vec::new(),
-        };
-        interruption::catch().map_err(fail)?;
-        Ok(folder)
+        Self::begin(output, (scene, study), None)
     }
 
     /// The folder of a study of a scene, which the record will keep.
     ///
     /// # Errors
-    /// Those of [`StudyFolder::open`].
+    /// Those of [`StudyFolder::open`], and [`Refusal::Input`] when files that the scene reads are among the results.
     pub fn of(output: &Output, scene: &SceneFile, study: &str) -> Result<Self, Refusal> {
-        let mut folder = Self::open(output, &scene.name, study)?;
-        folder.source = Some(scene.source());
-        let rows = scene
-            .refused
-            .iter()
-            .map(|r| refused(&r.label, &r.model, r.error.told()));
-        folder.refused = rows.collect();
+        Self::begin(output, (&scene.name, study), Some(scene))
+    }
+
+    fn begin(
+        output: &Output,
+        (name, study): (&str, &str),
+        scene: Option<&SceneFile>,
+    ) -> Result<Self, Refusal> {
+        let path = (output.out.clone()).unwrap_or_else(|| Path::new("out").join(name).join(study));
+        let fail = |e: io::Error| Refusal::Files(format!("{}: {e}", path.display()));
+        let source = scene.map(SceneFile::source);
+        let subject = Subject {
+            study: study.to_owned(),
+            scene: source.as_ref().map_or(name, |s| &s.name).to_owned(),
+            models: output.models.as_deref().map(in_order),
+        };
+        let made = path.ancestors().take_while(|p| !p.exists()).last();
+        let made = made.map(Path::to_owned);
+        std::fs::create_dir_all(&path).map_err(fail)?;
+        let mut folder = StudyFolder {
+            journal: None,
+            has_journal: false,
+            lock: Some(FolderLock::take(&path)?),
+            path: path.clone(),
+            made,
+            source,
+            refused: Vec::new(),
+        };
+        remove_staging(&path);
+        for input in scene.map(SceneFile::inputs).unwrap_or_default() {
+            refuse_input(&path, &input)?;
+        }
+        if !output.force {
+            belongs_to(&path, (name, &subject), folder.source.as_ref())?;
+        }
+        let journal = path.join(JOURNAL);
+        folder.journal = Some(match Journal::open(&journal, &subject, output.fresh) {
+            Err(JournalError::Other { .. }) if output.force => {
+                Journal::open(&journal, &subject, true)?
+            }
+            opened => opened?,
+        });
+        folder.has_journal = true;
+        interruption::defer();
+        let rows = scene.iter().flat_map(|s| &s.refused);
+        folder.refused = rows
+            .map(|r| refused(&r.label, &r.model, r.error.told()))
+            .collect();
         Ok(folder)
     }
 
@@ -105,16 +149,26 @@ impl StudyFolder {
 
     /// What does the pieces of the study, once: it has the journal.
     pub fn runner<'a>(&mut self, progress: Progress<'a>) -> Runner<'a> {
-        let Some(journal) = self.journal.take() else {
-            return Runner::default();
-        };
-        if !journal.is_empty() {
+        match self.journal.take() {
+            Some(journal) => Runner::new(journal, progress).announcing(&|pieces| {
+                say(&format!(
+                    "going on after {pieces} finished pieces of an interrupted start (--fresh starts over)"
+                ));
+            }),
+            None => Runner::default(),
+        }
+    }
+
+    /// The refusal of a study that was interrupted before there was anything to report; the pieces that are finished are
+    /// kept for the next start.
+    pub fn interrupted(&self) -> Refusal {
+        let pieces = pieces(&self.path.join(JOURNAL));
+        if pieces > 0 {
             say(&format!(
-                "going on after {} finished pieces of an interrupted start (--fresh starts over)",
-                journal.len()
+                "interrupted: {pieces} finished pieces are kept; the same command goes on"
             ));
         }
-        Runner::new(journal, progress)
+        Refusal::Interrupted
     }
 
     /// Writes the record with its report, prints its summary and where everything lies, and answers with it. Runs that an
@@ -143,14 +197,16 @@ impl StudyFolder {
         if stopped {
             let planned = results.runs.len();
             (results.runs).retain(|r| r.status != Status::Interrupted);
-            let (made, maps) = (results.runs.len(), results.maps().len());
-            if made + maps == 0 {
-                return Err(Refusal::Interrupted);
+            let (made, parts) = (results.runs.len(), parts(&results.part));
+            if made + parts == 0 {
+                return Err(self.interrupted());
             }
-            let what = if maps == 0 {
-                format!("{made} of {planned} runs were made; the same command goes on")
-            } else {
-                "cells that were not made say so; the same command goes on".into()
+            let what = match (&results.part, planned) {
+                (Part::Stability(_), _) => {
+                    "cells that were not made say so; the same command goes on".into()
+                }
+                (_, 0) => format!("{parts} parts were finished; the same command goes on"),
+                _ => format!("{made} of {planned} runs were made; the same command goes on"),
             };
             results.settings.push((INTERRUPTED_STUDY.into(), what));
         }
@@ -225,10 +281,11 @@ impl Drop for StudyFolder {
     /// A study that came to nothing leaves nothing behind.
     fn drop(&mut self) {
         let journal = self.path.join(JOURNAL);
-        let empty = |j: &Path| Journal::open(j, false).is_ok_and(|j| j.is_empty());
-        if journal.exists() && empty(&journal) {
+        // The journal of somebody else is none of this study.
+        if self.has_journal && pieces(&journal) == 0 {
             let _ = std::fs::remove_file(journal);
         }
+        self.lock = None;
         let Some(made) = &self.made else { return };
         for folder in self.path.ancestors() {
             // A folder that is not empty stays.
@@ -237,4 +294,158 @@ impl Drop for StudyFolder {
             }
         }
     }
+}
+
+/// Finished pieces of a journal: its lines but the first.
+fn pieces(journal: &Path) -> usize {
+    use std::io::{BufRead, BufReader};
+    let file = std::fs::File::open(journal).ok().map(BufReader::new);
+    let lines = file.map_or(0, |f| f.split(b'\n').map_while(Result::ok).count());
+    lines.saturating_sub(1)
+}
+
+/// Parts of a record beside its runs that are reported though the study was interrupted.
+fn parts(part: &Part) -> usize {
+    match part {
+        Part::Stability(part) => part.maps.len(),
+        Part::Modes(part) => part.vibrations.len(),
+        Part::Response(part) => part.responses.len(),
+        Part::Identify(part) => part.fits.len(),
+        Part::Check(part) => part.entries.len(),
+        _ => 0,
+    }
+}
+
+/// Labels between commas in alphabetical order.
+fn in_order(labels: &str) -> String {
+    let mut all: Vec<&str> = labels.split(',').map(str::trim).collect();
+    all.sort_unstable();
+    all.join(",")
+}
+
+/// Removes the staging folders of processes that were killed while they wrote the record: the lock is ours, and so they are
+/// nobody's.
+pub(crate) fn remove_staging(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let pid = name
+            .strip_prefix(".staging-")
+            .and_then(|p| p.parse::<u32>().ok());
+        // Of a link the link goes, not what it leads to.
+        let _ = match entry.file_type() {
+            _ if pid.is_none() => continue,
+            Ok(kind) if kind.is_dir() => std::fs::remove_dir_all(entry.path()),
+            _ => std::fs::remove_file(entry.path()),
+        };
+    }
+}
+
+/// Refuses an output folder in which an input lies that could be taken for a result.
+fn refuse_input(folder: &Path, input: &Path) -> Result<(), Refusal> {
+    let ending = input
+        .extension()
+        .and_then(|e| e.to_str())
+        .unwrap_or_default();
+    let like_a_result =
+        ENDINGS.contains(&ending) || input.file_name().is_some_and(|n| n == "chosen.toml");
+    if !like_a_result || !is_same(folder_of(input), folder) {
+        return Ok(());
+    }
+    Err(Refusal::Input(miette::miette!(
+        help = "name another folder with --out",
+        "{}: `{}`, which the study reads, is in the folder that it would write to",
+        folder.display(),
+        input.display()
+    )))
+}
+
+/// What a record says of the study that it is of.
+#[derive(Deserialize)]
+struct Kept {
+    schema: u32,
+    study: String,
+    scene: String,
+    command: String,
+    #[serde(default)]
+    source: Option<KeptSource>,
+}
+
+#[derive(Deserialize)]
+struct KeptSource {
+    name: String,
+    scene: String,
+}
+
+/// Refuses a folder that holds the results of another study, or files of another program.
+fn belongs_to(
+    folder: &Path,
+    (name, subject): (&str, &Subject),
+    source: Option<&Source>,
+) -> Result<(), Refusal> {
+    let refuse = |what: &str| {
+        Err(Refusal::Input(miette::miette!(
+            help = "name another folder with --out, or replace what is there with --force",
+            "{}: {what}",
+            folder.display()
+        )))
+    };
+    let record = folder.join(RECORD);
+    if !OWN.iter().any(|name| folder.join(name).exists()) {
+        return match first_result(folder) {
+            None => Ok(()),
+            Some(name) => refuse(&format!(
+                "the folder has files that are not those of a study (`{name}`)"
+            )),
+        };
+    }
+    if !record.exists() {
+        return Ok(());
+    }
+    let text = match record.is_file() {
+        true => std::fs::read_to_string(&record).unwrap_or_default(),
+        false => String::new(),
+    };
+    let Ok(kept) = serde_json::from_str::<Kept>(&text) else {
+        return refuse(&format!("its {RECORD} is not a record of gearbench"));
+    };
+    if kept.schema != SCHEMA {
+        return refuse(&format!(
+            "its {RECORD} is a record of another version of gearbench"
+        ));
+    }
+    let same_scene = match (&kept.source, source) {
+        (Some(a), Some(b)) => {
+            a.name == b.name
+                || a.scene == b.scene
+                || is_same(Path::new(&a.name), Path::new(&b.name))
+        }
+        // A check has no scene of its own, and records of older versions do not have it.
+        _ => kept.scene == name,
+    };
+    let models = super::models_of(&kept.command).map(|m| m.as_deref().map(in_order));
+    let other = match (kept.study == subject.study, same_scene) {
+        (false, _) => "another study",
+        (_, false) => "another scene of the same name",
+        // A command line of another version may not be read any more, and says nothing.
+        _ if models.is_some_and(|m| m != subject.models) => "another choice of models",
+        _ => return Ok(()),
+    };
+    refuse(&format!(
+        "the folder holds the results of {other} (`{}`)",
+        kept.command
+    ))
+}
+
+/// A file with the ending of one that a study writes.
+fn first_result(folder: &Path) -> Option<String> {
+    let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> = (names.filter(|e| e.file_type().is_ok_and(|t| !t.is_dir())))
+        .map(|e| e.file_name().to_string_lossy().into_owned())
+        .filter(|name| {
+            let ending = Path::new(name).extension().and_then(|e| e.to_str());
+            ending.is_some_and(|e| ENDINGS.contains(&e))
+        })
+        .collect();
+    names.sort_unstable();
+    names.into_iter().next()
 }

@@ -2,10 +2,12 @@
 //!
 //! Standard output has the answer: lines for people, or one JSON object (`--json`), or nothing (`--quiet`). Standard error
 //! has refusals, warnings and progress. A reader that goes away (`gearbench list | head -1`) ends the output and not the
-//! command, whose files and exit code are those of a whole one; a full disk behind standard output is an error.
+//! command, whose files and exit code are those of a whole one. A full disk behind standard output is an error, and so is an
+//! object that nobody can read.
 
 use super::answer::{self, Answer};
 use super::arguments::Insist;
+pub use super::command_line::told;
 use super::exit::Exit;
 pub use super::refusal::{Refusal, refuse_run, refuse_study};
 use crate::scene_file::SceneFile;
@@ -65,6 +67,24 @@ pub fn put(text: &str) {
     }
 }
 
+/// Takes note of a failure to write, unless there was one before.
+fn fail(e: io::Error) {
+    if let Ok(mut failed) = FAILED.lock() {
+        failed.get_or_insert(e);
+    }
+}
+
+/// Whether standard output was closed when the program began. The runtime then opens the null device for reading and writing
+/// in its place, which a redirection of an output does not.
+fn nobody_reads() -> bool {
+    let null = std::fs::read_link("/proc/self/fd/1").is_ok_and(|to| to.as_os_str() == "/dev/null");
+    let info = std::fs::read_to_string("/proc/self/fdinfo/1").unwrap_or_default();
+    let flags = info.lines().find_map(|l| l.strip_prefix("flags:"));
+    let flags = flags.and_then(|f| u32::from_str_radix(f.trim(), 8).ok());
+    const BOTH: u32 = 0o2;
+    null && flags.is_some_and(|f| f & 0o3 == BOTH)
+}
+
 /// What is odd though not wrong, on standard error or among the warnings of the JSON object; once each.
 pub fn warn(text: &str) {
     let Ok(mut warnings) = WARNINGS.lock() else {
@@ -102,6 +122,9 @@ pub fn end(command: &str, result: Result<Answer, Refusal>) -> ExitCode {
             let exit = answer.exit;
             if manner() == Manner::Json {
                 put(&answer.json(command, warnings).to_string());
+                if nobody_reads() {
+                    fail(io::Error::other("it is closed"));
+                }
             }
             exit
         }
@@ -112,7 +135,9 @@ pub fn end(command: &str, result: Result<Answer, Refusal>) -> ExitCode {
         }
     };
     let failed = FAILED.lock().ok().and_then(|mut f| f.take());
-    match failed.filter(|e| e.kind() != ErrorKind::BrokenPipe) {
+    // Of lines for people a reader may have enough; half of an object is none.
+    let enough = |e: &io::Error| e.kind() == ErrorKind::BrokenPipe && manner() != Manner::Json;
+    match failed.filter(|e| !enough(e)) {
         None => exit.into(),
         Some(e) => {
             let report = miette::miette!(
@@ -135,22 +160,6 @@ pub(super) fn complain(command: &str, exit: Exit, report: &Report, warnings: Vec
         _ if io::stderr().is_terminal() => put_error(&escape::coloured(&format!("{report:?}"))),
         _ => say_error(&format!("{report:?}")),
     }
-}
-
-/// The command line as it was given, with the program's own name instead of its path.
-pub fn told(program: &str) -> String {
-    let quote = |a: String| {
-        let plain = !a.is_empty()
-            && a.chars()
-                .all(|c| c.is_ascii_alphanumeric() || "-_./=@,:+".contains(c));
-        if plain {
-            a
-        } else {
-            format!("'{}'", a.replace('\'', "'\\''"))
-        }
-    };
-    let arguments: Vec<String> = std::env::args().skip(1).map(quote).collect();
-    format!("{program} {}", arguments.join(" "))
 }
 
 /// A path that holds wherever it is pasted.

@@ -1,24 +1,38 @@
-//! Interruption by the user (Ctrl-C) or by the system (SIGTERM): runs stop, what is finished is reported.
+//! Interruption by the user (Ctrl-C), by the system (SIGTERM) or by a terminal that is closed (SIGHUP).
 //!
-//! The first signal sets a flag that every integration looks at; a second one ends the program at once, with the code
-//! that a shell gives to a program that a signal ended.
+//! Signals are caught from the first line of the program on, and end it with the exit code [`CODE`] whenever they come.
+//! While nothing is finished yet (scenes are read, models are built, gears are meshed) a signal ends the program at once.
+//! Once a study [defers](defer) signals, the first one sets a flag that every integration looks at, so that what is
+//! finished is reported; a second one ends the program at once.
 
-use signal_hook::consts::{SIGINT, SIGTERM};
 use std::io;
 use std::sync::Arc;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-static FLAG: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+/// Exit code of a program that was interrupted.
+pub const CODE: u8 = 130;
+
+/// The program was asked to end.
+static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+/// The next signal ends the program at once.
+static AT_ONCE: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| Arc::new(AtomicBool::new(true)));
 
 /// Whether the program was asked to end.
 pub fn requested() -> bool {
-    FLAG.load(Ordering::Relaxed)
+    REQUESTED.load(Ordering::Relaxed)
 }
 
 /// What integrations look at.
 pub fn flag() -> &'static AtomicBool {
-    &FLAG
+    &REQUESTED
+}
+
+/// Lets the first signal from here on end the program in good order.
+pub fn defer() {
+    if !requested() {
+        AT_ONCE.store(false, Ordering::Relaxed);
+    }
 }
 
 /// Catches the signals from here on.
@@ -26,11 +40,29 @@ pub fn flag() -> &'static AtomicBool {
 /// # Errors
 /// When the system refuses.
 pub fn catch() -> io::Result<()> {
-    for signal in [SIGINT, SIGTERM] {
-        // In this order: the first signal finds the flag clear.
-        let code = 128 + signal;
-        signal_hook::flag::register_conditional_shutdown(signal, code, FLAG.clone())?;
-        signal_hook::flag::register(signal, FLAG.clone())?;
+    for signal in signals() {
+        // In this order: the first signal that is deferred finds the flag clear.
+        let code = i32::from(CODE);
+        signal_hook::flag::register_conditional_shutdown(signal, code, AT_ONCE.clone())?;
+        signal_hook::flag::register(signal, AT_ONCE.clone())?;
+        signal_hook::flag::register(signal, REQUESTED.clone())?;
     }
     Ok(())
+}
+
+/// The signals that end the program, without those that whoever started it had it ignore, as `nohup` does.
+fn signals() -> Vec<i32> {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    #[cfg(target_os = "linux")]
+    let all = vec![SIGINT, SIGTERM, signal_hook::consts::SIGHUP];
+    // Where it is not known whether SIGHUP is ignored, it stays as it is.
+    #[cfg(not(target_os = "linux"))]
+    let all = vec![SIGINT, SIGTERM];
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|l| l.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    let ignored = ignored.unwrap_or(0);
+    all.into_iter()
+        .filter(|s| ignored >> (s - 1) & 1 == 0)
+        .collect()
 }

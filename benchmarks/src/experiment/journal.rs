@@ -1,24 +1,41 @@
-//! The journal of a study: every finished piece of work is a line of its own, on disk before the next is asked for.
+//! The journal of a study: every finished piece of work is a line of its own, on disk before the next is begun.
 //!
-//! The first line says which program the lines belong to: another one may compute otherwise, and starts over. A line has
-//! the name of a piece, which tells all that the piece depends on ([`Key`](super::key::Key)), and its result. A program
-//! that is killed leaves at worst a last line without its end, which the next one cuts off; what stands in the journal is
-//! not computed again. A line is appended by one write and synced, so that neither a kill nor a loss of power takes more
-//! than the runs under way.
+//! The first line says which program and which study the lines belong to: another program may compute otherwise, and starts
+//! over. A line has the name of a piece, which covers all that the piece depends on ([`Key`](super::key::Key)), its result,
+//! and a checksum of both. A program that is killed, or a loss of power, leaves at worst a last line that is not whole, which
+//! the next start cuts off. A line that is damaged before a sound one is named: nothing of it is used. What stands in the
+//! journal is not computed again. A line is appended by one write and synced, so that neither a kill nor a loss of power
+//! takes more than the runs under way. One process at a time writes a journal: the lock of the folder sees to that.
 
 use super::machine;
+use gearbench_reference::hash::Hash;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Name of the journal in the folder of a study.
 pub const JOURNAL: &str = "journal.jsonl";
 /// Version of its format.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
+/// Bytes of the first line, at most.
+const LONGEST_HEADER: u64 = 1 << 16;
+/// How a journal begins, of whatever version.
+const BEGIN: &[u8] = b"{\"journal\":";
+
+/// The study that a journal or a record belongs to: what distinguishes it from others that would use the same folder.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Subject {
+    /// Id of the study.
+    pub study: String,
+    /// The scene as it is named: a shipped one, or a path.
+    pub scene: String,
+    /// Labels of the models that are chosen, between commas, in alphabetical order; `None` for those of the scene.
+    pub models: Option<String>,
+}
 
 /// First line.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
@@ -27,10 +44,13 @@ struct Header {
     journal: u32,
     /// The program that wrote it.
     program: String,
+    /// The study that the pieces are of.
+    #[serde(default)]
+    subject: Subject,
 }
 
 impl Header {
-    fn own() -> Self {
+    fn of(subject: &Subject) -> Self {
         Header {
             journal: VERSION,
             program: format!(
@@ -39,6 +59,7 @@ impl Header {
                 machine::COMMIT,
                 build()
             ),
+            subject: subject.clone(),
         }
     }
 }
@@ -52,18 +73,42 @@ fn build() -> String {
 }
 
 /// A finished piece of work.
-#[derive(Debug, Serialize)]
-struct Line<'a, R> {
-    key: &'a str,
-    result: &'a R,
-}
-
-/// The same as it is read: the result as text.
-#[derive(Debug, Deserialize)]
-struct ReadLine<'a> {
+#[derive(Debug, Serialize, Deserialize)]
+struct Line<'a> {
     key: String,
+    /// Checksum of the key and of the text of the result.
+    sum: String,
     #[serde(borrow)]
     result: &'a RawValue,
+}
+
+impl<'a> Line<'a> {
+    fn new(key: &str, result: &'a RawValue) -> Self {
+        Line {
+            key: key.to_owned(),
+            sum: sum(key, result),
+            result,
+        }
+    }
+
+    /// Reads a line and verifies its checksum.
+    fn read(bytes: &'a [u8]) -> Result<Self, String> {
+        let line: Line<'_> = serde_json::from_slice(bytes).map_err(|e| e.to_string())?;
+        if !bytes.ends_with(b"\n") {
+            return Err("it has no end".into());
+        }
+        match sum(&line.key, line.result) == line.sum {
+            true => Ok(line),
+            false => Err("its checksum is not that of its key and its result".into()),
+        }
+    }
+}
+
+fn sum(key: &str, result: &RawValue) -> String {
+    let mut hash = Hash::START;
+    hash.text(key);
+    hash.text(result.get());
+    hash.to_string()
 }
 
 /// Where the line of a finished piece is; results are read from there when they are asked for.
@@ -85,9 +130,9 @@ pub enum JournalError {
         /// Reason.
         source: std::io::Error,
     },
-    /// A line that is not the last cannot be read.
+    /// A line before a sound one is damaged.
     #[error(
-        "{}:{line}: the line cannot be read ({reason}); start over with --fresh",
+        "{}:{line}: the line is damaged ({reason}); start over with --fresh",
         path.display()
     )]
     Damaged {
@@ -98,6 +143,38 @@ pub enum JournalError {
         /// Reason.
         reason: String,
     },
+    /// What lies in its place is no journal.
+    #[error(
+        "{}: {found}, where the journal of the study would be written; name another folder with --out, or remove it",
+        path.display()
+    )]
+    Foreign {
+        /// The place.
+        path: PathBuf,
+        /// What is there.
+        found: &'static str,
+    },
+    /// It has finished pieces of another study.
+    #[error(
+        "{}: {pieces} finished pieces of another study ({}) that was interrupted; name another folder with --out, go on \
+         with that study, or give its pieces up with --fresh",
+        path.display(), of(subject)
+    )]
+    Other {
+        /// The journal.
+        path: PathBuf,
+        /// Number of its pieces.
+        pieces: usize,
+        /// Their study.
+        subject: Subject,
+    },
+}
+
+/// A study in words.
+fn of(subject: &Subject) -> String {
+    let models = subject.models.as_ref();
+    let models = models.map_or_else(String::new, |m| format!(", models {m}"));
+    format!("{} of {}{models}", subject.study, subject.scene)
 }
 
 impl From<JournalError> for String {
@@ -117,41 +194,29 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal at a path, with what it holds already; `fresh` empties it first, and so does another program.
+    /// Opens the journal of a study at a path, with what it holds already; `fresh` empties it first, and so does another
+    /// program.
     ///
     /// # Errors
-    /// [`JournalError`] when the file refuses, or is damaged before its last line.
-    pub fn open(path: &Path, fresh: bool) -> Result<Self, JournalError> {
+    /// [`JournalError`] when the file refuses, is no journal, has pieces of another study, or is damaged before a sound
+    /// line.
+    pub fn open(path: &Path, subject: &Subject, fresh: bool) -> Result<Self, JournalError> {
         let io = |source| JournalError::Io {
             path: path.to_owned(),
             source,
         };
-        // A pipe in its place would keep the study waiting for ever.
-        match path.metadata() {
-            Ok(data) if !data.is_file() => {
-                return Err(io(std::io::Error::other(
-                    "it is no regular file; remove it",
-                )));
-            }
+        let foreign = |found| JournalError::Foreign {
+            path: path.to_owned(),
+            found,
+        };
+        match std::fs::symlink_metadata(path) {
+            Ok(m) if m.is_symlink() => return Err(foreign("a link")),
+            Ok(m) if !m.is_file() => return Err(foreign("not a regular file")),
             _ => {}
         }
-        let mut file = (OpenOptions::new().read(true).append(true).create(true))
+        let file = (OpenOptions::new().read(true).append(true).create(true))
             .open(path)
             .map_err(io)?;
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(io)?;
-        let ours = |line: &[u8]| {
-            serde_json::from_slice::<Header>(line).is_ok_and(|found| found == Header::own())
-        };
-        let first = bytes.iter().position(|b| *b == b'\n').unwrap_or(0);
-        let whole = if fresh || !ours(&bytes[..first]) {
-            0
-        } else {
-            bytes.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1)
-        };
-        if whole < bytes.len() {
-            file.set_len(whole as u64).map_err(io)?;
-        }
         let mut journal = Journal {
             path: path.to_owned(),
             file,
@@ -159,12 +224,42 @@ impl Journal {
             lines: 1,
             length: 0,
         };
-        if whole == 0 {
-            journal.append(&Header::own())?;
-        } else {
-            journal.length = first as u64 + 1;
-            journal.read(&bytes[first + 1..whole])?;
+        let mut reader = BufReader::new(journal.file.try_clone().map_err(io)?);
+        let mut first = Vec::new();
+        (&mut reader)
+            .take(LONGEST_HEADER)
+            .read_until(b'\n', &mut first)
+            .map_err(io)?;
+        let header = serde_json::from_slice::<Header>(&first);
+        let own = Header::of(subject);
+        let whole = header.is_ok() && first.ends_with(b"\n");
+        // A first line without its end is that of a program that was killed, or of a loss of power.
+        let torn = first.iter().all(|b| *b == 0)
+            || BEGIN.starts_with(&first)
+            || (first.starts_with(BEGIN) && !first.ends_with(b"\n"));
+        match header {
+            Ok(found)
+                if whole && !fresh && found.program == own.program && found.journal == VERSION =>
+            {
+                journal.length = first.len() as u64;
+                journal.read(&mut reader)?;
+                if found.subject != *subject && !journal.is_empty() {
+                    return Err(JournalError::Other {
+                        path: path.to_owned(),
+                        pieces: journal.len(),
+                        subject: found.subject,
+                    });
+                }
+                if found.subject == *subject {
+                    return Ok(journal);
+                }
+            }
+            Err(_) if !torn => return Err(foreign("a file that is not gearbench's")),
+            _ => {}
         }
+        (journal.places, journal.lines, journal.length) = (HashMap::new(), 1, 0);
+        journal.file.set_len(0).map_err(io)?;
+        journal.append(&own)?;
         Ok(journal)
     }
 
@@ -176,14 +271,28 @@ impl Journal {
         }
     }
 
-    /// Takes the whole lines of a journal, the first one left out.
-    fn read(&mut self, bytes: &[u8]) -> Result<(), JournalError> {
-        for line in bytes.split_inclusive(|b| *b == b'\n') {
-            let found: ReadLine<'_> =
-                serde_json::from_slice(line).map_err(|e| self.damaged(self.lines + 1, &e))?;
-            self.keep(found.key, line.len());
+    /// Takes the sound lines of a journal behind the first one. What follows the last of them was not written to its end,
+    /// and is cut off.
+    fn read(&mut self, from: &mut impl BufRead) -> Result<(), JournalError> {
+        let mut unsound: Option<(usize, String)> = None;
+        let mut bytes = Vec::new();
+        for number in 2.. {
+            bytes.clear();
+            let length = from.read_until(b'\n', &mut bytes).map_err(|e| self.io(e))?;
+            if length == 0 {
+                break;
+            }
+            match (Line::read(&bytes), &unsound) {
+                (Ok(line), None) => self.keep(line.key, length),
+                (Ok(_), Some((at, reason))) => return Err(self.damaged(*at, reason)),
+                (Err(reason), None) => unsound = Some((number, reason)),
+                (Err(_), Some(_)) => {}
+            }
         }
-        Ok(())
+        match unsound {
+            Some(_) => self.file.set_len(self.length).map_err(|e| self.io(e)),
+            None => Ok(()),
+        }
     }
 
     /// Takes note of the line that follows what is known.
@@ -205,16 +314,15 @@ impl Journal {
         }
     }
 
-    /// Appends a line and returns its length.
+    /// Appends a line and returns its length. One that cannot be written whole is taken back.
     fn write(&mut self, line: &impl Serialize) -> Result<usize, JournalError> {
-        let io = |source| JournalError::Io {
-            path: self.path.clone(),
-            source,
-        };
-        let mut text = serde_json::to_string(line).map_err(|e| io(e.into()))?;
+        let mut text = serde_json::to_string(line).map_err(|e| self.io(e.into()))?;
         text.push('\n');
-        self.file.write_all(text.as_bytes()).map_err(io)?;
-        self.file.sync_data().map_err(io)?;
+        let written = self.file.write_all(text.as_bytes());
+        written.and_then(|()| self.file.sync_data()).map_err(|e| {
+            let _ = self.file.set_len(self.length);
+            self.io(e)
+        })?;
         Ok(text.len())
     }
 
@@ -228,7 +336,8 @@ impl Journal {
     /// # Errors
     /// [`JournalError::Io`] when the file refuses.
     pub fn store(&mut self, key: &str, result: &impl Serialize) -> Result<(), JournalError> {
-        let length = self.write(&Line { key, result })?;
+        let result = serde_json::value::to_raw_value(result).map_err(|e| self.io(e.into()))?;
+        let length = self.write(&Line::new(key, &result))?;
         self.keep(key.to_owned(), length);
         Ok(())
     }
@@ -236,7 +345,8 @@ impl Journal {
     /// A result by its name.
     ///
     /// # Errors
-    /// [`JournalError::Damaged`] when it is none of this type, [`JournalError::Io`] when the file refuses.
+    /// [`JournalError::Damaged`] when the line is not the one that was read at the start, or its result none of this type,
+    /// [`JournalError::Io`] when the file refuses.
     pub fn get<T: DeserializeOwned>(&mut self, key: &str) -> Result<Option<T>, JournalError> {
         let Some(place) = self.places.get(key).copied() else {
             return Ok(None);
@@ -245,8 +355,10 @@ impl Journal {
         (self.file.seek(SeekFrom::Start(place.offset)))
             .and_then(|_| self.file.read_exact(&mut bytes))
             .map_err(|e| self.io(e))?;
-        let read = serde_json::from_slice::<ReadLine<'_>>(&bytes)
-            .and_then(|line| serde_json::from_str(line.result.get()));
+        let read = Line::read(&bytes).and_then(|line| match line.key == key {
+            true => serde_json::from_str(line.result.get()).map_err(|e| e.to_string()),
+            false => Err("it has the key of another piece".into()),
+        });
         read.map(Some).map_err(|e| self.damaged(place.line, &e))
     }
 
@@ -267,7 +379,7 @@ mod tests {
     use tempfile::TempDir;
 
     fn open(folder: &TempDir, fresh: bool) -> Result<Journal, JournalError> {
-        Journal::open(&folder.path().join(JOURNAL), fresh)
+        Journal::open(&folder.path().join(JOURNAL), &Subject::default(), fresh)
     }
 
     /// A number that takes all its digits.
@@ -314,21 +426,123 @@ mod tests {
         assert!(open(&folder, true).unwrap().is_empty());
     }
 
+    /// A journal of three pieces as text, with its file.
+    fn three(folder: &TempDir) -> (PathBuf, String) {
+        let mut journal = open(folder, true).unwrap();
+        for (key, x) in [("a", 1.25), ("b", 2.5), ("c", 3.75)] {
+            journal.store(key, &x).unwrap();
+        }
+        drop(journal);
+        let file = folder.path().join(JOURNAL);
+        let text = std::fs::read_to_string(&file).unwrap();
+        (file, text)
+    }
+
     #[test]
     fn a_damaged_line_is_named() {
         let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join(JOURNAL);
+        let (file, text) = three(&folder);
+        assert!(open(&folder, false).unwrap().get::<String>("b").is_err());
+        let lines: Vec<&str> = text.lines().collect();
+        let (a, b) = (lines[1], lines[2]);
+        // A digit, two keys that are exchanged, a line that is cut, zeros.
+        let exchanged = text
+            .replace("\"key\":\"a\"", "\"key\":\"x\"")
+            .replace("\"key\":\"b\"", "\"key\":\"a\"")
+            .replace("\"key\":\"x\"", "\"key\":\"b\"");
+        for (changed, line) in [
+            (text.replace("1.25", "1.35"), 2),
+            (text.replace("2.5}", "2.6}"), 3),
+            (exchanged, 2),
+            (text.replace(a, &a[..a.len() / 2]), 2),
+            (text.replace(b, &"\0".repeat(b.len())), 3),
+        ] {
+            assert_ne!(changed, text);
+            std::fs::write(&file, &changed).unwrap();
+            let error = open(&folder, false).unwrap_err().to_string();
+            let place = format!(".jsonl:{line}:");
+            assert!(
+                error.contains(&place) && error.contains("--fresh"),
+                "{error}"
+            );
+            assert_eq!(std::fs::read_to_string(&file).unwrap(), changed);
+        }
+        assert!(open(&folder, true).unwrap().is_empty());
+    }
+
+    /// Zeros in the place of the last line, with and without a line feed, are what a loss of power leaves.
+    #[test]
+    fn a_last_line_of_zeros_or_with_another_digit_is_cut_off() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, text) = three(&folder);
+        let last = text.lines().last().unwrap();
+        let sound = &text[..text.len() - last.len() - 1];
+        for tail in [
+            "\0".repeat(last.len() + 1),
+            "\0".repeat(last.len()) + "\n",
+            last.replace("3.75", "3.85") + "\n",
+        ] {
+            std::fs::write(&file, format!("{sound}{tail}")).unwrap();
+            let mut journal = open(&folder, false).unwrap();
+            assert_eq!(journal.len(), 2);
+            assert_eq!(journal.get::<f64>("b").unwrap(), Some(2.5));
+            journal.store("c", &3.75).unwrap();
+            assert_eq!(journal.get::<f64>("c").unwrap(), Some(3.75));
+            assert_eq!(std::fs::read_to_string(&file).unwrap(), text);
+        }
+    }
+
+    /// Lines of equal length that change their places while the journal is open are not taken for each other.
+    #[test]
+    fn a_result_is_that_of_its_key() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, text) = three(&folder);
         let mut journal = open(&folder, false).unwrap();
-        journal.store("a", &X).unwrap();
-        journal.store("b", &X).unwrap();
-        assert!(journal.get::<String>("b").is_err());
-        drop(journal);
-        let text = std::fs::read_to_string(&file).unwrap();
-        std::fs::write(&file, text.replacen("\"key\":\"a\"", "\"ke", 1)).unwrap();
-        let error = open(&folder, false).unwrap_err().to_string();
-        assert!(
-            error.contains(".jsonl:2:") && error.contains("--fresh"),
-            "{error}"
-        );
+        let mut lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[1].len(), lines[3].len());
+        lines.swap(1, 3);
+        std::fs::write(&file, lines.join("\n") + "\n").unwrap();
+        let error = journal.get::<f64>("a").unwrap_err().to_string();
+        assert!(error.contains("key of another piece"), "{error}");
+    }
+
+    #[test]
+    fn what_is_no_journal_or_of_another_study_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join(JOURNAL);
+        for foreign in [
+            "{\"time\": 1}\n{\"time\": 2}\n",
+            "notes",
+            "{\"journal\": \"mine\"}\n",
+        ] {
+            std::fs::write(&file, foreign).unwrap();
+            for fresh in [false, true] {
+                let error = open(&folder, fresh).unwrap_err().to_string();
+                assert!(error.contains("not gearbench's"), "{error}");
+            }
+            assert_eq!(std::fs::read_to_string(&file).unwrap(), foreign);
+        }
+        let (_, text) = {
+            std::fs::remove_file(&file).unwrap();
+            three(&folder)
+        };
+        let other = Subject {
+            study: "sweep".into(),
+            scene: "s.toml".into(),
+            models: Some("rigid".into()),
+        };
+        let error = Journal::open(&file, &other, false).unwrap_err().to_string();
+        assert!(error.contains("3 finished pieces"), "{error}");
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), text);
+        assert!(Journal::open(&file, &other, true).unwrap().is_empty());
+        // One without pieces is nobody's.
+        assert!(open(&folder, false).unwrap().is_empty());
+        #[cfg(unix)]
+        {
+            std::fs::rename(&file, folder.path().join("mine")).unwrap();
+            std::os::unix::fs::symlink(folder.path().join("mine"), &file).unwrap();
+            let error = open(&folder, true).unwrap_err().to_string();
+            assert!(error.contains("a link"), "{error}");
+        }
     }
 }

@@ -23,6 +23,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+/// What is told of the number of pieces that an interrupted start has left.
+pub type Announce<'a> = &'a (dyn Fn(usize) + Sync);
+
+/// Pieces that were taken from the journal.
+#[derive(Debug, Default)]
+struct Resumed {
+    pieces: usize,
+    announced: bool,
+}
+
 /// Does the pieces of a study.
 pub struct Runner<'a> {
     journal: Option<Mutex<Journal>>,
@@ -31,10 +41,13 @@ pub struct Runner<'a> {
     kept: AtomicU64,
     /// The processor time that all pieces may take together.
     budget: Budget,
+    resumed: Mutex<Resumed>,
+    announce: Announce<'a>,
 }
 
 impl Drop for Runner<'_> {
     fn drop(&mut self) {
+        self.announce();
         limits::release(*self.kept.get_mut());
     }
 }
@@ -56,6 +69,8 @@ impl Default for Runner<'_> {
             progress: &silent,
             kept: AtomicU64::new(0),
             budget: Budget::unlimited(),
+            resumed: Mutex::default(),
+            announce: &|_| {},
         }
     }
 }
@@ -68,6 +83,27 @@ impl<'a> Runner<'a> {
             progress,
             kept: AtomicU64::new(0),
             budget: Budget::unlimited(),
+            resumed: Mutex::default(),
+            announce: &|_| {},
+        }
+    }
+
+    /// The same, which announces once how many pieces it takes from an interrupted start: before it makes the first one
+    /// itself, else at its end.
+    #[must_use]
+    pub fn announcing(mut self, announce: Announce<'a>) -> Self {
+        self.announce = announce;
+        self
+    }
+
+    fn announce(&self) {
+        let pieces = {
+            let mut resumed = lock(&self.resumed);
+            let first = !std::mem::replace(&mut resumed.announced, true);
+            if first { resumed.pieces } else { 0 }
+        };
+        if pieces > 0 {
+            (self.announce)(pieces);
         }
     }
 
@@ -100,10 +136,15 @@ impl<'a> Runner<'a> {
     /// # Errors
     /// [`JournalError`] when the journal holds something else.
     pub fn finished<T: DeserializeOwned>(&self, key: Key) -> Result<Option<T>, JournalError> {
-        match &self.journal {
-            Some(journal) => lock(journal).get(&key.to_string()),
-            None => Ok(None),
+        let Some(journal) = &self.journal else {
+            return Ok(None);
+        };
+        let found = lock(journal).get(&key.to_string())?;
+        match found {
+            Some(_) => lock(&self.resumed).pieces += 1,
+            None => self.announce(),
         }
+        Ok(found)
     }
 
     /// The result of a piece of work, made now unless it is finished.
@@ -238,14 +279,15 @@ fn failure(panic: &(dyn Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::journal::JOURNAL;
+    use crate::experiment::journal::{JOURNAL, Subject};
     use crate::experiment::run::RunError;
     use gearbench_integrators::table::RK4;
 
     #[test]
     fn a_finished_piece_is_made_once_and_a_panic_is_a_row() {
         let folder = tempfile::tempdir().unwrap();
-        let open = || Journal::open(&folder.path().join(JOURNAL), false).unwrap();
+        let open =
+            || Journal::open(&folder.path().join(JOURNAL), &Subject::default(), false).unwrap();
         let method = RK4.at_step(1e-6);
         let [good, bad] = [Key::new("good"), Key::new("bad")];
         for start in 0..2 {
@@ -266,5 +308,31 @@ mod tests {
             assert!(row.message.unwrap().contains("no way"));
         }
         assert_eq!(open().len(), 1);
+    }
+
+    /// Of three pieces that are there, a study that needs two goes on after two.
+    #[test]
+    fn only_pieces_that_are_used_are_announced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(JOURNAL);
+        let open = || Journal::open(&path, &Subject::default(), false).unwrap();
+        let make = |runner: &Runner<'_>, pieces: &[&str]| {
+            for piece in pieces {
+                let made: Result<usize, JournalError> = runner.piece(Key::new(piece), || Ok(1));
+                made.unwrap();
+            }
+        };
+        make(
+            &Runner::new(open(), &silent),
+            &["a", "b", "of another scene"],
+        );
+        for pieces in [&["a", "b", "c", "d"] as &[&str], &["b", "a"]] {
+            let announced = Mutex::new(Vec::new());
+            let announce = |n| lock(&announced).push(n);
+            make(&Runner::new(open(), &silent).announcing(&announce), pieces);
+            assert_eq!(*lock(&announced), [2]);
+        }
+        let none = |_| panic!("nothing was taken up");
+        make(&Runner::new(open(), &silent).announcing(&none), &["e"]);
     }
 }

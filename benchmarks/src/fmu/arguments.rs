@@ -35,4 +35,7 @@ pub struct Fmu {
     /// File to write [default: SCENE.fmu]
     #[arg(long, value_name = "F.fmu")]
     pub out: Option<PathBuf>,
+    /// Write over a file that is there, though it is not one that this command has written
+    #[arg(long)]
+    pub force: bool,
 }

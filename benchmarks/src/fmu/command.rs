@@ -3,8 +3,9 @@
 use super::arguments::Fmu;
 use super::interface::{Interface, Role};
 use super::package::Package;
+use super::settings::SETTINGS;
 use crate::cli::answer::Answer;
-use crate::cli::files::write_whole;
+use crate::cli::files::{Overwriting, write_whole};
 use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
 use crate::experiment::run::RunError;
 use crate::fmu::coupled::Coupled;
@@ -20,6 +21,16 @@ fn bad(why: impl Into<String>, help: impl Into<String>) -> Refusal {
 pub fn run(args: &Fmu) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::None)?;
     let choice = choice(args, &scene)?;
+    let path = (args.out.clone()).unwrap_or_else(|| format!("{}.fmu", scene.name).into());
+    let mut inputs = scene.inputs();
+    inputs.extend(args.library.clone().or_else(beside));
+    let overwriting = Overwriting {
+        inputs: &inputs,
+        // Names of files stand in an archive as they are.
+        mark: Some(&format!("resources/{SETTINGS}")),
+        force: args.force,
+    };
+    overwriting.check(&path)?;
     let scheme = scheme(args, &scene, choice)?;
     let library = library(args)?;
     let mut coupled = Coupled::assemble(&scene, choice, &args.moved)?;
@@ -30,7 +41,6 @@ pub fn run(args: &Fmu) -> Result<Answer, Refusal> {
     }
     let mut package = Package::of(&scene, choice, scheme, &args.moved)?;
     package.add_library(library);
-    let path = (args.out.clone()).unwrap_or_else(|| format!("{}.fmu", scene.name).into());
     let fail = |e: std::io::Error| Refusal::Files(format!("{}: {e}", path.display()));
     let archive = package.archive().map_err(fail)?;
     write_whole(&path, archive).map_err(fail)?;

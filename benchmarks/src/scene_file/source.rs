@@ -10,7 +10,7 @@ use gearbench_reference::files;
 use gearbench_reference::hash::Hash;
 use gearbench_reports::record::Source;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// The record that is run again.
@@ -38,6 +38,10 @@ const MOST_OF_SOURCE: u64 = 1 << 30;
 
 /// The hash of a file; `None` of one that cannot be read.
 fn hash_of(path: &str) -> Option<String> {
+    // A record may name a pipe or a device, which is read without end.
+    if !Path::new(path).is_file() {
+        return None;
+    }
     let mut hash = Hash::START;
     hash.bytes(&files::read(Path::new(path), MOST_OF_SOURCE).ok()?);
     Some(hash.to_string())
@@ -63,6 +67,25 @@ pub fn changed(source: &Source) -> Vec<String> {
 }
 
 impl SceneFile {
+    /// Files that the scene names: decks, meshes and reductions of models, tables of references, topographies.
+    fn files_read(&self) -> Vec<PathBuf> {
+        let of_models = self.models.iter().flat_map(|m| files(&m.modelling));
+        let tables = self.references.iter().filter_map(|r| r.file());
+        (of_models.map(PathBuf::from))
+            .chain(tables.map(Path::to_owned))
+            .chain(self.flank_files.iter().cloned())
+            .collect()
+    }
+
+    /// Files that a study of the scene reads: the scene itself, its calibration, and all that it names.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let own = match &self.origin {
+            Origin::Shipped => Vec::new(),
+            Origin::File(path) => vec![path.clone(), self.calibration_path()],
+        };
+        own.into_iter().chain(self.files_read()).collect()
+    }
+
     /// What a record of it keeps.
     pub fn source(&self) -> Source {
         let mut calibrations: BTreeMap<String, Calibration> = BTreeMap::new();
@@ -73,12 +96,6 @@ impl SceneFile {
                 set.insert(used.label.clone(), constants.clone());
             }
         }
-        let tables = self.references.iter().filter_map(|r| r.file());
-        let tables = tables.map(|path| path.display().to_string());
-        let read = self.models.iter().flat_map(|m| key::files(&m.modelling));
-        let flanks = self.flank_files.iter();
-        let flanks = flanks.map(|path| path.display().to_string());
-        let read = read.map(str::to_owned).chain(tables).chain(flanks);
         Source {
             version: env!("CARGO_PKG_VERSION").into(),
             name: match &self.origin {
@@ -89,7 +106,8 @@ impl SceneFile {
             calibrations: (calibrations.into_iter())
                 .map(|(scene, c)| (scene, c.to_toml()))
                 .collect(),
-            files: read
+            files: (self.files_read().into_iter())
+                .map(|path| path.display().to_string())
                 .filter_map(|path| Some((path.clone(), hash_of(&path)?)))
                 .collect(),
             references: (self.references.iter())

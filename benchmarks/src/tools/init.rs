@@ -1,11 +1,11 @@
 //! `gearbench init`: a scene file to start from, or the files of a check.
 
 use crate::cli::answer::Answer;
+use crate::cli::files::{Overwriting, write_whole};
 use crate::cli::terminal::{Refusal, absolute, say};
 use crate::scene_file::{SHIPPED, SceneError, Shipped, did_you_mean};
 use clap::Args;
-use std::io::{ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -92,33 +92,29 @@ pub fn run(args: &Init) -> Result<Answer, Refusal> {
         None => (text(&args.what)?, "toml", "run it: gearbench compare FILE"),
     };
     let path = (args.out.clone()).unwrap_or_else(|| format!("{}.{ending}", args.what).into());
-    write(&path, text.as_bytes(), args.force)?;
+    write(&[(path.clone(), text.as_bytes())], args.force)?;
     let path = absolute(path);
     say(&format!("written: {}", path.display()));
     say(&next.replace("FILE", &path.display().to_string()));
     Ok(Answer::done().with("written", path))
 }
 
-/// Writes a file; one that is there already is replaced only by force.
-fn write(path: &Path, bytes: &[u8], force: bool) -> Result<(), Refusal> {
-    let mut options = std::fs::File::options();
-    match force {
-        true => options.write(true).create(true).truncate(true),
-        false => options.write(true).create_new(true),
+/// Writes files: all of them, or none where one is there already, unless by force.
+fn write(files: &[(PathBuf, &[u8])], force: bool) -> Result<(), Refusal> {
+    let overwriting = Overwriting {
+        inputs: &[],
+        // What it wrote is changed by its user, and is no longer its own.
+        mark: None,
+        force,
     };
-    let written = (options.open(path)).and_then(|mut f| f.write_all(bytes));
-    written.map_err(|e| match e.kind() {
-        ErrorKind::AlreadyExists => exists(path),
-        _ => Refusal::Files(format!("{}: {e}", path.display())),
-    })
-}
-
-fn exists(path: &Path) -> Refusal {
-    Refusal::Input(miette::miette!(
-        help = "name another with --out, or write over it with --force",
-        "{}: the file is there already",
-        path.display()
-    ))
+    for (path, _) in files {
+        overwriting.check(path)?;
+    }
+    for (path, bytes) in files {
+        write_whole(path, bytes)
+            .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
+    }
+    Ok(())
 }
 
 /// Writes the example of several files into a folder: all of them, or none where one is there already.
@@ -126,13 +122,8 @@ fn write_folder(args: &Init) -> Result<Answer, Refusal> {
     let folder = (args.out.clone()).unwrap_or_else(|| FOLDER.into());
     std::fs::create_dir_all(&folder)
         .map_err(|e| Refusal::Files(format!("{}: {e}", folder.display())))?;
-    let paths: Vec<PathBuf> = FILES.iter().map(|(name, _)| folder.join(name)).collect();
-    if let Some(there) = paths.iter().find(|p| p.exists() && !args.force) {
-        return Err(exists(there));
-    }
-    for (path, (_, bytes)) in paths.iter().zip(FILES) {
-        write(path, bytes, args.force)?;
-    }
+    let files = FILES.map(|(name, bytes)| (folder.join(name), bytes));
+    write(&files, args.force)?;
     let folder = absolute(folder);
     say(&format!("written: {}", folder.display()));
     say(&format!(

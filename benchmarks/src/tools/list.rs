@@ -8,8 +8,11 @@ use clap::{Args, ValueEnum};
 use gearbench_integrators::table::FREE_FLIGHT;
 use gearbench_integrators::{METHODS, Method, Stepping};
 use gearbench_models::gear::table::Model;
+use gearbench_reference::hash::Hash;
+use gearbench_reference::reduction::cache::{self, Cache, LIMIT};
 use gearbench_reference::{REFERENCES, StoredReference};
 use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -37,10 +40,19 @@ pub struct List {
     /// What to list with all details; left out, a line for each of all
     #[arg(value_name = "WHAT")]
     pub section: Option<Section>,
+    /// Remove the reductions that are kept in the cache ($GEARBENCH_CACHE, else the user's cache folder), and list
+    #[arg(long)]
+    pub clear_cache: bool,
 }
 
 /// Prints the tables.
 pub fn run(args: &List) -> Result<Answer, Refusal> {
+    let cached = Cached::of(cache::in_use());
+    let removed = match args.clear_cache {
+        true => cached.remove()?,
+        false => 0,
+    };
+    let cached = Cached::of(cache::in_use());
     let scenes = (SHIPPED.iter())
         .map(|s| scene_file::load_unbuilt(s.name))
         .collect::<Result<Vec<_>, _>>()?;
@@ -70,9 +82,86 @@ pub fn run(args: &List) -> Result<Answer, Refusal> {
         );
     }
     if args.section.is_none() {
+        cached.print(removed);
+        answer = answer.with("cache", cached.to_json());
         say("\n`gearbench list scenes`, `models` and `integrators` have the details");
     }
     Ok(answer)
+}
+
+/// Files of the cache of reductions.
+struct Cached {
+    folder: Option<PathBuf>,
+    files: Vec<PathBuf>,
+    bytes: u64,
+}
+
+impl Cached {
+    fn of(cache: &Cache) -> Self {
+        let folder = cache.folder().map(Path::to_owned);
+        let entries = folder.iter().flat_map(std::fs::read_dir).flatten();
+        let (mut files, mut bytes) = (Vec::new(), 0);
+        for entry in entries.flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let ours = name.split_once('.').is_some_and(|(hash, end)| {
+                let ending = end == "npz" || (end.starts_with("npz.") && end.ends_with(".part"));
+                ending && Hash::from_hex(hash).is_some()
+            });
+            if let Ok(data) = entry.metadata()
+                && ours
+                && data.is_file()
+            {
+                bytes += data.len();
+                files.push(entry.path());
+            }
+        }
+        Cached {
+            folder,
+            files,
+            bytes,
+        }
+    }
+
+    /// Removes the files, and returns their number.
+    fn remove(&self) -> Result<usize, Refusal> {
+        for file in &self.files {
+            match std::fs::remove_file(file) {
+                Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(Refusal::Files(format!("{}: {e}", file.display())));
+                }
+                _ => {}
+            }
+        }
+        Ok(self.files.len())
+    }
+
+    fn print(&self, removed: usize) {
+        say(
+            "\ncache of reductions (--clear-cache removes it; GEARBENCH_CACHE names its folder, or `off`)",
+        );
+        let Some(folder) = &self.folder else {
+            return say("  off");
+        };
+        if removed > 0 {
+            say(&format!("  {removed} files were removed"));
+        }
+        say(&format!(
+            "  {}: {} files, {:.1} MB of at most {:.1} GB, beyond which those go that were not used for longest",
+            folder.display(),
+            self.files.len(),
+            1e-6 * self.bytes as f64,
+            1e-9 * LIMIT as f64
+        ));
+    }
+
+    fn to_json(&self) -> Value {
+        json!({
+            "folder": self.folder,
+            "files": self.files.len(),
+            "bytes": self.bytes,
+            "limit_bytes": LIMIT,
+        })
+    }
 }
 
 fn scene(s: &SceneFile) -> Value {

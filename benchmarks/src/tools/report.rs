@@ -1,6 +1,8 @@
 //! `gearbench report DIR`: the page of a results folder, written again.
 
 use crate::cli::answer::Answer;
+use crate::cli::folder_lock::FolderLock;
+use crate::cli::study_folder::remove_staging;
 use crate::cli::terminal::{Refusal, absolute, say};
 use clap::Args;
 use gearbench_reference::{file_kind, files, limits};
@@ -92,7 +94,16 @@ fn way_out(dir: &Path) -> String {
 /// Writes the report.
 pub fn run(args: &Report) -> Result<Answer, Refusal> {
     check_record(&args.dir)?;
+    // A folder without a record is refused by what reads it.
+    let lock = match args.dir.join(RECORD).is_file() {
+        true => Some(FolderLock::take(&args.dir)?),
+        false => None,
+    };
+    if lock.is_some() {
+        remove_staging(&args.dir);
+    }
     let page = gearbench_reports::report_from(&args.dir).map_err(|e| refuse(&args.dir, e))?;
+    drop(lock);
     let page = absolute(page);
     say(&format!("report: {}", page.display()));
     Ok(Answer::done().with("report", page))

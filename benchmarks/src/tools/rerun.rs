@@ -5,6 +5,7 @@
 
 use super::report::check_record;
 use crate::cli::answer::Answer;
+use crate::cli::command_line::split;
 use crate::cli::exit::Exit;
 use crate::cli::terminal::{Refusal, absolute, say, warn};
 use crate::experiment::machine;
@@ -20,8 +21,9 @@ Examples:
   gearbench rerun out/spur_impact/compare                  into out/spur_impact/compare/rerun
   gearbench rerun results.json --out again
 
-The command of the record runs again, with the scene and the calibrations that the record holds, and the new record is
-held against it: all but times has to be the same (exit code 1 where it is not).";
+The study of the record runs again, with the scene and the calibrations that the record holds, and the new record is
+compared with it: all but times has to be the same (exit code 1 where it is not). Nothing is written outside of the
+folder: options of the command that write a baseline, a calibration or a scene are left out.";
 
 /// What tells the two programs apart, beside what depends on the clock.
 const OF_THE_PROGRAM: [&str; 2] = ["commit", "source"];
@@ -42,8 +44,9 @@ pub struct Rerun {
 pub struct Again {
     /// Words of the command line, without the program.
     pub words: Vec<String>,
+    /// Folder of the new record.
+    pub out: PathBuf,
     before: Results,
-    out: PathBuf,
 }
 
 fn refuse(e: &ReportError) -> Refusal {
@@ -91,19 +94,24 @@ pub fn prepare(args: &Rerun) -> Result<Again, Refusal> {
         None => &args.record,
     };
     let out = args.out.clone().unwrap_or_else(|| folder.join("rerun"));
-    let mut words = without_out(split(&before.header.command));
+    let mut words = split(&before.header.command);
     if words.is_empty() {
-        words.push("compare".into());
+        // `gearbench` alone is the default comparison.
+        words.push(gearbench_reports::Study::Compare.as_str().into());
     }
-    words.extend(["--out".to_owned(), out.display().to_string()]);
     stand_in(source);
-    Ok(Again { words, before, out })
+    Ok(Again { words, out, before })
 }
 
 impl Again {
     /// The command line of the record.
     pub fn command(&self) -> &str {
         &self.before.header.command
+    }
+
+    /// Id of the study of the record.
+    pub fn study(&self) -> &'static str {
+        self.before.study().as_str()
     }
 
     /// Holds the new record against the old one.
@@ -132,45 +140,6 @@ impl Again {
             .for_each(|d| say(&format!("  {d}")));
         Ok(answer.ending(Exit::FellShort))
     }
-}
-
-/// The words of a command line that was told, the program left out.
-fn split(told: &str) -> Vec<String> {
-    let mut words = Vec::new();
-    let mut word: Option<String> = None;
-    let (mut quoted, mut escaped) = (false, false);
-    for c in told.chars() {
-        match c {
-            _ if escaped => {
-                word.get_or_insert_default().push(c);
-                escaped = false;
-            }
-            '\\' if !quoted => escaped = true,
-            '\'' => {
-                quoted = !quoted;
-                word.get_or_insert_default();
-            }
-            ' ' if !quoted => words.extend(word.take()),
-            c => word.get_or_insert_default().push(c),
-        }
-    }
-    words.extend(word);
-    words.into_iter().skip(1).collect()
-}
-
-/// Without the folder that the study wrote to, and what is said of its start and its end.
-fn without_out(words: Vec<String>) -> Vec<String> {
-    let mut kept = Vec::new();
-    let mut skip = false;
-    for word in words {
-        let of_the_start = ["--fresh", "--json", "--quiet", "-q"].contains(&word.as_str());
-        let out = word == "--out" || word.starts_with("--out=");
-        if !(skip || out || of_the_start) {
-            kept.push(word.clone());
-        }
-        skip = word == "--out";
-    }
-    kept
 }
 
 /// Counts the values of two trees and lists where they differ, but for what is of the clock.
@@ -205,21 +174,6 @@ fn differ(at: &str, a: &Value, b: &Value, total: &mut usize, found: &mut Vec<Str
 mod tests {
     use super::*;
     use serde_json::json;
-
-    #[test]
-    fn a_command_line_is_read_as_it_was_told() {
-        let told = r"gearbench compare 'my scene.toml' --integrators 'hht-alpha(alpha=0.1)@1us' --out 'it'\''s' --fresh";
-        let words = without_out(split(told));
-        let expected = [
-            "compare",
-            "my scene.toml",
-            "--integrators",
-            "hht-alpha(alpha=0.1)@1us",
-        ];
-        assert_eq!(words, expected);
-        assert!(split("gearbench").is_empty());
-        assert_eq!(split(r"gearbench 'it'\''s' ''"), ["it's", ""]);
-    }
 
     #[test]
     fn all_but_the_clock_is_compared() {

@@ -14,7 +14,10 @@ fn scenes_to_start_from_run_in_every_command() {
         let scene = format!("{what}.toml");
         let rigid = "--models rigid --integrators dopri5 --repeats 1";
         folder.ends(&format!("compare {scene} {rigid}"), 0);
-        folder.ends(&format!("compare {scene} --models elastic --repeats 1"), 0);
+        folder.ends(
+            &format!("compare {scene} --models elastic --repeats 1 --force"),
+            0,
+        );
         folder.says(&format!(
             "precision {scene} --models rigid --integrators dopri5 --rtols 1e-4 --repeats 1"
         ));

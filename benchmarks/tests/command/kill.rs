@@ -28,6 +28,32 @@ const SLOW: [&str; 3] = [
     "choose spur_impact --metric peak --tolerance 0.05",
 ];
 
+/// Studies of a loaded scene with several models, each of which is a piece.
+const BY_MODEL: [&str; 3] = [
+    "run-up m.toml --models rigid,a,b,movable-teeth --from 200 --to 900 --over 0.05 --samples 8192",
+    "response m.toml --models rigid,a,b,movable-teeth --points 20",
+    "modes m.toml --models rigid,a,b,movable-teeth",
+];
+/// Points on which several runs of one model are compared.
+const COUPLING: &str = "coupling spur_impact --models rigid --steps 1e-6:6.4e-5:7 --threads 1";
+
+/// The loaded scene with two more models.
+fn several_models(folder: &Folder) {
+    folder.says("init loaded_mesh --out m.toml");
+    let scene = folder.read("m.toml");
+    let mut models = String::new();
+    for (label, stiffness) in [("a", "1.5e10"), ("b", "2.1e10")] {
+        models.push_str(&format!(
+            "[[models]]\nlabel = \"{label}\"\nmodel = \"rigid\"\ncontact = {{ stiffness = {{ kind = \"constant\", \
+             stiffness_n_per_m2 = {stiffness} }}, damping = {{ law = \"ratio-at-load\", ratio = 0.05 }} }}\n"
+        ));
+    }
+    folder.write(
+        "m.toml",
+        &scene.replacen("[study]", &format!("{models}\n[study]"), 1),
+    );
+}
+
 /// What follows from times: what is chosen by them, and where it lies.
 const BY_THE_CLOCK: [&str; 5] = ["record", "report", "tried", "chosen", "cheapest"];
 
@@ -49,7 +75,7 @@ fn without_clock(mut value: Value) -> Value {
 }
 
 /// Starts a study whose answer is read, or that is to be killed.
-fn start(folder: &Folder, study: &str, read: bool) -> Child {
+pub(super) fn start(folder: &Folder, study: &str, read: bool) -> Child {
     let mut command = folder.command(&format!("{study} --out here --json"));
     // Nobody empties the pipe of a study that is to be killed.
     let to = if read { Stdio::piped } else { Stdio::null };
@@ -58,7 +84,7 @@ fn start(folder: &Folder, study: &str, read: bool) -> Child {
 }
 
 /// What a study answers and records at its end.
-fn finish(folder: &Folder, study: &str) -> [Value; 2] {
+pub(super) fn finish(folder: &Folder, study: &str) -> [Value; 2] {
     let out = start(folder, study, true).wait_with_output().unwrap();
     let answer: Value = serde_json::from_str(&stdout(&out))
         .unwrap_or_else(|e| panic!("{study}: {e}: {}{}", stdout(&out), super::stderr(&out)));
@@ -73,7 +99,7 @@ fn finish(folder: &Folder, study: &str) -> [Value; 2] {
 }
 
 /// Whole lines of a journal that is perhaps not there.
-fn lines(folder: &Folder) -> usize {
+pub(super) fn lines(folder: &Folder) -> usize {
     let bytes = std::fs::read(folder.at("here").join(JOURNAL)).unwrap_or_default();
     bytes.iter().filter(|b| **b == b'\n').count()
 }
@@ -94,8 +120,16 @@ impl Random {
 /// Kills a study at random until it has ended, at most so many times, and holds it against one that was left alone.
 /// Returns how many kills left it unfinished with more than it began with.
 fn killed_and_resumed(study: &str, kills: usize) -> usize {
+    killed_by_pieces(study, kills, 3.0)
+}
+
+/// The same with a kill after one piece to some more.
+fn killed_by_pieces(study: &str, kills: usize, more: f64) -> usize {
     let (mut whole, mut killed) = (Folder::new(), Folder::new());
     (whole.cached, killed.cached) = (true, true);
+    for folder in [&whole, &killed] {
+        several_models(folder);
+    }
     let wanted = finish(&whole, study);
     let mut random = Random(SEED);
     let mut progressed = 0;
@@ -104,7 +138,7 @@ fn killed_and_resumed(study: &str, kills: usize) -> usize {
         let mut child = start(&killed, study, false);
         // By the lines of the journal, not by a clock: each start gets one to three pieces done, the first of them often
         // torn.
-        let at = before.max(1) + 1 + (3.0 * random.next()) as usize;
+        let at = before.max(1) + 1 + (more * random.next()) as usize;
         while lines(&killed) < at && child.try_wait().unwrap().is_none() {
             std::thread::sleep(Duration::from_micros(200));
         }
@@ -135,6 +169,23 @@ fn killed_twenty_times_and_resumed_a_study_is_the_same() {
     }
 }
 
+/// Few pieces: after every one of them the study is killed.
+#[test]
+fn killed_after_every_piece_and_resumed_a_study_is_the_same() {
+    for study in BY_MODEL {
+        let progressed = killed_by_pieces(study, 4, 0.0);
+        assert!(
+            progressed >= 2,
+            "{study}: {progressed} kills fell into work"
+        );
+    }
+    let progressed = killed_and_resumed(COUPLING, KILLS);
+    assert!(
+        progressed >= 3,
+        "{COUPLING}: {progressed} kills fell into work"
+    );
+}
+
 /// Some minutes: `cargo test --release -p gearbench --test command -- --ignored killed`.
 #[test]
 #[ignore = "runs finite elements again and again, some minutes"]
@@ -145,41 +196,6 @@ fn killed_twenty_times_and_resumed_a_slow_study_is_the_same() {
             progressed >= 5,
             "{study}: {progressed} kills fell into work"
         );
-    }
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupted_study_reports_what_is_finished_and_goes_on() {
-    use signal_hook::consts::{SIGINT, SIGTERM};
-    let study = "sweep loaded_mesh --models rigid --from 1000 --to 3000 --points 24 --cycles 4";
-    for signal in [SIGINT, SIGTERM] {
-        let folder = Folder::new();
-        let child = start(&folder, study, true);
-        while lines(&folder) < 4 {
-            std::thread::sleep(Duration::from_micros(200));
-        }
-        let id = child.id().to_string();
-        let sent = std::process::Command::new("kill")
-            .args([&format!("-{signal}"), &id])
-            .status();
-        assert!(sent.unwrap().success());
-        let out = child.wait_with_output().unwrap();
-        assert_eq!(out.status.code(), Some(130), "{}", super::stderr(&out));
-        let record = gearbench_reports::load_results(&folder.at("here")).unwrap();
-        assert!(
-            (1..24).contains(&record.runs.len()),
-            "{} runs",
-            record.runs.len()
-        );
-        let said = record
-            .settings
-            .iter()
-            .any(|(what, _)| what == "interrupted");
-        assert!(said && folder.at("here/index.html").exists());
-        finish(&folder, study);
-        let record = gearbench_reports::load_results(&folder.at("here")).unwrap();
-        assert_eq!(record.runs.len(), 48);
     }
 }
 

@@ -9,6 +9,7 @@ mod coupling;
 mod files;
 mod damping;
 mod fmu;
+mod folders;
 mod identify;
 mod init;
 mod judged;
@@ -18,6 +19,8 @@ mod mesh;
 mod precision;
 mod reduce;
 mod reference;
+mod rerun;
+mod signals;
 mod stiffness;
 mod terminal;
 

@@ -202,3 +202,76 @@ fn a_full_disk_behind_standard_output_is_an_error() {
         has(&stderr(&out), &["standard output cannot be written"]);
     }
 }
+
+/// An object that nobody can read is lost: neither a closed output nor a reader that is gone is a success.
+#[test]
+#[cfg(target_os = "linux")]
+fn an_answer_that_nobody_can_read_is_an_error() {
+    let folder = Folder::new();
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let out = folder
+        .command("list --json")
+        .stdout(writer)
+        .output()
+        .unwrap();
+    assert_eq!(out.status.code(), Some(2), "{}", stderr(&out));
+    has(&stderr(&out), &["standard output cannot be written"]);
+
+    let program = env!("CARGO_BIN_EXE_gearbench");
+    for (to, code) in [(">&-", 2), ("> /dev/null", 0)] {
+        let mut shell = std::process::Command::new("sh");
+        let shell = shell.args(["-c", &format!("exec '{program}' list --json {to}")]);
+        let out = shell.current_dir(folder.path()).output().unwrap();
+        assert_eq!(out.status.code(), Some(code), "{to}: {}", stderr(&out));
+    }
+}
+
+/// A path in another encoding is no scene, and no panic, in whatever command and option.
+#[test]
+#[cfg(unix)]
+fn arguments_that_are_not_utf_8_are_refused_or_taken_as_paths() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = Folder::new();
+    folder.write("s.toml", include_str!("../malformed/scene.toml"));
+    let odd = |before: &str| {
+        let bytes = [before.as_bytes(), b"\xff.toml"].concat();
+        std::ffi::OsStr::from_bytes(&bytes).to_owned()
+    };
+    let help = folder.says("--help");
+    let commands = help
+        .split("Commands:")
+        .nth(1)
+        .unwrap()
+        .split("Options:")
+        .next()
+        .unwrap();
+    let commands: Vec<&str> = (commands
+        .lines()
+        .filter(|l| l.starts_with("  ") && !l.starts_with("   ")))
+    .filter_map(|l| l.split_whitespace().next())
+    .filter(|c| *c != "help")
+    .collect();
+    assert!(commands.len() > 20, "{commands:?}");
+    for command in commands {
+        for option in ["", "--out=", "--models="] {
+            let mut one = folder.command(command);
+            if option == "--out=" {
+                one.arg("nowhere.toml");
+            }
+            let out = one.arg(odd(option)).output().unwrap();
+            assert_eq!(
+                out.status.code(),
+                Some(2),
+                "{command} {option}: {}",
+                stderr(&out)
+            );
+        }
+    }
+    // A folder may be called so.
+    let mut command =
+        folder.command("compare s.toml --models rigid --integrators rk4 --repeats 1 --out");
+    let out = command.arg(odd("o")).output().unwrap();
+    assert_eq!(out.status.code(), Some(0), "{}", stderr(&out));
+    assert!(folder.path().join(odd("o")).join("results.json").exists());
+}

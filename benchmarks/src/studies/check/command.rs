@@ -7,6 +7,7 @@ use super::judge::{LIKELY, gone, judge, middle, program, slow_from};
 use super::measure::{Entry, Group, Loaded, load};
 use super::summary::summarise;
 use crate::cli::answer::Answer;
+use crate::cli::arguments::Output;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
@@ -15,7 +16,8 @@ use crate::experiment::machine;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
 use gearbench_reports::check::{CheckRecord, Checked, Measured, Stored};
-use gearbench_reports::record::{Part, Results};
+use gearbench_reports::record::{Part, Results, Status};
+use std::path::Path;
 
 /// Quantity whose history the page of a check draws.
 const USUAL_HISTORY: &str = "runtime";
@@ -29,7 +31,8 @@ const NEAR: f64 = 0.05;
 /// Runs the check and writes its folder.
 pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
     let file = CheckFile::read(&args.file)?;
-    let mut baselines = Baselines::read(&file.baseline)?;
+    let before = Baselines::read(&file.baseline)?;
+    let mut baselines = before.clone();
     let stem = args.file.file_stem().unwrap_or_default().to_string_lossy();
     let name = stem.into_owned();
     let record = CheckRecord {
@@ -53,7 +56,12 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
             )));
         }
         let history = baselines.history(&record.quantity, &[]);
-        let folder = StudyFolder::open(&args.output, &name, "history")?;
+        let usual = Path::new("out").join(&name).join("history");
+        let output = Output {
+            out: args.output.out.clone().or(Some(usual)),
+            ..args.output.clone()
+        };
+        let folder = StudyFolder::open(&output, &name, "check")?;
         let drawn = results(CheckRecord { history, ..record });
         return folder.finish(drawn, |_| Exit::Done, |_| {});
     }
@@ -72,7 +80,7 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
     let total = loaded.iter().map(Loaded::len).sum();
     let made = folder.run(total, |runner| -> Result<_, RunError> {
         let mut groups = measure(&loaded, (runner, total))?;
-        if !args.no_runtime {
+        if !(args.no_runtime || interruption::requested()) {
             let doubt = Doubt {
                 newest: &newest,
                 update: args.update,
@@ -85,10 +93,9 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
             .flat_map(|g| g.entries)
             .collect::<Vec<_>>())
     });
-    let entries = made.map_err(|e| folder.refuse(refuse_run(e)))?;
-    if interruption::requested() {
-        return Err(Refusal::Interrupted);
-    }
+    let mut entries = made.map_err(|e| folder.refuse(refuse_run(e)))?;
+    let stopped = interruption::requested();
+    entries.retain(|e| e.measured.status != Status::Interrupted);
     let here = machine::machine();
     let same = here.cpu == newest.stored.cpu;
     let mut checked: Vec<Checked> = Vec::new();
@@ -98,16 +105,20 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
         checked.push(judge(now, before, rules, same));
     }
     let now: Vec<Measured> = checked.iter().map(|c| c.measured.clone()).collect();
-    checked.extend(program(&now, &newest.entries, &file.runtime, same));
     let left = left_out(&newest, &file, &cases, &now);
-    checked.extend(left.gone.iter().map(gone));
+    if !stopped {
+        // Of some of the entries nothing can be said of the program, nor of what is absent.
+        checked.extend(program(&now, &newest.entries, &file.runtime, same));
+        checked.extend(left.gone.iter().map(gone));
+    }
     let record = CheckRecord {
         entries: checked,
         history: baselines.history(&record.quantity, &now),
         ..record
     };
     let holds = record.holds();
-    let stored = match args.update {
+    let update = args.update && !stopped;
+    let stored = match update {
         false => None,
         // What was not run stays as it is.
         true if !holds || newest.entries.is_empty() => {
@@ -118,18 +129,24 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
                 cpu: here.cpu,
                 ..Stored::default()
             };
+            if Baselines::read(&file.baseline)? != before {
+                return Err(Refusal::Files(format!(
+                    "{}: another process has stored a baseline while the check ran; run it again",
+                    file.baseline.display()
+                )));
+            }
             baselines.add(stored, entries);
             baselines.write(&file.baseline)?;
             Some(absolute(file.baseline.clone()))
         }
         true => None,
     };
-    let exit = match holds || args.update {
+    let exit = match holds || update {
         true => Exit::Done,
         false => Exit::FellShort,
     };
     let answer = folder.finish(results(record.clone()), |_| exit, |_| summarise(&record))?;
-    if args.update {
+    if update {
         say(&match &stored {
             Some(path) => format!("stored: {}", path.display()),
             None => "nothing moved: the baseline stays as it is".into(),
@@ -164,7 +181,7 @@ fn time(groups: &mut [Group<'_>], doubt: &Doubt<'_>, runner: &Runner<'_>) -> Res
         for group in &mut *groups {
             for i in 0..group.entries.len() {
                 if interruption::requested() {
-                    return Err(RunError::Interrupted);
+                    return Ok(());
                 }
                 let entry = &group.entries[i];
                 if pass == 0 || together || doubt.of(entry, pass) {

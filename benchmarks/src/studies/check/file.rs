@@ -8,7 +8,7 @@ use crate::scene_file::reading::{Document, Place};
 use gearbench_reference::file_kind::{self, Input};
 use gearbench_reference::files;
 use serde::Deserialize;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 keys! {
     pub(crate) struct CheckKeys {
@@ -256,7 +256,19 @@ impl CheckFile {
             cases.push(case);
         }
         let baseline = match keys.baseline {
-            Some(name) => folder.join(name),
+            Some(name) => {
+                let below = Path::new(&name).components();
+                let mut below =
+                    below.map(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+                if name.trim().is_empty() || !below.all(|inside| inside) {
+                    return root.key("baseline").refuse(
+                        format!("the baseline `{name}` is not in the folder of the check file, or below it"),
+                        "not here",
+                        "name a file beside the check file, such as \"check.baseline.jsonl\"",
+                    );
+                }
+                folder.join(name)
+            }
             None => path.with_extension("baseline.jsonl"),
         };
         Ok(CheckFile {

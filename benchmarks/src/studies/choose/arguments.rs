@@ -62,6 +62,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::study_command::StudyCommand;
     use crate::cli::{Cli, Command};
     use clap::Parser;
 
@@ -69,7 +70,7 @@ mod tests {
     fn wishes_from_the_command_line() {
         let parse = |args: &[&str]| Cli::try_parse_from([&["gearbench", "choose"], args].concat());
         let given = parse(&["hammer", "--metric", "peak", "--tolerance", "0.02"]).unwrap();
-        let Some(Command::Choose(c)) = given.command else {
+        let Some(Command::Study(StudyCommand::Choose(c))) = given.command else {
             panic!("another command");
         };
         assert_eq!((c.metric, c.tolerance), (Metric::PeakForceRel, 0.02));

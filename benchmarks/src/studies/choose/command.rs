@@ -10,6 +10,7 @@ use super::{chosen, held, record};
 use crate::cli::answer::Answer;
 use crate::cli::arguments::Insist;
 use crate::cli::exit::Exit;
+use crate::cli::files::write_whole;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, absolute, all_references_of, refuse_run, say};
@@ -49,7 +50,7 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     let choice = choose(&problem, &requirement, |what| display.message(what));
     drop(display);
     if interruption::requested() {
-        return Err(Refusal::Interrupted);
+        return Err(folder.interrupted());
     }
     let choice = choice.map_err(|e| folder.refuse(refuse(&scene, &problem, e)))?;
     let mut results = record::results(&problem, (&scene.title, command), &requirement, &choice);
@@ -58,7 +59,7 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     if let Some(candidate) = &choice.candidate {
         let remarks = remarks(&choice, &requirement, command);
         let text = chosen::text(&scene, candidate, &remarks)?;
-        std::fs::write(dir.join("chosen.toml"), text).map_err(io)?;
+        write_whole(&dir.join("chosen.toml"), text).map_err(io)?;
     }
     let mut beyond = Vec::new();
     if let Some(candidate) = choice.candidate.as_ref().filter(|_| !references.is_empty()) {

@@ -31,7 +31,7 @@ What can be fitted: stiffness_n_per_m2 and damping_ns_per_m of the contact, path
 along the path of contact is then k (1 + a xi + b xi^2), with xi from -1 where contact starts to 1 where it ends), gap_m,
 clock_s (the offset of the data's clock, which is never written), and the springs, masses and dampers of the gear model, of
 all gears or of one: pinion.tooth_mass_kg. What the data do not determine is said to
-be so and is not written, unless --force.";
+be so and is not written, unless --write comes with --force.";
 
 /// Where constants are written to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -127,9 +127,6 @@ pub struct Identify {
     /// Write the constants: into the calibration file of the scene, or into the scene itself (--write=scene)
     #[arg(long, value_name = "WHERE", num_args = 0..=1, require_equals = true, default_missing_value = "calibration")]
     pub write: Option<WriteTo>,
-    /// Write what the data do not determine as well
-    #[arg(long, requires = "write")]
-    pub force: bool,
     /// Where the record and the report go.
     #[command(flatten)]
     pub output: Output,

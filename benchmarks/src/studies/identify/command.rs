@@ -75,7 +75,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
         });
         drop(display);
         if interruption::requested() {
-            return Err(Refusal::Interrupted);
+            break;
         }
         found.push(result.map_err(|e| folder.refuse(refuse(&scene, choice, e)))?);
     }
@@ -90,9 +90,19 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     let results = conditions.record(Part::Identify(IdentifyRecord { fits }));
     let answer = folder.finish(results, |_| Exit::Done, summarise)?;
     let answer = answer.with("reference", &names).with("models", told);
+    if interruption::requested() {
+        say("nothing was written of the constants");
+        return Ok(answer);
+    }
     if let Some(to) = args.write {
         let path = match to {
-            WriteTo::Calibration => write(&scene, (args.to, &names), &found, command, args.force),
+            WriteTo::Calibration => write(
+                &scene,
+                (args.to, &names),
+                &found,
+                command,
+                args.output.force,
+            ),
             WriteTo::Scene => write_scene(&scene, &into_scene(&fitted, &found, args, command)),
         };
         let path = absolute(path?);
@@ -115,7 +125,7 @@ fn into_scene<'a>(
 ) -> Vec<Written<'a>> {
     let pairs = fitted.iter().zip(found);
     let of = |(choice, found): (&&'a ModelChoice, &Identification)| {
-        let constants = if args.force {
+        let constants = if args.output.force {
             found.all.clone()
         } else {
             found.constants()

@@ -4,7 +4,7 @@ use super::plan::Plan;
 use super::shares::{name, name_of, shape, shares};
 use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
-use crate::experiment::run::RunError;
+use crate::experiment::key::Key;
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::mesh_mode::mesh_mode_of;
 use crate::experiment::small_signals::motions::{Energies, Motion, SLACK, energies};
@@ -252,34 +252,31 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     let (mut vibrations_of, mut mesh_modes) = (Vec::new(), Vec::new());
     for (done, entry) in plan.entries.iter().enumerate() {
         if interruption::requested() {
-            return Err(RunError::Interrupted.into());
+            // What is finished is reported.
+            break;
         }
         runner.tell(done, plan.entries.len(), &entry.label);
         let scene = (&entry.scene, &entry.modelling);
-        let found = analysed(
-            &entry.model_label(),
-            scene,
-            plan.conditions.models,
-            &plan.wanted,
-        );
-        match found {
-            Err(e) if e.fault == Fault::Model => vibrations_of.push(ModelModes {
-                label: entry.model_label(),
-                about: About::NotFound,
-                message: e.to_string(),
-                ..ModelModes::default()
-            }),
-            Err(e) => {
-                return Err(StudyError::Statics(
-                    entry.label.clone(),
-                    StaticsError::Build(e),
-                ));
+        let label = entry.model_label();
+        let key = (Key::new("modes").and_scene(scene.0, scene.1)).and(&(&label, &plan.wanted));
+        let found = runner.piece(key, || {
+            match analysed(&label, scene, plan.conditions.models, &plan.wanted) {
+                Err(e) if e.fault == Fault::Model => Ok((
+                    ModelModes {
+                        label: label.clone(),
+                        about: About::NotFound,
+                        message: e.to_string(),
+                        ..ModelModes::default()
+                    },
+                    None,
+                )),
+                found => found
+                    .map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e))),
             }
-            Ok((found, mesh_mode)) => {
-                vibrations_of.push(found);
-                mesh_modes.extend(mesh_mode);
-            }
-        }
+        });
+        let (found, mesh_mode) = found?;
+        vibrations_of.push(found);
+        mesh_modes.extend(mesh_mode);
     }
     runner.tell(plan.entries.len(), plan.entries.len(), "report");
     let part = ModesRecord {

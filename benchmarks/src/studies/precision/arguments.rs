@@ -95,13 +95,14 @@ fn tolerance(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::study_command::StudyCommand;
     use crate::cli::{Cli, Command};
     use clap::Parser;
 
     fn parse(arguments: &str) -> Result<Precision, clap::Error> {
         let all = ["gearbench", "precision"].into_iter();
         match Cli::try_parse_from(all.chain(arguments.split_whitespace()))?.command {
-            Some(Command::Precision(p)) => Ok(p),
+            Some(Command::Study(StudyCommand::Precision(p))) => Ok(p),
             other => panic!("{other:?}"),
         }
     }

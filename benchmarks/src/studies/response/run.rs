@@ -3,6 +3,7 @@
 use super::plan::{Plan, Wanted};
 use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
+use crate::experiment::key::Key;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::cycle::{MeshCycle, MeshPhase, Running, running};
@@ -210,20 +211,29 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         runner.tell(done, plan.entries.len(), &entry.label);
         let scene = (&entry.scene, &entry.modelling);
         let label = entry.model_label();
-        let found = response(&label, scene, plan.conditions.models, &wanted, &|_| {
-            interruption::requested()
+        let key = (Key::new("response").and_scene(scene.0, scene.1)).and(&(&label, &wanted));
+        let made = runner.piece(key, || {
+            let found = response(&label, scene, plan.conditions.models, &wanted, &|_| {
+                interruption::requested()
+            });
+            match interruption::requested() {
+                true => Err(RunError::Interrupted.into()),
+                false => match found {
+                    Err(e) if e.fault == Fault::Model => Ok(ModelResponse {
+                        label: label.clone(),
+                        message: e.to_string(),
+                        ..ModelResponse::default()
+                    }),
+                    found => found.map_err(|e| {
+                        StudyError::Statics(entry.label.clone(), StaticsError::Build(e))
+                    }),
+                },
+            }
         });
-        if interruption::requested() {
-            return Err(RunError::Interrupted.into());
-        }
-        let found = match found {
-            Err(e) if e.fault == Fault::Model => ModelResponse {
-                label,
-                message: e.to_string(),
-                ..ModelResponse::default()
-            },
-            found => found
-                .map_err(|e| StudyError::Statics(entry.label.clone(), StaticsError::Build(e)))?,
+        let found = match made {
+            // What is finished is reported.
+            Err(_) if interruption::requested() => break,
+            made => made?,
         };
         // All models at the frequencies of the first.
         let points = found.groups.first().map(|g| &g.points);

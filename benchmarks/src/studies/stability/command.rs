@@ -9,6 +9,7 @@ use super::setup::{AxisError, Setup};
 use super::summary::summarise;
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
+use crate::cli::files::write_whole;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_run, refuse_study};
 use crate::experiment::conditions::Conditions;
@@ -70,14 +71,15 @@ pub fn run(args: &Stability, command: &str) -> Result<Answer, Refusal> {
 fn write_timings(folder: &Path, timings: &Timings) -> Result<(), Refusal> {
     let path: PathBuf = folder.join(TIMINGS);
     let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
-    let mut writer = csv::Writer::from_path(&path).map_err(|e| fail(&e))?;
+    let mut writer = csv::Writer::from_writer(Vec::new());
     let lines = timings
         .iter()
         .map(|(key, s)| [key.clone(), format!("{s:.6e}")]);
     for line in std::iter::once(["run".to_owned(), "wall_s".to_owned()]).chain(lines) {
         writer.write_record(line).map_err(|e| fail(&e))?;
     }
-    writer.flush().map_err(|e| fail(&e))
+    let text = writer.into_inner().map_err(|e| fail(&e))?;
+    write_whole(&path, text).map_err(|e| fail(&e))
 }
 
 /// The sets of maps that the scene and the command line ask for.

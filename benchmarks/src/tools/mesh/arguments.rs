@@ -30,6 +30,9 @@ pub struct Mesh {
     /// Write a file for ParaView, with the sets and the quality of the elements
     #[arg(long, value_name = "F.vtu")]
     pub vtu: Option<PathBuf>,
+    /// Write over a file that is there, though it is not one that this command has written
+    #[arg(long)]
+    pub force: bool,
     /// Only this gear [default: all]
     #[arg(long, value_name = "NAME")]
     pub gear: Option<String>,

@@ -3,6 +3,7 @@
 pub mod arguments;
 
 use crate::cli::answer::Answer;
+use crate::cli::files::{Overwriting, Staged};
 use crate::cli::terminal::{Refusal, absolute, say};
 use crate::scene_file;
 use arguments::Mesh as Arguments;
@@ -17,6 +18,9 @@ use serde_json::{Value, json};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// What decks and files for ParaView of this command have in them: the command of a deck, a comment in the other.
+const MARK: &str = "gearbench mesh";
 
 /// A gear on its way to its files.
 struct Meshed {
@@ -58,15 +62,22 @@ pub fn run(args: &Arguments, command: &str) -> Result<Answer, Refusal> {
     };
     table(&gears);
     let mut files = Files::default();
+    let overwriting = Overwriting {
+        inputs: &inputs_of(&args.input)?,
+        mark: Some(MARK),
+        force: args.force,
+    };
     for g in &gears {
         let several = (gears.len() > 1).then_some(g.name.as_str());
         if let Some(out) = &args.out {
-            files.add(&named(out, several), &args.input, |f| {
+            files.add(&named(out, several), &overwriting, |f| {
                 write_deck(f, g, &format!("{} of {}\n{command}", g.name, args.input))
             })?;
         }
         if let Some(out) = &args.vtu {
-            files.add(&named(out, several), &args.input, |f| write_vtu(f, &g.mesh))?;
+            files.add(&named(out, several), &overwriting, |f| {
+                write_vtu(f, &g.mesh)
+            })?;
         }
     }
     if files.0.is_empty() {
@@ -94,6 +105,14 @@ fn ends_in(option: &str, path: Option<&Path>, ending: &str) -> Result<(), Refusa
             path.display()
         ))),
     }
+}
+
+/// Files that are read for an input: a deck, or a scene with all that it names.
+pub(super) fn inputs_of(input: &str) -> Result<Vec<PathBuf>, Refusal> {
+    Ok(match is_deck(input) {
+        true => vec![input.into()],
+        false => scene_file::load_unbuilt(input)?.inputs(),
+    })
 }
 
 pub(super) fn is_deck(input: &str) -> bool {
@@ -342,59 +361,42 @@ fn write_vtu(out: &mut dyn Write, g: &GearMesh) -> Result<(), String> {
             name,
             values: Values::Scalars(v),
         });
-    vtu::write(out, &g.mesh, &at_nodes, &at_elements).map_err(|e| e.to_string())
+    vtu::write(out, &g.mesh, &at_nodes, &at_elements).map_err(|e| e.to_string())?;
+    writeln!(out, "<!-- {MARK} -->").map_err(|e| e.to_string())
 }
 
-/// Files written under another name until all of them are whole: (written, wanted).
+/// Files that get their names when all of them are whole.
 #[derive(Default)]
-struct Files(Vec<(PathBuf, PathBuf)>);
+struct Files(Vec<Staged>);
 
 impl Files {
     fn add(
         &mut self,
         path: &Path,
-        input: &str,
+        overwriting: &Overwriting<'_>,
         write: impl Fn(&mut dyn Write) -> Result<(), String>,
     ) -> Result<(), Refusal> {
         let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
-        let same =
-            |a: &Path| matches!((a.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        if same(Path::new(input)) {
-            return Err(fail(&"is the input; choose another name for the output"));
-        }
-        if self.0.iter().any(|(_, other)| other == path) {
+        overwriting.check(path)?;
+        if self.0.iter().any(|other| other.path() == path) {
             return Err(fail(
                 &"is asked for twice; --out and --vtu need names of their own",
             ));
         }
-        let mut part = path.as_os_str().to_owned();
-        part.push(".part");
-        let part = PathBuf::from(part);
-        let file = std::fs::File::create(&part).map_err(|e| fail(&e))?;
-        self.0.push((part, path.to_owned()));
-        let mut out = BufWriter::new(file);
+        let mut out = BufWriter::new(Staged::begin(path).map_err(|e| fail(&e))?);
         write(&mut out).map_err(|e| fail(&e))?;
-        out.flush().map_err(|e| fail(&e))
+        self.0.push(out.into_inner().map_err(|e| fail(&e))?);
+        Ok(())
     }
 
-    /// Gives all files the names they were asked for.
-    fn keep(mut self) -> Result<Vec<PathBuf>, Refusal> {
-        let mut kept = Vec::new();
-        while !self.0.is_empty() {
-            let (part, path) = &self.0[0];
-            std::fs::rename(part, path)
-                .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
-            kept.push(self.0.remove(0).1);
-        }
-        Ok(kept)
-    }
-}
-
-impl Drop for Files {
-    /// What was not kept is not left half written.
-    fn drop(&mut self) {
-        for (part, _) in &self.0 {
-            let _ = std::fs::remove_file(part);
-        }
+    /// Gives all files their names.
+    fn keep(self) -> Result<Vec<PathBuf>, Refusal> {
+        let keep = |file: Staged| {
+            let path = file.path().to_owned();
+            let kept = file.keep();
+            kept.map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
+            Ok(path)
+        };
+        self.0.into_iter().map(keep).collect()
     }
 }

@@ -37,6 +37,9 @@ pub struct Reduce {
     /// Write to this file, or into this folder [default: nothing is written]
     #[arg(long, value_name = "F.npz|DIR")]
     pub out: Option<PathBuf>,
+    /// Write over a file that is there, though it is not one that this command has written
+    #[arg(long)]
+    pub force: bool,
     /// Modes to store, most [default: 400, or all up to --max-frequency]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=5000))]
     pub modes: Option<u32>,

@@ -6,10 +6,12 @@ mod mounting;
 mod report;
 
 use crate::cli::answer::Answer;
+use crate::cli::files::Overwriting;
+use crate::cli::folder_lock::FolderLock;
 use crate::cli::progress::Display;
 use crate::cli::terminal::{Refusal, absolute, say};
 use crate::scene_file;
-use crate::tools::mesh::{chosen, is_deck, named};
+use crate::tools::mesh::{chosen, inputs_of, is_deck, named};
 use arguments::Reduce as Arguments;
 use gearbench_models::Vec3;
 use gearbench_models::gear::parameters::ModelParameters;
@@ -75,6 +77,8 @@ pub fn run(args: &Arguments) -> Result<Answer, Refusal> {
         }
     }
     let files = files(args, &jobs)?;
+    let folder = args.out.as_deref().filter(|out| out.is_dir());
+    let _lock = folder.map(FolderLock::take).transpose()?;
     let mut gears = Vec::new();
     for (i, (job, file)) in jobs.iter().zip(&files).enumerate() {
         display.tell(i, jobs.len(), &format!("reducing `{}`", job.name));
@@ -324,6 +328,17 @@ fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal
         }
         files.push(path);
     }
+    let mut inputs = Vec::new();
+    for input in &args.inputs {
+        inputs.extend(inputs_of(input)?);
+    }
+    let overwriting = Overwriting {
+        inputs: &inputs,
+        // The arrays of the format that no other has.
+        mark: Some("participation.npy"),
+        force: args.force,
+    };
+    files.iter().try_for_each(|path| overwriting.check(path))?;
     if folder {
         std::fs::create_dir_all(out).map_err(|e| fail(out, &e.to_string()))?;
     }

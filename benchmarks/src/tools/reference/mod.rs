@@ -4,7 +4,7 @@ pub(crate) mod arguments;
 mod file;
 
 use crate::cli::answer::Answer;
-use crate::cli::files::write_whole;
+use crate::cli::files::{Overwriting, folder_of, write_whole};
 use crate::cli::progress::Display;
 use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
 use crate::experiment::conditions::Conditions;
@@ -22,7 +22,7 @@ use gearbench_reports::metrics::compare;
 use gearbench_reports::numbers::per_cent;
 use gearbench_reports::record::{Metrics, Run};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 
 /// Tolerance where neither the user nor the model says one.
@@ -54,7 +54,13 @@ pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
     }
     let method = method(args, &other, &choice)?;
     can_be_written(&args.out)?;
-    interruption::catch().map_err(|e| Refusal::Files(e.to_string()))?;
+    let overwriting = Overwriting {
+        inputs: &scene.inputs(),
+        mark: Some("# command: gearbench reference"),
+        force: args.force,
+    };
+    overwriting.check(&args.out)?;
+    interruption::defer();
     let display = Display::new(2);
     display.tell(0, 2, &format!("{} under {}", choice.label, told(&method)));
     let row = row(args, &other, &choice, &method)?;
@@ -223,22 +229,27 @@ fn lines(
 
 /// The path of a file from the folder of the scene.
 fn beside(file: &Path, scene: &SceneFile) -> String {
-    let whole = |path: &Path| {
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-        folder.unwrap_or(Path::new(".")).canonicalize().ok()
-    };
+    let whole = |path: &Path| folder_of(path).canonicalize().ok();
     let found = match &scene.origin {
         Origin::Shipped => None,
         Origin::File(path) => whole(path).zip(whole(file)),
     };
     let name = file.file_name().map(PathBuf::from).unwrap_or_default();
-    let path = found.map(|(scene, folder)| match folder.strip_prefix(&scene) {
-        Ok(inner) => inner.join(&name),
-        Err(_) => folder.join(&name),
-    });
+    let path = found.map(|(scene, folder)| way(&scene, &folder).join(&name));
     path.unwrap_or_else(|| file.to_owned())
         .display()
         .to_string()
+}
+
+/// The path from a folder to another, both absolute: a scene that names it can be moved together with the file.
+fn way(from: &Path, to: &Path) -> PathBuf {
+    let common = (from.components().zip(to.components())).take_while(|(a, b)| a == b);
+    let common = common.count();
+    if common == 0 {
+        return to.to_owned();
+    }
+    let up = from.components().skip(common).map(|_| Component::ParentDir);
+    up.chain(to.components().skip(common)).collect()
 }
 
 fn method(args: &Reference, scene: &SceneFile, choice: &ModelChoice) -> Result<Scheme, Refusal> {
@@ -359,6 +370,14 @@ fn add(scene: &SceneFile, lines: &str) -> Result<PathBuf, Refusal> {
     let path = scene_path(scene)?;
     let (text, mut whole) = with_lines(scene, lines)?;
     whole.held(false)?;
+    let there = std::fs::read_to_string(&path)
+        .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
+    if there.trim_start_matches('\u{feff}') != scene.text() {
+        return Err(bad(
+            format!("{} has changed since it was read", path.display()),
+            format!("the file of the reference is written; add these lines to the scene:\n{lines}"),
+        ));
+    }
     write_whole(&path, &text).map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
     Ok(path)
 }

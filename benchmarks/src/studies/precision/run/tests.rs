@@ -1,7 +1,7 @@
 //! The study on small scenes.
 
 use super::*;
-use crate::experiment::journal::{JOURNAL, Journal};
+use crate::experiment::journal::{JOURNAL, Journal, Subject};
 use crate::experiment::runner::Runner;
 use crate::scene_file::{Selection, load_for};
 use crate::studies::precision::arguments::Asked;
@@ -29,7 +29,7 @@ fn small(asked: &Asked) -> Results {
         assert!(done >= last.swap(done, Ordering::Relaxed) && done <= total && all == total);
     };
     let folder = tempfile::tempdir().unwrap();
-    let journal = Journal::open(&folder.path().join(JOURNAL), true).unwrap();
+    let journal = Journal::open(&folder.path().join(JOURNAL), &Subject::default(), true).unwrap();
     let results = study(&plan, &Runner::new(journal, &progress)).unwrap();
     assert_eq!(last.into_inner(), total);
     results

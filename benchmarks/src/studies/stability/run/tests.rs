@@ -4,7 +4,7 @@ use super::study;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::conditions::silent;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::journal::{JOURNAL, Journal};
+use crate::experiment::journal::{JOURNAL, Journal, Subject};
 use crate::experiment::runner::Runner;
 use crate::scene_file::{Selection, load_for};
 use crate::studies::stability::axis::Axis;
@@ -140,10 +140,16 @@ fn a_study_that_was_cut_off_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(JOURNAL);
     let go = |plan: &Plan<'_>| {
-        let journal = Journal::open(&path, false).unwrap();
+        let journal = Journal::open(&path, &Subject::default(), false).unwrap();
         let before = journal.len();
         let made = study(plan, &Runner::new(journal, &silent), 2).unwrap();
-        (made, before, Journal::open(&path, false).unwrap().len())
+        (
+            made,
+            before,
+            Journal::open(&path, &Subject::default(), false)
+                .unwrap()
+                .len(),
+        )
     };
     let first = plan(&[VELOCITY_VERLET]);
     let ((whole, times), none, all) = go(&first);

@@ -1,0 +1,118 @@
+//! The commands that run a study: the one list of studies on the command line.
+//!
+//! Each writes one folder. `rerun` makes a study again from this list, and from nothing else.
+
+use super::answer::Answer;
+use super::arguments::Output;
+use super::refusal::Refusal;
+use crate::studies::check::{self, arguments::Check};
+use crate::studies::choose::{self, arguments::Choose};
+use crate::studies::compare::{self, arguments::Compare};
+use crate::studies::coupling::{self, arguments::Coupling};
+use crate::studies::identify::{self, arguments::Identify};
+use crate::studies::modes::{self, arguments::Modes};
+use crate::studies::penalty::{self, arguments::Penalty};
+use crate::studies::precision::{self, arguments::Precision};
+use crate::studies::response::{self, arguments::Response};
+use crate::studies::run_up::{self, arguments::RunUp};
+use crate::studies::stability::{self, arguments::Stability};
+use crate::studies::stiffness::{self, arguments::Stiffness};
+use crate::studies::sweep::{self, arguments::Sweep};
+use crate::studies::truncation::{self, arguments::Truncation};
+use clap::Subcommand;
+use std::path::PathBuf;
+
+/// A command that runs a study and writes its folder.
+#[derive(Clone, Debug, Subcommand)]
+pub(crate) enum StudyCommand {
+    /// Compare the models and integrators of a scene, against its reference
+    Compare(Compare),
+    /// Error against cost of every model, integrator and resolution of a scene, with its Pareto front
+    Precision(Precision),
+    /// Where methods fail: maps over step size and stiffness, damping, speed or modes, with theory beside
+    Stability(Stability),
+    /// The cheapest model, integrator and step that keep a tolerance on a scene, and why
+    Choose(Choose),
+    /// Fit stiffness, tooth mass and touch time of the models to the scene's reference
+    Identify(Identify),
+    /// Static mesh stiffness, load sharing and transmission error of the models of a scene
+    Stiffness(Stiffness),
+    /// Error of the elastic model by number of modes, against full finite elements on the same mesh
+    Truncation(Truncation),
+    /// Natural frequencies and shapes of the whole scene about its loaded state
+    Modes(Modes),
+    /// Frequency response to the passing of teeth: transmission error and forces of mounts, without running
+    Response(Response),
+    /// Results over the penalty of the contact, beside hard contact
+    Penalty(Penalty),
+    /// Run under load at speed after speed: transmission error, bearing forces, spectra, resonances
+    Sweep(Sweep),
+    /// Gears as a sub-system whose hubs a host moves: error, energy and stability over the communication step
+    Coupling(Coupling),
+    /// Run from one speed to another: spectra and orders over the speed, resonances
+    RunUp(RunUp),
+    /// Hold results, work and runtime of chosen runs against a stored baseline, for CI
+    Check(Check),
+}
+
+impl Default for StudyCommand {
+    /// What `gearbench` does without a command.
+    fn default() -> Self {
+        StudyCommand::Compare(Compare::default())
+    }
+}
+
+impl StudyCommand {
+    /// Runs the study; the record keeps the command line.
+    pub(super) fn run(&self, command_line: &str) -> Result<Answer, Refusal> {
+        match self {
+            StudyCommand::Compare(args) => compare::command::run(args, command_line),
+            StudyCommand::Precision(args) => precision::command::run(args, command_line),
+            StudyCommand::Stability(args) => stability::command::run(args, command_line),
+            StudyCommand::Choose(args) => choose::command::run(args, command_line),
+            StudyCommand::Identify(args) => identify::command::run(args, command_line),
+            StudyCommand::Stiffness(args) => stiffness::command::run(args, command_line),
+            StudyCommand::Truncation(args) => truncation::command::run(args, command_line),
+            StudyCommand::Modes(args) => modes::command::run(args, command_line),
+            StudyCommand::Response(args) => response::command::run(args, command_line),
+            StudyCommand::Penalty(args) => penalty::command::run(args, command_line),
+            StudyCommand::Sweep(args) => sweep::command::run(args, command_line),
+            StudyCommand::Coupling(args) => coupling::command::run(args, command_line),
+            StudyCommand::RunUp(args) => run_up::command::run(args, command_line),
+            StudyCommand::Check(args) => check::command::run(args, command_line),
+        }
+    }
+
+    /// Where the study writes to.
+    pub(super) fn output(&mut self) -> &mut Output {
+        match self {
+            StudyCommand::Compare(args) => &mut args.run.bounded.output,
+            StudyCommand::Precision(args) => &mut args.output,
+            StudyCommand::Stability(args) => &mut args.run.output,
+            StudyCommand::Choose(args) => &mut args.output,
+            StudyCommand::Identify(args) => &mut args.output,
+            StudyCommand::Stiffness(args) => &mut args.output,
+            StudyCommand::Truncation(args) => &mut args.run.bounded.output,
+            StudyCommand::Modes(args) => &mut args.output,
+            StudyCommand::Response(args) => &mut args.output,
+            StudyCommand::Penalty(args) => &mut args.run.output,
+            StudyCommand::Sweep(args) => &mut args.run.output,
+            StudyCommand::Coupling(args) => &mut args.run.output,
+            StudyCommand::RunUp(args) => &mut args.output,
+            StudyCommand::Check(args) => &mut args.output,
+        }
+    }
+
+    /// The same study with all that it writes in one folder. Options that write elsewhere (a baseline, a calibration, the
+    /// scene) are left out, and so is what overwrites the work of others.
+    pub(super) fn confined_to(mut self, folder: PathBuf) -> Self {
+        match &mut self {
+            StudyCommand::Identify(args) => args.write = None,
+            StudyCommand::Check(args) => args.update = false,
+            _ => {}
+        }
+        let output = self.output();
+        (output.out, output.fresh, output.force) = (Some(folder), false, false);
+        self
+    }
+}
