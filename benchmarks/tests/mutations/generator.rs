@@ -131,7 +131,7 @@ pub fn scene(base: &str, random: &mut Random) -> String {
                     true => text,
                     false => {
                         let at = random.pick(&all).clone();
-                        replaced(&text, at, random.pick(&NUMBERS))
+                        replaced(&text, at, random.pick::<&str>(&NUMBERS))
                     }
                 }
             }
@@ -141,7 +141,7 @@ pub fn scene(base: &str, random: &mut Random) -> String {
                     true => text,
                     false => {
                         let at = random.pick(&all).clone();
-                        replaced(&text, at, random.pick(&TEXTS))
+                        replaced(&text, at, random.pick::<&str>(&TEXTS))
                     }
                 }
             }
