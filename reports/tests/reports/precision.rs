@@ -172,7 +172,7 @@ fn failures_are_on_their_edge_and_nowhere_else() {
     assert!(files[PAGE].contains("gone at t = 2 us"));
     let results = results();
     let study = Precision::of(&results);
-    let cloud = study.cloud("fe", study.headline(), Cost::Wall);
+    let cloud = study.cloud("fe", study.headline(), Cost::Processor);
     assert_eq!((cloud.shown.len(), cloud.failed.len()), (12, 2));
     assert!(
         cloud
@@ -201,7 +201,7 @@ fn fitted_models_are_marked_and_set_apart() {
     assert!(lead.contains("\u{d7} 10 faster"), "{lead}");
     let results = results();
     let study = Precision::of(&results);
-    let cloud = study.cloud("fe", study.headline(), Cost::Wall);
+    let cloud = study.cloud("fe", study.headline(), Cost::Processor);
     let names = |fitted_too: bool| -> Vec<&str> {
         let front = cloud.front(|s| fitted_too || !s.is_fitted());
         front
