@@ -9,8 +9,8 @@ use gearbench_models::geometry::GearParams;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::{OfGear, OfMesh, Scene};
 use gearbench_models::spec::{
-    ContactSpec, Load, ModelSpec, Modelling, Parameters, Profile, SceneSpec, Value, base_radius,
-    mesh_layout,
+    ContactSpec, Load, ModelSpec, Modelling, Parameters, Profile, SceneSpec, Value,
+    effective_radius, mesh_layout,
 };
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_tests::*;
@@ -72,9 +72,9 @@ fn of_gear(out: &Outputs, gear: usize, what: OfGear) -> f64 {
     out.channels[OfMesh::ALL.len() + OfGear::ALL.len() * gear + what as usize]
 }
 
-/// Transmission error of a pair in the transverse plane [m].
+/// Transmission error of a pair along the line of action [m].
 fn transmission_error(spec: &SceneSpec, out: &Outputs) -> f64 {
-    let r = [0, 1].map(|i| base_radius(&spec.gears[i].body));
+    let r = [0, 1].map(|i| effective_radius(&spec.gears[i].body));
     let at = |i: usize| of_gear(out, i, OfGear::Displacement);
     r[0] * at(0) + r[1] * at(1)
 }
@@ -253,7 +253,7 @@ fn slow_running_tends_to_statics() {
     ] {
         let torque = 94.1;
         let still = fzg(0.0, torque);
-        let force = torque / base_radius(&still.gears[0].body);
+        let force = torque / effective_radius(&still.gears[0].body);
         let mut pair = statics(&still, &model, &contact);
         let cycle = MeshCycle::solve(&mut pair, StaticLoad::Force(force), 1200, |_| {}).unwrap();
         let peak = cycle.positions.iter().map(|p| p.force).fold(0.0, f64::max);
@@ -299,7 +299,7 @@ fn slow_running_tends_to_statics() {
 fn the_overshoot_of_slow_running_falls_with_the_speed() {
     let contact = varying(Damping::KelvinVoigtRatio { ratio: 0.05 });
     let still = fzg(0.0, 94.1);
-    let force = 94.1 / base_radius(&still.gears[0].body);
+    let force = 94.1 / effective_radius(&still.gears[0].body);
     let mut pair = statics(&still, &rigid(), &contact);
     let cycle = MeshCycle::solve(&mut pair, StaticLoad::Force(force), 1200, |_| {}).unwrap();
     let over = [40.0, 20.0, 10.0, 5.0].map(|hertz| {
