@@ -20,9 +20,6 @@ pub struct Output {
     /// Refuse what would take more memory than this [GB]
     #[arg(long, value_name = "GB", default_value_t = DEFAULT_MEMORY, value_parser = gigabytes)]
     pub memory: f64,
-    /// Name of the command.
-    #[arg(skip)]
-    pub command: String,
     /// The choice of models on the command line, which distinguishes two studies of one scene.
     #[arg(skip)]
     pub models: Option<String>,
@@ -35,7 +32,6 @@ impl Default for Output {
             fresh: false,
             force: false,
             memory: DEFAULT_MEMORY,
-            command: String::new(),
             models: None,
         }
     }
