@@ -18,9 +18,6 @@ pub struct Output {
     /// Replace what the folder holds of another study, scene or choice of models, or of another program
     #[arg(long)]
     pub force: bool,
-    /// Name of the command.
-    #[arg(skip)]
-    pub command: String,
     /// The choice of models on the command line, which distinguishes two studies of one scene.
     #[arg(skip)]
     pub models: Option<String>,
@@ -32,7 +29,6 @@ impl Default for Output {
             out: None,
             fresh: false,
             force: false,
-            command: String::new(),
             models: None,
         }
     }

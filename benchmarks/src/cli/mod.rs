@@ -168,11 +168,10 @@ impl Cli {
     ) -> Result<Self, clap::Error> {
         let matches = Cli::command().try_get_matches_from(words)?;
         let mut cli = Cli::from_arg_matches(&matches)?;
-        if let (Some(Command::Study(study)), Some((name, given))) =
+        if let (Some(Command::Study(study)), Some((_, given))) =
             (&mut cli.command, matches.subcommand())
         {
-            let output = study.output();
-            (output.command, output.models) = (name.to_owned(), models(given));
+            study.output().models = models(given);
         }
         Ok(cli)
     }
@@ -236,10 +235,7 @@ fn again(args: &Rerun) -> Result<Answer, Refusal> {
         }
     };
     let study = match command {
-        Some(Command::Study(mut study)) => {
-            let named = study.output().command == again.study();
-            named.then_some(study)
-        }
+        Some(Command::Study(study)) if again.names_its_study() => Some(study),
         _ => None,
     };
     let study = study.ok_or_else(|| {

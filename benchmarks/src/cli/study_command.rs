@@ -89,7 +89,7 @@ impl StudyCommand {
             StudyCommand::Compare(args) => &mut args.run.bounded.output,
             StudyCommand::Precision(args) => &mut args.output,
             StudyCommand::Stability(args) => &mut args.run.output,
-            StudyCommand::Choose(args) => &mut args.output,
+            StudyCommand::Choose(args) => &mut args.run.output,
             StudyCommand::Identify(args) => &mut args.output,
             StudyCommand::Stiffness(args) => &mut args.output,
             StudyCommand::Truncation(args) => &mut args.run.bounded.output,

@@ -23,7 +23,8 @@ pub fn run(args: &Fmu) -> Result<Answer, Refusal> {
     let choice = choice(args, &scene)?;
     let path = (args.out.clone()).unwrap_or_else(|| format!("{}.fmu", scene.name).into());
     let mut inputs = scene.inputs();
-    inputs.extend(args.library.clone().or_else(beside));
+    inputs.extend(args.library.clone());
+    inputs.extend(places(&library_name()));
     let overwriting = Overwriting {
         inputs: &inputs,
         // Names of files stand in an archive as they are.

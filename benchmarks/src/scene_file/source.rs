@@ -69,7 +69,7 @@ pub fn changed(source: &Source) -> Vec<String> {
 impl SceneFile {
     /// Files that the scene names: decks, meshes and reductions of models, tables of references, topographies.
     fn files_read(&self) -> Vec<PathBuf> {
-        let of_models = self.models.iter().flat_map(|m| files(&m.modelling));
+        let of_models = self.models.iter().flat_map(|m| key::files(&m.modelling));
         let tables = self.references.iter().filter_map(|r| r.file());
         (of_models.map(PathBuf::from))
             .chain(tables.map(Path::to_owned))

@@ -114,6 +114,13 @@ impl Again {
         self.before.study().as_str()
     }
 
+    /// Whether the command line runs the study of the record: options that all commands have take no values, and the first
+    /// other word is the command.
+    pub fn names_its_study(&self) -> bool {
+        let command = self.words.iter().find(|word| !word.starts_with('-'));
+        command.is_some_and(|word| word == self.study())
+    }
+
     /// Holds the new record against the old one.
     ///
     /// # Errors

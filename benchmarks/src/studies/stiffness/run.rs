@@ -131,7 +131,7 @@ mod tests {
     use super::super::plan::formulas;
     use super::*;
     use crate::experiment::conditions::Conditions;
-    use crate::experiment::journal::{JOURNAL, Journal};
+    use crate::experiment::journal::{JOURNAL, Journal, Subject};
     use crate::scene_file::load_unbuilt;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -147,7 +147,8 @@ mod tests {
             positions: 4,
         };
         let folder = tempfile::tempdir().unwrap();
-        let open = || Journal::open(&folder.path().join(JOURNAL), false).unwrap();
+        let path = folder.path().join(JOURNAL);
+        let open = || Journal::open(&path, &Subject::default(), false).unwrap();
         let solved = AtomicUsize::new(0);
         let progress = |done: usize, _: usize, _: &str| {
             solved.fetch_add(usize::from(done % 4 != 0), Ordering::Relaxed);

@@ -188,28 +188,22 @@ fn without_finite_elements_the_densest_elastic_model_is_the_reference() {
     assert!(plan.fulls.is_empty() && plan.variants.iter().all(|v| v.against.is_empty()));
 }
 
-/// A bound that no reference keeps is told as what it is, with the way out; a reference that gets to a coarser tolerance
-/// only is told as such.
+/// A solution that is coarser than the finest tolerance for gears with modes is named with both.
 #[test]
-fn references_that_run_out_of_time_say_so() {
-    let asked = Asked {
-        modes: vec![2],
-        ..Asked::default()
+fn a_coarse_solution_is_named() {
+    let solution = |scheme: Scheme| Converged {
+        by: OwnSolution {
+            integrator: scheme.method.to_string(),
+            step: scheme.resolution.step(),
+            rtol: scheme.resolution.tolerance(),
+            steps: 100,
+        },
+        series: TimeSeries::default(),
     };
-    let scene = load_for("hammer", Selection::None).unwrap();
-    let choices = scene.select(Some("elastic")).unwrap();
-    let mut plan = Plan::of(&scene, &choices, &[], &asked).unwrap();
-    plan.conditions.timeout = Duration::from_nanos(1);
-    let e = study(&plan, &Runner::default()).unwrap_err().to_string();
-    for said in ["elastic", "--timeout", "duration_s", "--against"] {
-        assert!(e.contains(said), "{e}");
-    }
-    let to = |rtol| short_of(&Some((exact_for_modes(rtol), TimeSeries::default())));
-    let [first, .., last] = EXACT_MODES.map(|(rtol, _)| rtol);
-    assert_eq!((to(first), to(last)), (None, Some(last)));
-    let told = told_short("the reference elastic", last, 30.0);
-    assert!(
-        told.contains("to 1e-3 in place of 1e-6") && told.contains("30 s"),
-        "{told}"
-    );
+    let of = |scheme| short_of(&solution(scheme), "the reference elastic");
+    let [(finest, _), .., (coarsest, _)] = EXACT_MODES;
+    assert_eq!(of(exact_for_modes(finest)), None);
+    let note = of(exact_for_modes(coarsest)).unwrap();
+    let words = format!("the reference elastic to {coarsest:.0e} in place of {finest:.0e}");
+    assert!(note.contains(&words), "{note}");
 }
