@@ -95,7 +95,11 @@ fn meshes_that_cannot_be_made_are_refused_and_nothing_is_written() {
         assert_eq!(folder.files(), 1, "{arguments} wrote something");
     }
     // The input itself is never overwritten, and a folder that does not exist is named.
-    folder.says("mesh spur_impact --gear pinion --out broken.inp");
+    folder.refuses(
+        "mesh spur_impact --gear pinion --out broken.inp",
+        &["is there already", "--force"],
+    );
+    folder.says("mesh spur_impact --gear pinion --out broken.inp --force");
     folder.ends("mesh spur_impact --gear pinion --out nowhere/x.inp", 2);
-    folder.refuses("mesh broken.inp --out broken.inp", &["is the input"]);
+    folder.refuses("mesh broken.inp --out broken.inp", &["is an input"]);
 }
