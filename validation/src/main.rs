@@ -28,7 +28,7 @@ use gearbench::cli::progress::Display;
 use gearbench::cli::study_folder::StudyFolder;
 use gearbench::cli::terminal::{self, Refusal, put, say};
 use gearbench::experiment::conditions::silent;
-use gearbench::experiment::journal::{JOURNAL, Journal};
+use gearbench::experiment::journal::{JOURNAL, Journal, Subject};
 use gearbench::experiment::machine;
 use gearbench::experiment::runner::Runner;
 use gearbench_reference::reduction::cache::{self, Cache};
@@ -92,7 +92,13 @@ fn reduce(args: &arguments::Reduction) -> Result<Answer, Refusal> {
     let [first, last] = args.scenes.unwrap_or([1, set.scenes]);
     // A campaign of hours that is killed goes on with the same command.
     let kept = args.out.with_extension(JOURNAL);
-    let journal = Journal::open(&kept, false).map_err(|e| Refusal::Files(e.to_string()))?;
+    let subject = Subject {
+        study: "validation".into(),
+        scene: args.set.clone(),
+        models: None,
+    };
+    let journal =
+        Journal::open(&kept, &subject, false).map_err(|e| Refusal::Files(e.to_string()))?;
     let runner = Arc::new(Runner::new(journal, &silent));
     let mut rows = Vec::new();
     for number in first..=last {
@@ -153,7 +159,13 @@ fn cover(args: &arguments::Coverage) -> Result<Answer, Refusal> {
 /// Fits models to finite elements, holds them against these at other speeds, and writes the tables.
 fn carry(args: &arguments::Identification, command: &str) -> Result<Answer, Refusal> {
     let kept = args.out.with_extension(JOURNAL);
-    let journal = Journal::open(&kept, false).map_err(|e| Refusal::Files(e.to_string()))?;
+    let subject = Subject {
+        study: "validation".into(),
+        scene: "identification".into(),
+        models: None,
+    };
+    let journal =
+        Journal::open(&kept, &subject, false).map_err(|e| Refusal::Files(e.to_string()))?;
     let runner = Runner::new(journal, &silent);
     let mut all = Vec::new();
     for scene in &args.scenes {

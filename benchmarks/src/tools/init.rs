@@ -111,8 +111,7 @@ fn write(files: &[(PathBuf, &[u8])], force: bool) -> Result<(), Refusal> {
         overwriting.check(path)?;
     }
     for (path, bytes) in files {
-        write_whole(path, bytes)
-            .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
+        write_whole(path, bytes).map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
     }
     Ok(())
 }

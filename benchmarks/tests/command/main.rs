@@ -1,13 +1,13 @@
 //! The command as a user meets it: what it writes, what it refuses, how it ends.
 
-mod bounds;
 mod axes;
+mod bounds;
 mod check;
 mod choose;
 mod compare;
 mod coupling;
-mod files;
 mod damping;
+mod files;
 mod fmu;
 mod folders;
 mod identify;

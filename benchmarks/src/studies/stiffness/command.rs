@@ -48,8 +48,10 @@ pub fn run(args: &Stiffness, command: &str) -> Result<Answer, Refusal> {
     told.retain(|(what, _)| what != "simulated time");
     // The formulas stand for rigid gears of the same scene.
     let own = entries.last().and_then(own_force);
-    let loads: Result<Vec<StaticLoad>, Refusal> =
-        entries.iter().map(|e| StaticLoad::of(args, e, own)).collect();
+    let loads: Result<Vec<StaticLoad>, Refusal> = entries
+        .iter()
+        .map(|e| StaticLoad::of(args, e, own))
+        .collect();
     let loads = loads?;
     told.push(("static load".into(), loads[0].to_text()));
     let plan = Plan {
@@ -58,7 +60,10 @@ pub fn run(args: &Stiffness, command: &str) -> Result<Answer, Refusal> {
             settings: told,
             ..Conditions::of(&scene)
         },
-        entries: entries.into_iter().zip(loads.iter().map(|l| l.force)).collect(),
+        entries: entries
+            .into_iter()
+            .zip(loads.iter().map(|l| l.force))
+            .collect(),
         positions: args.positions,
     };
     let mut folder = StudyFolder::of(&args.output, &scene, Study::Stiffness.as_str())?;
