@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 /// Where results go.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Default)]
 pub struct Output {
     /// Folder to write to [default: out/SCENE/STUDY]
     #[arg(long, value_name = "DIR")]
@@ -21,17 +21,6 @@ pub struct Output {
     /// The choice of models on the command line, which distinguishes two studies of one scene.
     #[arg(skip)]
     pub models: Option<String>,
-}
-
-impl Default for Output {
-    fn default() -> Self {
-        Output {
-            out: None,
-            fresh: false,
-            force: false,
-            models: None,
-        }
-    }
 }
 
 /// How long a whole study may take that tries one thing after the other.

@@ -108,7 +108,7 @@ fn histories_beyond_the_memory_are_refused() {
     );
 }
 
-/// Whatever is no regular file of a bounded size is refused at once by every reader.
+/// Whatever is not a regular file of a bounded size is refused at once by every reader.
 #[cfg(unix)]
 #[test]
 fn pipes_devices_and_folders_are_no_inputs() {

@@ -55,7 +55,7 @@ fn the_smallest_scene_works() {
     folder.write("s.toml", example.split("```").next().unwrap());
     folder.ends("choose s.toml --tolerance 0.2", 0);
     folder.says("compare s.toml --repeats 1");
-    folder.says("compare out/my_scene/choose/chosen.toml --repeats 1");
+    folder.says("compare out/my_scene/choose/chosen.toml --repeats 1 --out chosen");
 
     // A formula out of its range is said on the terminal, in the answer and beside the chart.
     let shifted = example.replacen("teeth = 30", "teeth = 30\nprofile_shift = 0.1", 1);

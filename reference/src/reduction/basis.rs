@@ -79,7 +79,7 @@ pub fn of_mesh(
         false => nodes,
     };
     compliance::check_whole(&nodes)?;
-    check_shapes(&nodes, wanted)?;
+    check_shapes(&nodes, wanted, 3 * mesh.mesh.nodes.len())?;
     let assembly = assemble(&mesh.mesh, material)?;
     let motions = mounting.motions();
     let tie = Tie::new(&mesh.mesh.nodes, &mesh.bore, &motions);
@@ -168,7 +168,8 @@ pub fn of_sector(
         false => nodes,
     };
     compliance::check_sector(&nodes, sector.teeth as usize, 3 * sector.mesh.nodes.len())?;
-    check_shapes(&nodes, wanted)?;
+    let unknowns = 3 * sector.teeth as usize * sector.mesh.nodes.len();
+    check_shapes(&nodes, wanted, unknowns)?;
     let teeth = f64::from(sector.teeth);
     let rigid = mounting.rigid(&sector.mesh.nodes);
     let mut pull = vec![0.0; rigid.len()];
@@ -221,10 +222,16 @@ pub fn of_sector(
 const SHAPE_BYTES: f64 = 24.0;
 
 /// Checks the memory of the shapes at the flank nodes of all teeth before modes are searched.
-fn check_shapes(surface: &Surface, wanted: Wanted) -> Result<(), ReductionError> {
+fn check_shapes(
+    surface: &Surface,
+    wanted: Wanted,
+    unknowns: usize,
+) -> Result<(), ReductionError> {
     let Wanted::Count(modes) = wanted else {
         return Ok(());
     };
+    // There are no more modes than unknowns.
+    let modes = modes.min(unknowns);
     let rows = surface.directions.len();
     let what = format!("{modes} modes at {rows} displacements of flank nodes");
     let bytes = SHAPE_BYTES * rows as f64 * modes as f64;

@@ -77,7 +77,7 @@ fn every_status_has_its_words() {
     assert_eq!(
         Status::ALL.map(Status::as_str).join(" | "),
         "converged | unchecked | inaccurate | energy growth | chatter | newton failure | step underflow | \
-         blow-up | tunnelling | adhesive force | timeout | aborted | interrupted"
+         blow-up | tunnelling | adhesive force | timeout | refused | aborted | interrupted"
     );
 }
 

@@ -295,7 +295,7 @@ const GEARS: &str = r##"
 24: gap_m = 1e-6 => path_coordinate_m = 0.1
     outside the path of contact | expected 4.2
 24: flank = "left" => flank = "top"
-    `left` or `right`
+    `left` and `right`
 27: [[models]] => [[meshes]]\ngears = ["wheel", "pinion"]\n\n[[models]]
     mesh twice | first here
 15: [gears.wheel] => [gears.third]\nteeth = 30\nmodule_m = 0.004\nface_width_m = 0.01\n\n[gears.wheel]

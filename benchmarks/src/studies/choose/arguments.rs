@@ -16,7 +16,7 @@ Examples:
 No finite-element transient runs: a hierarchy of models is refined on a short part of the scene, and differences between
 its levels estimate the errors. Modes, contact and mesh are levels of it: flanks touch on half-spaces where they may, and
 all models are held against elastic gears of twice the elements. The folder holds chosen.toml, the scene with the choice written in:
-`gearbench compare out/SCENE/choose/chosen.toml` runs it. What --budget leaves untried is listed, and the
+`gearbench compare out/SCENE/choose/chosen.toml --out out/chosen` runs it. What --budget leaves untried is listed, and the
 answer is of what was tried. Exit code 1 says that nothing is adequate, or that a reference (--references) is further from the choice than was asked for.";
 
 /// Arguments of `choose`.

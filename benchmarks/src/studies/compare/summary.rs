@@ -85,7 +85,8 @@ pub fn summarise(results: &Results) {
             results.runs.len()
         ));
     }
-    let count = |status| results.runs.iter().filter(|r| r.status == status).count();
+    let gated = || results.runs.iter().filter(|r| !is_excepted(results, r));
+    let count = |status| gated().filter(|r| r.status == status).count();
     let [inaccurate, unchecked] = [Status::Inaccurate, Status::Unchecked].map(count);
     if results.tolerance.is_some() && inaccurate + unchecked > 0 {
         say(&format!(

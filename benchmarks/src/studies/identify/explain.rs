@@ -54,7 +54,8 @@ pub fn undetermined(estimate: &Estimate, chosen: &Chosen, data: &[DataSet]) -> V
     let mut all: Vec<String> = estimate.weak.iter().map(told).collect();
     all.dedup();
     for (j, profile) in estimate.profiles.iter().enumerate() {
-        let Some([low, high]) = profile.as_ref().filter(|p| p.is_open()).map(|p| p.interval) else {
+        let open = (profile.as_ref()).filter(|p| p.is_open(&chosen.coordinates[j]));
+        let Some([low, high]) = open.map(|p| p.interval) else {
             continue;
         };
         let name = chosen.parameters[j].name(data);

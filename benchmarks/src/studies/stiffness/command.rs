@@ -19,6 +19,9 @@ use gearbench_reports::Study;
 use gearbench_reports::numbers::{round_quantity, short};
 use gearbench_reports::record::Results;
 
+/// Name of the setting with the static load.
+pub(super) const STATIC_LOAD: &str = "static load";
+
 /// Loads the models of a scene over a mesh cycle and writes a folder.
 pub fn run(args: &Stiffness, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
@@ -53,7 +56,7 @@ pub fn run(args: &Stiffness, command: &str) -> Result<Answer, Refusal> {
         .map(|e| StaticLoad::of(args, e, own))
         .collect();
     let loads = loads?;
-    told.push(("static load".into(), loads[0].to_text()));
+    told.push((STATIC_LOAD.into(), loads[0].to_text()));
     let plan = Plan {
         conditions: Conditions {
             command: command.to_string(),

@@ -1,9 +1,10 @@
 //! What the terminal says of a record of `stiffness`.
 
+use super::command::STATIC_LOAD;
 use crate::cli::terminal::say;
-use gearbench_reports::numbers::{round_quantity, short};
+use gearbench_reports::numbers::short;
 use gearbench_reports::record::Results;
-use gearbench_reports::stiffness::{ModelStiffness, PER_MM_UM};
+use gearbench_reports::stiffness::PER_MM_UM;
 
 /// One line per model, and what finite elements took.
 pub fn summarise(results: &Results) {
@@ -15,7 +16,7 @@ pub fn summarise(results: &Results) {
     say(&format!(
         "{}: {}, {} positions over one base pitch, common width {} mm",
         results.header.scene,
-        load(first),
+        load(results),
         first.positions.len(),
         short(1e3 * first.face_width_m, 4)
     ));
@@ -59,11 +60,8 @@ pub fn summarise(results: &Results) {
     }
 }
 
-/// The load in words.
-pub fn load(model: &ModelStiffness) -> String {
-    format!(
-        "{} along the line of action, {} N/mm",
-        round_quantity(model.force_n, "N", 4),
-        short(1e-3 * model.line_load(), 4)
-    )
+/// The static load in words, as the record has it among its settings.
+fn load(results: &Results) -> &str {
+    let setting = results.settings.iter().find(|(what, _)| what == STATIC_LOAD);
+    setting.map_or("", |(_, load)| load)
 }

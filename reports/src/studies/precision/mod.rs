@@ -53,7 +53,7 @@ impl Cost {
 /// Processor time of a run \[s\]; of a record without it the wall time.
 pub fn cost_s(run: &Run) -> f64 {
     match run.cpu_s {
-        x if x.is_finite() => x,
+        x if x.is_finite() && x > 0.0 => x,
         _ => run.wall_s,
     }
 }

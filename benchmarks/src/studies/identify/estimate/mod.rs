@@ -175,8 +175,8 @@ pub fn estimate(problem: &Problem, residuals: &mut Residuals<'_>) -> Option<Esti
         )
         .collect();
     // Data that bound a value to one side alone do not determine it.
-    for (unknown, profile) in unknown.iter_mut().zip(&profiles) {
-        *unknown |= profile.as_ref().is_some_and(Profile::is_open);
+    for (j, unknown) in unknown.iter_mut().enumerate() {
+        *unknown |= (profiles[j].as_ref()).is_some_and(|p| p.is_open(&coordinates[j]));
     }
     let values = (0..coordinates.len())
         .map(|j| {

@@ -27,14 +27,25 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Whether the data bound the coordinate to one side alone, or not at all.
-    pub fn is_open(&self) -> bool {
-        self.interval.iter().any(|end| !end.is_finite())
+    /// Whether the data bound the coordinate to one side alone, or not at all: a side has no end although the fit was tried
+    /// at values that differ by more than [`APART`]. Closer by, the sum of squares of data without noise is rounding.
+    pub fn is_open(&self, coordinate: &Coordinate) -> bool {
+        let best = (self.z.iter().zip(&self.deviation)).find(|(_, d)| **d == 0.0);
+        let Some(best) = best.map(|(z, _)| coordinate.value(*z)) else {
+            return false;
+        };
+        let tried = [self.z.first(), self.z.last()];
+        (self.interval.iter().zip(tried)).any(|(end, tried)| {
+            let apart = tried.map_or(0.0, |z| (coordinate.value(*z) - best).abs());
+            !end.is_finite() && apart > APART * best.abs()
+        })
     }
 }
 
 /// Deviation of the profile from the straight line, relative, from which on it gives the interval.
 pub const BENT: f64 = 0.15;
+/// Relative distance of values that a measurement can distinguish.
+const APART: f64 = 0.01;
 /// Places of a profile in half widths.
 const PLACES: [f64; 5] = [0.5, 1.0, 1.5, 2.25, 4.0];
 /// Half width of a step at most: over several factors a held value is far from anything.
