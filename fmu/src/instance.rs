@@ -178,7 +178,7 @@ impl Instance {
         if !time.is_finite() {
             return fail(format!("the start time {time} is not a number"));
         }
-        if let Some(stop) = stop.filter(|stop| stop.is_nan() || *stop < time) {
+        if let Some(stop) = stop.filter(|stop| stop.is_nan() || time.is_nan() || *stop < time) {
             return fail(format!(
                 "the stop time is {stop} s, expected the start time {time} s or later"
             ));

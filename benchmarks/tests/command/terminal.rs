@@ -75,12 +75,7 @@ fn an_answer_for_programs_is_one_object() {
     let stiff = object(&folder.ends(stiff, 0).stdout);
     let row = &stiff["results"]["stiffness"][0];
     assert_eq!(row["label"], "rigid");
-    assert!(
-        row["mesh_stiffness_n_per_m2"]
-            .as_f64()
-            .unwrap()
-            > 1e9
-    );
+    assert!(row["mesh_stiffness_n_per_m2"].as_f64().unwrap() > 1e9);
 }
 
 #[test]

@@ -7,6 +7,9 @@
 //! cargo test --release --locked -p gearbench --test mutations -- --ignored --nocapture
 //! ```
 
+// Progress and the figures of the whole corpus are for whoever runs it.
+#![expect(clippy::print_stdout)]
+
 mod generator;
 
 use gearbench::experiment::conditions::Conditions;

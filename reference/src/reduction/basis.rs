@@ -222,11 +222,7 @@ pub fn of_sector(
 const SHAPE_BYTES: f64 = 24.0;
 
 /// Checks the memory of the shapes at the flank nodes of all teeth before modes are searched.
-fn check_shapes(
-    surface: &Surface,
-    wanted: Wanted,
-    unknowns: usize,
-) -> Result<(), ReductionError> {
+fn check_shapes(surface: &Surface, wanted: Wanted, unknowns: usize) -> Result<(), ReductionError> {
     let Wanted::Count(modes) = wanted else {
         return Ok(());
     };

@@ -62,6 +62,9 @@ pub fn summarise(results: &Results) {
 
 /// The static load in words, as the record has it among its settings.
 fn load(results: &Results) -> &str {
-    let setting = results.settings.iter().find(|(what, _)| what == STATIC_LOAD);
+    let setting = results
+        .settings
+        .iter()
+        .find(|(what, _)| what == STATIC_LOAD);
     setting.map_or("", |(_, load)| load)
 }
