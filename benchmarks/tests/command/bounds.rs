@@ -133,7 +133,7 @@ fn pipes_devices_and_folders_are_no_inputs() {
     fifo("o/journal.jsonl");
     folder.refuses(
         "compare s.toml --models rigid --out o",
-        &["no regular file"],
+        &["not a regular file"],
     );
     let large = std::fs::File::create(folder.at("large.toml")).unwrap();
     large.set_len(1 << 34).unwrap();

@@ -131,7 +131,7 @@ fn budgets_list_what_was_not_tried() {
     let said = format!("{}{}", stdout(&out), stderr(&out));
     assert!(said.contains("not tried within the budget"), "{said}");
     let out = folder
-        .command("choose scene.toml --budget 1e-3")
+        .command("choose hammer --budget 1e-3")
         .output()
         .unwrap();
     assert_eq!(out.status.code(), Some(3));

@@ -120,7 +120,7 @@ fn whole(problem: &Problem, level: &Fixed, contact_time: f64) -> Result<Outcome,
 /// How deep flanks go into each other, from the largest force of a rigid run [m].
 ///
 /// # Errors
-/// [`ChooseError::NoContact`] when no teeth touch.
+/// [`ChooseError::NoContact`] when no teeth touch, [`ChooseError::Budget`] when the run was cut off before they did.
 pub fn approach(
     problem: &Problem,
     level: &Fixed,
@@ -131,6 +131,9 @@ pub fn approach(
     let peak = force.iter().copied().fold(0.0, f64::max);
     if peak > 0.0 {
         Ok(peak / oscillator.stiffness)
+    } else if problem.runner.budget().is_spent() {
+        // The run was cut off, and says nothing of later contacts.
+        Err(ChooseError::Budget(problem.runner.budget().described()))
     } else {
         Err(ChooseError::NoContact {
             duration: problem.duration,

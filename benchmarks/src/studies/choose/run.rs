@@ -31,7 +31,7 @@ pub enum ChooseError {
     },
     /// Nothing can be estimated within the budget.
     #[error(
-        "the budget of {0} is spent before two levels of elastic gears have run, so that no error can be estimated: allow more with --budget, or give the elastic model fewer elements (`flank_elements`, `rim_elements`)"
+        "the budget of {0} is spent before two levels of elastic gears have run, and no error can be estimated: allow more with --budget, or give the elastic model fewer elements (`flank_elements`, `rim_elements`)"
     )]
     Budget(String),
     /// The elastic gears do not run.
