@@ -28,7 +28,7 @@ pub struct Profile {
 
 impl Profile {
     /// Whether the data bound the coordinate to one side alone, or not at all: a side has no end although the fit was tried
-    /// at values that differ by more than [`APART`]. Closer by, the sum of squares of data without noise is rounding.
+    /// at values that differ by more than a hundredth. Closer by, the sum of squares of data without noise is rounding.
     pub fn is_open(&self, coordinate: &Coordinate) -> bool {
         let best = (self.z.iter().zip(&self.deviation)).find(|(_, d)| **d == 0.0);
         let Some(best) = best.map(|(z, _)| coordinate.value(*z)) else {
