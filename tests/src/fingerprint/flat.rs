@@ -10,8 +10,9 @@ use std::path::Path;
 const SHORT: usize = 6;
 
 /// Parts of names whose values are times, or follow from them.
-const TIMED: [&str; 9] = [
+const TIMED: [&str; 10] = [
     "wall", "setup", "repeats", "machine", "commit", "created", "command", "cost", "solve_s",
+    "cpu_s",
 ];
 
 /// Keys of a choice that follow from measured times: what is cheapest, and what is known of it alone.
