@@ -3,7 +3,7 @@
 use super::{ModelStiffness, PER_MM_UM};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, prose};
-use crate::numbers::{quantity, round_quantity, short, significant};
+use crate::numbers::{count, quantity, round_quantity, short, significant};
 use maud::{Markup, html};
 
 /// Models with numbers, each with its place.
@@ -74,11 +74,9 @@ pub fn tables(stiffness: &[ModelStiffness]) -> Markup {
         .numbers("TE, peak to peak", "m", 3, |(_, m)| m.error_peak_to_peak_m)
         .result()
         .text("Includes", |(_, m)| m.includes.clone())
-        .numbers("Unknowns", "", 4, |(_, m)| m.unknowns as f64)
-        .numbers("Equilibria", "", 4, |(_, m)| m.equilibria as f64)
-        .numbers("Newton iterations", "", 4, |(_, m)| {
-            m.newton_iterations as f64
-        })
+        .written("Unknowns", "", |(_, m)| count(m.unknowns as u64))
+        .written("Equilibria", "", |(_, m)| count(m.equilibria))
+        .written("Newton iterations", "", |(_, m)| count(m.newton_iterations))
         .numbers("Set-up", "s", 3, |(_, m)| m.setup_s)
         .numbers("Solved in", "s", 3, |(_, m)| m.solve_s);
     html! {
