@@ -10,7 +10,7 @@ use miette::{Diagnostic, Report};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-/// What of a record is not part of an answer: long, and in the record or in files of its own.
+/// Keys of a record that an answer leaves out: histories, which are in the record or in files.
 const LONG: [&str; 4] = ["series", "further", "histories", "contacts"];
 
 /// What a command answers.

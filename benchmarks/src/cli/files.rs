@@ -20,7 +20,7 @@ pub struct Staged {
 }
 
 impl Staged {
-    /// Begins a file beside its place.
+    /// Creates the unfinished file in the folder of the finished one.
     ///
     /// # Errors
     /// When its folder cannot be written to.
@@ -127,7 +127,7 @@ pub fn is_same(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
-/// What a command may write over, beside a place where nothing is.
+/// Existing files that a command may replace.
 #[derive(Clone, Copy, Debug)]
 pub struct Overwriting<'a> {
     /// Files that the command reads. None of them is ever written.

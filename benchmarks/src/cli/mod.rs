@@ -162,7 +162,7 @@ impl Cli {
     /// Reads the words of a command line, the program first.
     ///
     /// # Errors
-    /// What is wrong with them, or the help that they ask for.
+    /// The error names the wrong argument, or carries the help text that was asked for.
     fn read(
         words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
     ) -> Result<Self, clap::Error> {

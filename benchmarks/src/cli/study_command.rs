@@ -56,7 +56,7 @@ pub(crate) enum StudyCommand {
 }
 
 impl Default for StudyCommand {
-    /// What `gearbench` does without a command.
+    /// The default study is the comparison that `gearbench` runs without a command.
     fn default() -> Self {
         StudyCommand::Compare(Compare::default())
     }
@@ -103,7 +103,7 @@ impl StudyCommand {
         }
     }
 
-    /// The same study with all that it writes in one folder. Options that write elsewhere (a baseline, a calibration, the
+    /// Returns the study with all of its output in one folder. Options that write elsewhere (a baseline, a calibration, the
     /// scene) are left out, and so is what overwrites the work of others.
     pub(super) fn confined_to(mut self, folder: PathBuf) -> Self {
         match &mut self {

@@ -304,7 +304,7 @@ fn pieces(journal: &Path) -> usize {
     lines.saturating_sub(1)
 }
 
-/// Parts of a record beside its runs that are reported though the study was interrupted.
+/// Counts the results of a record other than runs, which an interrupted study reports too.
 fn parts(part: &Part) -> usize {
     match part {
         Part::Stability(part) => part.maps.len(),
@@ -359,7 +359,7 @@ fn refuse_input(folder: &Path, input: &Path) -> Result<(), Refusal> {
     )))
 }
 
-/// What a record says of the study that it is of.
+/// Header of a record: the study, scene and command that made it.
 #[derive(Deserialize)]
 struct Kept {
     schema: u32,

@@ -177,12 +177,7 @@ pub fn converged(job: &Job<'_>, candidates: &[Candidate]) -> Result<Found, RunEr
             Err(RunError::NoLinearPart(..)) => continue,
             row => row?,
         };
-        let by = OwnSolution {
-            integrator: row.integrator,
-            step: row.step,
-            rtol: row.rtol,
-            steps: row.steps,
-        };
+        let by = OwnSolution::from(&row);
         match row.series.filter(|_| !row.status.is_failure()) {
             Some(series) => return Ok(Ok(Converged { by, series })),
             None => tried.push(format!("{}: {}", method.described(), row.status)),

@@ -203,6 +203,17 @@ pub struct OwnSolution {
     pub steps: u64,
 }
 
+impl From<&Run> for OwnSolution {
+    fn from(run: &Run) -> Self {
+        OwnSolution {
+            integrator: run.integrator.clone(),
+            step: run.step,
+            rtol: run.rtol,
+            steps: run.steps,
+        }
+    }
+}
+
 impl fmt::Display for OwnSolution {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.integrator)?;

@@ -255,12 +255,7 @@ impl Study<'_> {
             Some(method) => {
                 let row = run(&self.unhurried(of, method))?;
                 coordinates = format!("{} coordinates ", row.dofs);
-                let by = OwnSolution {
-                    integrator: row.integrator,
-                    step: row.step,
-                    rtol: row.rtol,
-                    steps: row.steps,
-                };
+                let by = OwnSolution::from(&row);
                 match row.series.filter(|_| !row.status.is_failure()) {
                     Some(series) => Ok(Converged { by, series }),
                     None => Err(format!(
