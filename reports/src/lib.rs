@@ -34,7 +34,7 @@ pub use series::{Column, TimeSeries, decimate};
 pub use store::{RECORD, ReportError, load_results, report_from, write_results};
 pub use studies::choose::{ChoiceRecord, ChooseRecord, LevelRecord, TriedRecord};
 pub use studies::{
-    StudyReport, check, choice_check, compare as comparison, coupling, identify, modes, precision,
-    response, run_up, stability, stiffness, sweep, truncation,
+    StudyReport, check, choice_check, compare as comparison, coupling, finding, identify, modes,
+    precision, response, run_up, stability, stiffness, sweep, truncation,
 };
 pub use view::metric_against;

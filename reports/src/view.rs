@@ -2,7 +2,9 @@
 
 use crate::metrics::Metric;
 use crate::numbers::{per_cent, quantity, round_quantity};
-use crate::record::{ReferenceSeries, Results, Run, SELF, Study};
+use crate::record::{Part, ReferenceSeries, Results, Run, SELF, Study};
+use crate::studies::compare::{Kind, Verdict, Yardstick};
+use std::borrow::Cow;
 
 /// A relative error below this is rounding, not a result.
 pub const NOTHING: f64 = 1e-10;
@@ -29,6 +31,27 @@ pub struct View<'a> {
     pub against: Option<String>,
     /// The error metric.
     pub metric: Metric,
+    /// Greatest error in it that is accurate enough, where the scene says one.
+    pub limit: Option<f64>,
+    /// What a comparison compares its models with.
+    pub yardstick: Option<Cow<'a, Yardstick>>,
+}
+
+/// The yardstick of a comparison. Records of former versions do not name theirs: it is the first of their references.
+fn yardstick_of(results: &Results) -> Option<Cow<'_, Yardstick>> {
+    let Part::Compare(part) = &results.part else {
+        return None;
+    };
+    let first = || {
+        let reference = results.references.first()?;
+        Some(Cow::Owned(Yardstick {
+            id: reference.id.clone(),
+            kind: Kind::Stored,
+            title: reference.title.clone(),
+            ..Yardstick::default()
+        }))
+    };
+    part.yardstick.as_ref().map(Cow::Borrowed).or_else(first)
 }
 
 impl<'a> View<'a> {
@@ -47,7 +70,12 @@ impl<'a> View<'a> {
             }
         }
         let compared = |id: &str| results.runs.iter().any(|r| r.against(id).is_some());
-        let against = (results.tolerance.iter().map(|t| &t.against))
+        let yardstick = yardstick_of(results);
+        let limited = results.tolerance.as_ref();
+        // Models are compared with something else than themselves, where there is anything else.
+        let limited = limited.filter(|t| yardstick.is_none() || t.against != SELF);
+        let against = (limited.iter().map(|t| &t.against))
+            .chain(yardstick.iter().map(|y| &y.id))
             .chain(results.references.iter().map(|r| &r.id))
             .find(|id| compared(id))
             .or_else(|| {
@@ -55,7 +83,9 @@ impl<'a> View<'a> {
                 metrics.next().map(|m| &m.against)
             })
             .cloned();
-        let metric = match &results.tolerance {
+        let limited = limited.filter(|t| Some(&t.against) == against.as_ref());
+        let yardstick = yardstick.filter(|y| Some(&y.id) == against.as_ref());
+        let metric = match limited {
             Some(t) => t.metric,
             // Reduced and full models share mesh and start: nothing is to be shifted.
             None if [Study::Truncation, Study::Penalty].contains(&results.study()) => {
@@ -72,6 +102,8 @@ impl<'a> View<'a> {
             groups,
             against,
             metric,
+            limit: limited.map(|t| t.limit),
+            yardstick,
         }
     }
 
@@ -114,6 +146,13 @@ impl<'a> View<'a> {
     pub fn kind_of_error(&self) -> &'static str {
         match self.against.as_deref() {
             Some(SELF) => INTEGRATION,
+            _ if self
+                .yardstick
+                .as_ref()
+                .is_some_and(|y| y.kind != Kind::Stored) =>
+            {
+                "model"
+            }
             _ => "prediction",
         }
     }
@@ -127,19 +166,38 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Whether a run ended well and its error, if one is asked for, is within the tolerance.
+    /// Whether a run is accurate enough; `None` where the scene asks for nothing, or the run cannot be judged.
+    pub fn verdict(&self, run: &Run) -> Option<Verdict> {
+        if run.status.is_failure() {
+            return None;
+        }
+        let (limit, error) = (self.limit?, self.error(run)?);
+        Some(match &self.yardstick {
+            Some(yardstick) => yardstick.verdict(error, limit),
+            None if error <= limit => Verdict::Adequate,
+            None => Verdict::NotAdequate,
+        })
+    }
+
+    /// Whether a run is the yardstick itself or of its model.
+    pub fn is_yardstick(&self, run: &Run) -> bool {
+        (self.yardstick.as_ref()).is_some_and(|y| {
+            matches!(y.kind, Kind::Model | Kind::Named) && y.title == run.model_label()
+        })
+    }
+
+    /// Whether a run ended well and is accurate enough: by the limit of the scene, else by its integration.
     pub fn adequate(&self, run: &Run) -> bool {
-        run.status.holds()
-            && match &self.results.tolerance {
-                Some(t) => self.error(run).is_some_and(|e| e <= t.limit),
-                None => true,
-            }
+        match self.limit {
+            Some(_) => self.verdict(run) == Some(Verdict::Adequate),
+            None => run.status.holds(),
+        }
     }
 
     /// The run that stands for its model: the least error among runs that did not fail, the
     /// cheapest of those that share its three leading digits.
     pub fn best<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
-        self.best_by(group, |r| r.wall_s)
+        self.best_by(group, Run::cost_s)
     }
 
     /// The same with another cost.
@@ -170,7 +228,7 @@ impl<'a> View<'a> {
     /// The run whose histories are drawn for a model: the best one with a series, failing that the
     /// longest failed one.
     pub fn drawn<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
-        self.drawn_by(group, |r| r.wall_s)
+        self.drawn_by(group, Run::cost_s)
     }
 
     /// The run whose histories have files: as [`View::drawn`], but chosen by work and not by the clock.

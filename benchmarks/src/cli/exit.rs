@@ -2,7 +2,8 @@
 
 use crate::experiment::interruption;
 use gearbench_reports::Study;
-use gearbench_reports::record::{Results, Run, Status};
+use gearbench_reports::comparison::Kind;
+use gearbench_reports::record::{Part, Results, Run, Status};
 use std::process::ExitCode;
 
 /// How the command ends.
@@ -89,6 +90,30 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
             Exit::FellShort
         } else {
             Exit::Done
+        }
+    }
+
+    /// Of a comparison: where it looks for a model that is enough, and its yardstick is one that it made or a model of the
+    /// scene, one adequate run answers the question. Where the scene has a reference all runs are meant to hold.
+    pub fn of_comparison(results: &Results) -> Exit {
+        let made = match &results.part {
+            Part::Compare(part) => part.yardstick.as_ref().filter(|y| y.kind != Kind::Stored),
+            _ => None,
+        };
+        let asked = results.tolerance.as_ref().zip(made);
+        let Some((_, yardstick)) =
+            asked.filter(|(t, y)| t.against == y.id && y.kind != Kind::Named)
+        else {
+            return Exit::of_every_run(results);
+        };
+        if results.runs.iter().any(|r| r.status.is_failure()) {
+            return Exit::FailedRun;
+        }
+        let other =
+            |r: &&Run| yardstick.kind == Kind::Refined || r.model_label() != yardstick.title;
+        match (results.runs.iter().filter(other)).any(|r| r.status == Status::Converged) {
+            true => Exit::Done,
+            false => Exit::FellShort,
         }
     }
 

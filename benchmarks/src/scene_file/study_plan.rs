@@ -11,6 +11,7 @@ use super::reading::values::{
 };
 use super::references::NamedReference;
 use crate::models::models;
+use crate::studies::compare::REFINED;
 use crate::studies::precision::scene::{Precision, PrecisionKeys};
 use crate::studies::stability::scene::{StabilityKeys, StabilitySet};
 use crate::studies::sweep::scene::Sweep;
@@ -67,7 +68,9 @@ keys! {
         metric: Option<MetricKey>,
         /// greatest magnitude that is accurate enough, for example 0.05
         limit: Positive,
-        /// "reference" (the scene's first), the name of one, "model" (the study's `reference_model`) or "self", the model's own converged solution
+        /// "reference" (the scene's first), the name of one, "model" (the study's `reference_model`), "refined" (elastic
+        /// gears that gearbench refines for it) or "self", the model's own converged solution; default the first of the
+        /// first four that the scene has
         against: Option<String>,
         /// labels of models that are shown for their error: beyond the limit they leave the exit code at 0
         except: Option<Distinct<Label>>,
@@ -275,8 +278,9 @@ pub(super) fn tolerance(
     };
     let against = match (against.as_deref(), external, reference_model) {
         (None | Some("reference"), Some(name), _) => name,
-        (None | Some(SELF), ..) => SELF,
-        (Some("model"), _, Some(label)) => label,
+        (Some(SELF), ..) => SELF,
+        (None | Some("model"), _, Some(label)) => label,
+        (None | Some(REFINED), ..) => REFINED,
         (Some("reference"), None, _) => {
             return at.key("against").refuse(
                 "the scene has no reference",
@@ -293,7 +297,7 @@ pub(super) fn tolerance(
             );
         }
         (Some(name), ..) => {
-            let words = ["reference", "model", SELF].map(str::to_owned);
+            let words = ["reference", "model", REFINED, SELF].map(str::to_owned);
             let names = own().map(|r| r.name.clone());
             let known: Vec<String> = words.into_iter().chain(names).collect();
             let place = at.key("against");

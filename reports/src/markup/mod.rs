@@ -38,6 +38,29 @@ fn sentences(all: &[Markup]) -> Markup {
     PreEscaped(all.join(" "))
 }
 
+/// The text of a sentence of a page, without its elements.
+pub fn text(markup: &Markup) -> String {
+    let mut plain = String::with_capacity(markup.0.len());
+    let mut inside = false;
+    for c in markup.0.chars() {
+        match c {
+            '<' => inside = true,
+            '>' if inside => inside = false,
+            c if !inside => plain.push(c),
+            _ => {}
+        }
+    }
+    let entities = [
+        ("&lt;", "<"),
+        ("&gt;", ">"),
+        ("&quot;", "\""),
+        ("&amp;", "&"),
+    ];
+    entities
+        .iter()
+        .fold(plain, |text, (entity, sign)| text.replace(entity, sign))
+}
+
 /// Text of a record in plain words: metrics by their names, other names of the format as code.
 pub fn prose(text: &str) -> Markup {
     // A key that is a word of its own, quoted or not, is a metric.

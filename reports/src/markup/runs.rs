@@ -73,9 +73,11 @@ fn metrics(view: &View<'_>) -> Markup {
         for m in Metric::ALL.into_iter().filter(|m| m.is_error()) {
             let heading = capital(&m.short());
             table = match m {
-                Metric::PeakForceRel | Metric::ImpulseRel | Metric::TorquePeakRel => {
-                    table.deviations(&heading, get(m))
-                }
+                Metric::PeakForceRel
+                | Metric::RmsForceRel
+                | Metric::ImpulseRel
+                | Metric::TransmissionErrorSpanRel
+                | Metric::TorquePeakRel => table.deviations(&heading, get(m)),
                 Metric::EnergyDrift => table.powers(&heading, "", get(m)),
                 _ => table.percents(&heading, 3, |row| get(m)(row).map(f64::abs)),
             };
@@ -91,7 +93,14 @@ fn metrics(view: &View<'_>) -> Markup {
         table
             .numbers("Shift in time", "s", 3, get(Metric::TimeShift))
             .numbers("Peak force", "N", 4, get(Metric::PeakForce))
+            .numbers("Rms force", "N", 4, get(Metric::RmsForce))
             .numbers("Impulse", "N s", 4, get(Metric::Impulse))
+            .numbers(
+                "Peak-to-peak transmission error",
+                "m",
+                4,
+                get(Metric::TransmissionErrorSpan),
+            )
             .numbers("Time in contact", "s", 4, get(Metric::Duration))
             .written("Last \u{3c9}1", "rad/s", four(Metric::Omega1End))
             .written("Last \u{3c9}2", "rad/s", four(Metric::Omega2End))
@@ -99,7 +108,7 @@ fn metrics(view: &View<'_>) -> Markup {
     html! {
         @for id in &ids {
             section {
-                h2 { "Metrics against " (view.reference_name(id)) }
+                h2 { @if *id == SELF { "Integration errors: metrics against " } @else { "Metrics against " } (view.reference_name(id)) }
                 (of(id))
                 (note(
                     "Force history: relative error of the contact force over time, as it is and after the best shift in time \

@@ -60,6 +60,11 @@ impl<'a> Force<'a> {
         self.integral(|_, f| f)
     }
 
+    /// Integral of the square of the force [N^2 s].
+    pub fn square(&self) -> f64 {
+        self.integral(|_, f| f * f)
+    }
+
     /// Centroid of the force in time.
     fn centroid(&self) -> f64 {
         self.integral(|t, f| t * f) / self.impulse()

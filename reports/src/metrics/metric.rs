@@ -26,6 +26,11 @@ words! {
         /// Its deviation, over the reference.
         #[serde(alias = "peak")]
         PeakForceRel = "peak_force_rel",
+        /// Root mean square of the contact force over the time of the run.
+        RmsForce = "rms_force_n",
+        /// Its deviation, over the reference.
+        #[serde(alias = "rms")]
+        RmsForceRel = "rms_force_rel",
         /// Impulse of the contact force.
         Impulse = "impulse_ns",
         /// Its deviation, over the reference.
@@ -43,6 +48,11 @@ words! {
         /// Relative L2 error of the transmission error.
         #[serde(alias = "transmission-error")]
         TransmissionError = "transmission_error_l2",
+        /// Peak to peak of the transmission error.
+        TransmissionErrorSpan = "transmission_error_pp_m",
+        /// Its deviation, over the reference.
+        #[serde(alias = "transmission-error-pp")]
+        TransmissionErrorSpanRel = "transmission_error_pp_rel",
         /// Largest error of an angle, over the span of that angle.
         #[serde(alias = "angle")]
         Angle = "angle_l2",
@@ -81,6 +91,8 @@ impl Metric {
             Self::TimeShift => ("shift in time", "s", None),
             Self::PeakForce => ("peak force", "N", None),
             Self::PeakForceRel => ("peak-force error", "", Some("peak")),
+            Self::RmsForce => ("rms force", "N", None),
+            Self::RmsForceRel => ("rms-force error", "", Some("rms")),
             Self::Impulse => ("impulse", "N s", None),
             Self::ImpulseRel => ("impulse error", "", Some("impulse")),
             Self::Duration => ("contact duration", "s", None),
@@ -88,6 +100,12 @@ impl Metric {
             Self::Omega2End => ("last speed of gear 2", "rad/s", None),
             Self::Rebound => ("rebound error", "", Some("rebound")),
             Self::TransmissionError => ("transmission-error error", "", Some("transmission-error")),
+            Self::TransmissionErrorSpan => ("peak-to-peak transmission error", "m", None),
+            Self::TransmissionErrorSpanRel => (
+                "peak-to-peak-transmission-error error",
+                "",
+                Some("transmission-error-pp"),
+            ),
             Self::Angle => ("angle error", "", Some("angle")),
             Self::Torque => ("torque error", "", Some("torque")),
             Self::TorquePeakRel => ("torque-peak error", "", Some("torque-peak")),
@@ -125,6 +143,8 @@ impl Metric {
         let joined = [
             "force-history",
             "peak-force",
+            "rms-force",
+            "peak-to-peak-transmission-error",
             "transmission-error",
             "torque-peak",
         ];

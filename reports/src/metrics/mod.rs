@@ -7,6 +7,8 @@
 //! force_l2         = sqrt( int (f(t) - f_r(t))^2 dt / int f_r(t)^2 dt )
 //! force_l2_aligned = min over tau of the same with f(t - tau);  time_shift_s = tau
 //! impulse          = int f dt                    (while the reference lasts)
+//! rms_force        = sqrt( int f^2 dt / T )      (T the time that both last)
+//! transmission_error_pp = max e - min e          (while the reference lasts)
 //! duration         = time in which f exceeds 1e-6 of its own peak
 //! rebound          = max over gears of (last speed - last speed of the reference) / span of the reference's speed
 //! transmission_error_l2 = sqrt( int (e - e_r)^2 dt / int e_r^2 dt ) over the times at which f_r acts
@@ -126,6 +128,10 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
     let impulse = run.impulse();
     metrics.peak_force_n = finite(peak);
     metrics.impulse_ns = finite(impulse);
+    let lasts = window.min(series.time_s[known - 1]) - series.time_s[0];
+    let rms = |force: &Force<'_>| (force.square() / lasts).sqrt();
+    metrics.rms_force_n = finite(rms(&run));
+    metrics.transmission_error_pp_m = span_of_transmission_error(series, window);
     metrics.duration_s = finite(run.time_above(CONTACT_THRESHOLD * peak));
     if reference.len() < 2 {
         return metrics;
@@ -134,6 +140,16 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
     let whole = Force::until(&whole, window);
     metrics.peak_force_rel = finite(deviation(peak, whole.peak().0));
     metrics.impulse_rel = finite(deviation(impulse, whole.impulse()));
+    if !reference.contact_force_n.is_empty() {
+        metrics.rms_force_rel = finite(deviation(rms(&run), rms(&whole)));
+    }
+    let spans = (
+        metrics.transmission_error_pp_m,
+        span_of_transmission_error(reference, window),
+    );
+    if let (Some(own), Some(wanted)) = spans {
+        metrics.transmission_error_pp_rel = finite(deviation(own, wanted));
+    }
     metrics.rebound_rel = rebound(series, reference, window);
     metrics.transmission_error_l2 = larger(
         transmission_error(series, reference, whole.peak().0),
@@ -192,6 +208,17 @@ fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
         (Some(x), Some(y)) => Some(if y.abs() > x.abs() { y } else { x }),
         (a, b) => a.or(b),
     }
+}
+
+/// Peak to peak of the transmission error up to a time \[m\]; `None` where it was not recorded.
+fn span_of_transmission_error(series: &TimeSeries, until: f64) -> Option<f64> {
+    let column = (series.columns.iter()).find(|c| c.name == TRANSMISSION_ERROR)?;
+    let known = series.time_s.partition_point(|&t| t <= until);
+    let values = column.values.iter().take(known).filter(|x| x.is_finite());
+    let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+        (a.min(*x), b.max(*x))
+    });
+    finite(most - least)
 }
 
 /// Speeds that change by less than this part of the fastest gear's change belong to a held gear.

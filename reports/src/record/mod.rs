@@ -53,7 +53,7 @@ pub fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
 }
 
-fn not_a_number(x: &Option<f64>) -> bool {
+pub(crate) fn not_a_number(x: &Option<f64>) -> bool {
     !x.is_some_and(f64::is_finite)
 }
 
@@ -243,6 +243,12 @@ pub struct Metrics {
     /// Deviation of the peak from the reference, over the reference [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub peak_force_rel: Option<f64>,
+    /// Root mean square of the contact force over the time of the run \[N\].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub rms_force_n: Option<f64>,
+    /// Deviation of the root mean square from the reference, over the reference [-].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub rms_force_rel: Option<f64>,
     /// Impulse of the contact force [N s].
     #[serde(skip_serializing_if = "not_a_number")]
     pub impulse_ns: Option<f64>,
@@ -264,6 +270,12 @@ pub struct Metrics {
     /// Relative L2 error of the transmission error while the reference is in contact [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub transmission_error_l2: Option<f64>,
+    /// Peak to peak of the transmission error \[m\].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub transmission_error_pp_m: Option<f64>,
+    /// Deviation of the peak to peak of the transmission error from the reference, over the reference [-].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub transmission_error_pp_rel: Option<f64>,
     /// Largest error of an angle: root mean square over the span of the reference's [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub angle_l2: Option<f64>,
@@ -290,6 +302,8 @@ impl Metrics {
             Metric::TimeShift => self.time_shift_s,
             Metric::PeakForce => self.peak_force_n,
             Metric::PeakForceRel => self.peak_force_rel,
+            Metric::RmsForce => self.rms_force_n,
+            Metric::RmsForceRel => self.rms_force_rel,
             Metric::Impulse => self.impulse_ns,
             Metric::ImpulseRel => self.impulse_rel,
             Metric::Duration => self.duration_s,
@@ -297,6 +311,8 @@ impl Metrics {
             Metric::Omega2End => self.omega2_end,
             Metric::Rebound => self.rebound_rel,
             Metric::TransmissionError => self.transmission_error_l2,
+            Metric::TransmissionErrorSpan => self.transmission_error_pp_m,
+            Metric::TransmissionErrorSpanRel => self.transmission_error_pp_rel,
             Metric::Angle => self.angle_l2,
             Metric::Torque => self.torque_l2,
             Metric::TorquePeakRel => self.torque_peak_rel,

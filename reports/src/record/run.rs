@@ -245,6 +245,15 @@ impl Run {
         }
     }
 
+    /// Processor time of the integration \[s\], which other work on the machine does not change; of records without it
+    /// the wall time.
+    pub fn cost_s(&self) -> f64 {
+        match self.cpu_s {
+            x if x.is_finite() && x > 0.0 => x,
+            _ => self.wall_s,
+        }
+    }
+
     /// What metrics can be told of.
     ///
     /// # Errors

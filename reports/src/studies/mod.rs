@@ -185,6 +185,19 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
     Ok(report)
 }
 
+/// The finding of a record as sentences without markup, for a terminal.
+///
+/// # Errors
+/// [`DrawError`] when the drawing backend refuses.
+pub fn finding(results: &Results) -> Result<Vec<String>, DrawError> {
+    let report = of_part(results)?;
+    Ok(report
+        .finding
+        .iter()
+        .map(|m| crate::markup::text(m))
+        .collect())
+}
+
 /// What the part of the study alone says.
 fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
     let view = &View::new(results);

@@ -90,9 +90,11 @@ fn of_part<'c, T: 'static>(
 }
 
 /// Results that do not depend on a reference: every comparison has them.
-const RESULTS: [(&str, Metric); 6] = [
+const RESULTS: [(&str, Metric); 8] = [
     ("peak_force_n", Metric::PeakForce),
+    ("rms_force_n", Metric::RmsForce),
     ("impulse_ns", Metric::Impulse),
+    ("transmission_error_pp_m", Metric::TransmissionErrorSpan),
     ("time_in_contact_s", Metric::Duration),
     ("omega1_end_rad_s", Metric::Omega1End),
     ("omega2_end_rad_s", Metric::Omega2End),

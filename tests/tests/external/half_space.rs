@@ -7,7 +7,7 @@
 use super::full_order::load;
 use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::runner::Runner;
-use gearbench::studies::compare::{Plan, compare};
+use gearbench::studies::compare::{Plan, Wanted, compare};
 use gearbench_integrators::{Resolution, Scheme};
 use gearbench_models::spec::{PointContact, Value};
 use gearbench_reference::stored::History;
@@ -29,7 +29,7 @@ fn errors(what: &str, other: Other<'_>, half_spaces: bool) -> Metrics {
             ..Conditions::of(&scene)
         },
         tolerance: None,
-        reference_model: None,
+        wanted: Wanted::Stored,
         ..Plan::of(
             &scene,
             &[scene.model("elastic").unwrap()],

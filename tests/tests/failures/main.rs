@@ -200,13 +200,13 @@ fn drive() -> Vec<Driven> {
         against: "self".into(),
         except: Vec::new(),
     };
-    judge(&mut coarse, Some(&tolerance), None);
+    judge(&mut coarse, (Some(&tolerance), None), None);
     // That a method kept its own tolerance is no judgement; a comparison is one.
     let mut tight = rigid.run("dopri5", Resolution::Tolerance(1e-8));
     assert_eq!(tight.status, Status::Unchecked);
     let metrics = compare(tight.finished().unwrap(), &reference, "self");
     tight.metrics.push(metrics);
-    judge(&mut tight, Some(&tolerance), None);
+    judge(&mut tight, (Some(&tolerance), None), None);
 
     // This method turns back a few micrometres too early; the other flank is not met yet.
     let early = lasting(1.1e-4, grazing());

@@ -1,5 +1,6 @@
 //! Labels that only a comparison gives: against the tolerance of the scene, and against the model's own converged solution.
 
+use gearbench_reports::comparison::{self, Yardstick};
 use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Run, SELF, Status, Tolerance};
 use gearbench_reports::series::TimeSeries;
@@ -8,15 +9,19 @@ use gearbench_reports::series::TimeSeries;
 /// not say [-].
 pub const OWN_ERROR: f64 = 0.05;
 
-/// Judges a run that reached its end, once its metrics are there: by the tolerance of the scene, or, where the scene has
-/// none, by the model's own converged solution; `missing` is the reason why there is no such solution for this run. A run
+/// Judges a run that reached its end, once its metrics are there: by the tolerance of the scene and the own error of the
+/// yardstick that it refers to, or, where the scene has none, by the model's own converged solution; `missing` is the reason why there is no such solution for this run. A run
 /// that neither can judge is `unchecked` and has not passed.
-pub fn judge(run: &mut Run, tolerance: Option<&Tolerance>, missing: Option<&str>) {
+pub fn judge(
+    run: &mut Run,
+    (tolerance, yardstick): (Option<&Tolerance>, Option<&Yardstick>),
+    missing: Option<&str>,
+) {
     if !run.status.holds() {
         return;
     }
     let verdict = match tolerance {
-        Some(tolerance) => by_tolerance(run, tolerance, missing),
+        Some(tolerance) => by_tolerance(run, (tolerance, yardstick), missing),
         None => by_own_solution(run, missing),
     };
     match verdict {
@@ -57,7 +62,11 @@ fn way_out(run: &Run, against: &str, limit: f64) -> &'static str {
     }
 }
 
-fn by_tolerance(run: &Run, tolerance: &Tolerance, missing: Option<&str>) -> Verdict {
+fn by_tolerance(
+    run: &Run,
+    (tolerance, yardstick): (&Tolerance, Option<&Yardstick>),
+    missing: Option<&str>,
+) -> Verdict {
     let Tolerance {
         metric,
         against,
@@ -70,9 +79,20 @@ fn by_tolerance(run: &Run, tolerance: &Tolerance, missing: Option<&str>) -> Verd
         return Verdict::NotJudged(why.map_or_else(none, str::to_owned));
     };
     let digits = |x: f64| digits_apart(&[x, *limit], 3);
-    match metrics.get(*metric) {
-        Some(x) if x.abs() <= *limit => Verdict::Within,
-        Some(x) => Verdict::Beyond(format!(
+    let exact = Yardstick::default();
+    let yardstick = yardstick.filter(|y| y.id == *against).unwrap_or(&exact);
+    match metrics
+        .get(*metric)
+        .map(|x| (x, yardstick.verdict(x.abs(), *limit)))
+    {
+        Some((_, comparison::Verdict::Adequate)) => Verdict::Within,
+        Some((x, comparison::Verdict::NotDecided)) => Verdict::NotJudged(format!(
+            "{metric} against {against} is {}; whether that is within the scene's {} is not decided: of the yardstick {}",
+            short(x, digits(x.abs())),
+            short(*limit, digits(x.abs())),
+            yardstick.own_error()
+        )),
+        Some((x, comparison::Verdict::NotAdequate)) => Verdict::Beyond(format!(
             "{metric} against {against} is {}, beyond the scene's {}; {}",
             short(x, digits(x.abs())),
             short(*limit, digits(x.abs())),

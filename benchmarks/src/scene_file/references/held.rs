@@ -151,9 +151,12 @@ impl SceneFile {
             | Metric::ForceL2Aligned
             | Metric::TimeShift
             | Metric::PeakForceRel
+            | Metric::RmsForceRel
             | Metric::ImpulseRel => (force, "contact force"),
             Metric::Rebound => (speeds, "speed of the first two gears"),
-            Metric::TransmissionError => (error, "transmission error"),
+            Metric::TransmissionError | Metric::TransmissionErrorSpanRel => {
+                (error, "transmission error")
+            }
             Metric::Angle => (angles, "angle"),
             Metric::Torque | Metric::TorquePeakRel => (torques, "torque"),
             _ => return Ok(()),

@@ -38,7 +38,7 @@ pub mod plan;
 pub mod problem;
 mod reason;
 mod record;
-mod refinement;
+pub(crate) mod refinement;
 pub mod requirement;
 pub mod run;
 mod selection;

@@ -13,6 +13,7 @@ use gearbench_integrators::table::{
     DOPRI5, RK4, SEMI_IMPLICIT_EULER, TRIGONOMETRIC, VELOCITY_VERLET,
 };
 use gearbench_integrators::{MethodSpec, Scheme};
+use gearbench_models::error::BuildError;
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Modelling, SceneSpec};
@@ -299,11 +300,27 @@ impl Prepared {
         modes: usize,
         steps: f64,
     ) -> Candidate {
-        let tooth = 1.0 / (TOOTH_STEPS * problem.tooth_frequency());
-        let step = (self.oscillator.contact_time() / steps).min(tooth);
-        let method = TRIGONOMETRIC.at_step(short(step));
+        let method = TRIGONOMETRIC.at_step(resolving(problem, &self.oscillator, steps));
         self.flexible(of, &Arc::new(problem.scene.clone()), modes, method)
     }
+}
+
+/// Step with at least so many in a contact time that teeth are resolved as well [s].
+fn resolving(problem: &Problem, oscillator: &MeshOscillator, steps: f64) -> f64 {
+    let tooth = 1.0 / (TOOTH_STEPS * problem.tooth_frequency());
+    short((oscillator.contact_time() / steps).min(tooth))
+}
+
+/// The same step of a problem that is not prepared.
+///
+/// # Errors
+/// [`BuildError`] where rigid gears cannot be assembled.
+pub fn fine_step(problem: &Problem, steps: f64) -> Result<f64, BuildError> {
+    Ok(resolving(
+        problem,
+        &MeshOscillator::of(&problem.scene)?,
+        steps,
+    ))
 }
 
 /// The densest elastic model of gears, finer than anything of the hierarchy: what choices are validated against.

@@ -36,6 +36,17 @@ const RATIO: [f64; 2] = [0.3, 0.5];
 /// Ratio of the errors of a mesh to those of one with half the elements: on half-spaces, with the elements themselves.
 const OF_MESHES: [f64; 2] = [0.25, 0.5];
 
+/// Steps per contact time at which the error of integration does not show under a tolerance.
+pub fn steps_per_contact(tolerance: f64) -> f64 {
+    let found = STEPS.iter().find(|(limit, _)| tolerance < *limit);
+    found.map_or(STEPS[2].1, |s| s.1)
+}
+
+/// Ratio of the error of a mesh to that of one with half the elements.
+pub fn of_meshes(on_half_spaces: bool) -> f64 {
+    OF_MESHES[usize::from(!on_half_spaces)]
+}
+
 /// A level of elastic gears on the window.
 #[derive(Clone, Debug)]
 pub struct RefinedLevel {
@@ -139,10 +150,7 @@ pub fn refine(
     growth: f64,
     progress: &mut impl FnMut(&str),
 ) -> Result<Refinement, ChooseError> {
-    let steps = (STEPS
-        .iter()
-        .find(|(limit, _)| requirement.tolerance < *limit))
-    .map_or(128.0, |s| s.1);
+    let steps = steps_per_contact(requirement.tolerance);
     let lead = &prepared.details.lead;
     let mut levels: Vec<RefinedLevel> = Vec::new();
     let mut failure = String::from("no reason given");
@@ -224,7 +232,7 @@ pub fn refine(
     if let Ok(finer) = &refinement.finer {
         let distance = last.outcome.error(requirement.metric, &finer.outcome);
         last.step_up = Some(distance);
-        let q = OF_MESHES[usize::from(!prepared.details.on_half_spaces())];
+        let q = of_meshes(prepared.details.on_half_spaces());
         refinement.of_finer = Some(distance * q / (1.0 - q));
     }
     refinement.levels = levels;

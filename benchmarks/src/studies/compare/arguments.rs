@@ -10,11 +10,12 @@ Examples:
   gearbench compare spur_impact --integrators dopri5@1e-9,rk4@200ns
   gearbench compare spur_impact --integrators 'generalised-alpha(rho_inf=0.5)@1e-6'
   gearbench compare spur_impact --models rigid,rigid-iso6336 --out out/norm
+  gearbench compare pair.toml --yardstick refined
   gearbench compare hammer --no-events --repeats 1
   gearbench compare spur_impact --models elastic --vtu 60 --vtu-window 0,1.5e-4
 
 A run that fails (blow-up, Newton failure, energy growth, ...) is a row of the report, not an abort.
-Errors against the reference are those of the model, errors against `self` those of the integrator.";
+Errors against the yardstick are those of the model, errors against `self` those of the integrator.";
 
 /// Arguments of `compare`.
 #[derive(Args, Clone, Debug)]
@@ -33,6 +34,14 @@ pub struct Compare {
     /// [default: those of the scene's study]
     #[arg(long, value_name = "X,Y")]
     pub integrators: Option<String>,
+    /// What models are compared with: `refined`, or the label of a model
+    ///
+    /// `refined` are elastic gears with twice the elements, on half-spaces where flanks may touch so, made for the
+    /// comparison together with an estimate of their own error.
+    /// [default: the reference of the scene; where it has none and a tolerance for models, `refined`; else its most detailed
+    /// model]
+    #[arg(long, value_name = "WHAT")]
+    pub yardstick: Option<String>,
     /// Where results go, how long a run may take, how often it is timed.
     #[command(flatten)]
     pub run: Timed,
@@ -66,6 +75,7 @@ impl Default for Compare {
             scene: DEFAULT_SCENE.to_owned(),
             models: None,
             integrators: None,
+            yardstick: None,
             run: Timed::default(),
             vtu: None,
             vtu_window: Vec::new(),

@@ -30,6 +30,7 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
         },
         ..Plan::of(&scene, &choices, &references)
     };
+    let plan = plan.compared_with(&scene, args.yardstick.as_deref())?;
     let plan = match &args.integrators {
         // What the command line asks for goes for all models.
         Some(text) => {
@@ -54,7 +55,7 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
     let made = folder.run(plan.len(), |runner| compare(&plan, runner));
     folder.finish(
         made.map_err(|e| folder.refuse(refuse_run(e)))?,
-        Exit::of_every_run,
+        Exit::of_comparison,
         |results| {
             summarise(results);
             if let Some(frames) = frames.filter(|f| f.exists()) {

@@ -10,9 +10,11 @@ pub(crate) mod command;
 mod plan;
 mod run;
 mod summary;
+mod yardstick;
 
 pub use plan::{FramePlan, Plan};
 pub use run::compare;
+pub use yardstick::{REFINED, Wanted};
 
 #[cfg(test)]
 mod shipped_tests;

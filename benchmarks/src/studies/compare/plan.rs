@@ -1,13 +1,14 @@
 //! What the comparison runs.
 
+use super::yardstick::{REFINED, Wanted};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::pictures::{Pictures, file_name};
 use crate::experiment::referenced::recorded;
-use crate::scene_file::{ModelChoice, SceneFile};
+use crate::scene_file::{ModelChoice, SceneError, SceneFile};
 use gearbench_integrators::Scheme;
 use gearbench_reference::data::Reference;
-use gearbench_reports::record::{ReferenceSeries, Tolerance};
+use gearbench_reports::record::{ReferenceSeries, SELF, Tolerance};
 use std::path::PathBuf;
 
 /// Frames of every run for ParaView.
@@ -32,8 +33,8 @@ pub struct Plan<'a> {
     pub methods: Vec<Scheme>,
     /// What all models are held against: measured, or computed elsewhere.
     pub references: Vec<ReferenceSeries>,
-    /// Label of an entry whose first run is a further reference.
-    pub reference_model: Option<String>,
+    /// What models are compared with.
+    pub wanted: Wanted,
     /// Source of published times.
     pub published: Option<String>,
     /// What the scene calls accurate enough.
@@ -59,11 +60,39 @@ impl Plan<'_> {
             references: (references.iter())
                 .map(|r| recorded(r, &scene.spec))
                 .collect(),
-            reference_model: scene.study.reference_model.clone(),
+            wanted: match &scene.study.reference_model {
+                Some(label) => Wanted::Named(label.clone()),
+                None => Wanted::Stored,
+            },
             published: scene.study.published.clone(),
             tolerance: scene.tolerance.clone(),
             pictures: None,
         }
+    }
+
+    /// The same with what the scene, or the option `--yardstick`, asks models to be compared with. A tolerance of models
+    /// follows the option.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the option is no label of a model that is compared.
+    pub fn compared_with(
+        mut self,
+        scene: &SceneFile,
+        option: Option<&str>,
+    ) -> Result<Self, SceneError> {
+        if let Some(name) = option.filter(|name| *name != REFINED) {
+            let choices = scene.select(Some(name))?;
+            let is_compared = |c: &&ModelChoice| self.entries.iter().any(|e| e.label == c.label);
+            let more = choices.into_iter().filter(|c| !is_compared(c));
+            let more: Vec<Configuration> = more.map(|c| Configuration::of(scene, c)).collect();
+            self.entries.extend(more);
+        }
+        self.wanted = Wanted::of(scene, &self.entries, option);
+        let of_models = self.tolerance.as_mut().filter(|t| t.against != SELF);
+        if let (Some(tolerance), Some(name)) = (of_models, option) {
+            tolerance.against = name.to_owned();
+        }
+        Ok(self)
     }
 
     /// The same under other integrators, for all models.

@@ -1,6 +1,7 @@
 //! Runs of the comparison.
 
 use super::plan::Plan;
+use super::yardstick::{REFINED, Wanted, most_detailed, of_entry, of_stored, refined};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::converged::{Found, candidates, of_model};
 use crate::experiment::key::Key;
@@ -10,8 +11,8 @@ use crate::experiment::small_signals::mesh_modes;
 use crate::experiment::status::{against_contact, judge};
 use crate::experiment::thin::thin_row;
 use gearbench_integrators::Scheme;
-use gearbench_reports::comparison::CompareRecord;
-use gearbench_reports::metrics::{compare as measure, compare_all};
+use gearbench_reports::comparison::{CompareRecord, Kind, Yardstick};
+use gearbench_reports::metrics::{Metric, compare as measure, compare_all};
 use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run, SELF, Tolerance};
 use gearbench_reports::series::TimeSeries;
 use std::fmt::Display;
@@ -26,9 +27,40 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
     let mut left_out = Vec::new();
     let mut refused = None;
     let mut references: Vec<ReferenceSeries> = plan.references.clone();
+    let mut tolerance = plan.tolerance.clone();
+    let mut wanted = plan.wanted.clone();
+    let mut yardstick = match &wanted {
+        // Among several references the tolerance says which.
+        _ if !references.is_empty()
+            && tolerance.as_ref().is_none_or(|t| is_stored(&references, t)) =>
+        {
+            let named =
+                (references.iter()).find(|r| tolerance.as_ref().is_some_and(|t| t.against == r.id));
+            named.or(references.first()).map(of_stored)
+        }
+        _ => None,
+    };
+    let mut no_refined = String::new();
+    if let Wanted::Refined(problem) = &plan.wanted {
+        match refined(plan, problem, runner)? {
+            Ok(made) => {
+                references.insert(0, made.reference);
+                yardstick = Some(made.yardstick);
+            }
+            Err(why) => {
+                no_refined = format!("no refined gears were made: {why}");
+                wanted = most_detailed(&plan.entries).map_or(Wanted::Stored, Wanted::MostDetailed);
+                if let (Some(t), Some(label)) = (
+                    tolerance.as_mut().filter(|t| t.against == REFINED),
+                    wanted.label(),
+                ) {
+                    t.against = label.to_owned();
+                }
+            }
+        }
+    }
     // The model that is a reference runs first, and keeps its place in the record.
-    let is_reference =
-        |e: &Configuration| plan.reference_model.as_deref() == Some(e.label.as_str());
+    let is_reference = |e: &Configuration| wanted.label() == Some(e.label.as_str());
     let mut order: Vec<usize> = (0..plan.entries.len()).collect();
     order.sort_by_key(|&i| !is_reference(&plan.entries[i]));
     let mut by_entry: Vec<Vec<Run>> = vec![Vec::new(); plan.entries.len()];
@@ -57,7 +89,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 runner.tell(done + runs.len(), plan.len(), &what);
             };
             tell(&method.method);
-            let held = (&references, &plan.tolerance, asked);
+            let held = (&references, &tolerance, &yardstick, asked);
             let mut make = || {
                 let mut row = run(&own_job())?;
                 row.published_s = entry.published;
@@ -80,9 +112,10 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                     }
                 };
                 // Of the reference itself and its model the converged solution is the judge.
-                let tolerance = (plan.tolerance.as_ref())
+                let tolerance = (tolerance.as_ref())
                     .filter(|t| !(is_reference(entry) && t.against == entry.label));
-                measure_against(&mut row, method, tolerance, &references, own);
+                let limits = (tolerance, yardstick.as_ref());
+                measure_against(&mut row, method, limits, &references, own);
                 Ok::<_, RunError>(row)
             };
             let mut row = match runner.row(own_job().key().and(&held), method, &mut make) {
@@ -102,6 +135,17 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 && let Some(series) = &row.series
             {
                 references.insert(0, reference_of(entry, &row, series));
+                if yardstick.is_none() {
+                    let kind = match wanted {
+                        Wanted::Named(_) => Kind::Named,
+                        _ => Kind::Model,
+                    };
+                    let metric = tolerance
+                        .as_ref()
+                        .map_or_else(Metric::default, |t| t.metric);
+                    let id = (entry.label.as_str(), kind);
+                    yardstick = Some(of_entry(id, &row, metric, &no_refined));
+                }
             }
             // Outlines are the same for every integrator: one picture per model is enough.
             if pictured || row.status.is_failure() {
@@ -123,13 +167,19 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
     Ok(Results {
         mesh_modes,
         settings: [plan.conditions.settings.clone(), left_out].concat(),
-        tolerance: plan.tolerance.clone(),
+        tolerance,
         references,
         runs,
         ..plan.conditions.record(Part::Compare(CompareRecord {
             published: plan.published.clone(),
+            yardstick,
         }))
     })
+}
+
+/// Whether a tolerance is against a stored reference, or says nothing of models.
+fn is_stored(references: &[ReferenceSeries], tolerance: &Tolerance) -> bool {
+    tolerance.against == SELF || references.iter().any(|r| r.id == tolerance.against)
 }
 
 /// The run of an entry as a reference for others.
@@ -150,7 +200,7 @@ fn reference_of(entry: &Configuration, row: &Run, series: &TimeSeries) -> Refere
 fn measure_against(
     row: &mut Run,
     method: &Scheme,
-    tolerance: Option<&Tolerance>,
+    (tolerance, yardstick): (Option<&Tolerance>, Option<&Yardstick>),
     references: &[ReferenceSeries],
     own: &Found,
 ) {
@@ -168,7 +218,7 @@ fn measure_against(
         row.own_solution = Some(own.by.clone());
         against_contact(row, &own.series);
     }
-    judge(row, tolerance, own.err().as_deref());
+    judge(row, (tolerance, yardstick), own.err().as_deref());
 }
 
 #[cfg(test)]

@@ -3,68 +3,72 @@
 use crate::cli::terminal::say;
 use crate::experiment::run::LEFT_OUT;
 use gearbench_reports::numbers::{digits_apart, short};
-use gearbench_reports::record::{Results, Run, SELF, Status};
-use gearbench_reports::{Metric, metric_against};
+use gearbench_reports::record::{Part, Results, Run, SELF, Status};
+use gearbench_reports::{Metric, finding};
 
 /// Whether the scene's tolerance excepts the model of a run.
 fn is_excepted(results: &Results, run: &Run) -> bool {
     (results.tolerance.as_ref()).is_some_and(|t| t.except.contains(&run.model_label()))
 }
 
-/// One line per run, failures with their reason.
+/// One line per run with its error of integration and its error against the yardstick, failures with their reason; then the
+/// finding.
 pub fn summarise(results: &Results) {
-    let against = results.references.first().map_or(SELF, |r| r.id.as_str());
-    let metric = metric_against(results, against, Metric::default());
+    let metric = match (&results.tolerance, yardstick(results)) {
+        (Some(t), Some(id)) if t.against == id => t.metric,
+        _ => Metric::default(),
+    };
+    let of_model = yardstick(results).map(|id| (id, metric));
+    let heading = of_model.map_or_else(String::new, |(id, metric)| {
+        format!("{} against {id}", metric.words())
+    });
     say(&format!(
-        "{:<24} {:<30} {:>10} {:>9} {:>8}  {} against {against}",
-        "model",
-        "integrator",
-        "step/rtol",
-        "wall",
-        "steps",
-        metric.words()
+        "{:<24} {:<30} {:>10} {:>9} {:>8} {:>12}  {heading}",
+        "model", "integrator", "step/rtol", "cpu", "steps", "integration"
     ));
     // As many digits as tell the runs of the table apart.
     let steps: Vec<f64> = results.runs.iter().filter_map(|r| r.step).collect();
     let rtols: Vec<f64> = results.runs.iter().filter_map(|r| r.rtol).collect();
     let [step_digits, rtol_digits] = [steps, rtols].map(|all| digits_apart(&all, 1));
+    let error = |r: &Run, id: &str, metric: Metric| {
+        let error = r.against(id)?.get(metric)?.abs();
+        Some(match metric.unit() {
+            "" => format!("{} %", short(100.0 * error, 3)),
+            unit => format!("{} {unit}", short(error, 3)),
+        })
+    };
     for r in &results.runs {
         let resolution = match (r.step, r.rtol) {
             (Some(h), _) => format!("{:.*e} s", step_digits - 1, h),
             (_, Some(rtol)) => format!("{:.*e}", rtol_digits - 1, rtol),
             _ => String::new(),
         };
-        let wall = if r.wall_s < 1e-3 {
-            format!("{:.0} us", r.wall_s * 1e6)
-        } else if r.wall_s < 1.0 {
-            format!("{:.1} ms", r.wall_s * 1e3)
-        } else {
-            format!("{:.2} s", r.wall_s)
+        let cost = match r.cost_s() {
+            t if t < 1e-3 => format!("{:.0} us", t * 1e6),
+            t if t < 1.0 => format!("{:.1} ms", t * 1e3),
+            t => format!("{t:.2} s"),
         };
-        let error = r.against(against).and_then(|m| m.get(metric));
-        let outcome = match (r.status, error) {
-            (Status::Converged, Some(e)) => format!("{} %", short(100.0 * e, 3)),
-            (Status::Unchecked, Some(e)) => {
-                let why = r.message.as_deref().unwrap_or("not judged");
-                format!("{} %, {why}", short(100.0 * e, 3))
-            }
+        let own = error(r, SELF, Metric::ForceL1).unwrap_or_default();
+        let found = of_model.and_then(|(id, metric)| error(r, id, metric));
+        let message = || r.message.as_deref().unwrap_or("no reason given");
+        let outcome = match (r.status, found) {
+            (Status::Converged, found) => found.unwrap_or_default(),
+            (Status::Unchecked, Some(e)) => format!("{e}, {}", message()),
             // The scene shows this model for its error.
-            (Status::Inaccurate, Some(e)) if is_excepted(results, r) => format!(
-                "{} %, beyond the tolerance, from which the scene excepts the model",
-                short(100.0 * e, 3)
-            ),
-            (status, _) => format!(
-                "{status}: {}",
-                r.message.as_deref().unwrap_or("no reason given")
-            ),
+            (Status::Inaccurate, Some(e)) if is_excepted(results, r) => {
+                format!("{e}, beyond the tolerance, from which the scene excepts the model")
+            }
+            (Status::Inaccurate, Some(e)) => format!("{e}, {}: {}", r.status, message()),
+            (status, _) => format!("{status}: {}", message()),
         };
         say(&format!(
-            "{:<24} {:<30} {:>10} {:>9} {:>8}  {}",
+            "{:<24} {:<30} {:>10} {:>9} {:>8} {:>12}  {}",
             r.model_label(),
             r.integrator,
             resolution,
-            wall,
+            cost,
             r.steps,
+            own,
             outcome
         ));
     }
@@ -94,6 +98,18 @@ pub fn summarise(results: &Results) {
             results.runs.len()
         ));
     }
+    for sentence in finding(results).unwrap_or_default() {
+        say(&sentence);
+    }
+}
+
+/// Id of what models are compared with.
+fn yardstick(results: &Results) -> Option<&str> {
+    let named = match &results.part {
+        Part::Compare(part) => part.yardstick.as_ref().map(|y| y.id.as_str()),
+        _ => None,
+    };
+    named.or(results.references.first().map(|r| r.id.as_str()))
 }
 
 /// Models, each with the converged solution that its runs are judged by.

@@ -222,7 +222,7 @@ fn measure_against(
     }
     row.metrics.extend(metrics);
     row.series = None;
-    judge(row, None, own.err().as_deref());
+    judge(row, (None, None), own.err().as_deref());
 }
 
 struct Study<'a> {

@@ -4,9 +4,7 @@ use super::run::COARSE;
 use crate::cli::terminal::say;
 use crate::experiment::budget::NOT_TRIED;
 use gearbench_reports::numbers::{percent, quantity};
-use gearbench_reports::precision::{
-    Cost, LEVELS, Precision as Told, cost_s, family, modes_and_step,
-};
+use gearbench_reports::precision::{Cost, LEVELS, Precision as Told, family, modes_and_step};
 use gearbench_reports::record::{Results, SELF, Status};
 
 /// The front against every reference, and who leads.
@@ -25,7 +23,7 @@ pub fn summarise(results: &Results) {
             say(&format!(
                 "  {:>10} %  {:>9}  {} ({}){fitted}",
                 percent(s.point.error, 3),
-                quantity(cost_s(s.run), "s", 3),
+                quantity(s.run.cost_s(), "s", 3),
                 family(s.run),
                 modes_and_step(s.run)
             ));
@@ -60,7 +58,7 @@ pub fn summarise(results: &Results) {
             say(&format!(
                 "  {:>10}  {:>9}  {} ({})",
                 own.map_or("unknown".into(), |e| format!("{} %", percent(e, 3))),
-                quantity(cost_s(r), "s", 3),
+                quantity(r.cost_s(), "s", 3),
                 family(r),
                 modes_and_step(r)
             ));

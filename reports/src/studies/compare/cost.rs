@@ -1,4 +1,4 @@
-//! What runs cost: wall time per run, and error against wall time. Failures are drawn as failures.
+//! What runs cost: processor time per run, and error against processor time. Failures are drawn as failures.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame, TICK_SIZE};
@@ -15,18 +15,18 @@ use crate::view::{NOTHING, View, capital, resolution};
 const ROW: f64 = 19.0;
 const HEAD: f64 = 27.0;
 const BARS_LEFT: f64 = 262.0;
-/// Space for the time and the status of the longest bar, and the spread beyond it.
+/// Space for the time and the status of the longest bar, .
 const BARS_RIGHT: f64 = 146.0;
 
 fn measured(run: &Run) -> bool {
-    run.wall_s.is_finite() && run.wall_s > 0.0
+    run.cost_s().is_finite() && run.cost_s() > 0.0
 }
 
-/// Bars of wall time, one per run, sorted within each model.
+/// Bars of processor time, one per run, sorted within each model.
 pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let times: Vec<f64> = (view.results.runs.iter())
         .filter(|r| !r.status.is_failure() && measured(r))
-        .map(|r| r.wall_s)
+        .map(|r| r.cost_s())
         .collect();
     if view.results.runs.is_empty() {
         return Ok(None);
@@ -53,14 +53,14 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let heads = view.groups.len() as f64;
     let body = rows * ROW + heads * HEAD;
     let area = Rect::new(BARS_LEFT, 6.0, WIDTH - BARS_RIGHT, 6.0 + body + 6.0);
-    let title = "Wall time per run";
+    let title = "Processor time per run";
     let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
         let frame = Frame {
             area,
             x: axis,
             y: Axis::linear(0.0, 1.0),
         };
-        frame.paint_x(c, &format!("wall time [{}s]", prefix.symbol), 7);
+        frame.paint_x(c, &format!("processor time [{}s]", prefix.symbol), 7);
         let edge = [(area.x0, area.y0), (area.x0, area.y1)];
         c.line(&edge, Stroke::new(Ink::PALE, 1.0));
         let mut y = area.y0 + 3.0;
@@ -73,7 +73,7 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             let mut runs: Vec<&Run> = group.runs.iter().map(|(_, r)| *r).collect();
             runs.sort_by(|a, b| {
                 (a.status.is_failure().cmp(&b.status.is_failure()))
-                    .then(a.wall_s.total_cmp(&b.wall_s))
+                    .then(a.cost_s().total_cmp(&b.cost_s()))
             });
             for run in runs {
                 bar(c, &frame, run, group.style, y, prefix);
@@ -86,8 +86,7 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         file: "runtime.svg".into(),
         title: title.into(),
         caption: format!(
-            "Median wall time of the repeats{scale}, fixed costs not included; the thin line spans \
-             the fastest and the slowest repeat. Bars of implicit methods are lighter, outlined bars are beyond the scene's tolerance. \
+            "Median processor time of the repeats{scale}, fixed costs not included. Bars of implicit methods are lighter, outlined bars are beyond the scene's tolerance. \
              Hatched rows failed: the time at which a run failed is not a cost, so no bar is drawn."
         ),
         svg,
@@ -127,9 +126,9 @@ fn bar(c: &mut Canvas<'_>, frame: &Frame, run: &Run, style: usize, y: f64, prefi
         return;
     }
     let ink = look(style).ink;
-    let (end, _) = frame.at(run.wall_s * prefix.factor, 0.0);
+    let (end, _) = frame.at(run.cost_s() * prefix.factor, 0.0);
     let rect = Rect::new(full.x0, full.y0, end.max(full.x0 + 1.0), full.y1);
-    let mut text = quantity(run.wall_s, "s", 3);
+    let mut text = quantity(run.cost_s(), "s", 3);
     if run.status == Status::Inaccurate {
         c.fill(&rect, ink.opacity(0.12));
         c.frame(&rect, Stroke::dashed(ink, 1.3, &[3.0, 2.0]));
@@ -138,27 +137,11 @@ fn bar(c: &mut Canvas<'_>, frame: &Frame, run: &Run, style: usize, y: f64, prefi
         c.fill(&rect, ink.opacity(if run.implicit { 0.62 } else { 1.0 }));
         c.frame(&rect, Stroke::new(ink, 1.0));
     }
-    let mut label_x = rect.x1;
-    if let Some([fast, slow]) = run.wall_spread_s {
-        let place = |t: f64| {
-            let x = frame.at(t * prefix.factor, 0.0).0;
-            x.clamp(frame.area.x0, frame.area.x1 + 8.0)
-        };
-        let (a, b) = (place(fast), place(slow));
-        if fast > 0.0 && b > a {
-            let stroke = Stroke::new(Ink::DARK, 1.1);
-            c.line(&[(a, middle), (b, middle)], stroke);
-            for x in [a, b] {
-                c.line(&[(x, middle - 3.0), (x, middle + 3.0)], stroke);
-            }
-            label_x = label_x.max(b);
-        }
-    }
     let kind = Type::new(12.5, Anchor::Start);
-    c.text(&text, (label_x + 7.0, middle), kind);
+    c.text(&text, (rect.x1 + 7.0, middle), kind);
 }
 
-/// Error against wall time, one point per run.
+/// Error against processor time, one point per run.
 pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(against) = &view.against else {
         return Ok(None);
@@ -199,24 +182,24 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     } else {
         Axis::from_zero(high)
     };
-    let (fast, slow) = extremes(good.iter().map(|p| p.1.wall_s * 1e3));
+    let (fast, slow) = extremes(good.iter().map(|p| p.1.cost_s() * 1e3));
     let x = Axis::logarithmic(fast, slow);
     let numbers = Numbers::of(good.iter().map(|p| p.1.integrator.as_str()));
     let top = 6.0 + scatter::key_height(&models) + scatter::failures_height(failed.len());
     let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + 330.0);
     let reference = view.reference_name(against);
-    let title = format!("Error against {reference}, over wall time");
+    let title = format!("Error against {reference}, over processor time");
     let unit = if relative { "%" } else { view.metric.unit() };
     let below = area.y1 + 46.0;
     let svg = draw(WIDTH, below + numbers.height(), &title, |c| {
         scatter::key(c, &models, true);
         scatter::failures(c, &failed, top, "the table of failures");
         let frame = Frame { area, x, y };
-        frame.paint(c, "wall time [ms]", &view.metric.axis(), true);
+        frame.paint(c, "processor time [ms]", &view.metric.axis(), true);
         let mut room = Room::of(area);
         let tolerance = limit.map(|l| (scatter::tolerance(c, &frame, l, &mut room), l));
         let points: Vec<(f64, f64)> = (good.iter())
-            .map(|(_, r, e)| frame.at(r.wall_s * 1e3, e * factor))
+            .map(|(_, r, e)| frame.at(r.cost_s() * 1e3, e * factor))
             .collect();
         for p in &points {
             room.keep_point(*p, 6.0);
@@ -238,7 +221,7 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         file: "accuracy.svg".into(),
         title,
         caption: format!(
-            "{} against {} over wall time; lower left is better. Numbers name the integrators below. Points on one level \
+            "{} against {} over processor time; lower left is better. Numbers name the integrators below. Points on one level \
              share the error of the model: a finer step no longer helps. Failed runs stand on their own edge, whatever \
              their time.",
             capital(view.metric.words()),

@@ -1,24 +1,45 @@
-//! The finding: three sentences in plain words, computed from the record, that say what was fitted to what.
+//! The finding in plain words, computed from the record: what models are compared with, which is enough, what each is off,
+//! what they cost.
+//!
+//! Errors of models and errors of integration never stand in one sentence. Where nothing but each model's own converged
+//! solution is there, the finding is about the integration alone, and says so.
 
+use super::{Kind, Verdict, Yardstick};
 use crate::markup::failed_of;
 use crate::numbers::{limit, quantity, times};
-use crate::record::Run;
+use crate::record::{Run, SELF, Tolerance};
 use crate::view::{INTEGRATION, View, capital, resolution};
 use maud::{Markup, html};
 
-/// The cheapest run that will do; the least error of each model; costs and failures.
+/// The sentences.
 pub fn finding(view: &View<'_>) -> Vec<Markup> {
-    let mut sentences = vec![cheapest(view)];
+    let mut sentences: Vec<Markup> = view.yardstick.iter().map(|y| yardstick(y)).collect();
+    sentences.push(cheapest(view));
     sentences.extend(least(view));
     let failed = failed_of(view.results);
     sentences.push(match costs(view).as_slice() {
         [(label, ratio), ..] => html! {
-            (capital(label)) " costs " (times(*ratio)) "as much as "
+            (capital(label)) " costs " (times(*ratio)) "as much processor time as "
             (view.groups[0].label) " at the same method and step; " (failed) "."
         },
         [] => html! { (capital(&failed)) "." },
     });
     sentences
+}
+
+/// What models are compared with, and how far that is off itself.
+fn yardstick(y: &Yardstick) -> Markup {
+    let what = match y.kind {
+        Kind::Stored => "",
+        Kind::Refined => ", made for this comparison",
+        Kind::Model => ", the most detailed model of the scene",
+        Kind::Named => ", the model that was named for it",
+    };
+    html! {
+        "Models are compared with " b { (y.title) } (what) "; " (y.own_error())
+        @if !y.note.is_empty() { " (" (y.note) ")" }
+        "."
+    }
 }
 
 fn named(run: &Run) -> Markup {
@@ -30,8 +51,8 @@ fn named(run: &Run) -> Markup {
 }
 
 fn cheapest_of<'a>(runs: impl Iterator<Item = &'a Run>) -> Option<&'a Run> {
-    runs.filter(|r| r.wall_s.is_finite())
-        .min_by(|a, b| a.wall_s.total_cmp(&b.wall_s))
+    runs.filter(|r| r.cost_s().is_finite())
+        .min_by(|a, b| a.cost_s().total_cmp(&b.cost_s()))
 }
 
 fn cheapest(view: &View<'_>) -> Markup {
@@ -42,32 +63,85 @@ fn cheapest(view: &View<'_>) -> Markup {
     if runs.iter().all(|r| r.status.is_failure()) {
         return html! { "None of the " (runs.len()) " runs reached a usable end." };
     }
-    let adequate = |r: &&Run| view.adequate(r);
-    let found = cheapest_of(runs.iter().filter(adequate));
-    let time = |r: &Run| quantity(r.wall_s, "s", 3);
-    let Some(tolerance) = &view.results.tolerance else {
-        return match found {
-            Some(run) => html! {
-                "The cheapest run that converged is " (named(run)) ", in " (time(run)) "."
-            },
-            None => html! { "No run converged." },
-        };
-    };
-    let most = match view.metric.unit() {
+    match view.limit {
+        Some(_) if view.against.as_deref() == Some(SELF) => of_integration(view),
+        Some(most) => within(view, most),
+        None => no_limit(view),
+    }
+}
+
+/// Of a scene that says nothing of how accurate models have to be.
+fn no_limit(view: &View<'_>) -> Markup {
+    let by_integration = view
+        .results
+        .tolerance
+        .as_ref()
+        .filter(|t| t.against == SELF);
+    match (&view.yardstick, by_integration) {
+        (Some(_), Some(t)) => html! {
+            "The tolerance of the scene (" (asked(view, t)) ") is one of integration, so that no model is called adequate or not."
+        },
+        (Some(_), None) => html! {
+            "The scene has no `tolerance`, so that no model is called adequate or not."
+        },
+        (None, _) => of_integration(view),
+    }
+}
+
+/// A limit of a tolerance in words.
+fn asked(view: &View<'_>, tolerance: &Tolerance) -> String {
+    let most = match tolerance.metric.unit() {
         "" => limit(tolerance.limit),
-        _ => view.error_text(tolerance.limit),
+        unit => quantity(tolerance.limit, unit, 3),
     };
-    let asked = format!(
+    format!(
         "{} of at most {most} against {}",
         tolerance.metric.words(),
         view.reference_name(&tolerance.against),
+    )
+}
+
+/// Of models that nothing else is compared with: what their integration costs.
+fn of_integration(view: &View<'_>) -> Markup {
+    let runs = view.results.runs.iter();
+    let found = cheapest_of(runs.filter(|r| view.adequate(r)));
+    let nothing =
+        "Nothing more detailed than the models is in the record: their own errors are not known.";
+    let time = |r: &Run| quantity(r.cost_s(), "s", 3);
+    match (found, &view.results.tolerance) {
+        (Some(run), Some(t)) => html! {
+            (nothing) " The cheapest run that is integrated within the scene's tolerance (" (asked(view, t)) ") is "
+            (named(run)) ", in " (time(run)) "."
+        },
+        (Some(run), None) => html! {
+            (nothing) " The cheapest run whose integration converged is " (named(run)) ", in " (time(run)) "."
+        },
+        (None, Some(t)) => html! {
+            (nothing) " No run is integrated within the scene's tolerance (" (asked(view, t)) ")."
+        },
+        (None, None) => html! { (nothing) " The integration of no run was judged as converged." },
+    }
+}
+
+/// Which model is enough.
+fn within(view: &View<'_>, most: f64) -> Markup {
+    let time = |r: &Run| quantity(r.cost_s(), "s", 3);
+    let runs = || (view.results.runs.iter()).filter(|r| !view.is_yardstick(r));
+    let with = |wanted: Verdict| runs().filter(move |r| view.verdict(r) == Some(wanted));
+    let asked = format!(
+        "{} of at most {}",
+        view.metric.words(),
+        match view.metric.unit() {
+            "" => limit(most),
+            _ => view.error_text(most),
+        }
     );
     let did = |r: &Run| {
         let error = view.error(r).map_or(String::new(), |e| view.error_text(e));
         html! { (named(r)) ": " (error) " in " (time(r)) }
     };
-    let predicted = |r: &&Run| !view.is_fitted(r);
-    let fair = cheapest_of(runs.iter().filter(adequate).filter(predicted));
+    let found = cheapest_of(with(Verdict::Adequate));
+    let fair = cheapest_of(with(Verdict::Adequate).filter(|r| !view.is_fitted(r)));
     match (found, fair) {
         (Some(run), Some(other)) if view.is_fitted(run) => html! {
             "The cheapest run that predicts the scene within its tolerance (" (asked) ") is " (did(other)) "; "
@@ -81,19 +155,25 @@ fn cheapest(view: &View<'_>) -> Markup {
         (Some(run), _) => html! {
             "The cheapest run within the scene's tolerance (" (asked) ") is " (did(run)) "."
         },
-        (None, _) => {
-            let closest = (runs.iter().filter(|r| !r.status.is_failure()))
-                .filter_map(|r| Some((r, view.error(r)?)))
-                .min_by(|a, b| a.1.total_cmp(&b.1));
-            match closest {
-                Some((run, _)) => html! {
-                    "No run is within the scene's tolerance (" (asked) "); closest comes " (did(run)) "."
-                },
-                None => {
-                    html! { "No run could be held against the scene's tolerance (" (asked) ")." }
+        (None, _) => match cheapest_of(with(Verdict::NotDecided)) {
+            Some(run) => html! {
+                "Not decided: whether " (did(run)) " is within the scene's tolerance (" (asked)
+                ") cannot be said, since the yardstick is not accurate enough itself."
+            },
+            None => {
+                let closest = (runs().filter(|r| !r.status.is_failure()))
+                    .filter_map(|r| Some((r, view.error(r)?)))
+                    .min_by(|a, b| a.1.total_cmp(&b.1));
+                match closest {
+                    Some((run, _)) => html! {
+                        "No run is within the scene's tolerance (" (asked) "); closest comes " (did(run)) "."
+                    },
+                    None => html! {
+                        "No run could be compared under the scene's tolerance (" (asked) ")."
+                    },
                 }
             }
-        }
+        },
     }
 }
 
@@ -102,7 +182,7 @@ fn least(view: &View<'_>) -> Option<Markup> {
     let of = |fitted: bool| -> Vec<String> {
         (view.groups.iter())
             .filter_map(|g| view.best(g))
-            .filter(|(_, run)| view.is_fitted(run) == fitted)
+            .filter(|(_, run)| view.is_fitted(run) == fitted && !view.is_yardstick(run))
             .filter_map(|(_, run)| {
                 let e = view.error_text(view.error(run)?);
                 Some(format!("{} {e}", run.model_label()))
@@ -111,20 +191,20 @@ fn least(view: &View<'_>) -> Option<Markup> {
     };
     let (fair, fitted) = (of(false).join(", "), of(true).join(", "));
     let kind = match view.kind_of_error() {
-        INTEGRATION => "Least integration error",
-        _ => "Least error",
+        INTEGRATION => "Least error of integration".to_owned(),
+        _ => format!("{} of each model", capital(view.metric.words())),
     };
     Some(match (fair.is_empty(), fitted.is_empty()) {
         (true, true) => return None,
-        (false, true) => html! { (kind) " by model: " (fair) "." },
+        (false, true) => html! { (kind) ": " (fair) "." },
         (true, false) => html! { "What the fits to this history leave: " (fitted) "." },
         (false, false) => html! {
-            (kind) " of what was not fitted to this history: " (fair) "; what the fits to it leave: " (fitted) "."
+            (kind) " that was not fitted to this history: " (fair) "; what the fits to it leave: " (fitted) "."
         },
     })
 }
 
-/// For every model but the first: the median ratio of its wall time to the first model's, over
+/// For every model but the first: the median ratio of its processor time to the first model's, over
 /// the runs at the same method and step that did not fail.
 pub fn costs(view: &View<'_>) -> Vec<(String, f64)> {
     let Some((base, others)) = view.groups.split_first() else {
@@ -140,7 +220,7 @@ pub fn costs(view: &View<'_>) -> Vec<(String, f64)> {
                     let (_, counterpart) = base.runs.iter().find(|(_, b)| {
                         b.integrator == run.integrator && b.step == run.step && b.rtol == run.rtol
                     })?;
-                    let ratio = run.wall_s / counterpart.wall_s;
+                    let ratio = run.cost_s() / counterpart.cost_s();
                     let usable = !run.status.is_failure() && !counterpart.status.is_failure();
                     (usable && ratio.is_finite() && ratio > 0.0).then_some(ratio)
                 })

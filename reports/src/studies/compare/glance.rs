@@ -1,36 +1,107 @@
-//! One line per model.
+//! What a reader looks at first: the results of each model next to those of the yardstick, and the error of integration of
+//! each model in a table of its own.
 
 use super::finding::costs;
 use crate::markup::table::Table;
-use crate::markup::{glance as section, note};
+use crate::markup::{glance as section, note, section as plain};
+use crate::metrics::{Finished, Metric, compare_all};
 use crate::numbers::{quantity, significant};
-use crate::record::{Metrics, Run};
+use crate::record::{Ledger, Metrics, Run, SELF};
 use crate::view::{Group, View, resolution};
 use maud::{Markup, html};
 
-/// One line per model.
+/// A row: a model by its most accurate run, or the yardstick.
+struct Row<'a> {
+    label: String,
+    results: Metrics,
+    of: Option<(&'a Group<'a>, &'a Run)>,
+}
+
+/// The results that a reference has itself.
+fn of_reference<'a>(view: &View<'a>) -> Option<Row<'a>> {
+    let reference = view.reference()?;
+    let end = *reference.series.time_s.last()?;
+    let ledger = Ledger::default();
+    let own = Finished::reached(&reference.series, &ledger, [end, end]).ok()?;
+    Some(Row {
+        label: view.reference_name(&reference.id),
+        results: compare_all(own, &reference.all_series(), &reference.id),
+        of: None,
+    })
+}
+
+/// One line per model, the yardstick first.
 pub fn glance(view: &View<'_>) -> Markup {
     if view.groups.is_empty() {
         return Markup::default();
     }
     let ratios = costs(view);
-    let best = |g: &Group<'_>| view.best(g).map(|(_, r)| (*r).clone());
-    let metrics =
-        |g: &Group<'_>| -> Option<Metrics> { best(g)?.against(view.against.as_deref()?).cloned() };
+    let mut rows: Vec<Row<'_>> = Vec::new();
+    let is_run = |r: &Run| view.is_yardstick(r);
+    // A yardstick that is a model of the study has a row of its own anyway.
+    if !view.results.runs.iter().any(is_run) {
+        rows.extend(of_reference(view));
+    }
+    for group in &view.groups {
+        let run = match view.best(group) {
+            Some((_, run)) => *run,
+            None => match group.runs.first() {
+                Some((_, run)) => run,
+                None => continue,
+            },
+        };
+        let against = view.against.as_deref().and_then(|id| run.against(id));
+        rows.push(Row {
+            label: group.label.clone(),
+            results: against.or(run.metrics.first()).cloned().unwrap_or_default(),
+            of: Some((group, run)),
+        });
+    }
+    // A judged model is shown by its cheapest adequate run.
     let cheapest = |g: &Group<'_>| -> Option<Run> {
         (g.runs.iter())
-            .filter(|(_, r)| view.adequate(r) && r.wall_s.is_finite())
-            .min_by(|a, b| a.1.wall_s.total_cmp(&b.1.wall_s))
+            .filter(|(_, r)| view.adequate(r) && r.cost_s().is_finite())
+            .min_by(|a, b| a.1.cost_s().total_cmp(&b.1.cost_s()))
             .map(|(_, r)| (*r).clone())
     };
-    let table = Table::of(&view.groups)
-        .text("Model", |g| g.label.clone())
-        .text("Calibration", |g| {
+    let on_models = |of: &dyn Fn(&Group<'_>, &Run) -> Option<String>, row: &Row<'_>| {
+        row.of.and_then(|(g, run)| of(g, run))
+    };
+    let of_models = view.against.as_deref() != Some(SELF) && view.against.is_some();
+    let result = |m: Metric| move |row: &Row<'_>| row.results.get(m);
+    let table = Table::of(&rows)
+        .text("Model", |row| row.label.clone())
+        .text("Calibration", |row| {
+            let (g, _) = row.of?;
             g.runs.iter().find_map(|(_, r)| r.calibration.clone())
         })
-        .text("Error is", |g| {
-            let fitted = view.is_fitted(&best(g)?);
-            view.error(&best(g)?)?;
+        .numbers("Peak force", "N", 4, result(Metric::PeakForce))
+        .numbers("Rms force", "N", 4, result(Metric::RmsForce))
+        .numbers("Impulse", "N s", 4, result(Metric::Impulse))
+        .numbers(
+            "Transmission error, peak to peak",
+            "m",
+            4,
+            result(Metric::TransmissionErrorSpan),
+        )
+        .written("Error", "", |row| {
+            on_models(
+                &|_, run| match run {
+                    _ if !of_models => None,
+                    run if view.is_yardstick(run) => Some("the yardstick".into()),
+                    run => view.error(run).map(|e| view.error_text(e)),
+                },
+                row,
+            )
+        })
+        .result()
+        .text("Error is", |row| {
+            let (_, run) = row.of.filter(|_| of_models)?;
+            if view.is_yardstick(run) {
+                return None;
+            }
+            view.error(run)?;
+            let fitted = view.is_fitted(run);
             Some(
                 if fitted {
                     "rest of a fit"
@@ -40,36 +111,35 @@ pub fn glance(view: &View<'_>) -> Markup {
                 .to_string(),
             )
         })
-        .written("Least error", "", |g| {
-            view.error(&best(g)?).map(|e| view.error_text(e))
+        .text("Verdict", |row| {
+            let (_, run) = row.of.filter(|(_, r)| !view.is_yardstick(r))?;
+            view.verdict(run).map(|v| v.words().to_owned())
+        })
+        .text("Cheapest adequate run", |row| {
+            cheapest(row.of?.0).map(|r| format!("{}, {}", r.integrator, resolution(&r)))
         })
         .result()
-        .deviations("Peak force", |g| metrics(g)?.peak_force_rel)
-        .deviations("Impulse", |g| metrics(g)?.impulse_rel)
-        .text("Cheapest adequate run", |g| {
-            cheapest(g).map(|r| format!("{}, {}", r.integrator, resolution(&r)))
+        .written("Its processor time", "", |row| {
+            cheapest(row.of?.0).map(|r| quantity(r.cost_s(), "s", 3))
         })
         .result()
-        .written("Its wall time", "", |g| {
-            cheapest(g).map(|r| quantity(r.wall_s, "s", 3))
-        })
-        .result()
-        .written("Cost ratio", "", |g| {
+        .written("Cost ratio", "", |row| {
+            let (g, _) = row.of?;
             if g.style == 0 && !ratios.is_empty() {
                 return Some("1".into());
             }
             let (_, ratio) = ratios.iter().find(|(label, _)| *label == g.label)?;
             Some(significant(*ratio, 3))
         })
-        .written("Failed", "", |g| {
+        .written("Failed", "", |row| {
+            let (g, _) = row.of?;
             let failed = g.runs.iter().filter(|(_, r)| r.status.is_failure()).count();
-            format!("{failed} of {}", g.runs.len())
+            Some(format!("{failed} of {}", g.runs.len()))
         })
         .result();
     let against = match &view.against {
-        Some(id) => format!(
-            "Errors are the {} against {}; peak force and impulse are deviations from it, of the \
-             run with the least error. {}",
+        Some(id) if of_models => format!(
+            "Errors are the {} against {}, of the run with the least error. {}",
             view.metric.words(),
             view.reference_name(id),
             if view.results.runs.iter().any(|r| view.is_fitted(r)) {
@@ -79,9 +149,56 @@ pub fn glance(view: &View<'_>) -> Markup {
                 ""
             }
         ),
-        None => String::new(),
+        _ => "Nothing more detailed than the models is in the record, so that they have no error here. ".to_owned(),
     };
     let remark =
         format!("{against}The cost ratio is the median over runs at the same method and step.");
-    section("At a glance", html! { (table) (note(remark)) })
+    html! { (section("At a glance", html! { (table) (note(remark)) })) (integration(view)) }
 }
+
+/// The error of integration of each model: its most accurate and its cheapest converged run against its own converged
+/// solution.
+fn integration(view: &View<'_>) -> Markup {
+    let metric = Metric::ForceL1;
+    let own = |r: &Run| r.against(SELF)?.get(metric).map(f64::abs);
+    let usable = |g: &Group<'_>| -> Vec<Run> {
+        let runs = g.runs.iter().map(|(_, r)| *r);
+        let runs = runs.filter(|r| !r.status.is_failure() && own(r).is_some());
+        runs.cloned().collect()
+    };
+    if view.groups.iter().all(|g| usable(g).is_empty()) {
+        return Markup::default();
+    }
+    let least = |g: &Group<'_>| {
+        usable(g).into_iter().min_by(|a, b| {
+            let error = |r: &Run| own(r).unwrap_or(f64::INFINITY);
+            error(a).total_cmp(&error(b))
+        })
+    };
+    let fast = |g: &Group<'_>| {
+        let mut close = usable(g);
+        close.retain(|r| own(r).is_some_and(|e| e <= CLOSE));
+        close
+            .into_iter()
+            .min_by(|a, b| a.cost_s().total_cmp(&b.cost_s()))
+    };
+    let named = |r: &Run| format!("{}, {}", r.integrator, resolution(r));
+    let table = Table::of(&view.groups)
+        .text("Model", |g| g.label.clone())
+        .percents("Least error", 3, |g| own(&least(g)?))
+        .result()
+        .text("Under", |g| least(g).map(|r| named(&r)))
+        .text("Cheapest run within 1 %", |g| fast(g).map(|r| named(&r)))
+        .result()
+        .percents("Its error", 3, |g| own(&fast(g)?))
+        .written("Its processor time", "", |g| {
+            fast(g).map(|r| quantity(r.cost_s(), "s", 3))
+        })
+        .result();
+    let remark = "The relative L1 error of the contact force of a run against the converged solution of its own model: what \
+                  method and step add, whatever the model itself is off.";
+    plain("Integration", html! { (table) (note(remark)) })
+}
+
+/// Error of integration up to which a run counts as integrated closely [-].
+const CLOSE: f64 = 0.01;

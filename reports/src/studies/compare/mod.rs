@@ -12,6 +12,7 @@ mod paths;
 mod pressure;
 mod timing;
 mod window;
+mod yardstick;
 
 use crate::drawing::canvas::DrawError;
 use crate::markup::runs;
@@ -19,6 +20,7 @@ use crate::studies::StudyReport;
 use crate::view::View;
 use maud::html;
 use serde::{Deserialize, Serialize};
+pub use yardstick::{Kind, Verdict, Yardstick};
 
 /// What the record of this study has of its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -26,6 +28,9 @@ pub struct CompareRecord {
     /// Where times of other programs were published, for [`crate::record::Run::published_s`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published: Option<String>,
+    /// What the models are compared with; absent where nothing but each model itself is there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yardstick: Option<Yardstick>,
 }
 
 /// What the study says of a record.

@@ -16,17 +16,17 @@ fn is_full(run: &Run) -> bool {
     run.modes.is_none() && run.dofs >= FULL
 }
 
-/// Wall time by model; nothing without a full model and another one.
+/// Processor time by model; nothing without a full model and another one.
 pub fn timing(view: &View<'_>, part: &CompareRecord) -> Markup {
     let best: Vec<(&str, &Run)> = (view.groups.iter())
         .filter_map(|g| {
             let (_, run) = view.best(g)?;
-            run.wall_s.is_finite().then_some((g.label.as_str(), *run))
+            run.cost_s().is_finite().then_some((g.label.as_str(), *run))
         })
         .collect();
     let full = (best.iter())
         .filter(|(_, r)| is_full(r))
-        .min_by(|a, b| a.1.wall_s.total_cmp(&b.1.wall_s));
+        .min_by(|a, b| a.1.cost_s().total_cmp(&b.1.cost_s()));
     let (Some((label, full)), Some((first, base)), true) = (full, best.first(), best.len() > 1)
     else {
         return Markup::default();
@@ -44,11 +44,11 @@ pub fn timing(view: &View<'_>, part: &CompareRecord) -> Markup {
             format!("{}, {}", r.integrator, resolution(r))
         })
         .key()
-        .written("Wall time", "", |(_, r)| quantity(r.wall_s, "s", 3))
+        .written("Processor time", "", |(_, r)| quantity(r.cost_s(), "s", 3))
         .result()
-        .written(&over, "", |(_, r)| ratio(r.wall_s, base.wall_s))
+        .written(&over, "", |(_, r)| ratio(r.cost_s(), base.cost_s()))
         .result()
-        .written(&full_over, "", |(_, r)| ratio(full.wall_s, r.wall_s))
+        .written(&full_over, "", |(_, r)| ratio(full.cost_s(), r.cost_s()))
         .result()
         .written("Setup", "", |(_, r)| quantity(r.setup_s, "s", 3))
         .written("Published", "", |(_, r)| {
@@ -66,9 +66,9 @@ pub fn timing(view: &View<'_>, part: &CompareRecord) -> Markup {
         None => String::new(),
     };
     let remark = format!(
-        "Wall time of one run of {} simulated, setup apart, by the run of each model with the least error; ratios on one \
+        "Processor time of one run of {} simulated, setup apart, by the run of each model with the least error; ratios on one \
          machine within this record.{source}",
         quantity(base.simulated_s, "s", 3)
     );
-    section("Wall time", html! { (table) (note(remark)) })
+    section("Processor time", html! { (table) (note(remark)) })
 }

@@ -43,18 +43,10 @@ impl Cost {
     /// The cost of a run, if it was measured.
     pub fn of(self, run: &Run) -> Option<f64> {
         let x = match self {
-            Cost::Processor => cost_s(run),
+            Cost::Processor => run.cost_s(),
             Cost::Evaluations => run.force_evaluations as f64,
         };
         (x.is_finite() && x > 0.0).then_some(x)
-    }
-}
-
-/// Processor time of a run \[s\]; of a record without it the wall time.
-pub fn cost_s(run: &Run) -> f64 {
-    match run.cpu_s {
-        x if x.is_finite() && x > 0.0 => x,
-        _ => run.wall_s,
     }
 }
 
@@ -313,7 +305,7 @@ impl Standing<'_, '_> {
             "{} ({}) {}",
             run.model_label(),
             modes_and_step(run),
-            quantity(cost_s(run), "s", 2).replace('\u{a0}', " ")
+            quantity(run.cost_s(), "s", 2).replace('\u{a0}', " ")
         )
     }
 

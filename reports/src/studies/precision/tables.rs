@@ -1,7 +1,7 @@
 //! Finding and tables of a study of accuracy against cost.
 
 use super::pareto::cheapest;
-use super::{Cloud, Cost, LEVELS, Precision, Shown, cost_s, family, modes_and_step};
+use super::{Cloud, Cost, LEVELS, Precision, Shown, family, modes_and_step};
 use crate::markup::table::Table;
 use crate::markup::{failed_of, note, runs as common, section};
 use crate::numbers::{self, count, counted, per_cent, quantity};
@@ -32,7 +32,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
             match cloud.cheapest(*limit, |s| !s.is_fitted()) {
                 Some(s) => html! {
                     "within " (text) " " b { (s.run.model_label()) } " under " (s.run.integrator) " ("
-                    (modes_and_step(s.run)) ", " (quantity(cost_s(s.run), "s", 2)) ")"
+                    (modes_and_step(s.run)) ", " (quantity(s.run.cost_s(), "s", 2)) ")"
                 },
                 None => html! { "within " (text) " nothing" },
             }
@@ -170,7 +170,7 @@ fn front(cloud: &Cloud<'_>) -> Markup {
         .percents("Error", 3, |i| cloud.shown[*i].point.error)
         .result()
         // From microseconds to seconds: each time with its own prefix.
-        .written("Processor time", "", |i| quantity(cost_s(run(i)), "s", 3))
+        .written("Processor time", "", |i| quantity(run(i).cost_s(), "s", 3))
         .result()
         .text("Fitted to", |i| run(i).fitted_to.clone())
         .result()
@@ -204,7 +204,7 @@ fn within(study: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
             let kept: Vec<&Shown<'_>> = of(*m).collect();
             let points: Vec<_> = kept.iter().map(|s| s.point).collect();
             let run = kept[cheapest(&points, limit)?].run;
-            let time = quantity(cost_s(run), "s", 2);
+            let time = quantity(run.cost_s(), "s", 2);
             Some(format!(
                 "{time} ({}, {})",
                 run.integrator,
@@ -250,7 +250,7 @@ pub fn runs(view: &View<'_>) -> Markup {
         table = table.result();
     }
     let table = table
-        .numbers("Processor time", "s", 3, |(r, ..)| cost_s(r))
+        .numbers("Processor time", "s", 3, |(r, ..)| r.cost_s())
         .result()
         .ranges("Wall time, least \u{2013} greatest", "s", 3, |(r, ..)| {
             r.wall_spread_s

@@ -1,0 +1,313 @@
+//! What the models of a comparison are compared with, and how far that is off itself.
+//!
+//! | scene | yardstick |
+//! |---|---|
+//! | has a reference | the reference |
+//! | has a tolerance for models, or `--yardstick refined` | refined gears |
+//! | has a `reference_model`, or models of several degrees of detail | its most detailed model |
+//!
+//! **Refined gears** are those that `choose` judges by: elastic gears with twice the elements of the scene's, on half-spaces
+//! where flanks may touch so. Three further runs give the parts of their own error in the metric `e` of the tolerance:
+//!
+//! ```text
+//! integration  e(step 2 h)                      first order at least, as events are located
+//! modes        e(half the modes)                a difference that falls by one half for twice the modes
+//! mesh         e(mesh of the scene) q/(1 - q)   q = 1/4 on half-spaces, 1/2 where elements touch
+//! ```
+//!
+//! Their sum is the error of the yardstick. All is bounded by a number of steps, never by time.
+
+use super::Plan;
+use crate::experiment::configuration::Configuration;
+use crate::experiment::run::{Job, NO_BOUND, RunError, run};
+use crate::experiment::runner::Runner;
+use crate::models::models;
+use crate::scene_file::SceneFile;
+use crate::studies::choose::detail::{Details, elements};
+use crate::studies::choose::plan::{elastic, fine_step};
+use crate::studies::choose::problem::{Flexible, Problem};
+use crate::studies::choose::refinement::{of_meshes, steps_per_contact};
+use gearbench_integrators::Scheme;
+use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
+use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::table::properties_of;
+use gearbench_models::spec::{LocalContact, ModelSpec};
+use gearbench_reference::reduction::ElasticParameters;
+use gearbench_reports::comparison::{Kind, Yardstick};
+use gearbench_reports::metrics::{Metric, compare};
+use gearbench_reports::record::{ReferenceSeries, Run, SELF};
+use gearbench_reports::series::TimeSeries;
+
+/// Id of refined gears among the references of a record, and in `tolerance.against` of a scene.
+pub const REFINED: &str = "refined";
+/// Dynamic modes per gear of refined gears.
+const MODES: usize = 100;
+/// Tolerance that the step is fine enough for where the scene says none.
+const USUAL: f64 = 0.05;
+/// Tolerance of refined gears whose modes are coupled.
+const COUPLED_RTOL: f64 = 1e-6;
+/// Steps that a run of refined gears may take.
+const MOST_STEPS: u64 = 400_000;
+
+/// What a comparison is to compare its models with.
+#[derive(Clone, Debug, Default)]
+pub enum Wanted {
+    /// Its references, if it has any.
+    #[default]
+    Stored,
+    /// The most detailed model of the comparison, by its label.
+    MostDetailed(String),
+    /// A model that the scene or the user names, by its label.
+    Named(String),
+    /// Refined gears of the scene.
+    Refined(Box<Problem>),
+}
+
+impl Wanted {
+    /// What the option `--yardstick` asks for, else the scene.
+    pub fn of(scene: &SceneFile, entries: &[Configuration], option: Option<&str>) -> Wanted {
+        let refined = || Wanted::Refined(Box::new(Problem::of(scene)));
+        let against = scene.tolerance.as_ref().map(|t| t.against.as_str());
+        match (option, &scene.study.reference_model) {
+            (Some(REFINED), _) => refined(),
+            (Some(label), _) => Wanted::Named(label.to_owned()),
+            (None, Some(label)) => Wanted::Named(label.clone()),
+            (None, None) if against == Some(REFINED) => refined(),
+            (None, None) if scene.references.iter().any(|r| r.is_of_the_scene()) => Wanted::Stored,
+            (None, None) => most_detailed(entries).map_or(Wanted::Stored, Wanted::MostDetailed),
+        }
+    }
+
+    /// Label of the model that it is.
+    pub fn label(&self) -> Option<&str> {
+        match self {
+            Wanted::MostDetailed(label) | Wanted::Named(label) => Some(label),
+            Wanted::Stored | Wanted::Refined(_) => None,
+        }
+    }
+}
+
+/// The most detailed of some models, by its label; `None` where they are equally detailed.
+pub fn most_detailed(entries: &[Configuration]) -> Option<String> {
+    let kind = |e: &Configuration| {
+        let of_gear = |g: &ModelSpec| match properties_of(models(), &g.id) {
+            p if p.full_order => 3,
+            p if p.modes => 2,
+            p if !p.rigid => 1,
+            _ => 0,
+        };
+        e.modelling.gears.iter().map(of_gear).max()
+    };
+    let rank = |e: &Configuration| {
+        let modes = (e.modelling.gears.iter())
+            .filter_map(|g| ElasticParameters::of(g)?.modes)
+            .max();
+        let contacts = e.modelling.contacts.iter();
+        let on_half_spaces =
+            (contacts.filter_map(|c| c.points)).all(|p| p.local == LocalContact::HalfSpace);
+        (kind(e), on_half_spaces, modes)
+    };
+    let most = entries.iter().max_by_key(|e| rank(e))?;
+    let least = entries.iter().map(kind).min()?;
+    (kind(most) > least).then(|| most.label.clone())
+}
+
+/// Refined gears as a reference, and what they are off.
+pub struct Refined {
+    /// Their history.
+    pub reference: ReferenceSeries,
+    /// Their error.
+    pub yardstick: Yardstick,
+}
+
+/// One way to run the gears.
+struct Variant<'a> {
+    flexible: &'a Flexible,
+    modes: usize,
+    /// Steps of the finest run in one of this one.
+    coarser: f64,
+}
+
+/// Runs refined gears of a scene over the whole of it.
+///
+/// The inner error is the reason why there are none.
+///
+/// # Errors
+/// [`RunError`] where the user interrupts, or the journal fails.
+pub fn refined(
+    plan: &Plan<'_>,
+    problem: &Problem,
+    runner: &Runner<'_>,
+) -> Result<Result<Refined, String>, RunError> {
+    let limit = plan.tolerance.as_ref().map_or(USUAL, |t| t.limit);
+    let metric = (plan.tolerance.as_ref())
+        .filter(|t| t.against == REFINED)
+        .map_or(Metric::default(), |t| t.metric);
+    let step = match fine_step(problem, steps_per_contact(limit)) {
+        Ok(step) => step,
+        Err(e) => return Ok(Err(e.to_string())),
+    };
+    let steps = plan.conditions.duration / step;
+    if steps > MOST_STEPS as f64 {
+        return Ok(Err(format!(
+            "their {steps:.1e} steps are more than the {MOST_STEPS} that they may take"
+        )));
+    }
+    let tell = |what: &str| runner.tell(0, plan.len(), &format!("yardstick: {what}"));
+    tell("mesh and modes of refined gears");
+    let details = Details::of(problem, MODES);
+    let judge = details.judge();
+    let finest = Variant {
+        flexible: judge,
+        modes: MODES,
+        coarser: 1.0,
+    };
+    let made = match variant(plan, problem, &finest, step, runner)? {
+        Ok(made) => made,
+        Err(why) => return Ok(Err(why)),
+    };
+    let error_of = |of: &Variant<'_>, what: &str| -> Result<Option<f64>, RunError> {
+        tell(what);
+        let other = variant(plan, problem, of, step, runner)?;
+        Ok(other.ok().and_then(|other| {
+            let run = other.row.finished().ok()?;
+            compare(run, &made.series, REFINED)
+                .get(metric)
+                .map(f64::abs)
+        }))
+    };
+    let coarser = Variant {
+        coarser: 2.0,
+        ..finest
+    };
+    let integration = error_of(&coarser, "twice the step")?;
+    let fewer = Variant {
+        modes: MODES / 2,
+        ..finest
+    };
+    let modes = error_of(&fewer, "half the modes")?;
+    let mesh = match &details.finer {
+        Ok(_) => {
+            let lead = Variant {
+                flexible: &details.lead,
+                ..finest
+            };
+            let q = of_meshes(details.on_half_spaces());
+            error_of(&lead, "mesh of the scene")?.map(|e| e * q / (1.0 - q))
+        }
+        Err(_) => None,
+    };
+    let error = [integration, modes, mesh]
+        .into_iter()
+        .try_fold(0.0, |sum, e| Some(sum + e?));
+    let mut of_gears: Vec<String> = judge.gears.iter().map(elements).collect();
+    of_gears.dedup();
+    let contact = match details.on_half_spaces() {
+        true => "half-spaces",
+        false => "the contact of the scene",
+    };
+    let title = format!(
+        "refined elastic gears ({}; {MODES} modes; {contact})",
+        of_gears.join("; ")
+    );
+    let mut notes: Vec<String> = Vec::new();
+    notes.extend(details.no_half_spaces.iter().cloned());
+    notes.extend(details.finer.as_ref().err().cloned());
+    Ok(Ok(Refined {
+        reference: ReferenceSeries {
+            id: REFINED.into(),
+            title: title.clone(),
+            source: format!(
+                "run of this record: {} coordinates, {}, {} steps",
+                made.row.dofs, made.row.integrator, made.row.steps
+            ),
+            note: notes.join("; "),
+            cpu_s: Some(made.row.cpu_s).filter(|t| *t > 0.0),
+            series: made.series,
+            ..ReferenceSeries::default()
+        },
+        yardstick: Yardstick {
+            id: REFINED.into(),
+            kind: Kind::Refined,
+            title,
+            integration_error: integration,
+            modes_error: modes,
+            mesh_error: mesh,
+            error,
+            note: notes.join("; "),
+        },
+    }))
+}
+
+/// A run of refined gears.
+struct Made {
+    row: Run,
+    series: TimeSeries,
+}
+
+/// Runs a variant; the inner error is the reason why it does not reach its end.
+fn variant(
+    plan: &Plan<'_>,
+    problem: &Problem,
+    of: &Variant<'_>,
+    step: f64,
+    runner: &Runner<'_>,
+) -> Result<Result<Made, String>, RunError> {
+    let modelling = elastic(of.flexible, of.modes, Some(step));
+    let conditions = &plan.conditions;
+    let grid = conditions.grid();
+    let under = |method: &Scheme| {
+        let job = Job {
+            repeats: 0,
+            timeout: NO_BOUND,
+            max_steps: MOST_STEPS,
+            ..conditions.job((&problem.scene, &modelling), method, &grid)
+        };
+        runner.piece(job.key().and(&"yardstick"), || run(&job))
+    };
+    let made = match under(&TRIGONOMETRIC.at_step(of.coarser * step)) {
+        // Where something couples the modes, an adaptive method of the fifth order runs them.
+        Err(RunError::NoLinearPart(_)) => {
+            under(&DOPRI5.at_tolerance(of.coarser.powi(5) * COUPLED_RTOL))
+        }
+        other => other,
+    };
+    let mut row = match made {
+        Err(e @ (RunError::Build(_) | RunError::Refused { .. })) => return Ok(Err(e.to_string())),
+        other => other?,
+    };
+    match (row.status, row.series.take()) {
+        (status, Some(series)) if !status.is_failure() => {
+            row.series = Some(series.clone());
+            Ok(Ok(Made { row, series }))
+        }
+        (status, _) => Ok(Err(row.message.unwrap_or_else(|| status.to_string()))),
+    }
+}
+
+/// A model of the comparison as the yardstick: of its own error the integration alone is known.
+pub fn of_entry((id, kind): (&str, Kind), row: &Run, metric: Metric, note: &str) -> Yardstick {
+    Yardstick {
+        id: id.to_owned(),
+        kind,
+        title: row.model_label(),
+        integration_error: (row.against(SELF))
+            .and_then(|m| m.get(metric.of_integration()))
+            .map(f64::abs),
+        note: note.to_owned(),
+        ..Yardstick::default()
+    }
+}
+
+/// A stored reference as the yardstick.
+pub fn of_stored(reference: &ReferenceSeries) -> Yardstick {
+    Yardstick {
+        id: reference.id.clone(),
+        kind: Kind::Stored,
+        title: match reference.title.as_str() {
+            "" => reference.id.clone(),
+            title => title.to_owned(),
+        },
+        ..Yardstick::default()
+    }
+}

@@ -1,0 +1,142 @@
+//! The yardstick of a comparison: the history that all models are compared with, its own error, and the verdict on a model.
+//!
+//! With the error `e` of a run against the yardstick and the error `u` of the yardstick itself, both in the metric of the
+//! tolerance `T`, a model is adequate where `e + u <= T`, not adequate where `e - u > T`, and not decided between the two.
+//! Where `u` is not known nothing is called adequate.
+
+use crate::numbers::per_cent;
+use crate::record::not_a_number;
+use crate::words::words;
+use serde::{Deserialize, Serialize};
+
+words! {
+    /// What a yardstick is.
+    pub enum Kind {
+        /// A stored reference: measured, or computed by another program.
+        #[default]
+        Stored = "stored",
+        /// Elastic gears that gearbench made for the comparison, with a finer mesh and contact on half-spaces.
+        Refined = "refined",
+        /// The most detailed model of the scene.
+        Model = "model",
+        /// A model that the scene, or the user, names as the one to compare with: it counts as exact.
+        Named = "named",
+    }
+}
+
+/// What the models of a comparison are compared with.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Yardstick {
+    /// Id of the reference, as in [`crate::record::Metrics::against`].
+    pub id: String,
+    /// What it is.
+    pub kind: Kind,
+    /// Its name in a sentence.
+    pub title: String,
+    /// Error of its integration, in the metric of the comparison [-].
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub integration_error: Option<f64>,
+    /// Error of its truncated modes, likewise [-].
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub modes_error: Option<f64>,
+    /// Error of its mesh, likewise [-].
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub mesh_error: Option<f64>,
+    /// Their sum; absent where one of them is not known [-].
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub error: Option<f64>,
+    /// Why it is no better one, such as why no refined gears could be made.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub note: String,
+}
+
+/// Whether a model is accurate enough.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Within the tolerance, the error of the yardstick included.
+    Adequate,
+    /// Beyond the tolerance, whatever the error of the yardstick.
+    NotAdequate,
+    /// The yardstick is not accurate enough to decide.
+    NotDecided,
+}
+
+impl Verdict {
+    /// In a table.
+    pub fn words(self) -> &'static str {
+        match self {
+            Verdict::Adequate => "adequate",
+            Verdict::NotAdequate => "not adequate",
+            Verdict::NotDecided => "not decided",
+        }
+    }
+}
+
+impl Yardstick {
+    /// The verdict on an error under a limit. Stored references whose own error is not stated count as exact, and so do
+    /// models that the user names.
+    pub fn verdict(&self, error: f64, limit: f64) -> Verdict {
+        let own = match (self.error, self.kind) {
+            (Some(own), _) => own,
+            (None, Kind::Stored | Kind::Named) => 0.0,
+            (None, _) => f64::INFINITY,
+        };
+        if error + own <= limit {
+            Verdict::Adequate
+        } else if error - own > limit {
+            Verdict::NotAdequate
+        } else {
+            Verdict::NotDecided
+        }
+    }
+
+    /// What is known of its own error, for the end of a sentence.
+    pub fn own_error(&self) -> String {
+        let parts = [
+            ("integration", self.integration_error),
+            ("modes", self.modes_error),
+            ("mesh", self.mesh_error),
+        ];
+        let known: Vec<String> = (parts.iter())
+            .filter_map(|(what, e)| Some(format!("{what} {}", per_cent((*e)?, 2))))
+            .collect();
+        match (self.error, self.kind) {
+            (Some(all), _) => format!(
+                "its own error is estimated as {} ({})",
+                per_cent(all, 2),
+                known.join(", ")
+            ),
+            (None, Kind::Stored) => "its own error is not stated".into(),
+            (None, Kind::Named) => "it is taken as exact".into(),
+            (None, _) if known.is_empty() => "its own error is not known".into(),
+            (None, _) => format!(
+                "of its own error only a part is known ({})",
+                known.join(", ")
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_error_of_the_yardstick_leaves_a_band_that_is_not_decided() {
+        let of = |error, kind| Yardstick {
+            error,
+            kind,
+            ..Yardstick::default()
+        };
+        let refined = of(Some(0.01), Kind::Refined);
+        let found = [0.03, 0.045, 0.055, 0.07].map(|e| refined.verdict(e, 0.05));
+        use Verdict::{Adequate, NotAdequate, NotDecided};
+        assert_eq!(found, [Adequate, NotDecided, NotDecided, NotAdequate]);
+        // A model of the scene whose mesh nobody refined decides nothing, a stored reference counts as exact.
+        assert_eq!(of(None, Kind::Model).verdict(0.0, 0.05), NotDecided);
+        assert_eq!(of(None, Kind::Model).verdict(9.0, 0.05), NotDecided);
+        assert_eq!(of(None, Kind::Named).verdict(0.049, 0.05), Adequate);
+        assert_eq!(of(None, Kind::Stored).verdict(0.049, 0.05), Adequate);
+        assert_eq!(of(None, Kind::Stored).verdict(0.051, 0.05), NotAdequate);
+    }
+}
