@@ -14,10 +14,16 @@ const UNDAMPED: f64 = 1e-6;
 pub struct MeshMode {
     /// Label of the model.
     pub label: String,
-    /// Natural frequency without damping [Hz].
+    /// Natural frequency without damping, at the start [Hz].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frequency_hz: Option<f64>,
-    /// Damping ratio [-].
+    /// Resonance: root mean square of this frequency over the mesh cycle [Hz].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resonance_hz: Option<f64>,
+    /// Least and greatest of this frequency over the mesh cycle [Hz].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resonance_range_hz: Option<[f64; 2]>,
+    /// Damping ratio at the start [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_ratio: Option<f64>,
     /// Share of its strain energy in the meshes [-].
@@ -31,17 +37,22 @@ pub struct MeshMode {
 impl MeshMode {
     /// Frequency and damping ratio in words, or why there is none.
     pub fn to_text(&self) -> String {
-        match (self.frequency_hz, self.damping_ratio) {
-            (Some(f), Some(z)) => {
-                format!(
-                    "{}, damping ratio {} %",
-                    quantity(f, "Hz", 4),
-                    short(100.0 * z, 3)
-                )
-            }
-            (Some(f), None) => quantity(f, "Hz", 4),
-            _ => self.message.clone(),
-        }
+        let Some(f) = self.frequency_hz else {
+            return self.message.clone();
+        };
+        let damping = self.damping_ratio.map_or_else(String::new, |z| {
+            format!(", damping ratio {} %", short(100.0 * z, 3))
+        });
+        let cycle = match (self.resonance_hz, self.resonance_range_hz) {
+            (Some(rms), Some([low, high])) => format!(
+                "; resonance over the mesh cycle {} ({} to {})",
+                quantity(rms, "Hz", 4),
+                quantity(low, "Hz", 4),
+                quantity(high, "Hz", 4)
+            ),
+            _ => String::new(),
+        };
+        format!("{}{damping}{cycle}", quantity(f, "Hz", 4))
     }
 }
 

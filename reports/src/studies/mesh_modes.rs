@@ -14,10 +14,15 @@ pub fn tables(all: &[MeshMode]) -> Markup {
     }
     let table = Table::of(all)
         .text("Model", |m| m.label.clone())
-        .written("Frequency", "", |m| {
+        .written("Frequency at the start", "", |m| {
             m.frequency_hz.map(|f| quantity(f, "Hz", 4))
         })
         .result()
+        .written("Resonance", "", |m| {
+            m.resonance_hz.map(|f| quantity(f, "Hz", 4))
+        })
+        .result()
+        .ranges("Over the mesh cycle", "Hz", 4, |m| m.resonance_range_hz)
         .percents("Damping ratio", 3, |m| m.damping_ratio)
         .result()
         .percents("Strain energy in meshes", 3, |m| m.mesh_share)
@@ -25,7 +30,7 @@ pub fn tables(all: &[MeshMode]) -> Markup {
             (!m.message.is_empty()).then(|| m.message.clone())
         });
     let meaning = "The mesh mode is the natural mode with the largest share of strain energy in the meshes, in the equilibrium of the \
-                   loads at the start. Damping that a scene states means different things to different models; this ratio is comparable.";
+                   loads at the start. The resonance is the root mean square of its frequency over the mesh cycle. Damping that a scene states means different things to different models; this ratio is comparable.";
     let differs = damping_differs(all).map(|text| format!("Note: {text}."));
     section(
         "Damping of the mesh mode",
@@ -42,6 +47,13 @@ pub fn csv(all: &[MeshMode]) -> Option<CsvTable> {
             &[
                 ("model", &|m| m.label.clone()),
                 ("frequency_hz", &|m| number(m.frequency_hz)),
+                ("resonance_hz", &|m| number(m.resonance_hz)),
+                ("resonance_least_hz", &|m| {
+                    number(m.resonance_range_hz.map(|r| r[0]))
+                }),
+                ("resonance_greatest_hz", &|m| {
+                    number(m.resonance_range_hz.map(|r| r[1]))
+                }),
                 ("damping_ratio", &|m| number(m.damping_ratio)),
                 ("mesh_share", &|m| number(m.mesh_share)),
                 ("note", &|m| m.message.clone()),

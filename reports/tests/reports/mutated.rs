@@ -77,6 +77,7 @@ pub fn response_results() -> Results {
             meshes: vec![mesh("sun - planet"), mesh("planet - ring")],
             mounts: vec!["ring".into()],
             resonance_hz: Some(2500.0),
+            resonance_range_hz: Some([2200.0, 2700.0]),
             points: (0..40).map(point).collect(),
         }],
         ..ModelResponse::default()

@@ -11,6 +11,11 @@
 //!
 //! Meshes of one frequency are taken together, so that their phases to each other are those of the scene. Motions are seen
 //! from the carriers of planetary sets.
+//!
+//! **Resonance.** At each phase one natural mode without damping strains the meshes of a frequency most. The resonance of
+//! these meshes is the root mean square of its frequencies over the cycle, which of two gears is the frequency on the mean
+//! tangent stiffness; the least and the greatest are its range. `modes`, `response`, `sweep` and the mesh modes of all other
+//! studies have it from here.
 
 use super::equilibrium::pressed;
 use super::{Loaded, NotSolved, loaded};
@@ -64,6 +69,35 @@ pub struct MeshCycle {
     pub frequency: f64,
     /// Phases at even times, by mesh.
     pub phases: Vec<Vec<MeshPhase>>,
+    /// Natural frequencies of the mode that strains these meshes most, by phase [Hz].
+    pub natural: Vec<f64>,
+}
+
+/// Phases that a resonance is taken from where nothing else is wanted of the cycle: the stiffness of spur gears jumps, so
+/// that the mean has an error of some parts of one phase.
+pub const PHASES: usize = 24;
+
+/// The resonance of meshes over their cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resonance {
+    /// Root mean square of the frequencies of the mesh mode [Hz].
+    pub frequency: f64,
+    /// Least and greatest of them [Hz].
+    pub range: [f64; 2],
+}
+
+impl MeshCycle {
+    /// The resonance; `None` where nothing vibrates at a phase.
+    pub fn resonance(&self) -> Option<Resonance> {
+        let ends = (self.natural.iter())
+            .fold([f64::INFINITY, 0.0_f64], |[a, b], f| [a.min(*f), b.max(*f)]);
+        let squares: f64 = self.natural.iter().map(|f| f * f).sum();
+        let mean = squares / self.natural.len() as f64;
+        (mean > 0.0 && ends[0] > 0.0).then(|| Resonance {
+            frequency: mean.sqrt(),
+            range: ends,
+        })
+    }
 }
 
 /// A scene that runs slowly under its loads.
@@ -109,6 +143,24 @@ struct Cycle<'a> {
     /// 1 where left flanks are in contact, -1 for right ones, by mesh.
     sides: Vec<f64>,
     rows: Vec<MeshRow>,
+}
+
+/// The natural frequency that strains some meshes most [Hz]; each with its row and the stiffness of its contact.
+fn natural(found: &Loaded, meshes: &[(&MeshRow, f64)]) -> f64 {
+    let (space, modes) = (&found.space, &found.modes);
+    let mut strain = vec![0.0; modes.squares.len()];
+    for (row, stiffness) in meshes {
+        let on = modes.vectors.tr_mul(&space.force(&row.flanks));
+        for (sum, x) in strain.iter_mut().zip(on.iter()) {
+            *sum += stiffness * x * x;
+        }
+    }
+    // Energy of the meshes in the mode, over that of the mode.
+    let share = |i: &usize| strain[*i] / modes.squares[*i].max(f64::MIN_POSITIVE);
+    let floor = 1e-12 * modes.squares.last().map_or(0.0, |x| x.abs());
+    let swinging = (0..strain.len()).filter(|i| modes.squares[*i] > floor);
+    let most = swinging.max_by(|a, b| share(a).total_cmp(&share(b)));
+    most.map_or(0.0, |i| modes.squares[i].sqrt() / TAU)
 }
 
 /// How a gear turns as a rigid body: own coordinates go with the hub where nothing strains them.
@@ -309,7 +361,7 @@ pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Run
             None => cycles.push(MeshCycle {
                 meshes: vec![mesh],
                 frequency: f,
-                phases: Vec::new(),
+                ..MeshCycle::default()
             }),
         }
     }
@@ -327,6 +379,10 @@ pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Run
                 // What carriers move by is seen by nobody on them.
                 (cycle.scene.carrier_coordinates().into_iter()).for_each(|i| away[i] = 0.0);
                 let all = cycle.at(found, &away);
+                let of_group: Vec<(&MeshRow, f64)> = (group.meshes.iter())
+                    .map(|m| (&cycle.rows[*m], 1.0 / all[*m].contact))
+                    .collect();
+                group.natural.push(natural(found, &of_group));
                 for (to, mesh) in group.phases.iter_mut().zip(&group.meshes) {
                     to.push(all[*mesh]);
                 }

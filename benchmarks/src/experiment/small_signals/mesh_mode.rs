@@ -4,6 +4,7 @@
 //! A damping that a scene states means different things to different models: a ratio of the contact's spring, of each mode of a
 //! body, of tooth springs. The damping ratio of the mesh mode is comparable across models.
 
+use super::cycle::{PHASES, Resonance, running};
 use super::motions::energies;
 use super::{Loaded, NotSolved, has_loads, loaded, settled};
 use crate::experiment::configuration::Configuration;
@@ -14,12 +15,14 @@ use crate::experiment::runner::Runner;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::{Scene, StrainIn};
-use gearbench_models::spec::ModelSpec;
+use gearbench_models::spec::{ModelSpec, SceneSpec};
 use gearbench_reports::record::{MeshMode, finite};
 use std::f64::consts::TAU;
 
 /// Coordinates up to which the mesh mode is computed next to a study of another kind: the work grows with their cube.
 pub const FEW: usize = 300;
+/// Coordinates up to which the resonance over the mesh cycle is computed there: each phase takes a decomposition.
+const FEW_OVER_CYCLE: usize = 150;
 
 /// The mesh mode of a scene with loads, where its loaded state was found.
 pub fn mesh_mode_of(
@@ -54,7 +57,7 @@ pub fn mesh_mode_of(
                 frequency_hz: finite(motion.omega / TAU),
                 damping_ratio: motion.damped.and_then(|d| finite(d.ratio)),
                 mesh_share: finite(share),
-                message: String::new(),
+                ..MeshMode::default()
             });
         }
     }
@@ -92,7 +95,29 @@ fn mesh_mode(entry: &Configuration, models: &[Model]) -> Option<MeshMode> {
         }
         _ => loaded(&mut scene, true),
     };
-    Some(mesh_mode_of(&label, &mut scene, found.as_ref()))
+    let mode = mesh_mode_of(&label, &mut scene, found.as_ref());
+    let of_cycle = resonance(&mut scene, &spec, FEW_OVER_CYCLE);
+    Some(with_resonance(mode, of_cycle))
+}
+
+/// A mesh mode with the resonance over the cycle.
+pub fn with_resonance(mode: MeshMode, found: Option<Resonance>) -> MeshMode {
+    let found = found.filter(|_| mode.frequency_hz.is_some());
+    MeshMode {
+        resonance_hz: found.map(|r| r.frequency),
+        resonance_range_hz: found.map(|r| r.range),
+        ..mode
+    }
+}
+
+/// The resonance of the first mesh of a scene over its cycle; `None` where its gears stand still, where it is too large, or
+/// where a phase has no equilibrium.
+pub fn resonance(scene: &mut Scene, spec: &SceneSpec, most: usize) -> Option<Resonance> {
+    if scene.layout().n > most {
+        return None;
+    }
+    let running = running(scene, spec, PHASES).ok()?;
+    running.cycles.first()?.resonance()
 }
 
 /// The mesh modes of all models of a study whose scene has loads. What cannot be computed is a row with the reason.

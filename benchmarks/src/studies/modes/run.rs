@@ -6,7 +6,7 @@ use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
 use crate::experiment::key::Key;
 use crate::experiment::runner::Runner;
-use crate::experiment::small_signals::mesh_mode::mesh_mode_of;
+use crate::experiment::small_signals::mesh_mode::{FEW, mesh_mode_of, resonance, with_resonance};
 use crate::experiment::small_signals::motions::{Energies, Motion, SLACK, energies};
 use crate::experiment::small_signals::{Loaded, MOST, NotSolved, has_loads, loaded, settled};
 use gearbench_integrators::system::SecondOrderSystem;
@@ -89,6 +89,7 @@ fn analysed(
             record.message = why.to_string();
         }
     }
+    let mesh_mode = mesh_mode.map(|mode| with_resonance(mode, resonance(&mut scene, &spec, FEW)));
     Ok((record, mesh_mode))
 }
 

@@ -6,7 +6,7 @@ use crate::experiment::interruption;
 use crate::experiment::key::Key;
 use crate::experiment::run::RunError;
 use crate::experiment::runner::Runner;
-use crate::experiment::small_signals::cycle::{MeshCycle, MeshPhase, Running, running};
+use crate::experiment::small_signals::cycle::{MeshPhase, running};
 use crate::experiment::small_signals::grounds::grounds;
 use crate::experiment::small_signals::response::{Answer, Response, spectrum};
 use crate::experiment::small_signals::{MOST, NotSolved, has_loads, mesh_modes, settled};
@@ -20,7 +20,6 @@ use gearbench_reports::record::{Part, Results};
 use gearbench_reports::response::{
     GroupResponse, MeshLimit, MeshPoint, ModelResponse, MountPoint, ResponsePoint, ResponseRecord,
 };
-use std::f64::consts::TAU;
 
 /// Harmonics that are kept.
 const HARMONICS: usize = 24;
@@ -100,24 +99,6 @@ fn point(answer: &Answer, spec: &SceneSpec) -> ResponsePoint {
     }
 }
 
-/// The natural frequency at the first phase that strains the meshes of a group most [Hz].
-fn resonance(running: &Running, cycle: &MeshCycle) -> Option<f64> {
-    let (space, modes) = (&running.start.space, &running.start.modes);
-    let mut strain = vec![0.0; modes.squares.len()];
-    for row in cycle.meshes.iter().map(|m| &running.rows[*m]) {
-        let on = modes.vectors.tr_mul(&space.force(&row.flanks));
-        for (sum, x) in strain.iter_mut().zip(on.iter()) {
-            *sum += row.stiffness * x * x;
-        }
-    }
-    // Energy of a mesh in the mode, over that of the mode.
-    let share = |i: &usize| strain[*i] / modes.squares[*i].max(f64::MIN_POSITIVE);
-    let floor = 1e-12 * modes.squares.last().map_or(0.0, |x| x.abs());
-    let swinging = (0..strain.len()).filter(|i| modes.squares[*i] > floor);
-    let most = swinging.max_by(|a, b| share(a).total_cmp(&share(b)));
-    most.map(|i| modes.squares[i].sqrt() / TAU)
-}
-
 fn solve(
     scene: &mut Scene,
     spec: &SceneSpec,
@@ -136,9 +117,10 @@ fn solve(
     let first = running.cycles.first().map_or(1.0, |c| c.frequency);
     let mut range = wanted.range;
     for cycle in &running.cycles {
-        let resonance = resonance(&running, cycle);
+        let resonance = cycle.resonance();
         let response = Response::new(scene, &running, cycle, &grounds)?;
-        let usual = resonance.map(|f| RANGE.map(|part| part * f * first / cycle.frequency));
+        let usual =
+            resonance.map(|r| RANGE.map(|part| part * r.frequency * first / cycle.frequency));
         let [from, to] = *range.get_or_insert(usual.unwrap_or([0.1 * first, 10.0 * first]));
         let ratio = cycle.frequency / first;
         let last = (wanted.points - 1) as f64;
@@ -162,7 +144,8 @@ fn solve(
                 .iter()
                 .map(|g| scene.gears()[g.gear].name.clone())
                 .collect(),
-            resonance_hz: resonance,
+            resonance_hz: resonance.map(|r| r.frequency),
+            resonance_range_hz: resonance.map(|r| r.range),
             points,
         });
     }

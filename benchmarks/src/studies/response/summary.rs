@@ -22,10 +22,12 @@ pub fn summarise(results: &Results) {
                     short(1e6 * limit.error_rms_m, 4),
                 ));
                 let rms = |p: &&gearbench_reports::response::ResponsePoint| p.meshes[k].error_rms_m;
-                let peak = (group.points.iter()).max_by(|a, b| rms(a).total_cmp(&rms(b)));
+                // Beyond contact a response to first order is no result.
+                let valid = group.points.iter().filter(|p| p.holds());
+                let peak = valid.max_by(|a, b| rms(a).total_cmp(&rms(b)));
                 if let Some(peak) = peak {
                     say(&format!(
-                        "    largest at a mesh frequency of {}: {} um, force {} to {}",
+                        "    largest with flanks in contact at a mesh frequency of {}: {} um, force {} to {}",
                         quantity(peak.mesh_frequency_hz, "Hz", 5),
                         short(1e6 * peak.meshes[k].error_rms_m, 4),
                         quantity(peak.meshes[k].force_least_n, "N", 4),
@@ -33,13 +35,21 @@ pub fn summarise(results: &Results) {
                     ));
                 }
             }
+            if let (Some(f), Some([low, high])) = (group.resonance_hz, group.resonance_range_hz) {
+                say(&format!(
+                    "  resonance {}, over the mesh cycle {} to {}",
+                    quantity(f, "Hz", 4),
+                    quantity(low, "Hz", 4),
+                    quantity(high, "Hz", 4),
+                ));
+            }
             let parts: Vec<f64> = (group.points.iter())
                 .filter(|p| !p.holds())
                 .map(|p| p.mesh_frequency_hz)
                 .collect();
             if let (Some(first), Some(last)) = (parts.first(), parts.last()) {
                 say(&format!(
-                    "  flanks part at {} of {} frequencies, from {} to {}: there it does not hold",
+                    "  flanks part at {} of {} frequencies, from {} to {}: the response is not valid there",
                     parts.len(),
                     group.points.len(),
                     quantity(*first, "Hz", 4),

@@ -9,17 +9,17 @@ use crate::experiment::error::{ModelRefusal, StudyError};
 use crate::experiment::key::Key;
 use crate::experiment::run::{Job, RunError, run_from};
 use crate::experiment::runner::Runner;
-use crate::experiment::small_signals::mesh_modes;
+use crate::experiment::small_signals::mesh_mode::{FEW, resonance};
+use crate::experiment::small_signals::{self, mesh_modes};
 use gearbench_integrators::Scheme;
-use gearbench_models::gear::table::{Model, properties_of};
+use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{SceneSpec, base_radius};
+use gearbench_models::spec::SceneSpec;
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_reports::Part;
 use gearbench_reports::record::{self, Results, Run, StaticCycle, Status};
 use gearbench_reports::series::TimeSeries;
 use gearbench_reports::sweep::{Branch, SweepRecord};
-use std::f64::consts::TAU;
 use std::time::Instant;
 
 #[cfg(test)]
@@ -93,19 +93,6 @@ impl Pair {
     }
 }
 
-/// Frequency of two gears against each other on a stiffness along the line of action in the transverse plane [Hz].
-fn resonance(entry: &Configuration, models: &[Model], stiffness: f64) -> Option<f64> {
-    let scene = Scene::build(&entry.scene, &entry.modelling, models).ok()?;
-    // Whole gears: a model's contact mass may be that of a tooth.
-    let compliance: f64 = (scene.gears().iter().zip(&entry.scene.gears))
-        .map(|(g, spec)| {
-            let hub = g.model.hub();
-            f64::from(hub.is_free()) * base_radius(&spec.body).powi(2) / hub.inertia
-        })
-        .sum();
-    (compliance > 0.0).then(|| (stiffness * compliance).sqrt() / TAU)
-}
-
 /// Equilibria over one base pitch under the force of the loads.
 fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, StudyError> {
     let fail = |e| StudyError::Statics(entry.label.clone(), e);
@@ -118,6 +105,9 @@ fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, Study
     let load = StaticLoad::Force(force);
     let cycle = MeshCycle::solve(&mut loaded, load, plan.positions, |_| {}).map_err(fail)?;
     let tangent = cycle.mesh_tangent() * cycle.face_width;
+    let spec = small_signals::settled(&entry.scene);
+    let resonance = (Scene::build(&spec, &entry.modelling, plan.conditions.models).ok())
+        .and_then(|mut scene| resonance(&mut scene, &spec, FEW));
     Ok(StaticCycle {
         label: entry.model_label(),
         force_n: force,
@@ -128,7 +118,8 @@ fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, Study
         error_mean_m: cycle.mean_error(),
         error_peak_to_peak_m: cycle.peak_to_peak(),
         tangent_n_per_m: tangent,
-        resonance_hz: resonance(entry, plan.conditions.models, tangent),
+        resonance_hz: resonance.map(|r| r.frequency),
+        resonance_range_hz: resonance.map(|r| r.range),
     })
 }
 

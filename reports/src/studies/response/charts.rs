@@ -140,7 +140,8 @@ fn over_frequency(
         &format!("response_{}.svg", slug(&name)),
         format!("Response to the passing of teeth: {name}"),
         "TE: transmission error by the hubs along the line of action, about its mean. Dotted: flanks part there, and the response \
-         to first order holds no more. fn: the natural frequency that strains the mesh most; at fn/2, fn/3, ... a harmonic of the \
+         to first order is not valid. fn: the resonance, the root mean square over the mesh cycle of the natural frequency that \
+         strains the mesh most; at fn/2, fn/3, ... a harmonic of the \
          mesh frequency meets it.",
         legend,
         &panels,

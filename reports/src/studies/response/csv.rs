@@ -95,6 +95,12 @@ pub fn tables(responses: &[ModelResponse]) -> Vec<CsvTable> {
             ("mesh", &|(.., m)| m.name.clone()),
             ("mesh_frequency_hz", &|(_, g, _)| number(g.own_frequency_hz)),
             ("resonance_hz", &|(_, g, _)| number(g.resonance_hz)),
+            ("resonance_least_hz", &|(_, g, _)| {
+                number(g.resonance_range_hz.map(|r| r[0]))
+            }),
+            ("resonance_greatest_hz", &|(_, g, _)| {
+                number(g.resonance_range_hz.map(|r| r[1]))
+            }),
             ("force_mean_n", &|(.., m)| number(m.force_n)),
             ("stiffness_n_per_m", &|(.., m)| number(m.stiffness_n_per_m)),
             ("stiffness_least_n_per_m", &|(.., m)| {

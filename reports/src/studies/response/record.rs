@@ -72,9 +72,12 @@ pub struct GroupResponse {
     pub meshes: Vec<MeshLimit>,
     /// Names of the gears whose mounts are looked at.
     pub mounts: Vec<String>,
-    /// The natural frequency that strains these meshes most [Hz].
+    /// Resonance of these meshes: root mean square over their cycle of the natural frequency that strains them most [Hz].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resonance_hz: Option<f64>,
+    /// Least and greatest of these frequencies over the cycle [Hz].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resonance_range_hz: Option<[f64; 2]>,
     /// The response, ascending in mesh frequency.
     pub points: Vec<ResponsePoint>,
 }

@@ -6,10 +6,12 @@ use crate::markup::{glance, note, prose};
 use crate::numbers::quantity;
 use maud::{Markup, html};
 
-/// The point at which the transmission error of a mesh is largest.
+/// The point at which the transmission error of a mesh is largest, among those where all flanks stay in contact: beyond, a
+/// response to first order is no result.
 fn peak(group: &GroupResponse, mesh: usize) -> Option<&ResponsePoint> {
     let rms = |p: &&ResponsePoint| p.meshes[mesh].error_rms_m;
-    (group.points.iter()).max_by(|a, b| rms(a).total_cmp(&rms(b)))
+    let valid = group.points.iter().filter(|p| p.holds());
+    valid.max_by(|a, b| rms(a).total_cmp(&rms(b)))
 }
 
 /// Where flanks part: lowest and highest mesh frequency [Hz].
@@ -20,6 +22,7 @@ fn parting(group: &GroupResponse) -> Option<[f64; 2]> {
     Some([first, parts.next_back().unwrap_or(first)])
 }
 
+/// A sentence or two on each model: its largest transmission error in contact, its resonance, and where flanks part.
 pub fn finding(responses: &[ModelResponse]) -> Vec<Markup> {
     let of = |r: &ModelResponse| {
         let peaks: Vec<String> = (r.groups.iter())
@@ -33,13 +36,33 @@ pub fn finding(responses: &[ModelResponse]) -> Vec<Markup> {
                 ))
             })
             .collect();
-        let part = r.groups.iter().any(|g| parting(g).is_some());
+        let apart: Vec<String> = (r.groups.iter())
+            .filter_map(|g| {
+                let [from, to] = parting(g)?.map(|f| quantity(f, "Hz", 3));
+                Some(match from == to {
+                    true => format!("at {from}"),
+                    false => format!("between {from} and {to}"),
+                })
+            })
+            .collect();
+        let resonance = r.groups.iter().find_map(|g| {
+            let [low, high] = g.resonance_range_hz?.map(|f| quantity(f, "Hz", 3));
+            let f = quantity(g.resonance_hz?, "Hz", 4);
+            Some(format!(
+                "; its resonance is {f} ({low} to {high} over the mesh cycle)"
+            ))
+        });
         html! {
             b { (r.label) }
             @if r.groups.is_empty() { " has no response: " (prose(&r.message)) "." }
             @else {
-                " has its largest transmission error at " (peaks.join("; "))
-                @if part { "; there and nearby flanks part, and running gears (" code { "gearbench sweep" } ") answer less" } "."
+                @if peaks.is_empty() { " keeps its flanks in contact at no frequency of the range" }
+                @else { " has its largest transmission error with flanks in contact at " (peaks.join("; ")) }
+                (resonance.unwrap_or_default()) "."
+                @if !apart.is_empty() {
+                    " Flanks part " (apart.join("; ")) ": the response to first order is not valid there, run "
+                    code { "gearbench sweep" } "."
+                }
             }
         }
     };
@@ -73,7 +96,10 @@ pub fn tables(responses: &[ModelResponse]) -> Markup {
         .result()
         .numbers("Resonance", "Hz", 4, |(_, _, g, ..)| g.resonance_hz)
         .result()
-        .numbers("Largest TE rms", "m", 3, |(_, _, g, k, _)| {
+        .ranges("Over the mesh cycle", "Hz", 4, |(_, _, g, ..)| {
+            g.resonance_range_hz
+        })
+        .numbers("Largest TE rms in contact", "m", 3, |(_, _, g, k, _)| {
             peak(g, *k).map(|p| p.meshes[*k].error_rms_m)
         })
         .result()
@@ -98,8 +124,9 @@ pub fn tables(responses: &[ModelResponse]) -> Markup {
         (glance("Response to the passing of teeth", html! {
             (table)
             (note("Transmission error (TE) by the hubs along the line of action, about its mean. Slowly: in the equilibrium of the \
-                   loads at each phase. The resonance is the natural frequency at the start that strains the mesh most. Where the \
-                   least force falls below zero flanks part, and a response to first order says no more."))
+                   loads at each phase. The resonance is the root mean square over the mesh cycle of the natural frequency that strains the mesh most. \
+                   Where the least force falls below zero flanks part, and a response to first order is not valid: the largest \
+                   transmission error is that of frequencies at which all flanks stay in contact."))
         }))
     }
 }

@@ -116,6 +116,14 @@ fn over_speed(all: &[Swept<'_>], x: &Axis, two: &[Bistable]) -> Result<Chart, Dr
             if let Some(marker) = &mut curve.marker {
                 marker.2 = filled(s);
             }
+            let apart = (s.unsettled.iter())
+                .map(|(r, _)| (KHZ * r.mesh_frequency_hz, get(r)))
+                .filter(|p| p.1.is_finite());
+            let apart: Vec<(f64, f64)> = apart.collect();
+            if !apart.is_empty() {
+                let points = Curve::points(look(s.style), 3.2, false, apart);
+                panel.curves.push(points);
+            }
             let failed = s.failed.iter().map(|f| KHZ * f);
             panel.curves.push(curve.failed(failed.collect()));
         }
@@ -136,15 +144,19 @@ fn over_speed(all: &[Swept<'_>], x: &Axis, two: &[Bistable]) -> Result<Chart, Dr
     }
     let found = resonance(all).map_or(String::new(), |f| {
         format!(
-            " fn = {}: the gears against each other on the mean mesh stiffness; at fn/2, fn/3, ... a harmonic of the mesh \
+            " fn = {}: the resonance of the mesh; at fn/2, fn/3, ... a harmonic of the mesh \
              frequency meets it.",
             quantity(f, "Hz", 3)
         )
     });
+    let apart = match all.iter().all(|s| s.unsettled.is_empty()) {
+        true => "",
+        false => " Small open markers off the lines: runs that did not settle, whose values stand for no speed.",
+    };
     let caption = format!(
         "TE: transmission error, about its mean, over whole mesh cycles of steady running. Open markers at the left edge: \
          its static value under the same load. Filled markers: the speed rises, or each run starts afresh; open ones: it \
-         falls. Tinted: speeds at which both differ, so that the gears run in the one way or the other.{found}"
+         falls. Tinted: speeds at which both differ, so that the gears run in the one way or the other.{apart}{found}"
     );
     let title = "Transmission error and contact force over speed";
     chart("sweep.svg", title, caption, &legend(all), &panels)

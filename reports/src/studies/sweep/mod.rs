@@ -7,7 +7,7 @@ mod tables;
 
 use crate::drawing::canvas::DrawError;
 use crate::markup::runs;
-use crate::record::Run;
+use crate::record::{Run, Status};
 use crate::studies::StudyReport;
 use crate::view::View;
 pub(super) use csv::steady_columns;
@@ -28,6 +28,8 @@ pub struct Swept<'a> {
     pub first: bool,
     /// Runs that settled, ascending in mesh frequency.
     pub runs: Vec<(&'a Steady, &'a Run)>,
+    /// Runs that reached their end and did not settle, likewise: their amplitude stands for no speed.
+    pub unsettled: Vec<(&'a Steady, &'a Run)>,
     /// Mesh frequencies at which it failed \[Hz\].
     pub failed: Vec<f64>,
     /// Its static limit.
@@ -53,14 +55,14 @@ pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<Swept<'a>> 
         let mut branches: Vec<Branch> = of_group.iter().map(|(s, _)| s.branch).collect();
         branches.dedup();
         for (i, &branch) in branches.iter().enumerate() {
-            let of = |failed: bool| {
-                let fits = move |(s, r): &&(&'a Steady, &'a Run)| {
-                    s.branch == branch && r.status.is_failure() == failed
-                };
-                of_group.iter().filter(fits).copied()
+            let of = |wanted: fn(Status) -> bool| {
+                let fits =
+                    move |(s, r): &&(&'a Steady, &'a Run)| s.branch == branch && wanted(r.status);
+                let mut runs: Vec<(&Steady, &Run)> =
+                    of_group.iter().filter(fits).copied().collect();
+                runs.sort_by(|a, b| a.0.mesh_frequency_hz.total_cmp(&b.0.mesh_frequency_hz));
+                runs
             };
-            let mut runs: Vec<(&Steady, &Run)> = of(false).collect();
-            runs.sort_by(|a, b| a.0.mesh_frequency_hz.total_cmp(&b.0.mesh_frequency_hz));
             all.push(Swept {
                 label: match branches.len() {
                     1 => g.label.clone(),
@@ -69,8 +71,12 @@ pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<Swept<'a>> 
                 style: g.style,
                 branch,
                 first: i == 0,
-                runs,
-                failed: of(true).map(|(s, _)| s.mesh_frequency_hz).collect(),
+                runs: of(Status::holds),
+                unsettled: of(|s| s == Status::Inaccurate),
+                failed: of(Status::is_failure)
+                    .iter()
+                    .map(|(s, _)| s.mesh_frequency_hz)
+                    .collect(),
                 statics: statics.iter().find(|s| s.label == g.label),
             });
         }

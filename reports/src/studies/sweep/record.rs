@@ -184,9 +184,12 @@ pub struct StaticCycle {
     pub error_peak_to_peak_m: f64,
     /// Mean tangent stiffness along the line of action \[N/m\].
     pub tangent_n_per_m: f64,
-    /// Frequency of the gears against each other on that stiffness \[Hz\].
+    /// Resonance of the mesh: root mean square over its cycle of the natural frequency that strains it most \[Hz\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resonance_hz: Option<f64>,
+    /// Least and greatest of these frequencies over the cycle \[Hz\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resonance_range_hz: Option<[f64; 2]>,
 }
 
 impl Steady {

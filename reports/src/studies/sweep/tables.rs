@@ -23,10 +23,7 @@ pub fn finding(view: &View<'_>, all: &[Swept<'_>], two: &[Bistable]) -> Vec<Mark
         })
         .collect();
     let resonance = resonance(all).map_or(String::new(), |f| {
-        format!(
-            "; the mean tangent stiffness of the mesh puts the resonance at {}",
-            quantity(f, "Hz", 3)
-        )
+        format!("; the resonance of the mesh is {}", quantity(f, "Hz", 3))
     });
     let apart: Vec<String> = (all.iter())
         .filter_map(|s| {
@@ -51,6 +48,14 @@ pub fn finding(view: &View<'_>, all: &[Swept<'_>], two: &[Bistable]) -> Vec<Mark
     } else {
         html! { "The teeth lift off for " (apart.join(", ")) "; " (short_of(view.results)) "." }
     });
+    let unsettled: usize = all.iter().map(|s| s.unsettled.len()).sum();
+    if unsettled > 0 {
+        sentences.push(html! {
+            (unsettled) " of " (view.results.runs.len())
+            " runs did not settle to a motion that repeats: they stand apart from the lines, no greatest value is taken from them, "
+            "and the command ends with 1."
+        });
+    }
     if !two.is_empty() {
         let of = |t: &Bistable| {
             let range = |[a, b]: &[f64; 2]| match a == b {

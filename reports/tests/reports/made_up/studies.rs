@@ -120,6 +120,7 @@ pub fn sweep_results() -> Results {
             error_mean_m: 10e-6,
             tangent_n_per_m: 2.7e8,
             resonance_hz: Some(resonance),
+            resonance_range_hz: Some([0.9 * resonance, 1.1 * resonance]),
         });
         for i in 0..30 {
             let f = 500.0 + 300.0 * f64::from(i);
