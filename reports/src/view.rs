@@ -194,6 +194,19 @@ impl<'a> View<'a> {
         }
     }
 
+    /// The run that a model costs: its cheapest adequate one, else its most accurate one. All that is said of the time of a
+    /// model is said of this run.
+    pub fn costed<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
+        self.cheapest(group).or_else(|| self.best(group))
+    }
+
+    /// The cheapest adequate run of a model.
+    pub fn cheapest<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
+        (group.runs.iter())
+            .filter(|(_, r)| self.adequate(r) && r.cost_s().is_finite())
+            .min_by(|a, b| a.1.cost_s().total_cmp(&b.1.cost_s()))
+    }
+
     /// The run that stands for its model: the least error among runs that did not fail, the
     /// cheapest of those that share its three leading digits.
     pub fn best<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {

@@ -57,13 +57,7 @@ pub fn glance(view: &View<'_>) -> Markup {
             of: Some((group, run)),
         });
     }
-    // A judged model is shown by its cheapest adequate run.
-    let cheapest = |g: &Group<'_>| -> Option<Run> {
-        (g.runs.iter())
-            .filter(|(_, r)| view.adequate(r) && r.cost_s().is_finite())
-            .min_by(|a, b| a.1.cost_s().total_cmp(&b.1.cost_s()))
-            .map(|(_, r)| (*r).clone())
-    };
+    let cheapest = |g: &Group<'_>| view.cheapest(g).map(|(_, r)| (*r).clone());
     let on_models = |of: &dyn Fn(&Group<'_>, &Run) -> Option<String>, row: &Row<'_>| {
         row.of.and_then(|(g, run)| of(g, run))
     };

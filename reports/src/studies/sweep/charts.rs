@@ -151,7 +151,9 @@ fn over_speed(all: &[Swept<'_>], x: &Axis, two: &[Bistable]) -> Result<Chart, Dr
     });
     let apart = match all.iter().all(|s| s.unsettled.is_empty()) {
         true => "",
-        false => " Small open markers off the lines: runs that did not settle, whose values stand for no speed.",
+        false => {
+            " Small open markers off the lines: runs that did not settle, whose values stand for no speed."
+        }
     };
     let caption = format!(
         "TE: transmission error, about its mean, over whole mesh cycles of steady running. Open markers at the left edge: \
