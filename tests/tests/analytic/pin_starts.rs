@@ -15,7 +15,7 @@ const CARRIER: f64 = 200.0 / 9.0;
 const SPEEDS: [f64; 6] = [100.0, -40.0, -40.0, -40.0, 0.0, CARRIER];
 
 /// Free directions of the pins, and what a gear has for them.
-const PINS: [(&str, &str); 4] = [
+pub(crate) const PINS: [(&str, &str); 4] = [
     ("", ""),
     (
         "z",
