@@ -135,7 +135,7 @@ fn sets_on_pins_run_at_the_speeds_that_they_start_with() {
             println!(
                 "{label}, pins free along `{free}`: energy {unexplained:.1e}, speed of the train {train:.1e}, of hubs {speeds:.1e}"
             );
-            // The search in space, which hubs on bearings take, drops a loaded point of a pair that ends, whatever the step.
+            // The search in space, which hubs on bearings take, drops a point that still carries force, whatever the step.
             let bound = if label == "elastic" && !pins.is_empty() {
                 2e-5
             } else {
