@@ -109,7 +109,11 @@ fn force(
 }
 
 /// The shift for a system that says [`Singular`]: a part of `d K d / d M d` with `d = M^-1 f`.
-fn shift(sys: &mut dyn SecondOrderSystem, s: &State, f: &[f64]) -> Result<f64, Singular> {
+pub(crate) fn shift(
+    sys: &mut dyn SecondOrderSystem,
+    s: &State,
+    f: &[f64],
+) -> Result<f64, Singular> {
     let mut d = f.to_vec();
     sys.solve_mass(s.at(), &mut d);
     let inertia = dot(&d, f);

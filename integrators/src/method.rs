@@ -284,6 +284,17 @@ pub trait OneStep {
         Ok(())
     }
 
+    /// Moves the static equilibrium that a system starts in to the state that steps of the method leave at rest, where the two
+    /// differ. Called once, after [`Self::begin`].
+    fn balance(
+        &mut self,
+        _sys: &mut dyn SecondOrderSystem,
+        _s: &mut State,
+        _resolution: Resolution,
+        _work: &mut Work,
+    ) {
+    }
+
     /// Sizes buffers and evaluates what the first step needs; called again after every restart.
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work);
 

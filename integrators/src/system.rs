@@ -203,6 +203,11 @@ pub trait ModalSplit {
     /// [`Events::begin`], which forgets what an earlier run told.
     fn prepare(&mut self, _lag: &[f64]) {}
 
+    /// True for a state of static equilibrium that the system starts in.
+    fn starts_balanced(&self, _s: &State) -> bool {
+        false
+    }
+
     /// The remainder of the acceleration: contact, loads, whatever is not the oscillators. Pure in `at`.
     fn remainder(&mut self, at: At<'_>, a: &mut [f64]);
 

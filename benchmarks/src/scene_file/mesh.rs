@@ -341,10 +341,10 @@ fn start_of(keys: Option<&StartKeys>, pair: &Pair, at: &Place<'_>) -> Result<Sta
     let side = keys.and_then(|k| k.flank).unwrap_or(Side::Left);
     let gap = keys.map_or(0.0, |k| k.gap_m);
     let path_coordinate = keys.and_then(|k| k.path_coordinate_m);
-    let backlash = pair.backlash_base();
+    let backlash = pair.backlash_normal();
     if at.has("gap_m") && gap > backlash * (1.0 + 1e-9) {
         return at.key("gap_m").refuse(
-            format!("the gap {gap:.4e} m is larger than the backlash {backlash:.4e} m"),
+            format!("the gap {gap:.4e} m is larger than the normal backlash {backlash:.4e} m"),
             "the other flanks would overlap",
             "use a smaller gap, a larger centre distance or thinner teeth",
         );

@@ -365,7 +365,7 @@ impl Start<'_> {
     /// Whether the flanks of a mesh start apart on purpose, within the backlash.
     fn starts_apart(&self, mesh: &MeshSpec) -> bool {
         let [a, b] = mesh.gears.map(|g| &self.scene.spec.gears[g]);
-        mesh_layout(a, b).is_ok_and(|l| mesh.start.gap >= APART * l.backlash)
+        mesh_layout(a, b).is_ok_and(|l| mesh.start.gap >= APART * l.pair.backlash_normal())
     }
 
     /// Where the loads of a train stand, the last ones of the file.

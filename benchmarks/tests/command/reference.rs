@@ -268,7 +268,7 @@ fn references_are_refused_before_they_are_computed() {
         ("--out a.csv --speed pinion=x", ["GEAR=NUMBER", "pinion=60"]),
         (
             "--out a.csv --gap 1",
-            ["larger than the backlash", "smaller gap"],
+            ["larger than the normal backlash", "smaller gap"],
         ),
         ("--out no/folder/a.csv", ["cannot be written", "--out"]),
         (

@@ -184,6 +184,15 @@ impl Drift {
         }
     }
 
+    /// Displacement and velocity of oscillator `i` at rest under kicks of unit acceleration, in the middle of a kick. The
+    /// velocity is zero without damping; a damped oscillator loses part of each half kick within the step.
+    pub(crate) fn rest_under_kicks(&self, i: usize) -> [f64; 2] {
+        // The state returns, with u after the kick: q = qv u / (1 - qq), v - h/2 = vq q + vv u.
+        let lost = 2.0 + self.dv[i] - self.vq[i] * self.qv[i] / self.dq[i];
+        let v = 0.5 * self.h * lost / (2.0 - lost);
+        [-self.qv[i] * (v + 0.5 * self.h) / self.dq[i], v]
+    }
+
     /// [`Self::load`], added to what `(q, v)` hold.
     #[inline]
     pub(crate) fn load_onto(

@@ -23,6 +23,10 @@
 //! kick-drift-kick to order four up to a change of coordinates (M. Takahashi, M. Imada, *J. Phys. Soc. Jpn.* 53 (1984)
 //! 3765).
 //!
+//! **Loaded starts.** A system that starts in static equilibrium ([`ModalSplit::starts_balanced`]) would vibrate about the
+//! rest position of the kicks. At fixed steps the start is moved there: forces are those of the static equilibrium,
+//! oscillators are deflected as kicks of these forces leave them.
+//!
 //! **Flight.** Where the system tells that nothing will touch until some time, one closed-form step goes there,
 //! however long, and needs no evaluation. A plan's step or tolerance applies to what is left: contact and its
 //! neighbourhood. Fixed steps stay on their grid. Inside such a step the dense output is exact.
@@ -37,10 +41,11 @@
 
 use super::propagator::{Tables, coefficients, quasi_static_of};
 use super::resonance::{Filter, safe_step};
+use crate::equilibrium::shift;
 use crate::error::StepError;
 use crate::free_flight::Patience;
 use crate::method::{MethodInfo, OneStep, Parameter, Resolution, Stepping, Tolerance, Work};
-use crate::system::{At, HalfKick, ModalSplit, SecondOrderSystem, State};
+use crate::system::{At, Coeffs, HalfKick, ModalSplit, SecondOrderSystem, State};
 use std::cell::RefCell;
 
 /// What the method declares.
@@ -73,6 +78,13 @@ struct Kick {
     /// Step [s] whose filter it has; 0 without a filter.
     filter: f64,
 }
+
+/// Newton iterations towards the rest position of the kicks.
+const MOST_ITERATIONS: u32 = 40;
+/// Correction of a rest position, in typical deflections: below the first it ends the search, between both if rounding
+/// keeps it from falling.
+const AT_REST: f64 = 1e-11;
+const ROUNDING: f64 = 1e-7;
 
 /// The method.
 #[derive(Clone, Debug, Default)]
@@ -233,6 +245,98 @@ impl OneStep for Trigonometric {
         Ok(())
     }
 
+    /// Newton's method on the remainder: of oscillators it has to be the one that their rest position follows from, of rigid
+    /// motions that of the static equilibrium. The tangent of the system serves as Jacobian, since what kicks leave out
+    /// of it is small or given as local compliance.
+    fn balance(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &mut State,
+        resolution: Resolution,
+        work: &mut Work,
+    ) {
+        let (Resolution::Step(h), Some(split)) = (resolution, sys.modal()) else {
+            return;
+        };
+        if !split.starts_balanced(s) {
+            return;
+        }
+        let n = s.q.len();
+        let (mut r, mut x) = (vec![0.0; n], vec![0.0; n]);
+        if split.steady(s.at(), &mut self.steady) <= s.t {
+            self.steady.fill(0.0);
+        }
+        split.prepare(&x);
+        split.remainder(s.at(), &mut r);
+        split.prepare(&self.predicted);
+        let at_start = r.clone();
+        let table = (self.tables).find(&self.omega, &self.zeta, s.t, h, self.filter_from);
+        let drift = self.tables.get(table);
+        let swings: Vec<usize> = (0..n).filter(|i| self.omega[*i] > 0.0).collect();
+        let filter = |i: usize| drift.filter.get(i).copied().unwrap_or(1.0);
+        let start = s.clone();
+        let (omega, steady) = (&self.omega, &self.steady);
+        let rest = |i: usize, r: f64| {
+            let [q, v] = drift.rest_under_kicks(i);
+            let kick = filter(i) * (r - steady[i]);
+            [
+                steady[i] / omega[i].powi(2) + kick * q,
+                start.v[i] + kick * v,
+            ]
+        };
+        // The state that the remainder depends on.
+        let mut seen = s.clone();
+        for &i in &swings {
+            [seen.q[i], seen.v[i]] = rest(i, r[i]).map(|x| filter(i) * x);
+        }
+        let scales = Tolerance::of(sys, 0.0).q;
+        // A free train has a rigid motion: a little mass is added to the stiffness.
+        let mut mass = 0.0;
+        let mut smallest = f64::INFINITY;
+        for _ in 0..MOST_ITERATIONS {
+            let Some(split) = sys.modal() else { return };
+            split.remainder(seen.at(), &mut r);
+            work.force_evaluations += 1;
+            let mut lack = r.clone();
+            lack.iter_mut().zip(&at_start).for_each(|(r, is)| *r -= is);
+            for &i in &swings {
+                let [q, v] = rest(i, r[i]).map(|x| filter(i) * x);
+                lack[i] = omega[i].powi(2) * (q - seen.q[i]);
+                seen.v[i] = v;
+            }
+            sys.apply_mass(seen.at(), &lack, &mut x);
+            if mass == 0.0 {
+                let Ok(shift) = shift(sys, &seen, &x) else {
+                    return;
+                };
+                mass = shift;
+            }
+            let c = Coeffs {
+                m: mass,
+                d: 0.0,
+                k: 1.0,
+            };
+            if work.correct(sys, seen.at(), c, &mut x).is_err() {
+                return;
+            }
+            let sizes = x.iter().zip(&scales).map(|(x, scale)| (x / scale).abs());
+            // A maximum drops what is not a number, a sum keeps it.
+            let size: f64 = sizes.sum();
+            if !(size < smallest.max(1.0)) {
+                return;
+            }
+            seen.q.iter_mut().zip(&x).for_each(|(q, x)| *q += x);
+            if size <= AT_REST || (size <= ROUNDING && size > 0.5 * smallest) {
+                s.q.copy_from_slice(&seen.q);
+                for &i in &swings {
+                    [s.q[i], s.v[i]] = rest(i, r[i]);
+                }
+                return;
+            }
+            smallest = smallest.min(size);
+        }
+    }
+
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work) {
         self.patience.end();
         self.free_until = s.t;
@@ -353,24 +457,24 @@ impl OneStep for Trigonometric {
         }
     }
 
-    /// What the forces on a damped oscillator work over its displacement, less what its energy grows by. Between its kicks
-    /// the closed form loses more, by what the kicks put into velocities that decay within the step.
+    /// An oscillator at rest under kicks has a velocity at the ends of its steps where it is damped, which has no displacement
+    /// and dissipates nothing. The trapezoidal rule is applied to the velocities without it.
     fn damping_beyond_trapezoid(&self, from: &State, to: &State, beyond: &mut [f64]) -> bool {
         let h = to.t - from.t;
-        let [start, end] = &self.ends;
+        let whole = self.tables.get(self.table);
         for (i, beyond) in beyond.iter_mut().enumerate() {
             let delta = self.zeta[i] * self.omega[i];
             *beyond = 0.0;
             if delta == 0.0 {
                 continue;
             }
-            let kick = |of: &Kick| if of.acts { of.a[i] } else { 0.0 };
-            let (q0, q1) = (from.q[i], to.q[i]);
-            let (v0, v1) = (from.v[i], to.v[i]);
-            let strain = self.omega[i] * self.omega[i] * (q1 - q0) * (q1 + q0);
-            let grown = 0.5 * ((v1 - v0) * (v1 + v0) + strain);
-            let work = (0.5 * (kick(start) + kick(end)) + self.steady[i]) * (q1 - q0);
-            *beyond = work - grown - h * delta * (v0 * v0 + v1 * v1);
+            let at_rest = whole.rest_under_kicks(i)[1];
+            for (kick, v) in self.ends.iter().zip([from.v[i], to.v[i]]) {
+                if kick.acts {
+                    let of_kicks = at_rest * kick.a[i];
+                    *beyond += h * delta * of_kicks * (of_kicks - 2.0 * v);
+                }
+            }
         }
         true
     }

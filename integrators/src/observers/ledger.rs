@@ -4,10 +4,10 @@
 //! of the method: up to order two the trapezoidal rule on the states between steps, else three-point Gauss quadrature on
 //! the interpolant. A method that kicks at the ends of its steps (Verlet, trigonometric) takes from a linear damper the
 //! work `h c v^2` at the velocity between both halves of a kick, which is that of the state: there the trapezoidal rule is
-//! the method's own balance, and each state is evaluated once, which counts where contact takes a solve. A method that
-//! has damped oscillators in closed form books what forces put into each over its displacement, less what its energy grew by
-//! ([`Dense::damping_beyond_trapezoid`](crate::method::Dense::damping_beyond_trapezoid)): at the ends of a step a stiffly
-//! damped oscillator has half a kick that decays within the step, and the trapezoidal rule books it for the whole step. `J` books the
+//! the method's own balance, and each state is evaluated once, which counts where contact takes a solve. Damped oscillators in
+//! closed form lose part of each half kick within the step, and have a velocity at the ends of steps even where they rest
+//! under a steady force. The method takes that velocity out of the rule
+//! ([`Dense::damping_beyond_trapezoid`](crate::method::Dense::damping_beyond_trapezoid)). `J` books the
 //! jumps of energy where a branch is switched. A step of flight is exact: what its energy loses beyond the work of loads is booked as
 //! dissipated. The residual is the integration error (and that of the quadrature), in joule.
 //!

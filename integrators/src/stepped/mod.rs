@@ -303,6 +303,7 @@ impl<M: OneStep> Stepped<M> {
         let left = self.left.take();
         if left.is_none() {
             self.method.begin(sys, plan.resolution)?;
+            self.method.balance(sys, s, plan.resolution, work);
             self.flight.patience.end();
             self.segments.patience.end();
             self.segments.left = false;

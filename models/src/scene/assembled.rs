@@ -51,6 +51,8 @@ pub struct Scene {
     /// Buffer of [`Self::flight_until`].
     pub(super) flights: Vec<FreeFlight>,
     pub(super) initial: State,
+    /// [`Self::initial`] is the static equilibrium of the loads.
+    pub(super) balanced: bool,
     pub(super) phases: Vec<f64>,
 }
 
@@ -70,9 +72,10 @@ impl Scene {
         self.initial.clone()
     }
 
-    /// Starts from another state than the assembled one.
+    /// Starts from a state near the static equilibrium of the loads.
     pub fn start_from(&mut self, state: State) {
         self.initial = state;
+        self.balanced = true;
     }
 
     /// Angle [rad] (displacement [m] of a rack) of each gear's tooth 0 at the assembled position.

@@ -405,6 +405,7 @@ impl Scene {
                 ..Workspace::default()
             },
             initial,
+            balanced: false,
             phases,
         };
         shafts.note_masses(&scene.inverse_mass);

@@ -76,6 +76,11 @@ impl ModalSplit for Scene {
         self.work.reported.forget();
     }
 
+    fn starts_balanced(&self, s: &State) -> bool {
+        let start = &self.initial;
+        self.balanced && s.t == start.t && s.q == start.q && s.v == start.v
+    }
+
     fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
         a.fill(0.0);
         for g in &self.gears {

@@ -178,8 +178,10 @@ pub(super) fn check_start(
             MeshPart::Start,
             (
                 format!(
-                    "at the start the {name} flanks overlap by {:.4e} m (gap asked for: {:.4e} m, backlash along the line of action: {:.4e} m)",
-                    -gap, mesh.start.gap, l.backlash
+                    "at the start the {name} flanks overlap by {:.4e} m (gap asked for: {:.4e} m, normal backlash: {:.4e} m)",
+                    -gap,
+                    mesh.start.gap,
+                    l.pair.backlash_normal()
                 ),
                 "use a gap between 0 and the backlash, or, where other meshes place both gears, another position",
             ),

@@ -15,7 +15,7 @@ const CARRIER: f64 = 200.0 / 9.0;
 const SPEEDS: [f64; 6] = [100.0, -40.0, -40.0, -40.0, 0.0, CARRIER];
 
 /// Free directions of the pins, and what a gear has for them.
-const PINS: [(&str, &str); 4] = [
+pub(crate) const PINS: [(&str, &str); 4] = [
     ("", ""),
     (
         "z",
@@ -135,7 +135,7 @@ fn sets_on_pins_run_at_the_speeds_that_they_start_with() {
             println!(
                 "{label}, pins free along `{free}`: energy {unexplained:.1e}, speed of the train {train:.1e}, of hubs {speeds:.1e}"
             );
-            // Elements that touch at tip edges, as elastic gears on bearings do, lose energy whatever the step.
+            // The search in space, which hubs on bearings take, drops a point that still carries force, whatever the step.
             let bound = if label == "elastic" && !pins.is_empty() {
                 2e-5
             } else {

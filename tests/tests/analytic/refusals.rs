@@ -1,10 +1,12 @@
 //! Scenes that cannot be assembled: every message names the cause and a way out.
 
+use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     ContactSpec, Load, MeshSpec, ModelSpec, Modelling, Mount, Profile, SceneSpec, Start, Value,
+    mesh_layout,
 };
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use gearbench_tests::*;
@@ -245,4 +247,33 @@ fn counts_must_agree() {
         message.contains("2 gears") && message.contains("1 models"),
         "{message}"
     );
+}
+
+/// `gap_m` lies along the normal of the flank. Of helical gears the backlash in the transverse plane is larger than the normal
+/// backlash by `1/cos(beta_b)`.
+#[test]
+fn gaps_are_compared_with_the_normal_backlash() {
+    for helix in [0.0, 15.0, 25.0] {
+        let text = |gap: &str| {
+            format!(
+                "schema = 1\nname = \"pair\"\nduration_s = 1e-3\n\
+                 [gears.pinion]\nteeth = 20\nmodule_m = 0.004\nface_width_m = 0.03\nbore_radius_m = 0.01\nhelix_angle_deg = {helix:?}\nspeed_rad_s = 1.0\n\
+                 [gears.wheel]\nteeth = 31\nmodule_m = 0.004\nface_width_m = 0.03\nbore_radius_m = 0.01\nhelix_angle_deg = {:?}\n\
+                 [[meshes]]\ngears = [\"pinion\", \"wheel\"]\nbacklash_m = 1e-4\nstart = {{ flank = \"left\"{gap} }}\n\
+                 [[models]]\nmodel = \"rigid\"\ncontact = {{ stiffness = \"iso6336\" }}\n",
+                -helix
+            )
+        };
+        let scene = SceneFile::unbuilt("pair", &text(""), Origin::Shipped, true).unwrap();
+        let spec = scene.spec_for(scene.model("rigid").unwrap());
+        let [one, two] = [0, 1].map(|i| &spec.gears[i]);
+        let normal = mesh_layout(one, two).unwrap().pair.backlash_normal();
+        let with = |part: f64| {
+            let text = text(&format!(", gap_m = {:e}", part * normal));
+            SceneFile::unbuilt("pair", &text, Origin::Shipped, true)
+        };
+        assert!(with(0.999).is_ok(), "{helix} degrees");
+        let shown = with(1.001).err().unwrap().to_string();
+        assert!(shown.contains("larger than the normal backlash"), "{shown}");
+    }
 }

@@ -140,7 +140,7 @@ impl TunnellingDetector {
                     effective_radii: [a, b]
                         .map(|g| mesh.start.side.sign() * signed_effective_radius(&g.body)),
                     gap: mesh.start.gap,
-                    backlash: layout.backlash * a.body.base_helix_angle().cos(),
+                    backlash: layout.pair.backlash_normal(),
                     module: gear.params().module,
                     displacement: [displacement(mesh.gears[0])?, displacement(mesh.gears[1])?],
                     sideways: mesh.gears.map(|i| {

@@ -192,11 +192,11 @@ impl ReferenceConditions {
             mesh.start.gap = gap;
             if layout
                 .as_ref()
-                .is_ok_and(|l| gap > l.backlash * (1.0 + 1e-9))
+                .is_ok_and(|l| gap > l.pair.backlash_normal() * (1.0 + 1e-9))
             {
                 return Err((
                     "gap_m".into(),
-                    format!("the gap {gap:e} m is larger than the backlash"),
+                    format!("the gap {gap:e} m is larger than the normal backlash"),
                     "use a smaller gap".into(),
                 ));
             }

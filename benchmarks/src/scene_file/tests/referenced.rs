@@ -240,7 +240,7 @@ fn references_that_are_no_references_are_refused() {
             one("gears.pinion.speed_m_s = 1.0"),
             "`pinion` is a gear|speed_rad_s",
         ),
-        (one("gap_m = 1.0"), "larger than the backlash"),
+        (one("gap_m = 1.0"), "larger than the normal backlash"),
         (
             one("centre_distance_m = 0.2"),
             "reference|centre_distance_m",

@@ -291,7 +291,7 @@ const GEARS: &str = r##"
 23: centre_distance_m = 0.1001 => centre_distance_mm = 100.1
     `centre_distance_m = 0.1001`
 24: gap_m = 1e-6 => gap_m = 1e-3
-    larger than the backlash | other flanks would overlap
+    larger than the normal backlash | other flanks would overlap
 24: gap_m = 1e-6 => path_coordinate_m = 0.1
     outside the path of contact | expected 4.2
 24: flank = "left" => flank = "top"
