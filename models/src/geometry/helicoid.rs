@@ -65,6 +65,9 @@ pub struct Near {
     pub base: Vec3,
 }
 
+/// Angle [rad] up to which sine and cosine are series of three terms: the next is below rounding.
+const SMALL_TURN: f64 = 1e-4;
+
 /// Angle in (-pi, pi].
 fn wrapped(angle: f64) -> f64 {
     if angle.abs() <= PI {
@@ -106,6 +109,30 @@ impl InvoluteHelicoid {
         let along = sigma * roll;
         let x = Vec3::new(rb * cos - along * sin, rb * sin + along * cos, z);
         (x, Vec3::new(cos, sin, 0.0))
+    }
+
+    /// [`Self::point`] with a length of roll that is longer than that of a known point by `more` [m], whose base radius has
+    /// the direction `base`: a small turn takes a series instead of sine and cosine, exact to rounding.
+    pub fn point_onwards(
+        &self,
+        (psi, z): (f64, f64),
+        base: &Vec3,
+        roll: f64,
+        more: f64,
+    ) -> (Vec3, Vec3) {
+        let sigma = self.side.sign();
+        let rb = self.base_radius;
+        let turn = -sigma * more / rb;
+        if turn.abs() > SMALL_TURN {
+            return self.point(psi, roll, z);
+        }
+        let square = turn * turn;
+        let (sin, lack) = (turn * (1.0 - square / 6.0), 0.5 * square);
+        let cosine = base.x - (base.y * sin + base.x * lack);
+        let sine = base.y + (base.x * sin - base.y * lack);
+        let along = sigma * roll;
+        let x = Vec3::new(rb * cosine - along * sine, rb * sine + along * cosine, z);
+        (x, Vec3::new(cosine, sine, 0.0))
     }
 
     /// What is known of a point near the flank without its distance, which takes most of the time.

@@ -3,6 +3,7 @@
 use super::active::gap_rate;
 use super::assembled::Scene;
 use super::members::parties;
+use crate::contact::pairs::all_open;
 use crate::contact::{Candidate, Wanted};
 use crate::law::{CLOSED, OPEN, UNTOUCHED, touch_speed};
 use crate::spec::Load;
@@ -200,28 +201,32 @@ impl Scene {
             let Some(pairs) = mesh.search.pairs() else {
                 continue;
             };
-            pairs.watch(a, b, &at.discrete[mesh.search_discrete()], zone, slots);
-            // Gaps are all that open contacts and contacts without damping need.
+            let discrete = &at.discrete[mesh.search_discrete()];
             let modes = &at.discrete[mesh.modes()];
-            let (mut closed, mut overlap) = (false, false);
+            let closed = !all_open(modes);
+            // Forces of closed contacts tell when they end; each pair is searched once for force and gap.
+            if closed && (mesh.law.is_dissipative() || pairs.couples()) {
+                pairs.watch_zones(a, b, discrete, zone);
+                let wanted = if pairs.couples() {
+                    Wanted::Watched(modes)
+                } else {
+                    Wanted::Listed
+                };
+                self.damped_events(at, m, wanted, out);
+                continue;
+            }
+            // Gaps are all that open contacts and contacts without damping need.
+            pairs.watch(a, b, discrete, zone, slots);
+            let mut overlap = false;
             for (g, mode) in slots.iter_mut().zip(modes.chunks_exact(2)) {
-                if mode[0] != 0.0 {
-                    closed = true;
+                if mode[0] != OPEN {
                     *g = -*g;
                 } else {
                     overlap |= *g <= 0.0;
                 }
             }
-            let coupled = closed && pairs.couples();
-            if (closed || overlap) && mesh.law.is_dissipative() || coupled {
-                let wanted = if coupled {
-                    Wanted::Watched(modes)
-                } else if overlap {
-                    Wanted::Listed
-                } else {
-                    Wanted::Closed(modes)
-                };
-                self.damped_events(at, m, wanted, out);
+            if overlap && mesh.law.is_dissipative() {
+                self.damped_events(at, m, Wanted::Listed, out);
             }
         }
     }

@@ -88,6 +88,23 @@ impl LinesOfAction {
         }
     }
 
+    /// Event functions of the zone alone: what [`Self::watch`] sets beside gaps.
+    pub fn watch_zones(
+        &self,
+        a: Party<'_>,
+        b: Party<'_>,
+        discrete: &[f64],
+        event_functions: &mut [f64],
+    ) {
+        let movers = [&Mover::new(&a), &Mover::new(&b)];
+        let of_lines = event_functions.chunks_exact_mut(ZONE_EVENTS);
+        for ((line, g), range) in (self.lines.iter().zip(of_lines)).zip(discrete.chunks_exact(2)) {
+            let (lo, hi) = (range[0] as i64, range[1] as i64);
+            let place = |pair: i64| self.place(line, movers, pair);
+            self.set_zone_events([lo - 1, lo, hi, hi + 1].map(place), g);
+        }
+    }
+
     /// Flips what event function `i` watches.
     pub fn transition(&self, event: usize, discrete: &mut [f64]) -> ZoneChange {
         let l = event / ZONE_EVENTS;

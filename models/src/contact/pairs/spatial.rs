@@ -165,18 +165,20 @@ impl Spatial {
         let mut rho = start.clamp(low, high);
         let (mut from, mut to) = (low, high);
         let mut found = false;
+        let (mut p, mut of_base) = own.flank(side).point(tooth.2, rho, z);
         for correction in 0.. {
-            let (p, base) = own.flank(side).point(tooth.2, rho, z);
             let x = frames[i].point(&p);
-            let base = frames[i].turn(&base);
+            let base = frames[i].turn(&of_base);
             let place = frames[j].point_back(&x);
-            // Far flanks are told by their distance, modified ones by their slope.
+            // Far flanks are recognised by their distance, which otherwise only the last correction needs; modified ones
+            // need their slope.
             let near = match &self.flanks[j] {
-                FlankForm::Involute(h) if !exact && correction != 1 => {
+                FlankForm::Involute(h) if !exact && correction != 0 && !found => {
                     h.flank(side).directed(&place)
                 }
                 flank => flank.near(of_mate, &place, exact),
             };
+            let has_distance = exact || correction == 0 || found;
             let removed = if exact {
                 own.removed(tooth.0, side, rho, z)[1]
             } else {
@@ -196,10 +198,13 @@ impl Spatial {
             let step = -slope / bend;
             let ends = (rho == low && step < 0.0) || (rho == high && step > 0.0);
             let far = !exact
-                && correction == 1
+                && correction == 0
                 && near.distance - 0.5 * slope * slope / bend > FAR * self.base_pitch;
             if correction == MAX_CORRECTIONS || ends || found || far {
-                let near = self.flanks[j].near(of_mate, &place, exact);
+                let near = match has_distance {
+                    true => near,
+                    false => self.flanks[j].near(of_mate, &place, exact),
+                };
                 return (rho, near, x, base);
             }
             // Modifications bend the flank as well, which the curvature leaves out.
@@ -212,11 +217,14 @@ impl Spatial {
                 from = rho;
             }
             let next = rho + step;
+            let before = rho;
             rho = if correction > 4 && !(from..=to).contains(&next) {
                 0.5 * (from + to)
             } else {
                 next.clamp(low, high)
             };
+            let flank = own.flank(side);
+            (p, of_base) = flank.point_onwards((tooth.2, z), &of_base, rho, rho - before);
         }
         unreachable!("the corrections end")
     }

@@ -338,7 +338,7 @@ impl LinesOfAction {
 
     /// Path coordinate of a pair on that of gear a, the same whichever gear comes first [m].
     #[inline(always)]
-    fn place(&self, line: &Line, movers: [&Mover<'_>; 2], pair: i64) -> f64 {
+    pub(super) fn place(&self, line: &Line, movers: [&Mover<'_>; 2], pair: i64) -> f64 {
         let of = |k: usize| self.path_coordinate(line, k, movers[k], pair);
         self.middle([of(0), of(1)])
     }
