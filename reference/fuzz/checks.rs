@@ -1,7 +1,7 @@
 //! What has to hold whatever the bytes are, for the fuzz targets, `examples/fuzz_readers.rs` and `tests/corpora.rs`.
 
 use gearbench_reference::data::{
-    GearSubject, MeshSubject, Processing, Request, Subjects, decode, read,
+    GearSubject, MeshSubject, Processing, Request, Subjects, Turning, decode, read,
 };
 use gearbench_reference::{deck, mesh};
 
@@ -79,6 +79,10 @@ pub fn table(data: &[u8]) {
             base_helix: 0.3,
             base_radius: Some(0.05),
         }],
+        turning: Some(Turning {
+            speed: -100.0,
+            teeth: 20,
+        }),
     };
     let processed = Request {
         processing: Processing {

@@ -6,6 +6,7 @@
 use super::table::{Row, Rows, TableError, shown};
 use super::units::{self, Dimension};
 use super::{ForceKind, Quantity, Request, Subjects};
+use std::f64::consts::TAU;
 
 /// What a column is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +71,11 @@ fn names(role: Role, subjects: &Subjects) -> Vec<(String, ForceKind)> {
         named.chain(by_number).collect()
     };
     match role {
-        Role::Time => normal(["time", "t"].map(str::to_owned).to_vec()),
+        Role::Time => normal(
+            ["time", "t", "roll_angle", "mesh_cycle", "mesh_cycles"]
+                .map(str::to_owned)
+                .to_vec(),
+        ),
         Role::Of(Quantity::Force(m)) => {
             let mut all = normal(of_mesh(
                 m,
@@ -125,6 +130,7 @@ fn known_as(
     // An angular velocity is a rack's speed too, over the reference radius of its mate.
     let dimensions = match dimension {
         Dimension::Velocity => vec![dimension, Dimension::Turning],
+        Dimension::Time => vec![dimension, Dimension::Angle],
         Dimension::Length
             if matches!(
                 role,
@@ -141,8 +147,12 @@ fn known_as(
     })
 }
 
+/// Units of the abscissa that count mesh cycles.
+const CYCLES: [&str; 2] = ["cycle", "cycles"];
+
 /// The factor of a unit of a column as written in its header or by the user; of a rack, angular velocities count by the
-/// radius of its mate, of a transmission error angles by the base radius of the mesh's second gear.
+/// radius of its mate, of a transmission error angles by the base radius of the mesh's second gear, and of the abscissa
+/// angles of rotation of the first gear, or mesh cycles, by its speed.
 pub(super) fn factor(role: Role, unit: &str, subjects: &Subjects) -> Option<f64> {
     let dimension = role.dimension(subjects);
     let of = |dimension| match unit.strip_prefix('_') {
@@ -154,6 +164,22 @@ pub(super) fn factor(role: Role, unit: &str, subjects: &Subjects) -> Option<f64>
         }
         None => units::factor(unit, dimension),
     };
+    if role == Role::Time
+        && let Some(turning) = subjects.turning.filter(|t| t.speed != 0.0)
+    {
+        let angle = match CYCLES.contains(&unit.trim_start_matches('_')) {
+            true => Some(TAU / f64::from(turning.teeth)),
+            false => match unit.strip_prefix('_') {
+                Some(_) => units::ending(&format!("x{unit}"), Dimension::Angle)
+                    .filter(|(stem, ..)| *stem == "x")
+                    .map(|(.., factor)| factor),
+                None => units::factor(unit, Dimension::Angle),
+            },
+        };
+        if let Some(angle) = angle {
+            return Some(angle / turning.speed.abs());
+        }
+    }
     let radius = match role {
         Role::Of(Quantity::Speed(g) | Quantity::Angle(g)) => subjects.gears.get(g)?.slides,
         Role::Of(Quantity::TransmissionError(m)) => subjects.meshes.get(m)?.base_radius,
@@ -207,6 +233,9 @@ pub(super) fn columns(
             (Some(given), _) => Some(given.to_owned()),
             (None, unit) => unit,
         };
+        // A name that says cycles needs no unit.
+        let cycles = role == Role::Time && plain(&name).contains("cycle");
+        let unit = unit.or_else(|| cycles.then(|| CYCLES[0].to_owned()));
         let unit = match unit {
             None => None,
             Some(unit) => match factor(role, &unit, subjects) {
@@ -268,7 +297,15 @@ fn unknown_unit(
     unit: &str,
     subjects: &Subjects,
 ) -> TableError {
-    let known = units::known(role.dimension(subjects));
+    let mut known = units::known(role.dimension(subjects));
+    if role == Role::Time {
+        known += match subjects.turning {
+            Some(t) if t.speed != 0.0 => {
+                ", or of the angle of rotation of the first gear: rad, deg, rev, cycle"
+            }
+            _ => "; angles of rotation need a first gear that turns at a constant speed",
+        };
+    }
     let mut error = rows.error_in(
         head,
         (index, name),

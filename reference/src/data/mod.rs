@@ -153,6 +153,18 @@ pub struct Subjects {
     pub gears: Vec<GearSubject>,
     /// Meshes in its order.
     pub meshes: Vec<MeshSubject>,
+    /// How the first gear of the first mesh turns, where it does so steadily: a table over its angle of rotation becomes one
+    /// over time.
+    pub turning: Option<Turning>,
+}
+
+/// Steady rotation of a gear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turning {
+    /// Its angular velocity [rad/s].
+    pub speed: f64,
+    /// Its number of teeth.
+    pub teeth: u32,
 }
 
 impl Subjects {

@@ -16,7 +16,43 @@ fn subjects(base_helix: f64, rack: Option<f64>) -> Subjects {
             base_helix,
             base_radius: Some(0.05),
         }],
+        turning: None,
     }
+}
+
+/// A table over the angle of rotation of the first gear, or over mesh cycles, is one over time by its speed.
+#[test]
+fn angles_of_rotation_and_mesh_cycles_are_times() {
+    let turning = |speed| Subjects {
+        turning: Some(Turning { speed, teeth: 20 }),
+        ..subjects(0.0, None)
+    };
+    let of = |head: &str, speed| {
+        let text = format!("{head},transmission_error [um]\n0,1\n0.5,2\n1,3\n");
+        read(&text, &Request::default(), &turning(speed))
+    };
+    let times = |r: &Reference| {
+        r.channel(Quantity::TransmissionError(0))
+            .unwrap()
+            .time
+            .clone()
+    };
+    for (head, last) in [
+        ("roll_angle [deg]", std::f64::consts::PI / 180.0 / 50.0),
+        ("roll_angle_rad", 1.0 / 50.0),
+        ("mesh_cycle", std::f64::consts::TAU / 20.0 / 50.0),
+        ("t [ms]", 1e-3),
+    ] {
+        // The direction of rotation does not matter.
+        for speed in [50.0, -50.0] {
+            let found = of(head, speed).unwrap();
+            near(&times(&found), &[0.0, 0.5 * last, last]);
+        }
+    }
+    let e = of("roll_angle [deg]", 0.0).unwrap_err().to_string();
+    assert!(e.contains("constant speed"), "{e}");
+    let e = of("roll_angle [kN]", 50.0).unwrap_err().to_string();
+    assert!(e.contains("cycle"), "{e}");
 }
 
 fn spur(text: &str, request: &Request) -> Result<Reference, TableError> {

@@ -188,7 +188,7 @@ pub(super) fn units(
             Angle, Force, Length, Time, Torque, Turning, Velocity,
         };
         let all = [Time, Force, Torque, Length, Angle, Turning, Velocity];
-        all.into_iter().any(|d| factor(text, d).is_some())
+        text == "cycle" || all.into_iter().any(|d| factor(text, d).is_some())
     };
     let time = keys.time.iter().map(|u| ("time".to_owned(), u.clone()));
     let of_quantities = all.iter().map(|(q, u)| (subjects.told(*q), u.clone()));

@@ -219,7 +219,12 @@ impl SceneFile {
             .map_err(|e| refuse(format!("{name}: {e}"), "expected a readable CSV file"))?;
         let (text, latin) =
             data::decode(&bytes).map_err(|e| refuse(format!("{name}: {e}"), &e.help))?;
-        let mut data = data::read(&text, request, &subjects(&self.spec)).map_err(|e| {
+        // A table over the angle of rotation counts by the speed of its own conditions.
+        let mut spec = self.spec.clone();
+        if named.conditions.apply(&mut spec).is_err() {
+            spec = self.spec.clone();
+        }
+        let mut data = data::read(&text, request, &subjects(&spec)).map_err(|e| {
             let message = format!("reference \"{}\": {e}", named.name);
             Source::new(&name, &text).error(e.at.clone(), message, "here", e.help.clone())
         })?;

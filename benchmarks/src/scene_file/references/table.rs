@@ -5,9 +5,9 @@ use super::super::reading::Place;
 use super::{
     Beside, DecimalWord, DelimiterWord, ForceKindWord, ReferenceConditions, ReferenceKeys, columns,
 };
-use gearbench_models::spec::{Body, SceneSpec};
+use gearbench_models::spec::{Body, Mount, Profile, SceneSpec};
 use gearbench_reference::data::{
-    Delimiter, ForceKind, GearSubject, MeshSubject, Processing, Request, Subjects,
+    Delimiter, ForceKind, GearSubject, MeshSubject, Processing, Request, Subjects, Turning,
 };
 
 /// How the table of a reference is read.
@@ -68,7 +68,23 @@ pub fn subjects(spec: &SceneSpec) -> Subjects {
         }
     };
     let gears = spec.gears.iter().enumerate();
+    let turning = spec.meshes.first().and_then(|m| {
+        let gear = spec.gears.get(m.gears[0])?;
+        let speed = match &gear.mount {
+            Mount::Driven(Profile::Constant(speed)) => *speed,
+            Mount::Driven(_) | Mount::Fixed => return None,
+            _ => gear.speed,
+        };
+        match &gear.body {
+            Body::Gear(g) => Some(Turning {
+                speed,
+                teeth: g.teeth(),
+            }),
+            Body::Rack(_) => None,
+        }
+    });
     Subjects {
+        turning,
         gears: gears
             .map(|(i, g)| GearSubject {
                 name: g.name.clone(),
