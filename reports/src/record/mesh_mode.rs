@@ -33,15 +33,23 @@ impl MeshMode {
     pub fn to_text(&self) -> String {
         match (self.frequency_hz, self.damping_ratio) {
             (Some(f), Some(z)) => {
-                format!(
-                    "{}, damping ratio {} %",
-                    quantity(f, "Hz", 4),
-                    short(100.0 * z, 3)
-                )
+                let ratio = match z > 1.0 {
+                    true => "",
+                    false => "damping ratio ",
+                };
+                format!("{}, {ratio}{}", quantity(f, "Hz", 4), damping_to_text(z))
             }
             (Some(f), None) => quantity(f, "Hz", 4),
             _ => self.message.clone(),
         }
+    }
+}
+
+/// A damping ratio in per cent. Above 1 the mode does not vibrate, and the number itself says nothing more.
+pub(crate) fn damping_to_text(ratio: f64) -> String {
+    match ratio {
+        z if z > 1.0 => "overdamped".into(),
+        z => format!("{} %", short(100.0 * z, 3)),
     }
 }
 
@@ -56,7 +64,7 @@ pub fn damping_differs(all: &[MeshMode]) -> Option<String> {
         return None;
     }
     let each: Vec<String> = (known.iter())
-        .map(|(label, z)| format!("{label} {} %", short(100.0 * z, 3)))
+        .map(|(label, z)| format!("{label} {}", damping_to_text(*z)))
         .collect();
     Some(format!(
         "the models differ in the damping of their mesh mode: {}; near resonances their results differ by this, whatever their contact",
@@ -85,6 +93,12 @@ mod tests {
             "{text}"
         );
         assert!(damping_differs(&[of("rigid", 0.05), of("elastic", 0.0)]).is_some());
+        let absurd = [of("rigid", 1.15e8), of("elastic", 0.5)];
+        let text = damping_differs(&absurd).unwrap();
+        assert!(text.contains("rigid overdamped, elastic 50 %"), "{text}");
+        let texts = absurd.map(|m| m.to_text());
+        assert!(texts[0].ends_with("Hz, overdamped"), "{}", texts[0]);
+        assert!(texts[1].ends_with("Hz, damping ratio 50 %"), "{}", texts[1]);
         let unknown = MeshMode::default();
         for alike in [
             vec![of("a", 0.05), of("b", 0.04)],
