@@ -103,7 +103,7 @@ const STUDIES: [&[&str]; 4] = [
     &[
         "compare s.toml --repeats 1 --timeout 2",
         "modes s.toml",
-        "response s.toml --points 2",
+        "response s.toml --points 2 --models rigid",
         "mesh s.toml",
     ],
 ];
@@ -264,6 +264,7 @@ fn numbers() -> std::ops::Range<usize> {
 struct Count {
     codes: std::collections::BTreeMap<i32, usize>,
     wrong: Vec<String>,
+    done: usize,
     memory: f64,
     seconds: f64,
 }
@@ -295,18 +296,26 @@ impl Count {
         }
         self.memory = self.memory.max(ended.memory);
         self.seconds = self.seconds.max(ended.seconds);
+        self.done += 1;
+        if self.done.is_multiple_of(50) {
+            self.describe("so far");
+        }
         slow || self.wrong.len() > before
     }
 
-    fn end(self, what: &str) {
+    fn describe(&self, what: &str) {
         println!(
             "{} {what}: codes {:?}, {} wrong, at most {:.2} GB and {:.1} s",
-            numbers().len(),
+            self.done,
             self.codes,
             self.wrong.len(),
             self.memory,
             self.seconds
         );
+    }
+
+    fn end(self, what: &str) {
+        self.describe(what);
         assert!(self.wrong.is_empty(), "{}", self.wrong.join("\n"));
     }
 }

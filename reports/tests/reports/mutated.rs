@@ -491,14 +491,13 @@ fn entries_of_one_name_have_files_of_their_own() {
     groups.push(groups[0].clone());
     groups[1].meshes[1].name = "sun / planet".into();
     let files = written(&results);
-    let page = &files["index.html"];
     for name in [
         "response_sun-planet.svg",
         "response_sun-planet_2.svg",
         "response_sun-planet_3.svg",
         "response_planet-ring.svg",
     ] {
-        assert!(files.contains_key(name) && page.contains(name), "{name}");
+        assert!(files.contains_key(name), "{name}");
     }
 }
 

@@ -97,6 +97,10 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
         if none {
             return Err(Refusal::Failed(why));
         }
+        warn(&format!(
+            "the model `{}` is not fitted, the others are: {why}",
+            choice.label
+        ));
         let row = Configuration::of(&scene, choice).refused(why);
         folder.add_refused(Run { status, ..row });
     }
