@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 /// The setting that says that a study is not complete.
 const INTERRUPTED_STUDY: &str = "interrupted";
 /// Files by which the folder of a study is known.
-const OWN: [&str; 3] = [RECORD, JOURNAL, "stiffness.csv"];
+const OWN: [&str; 2] = [RECORD, JOURNAL];
 /// Endings of files that a study writes.
 const ENDINGS: [&str; 3] = ["csv", "svg", "html"];
 
@@ -121,6 +121,11 @@ impl StudyFolder {
             .map(|r| refused(&r.label, &r.model, r.error.told()))
             .collect();
         Ok(folder)
+    }
+
+    /// Adds the row of a model that turned out not to run while the study ran, and has no row among its results.
+    pub fn add_refused(&mut self, row: Run) {
+        self.refused.push(row);
     }
 
     /// Where it is.

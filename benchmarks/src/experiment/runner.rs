@@ -230,24 +230,62 @@ impl<'a> Runner<'a> {
         T: Serialize + DeserializeOwned,
         E: From<JournalError> + ModelRefusal,
     {
-        const INTERRUPTED: &str = "not made: the study was interrupted";
         if let Some(found) = self.finished(key)? {
             return Ok(found);
         }
-        if interruption::requested() {
-            return Ok(not_made(Status::Interrupted, INTERRUPTED.into()));
-        }
-        match catch_unwind(AssertUnwindSafe(make)) {
-            Ok(Err(_)) if interruption::requested() => {
-                Ok(not_made(Status::Interrupted, INTERRUPTED.into()))
+        match attempt(make) {
+            Ok(row) => Ok(self.keep(key, row)?),
+            Err(e) => {
+                let (status, why) = e.row()?;
+                Ok(not_made(status, why))
             }
-            Ok(Ok(row)) => Ok(self.keep(key, row)?),
-            Ok(Err(e)) => match e.refusal() {
-                Some(why) => Ok(not_made(Status::Refused, why)),
+        }
+    }
+}
+
+/// Why the work of one model was not done.
+#[derive(Debug)]
+pub enum NotMade<E> {
+    /// The study was interrupted.
+    Interrupted,
+    /// The work has an error, of the model or of the study.
+    Error(E),
+    /// The program itself failed.
+    Panic(String),
+}
+
+impl<E: ModelRefusal> NotMade<E> {
+    /// Status and message of a row that stands for the work.
+    ///
+    /// # Errors
+    /// An error that is not of the model ends the study.
+    pub fn row(self) -> Result<(Status, String), E> {
+        match self {
+            NotMade::Interrupted => Ok((
+                Status::Interrupted,
+                "not made: the study was interrupted".into(),
+            )),
+            NotMade::Error(e) => match e.refusal() {
+                Some(why) => Ok((Status::Refused, why)),
                 None => Err(e),
             },
-            Err(panic) => Ok(not_made(Status::Aborted, failure(&*panic))),
+            NotMade::Panic(why) => Ok((Status::Aborted, why)),
         }
+    }
+}
+
+/// Does the work of one model, so that neither its errors nor its panics end the work of others.
+///
+/// # Errors
+/// [`NotMade`].
+pub fn attempt<T, E>(make: impl FnOnce() -> Result<T, E>) -> Result<T, NotMade<E>> {
+    if interruption::requested() {
+        return Err(NotMade::Interrupted);
+    }
+    match catch_unwind(AssertUnwindSafe(make)) {
+        Ok(Err(_)) if interruption::requested() => Err(NotMade::Interrupted),
+        Ok(made) => made.map_err(NotMade::Error),
+        Err(panic) => Err(NotMade::Panic(failure(&*panic))),
     }
 }
 

@@ -5,6 +5,8 @@
 //!   passes the speed of sound `sqrt(E / rho)` (Timoshenko, Strength of Materials II, thin rotating ring);
 //! - a load `F` at the base circle means a nominal stress `F / (b m)` of a tooth of module `m` and width `b`, which no
 //!   solid carries beyond `E`;
+//! - a tooth of stiffness `k` and mass `m` vibrates at `sqrt(k / m)`, in gears about once in the time in which a wave crosses
+//!   its module; at a thousand times that no step would be short enough;
 //! - a fixed step is at most as long as what is simulated.
 //!
 //! Bounds of the usual are wide: beyond them stand hardly any gears, but many a slip of units.
@@ -19,6 +21,9 @@ use super::usual::{
 use super::{ModelChoice, SceneFile};
 use gearbench_integrators::{Resolution, Scheme};
 use gearbench_models::Vec3;
+use gearbench_models::error::BuildError;
+use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Body, ContactSpec, GearSpec, Load, Mount, effective_radius};
 use gearbench_models::stiffness::{Material, PairStiffness};
@@ -28,6 +33,8 @@ use gearbench_reports::numbers::short;
 const LEAST_PRESSURE_ANGLE: f64 = 5.0;
 /// Surface speed above which hardly any gear runs [m/s].
 const FAST: f64 = 400.0;
+/// Angular frequency of a tooth over that of waves across its module from which on it is refused.
+const STIFF_TOOTH: f64 = 1e3;
 /// Nominal stress of a tooth over Young's modulus that hardly any steel carries.
 const HEAVY: f64 = 0.01;
 
@@ -83,6 +90,7 @@ pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
         let at = root.key("models").member(i);
         contacts(model, &at.key("contact"), &mut odd);
         odd.extend(calibrated(scene, model, &at));
+        tooth_springs(scene, model)?;
         let own = model.integrators.as_deref().unwrap_or_default();
         steps(own, scene, &at.key("integrators"))?;
     }
@@ -126,6 +134,56 @@ fn tolerance(scene: &SceneFile, at: &Place<'_>) -> Option<SceneError> {
         short(100.0 * of.limit, 4)
     );
     Some(place.error(message, "odd", odd.help_text().unwrap_or_default()))
+}
+
+/// Teeth of a model that vibrate faster than those of any material.
+///
+/// # Errors
+/// [`SceneError`] at the stiffness.
+fn tooth_springs(scene: &SceneFile, model: &ModelChoice) -> Result<(), SceneError> {
+    for (gear, spec) in scene.spec.gears.iter().zip(&model.modelling.gears) {
+        // Parameters that cannot be read are refused where the model is built.
+        let Some(p) = MovableTeethParameters::of(spec) else {
+            continue;
+        };
+        let table = p.stiffness_at_radius_n_per_m.iter().flatten().copied();
+        let stiffest = (p
+            .tooth_stiffness_n_per_m
+            .iter()
+            .filter_map(PerTooth::greatest))
+        .chain(table)
+        .fold(0.0, f64::max);
+        let Some(lightest) = p.tooth_mass_kg.as_ref().and_then(PerTooth::least) else {
+            continue;
+        };
+        let frequency = (stiffest / lightest).sqrt();
+        let module = match &gear.body {
+            Body::Gear(g) => g.params().module,
+            Body::Rack(r) => r.params().module,
+        };
+        let wave = (gear.material.young / gear.material.density).sqrt() / module;
+        if stiffest > 0.0 && lightest > 0.0 && frequency > STIFF_TOOTH * wave {
+            let why = (
+                format!(
+                    "{} N/m on a tooth of {} kg vibrate at {} rad/s, where waves in the material of `{}` cross a module {} times \
+                     a second",
+                    short(stiffest, 3),
+                    short(lightest, 3),
+                    short(frequency, 3),
+                    gear.name,
+                    short(wave, 3)
+                ),
+                "a tooth of steel has about 5e8 N/m per 10 mm of width and a few grams; for teeth without springs take the model `rigid`",
+            );
+            let key = match p.tooth_stiffness_n_per_m {
+                Some(_) => "tooth_stiffness_n_per_m",
+                None => "stiffness_at_radius_n_per_m",
+            };
+            let error = BuildError::parameter(&spec.id, key, why).of_gear(&gear.name);
+            return Err(scene.locate_in(&model.label, &error));
+        }
+    }
+    Ok(())
 }
 
 /// Constants of an impact in a scene that runs under load: the mesh is then far too stiff.

@@ -51,6 +51,54 @@ fn a_model_beyond_the_memory_is_a_row_and_the_others_run() {
     }
 }
 
+/// Full finite elements with lumped mass take between two thirds and three halves of their estimate.
+#[cfg(target_os = "linux")]
+#[test]
+fn lumped_finite_elements_take_what_is_estimated() {
+    let folder = Folder::new();
+    let fe = "parameters = { flank_elements = 10, width_elements = 4, mass = \"lumped\" }";
+    let text = with_fe()
+        .replace(
+            "parameters = { flank_elements = 20, width_elements = 8 }",
+            fe,
+        )
+        .replace("duration_s = 1e-4", "duration_s = 2e-9")
+        .replace("step_s = 1e-6", "step_s = 1e-9");
+    assert!(text.contains(fe));
+    folder.write("s.toml", &text);
+    let study = "compare s.toml --models fe --integrators velocity-verlet@1ns --repeats 1";
+    // The larger gear has 65,250 unknowns.
+    folder.refuses(
+        &format!("{study} --memory 0.25 --out o"),
+        &["65250 unknowns", "matrices", "take about 0.3 GB"],
+    );
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_gearbench"))
+        .args(format!("{study} --memory 0.3 --out o").split_whitespace())
+        .current_dir(folder.at("."))
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let mut most: f64 = 0.0;
+    let code = loop {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+        let kilobytes = line.and_then(|l| l.split_whitespace().next()?.parse::<f64>().ok());
+        most = most.max(1e-6 * kilobytes.unwrap_or(0.0));
+        if let Some(ended) = child.try_wait().unwrap() {
+            break ended.code();
+        }
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    };
+    assert!(matches!(code, Some(0 | 1)), "{code:?}");
+    let estimate = 0.274;
+    assert!(
+        (estimate / 1.5..1.5 * estimate).contains(&most),
+        "{most} GB beside {estimate} GB"
+    );
+}
+
 /// What needs no mesh is refused before meshing: this mesh would be refused for its size.
 #[test]
 fn a_half_space_on_bearings_is_refused_before_its_gears_are_meshed() {

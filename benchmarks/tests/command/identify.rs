@@ -146,3 +146,33 @@ fn what_cannot_be_fitted_is_refused() {
         folder.refuses(&format!("identify spur_impact {arguments}"), words);
     }
 }
+
+/// A model whose runs fail takes no other with it: teeth this light vibrate so fast that no trial reaches the end.
+#[test]
+fn a_model_that_cannot_be_fitted_is_a_row_and_the_others_are_fitted() {
+    let folder = Folder::new();
+    let light = "parameters = { tooth_stiffness_n_per_m = 5.3e8, tooth_mass_kg = 1e-9 }";
+    let movable = "model = \"movable-teeth\"";
+    let scene = own(&folder).replacen(movable, &format!("{movable}\n{light}"), 1);
+    folder.write("own.toml", &scene);
+    let fit = "identify own.toml --fit stiffness_n_per_m2 --starts 1 --out fit";
+    let out = folder.ends(fit, 3);
+    has(
+        &super::stderr(&out),
+        &["`movable-teeth` is not fitted", "from every start"],
+    );
+    let record: serde_json::Value = serde_json::from_str(&folder.read("fit/results.json")).unwrap();
+    let fits = record["fits"].as_array().unwrap();
+    assert_eq!((fits.len(), &fits[0]["label"]), (1, &"rigid".into()));
+    let row = run_of(&folder, "fit/results.json");
+    assert_eq!(row["model"], "movable-teeth");
+    assert_eq!(row["status"], "refused");
+    // Alone it is the failure of the study.
+    let alone = folder.ends(
+        &fit.replace("--fit", "--model movable-teeth --fit")
+            .replace("--out fit", "--out alone"),
+        3,
+    );
+    has(&super::stderr(&alone), &["the fit failed from every start"]);
+    assert!(!folder.at("alone/results.json").exists());
+}

@@ -86,7 +86,9 @@ pub(super) fn start(folder: &Folder, study: &str, read: bool) -> Child {
 /// What a study answers and records at its end.
 pub(super) fn finish(folder: &Folder, study: &str) -> [Value; 2] {
     let out = start(folder, study, true).wait_with_output().unwrap();
-    let answer: Value = serde_json::from_str(&stdout(&out))
+    // Answers name files by their full path.
+    let text = stdout(&out).replace(&folder.path().display().to_string(), "");
+    let answer: Value = serde_json::from_str(&text)
         .unwrap_or_else(|e| panic!("{study}: {e}: {}{}", stdout(&out), super::stderr(&out)));
     let record = std::fs::read_to_string(folder.at("here/results.json")).ok();
     let record = record.map_or(Value::Null, |text| serde_json::from_str(&text).unwrap());

@@ -116,7 +116,20 @@ fn texts(text: &str) -> Vec<std::ops::Range<usize>> {
     quotes.chunks_exact(2).map(|q| q[0]..q[1] + 1).collect()
 }
 
-/// A scene with one to three changes: numbers to extremes, keys dropped, doubled and exchanged, types changed, hostile texts.
+/// Factors that leave a number plausible more often than not.
+const FACTORS: [f64; 6] = [0.1, 0.5, 0.9, 1.1, 2.0, 10.0];
+
+/// A number of a text times a factor: a whole one stays whole.
+fn scaled(number: &str, factor: f64) -> String {
+    match (number.parse::<u64>(), number.parse::<f64>()) {
+        (Ok(n), _) => ((n as f64 * factor).round() as u64).to_string(),
+        (_, Ok(x)) => format!("{:e}", x * factor),
+        _ => number.to_owned(),
+    }
+}
+
+/// A scene with one to three changes: numbers scaled and to extremes, keys dropped, doubled and exchanged, types changed,
+/// hostile texts.
 pub fn scene(base: &str, random: &mut Random) -> String {
     let mut text = base.to_owned();
     for _ in 0..=random.below(3) {
@@ -124,14 +137,18 @@ pub fn scene(base: &str, random: &mut Random) -> String {
         let replaced = |text: &str, at: std::ops::Range<usize>, with: &str| {
             format!("{}{with}{}", &text[..at.start], &text[at.end..])
         };
-        text = match random.below(8) {
-            0..=2 => {
+        text = match random.below(12) {
+            kind @ (0..=2 | 8..=11) => {
                 let all = numbers(&text);
                 match all.is_empty() {
                     true => text,
                     false => {
                         let at = random.pick(&all).clone();
-                        replaced(&text, at, random.pick::<&str>(&NUMBERS))
+                        let with = match kind {
+                            0..=2 => (*random.pick(&NUMBERS)).to_owned(),
+                            _ => scaled(&text[at.clone()], *random.pick(&FACTORS)),
+                        };
+                        replaced(&text, at, &with)
                     }
                 }
             }

@@ -4,8 +4,10 @@
 //! A part runs with all other tests, in this process. The whole corpus of 2,000 runs the command, a process for each:
 //!
 //! ```text
-//! cargo test --release --locked -p gearbench --test mutations -- --ignored --nocapture
+//! cargo test --release --locked --workspace --test mutations -- --ignored --nocapture
 //! ```
+//!
+//! `GEARBENCH_FROM=400` goes on with number 400, after a mend.
 
 // Progress and the figures of the whole corpus are for whoever runs it.
 #![expect(clippy::print_stdout)]
@@ -67,12 +69,73 @@ parameters = { tooth_stiffness_n_per_m = 7.8e8, tooth_mass_kg = 2e-3 }
 integrators = [{ method = "rk4", step_s = 1e-6 }, { method = "newmark", step_s = 1e-6 }]
 "#;
 
-const BASES: [&str; 3] = [PAIR, PLANETS, STAGES];
+/// The pair under a constant torque in step, for studies of gears that run.
+fn running() -> String {
+    let wheel = "speed_rad_s = -13.333333333333334\nloads = [{ torque_nm = 1.5 }]";
+    PAIR.replace("mount = \"revolute\"", wheel)
+}
 
-/// The scene with a number: bases in turn.
-fn scene(number: usize) -> String {
+/// Studies of the scene of that place in [`base`]; all of them run on it as it is.
+const STUDIES: [&[&str]; 4] = [
+    &[
+        "compare s.toml --repeats 1 --timeout 2",
+        "compare s.toml --repeats 1 --timeout 2 --models elastic",
+        "modes s.toml",
+        "response s.toml --points 8",
+        "stability s.toml --grid 3x2 --timeout 2",
+        "coupling s.toml --timeout 2",
+        "mesh s.toml",
+        "precision s.toml --models rigid --steps 1us --rtols 1e-4 --timeout 2",
+    ],
+    &[
+        "stiffness s.toml --positions 4",
+        "sweep s.toml --points 2 --timeout 2",
+        "run-up s.toml --timeout 2 --from 100 --to 200 --over 0.4",
+        "choose s.toml --tolerance 0.1 --timeout 1 --budget 10",
+    ],
+    &[
+        "compare s.toml --repeats 1 --timeout 2",
+        "modes s.toml",
+        "response s.toml --points 4",
+        "stability s.toml --grid 3x2 --timeout 2",
+        "mesh s.toml",
+    ],
+    &[
+        "compare s.toml --repeats 1 --timeout 2",
+        "modes s.toml",
+        "response s.toml --points 2 --models rigid",
+        "mesh s.toml",
+    ],
+];
+
+fn base(place: usize) -> String {
+    match place {
+        0 => PAIR.into(),
+        1 => running(),
+        2 => PLANETS.into(),
+        _ => STAGES.into(),
+    }
+}
+
+/// The scene with a number, and its study: bases in turn, and of each its studies in turn.
+fn case(number: usize) -> (String, &'static str) {
     let mut random = Random::new(number as u64);
-    generator::scene(BASES[number % BASES.len()], &mut random)
+    let place = number % STUDIES.len();
+    let studies = STUDIES[place];
+    let study = studies[number / STUDIES.len() % studies.len()];
+    (generator::scene(&base(place), &mut random), study)
+}
+
+/// Lines of a scene that its base has not.
+fn changes(number: usize) -> String {
+    let (text, _) = case(number);
+    let base = base(number % STUDIES.len());
+    let new = text.lines().filter(|l| !base.lines().any(|b| b == *l));
+    let gone = base.lines().filter(|b| !text.lines().any(|l| l == *b));
+    let all = gone
+        .map(|l| format!("- {l}"))
+        .chain(new.map(|l| format!("+ {l}")));
+    all.collect::<Vec<_>>().join("\n")
 }
 
 /// Reads a scene and compares its models without elements, as far as a bound of steps goes.
@@ -99,7 +162,7 @@ fn compared(text: &str) -> Option<gearbench_reports::record::Results> {
 fn mutated_scenes_do_not_panic() {
     let mut ran = 0;
     for number in 0..60 {
-        let text = scene(number);
+        let (text, _) = case(number);
         let done = catch_unwind(|| compared(&text));
         let done = done.unwrap_or_else(|_| panic!("scene {number}:\n{text}"));
         // A panic within a run is a row of the record.
@@ -134,12 +197,15 @@ fn mutated_records_do_not_panic() {
 }
 
 /// The limit of memory of a run [GB], and how far the program may be above its own estimates.
-const MEMORY: f64 = 0.5;
+const MEMORY: &str = "0.5";
 const ABOVE: f64 = 1.5;
 /// What the program takes before it reads anything [GB].
 const ITSELF: f64 = 0.1;
 /// Time after which a process counts as one that hangs: far more than its own bounds, also on a busy machine.
 const HANGS: Duration = Duration::from_secs(300);
+
+/// Seconds above which a process is named with its time.
+const SLOW: f64 = 20.0;
 
 /// How a process ended.
 struct Ended {
@@ -187,17 +253,26 @@ fn run(folder: &Path, arguments: &[&str]) -> Ended {
     }
 }
 
+/// Numbers of a corpus, from the one that the environment names.
+fn numbers() -> std::ops::Range<usize> {
+    let from = std::env::var("GEARBENCH_FROM");
+    from.map_or(0, |f| f.parse().expect("a whole number"))..1000
+}
+
 /// Counts what went wrong, and says it as it happens.
 #[derive(Default)]
 struct Count {
     codes: std::collections::BTreeMap<i32, usize>,
     wrong: Vec<String>,
+    done: usize,
     memory: f64,
     seconds: f64,
 }
 
 impl Count {
-    fn add(&mut self, name: &str, ended: &Ended) {
+    /// Whether the process is worth a look: wrong or slow.
+    fn add(&mut self, name: &str, ended: &Ended) -> bool {
+        let before = self.wrong.len();
         let known = [0, 1, 2, 3, 130];
         let mut say = |what: String| {
             println!("{name}: {what}");
@@ -211,54 +286,79 @@ impl Count {
         if ended.said.contains("panicked at") {
             say(format!("panics: {}", ended.said));
         }
-        if ended.memory > ABOVE * MEMORY + ITSELF {
+        let limit: f64 = MEMORY.parse().unwrap();
+        if ended.memory > ABOVE * limit + ITSELF {
             say(format!("takes {:.2} GB", ended.memory));
+        }
+        let slow = ended.seconds > SLOW;
+        if slow {
+            println!("{name}: {:.0} s", ended.seconds);
         }
         self.memory = self.memory.max(ended.memory);
         self.seconds = self.seconds.max(ended.seconds);
+        self.done += 1;
+        if self.done.is_multiple_of(50) {
+            self.describe("so far");
+        }
+        slow || self.wrong.len() > before
     }
 
-    fn end(self, what: &str) {
+    fn describe(&self, what: &str) {
         println!(
-            "{what}: codes {:?}, {} wrong, at most {:.2} GB and {:.1} s",
+            "{} {what}: codes {:?}, {} wrong, at most {:.2} GB and {:.1} s",
+            self.done,
             self.codes,
             self.wrong.len(),
             self.memory,
             self.seconds
         );
+    }
+
+    fn end(self, what: &str) {
+        self.describe(what);
         assert!(self.wrong.is_empty(), "{}", self.wrong.join("\n"));
     }
 }
 
-/// What a scene goes through, in turn.
-const STUDIES: [&str; 10] = [
-    "compare s.toml --repeats 1 --timeout 2 --out o",
-    "modes s.toml --out o",
-    "compare s.toml --repeats 1 --timeout 2 --models elastic --out o",
-    "response s.toml --points 8 --out o",
-    "stiffness s.toml --positions 4 --out o",
-    "sweep s.toml --points 2 --timeout 2 --out o",
-    "stability s.toml --grid 3x2 --timeout 2 --out o",
-    "run-up s.toml --timeout 2 --out o",
-    "mesh s.toml --out o.inp",
-    "coupling s.toml --timeout 2 --out o",
-];
+/// A study with an output and the limit of memory.
+fn arguments(study: &str) -> Vec<&str> {
+    let out = match study.starts_with("mesh") {
+        true => "o.inp",
+        false => "o",
+    };
+    let all = study.split_whitespace();
+    all.chain(["--memory", MEMORY, "--out", out]).collect()
+}
+
+/// Scenes that a study refuses as they are would hide from it whatever is changed in them.
+#[test]
+#[ignore = "two minutes"]
+fn every_base_runs_in_its_studies() {
+    for (place, studies) in STUDIES.iter().enumerate() {
+        for study in *studies {
+            let folder = tempfile::tempdir().unwrap();
+            std::fs::write(folder.path().join("s.toml"), base(place)).unwrap();
+            let ended = run(folder.path(), &arguments(study));
+            let did = matches!(ended.code, Some(0 | 1));
+            assert!(did, "{place}, {study}: {:?}: {}", ended.code, ended.said);
+        }
+    }
+}
 
 #[test]
 #[ignore = "half an hour"]
 fn a_thousand_mutated_scenes() {
     let mut count = Count::default();
-    for number in 0..1000 {
+    for number in numbers() {
         let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("s.toml"), scene(number)).unwrap();
-        let study = STUDIES[number % STUDIES.len()];
-        let memory = MEMORY.to_string();
-        let mut arguments: Vec<&str> = study.split_whitespace().collect();
-        arguments.extend(["--memory", &memory]);
-        let ended = run(folder.path(), &arguments);
-        count.add(&format!("scene {number}, {study}"), &ended);
+        let (text, study) = case(number);
+        std::fs::write(folder.path().join("s.toml"), text).unwrap();
+        let ended = run(folder.path(), &arguments(study));
+        if count.add(&format!("scene {number}, {study}"), &ended) {
+            println!("{}", changes(number));
+        }
     }
-    count.end("1000 scenes");
+    count.end("scenes");
 }
 
 #[test]
@@ -267,14 +367,16 @@ fn a_thousand_mutated_records() {
     let mut count = Count::default();
     let folder = tempfile::tempdir().unwrap();
     let mut bases = Vec::new();
+    let running = running();
     let scenes = [
         ("compare", PAIR),
         ("modes", STAGES),
         ("response", STAGES),
         ("precision", PAIR),
         ("stability", PAIR),
-        ("sweep", PAIR),
+        ("sweep", &running),
         ("coupling", PAIR),
+        ("stiffness", &running),
     ];
     for (study, text) in scenes {
         std::fs::write(folder.path().join("s.toml"), text).unwrap();
@@ -288,7 +390,7 @@ fn a_thousand_mutated_records() {
         let arguments = command.replace(
             "--timeout 5",
             match study {
-                "modes" | "response" => "",
+                "modes" | "response" | "stiffness" => "",
                 _ => "--timeout 5",
             },
         );
@@ -297,19 +399,19 @@ fn a_thousand_mutated_records() {
         let record = folder.path().join(study).join("results.json");
         match std::fs::read_to_string(record) {
             Ok(text) => bases.push((study, serde_json::from_str(&text).unwrap())),
-            Err(_) => println!("no record of {study}"),
+            Err(e) => println!("no record of {study}: {e}"),
         }
     }
-    assert!(bases.len() >= 5, "{} studies have a record", bases.len());
-    for number in 0..1000 {
+    assert_eq!(bases.len(), scenes.len(), "studies with a record");
+    for number in numbers() {
         let (study, base) = &bases[number % bases.len()];
         let text = generator::record(base, &mut Random::new(number as u64));
         let place = folder.path().join("mutated");
         std::fs::create_dir_all(&place).unwrap();
         std::fs::write(place.join("results.json"), text).unwrap();
-        let ended = run(folder.path(), &["report", "mutated", "--memory", "0.5"]);
+        let ended = run(folder.path(), &["report", "mutated", "--memory", MEMORY]);
         count.add(&format!("record {number} of {study}"), &ended);
         std::fs::remove_dir_all(&place).unwrap();
     }
-    count.end("1000 records");
+    count.end("records");
 }

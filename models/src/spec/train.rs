@@ -31,6 +31,8 @@ pub struct Train<'s> {
     speeds: Vec<f64>,
     /// One equation of every mesh, in the order of the meshes, then one of every pair of neighbours on a shaft.
     rows: Vec<Vec<f64>>,
+    /// Of every member the first one of those whose motions depend on its own.
+    joined: Vec<usize>,
     /// `rows` with those of the held hubs, solved for as many speeds as they determine.
     equations: Equations,
 }
@@ -84,6 +86,24 @@ fn subtract(row: &mut [f64], pivot: usize, solved: &[f64]) {
     }
 }
 
+/// Groups of members that equations join: of every member the first one of its group.
+fn components(members: usize, rows: &[Vec<f64>]) -> Vec<usize> {
+    let mut first: Vec<usize> = (0..members).collect();
+    for row in rows {
+        let of_row = || (0..members).filter(|i| row[*i] != 0.0);
+        let Some(least) = of_row().map(|i| first[i]).min() else {
+            continue;
+        };
+        let merged: Vec<usize> = of_row().map(|i| first[i]).collect();
+        for place in &mut first {
+            if merged.contains(place) {
+                *place = least;
+            }
+        }
+    }
+    first
+}
+
 impl<'s> Train<'s> {
     /// The train of a scene.
     pub fn new(spec: &'s SceneSpec) -> Self {
@@ -101,11 +121,13 @@ impl<'s> Train<'s> {
             carriers,
             speeds,
             rows: Vec::new(),
+            joined: Vec::new(),
             equations: Equations::default(),
         };
         let meshes = spec.meshes.iter().map(|m| train.mesh_row(m));
         train.rows = meshes.chain(train.shaft_rows()).collect();
         let n = train.members();
+        train.joined = components(n, &train.rows);
         let held = (0..n).filter(|i| matches!(train.mount(*i), Mount::Fixed));
         let held = held.map(|i| train.row([(i, 1.0)]));
         let all: Vec<Vec<f64>> = train.rows.iter().cloned().chain(held).collect();
@@ -149,20 +171,8 @@ impl<'s> Train<'s> {
 
     /// Members whose motions depend on that of `member`, itself included, in ascending order.
     pub fn joined(&self, member: usize) -> Vec<usize> {
-        let mut joined = vec![false; self.members()];
-        joined[member] = true;
-        loop {
-            let before = joined.iter().filter(|j| **j).count();
-            for row in &self.rows {
-                let own = |i: &usize| row[*i] != 0.0;
-                if (0..joined.len()).any(|i| own(&i) && joined[i]) {
-                    (0..joined.len()).filter(own).for_each(|i| joined[i] = true);
-                }
-            }
-            if joined.iter().filter(|j| **j).count() == before {
-                return (0..joined.len()).filter(|i| joined[*i]).collect();
-            }
-        }
+        let same = |i: &usize| self.joined[*i] == self.joined[member];
+        (0..self.members()).filter(same).collect()
     }
 
     /// Whether held hubs leave a member no motion that keeps the meshes in step.
@@ -297,5 +307,25 @@ impl<'s> Train<'s> {
             rows.extend(pairs.map(|pair| self.row([(pair[0], 1.0), (pair[1], -1.0)])));
         }
         rows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::components;
+
+    /// Equations from the far end join as those from the near one, and a carrier joins both gears of its mesh.
+    #[test]
+    fn equations_join_members_whatever_their_order() {
+        let row = |members: &[usize]| {
+            let mut row = vec![0.0; 7];
+            members.iter().for_each(|&i| row[i] = -2.0);
+            row
+        };
+        let rows = [row(&[4, 6]), row(&[1, 3, 4]), row(&[]), row(&[2, 5])];
+        let expected = [0, 1, 2, 1, 1, 2, 1];
+        assert_eq!(components(7, &rows), expected);
+        let turned: Vec<_> = rows.iter().rev().cloned().collect();
+        assert_eq!(components(7, &turned), expected);
     }
 }

@@ -41,7 +41,11 @@ impl MeshMode {
             return self.message.clone();
         };
         let damping = self.damping_ratio.map_or_else(String::new, |z| {
-            format!(", damping ratio {} %", short(100.0 * z, 3))
+            let ratio = match z > 1.0 {
+                true => "",
+                false => "damping ratio ",
+            };
+            format!(", {ratio}{}", damping_to_text(z))
         });
         let cycle = match (self.resonance_hz, self.resonance_range_hz) {
             (Some(rms), Some([low, high])) => format!(
@@ -56,6 +60,14 @@ impl MeshMode {
     }
 }
 
+/// A damping ratio in per cent. Above 1 the mode does not vibrate, and the number itself says nothing more.
+pub(crate) fn damping_to_text(ratio: f64) -> String {
+    match ratio {
+        z if z > 1.0 => "overdamped".into(),
+        z => format!("{} %", short(100.0 * z, 3)),
+    }
+}
+
 /// What to know of models whose mesh modes are damped differently; `None` where they are not.
 pub fn damping_differs(all: &[MeshMode]) -> Option<String> {
     let known: Vec<(&str, f64)> = (all.iter())
@@ -67,7 +79,7 @@ pub fn damping_differs(all: &[MeshMode]) -> Option<String> {
         return None;
     }
     let each: Vec<String> = (known.iter())
-        .map(|(label, z)| format!("{label} {} %", short(100.0 * z, 3)))
+        .map(|(label, z)| format!("{label} {}", damping_to_text(*z)))
         .collect();
     Some(format!(
         "the models differ in the damping of their mesh mode: {}; near resonances their results differ by this, whatever their contact",
@@ -96,6 +108,12 @@ mod tests {
             "{text}"
         );
         assert!(damping_differs(&[of("rigid", 0.05), of("elastic", 0.0)]).is_some());
+        let absurd = [of("rigid", 1.15e8), of("elastic", 0.5)];
+        let text = damping_differs(&absurd).unwrap();
+        assert!(text.contains("rigid overdamped, elastic 50 %"), "{text}");
+        let texts = absurd.map(|m| m.to_text());
+        assert!(texts[0].ends_with("Hz, overdamped"), "{}", texts[0]);
+        assert!(texts[1].ends_with("Hz, damping ratio 50 %"), "{}", texts[1]);
         let unknown = MeshMode::default();
         for alike in [
             vec![of("a", 0.05), of("b", 0.04)],

@@ -16,6 +16,7 @@ use crate::metrics::Metric;
 use crate::series::TimeSeries;
 pub use crate::studies::sweep::{Bearing, StaticCycle, Steady};
 pub use crate::studies::{Part, Study};
+pub(crate) use mesh_mode::damping_to_text;
 pub use mesh_mode::{MeshMode, damping_differs};
 pub use paths::{MemberPath, MeshPath, PlanetShare, ShaftPath, Sharing, TorquePaths};
 pub use picture::{

@@ -4,7 +4,7 @@ use crate::csv_table::{CsvTable, number};
 use crate::markup::table::Table;
 use crate::markup::{note, section};
 use crate::numbers::quantity;
-use crate::record::{MeshMode, damping_differs};
+use crate::record::{MeshMode, damping_differs, damping_to_text};
 use maud::{Markup, html};
 
 /// The section of a page; nothing where there are none.
@@ -23,7 +23,9 @@ pub fn tables(all: &[MeshMode]) -> Markup {
         })
         .result()
         .ranges("Over the mesh cycle", "Hz", 4, |m| m.resonance_range_hz)
-        .percents("Damping ratio", 3, |m| m.damping_ratio)
+        .written("Damping ratio", "", |m| {
+            m.damping_ratio.map(damping_to_text)
+        })
         .result()
         .percents("Strain energy in meshes", 3, |m| m.mesh_share)
         .text("Remark", |m| {

@@ -182,6 +182,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
     let mesh_modes = mesh_modes::tables(&results.mesh_modes);
     report.tables = maud::html! { (report.tables) (mesh_modes) };
     report.csv.extend(mesh_modes::csv(&results.mesh_modes));
+    report.distinguish_files();
     Ok(report)
 }
 
@@ -237,6 +238,27 @@ pub struct StudyReport {
     pub csv: Vec<CsvTable>,
     /// Texts in files of their own, for other programs: name and content.
     pub texts: Vec<(String, String)>,
+}
+
+impl StudyReport {
+    /// Gives every file a name of its own: names of gears and labels of models that differ in punctuation alone lead to
+    /// the same one, and so do entries of an edited record.
+    fn distinguish_files(&mut self) {
+        let charts = self.charts.iter_mut().map(|c| &mut c.file);
+        let tables = self.csv.iter_mut().map(|t| &mut t.file);
+        let texts = self.texts.iter_mut().map(|(name, _)| name);
+        let mut known = std::collections::BTreeSet::new();
+        for name in charts.chain(tables).chain(texts) {
+            let (stem, ending) = name.rsplit_once('.').unwrap_or((name, ""));
+            let further = (2..).map(|k| format!("{stem}_{k}.{ending}"));
+            let free = std::iter::once(name.clone()).chain(further);
+            let mut free = free.skip_while(|n| known.contains(n));
+            if let Some(free) = free.next() {
+                known.insert(free.clone());
+                *name = free;
+            }
+        }
+    }
 }
 
 impl std::str::FromStr for Study {

@@ -481,6 +481,27 @@ fn lists_of_unequal_length_are_refused_with_their_place() {
     assert!(e.contains("steady.error_cycle_m"), "{e}");
 }
 
+/// Meshes of one name, in one group or in two, have a chart each.
+#[test]
+fn entries_of_one_name_have_files_of_their_own() {
+    let mut results = response_results();
+    let Part::Response(part) = &mut results.part else {
+        panic!("a response")
+    };
+    let groups = &mut part.responses[0].groups;
+    groups.push(groups[0].clone());
+    groups[1].meshes[1].name = "sun / planet".into();
+    let files = written(&results);
+    for name in [
+        "response_sun-planet.svg",
+        "response_sun-planet_2.svg",
+        "response_sun-planet_3.svg",
+        "response_planet-ring.svg",
+    ] {
+        assert!(files.contains_key(name), "{name}");
+    }
+}
+
 /// Numbers that once ended in an endless loop or a panic have a report.
 #[test]
 fn numbers_at_the_ends_of_their_range_have_a_report() {

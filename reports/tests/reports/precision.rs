@@ -190,9 +190,7 @@ fn fitted_models_are_marked_and_set_apart() {
     let chart = &files["precision_model.svg"];
     assert!(chart.contains("rigid (fitted)"));
     // The lead stands in a table, what a fit changes under its own words.
-    let lead = files[PAGE]
-        .split("Residual compliance beside the others")
-        .nth(1);
+    let lead = files[PAGE].split("Residual compliance against").nth(1);
     let lead = lead.and_then(|t| t.split("</section>").next()).unwrap();
     assert!(
         lead.contains("nothing fitted") && lead.contains("fits included"),

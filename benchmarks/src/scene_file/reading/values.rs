@@ -163,7 +163,7 @@ impl<'de> Deserialize<'de> for Method {
 }
 
 macro_rules! metrics {
-    ($($(#[$doc:meta])* $name:ident, $known:expr;)*) => { $(
+    ($($(#[$doc:meta])* $name:ident, $holds:expr, $known:expr;)*) => { $(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
         pub(crate) struct $name(pub(crate) Metric);
@@ -173,7 +173,7 @@ macro_rules! metrics {
                 static KNOWN: LazyLock<Vec<&'static str>> = LazyLock::new(|| $known);
                 let word = String::deserialize(deserializer)?;
                 match word.parse() {
-                    Ok(metric) if KNOWN.contains(&word.as_str()) => Ok($name(metric)),
+                    Ok(metric) if $holds(metric) => Ok($name(metric)),
                     _ => Err(D::Error::unknown_variant(&word, &KNOWN)),
                 }
             }
@@ -182,8 +182,8 @@ macro_rules! metrics {
 }
 
 metrics! {
-    /// A metric by its key in the record.
-    MetricKey, Metric::ALL.map(Metric::key).to_vec();
-    /// A metric by its name on the command line.
-    MetricOption, Metric::ALL.into_iter().filter_map(Metric::option).collect();
+    /// A metric, in messages by its key in the record; its name on the command line is read as well.
+    MetricKey, |_| true, Metric::ALL.map(Metric::key).to_vec();
+    /// A relative error, in messages by its name on the command line; its key in the record is read as well.
+    MetricOption, Metric::is_error, Metric::ALL.into_iter().filter_map(Metric::option).collect();
 }

@@ -154,8 +154,10 @@ const STUDIES: &str = r##"
     calculix/case-a-fine
 6: tolerance = 0.05 => tolerance = -1
     more than 0
-6: tolerance = 0.05 => tolerance = { metric = "force", limit = 0.1 }
-    not known
+6: tolerance = 0.05 => tolerance = { metric = "forces", limit = 0.1 }
+    `force_l2`
+36: [study] => [study]\nprecision = { metrics = ["peak_force_n"] }
+    peak_force_n | `peak`
 4: duration_s = 1e-4 => duration_s = 0
     more than 0
 1: schema = 1 => schema = 2

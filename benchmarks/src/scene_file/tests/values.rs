@@ -262,6 +262,19 @@ fn a_study_without_integrators_takes_the_adaptive_ones() {
             .iter()
             .all(|m| matches!(m.resolution, Resolution::Tolerance(_)))
     );
+    // The names of the command line mean the same metrics.
+    let scene = read(
+        "tolerance = 0.05",
+        "tolerance = { metric = \"peak\", limit = 0.05 }",
+    );
+    assert_eq!(scene.tolerance.unwrap().metric, Metric::PeakForceRel);
+    let scene = read(
+        "[study]",
+        "[study]\nquantities = [\"force-aligned\", \"peak_force_n\"]\nprecision = { metrics = [\"peak_force_rel\"] }",
+    );
+    let of_scene = [Metric::ForceL2Aligned, Metric::PeakForce];
+    assert_eq!(scene.study.quantities, of_scene);
+    assert_eq!(scene.study.precision.metrics, [Metric::PeakForceRel]);
     let all = Metric::ALL.map(|m| format!("\"{m}\"")).join(", ");
     let scene = read(
         "[study]",

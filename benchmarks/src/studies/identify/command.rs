@@ -12,8 +12,10 @@ use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, absolute, refuse_study, say, warn};
 use crate::experiment::conditions::{Conditions, silent};
+use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
+use crate::experiment::runner::{NotMade, attempt};
 use crate::experiment::settings::settings;
 use crate::models::models;
 use crate::scene_file::references::Held;
@@ -22,7 +24,7 @@ use gearbench_models::gear::table::properties_of;
 use gearbench_models::spec::{SceneSpec, mesh_layout};
 use gearbench_reports::Study;
 use gearbench_reports::identify::IdentifyRecord;
-use gearbench_reports::record::Part;
+use gearbench_reports::record::{Part, Run};
 use serde_json::json;
 
 /// Positions of a mesh cycle that statics are fitted at.
@@ -59,33 +61,55 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     }
     let mut folder = StudyFolder::of(&args.output, &scene, Study::Identify.as_str())?;
     let runner = folder.runner(&silent);
-    let mut found: Vec<Identification> = Vec::new();
+    let mut found: Vec<(&ModelChoice, Identification)> = Vec::new();
+    let mut refused: Vec<(&ModelChoice, NotMade<IdentifyError>)> = Vec::new();
     let mut names = String::new();
     for choice in &fitted {
         let plan = plan(&scene, choice, (&references, &statics), args);
         let all: Vec<&str> = plan.data.iter().map(|d| d.name.as_str()).collect();
         names = all.join(" and ");
         let display = Display::new(0);
-        let result = identify(&plan, &runner, |n, error| {
-            display.message(&format!(
-                "{}: {n} trials, error {:.3} %",
-                choice.label,
-                100.0 * error
-            ));
-        });
-        drop(display);
-        if interruption::requested() {
-            break;
+        let fit = || {
+            identify(&plan, &runner, |n, error| {
+                display.message(&format!(
+                    "{}: {n} trials, error {:.3} %",
+                    choice.label,
+                    100.0 * error
+                ));
+            })
+        };
+        match attempt(fit) {
+            Ok(_) | Err(NotMade::Interrupted) if interruption::requested() => break,
+            Ok(fit) => found.push((choice, fit)),
+            Err(why) => refused.push((choice, why)),
         }
-        found.push(result.map_err(|e| folder.refuse(refuse(&scene, choice, e)))?);
+        drop(display);
     }
     drop(runner);
+    // Where no model is fitted the study has no result: the first reason is its refusal.
+    let none = found.is_empty() && !interruption::requested();
+    for (choice, why) in refused {
+        let error = |e| folder.refuse(refuse(&scene, choice, e));
+        let (status, why) = match why {
+            NotMade::Error(e) if none => return Err(error(e)),
+            why => why.row().map_err(error)?,
+        };
+        if none {
+            return Err(Refusal::Failed(why));
+        }
+        warn(&format!(
+            "the model `{}` is not fitted, the others are: {why}",
+            choice.label
+        ));
+        let row = Configuration::of(&scene, choice).refused(why);
+        folder.add_refused(Run { status, ..row });
+    }
     let conditions = Conditions {
         command: command.to_owned(),
         settings: settings(&scene, &fitted, false),
         ..Conditions::of(&scene)
     };
-    let fits: Vec<_> = found.iter().map(|f| f.record.clone()).collect();
+    let fits: Vec<_> = found.iter().map(|(_, f)| f.record.clone()).collect();
     let told: Vec<_> = fits.iter().map(told).collect();
     let results = conditions.record(Part::Identify(IdentifyRecord { fits }));
     let answer = folder.finish(results, |_| Exit::Done, summarise)?;
@@ -103,7 +127,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
                 command,
                 args.output.force,
             ),
-            WriteTo::Scene => write_scene(&scene, &into_scene(&fitted, &found, args, command)),
+            WriteTo::Scene => write_scene(&scene, &into_scene(&found, args, command)),
         };
         let path = absolute(path?);
         say(&format!("written: {}", path.display()));
@@ -118,13 +142,11 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
 
 /// What goes into the scene file. What was not fitted stays as the calibration that the model takes has it.
 fn into_scene<'a>(
-    fitted: &[&'a ModelChoice],
-    found: &[Identification],
+    found: &[(&'a ModelChoice, Identification)],
     args: &Identify,
     command: &str,
 ) -> Vec<Written<'a>> {
-    let pairs = fitted.iter().zip(found);
-    let of = |(choice, found): (&&'a ModelChoice, &Identification)| {
+    let of = |(choice, found): &(&'a ModelChoice, Identification)| {
         let constants = if args.output.force {
             found.all.clone()
         } else {
@@ -148,7 +170,7 @@ fn into_scene<'a>(
             ],
         }
     };
-    pairs.map(of).collect()
+    found.iter().map(of).collect()
 }
 
 /// A fit for programs.

@@ -2,6 +2,7 @@
 
 use super::chosen::Chosen;
 use super::parameters::Wishes;
+use crate::experiment::error::ModelRefusal;
 use crate::experiment::journal::JournalError;
 use crate::experiment::key::Key;
 use crate::scene_file::calibration::Constants;
@@ -243,6 +244,20 @@ pub enum IdentifyError {
     /// No start led to a fit.
     #[error("the fit failed from every start: {0}")]
     Failed(String),
+}
+
+impl ModelRefusal for IdentifyError {
+    fn refusal(&self) -> Option<String> {
+        match self {
+            IdentifyError::Build(e) => e.refusal(),
+            IdentifyError::Statics(_)
+            | IdentifyError::Step(_)
+            | IdentifyError::Short(_)
+            | IdentifyError::Failed(_) => Some(self.to_string()),
+            // Wishes, data and files are not of one model.
+            _ => None,
+        }
+    }
 }
 
 impl IdentifyError {

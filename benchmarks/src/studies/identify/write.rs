@@ -8,7 +8,7 @@ use crate::cli::files::write_whole;
 use crate::cli::terminal::Refusal;
 use crate::experiment::machine;
 use crate::scene_file::calibration::{Constants, FittedTo, of_gear};
-use crate::scene_file::{Calibration, SceneFile};
+use crate::scene_file::{Calibration, ModelChoice, SceneFile};
 use gearbench_reference::files;
 use gearbench_reports::identify::{FitRecord, Outcome};
 use std::fmt::Display;
@@ -20,7 +20,7 @@ use toml_edit::{DocumentMut, Item, Table, Value};
 pub fn write(
     scene: &SceneFile,
     (to, data): (FittedTo, &str),
-    found: &[Identification],
+    found: &[(&ModelChoice, Identification)],
     command: &str,
     force: bool,
 ) -> Result<PathBuf, Refusal> {
@@ -32,7 +32,7 @@ pub fn write(
     };
     Calibration::parse(&path.display().to_string(), &before)?;
     let sets: Vec<(&FitRecord, Constants)> = (found.iter())
-        .map(|f| {
+        .map(|(_, f)| {
             let mut constants = if force { f.all.clone() } else { f.constants() };
             // What was not fitted stays as the calibration that the model asks for has it.
             let old = scene.model(&f.record.label);

@@ -67,9 +67,18 @@ impl PerTooth {
 
     /// The greatest of all teeth.
     pub fn greatest(&self) -> Option<f64> {
+        self.reduced(f64::max)
+    }
+
+    /// The least of all teeth.
+    pub fn least(&self) -> Option<f64> {
+        self.reduced(f64::min)
+    }
+
+    fn reduced(&self, of: fn(f64, f64) -> f64) -> Option<f64> {
         match self {
             PerTooth::All(x) => Some(*x),
-            PerTooth::Each(x) => x.iter().copied().reduce(f64::max),
+            PerTooth::Each(x) => x.iter().copied().reduce(of),
         }
     }
 }

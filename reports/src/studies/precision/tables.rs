@@ -84,18 +84,18 @@ pub fn tables(view: &View<'_>) -> Markup {
     let metric = study.headline();
     html! {
         @for cloud in &clouds(&study) {
-            @let reference = view.reference_name(&cloud.against);
+            @let reference = &cloud.against;
             section.glance {
                 h2 { "Cheapest run of each model against " (reference) }
                 (within(&study, cloud))
                 p.note {
-                    "Least processor time among the runs within the limit of the " (metric.words()) "; a dash: no run is within it."
+                    "Reference: " (view.reference_name(reference)) ". Least processor time among the runs within the limit of the " (metric.words()) "; a dash: no run is within it."
                     @if cloud.has_fitted() {
                         " A model that was fitted to this very history is not predicted by it: its error is the rest of the fit."
                     }
                 }
             }
-            (leaders(cloud, &reference))
+            (leaders(cloud))
             section {
                 h2 { "Pareto front against " (reference) }
                 (front(cloud))
@@ -113,7 +113,7 @@ pub fn tables(view: &View<'_>) -> Markup {
 }
 
 /// How residual compliance stands beside what is next to it, limit by limit.
-fn leaders(cloud: &Cloud<'_>, reference: &str) -> Markup {
+fn leaders(cloud: &Cloud<'_>) -> Markup {
     let of = |fitted_too: bool| {
         let all = LEVELS
             .iter()
@@ -147,7 +147,7 @@ fn leaders(cloud: &Cloud<'_>, reference: &str) -> Markup {
         .text("Beside the next other model", |(s, _)| s.beside_other())
         .result();
     section(
-        &format!("Residual compliance beside the others, {reference}"),
+        &format!("Residual compliance against {}", cloud.against),
         table,
     )
 }

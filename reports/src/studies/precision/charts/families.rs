@@ -37,7 +37,7 @@ pub(super) fn families(
     let top = scatter::key_height(&models);
     let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + PLOT);
     let reference = view.reference_name(against);
-    let title = format!("The best of each model and integrator against {reference}");
+    let title = format!("The best of each model and integrator against {against}");
     let below = area.y1 + 46.0;
     let svg = draw(WIDTH, below + numbers.height(), &title, |c| {
         scatter::key(c, &models, true);

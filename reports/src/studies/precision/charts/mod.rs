@@ -162,10 +162,12 @@ fn all_runs(
         Cost::Processor => "processor time",
         Cost::Evaluations => "force evaluations",
     };
-    let title = format!(
-        "{} against {reference}, over {over}",
-        capital(metric.words())
-    );
+    // Names of references are long, and the caption has them.
+    let short = match against {
+        SELF => "the converged solution",
+        id => id,
+    };
+    let title = format!("{} against {short}, over {over}", capital(metric.words()));
     let svg = draw(WIDTH, area.y1 + 46.0, &title, |c| {
         scatter::key(c, &models, true);
         let edge = Rect::new(LEFT, top, WIDTH - RIGHT, top + strip - 8.0);
