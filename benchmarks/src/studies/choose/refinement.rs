@@ -8,7 +8,8 @@
 //!
 //! The distance of the [finer mesh](super::detail) with the modes of the top level is the error of the mesh. What the finer
 //! one is still off itself follows from the order at which errors fall with the size of the elements: the second where
-//! flanks touch on half-spaces, the first where they touch with their elements (`q` = 1/4 and 1/2).
+//! flanks touch on half-spaces, the first where they touch with their elements (`q` = 1/4 and 1/2). A distance beyond a fifth
+//! is outside of the range of that order and counts whole.
 //!
 //! The **yardstick** is the top level. Its own error over the whole scene is the sum of the three parts on the window, by its
 //! modes, its mesh and its integration, times the growth of errors from the window to the scene. The part by the integration
@@ -47,6 +48,8 @@ const DIFFERENCES: usize = 4;
 const STEADY: f64 = 0.5;
 /// Ratio of the errors of a mesh to those of one with half the elements: on half-spaces, with the elements themselves.
 const OF_MESHES: [f64; 2] = [0.25, 0.5];
+/// Distance of two meshes up to which errors fall by that ratio.
+const IN_ORDER: f64 = 0.2;
 
 /// A level of elastic gears on the window.
 #[derive(Clone, Debug)]
@@ -330,7 +333,11 @@ pub fn refine_over(
         let distance = last.outcome.error(requirement.metric, &finer.outcome);
         last.step_up = Some(distance);
         let q = OF_MESHES[usize::from(!prepared.details.on_half_spaces())];
-        refinement.of_finer = Some(distance * q / (1.0 - q));
+        let remaining = match distance <= IN_ORDER {
+            true => distance * q / (1.0 - q),
+            false => distance,
+        };
+        refinement.of_finer = Some(remaining);
     }
     refinement.lacks_finer = prepared.details.finer.is_ok() && refinement.finer.is_err();
     let top = refinement.finer.as_ref().unwrap_or(last);
