@@ -77,7 +77,10 @@ fn a_choice_is_written_and_runs() {
     has(&page, &["The hierarchy of models", "<svg"]);
     let table = folder.read("o/choose.csv");
     assert_eq!(
-        table.lines().filter(|l| l.contains(",true,true,")).count(),
+        table
+            .lines()
+            .filter(|l| l.contains(",adequate,true,"))
+            .count(),
         1
     );
     let chosen = folder.read("o/chosen.toml");
