@@ -316,6 +316,6 @@ fn a_choice_is_held_against_references() {
     );
     has(
         &folder.read("q/index.html"),
-        &["The scene has the reference <b>own</b>"],
+        &["the scene has the reference <b>own</b>"],
     );
 }

@@ -30,26 +30,25 @@ pub fn finding(choice: &ChoiceRecord) -> Vec<Markup> {
         }),
     }
     if !choice.yardstick.is_empty() {
-        sentences.push(html! {
-            "The yardstick is " (prose(&choice.yardstick)) ", whose own error "
-            @if let Some(own) = choice.yardstick_error { "is estimated as " b { (per_cent(own, 2)) } "." }
-            @else { "is not known." }
-        });
-    }
-    for r in &choice.references {
-        let to =
-            |x: Option<f64>, of: &str| x.map(|x| format!("the {of} is {} from it", per_cent(x, 2)));
-        let all: Vec<String> = [to(r.yardstick, "yardstick"), to(r.choice, "choice")]
-            .into_iter()
-            .flatten()
-            .collect();
-        if !all.is_empty() {
-            sentences.push(html! {
-                "The scene has the reference " b { (r.reference) } ": in the " (choice.metric_title) " " (all.join(", ")) "."
-            });
-        }
+        sentences.push(yardstick(choice));
     }
     sentences
+}
+
+/// The yardstick, its own error, and distances to the references of the scene.
+fn yardstick(choice: &ChoiceRecord) -> Markup {
+    let to =
+        |x: Option<f64>, of: &str| x.map(|x| format!("the {of} is {} from it", per_cent(x, 2)));
+    html! {
+        "The yardstick is " (prose(&choice.yardstick)) ", whose own error is "
+        @if let Some(own) = choice.yardstick_error { "estimated as " b { (per_cent(own, 2)) } }
+        @else { "not known" }
+        @for r in &choice.references {
+            @let all: Vec<String> = [to(r.yardstick, "yardstick"), to(r.choice, "choice")].into_iter().flatten().collect();
+            @if !all.is_empty() { "; the scene has the reference " b { (r.reference) } ": " (all.join(", ")) }
+        }
+        "."
+    }
 }
 
 /// Predicted error and cost of the choice.
