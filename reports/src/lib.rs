@@ -32,7 +32,10 @@ pub use record::{
 };
 pub use series::{Column, TimeSeries, decimate};
 pub use store::{RECORD, ReportError, load_results, report_from, write_results};
-pub use studies::choose::{ChoiceRecord, ChooseRecord, LevelRecord, TriedRecord};
+pub use studies::choose::{
+    Adequacy, ChoiceRecord, ChooseRecord, ForceStatistics, LevelRecord, ReferenceDistance,
+    TriedRecord, Verdict,
+};
 pub use studies::{
     StudyReport, check, choice_check, compare as comparison, coupling, finding, identify, modes,
     precision, response, run_up, stability, stiffness, sweep, truncation,

@@ -10,12 +10,36 @@ use std::time::{Duration, Instant};
 /// The setting that names what a study did not try.
 pub const NOT_TRIED: &str = "not tried within the budget";
 
+/// A clock of the processor time of all threads; of wall time where the system reports no processor time.
+#[derive(Clone, Copy, Debug)]
+pub struct ProcessorClock {
+    processor: Option<Duration>,
+    wall: Instant,
+}
+
+impl ProcessorClock {
+    /// A clock that starts now.
+    pub fn start() -> ProcessorClock {
+        ProcessorClock {
+            processor: processor_time_of_all_threads(),
+            wall: Instant::now(),
+        }
+    }
+
+    /// Time since the start.
+    pub fn elapsed(&self) -> Duration {
+        match (self.processor, processor_time_of_all_threads()) {
+            (Some(from), Some(now)) => now.saturating_sub(from),
+            _ => self.wall.elapsed(),
+        }
+    }
+}
+
 /// A bound on the processor time of a study.
 #[derive(Clone, Copy, Debug)]
 pub struct Budget {
     limit: Duration,
-    processor: Option<Duration>,
-    wall: Instant,
+    clock: ProcessorClock,
 }
 
 impl Budget {
@@ -23,8 +47,7 @@ impl Budget {
     pub fn new(limit: Duration) -> Budget {
         Budget {
             limit,
-            processor: processor_time_of_all_threads(),
-            wall: Instant::now(),
+            clock: ProcessorClock::start(),
         }
     }
 
@@ -33,13 +56,9 @@ impl Budget {
         Budget::new(Duration::MAX)
     }
 
-    /// Time that is left; wall time is counted where the system reports no processor time.
+    /// Time that is left.
     pub fn left(&self) -> Duration {
-        let spent = match (self.processor, processor_time_of_all_threads()) {
-            (Some(from), Some(now)) => now.saturating_sub(from),
-            _ => self.wall.elapsed(),
-        };
-        self.limit.saturating_sub(spent)
+        self.limit.saturating_sub(self.clock.elapsed())
     }
 
     /// Whether nothing more may begin.

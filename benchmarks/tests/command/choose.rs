@@ -1,6 +1,56 @@
 //! `gearbench choose`: what it writes, that its answer runs, what it refuses.
 
 use super::{Folder, has, stdout};
+use gearbench_reports::{Adequacy, ChoiceRecord, Part, Verdict};
+use std::process::Output;
+
+/// The choice of a record; reading it checks that levels, candidates and verdict follow from its numbers.
+fn choice(folder: &Folder, name: &str) -> ChoiceRecord {
+    let record = gearbench_reports::load_results(&folder.at(name)).unwrap();
+    let Part::Choose(part) = record.part else {
+        panic!("another study");
+    };
+    part.choice.validate().unwrap();
+    part.choice
+}
+
+/// First line on the terminal, exit code, page, record and scene say the same.
+fn agrees(folder: &Folder, name: &str, out: &Output) -> ChoiceRecord {
+    let said = choice(folder, name);
+    let text = stdout(out);
+    let first = text.lines().find(|l| l.contains(" within ")).unwrap();
+    let page = folder.read(&format!("{name}/index.html"));
+    let (line, finding, code) = match said.answer() {
+        Verdict::Adequate => (
+            said.choice().unwrap().level.clone(),
+            "The cheapest that was tried",
+            0,
+        ),
+        Verdict::NotDecided => ("not decided".into(), "<b>not decided</b>", 1),
+        Verdict::NoneAdequate => (
+            "nothing is adequate".into(),
+            "<b>nothing that was tried is adequate</b>",
+            1,
+        ),
+    };
+    has(first, &[&line]);
+    has(&page, &[finding]);
+    assert_eq!(out.status.code(), Some(code));
+    assert_eq!(
+        folder.at(&format!("{name}/chosen.toml")).exists(),
+        code == 0
+    );
+    let levels = folder.read(&format!("{name}/choose_levels.csv"));
+    assert_eq!(
+        levels
+            .lines()
+            .skip(1)
+            .filter(|l| l.contains(said.answer().as_str()))
+            .count(),
+        said.levels.len()
+    );
+    said
+}
 
 /// One impact of coarse gears: their reduction takes a fraction of a second.
 fn scene(gap: &str) -> String {
@@ -27,7 +77,10 @@ fn a_choice_is_written_and_runs() {
     has(&page, &["The hierarchy of models", "<svg"]);
     let table = folder.read("o/choose.csv");
     assert_eq!(
-        table.lines().filter(|l| l.contains(",true,true,")).count(),
+        table
+            .lines()
+            .filter(|l| l.contains(",adequate,true,"))
+            .count(),
         1
     );
     let chosen = folder.read("o/chosen.toml");
@@ -50,10 +103,119 @@ fn a_choice_is_written_and_runs() {
 fn what_cannot_be_kept_is_said() {
     let folder = Folder::new();
     folder.write("small.toml", &scene("1e-6"));
+    let name = "out/small/choose";
+    folder.says("choose small.toml --metric impulse --tolerance 0.05");
+    assert!(folder.at("out/small/choose/chosen.toml").exists());
+    // The yardstick itself is further off than that: nothing is decided, and the choice of before is gone.
     let out = folder.ends("choose small.toml --tolerance 1e-7", 1);
-    has(&stdout(&out), &["nothing is adequate"]);
-    assert!(!folder.at("out/small/choose/chosen.toml").exists());
-    assert!(folder.at("out/small/choose/index.html").exists());
+    let said = agrees(&folder, name, &out);
+    assert_eq!(said.answer(), Verdict::NotDecided);
+    let own = said.yardstick_error.unwrap();
+    let parts = [
+        said.top_error,
+        said.yardstick_mesh_error,
+        said.yardstick_integration_error,
+    ];
+    let sum: f64 = parts.map(Option::unwrap).iter().sum();
+    assert!((own - said.growth.unwrap() * sum).abs() < 1e-12 * sum && own > 1e-7);
+    assert!(said.levels.iter().all(|l| l.adequate != Adequacy::Adequate));
+}
+
+/// A wheel that a harmonic torque throws to and fro within its backlash: neighbouring histories part, so that no history is
+/// judged, and the statistics of the force are listed.
+#[test]
+fn a_history_that_does_not_repeat_is_not_judged() {
+    let folder = Folder::new();
+    folder.write("rattle.toml", &rattle());
+    let out = folder.ends(
+        "choose rattle.toml --metric force --tolerance 0.3 --out o",
+        1,
+    );
+    let said = agrees(&folder, "o", &out);
+    assert_eq!(said.answer(), Verdict::NotDecided);
+    assert!(said.yardstick_error.is_none() && said.tried.is_empty());
+    has(
+        said.not_repeatable.as_deref().unwrap(),
+        &["1 % more stiffness"],
+    );
+    has(
+        &stdout(&out),
+        &["the history does not repeat", "more stiffness"],
+    );
+    has(
+        &folder.read("o/index.html"),
+        &["does not repeat", "Peak of a spell, median"],
+    );
+    for level in said.levels.iter().filter(|l| l.failure.is_none()) {
+        assert_eq!(level.adequate, Adequacy::NotDecided);
+        let forces = level.statistics.unwrap();
+        assert!(forces.spells > 2 && forces.rms_n > 0.0, "{}", level.name);
+        assert!(forces.median_peak_n <= forces.greatest_peak_n);
+    }
+    // No long refinement of what is not judged.
+    assert!(said.levels.iter().all(|l| l.modes.is_none_or(|n| n <= 20)));
+}
+
+/// Set-up counts once for all runs that are planned: of one run the simplest adequate model is the cheapest, and a model that
+/// cannot run is a row with its reason.
+#[test]
+fn set_up_is_distributed_over_the_runs_and_refused_models_are_rows() {
+    let folder = Folder::new();
+    let broken = "[[models]]\nlabel = \"broken\"\nmodel = \"movable-teeth\"\ncontact = { stiffness = \"iso6336\" }\n\
+                  parameters = { tooth_stiffness_n_per_m = 1e8 }\n\n[[meshes]]";
+    folder.write("small.toml", &scene("1e-6").replace("[[meshes]]", broken));
+    let of = |runs: u64| {
+        let name = format!("o{runs}");
+        let command = format!(
+            "choose small.toml --metric impulse --tolerance 0.3 --runs {runs} --out {name}"
+        );
+        let out = folder.ends(&command, 0);
+        let said = agrees(&folder, &name, &out);
+        assert_eq!(said.runs, runs);
+        let total = said.setup_s.unwrap() + runs as f64 * said.predicted_cost_s.unwrap();
+        assert!((said.total_cost_s.unwrap() - total).abs() < 1e-9 * total);
+        let of_level = |l: &gearbench_reports::LevelRecord| {
+            let cost = said.tried[l.cheapest?].cost_s?;
+            Some(l.setup_s? + runs as f64 * cost)
+        };
+        // The simplest of those that cost the least within a tenth.
+        let totals: Vec<Option<f64>> = said.levels.iter().map(of_level).collect();
+        let least = totals
+            .iter()
+            .flatten()
+            .fold(f64::INFINITY, |a, b| a.min(*b));
+        let same = |t: &Option<f64>| t.is_some_and(|t| t <= 1.1 * least);
+        let simplest = totals.iter().position(same).unwrap();
+        assert_eq!(said.levels[simplest].cheapest, said.chosen);
+        said
+    };
+    let one = of(1);
+    assert_eq!(one.choice().unwrap().family, "rigid");
+    of(1_000_000);
+
+    // Movable teeth are tried where rigid gears are not adequate.
+    let out = folder.ends("choose small.toml --tolerance 1e-7 --out r", 1);
+    let said = agrees(&folder, "r", &out);
+    let refused = said.levels.iter().find(|l| l.name.contains("broken"));
+    let refused = refused.unwrap();
+    assert_eq!(
+        (refused.adequate, refused.error),
+        (Adequacy::NotAdequate, None)
+    );
+    has(
+        refused.failure.as_deref().unwrap(),
+        &["refused", "tooth_mass_kg"],
+    );
+}
+
+/// Small gears, the pinion held, the wheel shaken.
+fn rattle() -> String {
+    let still = scene("1e-6")
+        .replace("duration_s = 1.2e-4", "duration_s = 1e-2")
+        .replace("speed_rad_s = 20.0", "mount = \"fixed\"");
+    let shaken = "bore_radius_m = 0.01\n\
+                  loads = [{ harmonic = { mean_nm = 0.3, amplitude_nm = 3.0, frequency_hz = 800.0 } }]\n";
+    still.replacen("bore_radius_m = 0.01\n", shaken, 1)
 }
 
 #[test]
@@ -100,6 +262,7 @@ fn a_choice_is_held_against_references() {
         .filter(|(what, _)| what.starts_with("the choice against"))
         .collect();
     assert_eq!(settings.len(), 2);
+    assert_eq!(choice(&folder, "o").references.len(), 2);
     for (_, found) in &settings {
         has(
             found,
@@ -128,6 +291,31 @@ fn a_choice_is_held_against_references() {
     let out = folder.ends(&format!("{choose} --out p"), 1);
     has(
         &stdout(&out),
-        &["the choice against own: ", "beyond the 20", "not adequate"],
+        &[
+            "not decided, `own` contradicts the yardstick",
+            "the choice against own: ",
+            "beyond the 20",
+            "not adequate",
+        ],
+    );
+    let said = agrees(&folder, "p", &out);
+    let own = &said.references[0];
+    assert!(own.choice.unwrap() > 0.2 && own.yardstick.unwrap() > 0.2);
+
+    // Without being asked the yardstick alone is compared with the scene's own reference, which is said and changes nothing.
+    let out = folder.ends(
+        "choose small.toml --metric impulse --tolerance 0.2 --out q",
+        0,
+    );
+    let said = agrees(&folder, "q", &out);
+    assert_eq!(said.references.len(), 1);
+    assert!(said.references[0].choice.is_none());
+    has(
+        &stdout(&out),
+        &["the yardstick against own", "another yardstick"],
+    );
+    has(
+        &folder.read("q/index.html"),
+        &["the scene has the reference <b>own</b>"],
     );
 }

@@ -6,7 +6,8 @@ use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice};
 use gearbench_reports::stability::{Cell, Columns, Limit, Map, MapAxis, StabilityRecord};
 use gearbench_reports::store::PAGE;
 use gearbench_reports::{
-    ChoiceRecord, ChooseRecord, LevelRecord, Metric, Part, Results, Status, TriedRecord,
+    Adequacy, ChoiceRecord, ChooseRecord, LevelRecord, Metric, Part, ReferenceDistance, Results,
+    Status, TriedRecord, Verdict,
 };
 
 /// Width of the text of a page \[px\], and of a character of its tables.
@@ -56,7 +57,7 @@ pub fn choose() -> Results {
         step_s: Some(1.37e-5),
         cost_s: Some(cost_s),
         error: Some(error),
-        adequate: error < 0.05,
+        adequate: Adequacy::of(error, 0.01, 0.05),
         ..TriedRecord::default()
     };
     let level = LevelRecord {
@@ -64,7 +65,7 @@ pub fn choose() -> Results {
         family: "rigid".into(),
         distance: Some(0.03),
         error: Some(0.031),
-        adequate: true,
+        adequate: Adequacy::Adequate,
         cheapest: Some(0),
         setup_s: Some(1.2e-5),
         ..LevelRecord::default()
@@ -73,6 +74,16 @@ pub fn choose() -> Results {
         metric: "peak".into(),
         metric_title: "peak force".into(),
         tolerance: 0.05,
+        verdict: Some(Verdict::Adequate),
+        yardstick: "`elastic, 35 modes, finer mesh`".into(),
+        yardstick_error: Some(0.01),
+        references: vec![ReferenceDistance {
+            reference: "calculix".into(),
+            yardstick: Some(0.07),
+            choice: None,
+        }],
+        runs: 10,
+        total_cost_s: Some(7.7e-5),
         chosen: Some(0),
         predicted_error: Some(0.014),
         predicted_cost_s: Some(6.52e-6),

@@ -27,6 +27,7 @@ use gearbench::studies::choose::run::{ChooseError, choose};
 use gearbench::studies::choose::trial::{Outcome as Seen, Trial};
 use gearbench_integrators::Resolution;
 use gearbench_models::spec::Body;
+use gearbench_reports::Verdict;
 use gearbench_reports::choice_check::{Outcome, TriedCandidate, ValidatedChoice};
 use gearbench_reports::record::Status;
 use measure::{error, side_by_side, time};
@@ -114,7 +115,11 @@ struct Best {
 
 fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), ValidationError> {
     let metric = sample.metric;
-    let problem = Problem::of(&sample.scene);
+    // Costs are those of runs alone, as they are compared below: set-up is distributed over as many as there may be.
+    let problem = Problem {
+        runs: u64::MAX,
+        ..Problem::of(&sample.scene)
+    };
     let times = grid(problem.duration, sample.contact_time);
 
     let requirement = Requirement {
@@ -205,10 +210,15 @@ fn validate_into(row: &mut ValidatedChoice, sample: &Sample) -> Result<(), Valid
         row.outside.clone_from(&c.outside);
     }
     let Some(chosen) = chosen else {
-        row.outcome = match &best {
-            Some(_) => Outcome::WronglyNone,
-            None => Outcome::RightlyNone,
+        let undecided = (choice.as_ref()).filter(|c| c.verdict == Verdict::NotDecided);
+        row.outcome = match (&best, undecided) {
+            (_, Some(_)) => Outcome::NotDecided,
+            (Some(_), None) => Outcome::WronglyNone,
+            (None, None) => Outcome::RightlyNone,
         };
+        if let Some(own) = undecided.map(|c| c.own_error.unwrap_or(f64::INFINITY)) {
+            row.note = Some(format!("own error of the yardstick {:.2} %", 100.0 * own));
+        }
         if let Some(b) = &best {
             put_cheapest(row, &all[b.index], b.error, Some(b.cost));
         }

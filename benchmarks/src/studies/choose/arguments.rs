@@ -11,13 +11,17 @@ Examples:
   gearbench choose hammer --metric impulse --tolerance 0.02
   gearbench choose my_scene.toml --metric peak --tolerance 0.1 --out out/peak
   gearbench choose my_scene.toml --references      and compare what was chosen with what was measured
+  gearbench choose my_scene.toml --runs 1000       for many runs of the scene, over which the set-up is distributed
   gearbench choose my_scene.toml --timeout 5 --budget 60
 
 No finite-element transient runs: a hierarchy of models is refined on a short part of the scene, and differences between
 its levels estimate the errors. Modes, contact and mesh are levels of it: flanks touch on half-spaces where they may, and
-all models are held against elastic gears of twice the elements. The folder holds chosen.toml, the scene with the choice written in:
+all models are compared with elastic gears of twice the elements, the yardstick. The folder holds chosen.toml, the scene with the choice written in:
 `gearbench compare out/SCENE/choose/chosen.toml --out out/chosen` runs it. What --budget leaves untried is listed, and the
-answer is of what was tried. Exit code 1 says that nothing is adequate, or that a reference (--references) is further from the choice than was asked for.";
+answer is of what was tried. Every level is judged with the yardstick's own error: adequate where both together keep the
+tolerance, not adequate where the error is beyond it by more than that, else not decided. Exit code 1 says that nothing is adequate, or
+that it is not decided: the yardstick is too far off itself, the history does not repeat, or a reference (--references) is
+further from the choice than was asked for.";
 
 /// Arguments of `choose`.
 #[derive(Args, Clone, Debug)]
@@ -35,6 +39,10 @@ pub struct Choose {
     /// these
     #[arg(long)]
     pub references: bool,
+    /// Number of runs of the scene that are planned: the cheapest is the one with the least processor time of one set-up and
+    /// so many runs
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    pub runs: u64,
     /// Where results go, and how long a run may take.
     #[command(flatten)]
     pub run: Bounded,

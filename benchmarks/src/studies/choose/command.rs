@@ -1,6 +1,8 @@
 //! `gearbench choose SCENE`.
 
 use super::arguments::Choose;
+use super::held::Subject;
+use super::plan::Candidate;
 use super::problem::Problem;
 use super::reason::{per_cent, seconds};
 use super::requirement::Requirement;
@@ -13,12 +15,13 @@ use crate::cli::exit::Exit;
 use crate::cli::files::write_whole;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, all_references_of, refuse_run, say};
+use crate::cli::terminal::{Refusal, absolute, all_references_of, refuse_run, say, warn};
 use crate::experiment::conditions::silent;
 use crate::experiment::interruption;
 use crate::experiment::run::RunError;
+use crate::scene_file::references::Held;
 use crate::scene_file::{self, SceneFile};
-use gearbench_reports::Study;
+use gearbench_reports::{Part, ReferenceDistance, Study, Verdict};
 use std::sync::Arc;
 
 /// Runs the study and writes its folder.
@@ -27,7 +30,7 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     let mut scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
     let references = match args.references {
         true => all_references_of(&mut scene, &Insist::default())?,
-        false => Vec::new(),
+        false => references_of_the_scene(&mut scene),
     };
     if args.references && references.is_empty() {
         return Err(Refusal::Input(miette::miette!(
@@ -39,6 +42,7 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Choose.as_str())?;
     let problem = Problem {
         runner: Arc::new(folder.runner(&silent).within(args.budget.budget())),
+        runs: args.runs,
         timeout: args.run.timeout(),
         ..Problem::of(&scene)
     };
@@ -52,47 +56,115 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     if interruption::requested() {
         return Err(folder.interrupted());
     }
-    let choice = choice.map_err(|e| folder.refuse(refuse(&scene, &problem, e)))?;
+    let mut choice = choice.map_err(|e| folder.refuse(refuse(&scene, &problem, e)))?;
+    let settings = compare_with(&mut choice, &references, &requirement, args.references)?;
     let mut results = record::results(&problem, (&scene.title, command), &requirement, &choice);
-    let dir = folder.path().to_owned();
-    let io = |e: std::io::Error| Refusal::Files(format!("{}: {e}", dir.display()));
-    if let Some(candidate) = &choice.candidate {
-        let remarks = remarks(&choice, &requirement, command);
-        let text = chosen::text(&scene, candidate, &remarks)?;
-        write_whole(&dir.join("chosen.toml"), text).map_err(io)?;
+    results.settings.extend(settings.iter().cloned());
+    let file = folder.path().join("chosen.toml");
+    let io = |e: std::io::Error| Refusal::Files(format!("{}: {e}", file.display()));
+    match &choice.candidate {
+        Some(candidate) => {
+            let remarks = remarks(&choice, &requirement, command);
+            let text = chosen::text(&scene, candidate, &remarks)?;
+            write_whole(&file, text).map_err(io)?;
+        }
+        // One of an earlier start is no answer to this question.
+        None => match std::fs::remove_file(&file) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(io(e)),
+            _ => {}
+        },
     }
-    let mut beyond = Vec::new();
-    if let Some(candidate) = choice.candidate.as_ref().filter(|_| !references.is_empty()) {
-        let found = held::against(candidate, &references, &requirement);
-        let found = found.map_err(refuse_run)?;
-        results.settings.extend(found.settings);
-        beyond = found.beyond;
-    }
-    let held: Vec<(String, String)> = (results.settings.iter())
-        .filter(|(what, _)| what.starts_with(held::AGAINST))
-        .cloned()
-        .collect();
-    let exit = match choice.candidate {
-        Some(_) if beyond.is_empty() => Exit::Done,
-        Some(_) => Exit::FellShort,
-        None => Exit::FellShort,
+    let exit = match choice.verdict {
+        Verdict::Adequate => Exit::Done,
+        Verdict::NotDecided | Verdict::NoneAdequate => Exit::FellShort,
     };
     let answer = folder.finish(
         results,
         |_| exit,
-        |_| {
-            summarise(&choice, &requirement);
-            held.iter()
-                .for_each(|(what, found)| say(&format!("{what}: {found}")));
+        |results| {
+            if let Part::Choose(part) = &results.part {
+                summarise(&part.choice, &choice);
+            }
+            (settings.iter()).for_each(|(what, found)| say(&format!("{what}: {found}")));
         },
     )?;
     if choice.candidate.is_some() {
-        let path = absolute(dir.join("chosen.toml"));
+        let path = absolute(file);
         say(&format!("scene:  {}", path.display()));
         Ok(answer.with("scene", path))
     } else {
         Ok(answer)
     }
+}
+
+/// References of the scene's own conditions, which the yardstick is compared with; none where they cannot be read, which is
+/// said: the choice does not need them.
+fn references_of_the_scene(scene: &mut SceneFile) -> Vec<Held> {
+    match scene.held(false) {
+        Ok(all) => {
+            let own = |r: &Held| r.named.is_of_the_scene();
+            all.into_iter().filter(own).collect()
+        }
+        Err(e) => {
+            warn(&format!(
+                "the yardstick is not compared with references: {e}"
+            ));
+            Vec::new()
+        }
+    }
+}
+
+/// Compares the yardstick with the references, and the choice where that is `asked` for: one that is beyond the tolerance
+/// against a reference is withdrawn. Without that the yardstick is run for them only where the window is the whole scene.
+fn compare_with(
+    choice: &mut Choice,
+    references: &[Held],
+    requirement: &Requirement,
+    asked: bool,
+) -> Result<Vec<(String, String)>, Refusal> {
+    if references.is_empty() || !(asked || choice.window.whole) {
+        return Ok(Vec::new());
+    }
+    let against = |subject, candidate: &Candidate| {
+        held::against((subject, candidate), references, requirement).map_err(refuse_run)
+    };
+    let mut found = against(Subject::Yardstick, &choice.yardstick)?;
+    choice.references = (found.distances.drain(..))
+        .map(|(reference, yardstick)| ReferenceDistance {
+            reference,
+            yardstick,
+            choice: None,
+        })
+        .collect();
+    for r in &choice.references {
+        if let Some(distance) = r.yardstick {
+            choice.reason.push(format!(
+                "The scene has the reference `{}`, another yardstick: this one is {} away from it in the {} over the whole scene.",
+                r.reference,
+                per_cent(distance),
+                requirement.title()
+            ));
+        }
+    }
+    let Some(candidate) = choice.candidate.as_ref().filter(|_| asked) else {
+        return Ok(found.settings);
+    };
+    let of_choice = against(Subject::Choice, candidate)?;
+    for (r, (_, distance)) in choice.references.iter_mut().zip(of_choice.distances) {
+        r.choice = distance;
+    }
+    found.settings.extend(of_choice.settings);
+    if !of_choice.beyond.is_empty() {
+        choice.reason.push(format!(
+            "{} is adequate by the yardstick, but beyond the tolerance against {}: it is not decided what keeps {}.",
+            candidate.name(),
+            of_choice.beyond.join(", "),
+            per_cent(requirement.tolerance)
+        ));
+        choice.candidate = None;
+        choice.verdict = Verdict::NotDecided;
+    }
+    Ok(found.settings)
 }
 
 /// An error of assembly at its line, where it is about a model of the scene.
@@ -116,9 +188,10 @@ fn remarks(choice: &Choice, requirement: &Requirement, command: &str) -> Vec<Str
     let mut all = vec![
         format!("Chosen by `{command}`:"),
         format!(
-            "estimated error of the {} {}, of {} allowed; {} on the machine where it was chosen.",
+            "estimated error of the {} {}, own error of the yardstick {}, {} allowed; {} a run on the machine where it was chosen.",
             requirement.title(),
             per_cent(choice.predicted_error),
+            per_cent(choice.own_error.unwrap_or(f64::NAN)),
             per_cent(requirement.tolerance),
             seconds(choice.predicted_cost_s)
         ),

@@ -16,12 +16,12 @@
 
 use super::plan::elastic;
 use super::problem::{Flexible, Problem};
+use crate::experiment::budget::ProcessorClock;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Body, LocalContact, PointContact};
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reference::{MeshParameters, REFERENCES};
-use std::time::Instant;
 
 /// Elements of the finer mesh over those of the scene.
 const FACTOR: usize = 2;
@@ -70,7 +70,7 @@ pub struct Details {
     pub no_half_spaces: Option<String>,
     /// The finer mesh, or why there is none.
     pub finer: Result<Flexible, String>,
-    /// Time in which the gears of the lead and of the finer mesh were set up first, caches as they were [s].
+    /// Processor time in which the gears of the lead and of the finer mesh were set up first, caches as they were [s].
     setup_s: [f64; 2],
 }
 
@@ -79,7 +79,7 @@ impl Details {
     /// known how many are to come.
     pub fn of(problem: &Problem, modes: usize) -> Details {
         let given = &problem.flexible;
-        let begin = Instant::now();
+        let begin = ProcessorClock::start();
         let (lead, no_half_spaces) = match half_spaces(problem, modes) {
             Ok(Some(lead)) => (lead, None),
             Ok(None) => (given.clone(), None),
@@ -94,7 +94,7 @@ impl Details {
             (problem, 0),
             problem.flexible.clone(),
             Some(why),
-            Instant::now(),
+            ProcessorClock::start(),
         )
     }
 
@@ -102,7 +102,7 @@ impl Details {
         (problem, modes): (&Problem, usize),
         lead: Flexible,
         no_half_spaces: Option<String>,
-        begin: Instant,
+        begin: ProcessorClock,
     ) -> Details {
         let of_lead = begin.elapsed().as_secs_f64();
         let finer = finer(problem, &lead, modes);
@@ -114,7 +114,7 @@ impl Details {
         }
     }
 
-    /// Time in which the gears of a detail were set up first, caches as they were [s].
+    /// Processor time in which the gears of a detail were set up first, caches as they were [s].
     pub fn setup_s(&self, detail: Detail) -> f64 {
         self.setup_s[usize::from(detail == Detail::Finer)]
     }

@@ -1,9 +1,9 @@
-//! What was chosen against the references of the scene: the estimate of a choice is an error against finer models, what was
-//! measured may be further away.
+//! The choice and its yardstick against the references of the scene: the estimate of a choice is an error against finer
+//! models, what was measured may be further away.
 //!
-//! The choice is run over the whole scene, and for references of other speeds and loads once more under each of these. What
-//! they say of the metric that was asked for is the last word: a choice that is beyond its tolerance there is not adequate,
-//! whatever was estimated between models.
+//! Each is run over the whole scene, and for references of other speeds and loads once more under each of these. What the
+//! references say of the metric that was asked for is the last word: a choice that is beyond its tolerance there is not
+//! adequate, whatever was estimated between models. The yardstick's distance is reported.
 
 use super::plan::Candidate;
 use super::reason::per_cent;
@@ -16,24 +16,42 @@ use gearbench_reports::Metric;
 use gearbench_reports::metrics::compare_all;
 use gearbench_reports::record::Run;
 
-/// What such settings begin with.
-pub(super) const AGAINST: &str = "the choice against";
+/// What is compared with the references.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Subject {
+    /// What was chosen.
+    Choice,
+    /// What all models are compared with.
+    Yardstick,
+}
 
-/// What the references say of a choice.
+impl Subject {
+    /// What settings of the record about it begin with.
+    fn against(self) -> &'static str {
+        match self {
+            Subject::Choice => "the choice against",
+            Subject::Yardstick => "the yardstick against",
+        }
+    }
+}
+
+/// What the references say of a model.
 #[derive(Debug, Default)]
 pub(super) struct Found {
     /// A setting of the record for each reference.
     pub(super) settings: Vec<(String, String)>,
+    /// References with the distance in the metric asked for, where they have it.
+    pub(super) distances: Vec<(String, Option<f64>)>,
     /// References against which the metric asked for is beyond its tolerance.
     pub(super) beyond: Vec<String>,
 }
 
-/// Runs the choice over the whole scene, at the speeds and loads of each reference, and says how far it is from it.
+/// Runs a model over the whole scene, at the speeds and loads of each reference, and says how far it is from it.
 ///
 /// # Errors
 /// [`RunError`] when it cannot run.
 pub(super) fn against(
-    candidate: &Candidate,
+    (subject, candidate): (Subject, &Candidate),
     references: &[Held],
     requirement: &Requirement,
 ) -> Result<Found, RunError> {
@@ -46,8 +64,9 @@ pub(super) fn against(
             Some(row) if of_the_scene => Run::clone(row),
             _ => under(candidate, held, references)?,
         };
-        let (told, beyond) = told(&row, held, candidate, requirement);
+        let (told, distance, beyond) = told(&row, held, (subject, candidate), requirement);
         let id = &held.data.id;
+        found.distances.push((id.clone(), distance));
         if beyond {
             found.beyond.push(id.clone());
         }
@@ -58,7 +77,7 @@ pub(super) fn against(
         };
         found
             .settings
-            .push((format!("{AGAINST} {id}{where_}"), told));
+            .push((format!("{} {id}{where_}", subject.against()), told));
         if of_the_scene {
             own = Some(row);
         }
@@ -66,7 +85,7 @@ pub(super) fn against(
     Ok(found)
 }
 
-/// The choice at the speeds and loads of a reference.
+/// A model at the speeds and loads of a reference.
 fn under(candidate: &Candidate, held: &Held, all: &[Held]) -> Result<Run, RunError> {
     let conditions = Conditions {
         repeats: 0,
@@ -83,18 +102,19 @@ fn under(candidate: &Candidate, held: &Held, all: &[Held]) -> Result<Run, RunErr
     run(&conditions.job((&spec, &candidate.modelling), &candidate.method, &grid))
 }
 
-/// All errors that a reference tells, and whether the one asked for is beyond its tolerance.
+/// All errors against a reference in words, the one asked for, and whether that is beyond its tolerance.
 fn told(
     row: &Run,
     held: &Held,
-    candidate: &Candidate,
+    (subject, candidate): (Subject, &Candidate),
     requirement: &Requirement,
-) -> (String, bool) {
+) -> (String, Option<f64>, bool) {
     let run = match row.finished() {
         Ok(run) => run,
         Err(_) => {
             let why = row.message.as_deref().unwrap_or("no reason given");
-            return (format!("the run did not reach the end: {why}"), true);
+            let told = format!("the run did not reach the end: {why}");
+            return (told, None, true);
         }
     };
     let recorded = recorded(&held.data, &candidate.scene);
@@ -113,12 +133,15 @@ fn told(
     let allowed = per_cent(requirement.tolerance);
     let title = requirement.title();
     let beyond = asked.is_some_and(|e| e > requirement.tolerance);
-    all.push(match asked {
-        Some(_) if beyond => {
-            format!("so the {title} is beyond the {allowed} asked for: the choice is not adequate")
+    all.extend(match (asked, subject) {
+        (None, _) => Some(format!("it says nothing of the {title} that was asked for")),
+        (Some(_), Subject::Yardstick) => None,
+        (Some(_), Subject::Choice) if beyond => Some(format!(
+            "so the {title} is beyond the {allowed} asked for: the choice is not adequate"
+        )),
+        (Some(_), Subject::Choice) => {
+            Some(format!("so the {title} is within the {allowed} asked for"))
         }
-        Some(_) => format!("so the {title} is within the {allowed} asked for"),
-        None => format!("it says nothing of the {title} that was asked for"),
     });
-    (all.join(", "), beyond)
+    (all.join(", "), asked, beyond)
 }

@@ -6,6 +6,8 @@
 
 use super::plan::Fixed;
 use super::problem::Problem;
+use super::reason::per_cent;
+use super::requirement::is_scalar;
 use super::run::ChooseError;
 use super::statics::MeshOscillator;
 use super::trial::{Outcome, Trial};
@@ -13,8 +15,9 @@ use gearbench_integrators::Scheme;
 use gearbench_integrators::table::TRIGONOMETRIC;
 use gearbench_models::spec::{effective_radius, mesh_layout};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
-use gearbench_reports::Metric;
+use gearbench_reports::choice_check::quantile;
 use gearbench_reports::numbers::{round_quantity, short};
+use gearbench_reports::{ForceStatistics, Metric};
 
 /// Steps and samples of a pilot run per contact time.
 const STEPS: f64 = 32.0;
@@ -42,6 +45,12 @@ const LOADED: f64 = 0.9;
 const MARGIN: f64 = 0.5;
 /// Relative change of stiffness whose effect tells how errors grow.
 const NUDGE: f64 = 0.01;
+/// A smaller one, which tells whether its effect is in proportion to it.
+const SMALL_NUDGE: f64 = 0.001;
+/// Change of a history from which on it is another one.
+const ORDER_ONE: f64 = 0.5;
+/// Effect of the smaller change over that of the larger one, in proportion a tenth, from which on a history does not repeat.
+const NOT_IN_PROPORTION: f64 = 0.3;
 
 /// The part of a scene on which models are compared.
 #[derive(Clone, Debug, PartialEq)]
@@ -277,29 +286,107 @@ fn grid(end: f64, spacing: f64, contact_time: f64, spells: &[[f64; 2]]) -> Vec<f
         .collect()
 }
 
-/// How much larger the effect of a little more stiffness is in the whole scene than in the window, at least 1: errors
-/// of phase add up from impact to impact.
-pub fn growth(
+/// What a little more stiffness of rigid gears changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensitivity {
+    /// Factor by which its effect on the metric grows from the window to the whole scene, at least 1: errors of phase add up
+    /// from impact to impact.
+    pub growth: f64,
+    /// Its effect on the metric over the whole scene, where the history does not repeat; 0 where it does.
+    pub scatter: f64,
+    /// Why the history does not repeat, if so.
+    pub not_repeatable: Option<String>,
+}
+
+/// Measures the sensitivity of a scene with rigid gears.
+///
+/// A history repeats where its change is small, or in proportion to the change of the stiffness. Where 1 % more stiffness
+/// makes another history and 0.1 % makes one that is nearly as different, neighbouring solutions part exponentially: no
+/// model predicts such a history, and only its statistics have a meaning.
+pub fn sensitivity(
     problem: &Problem,
     level: &Fixed,
     window: &Window,
     oscillator: &MeshOscillator,
     metric: Metric,
-) -> Result<f64, ChooseError> {
-    if window.whole {
-        return Ok(1.0);
-    }
-    let [base, stiffer] =
-        [1.0, 1.0 + NUDGE].map(|factor| scaled(problem, level, oscillator, factor));
-    let all = Window::to(problem.duration, spacing(problem, oscillator, metric));
-    let error = |w: &Window| -> Result<f64, ChooseError> {
-        let run =
-            |level: &Fixed| Trial::new(problem, &level.scene, &level.modelling)?.run(&method(), w);
-        Ok(run(&stiffer)?.error(metric, &run(&base)?))
+) -> Result<Sensitivity, ChooseError> {
+    let all = match window.whole {
+        true => window.clone(),
+        false => Window::to(problem.duration, spacing(problem, oscillator, metric)),
     };
-    let (near, far) = (error(window)?, error(&all)?);
-    let g = far / near;
-    Ok(if g.is_finite() { g.max(1.0) } else { 1.0 })
+    let run = |factor: f64, w: &Window| -> Result<Outcome, ChooseError> {
+        let level = scaled(problem, level, oscillator, factor);
+        Ok(Trial::new(problem, &level.scene, &level.modelling)?.run(&method(), w)?)
+    };
+    let (base, stiffer) = (run(1.0, &all)?, run(1.0 + NUDGE, &all)?);
+    let far = stiffer.error(metric, &base);
+    let growth = match window.whole {
+        true => 1.0,
+        false => {
+            let near = run(1.0 + NUDGE, window)?.error(metric, &run(1.0, window)?);
+            let growth = far / near;
+            if growth.is_finite() {
+                growth.max(1.0)
+            } else {
+                1.0
+            }
+        }
+    };
+    let repeats = Sensitivity {
+        growth,
+        scatter: 0.0,
+        not_repeatable: None,
+    };
+    // Single numbers may agree by chance: histories say whether the run repeats.
+    let history = match is_scalar(metric) {
+        true => Metric::ForceL2Aligned,
+        false => metric,
+    };
+    let large = stiffer.error(history, &base);
+    if !(base.usable() && large.is_finite() && large >= ORDER_ONE) {
+        return Ok(repeats);
+    }
+    let slightly = run(1.0 + SMALL_NUDGE, &all)?;
+    let small = slightly.error(history, &base);
+    if !(small.is_finite() && small >= NOT_IN_PROPORTION * large) {
+        return Ok(repeats);
+    }
+    Ok(Sensitivity {
+        scatter: far.max(slightly.error(metric, &base)),
+        not_repeatable: Some(format!(
+            "{} % more stiffness of rigid gears changes it by {}, {} % by {}",
+            100.0 * NUDGE,
+            per_cent(large),
+            100.0 * SMALL_NUDGE,
+            per_cent(small)
+        )),
+        ..repeats
+    })
+}
+
+/// Statistics of the contact force of a run.
+pub fn statistics(run: &Outcome) -> ForceStatistics {
+    let (t, f) = (&run.series.time_s, &run.series.contact_force_n);
+    let square: f64 = (t.windows(2).zip(f.windows(2)))
+        .map(|(t, f)| 0.5 * (f[0] * f[0] + f[1] * f[1]) * (t[1] - t[0]))
+        .sum();
+    let duration = t.last().unwrap_or(&0.0) - t.first().unwrap_or(&0.0);
+    let peaks: Vec<f64> = (spells(run).iter())
+        .map(|[a, b]| {
+            let within = t.iter().zip(f).filter(|(t, _)| (a..=b).contains(t));
+            within.map(|(_, f)| *f).fold(0.0, f64::max)
+        })
+        .collect();
+    ForceStatistics {
+        rms_n: if duration > 0.0 {
+            (square / duration).sqrt()
+        } else {
+            0.0
+        },
+        spells: peaks.len(),
+        median_peak_n: quantile(&peaks, 0.5).unwrap_or(0.0),
+        greatest_peak_n: peaks.into_iter().fold(0.0, f64::max),
+    }
 }
 
 /// A rigid level with its stiffness times a factor; a stiffness that is no table becomes a constant one.

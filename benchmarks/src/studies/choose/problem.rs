@@ -85,6 +85,8 @@ pub struct Problem {
     pub own: Vec<Own>,
     /// Table of models.
     pub models: &'static [Model],
+    /// Runs of the scene over which the set-up is distributed.
+    pub runs: u64,
     /// Bound on the processor time of one integration on the window: far beyond what an adequate one takes.
     pub timeout: Duration,
 }
@@ -126,6 +128,7 @@ impl Problem {
         );
         Problem {
             runner: Arc::default(),
+            runs: 1,
             timeout: Duration::from_secs_f64(DEFAULT_TIMEOUT),
             name: file.name.clone(),
             scene: elastic.map_or_else(|| file.spec.clone(), |m| file.spec_for(m)),

@@ -2,6 +2,7 @@
 
 use super::detail;
 use super::problem::Problem;
+use super::reason::yardstick;
 use super::requirement::Requirement;
 use super::run::{Choice, LevelTried, Tried};
 use crate::experiment::budget::NOT_TRIED;
@@ -26,6 +27,16 @@ pub fn results(
         metric: requirement.name().into(),
         metric_title: requirement.title().into(),
         tolerance: requirement.tolerance,
+        verdict: Some(choice.verdict),
+        yardstick: yardstick(choice),
+        yardstick_error: choice.own_error.and_then(finite),
+        yardstick_integration_error: finite(choice.parts.top_integration),
+        yardstick_mesh_error: choice.parts.mesh.and_then(finite),
+        scatter: finite(choice.scatter).filter(|s| *s > 0.0),
+        not_repeatable: choice.not_repeatable.clone(),
+        references: choice.references.clone(),
+        runs: choice.runs,
+        total_cost_s: finite(choice.total_cost_s),
         chosen: choice.candidate.as_ref().and_then(place),
         predicted_error: finite(choice.predicted_error),
         model_error: finite(choice.parts.model),
@@ -67,6 +78,7 @@ fn level(r: &LevelTried, cheapest: Option<usize>) -> LevelRecord {
         step_up: r.step_up.and_then(finite),
         error: finite(r.error),
         adequate: r.adequate,
+        statistics: r.statistics,
         cheapest,
         setup_s: finite(r.setup_s),
         failure: r.failure.clone(),
@@ -119,7 +131,7 @@ fn settings(problem: &Problem, choice: &Choice) -> Vec<(String, String)> {
         false => "the contact of the scene",
     };
     all.push((
-        "held against".into(),
+        "yardstick".into(),
         format!("{}; {contact}", of_gears.join("; ")),
     ));
     all

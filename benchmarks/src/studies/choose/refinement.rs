@@ -8,19 +8,26 @@
 //!
 //! The distance of the [finer mesh](super::detail) with the modes of the top level is the error of the mesh. What the finer
 //! one is still off itself follows from the order at which errors fall with the size of the elements: the second where
-//! flanks touch on half-spaces, the first where they touch with their elements (`q` = 1/4 and 1/2). That is told, and a
-//! warning where it is more than was asked; it is no part of the estimates, which are errors against the finer mesh.
+//! flanks touch on half-spaces, the first where they touch with their elements (`q` = 1/4 and 1/2). A distance beyond a fifth
+//! is outside of the range of that order and counts whole.
+//!
+//! The **yardstick** is the top level. Its own error over the whole scene is the sum of the three parts on the window, by its
+//! modes, its mesh and its integration, times the growth of errors from the window to the scene. The part by the integration
+//! follows from a further run with twice the step, or with half of it where twice the step does not carry all modes, by the
+//! second order of the method. Nothing is judged more precisely than that ([`Refinement::own_error`]).
 
 use super::level::Level;
 use super::pilot::Window;
 use super::plan::{Candidate, MODES, Prepared};
 use super::problem::{Flexible, Problem};
+use super::reason::per_cent;
 use super::requirement::{Requirement, is_scalar};
 use super::run::ChooseError;
-use super::trial::{Outcome, Trial};
+use super::trial::{Outcome, Trial, cannot_run};
 use crate::experiment::budget::NOT_TRIED;
-use crate::experiment::run::RunError;
+use gearbench_integrators::modal::resonance::SAFE;
 use gearbench_reports::Metric;
+use gearbench_reports::choice_check::quantile;
 
 /// Steps per contact time of the refinement, for tolerances up to a limit: their own error is not to show beside it.
 const STEPS: [(f64, f64); 3] = [(0.015, 512.0), (0.04, 256.0), (f64::INFINITY, 128.0)];
@@ -33,8 +40,16 @@ const HISTORY: f64 = 2.0;
 const FLOOR: [f64; 2] = [3e-3, 1e-3];
 /// Bounds of the ratio of differences.
 const RATIO: [f64; 2] = [0.3, 0.5];
+/// Error of a step over the distance to twice and to half the step, of a method of the second order.
+const OF_STEPS: [f64; 2] = [1.0 / 3.0, 4.0 / 3.0];
+/// Fewest differences that say whether they fall.
+const DIFFERENCES: usize = 4;
+/// Differences of the later half over those of the first half from which on they do not fall, medians.
+const STEADY: f64 = 0.5;
 /// Ratio of the errors of a mesh to those of one with half the elements: on half-spaces, with the elements themselves.
 const OF_MESHES: [f64; 2] = [0.25, 0.5];
+/// Distance of two meshes up to which errors fall by that ratio.
+const IN_ORDER: f64 = 0.2;
 
 /// Steps per contact time at which the error of integration does not show under a tolerance.
 pub fn steps_per_contact(tolerance: f64) -> f64 {
@@ -42,9 +57,13 @@ pub fn steps_per_contact(tolerance: f64) -> f64 {
     found.map_or(STEPS[2].1, |s| s.1)
 }
 
-/// Ratio of the error of a mesh to that of one with half the elements.
-pub fn of_meshes(on_half_spaces: bool) -> f64 {
-    OF_MESHES[usize::from(!on_half_spaces)]
+/// Error of a mesh by its distance to one with half the elements; where that is too large for the order to hold, all of it.
+pub fn error_of_mesh(distance: f64, on_half_spaces: bool) -> f64 {
+    let q = OF_MESHES[usize::from(!on_half_spaces)];
+    match distance <= IN_ORDER {
+        true => distance * q / (1.0 - q),
+        false => distance,
+    }
 }
 
 /// A level of elastic gears on the window.
@@ -70,10 +89,18 @@ pub struct Refinement {
     pub remaining: f64,
     /// The same by its mesh, where there is a finer one.
     pub of_finer: Option<f64>,
+    /// What the integration of the top level is estimated to be off on the window.
+    pub integration: f64,
     /// Factor by which errors grow from the window to the scene.
     pub growth: f64,
     /// The differences became small.
     pub settled: bool,
+    /// Why differences between levels say nothing of the error, if so: they do not fall with more modes.
+    pub not_convergent: Option<String>,
+    /// Levels that cannot run, with the reason.
+    pub refused: Vec<(Candidate, String)>,
+    /// A finer mesh could be made, but did not run: what the mesh is off is not known.
+    pub lacks_finer: bool,
     /// Levels for which no processor time was left.
     pub not_tried: Vec<String>,
     /// Steps per contact time.
@@ -92,6 +119,13 @@ impl Refinement {
         last.and_then(|l| l.step_up)
     }
 
+    /// Estimated error of the top level itself over the whole scene; `None` where it is not known.
+    pub fn own_error(&self) -> Option<f64> {
+        let parts = self.remaining + self.of_finer.unwrap_or(0.0) + self.integration;
+        let known = !self.lacks_finer && self.not_convergent.is_none();
+        Some(self.growth * parts).filter(|e| known && e.is_finite())
+    }
+
     /// Runs a further level as the others were run.
     ///
     /// # Errors
@@ -102,12 +136,58 @@ impl Refinement {
         of: &Flexible,
         modes: usize,
     ) -> Result<Result<RefinedLevel, String>, ChooseError> {
-        level(
-            problem,
-            prepared.at_steps(problem, of, modes, self.steps),
-            window,
-        )
+        let candidate = prepared.at_steps(problem, of, modes, self.steps);
+        match level(problem, candidate, window) {
+            Err(ChooseError::Run(e)) => match cannot_run(&e) {
+                Some(why) => Ok(Err(why)),
+                None => Err(e.into()),
+            },
+            other => other,
+        }
     }
+}
+
+/// What the integration of a level is off on the window, from a further run with another step.
+fn integration_error(
+    problem: &Problem,
+    level: &RefinedLevel,
+    window: &Window,
+    metric: Metric,
+) -> Result<f64, ChooseError> {
+    let candidate = &level.candidate;
+    let Some(step) = candidate.method.resolution.step() else {
+        return Ok(f64::INFINITY);
+    };
+    let mut trial = Trial::new(problem, &candidate.scene, &candidate.modelling)?;
+    let highest = level.outcome.row.highest_hz.unwrap_or(0.0);
+    let coarse_carries = SAFE / (4.0 * step) > highest;
+    for (factor, of_distance) in [2.0, 0.5].into_iter().zip(OF_STEPS) {
+        if factor > 1.0 && !coarse_carries {
+            continue;
+        }
+        let other = trial.run(&candidate.method.method.at_step(factor * step), window)?;
+        let distance = other.error(metric, &level.outcome);
+        if distance.is_finite() {
+            return Ok(of_distance * distance);
+        }
+    }
+    Ok(f64::INFINITY)
+}
+
+/// Why differences between levels do not fall with more modes, if so.
+fn not_falling(differences: &[f64], allowed: f64) -> Option<String> {
+    if differences.len() < DIFFERENCES || differences.last().is_none_or(|d| *d <= allowed) {
+        return None;
+    }
+    let (first, later) = differences.split_at(differences.len() / 2);
+    let [first, later] = [first, later].map(|half| quantile(half, 0.5).unwrap_or(0.0));
+    (later > STEADY * first).then(|| {
+        format!(
+            "the distances between elastic levels do not fall with more modes, {} at first and {} at last in the median",
+            per_cent(first),
+            per_cent(later)
+        )
+    })
 }
 
 /// Runs a level on the window, or says why its numbers are not to be used.
@@ -116,13 +196,7 @@ fn level(
     candidate: Candidate,
     window: &Window,
 ) -> Result<Result<RefinedLevel, String>, ChooseError> {
-    let mut trial = match Trial::new(problem, &candidate.scene, &candidate.modelling) {
-        // A level that would take too much memory, or that cannot be meshed, takes none of the others with it.
-        Err(RunError::Build(e)) if candidate.level.modes() != Some(0) => {
-            return Ok(Err(e.to_string()));
-        }
-        made => made?,
-    };
+    let mut trial = Trial::new(problem, &candidate.scene, &candidate.modelling)?;
     let outcome = trial.run(&candidate.method, window)?;
     if !outcome.usable() {
         return Ok(Err(
@@ -150,6 +224,20 @@ pub fn refine(
     growth: f64,
     progress: &mut impl FnMut(&str),
 ) -> Result<Refinement, ChooseError> {
+    let what = (problem, prepared, window);
+    refine_over(what, (requirement, growth), &MODES, progress)
+}
+
+/// Refines over some numbers of modes.
+///
+/// # Errors
+/// Those of [`refine`].
+pub fn refine_over(
+    (problem, prepared, window): (&Problem, &Prepared, &Window),
+    (requirement, growth): (&Requirement, f64),
+    all_modes: &[usize],
+    progress: &mut impl FnMut(&str),
+) -> Result<Refinement, ChooseError> {
     let steps = steps_per_contact(requirement.tolerance);
     let lead = &prepared.details.lead;
     let mut levels: Vec<RefinedLevel> = Vec::new();
@@ -159,7 +247,9 @@ pub fn refine(
     let mut apart: Vec<f64> = Vec::new();
     let mut not_tried: Vec<String> = Vec::new();
     let budget = problem.runner.budget();
-    for modes in std::iter::once(0).chain(MODES) {
+    let mut refused: Vec<(Candidate, String)> = Vec::new();
+    let mut first_error = None;
+    for modes in std::iter::once(0).chain(all_modes.iter().copied()) {
         if budget.is_spent() {
             not_tried.push(Level::elastic(modes, lead.detail).name());
             continue;
@@ -169,12 +259,24 @@ pub fn refine(
             Level::elastic(modes, lead.detail).name()
         ));
         let candidate = prepared.at_steps(problem, lead, modes, steps);
-        let next = match level(problem, candidate, window)? {
-            Ok(next) => next,
-            Err(why) => {
+        let next = match level(problem, candidate.clone(), window) {
+            Ok(Ok(next)) => next,
+            Ok(Err(why)) => {
+                refused.push((candidate, why.clone()));
                 failure = why;
                 continue;
             }
+            // A level that would take too much memory, or that cannot be meshed, takes none of the others with it.
+            Err(ChooseError::Run(e)) => {
+                let Some(why) = cannot_run(&e) else {
+                    return Err(e.into());
+                };
+                refused.push((candidate, why.clone()));
+                failure = why;
+                first_error.get_or_insert(e);
+                continue;
+            }
+            Err(e) => return Err(e),
         };
         if let Some(below) = levels.last_mut() {
             below.step_up = Some(below.outcome.error(requirement.metric, &next.outcome));
@@ -194,7 +296,11 @@ pub fn refine(
             break;
         }
     }
-    let modes = remaining(&differences(&levels));
+    if let Some(e) = first_error.filter(|_| levels.is_empty()) {
+        return Err(e.into());
+    }
+    let differences_of_modes = differences(&levels);
+    let modes = remaining(&differences_of_modes);
     let (Some(last), true) = (levels.last_mut(), modes.is_finite()) else {
         return Err(match not_tried.is_empty() {
             true => ChooseError::Hierarchy(failure),
@@ -207,8 +313,14 @@ pub fn refine(
         levels: Vec::new(),
         remaining: modes.max(floor),
         of_finer: None,
+        integration: 0.0,
         growth,
         settled,
+        not_convergent: (!settled)
+            .then(|| not_falling(&differences_of_modes, requirement.tolerance / growth))
+            .flatten(),
+        refused,
+        lacks_finer: false,
         not_tried,
         steps,
     };
@@ -232,9 +344,16 @@ pub fn refine(
     if let Ok(finer) = &refinement.finer {
         let distance = last.outcome.error(requirement.metric, &finer.outcome);
         last.step_up = Some(distance);
-        let q = of_meshes(prepared.details.on_half_spaces());
-        refinement.of_finer = Some(distance * q / (1.0 - q));
+        let on_half_spaces = prepared.details.on_half_spaces();
+        refinement.of_finer = Some(error_of_mesh(distance, on_half_spaces));
     }
+    refinement.lacks_finer = prepared.details.finer.is_ok() && refinement.finer.is_err();
+    let top = refinement.finer.as_ref().unwrap_or(last);
+    progress(&format!(
+        "{} under another step",
+        top.candidate.level.name()
+    ));
+    refinement.integration = integration_error(problem, top, window, requirement.metric)?;
     refinement.levels = levels;
     Ok(refinement)
 }
@@ -260,7 +379,17 @@ fn remaining(d: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::remaining;
+    use super::{not_falling, remaining};
+
+    /// Differences that stay as large as they were say nothing of the error; those that fall, or are within what is allowed,
+    /// do.
+    #[test]
+    fn differences_that_do_not_fall_are_recognised() {
+        assert!(not_falling(&[0.6, 0.5, 0.6, 0.3, 0.5, 0.7], 0.1).is_some());
+        assert_eq!(not_falling(&[0.6, 0.5, 0.3, 0.2, 0.15, 0.12], 0.1), None);
+        assert_eq!(not_falling(&[0.06, 0.05, 0.06, 0.05, 0.06], 0.1), None);
+        assert_eq!(not_falling(&[0.6, 0.5, 0.6], 0.1), None);
+    }
 
     #[test]
     fn a_geometric_series_is_summed() {

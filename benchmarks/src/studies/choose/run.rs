@@ -3,14 +3,18 @@
 use super::detail::{Detail, Details};
 use super::level::Level;
 use super::pilot::Window;
-use super::plan::{Candidate, Prepared};
+use super::plan::{Candidate, MODES, Prepared};
 use super::problem::Problem;
-use super::refinement::{Refinement, refine};
-use super::requirement::Requirement;
+use super::refinement::{refine, refine_over};
+use super::requirement::{Requirement, is_scalar};
 use super::{domain, pilot, selection};
 use crate::experiment::run::RunError;
 use gearbench_integrators::Scheme;
 use gearbench_models::error::BuildError;
+use gearbench_reports::{Adequacy, ForceStatistics, ReferenceDistance, Verdict};
+
+/// Numbers of modes of which the statistics are described where a history does not repeat.
+const FEW: usize = 2;
 
 /// Why there is no answer at all.
 #[derive(Debug, thiserror::Error)]
@@ -52,13 +56,15 @@ pub struct LevelTried {
     pub distance: f64,
     /// Distance to the next denser level, where the hierarchy goes on.
     pub step_up: Option<f64>,
-    /// Estimated error over the whole scene.
+    /// Estimated error against the top level over the whole scene.
     pub error: f64,
-    /// Keeps the tolerance.
-    pub adequate: bool,
+    /// Whether it keeps the tolerance.
+    pub adequate: Adequacy,
+    /// Statistics of the contact force on the window, where its history does not repeat.
+    pub statistics: Option<ForceStatistics>,
     /// The cheapest adequate integrator and resolution, and its predicted cost for the whole scene [s].
     pub cheapest: Option<(Candidate, f64)>,
-    /// Set-up on this machine, caches as they were [s].
+    /// Processor time of the set-up on this machine, caches as they were [s].
     pub setup_s: f64,
     /// Why its numbers are not to be used, if so.
     pub failure: Option<String>,
@@ -69,12 +75,12 @@ pub struct LevelTried {
 pub struct Tried {
     /// It.
     pub candidate: Candidate,
-    /// Estimated error over the whole scene.
+    /// Estimated error against the top level over the whole scene.
     pub error: f64,
-    /// Predicted cost for the whole scene [s].
+    /// Predicted processor time of one run of the whole scene [s].
     pub cost_s: f64,
-    /// Keeps the tolerance.
-    pub adequate: bool,
+    /// Whether it keeps the tolerance.
+    pub adequate: Adequacy,
     /// Steps and force evaluations on the window.
     pub work: [u64; 2],
     /// How the run failed, if so.
@@ -84,16 +90,32 @@ pub struct Tried {
 /// The answer.
 #[derive(Clone, Debug)]
 pub struct Choice {
-    /// What to run; `None` when nothing is adequate.
+    /// The answer.
+    pub verdict: Verdict,
+    /// What to run; `None` when nothing is adequate, or when it is not decided.
     pub candidate: Option<Candidate>,
-    /// Estimated error of it over the whole scene against the finer mesh, or the least there is.
+    /// The top level, which all others are compared with.
+    pub yardstick: Candidate,
+    /// Estimated error of the yardstick itself over the whole scene; `None` where it is not known, and nothing is judged.
+    pub own_error: Option<f64>,
+    /// Part of it of a history that does not repeat.
+    pub scatter: f64,
+    /// Why the history does not repeat, if so.
+    pub not_repeatable: Option<String>,
+    /// Distances of the yardstick and of the choice to references of the scene.
+    pub references: Vec<ReferenceDistance>,
+    /// Runs over which the set-up is distributed.
+    pub runs: u64,
+    /// Processor time of the choice for all runs with one set-up [s].
+    pub total_cost_s: f64,
+    /// Estimated error of the choice against the yardstick over the whole scene, or the least there is.
     pub predicted_error: f64,
     /// Parts of it: the model against the top level, the integrator against the model's own fine solution, what the top
     /// level is off, and the factor from the window to the whole scene.
     pub parts: Parts,
-    /// Time for the whole scene on this machine [s].
+    /// Processor time of one run of the whole scene on this machine [s].
     pub predicted_cost_s: f64,
-    /// Time of the set-up (mesh, modes; kept on disk for next time), beside the cost [s].
+    /// Processor time of the set-up (mesh, modes; kept on disk for next time) [s].
     pub setup_s: f64,
     /// The reason, a sentence each.
     pub reason: Vec<String>,
@@ -120,8 +142,10 @@ pub struct Parts {
     pub integration: f64,
     /// Top level against the limit of the hierarchy of modes.
     pub top: f64,
-    /// Top level against the limit of finer and finer meshes, where it is known; no part of the estimate.
+    /// Top level against the limit of finer and finer meshes, where it is known.
     pub mesh: Option<f64>,
+    /// Top level against its own limit of short steps.
+    pub top_integration: f64,
     /// Factor by which errors grow from the window to the whole scene.
     pub growth: f64,
 }
@@ -164,20 +188,29 @@ fn choose_among(
         &prepared.oscillator,
         requirement.metric,
     )?;
-    let growth = pilot::growth(
+    let sensitivity = pilot::sensitivity(
         problem,
         pilot_level,
         &window,
         &prepared.oscillator,
         requirement.metric,
     )?;
-    let hierarchy: Refinement = refine(problem, &prepared, &window, requirement, growth, progress)?;
+    // A history that does not repeat is not judged, and need not be refined.
+    let growth = sensitivity.growth;
+    let judged = sensitivity.not_repeatable.is_none() || is_scalar(requirement.metric);
+    let hierarchy = match judged {
+        true => refine(problem, &prepared, &window, requirement, growth, progress)?,
+        false => {
+            let what = (problem, &prepared, &window);
+            refine_over(what, (requirement, growth), &MODES[..FEW], progress)?
+        }
+    };
     let selected = selection::select(
         problem,
         &prepared,
         &window,
         requirement,
-        hierarchy,
+        (hierarchy, &sensitivity),
         progress,
     )?;
     Ok(Choice {

@@ -1,30 +1,33 @@
-//! The selection: of every level that is near enough to the top one each integrator is taken to its longest adequate step, and
-//! the cheapest of all is chosen.
+//! The selection: of every adequate level each integrator is taken to its longest adequate step, and the cheapest of all is
+//! chosen.
 //!
-//! A candidate is run on the window and held against the top level, so that errors of model and integrator count as
-//! they come together. Candidates of an integrator are tried from the longest step on; the first one that keeps the
-//! tolerance with a margin counts. On a window that is not the whole scene the next shorter step must keep it as well:
-//! one that is right by chance there may not be so later.
+//! A candidate is run on the window and compared with the top level, the yardstick, so that errors of model and integrator
+//! count as they come together. It is adequate where its error and the yardstick's own error together keep the tolerance
+//! ([`Adequacy`]). Candidates of an integrator are tried from the longest step on; the first adequate one counts. On a window
+//! that is not the whole scene the next shorter step must be adequate as well: one that is right by chance there may not be
+//! so later.
+//!
+//! The cost of a candidate is the processor time of one set-up and of all runs that the user plans. Of those whose costs
+//! differ by no more than a tenth the simplest model is chosen.
 
 use super::detail::Detail;
 use super::level::Level;
-use super::pilot::Window;
+use super::pilot::{self, Sensitivity, Window};
 use super::plan::{Candidate, Fixed, Prepared};
 use super::problem::Problem;
 use super::refinement::{RefinedLevel, Refinement};
-use super::requirement::Requirement;
+use super::requirement::{Requirement, is_scalar};
 use super::run::{Choice, ChooseError, LevelTried, Parts, Tried};
-use super::trial::{Outcome, Trial};
+use super::trial::{Outcome, Trial, cannot_run};
 use gearbench_integrators::modal::resonance::SAFE;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
+use gearbench_reports::record::Status;
+use gearbench_reports::{Adequacy, ForceStatistics, Verdict};
 
-/// Part of the tolerance that an estimate may use up.
-const MARGIN: f64 = 0.9;
+/// Ratio of costs up to which two candidates cost the same.
+pub(super) const SAME_COST: f64 = 1.1;
 /// Steps per contact time at which rigid gears and movable teeth have no error of integration worth speaking of.
 const FINE: f64 = 512.0;
-/// A level whose own fine solution is beyond this many tolerances is not tried further.
-const HOPE: f64 = 1.0;
-
 /// Most repeats of a timed run.
 const REPEATS: usize = 9;
 
@@ -41,9 +44,13 @@ struct Selector<'a, 'p> {
     requirement: &'a Requirement,
     refinement: &'a Refinement,
     top: &'a Outcome,
+    /// Estimated error of the top level itself over the whole scene; infinite where it is not known.
+    own_error: f64,
     progress: &'p mut dyn FnMut(&str),
-    /// Cost of the cheapest adequate candidate so far [s].
+    /// Cost of the cheapest adequate candidate so far, set-up and all runs [s].
     cheapest: f64,
+    /// The history does not repeat, and its statistics are described.
+    describes_statistics: bool,
     /// Least cost of elastic gears times their step [s^2].
     per_step: Option<f64>,
     /// Levels and candidates for which no processor time was left.
@@ -51,9 +58,9 @@ struct Selector<'a, 'p> {
 }
 
 impl Selector<'_, '_> {
-    /// Estimated error over the whole scene of something at a distance from the top level.
+    /// Estimated error against the top level over the whole scene of something at a distance from it on the window.
     fn error(&self, distance: f64) -> f64 {
-        self.refinement.growth * (distance + self.refinement.remaining)
+        self.refinement.growth * distance
     }
 
     /// Whether there is no processor time left for something, which is then listed.
@@ -65,19 +72,61 @@ impl Selector<'_, '_> {
         spent
     }
 
-    fn adequate(&self, error: f64) -> bool {
-        error <= MARGIN * self.requirement.tolerance
+    fn adequate(&self, error: f64) -> Adequacy {
+        Adequacy::of(error, self.own_error, self.requirement.tolerance)
     }
 
-    /// Holds a level that is not elastic against the top one.
+    /// Processor time of all runs that are planned, with one set-up [s].
+    fn total(&self, setup: f64, cost: f64) -> f64 {
+        setup + self.problem.runs as f64 * cost
+    }
+
+    /// A level without a usable run, for a reason.
+    fn refused(&self, of: &Candidate, why: &str) -> Standing {
+        Standing {
+            tried: LevelTried {
+                level: of.level.clone(),
+                method: of.method,
+                distance: f64::INFINITY,
+                step_up: None,
+                error: f64::INFINITY,
+                adequate: self.adequate(f64::INFINITY),
+                statistics: None,
+                cheapest: None,
+                setup_s: f64::NAN,
+                failure: Some(format!("{}: {why}", Status::Refused)),
+            },
+            fine: None,
+        }
+    }
+
+    /// Statistics of a run whose history does not repeat.
+    fn statistics(&self, run: &Outcome) -> Option<ForceStatistics> {
+        (self.describes_statistics && run.usable()).then(|| pilot::statistics(run))
+    }
+
+    /// Compares a level that is not elastic with the top one.
     fn stand(&mut self, fixed: &Fixed, contact_time: f64) -> Result<Standing, ChooseError> {
         (self.progress)(&format!("{} on the window", fixed.level.name()));
         let method = match fixed.level {
             Level::MovableTeeth(_) => DOPRI5.at_tolerance(1e-5),
             _ => TRIGONOMETRIC.at_step(contact_time / FINE),
         };
-        let mut trial = Trial::new(self.problem, &fixed.scene, &fixed.modelling)?;
-        let fine = trial.run(&method, self.window)?;
+        let ran = Trial::new(self.problem, &fixed.scene, &fixed.modelling)
+            .and_then(|mut trial| Ok((trial.run(&method, self.window)?, trial.setup)));
+        let (fine, setup) = match ran {
+            Ok(ran) => ran,
+            Err(e) => {
+                let why = cannot_run(&e).ok_or(e)?;
+                let candidate = Candidate {
+                    level: fixed.level.clone(),
+                    scene: fixed.scene.clone(),
+                    modelling: fixed.modelling.clone(),
+                    method,
+                };
+                return Ok(self.refused(&candidate, &why));
+            }
+        };
         let distance = fine.error(self.requirement.metric, self.top);
         let error = self.error(distance);
         Ok(Standing {
@@ -88,15 +137,16 @@ impl Selector<'_, '_> {
                 step_up: None,
                 error,
                 adequate: self.adequate(error),
+                statistics: self.statistics(&fine),
                 cheapest: None,
-                setup_s: trial.setup.as_secs_f64(),
+                setup_s: setup.as_secs_f64(),
                 failure: failure(&fine),
             },
             fine: fine.usable().then_some(fine),
         })
     }
 
-    /// Holds elastic gears that were run against the top level.
+    /// Compares elastic gears that were run with the top level.
     fn elastic(&self, refined: &RefinedLevel, prepared: &Prepared) -> Standing {
         let distance = refined.outcome.error(self.requirement.metric, self.top);
         let error = self.error(distance);
@@ -110,6 +160,7 @@ impl Selector<'_, '_> {
                 step_up: refined.step_up,
                 error,
                 adequate: self.adequate(error),
+                statistics: self.statistics(&refined.outcome),
                 cheapest: None,
                 setup_s: detail_s + refined.setup_s,
                 failure: None,
@@ -136,8 +187,13 @@ impl Selector<'_, '_> {
             Level::elastic(modes, given.detail).name()
         ));
         let what = (self.problem, prepared, self.window);
-        let run = self.refinement.further(what, given, modes)?;
-        Ok(run.ok().map(|level| self.elastic(&level, prepared)))
+        Ok(Some(match self.refinement.further(what, given, modes)? {
+            Ok(level) => self.elastic(&level, prepared),
+            Err(why) => {
+                let candidate = prepared.at_steps(self.problem, given, modes, FINE);
+                self.refused(&candidate, &why)
+            }
+        }))
     }
 
     /// Predicted cost over the whole scene of a candidate that takes `cost` on the window: a method that flies pays for
@@ -151,7 +207,7 @@ impl Selector<'_, '_> {
         }
     }
 
-    /// Looks for the cheapest adequate candidate of a level, where there is hope.
+    /// Looks for the cheapest adequate candidate of an adequate level.
     fn look(
         &mut self,
         level: &mut LevelTried,
@@ -159,22 +215,22 @@ impl Selector<'_, '_> {
         all: &[Candidate],
         tried: &mut Vec<Tried>,
     ) -> Result<(), ChooseError> {
-        if level.error > HOPE * self.requirement.tolerance {
+        if level.adequate != Adequacy::Adequate {
             return Ok(());
         }
         let own: Vec<Candidate> = (all.iter().filter(|c| c.level == level.level))
             .cloned()
             .collect();
         let fine = fine.map(|l| (&l.candidate, l.outcome.row.highest_hz.unwrap_or(0.0)));
-        level.cheapest = self.search(&own, fine, tried)?;
+        level.cheapest = self.search((&own, level.setup_s), fine, tried)?;
         Ok(())
     }
 
-    /// Tries the candidates of a level, whose own fine run has modes up to `highest` [Hz] and is `fine`; the cheapest
-    /// adequate one comes back.
+    /// Tries the candidates of a level with its set-up [s], whose own fine run has modes up to `highest` [Hz] and is `fine`;
+    /// the cheapest adequate one comes back.
     fn search(
         &mut self,
-        candidates: &[Candidate],
+        (candidates, setup): (&[Candidate], f64),
         fine: Option<(&Candidate, f64)>,
         tried: &mut Vec<Tried>,
     ) -> Result<Option<(Candidate, f64)>, ChooseError> {
@@ -190,7 +246,7 @@ impl Selector<'_, '_> {
         for row in candidates.chunk_by(same) {
             let mut pending: Option<(&Candidate, f64)> = None;
             for (i, candidate) in row.iter().enumerate() {
-                if self.too_dear(candidate) || self.leaves(|| candidate.name()) {
+                if self.too_dear(candidate, setup) || self.leaves(|| candidate.name()) {
                     break;
                 }
                 (self.progress)(&candidate.name());
@@ -202,17 +258,33 @@ impl Selector<'_, '_> {
                 let trial = match kept.as_mut().filter(|_| reused) {
                     Some(trial) => trial,
                     None => {
-                        own = Trial::new(self.problem, &candidate.scene, &candidate.modelling)?;
+                        own = match Trial::new(self.problem, &candidate.scene, &candidate.modelling)
+                        {
+                            Ok(own) => own,
+                            Err(e) => {
+                                tried.push(self.not_run(candidate, cannot_run(&e).ok_or(e)?));
+                                break;
+                            }
+                        };
                         &mut own
                     }
                 };
-                let outcome = trial.run(&candidate.method, self.window)?;
+                let outcome = match trial.run(&candidate.method, self.window) {
+                    Ok(outcome) => outcome,
+                    Err(e) => {
+                        tried.push(self.not_run(candidate, cannot_run(&e).ok_or(e)?));
+                        break;
+                    }
+                };
                 let error = self.error(outcome.error(self.requirement.metric, self.top));
                 let adequate = self.adequate(error);
                 let mut cost = f64::NAN;
                 if outcome.usable() {
                     // The cost of what does not do is for the picture only.
-                    let repeats = if adequate { REPEATS } else { 1 };
+                    let repeats = match adequate {
+                        Adequacy::Adequate => REPEATS,
+                        _ => 1,
+                    };
                     let end = self.window.end;
                     let on_window = trial.cost(&candidate.method, end, repeats)?;
                     cost = self.whole_cost(candidate, on_window);
@@ -226,7 +298,7 @@ impl Selector<'_, '_> {
                     work: [outcome.row.steps, outcome.row.force_evaluations],
                     failure: failure(&outcome),
                 });
-                if !adequate {
+                if adequate != Adequacy::Adequate {
                     pending = None;
                     continue;
                 }
@@ -236,13 +308,25 @@ impl Selector<'_, '_> {
                     if best.as_ref().is_none_or(|(_, b)| cost < *b) {
                         best = Some((c.clone(), cost));
                     }
-                    self.cheapest = self.cheapest.min(cost);
+                    self.cheapest = self.cheapest.min(self.total(setup, cost));
                     break;
                 }
                 pending = Some((candidate, cost));
             }
         }
         Ok(best)
+    }
+
+    /// A candidate that cannot run.
+    fn not_run(&self, candidate: &Candidate, why: String) -> Tried {
+        Tried {
+            candidate: candidate.clone(),
+            error: f64::INFINITY,
+            cost_s: f64::NAN,
+            adequate: self.adequate(f64::INFINITY),
+            work: [0, 0],
+            failure: Some(format!("{}: {why}", Status::Refused)),
+        }
     }
 
     /// Keeps what a step of elastic gears costs.
@@ -253,27 +337,38 @@ impl Selector<'_, '_> {
         }
     }
 
-    /// Elastic gears whose steps alone cost more than the cheapest that is known to do: the confirming next shorter step
-    /// of something cheaper may still run.
-    fn too_dear(&self, candidate: &Candidate) -> bool {
-        let step =
-            (candidate.method.resolution.step()).filter(|_| candidate.level.modes().is_some());
-        step.is_some_and(|h| self.per_step.is_some_and(|p| p / (2.0 * h) > self.cheapest))
+    /// Elastic gears whose set-up and steps alone cost more than the cheapest that is known to be adequate: the confirming
+    /// next shorter step of something cheaper may still run.
+    fn too_dear(&self, candidate: &Candidate, setup: f64) -> bool {
+        let Some(h) =
+            (candidate.method.resolution.step()).filter(|_| candidate.level.modes().is_some())
+        else {
+            return false;
+        };
+        let run = self.per_step.map_or(0.0, |p| p / (2.0 * h));
+        self.total(setup, run) > self.cheapest
     }
 }
 
-/// The cheapest that keeps the tolerance without a margin, for when nothing keeps it with one: its standing, itself,
-/// its cost.
-fn within(
-    standings: &[Standing],
-    tried: &[Tried],
-    tolerance: f64,
-) -> Option<(usize, Candidate, f64)> {
-    let keeps = |t: &&Tried| t.error <= tolerance && t.cost_s.is_finite();
-    let least = (tried.iter().filter(keeps)).min_by(|a, b| a.cost_s.total_cmp(&b.cost_s))?;
-    let level = |s: &Standing| s.tried.level == least.candidate.level;
-    let i = standings.iter().position(level)?;
-    Some((i, least.candidate.clone(), least.cost_s))
+/// The place of the cheapest of some costs, simplest model first: of those that cost the same the simplest.
+fn simplest_of_cheapest(costs: &[Option<f64>]) -> Option<usize> {
+    let least = (costs.iter().flatten()).fold(f64::INFINITY, |a, b| a.min(*b));
+    let same = |cost: &Option<f64>| cost.is_some_and(|c| c <= SAME_COST * least);
+    costs.iter().position(same)
+}
+
+/// The answer, from what was tried: levels, each with its candidates. Nothing is adequate where no level is, and where of an
+/// adequate one candidates were tried and none of them is.
+fn verdict(chosen: bool, levels: impl IntoIterator<Item = (Adequacy, Vec<Adequacy>)>) -> Verdict {
+    let not = |a: &Adequacy| *a == Adequacy::NotAdequate;
+    let none = |(level, candidates): (Adequacy, Vec<Adequacy>)| {
+        not(&level) || !candidates.is_empty() && candidates.iter().all(not)
+    };
+    match (chosen, levels.into_iter().all(none)) {
+        (true, _) => Verdict::Adequate,
+        (false, true) => Verdict::NoneAdequate,
+        (false, false) => Verdict::NotDecided,
+    }
 }
 
 fn failure(outcome: &Outcome) -> Option<String> {
@@ -292,13 +387,21 @@ pub fn select(
     prepared: &Prepared,
     window: &Window,
     requirement: &Requirement,
-    refinement: Refinement,
+    (refinement, sensitivity): (Refinement, &Sensitivity),
     progress: &mut dyn FnMut(&str),
 ) -> Result<Choice, ChooseError> {
     let Some(top) = refinement.top() else {
         return Err(ChooseError::Hierarchy("no level ran".into()));
     };
+    // A single number of a history that does not repeat has a meaning to its scatter; the history itself has none.
+    let why = (sensitivity.not_repeatable.as_ref()).or(refinement.not_convergent.as_ref());
+    let judged = sensitivity.not_repeatable.is_none() || is_scalar(requirement.metric);
+    let own_error = (refinement.own_error())
+        .map(|e| e + sensitivity.scatter)
+        .filter(|e| judged && e.is_finite());
     let mut selector = Selector {
+        own_error: own_error.unwrap_or(f64::INFINITY),
+        describes_statistics: why.is_some(),
         problem,
         window,
         requirement,
@@ -322,6 +425,9 @@ pub fn select(
         let mut standing = selector.stand(fixed, prepared.oscillator.contact_time())?;
         selector.look(&mut standing.tried, None, &all, &mut tried)?;
         standings.push(standing);
+    }
+    for (candidate, why) in &refinement.refused {
+        standings.push(selector.refused(candidate, why));
     }
     let finer = refinement.finer.as_ref().ok();
     for refined in refinement.levels.iter().chain(finer) {
@@ -364,25 +470,33 @@ pub fn select(
             s.tried.level.modes(),
         )
     });
-    let best = (standings.iter().enumerate())
-        .filter_map(|(i, s)| s.tried.cheapest.clone().map(|(c, cost)| (i, c, cost)))
-        .min_by(|a, b| a.2.total_cmp(&b.2))
-        .or_else(|| within(&standings, &tried, requirement.tolerance));
-    if let Some((i, candidate, cost)) = &best {
-        let level = &mut standings[*i].tried;
-        level
-            .cheapest
-            .get_or_insert_with(|| (candidate.clone(), *cost));
-    }
+    let total = |s: &Standing| {
+        let (_, cost) = s.tried.cheapest.as_ref()?;
+        Some(selector.total(s.tried.setup_s, *cost))
+    };
+    let totals: Vec<Option<f64>> = standings.iter().map(total).collect();
+    let best = simplest_of_cheapest(&totals).and_then(|i| {
+        let (candidate, cost) = standings[i].tried.cheapest.clone()?;
+        Some((i, candidate, cost))
+    });
     let mut choice = Choice {
         candidate: None,
         predicted_error: standings
             .iter()
             .map(|s| s.tried.error)
             .fold(f64::INFINITY, f64::min),
+        verdict: Verdict::NotDecided,
+        yardstick: top.candidate.clone(),
+        own_error,
+        scatter: sensitivity.scatter,
+        not_repeatable: why.cloned(),
+        references: Vec::new(),
+        runs: problem.runs,
+        total_cost_s: f64::NAN,
         parts: Parts {
             top: refinement.remaining,
-            mesh: refinement.of_finer.map(|e| refinement.growth * e),
+            top_integration: refinement.integration,
+            mesh: refinement.of_finer,
             growth: refinement.growth,
             ..Parts::default()
         },
@@ -404,6 +518,7 @@ pub fn select(
         choice.predicted_error = found.map_or(f64::NAN, |t| t.error);
         choice.predicted_cost_s = cost;
         choice.setup_s = standing.tried.setup_s;
+        choice.total_cost_s = totals[i].unwrap_or(f64::NAN);
         choice.parts.model = standing.tried.distance;
         if let Some(fine) = &standing.fine {
             let (scene, modelling) = (candidate.scene.clone(), candidate.modelling.clone());
@@ -414,6 +529,53 @@ pub fn select(
         choice.candidate = Some(candidate);
     }
     choice.levels = standings.into_iter().map(|s| s.tried).collect();
+    let of = |level: &LevelTried| {
+        let own = (choice.tried.iter()).filter(|t| t.candidate.level == level.level);
+        (level.adequate, own.map(|t| t.adequate).collect())
+    };
+    choice.verdict = verdict(choice.candidate.is_some(), choice.levels.iter().map(of));
     choice.reason = super::reason::reason(&choice, requirement, &refinement);
     Ok(choice)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Adequacy::{Adequate, NotAdequate, NotDecided};
+
+    /// Costs from the simplest model to the most detailed one.
+    #[test]
+    fn of_two_that_cost_the_same_the_simpler_is_chosen() {
+        let chosen = |costs: &[Option<f64>]| simplest_of_cheapest(costs);
+        // 12.3 us against 12.2 us are the same.
+        assert_eq!(chosen(&[Some(12.3e-6), Some(12.2e-6)]), Some(0));
+        assert_eq!(chosen(&[Some(2.0), None, Some(1.05), Some(1.0)]), Some(2));
+        assert_eq!(chosen(&[Some(1.2), Some(1.0)]), Some(1));
+        assert_eq!(chosen(&[None, None]), None);
+        assert_eq!(chosen(&[]), None);
+    }
+
+    /// Nothing is adequate only where that is decided of everything.
+    #[test]
+    fn the_answer_follows_from_levels_and_candidates() {
+        let of = |levels: &[(Adequacy, &[Adequacy])]| {
+            let owned = levels.iter().map(|(l, c)| (*l, c.to_vec()));
+            verdict(false, owned)
+        };
+        assert_eq!(
+            of(&[(NotAdequate, &[]), (NotDecided, &[])]),
+            Verdict::NotDecided
+        );
+        assert_eq!(
+            of(&[(NotAdequate, &[]), (Adequate, &[NotAdequate, NotAdequate])]),
+            Verdict::NoneAdequate
+        );
+        assert_eq!(
+            of(&[(Adequate, &[NotAdequate, NotDecided])]),
+            Verdict::NotDecided
+        );
+        // What was not tried is not known.
+        assert_eq!(of(&[(Adequate, &[])]), Verdict::NotDecided);
+        assert_eq!(verdict(true, [(NotDecided, Vec::new())]), Verdict::Adequate);
+    }
 }

@@ -1,61 +1,66 @@
 //! What the terminal says of a choice.
 
-use super::reason::{per_cent, seconds};
-use super::requirement::Requirement;
+use super::reason::{per_cent, runs, seconds};
 use super::run::Choice;
 use crate::cli::terminal::say;
 use crate::experiment::budget::NOT_TRIED;
-
-/// What is to be said where the finer mesh itself is off by more than was asked.
-pub(super) fn doubt(choice: &Choice, requirement: &Requirement) -> Option<String> {
-    let off = choice.parts.mesh.filter(|e| *e > requirement.tolerance)?;
-    Some(format!(
-        "twice the elements, which all models are held against, may be {} off themselves: this scene amplifies what a mesh is off; elastic gears with more elements (`flank_elements`, `rim_elements`) are judged by finer ones",
-        per_cent(off)
-    ))
-}
+use gearbench_reports::{Adequacy, ChoiceRecord, Verdict};
 
 /// The answer in plain words.
-pub(super) fn summarise(choice: &Choice, requirement: &Requirement) {
+pub(super) fn summarise(choice: &ChoiceRecord, found: &Choice) {
     let wanted = format!(
         "{} within {}",
-        requirement.title(),
-        per_cent(requirement.tolerance)
+        choice.metric_title,
+        per_cent(choice.tolerance)
     );
-    match &choice.candidate {
-        Some(c) => {
+    let own = match choice.yardstick_error {
+        Some(own) => format!("the yardstick's own error is {}", per_cent(own)),
+        None => "the yardstick's own error is not known".into(),
+    };
+    match (choice.answer(), &found.candidate) {
+        (Verdict::Adequate, Some(c)) => {
             say(&format!("{wanted}: {}", c.name()));
             say(&format!(
-                "predicted error {}, predicted cost {} for the whole scene",
-                per_cent(choice.predicted_error),
-                seconds(choice.predicted_cost_s)
+                "predicted error {}, {own}; predicted cost {} a run after a set-up of {}, {} for {}",
+                per_cent(found.predicted_error),
+                seconds(found.predicted_cost_s),
+                seconds(found.setup_s),
+                seconds(found.total_cost_s),
+                runs(found.runs)
             ));
         }
-        None => say(&format!("{wanted}: nothing is adequate")),
+        (Verdict::NotDecided, _) => {
+            let contradicts =
+                (choice.references.iter()).find(|r| r.choice.is_some_and(|e| e > choice.tolerance));
+            let why = match (&choice.not_repeatable, contradicts) {
+                (_, Some(r)) => format!("`{}` contradicts the yardstick", r.reference),
+                (Some(_), None) => format!("the history does not repeat; {own}"),
+                (None, None) => own,
+            };
+            say(&format!("{wanted}: not decided, {why}"));
+        }
+        _ => say(&format!("{wanted}: nothing is adequate; {own}")),
     }
     for sentence in &choice.reason {
         say(&format!("  {sentence}"));
     }
     // One number for a level with its best method, another for the choice.
     say(
-        "  (`error` in the table is a level's under its most accurate method; the choice adds that of its own)",
+        "  (`error` in the table is a level's against the yardstick under its most accurate method; the choice adds that of its own)",
     );
     for sentence in &choice.outside {
         say(&format!(
             "warning: not checked on scenes like this: {sentence}"
         ));
     }
-    if let Some(doubt) = doubt(choice, requirement) {
-        say(&format!("warning: {doubt}"));
-    }
-    if !choice.not_tried.is_empty() {
-        say(&format!("{NOT_TRIED}: {}", choice.not_tried.join("; ")));
+    if !found.not_tried.is_empty() {
+        say(&format!("{NOT_TRIED}: {}", found.not_tried.join("; ")));
     }
     say(&format!(
         "{:<34} {:>9} {:>9}  {}",
         "level", "error", "cost", "result"
     ));
-    for r in &choice.levels {
+    for r in &found.levels {
         let (cost, result) = match (&r.cheapest, &r.failure) {
             (_, Some(f)) => (String::new(), f.clone()),
             (Some((c, cost)), None) => {
@@ -64,11 +69,14 @@ pub(super) fn summarise(choice: &Choice, requirement: &Requirement) {
                 let method = method.trim_start_matches(", ").to_string();
                 (seconds(*cost), format!("adequate with {method}"))
             }
-            (None, None) if r.adequate && choice.candidate.is_some() => {
-                (String::new(), "adequate, dearer".into())
+            (None, None) => {
+                let word = match r.adequate {
+                    Adequacy::Adequate if found.candidate.is_some() => "adequate, dearer",
+                    Adequacy::Adequate => "no step tried keeps it",
+                    of => of.as_str(),
+                };
+                (String::new(), word.into())
             }
-            (None, None) if r.adequate => (String::new(), "no step tried keeps it".into()),
-            (None, None) => (String::new(), "not adequate".into()),
         };
         say(&format!(
             "{:<34} {:>9} {:>9}  {result}",

@@ -13,7 +13,7 @@ use crate::studies::test_scene::coarse;
 use gearbench_integrators::Resolution;
 use gearbench_models::spec::SurfaceKind;
 use gearbench_reference::statics::{LoadedPair, StaticsError};
-use gearbench_reports::Metric;
+use gearbench_reports::{Adequacy, Metric, Verdict};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -98,8 +98,22 @@ fn a_choice_is_held_against_the_finer_mesh() {
     assert!(given.distance > lead.distance && lead.distance > 0.0);
     assert!(given.cheapest.is_none());
     // A quarter of the distance of twice the elements is left, the sum of all that follow a third.
-    let off = choice.parts.mesh.expect("an estimate") / choice.parts.growth;
+    let off = choice.parts.mesh.expect("an estimate");
     assert!((off - lead.distance / 3.0).abs() < 1e-12);
+    // The yardstick's own error is that of its modes, its mesh and its integration, and everything is judged by it.
+    let own = choice.own_error.expect("an own error");
+    let parts = choice.parts;
+    let sum = parts.growth * (parts.top + off + parts.top_integration);
+    assert!((own - sum).abs() < 1e-12 * sum && parts.top_integration > 0.0);
+    assert_eq!(choice.yardstick.level, top.level);
+    let levels = choice.levels.iter().map(|l| (l.error, l.adequate));
+    let tried = choice.tried.iter().map(|t| (t.error, t.adequate));
+    for (error, adequate) in levels.chain(tried) {
+        assert_eq!(adequate, Adequacy::of(error, own, requirement.tolerance));
+    }
+    assert_eq!(choice.verdict, Verdict::Adequate);
+    let setup = choice.setup_s + choice.predicted_cost_s;
+    assert!((choice.total_cost_s - setup).abs() < 1e-12 * setup);
     assert!(told.iter().any(|t| t.contains("finer mesh")), "{told:?}");
     let reason = choice.reason.join(" ");
     assert!(reason.contains("local = \"half-space\""), "{reason}");

@@ -3,6 +3,7 @@
 use super::pilot::Window;
 use super::problem::Problem;
 use super::requirement;
+use crate::experiment::budget::ProcessorClock;
 use crate::experiment::key::Key;
 use crate::experiment::machine::cpu_time;
 use crate::experiment::run::{Job, RunError, run_in};
@@ -19,8 +20,16 @@ use gearbench_reports::series::TimeSeries;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
-/// Time after which the processor time of repeated runs is known to a tenth [s].
+/// Time after which a run is not repeated further [s].
 const LONG_ENOUGH: f64 = 0.04;
+
+/// Why a model cannot run, of an error that is about it alone; `None` of one that ends the study.
+pub fn cannot_run(e: &RunError) -> Option<String> {
+    match e {
+        RunError::Interrupted | RunError::Journal(_) | RunError::Picture(_) => None,
+        other => Some(other.to_string()),
+    }
+}
 
 /// A model that is ready to run.
 pub struct Trial<'a> {
@@ -31,7 +40,7 @@ pub struct Trial<'a> {
     pub scene: Scene,
     /// No gear has coordinates but its hub's.
     rigid: bool,
-    /// Time of the set-up [s].
+    /// Processor time of the set-up, with the caches as they were.
     pub setup: Duration,
 }
 
@@ -71,11 +80,11 @@ impl<'a> Trial<'a> {
         spec: &'a SceneSpec,
         modelling: &'a Modelling,
     ) -> Result<Trial<'a>, RunError> {
-        let begin = Instant::now();
+        let clock = ProcessorClock::start();
         let scene = assemble(spec, modelling, problem.models)?;
         let key = Key::new("set-up").and_scene(spec, modelling);
         let setup_s =
-            (problem.runner).piece(key, || Ok::<_, RunError>(begin.elapsed().as_secs_f64()))?;
+            (problem.runner).piece(key, || Ok::<_, RunError>(clock.elapsed().as_secs_f64()))?;
         Ok(Trial {
             spec,
             modelling,
@@ -146,8 +155,8 @@ impl<'a> Trial<'a> {
         runner.piece(key, || Ok(outcome))
     }
 
-    /// Time that a method takes to the end of a window without observers [s]: processor time over repeats where they
-    /// last long enough for its ticks, else the shortest of `repeats`. What an earlier start has measured counts.
+    /// Processor time that a method takes to the end of a window without observers [s]: the shortest of `repeats`. What an
+    /// earlier start has measured counts.
     ///
     /// # Errors
     /// Those of the journal.
@@ -162,7 +171,7 @@ impl<'a> Trial<'a> {
     fn measure_cost(&mut self, method: &Scheme, end: f64, repeats: usize) -> f64 {
         let mut integrator = method.method.build();
         let mut shortest = f64::INFINITY;
-        let (begin, start) = (Instant::now(), cpu_time());
+        let begin = Instant::now();
         let mut runs = 0;
         while runs < repeats.min(2)
             || (runs < repeats && begin.elapsed().as_secs_f64() < LONG_ENOUGH)
@@ -176,17 +185,17 @@ impl<'a> Trial<'a> {
                 ),
                 ..TimePlan::new(end, method.resolution)
             };
-            let one = Instant::now();
+            let (one, start) = (Instant::now(), cpu_time());
             let mut work = Work::default();
             // How it ended is known from the observed run.
             let _ = integrator.run(&mut self.scene, &mut state, &plan, &mut NullSink, &mut work);
-            shortest = shortest.min(one.elapsed().as_secs_f64());
+            let spent = match (start, cpu_time()) {
+                (Some(from), Some(now)) => now - from,
+                _ => one.elapsed().as_secs_f64(),
+            };
+            shortest = shortest.min(spent);
             runs += 1;
         }
-        let on_processor = match (start, cpu_time()) {
-            (Some(a), Some(b)) if b - a >= LONG_ENOUGH => (b - a) / runs as f64,
-            _ => shortest,
-        };
-        on_processor.min(shortest)
+        shortest
     }
 }

@@ -12,7 +12,7 @@
 //! ```text
 //! integration  e(step 2 h)                      first order at least, as events are located
 //! modes        e(half the modes)                a difference that falls by one half for twice the modes
-//! mesh         e(mesh of the scene) q/(1 - q)   q = 1/4 on half-spaces, 1/2 where elements touch
+//! mesh         e(mesh of the scene) q/(1 - q)   q = 1/4 on half-spaces, 1/2 where elements touch; all of e above 0.2
 //! ```
 //!
 //! Their sum is the error of the yardstick. All is bounded by a number of steps, never by time.
@@ -26,7 +26,7 @@ use crate::scene_file::SceneFile;
 use crate::studies::choose::detail::{Details, elements};
 use crate::studies::choose::plan::{elastic, fine_step};
 use crate::studies::choose::problem::{Flexible, Problem};
-use crate::studies::choose::refinement::{of_meshes, steps_per_contact};
+use crate::studies::choose::refinement::{error_of_mesh, steps_per_contact};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_models::gear::parameters::ModelParameters;
@@ -192,8 +192,8 @@ pub fn refined(
                 flexible: &details.lead,
                 ..finest
             };
-            let q = of_meshes(details.on_half_spaces());
-            error_of(&lead, "mesh of the scene")?.map(|e| e * q / (1.0 - q))
+            let distance = error_of(&lead, "mesh of the scene")?;
+            distance.map(|e| error_of_mesh(e, details.on_half_spaces()))
         }
         Err(_) => None,
     };

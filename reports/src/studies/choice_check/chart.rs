@@ -78,8 +78,11 @@ pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError
     cost.curves = vec![points(look(1), 3.8, true, &adequate, &ratio)];
     // Misses and scenes without an answer have no ratio: they stand on the strip above.
     for (kept, look) in [
-        (Outcome::is_met as fn(Outcome) -> bool, NONE),
-        (|o| !o.is_met(), MISSED),
+        (
+            (|o| o.is_met() || o == Outcome::NotDecided) as fn(Outcome) -> bool,
+            NONE,
+        ),
+        (|o| !o.is_met() && o != Outcome::NotDecided, MISSED),
     ] {
         let crosses = (scenes.iter())
             .filter(|(_, s)| kept(s.outcome) && s.outcome != Outcome::Adequate)
@@ -118,7 +121,7 @@ pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError
     let caption = format!(
         "Above: processor time of the choice over that of the cheapest candidate that keeps the tolerance, \
          of all but those that cannot be cheaper. Crosses in the strip: red, a miss; grey, nothing keeps the tolerance, as the choice \
-         said. Below: error of the choice over the tolerance, against the reference over the whole scene; points \
+         said, or it was not decided. Below: error of the choice over the tolerance, against the reference over the whole scene; points \
          beyond {low} and {high} stand at the edge."
     );
     let title = "Choices on random scenes";

@@ -26,6 +26,8 @@ words! {
         RightlyNone = "rightly none",
         /// None was chosen, but there is one that keeps the tolerance.
         WronglyNone = "wrongly none",
+        /// None was chosen, for the yardstick of the choice could not decide.
+        NotDecided = "not decided",
         /// There is no reference to validate against.
         #[default]
         #[serde(alias = "not judged")]
@@ -34,7 +36,7 @@ words! {
 }
 
 impl Outcome {
-    /// The choice did what was asked; a scene that could not be validated did not.
+    /// The choice did what was asked; one that could not decide, and a scene that could not be validated, did not.
     #[must_use]
     pub fn is_met(self) -> bool {
         matches!(self, Outcome::Adequate | Outcome::RightlyNone)
@@ -188,7 +190,7 @@ impl ValidatedChoice {
                     .as_ref()
                     .map_or(String::new(), |n| format!("; {n}"))
             ),
-            Outcome::NotValidated => self.note.clone().unwrap_or_default(),
+            Outcome::NotDecided | Outcome::NotValidated => self.note.clone().unwrap_or_default(),
         }
     }
 }
@@ -335,10 +337,11 @@ mod tests {
             validated(Outcome::WronglyNone, 1.0, 1.0),
             validated(Outcome::RightlyNone, 1.0, 1.0),
             validated(Outcome::NotValidated, 1.0, 1.0),
+            validated(Outcome::NotDecided, 1.0, 1.0),
         ];
         let found = shares(&scenes);
         let all = &found[0];
-        assert_eq!((all.scenes, all.met, all.rightly_none), (6, 3, 1));
+        assert_eq!((all.scenes, all.met, all.rightly_none), (7, 3, 1));
         assert_eq!(all.cost_ratio[1], Some(2.0));
         assert_eq!(all.prediction[1], Some(2.0));
         let names: Vec<&str> = found.iter().map(|s| s.name.as_str()).collect();

@@ -18,7 +18,8 @@ pub fn finding(choices: &[ValidatedChoice]) -> Vec<Markup> {
         ") the choice does what was asked, " (of(number(Outcome::RightlyNone), "time", "times"))
         " by saying that nothing tried will do; " (of(number(Outcome::Inadequate), "choice is", "choices are"))
         " beyond the tolerance, " (of(number(Outcome::WronglyNone), "time", "times"))
-        " an adequate candidate was overlooked, " (of(number(Outcome::NotValidated), "scene", "scenes"))
+        " an adequate candidate was overlooked, " (of(number(Outcome::NotDecided), "time", "times"))
+        " the yardstick of the choice could not decide, " (of(number(Outcome::NotValidated), "scene", "scenes"))
         " could not be validated."
     }];
     if let [Some(low), Some(middle), Some(high), Some(most)] = total.cost_ratio {

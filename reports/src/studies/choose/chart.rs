@@ -9,7 +9,7 @@ use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
 use crate::drawing::scatter;
 use crate::drawing::style::{look, marker};
 use crate::numbers::{Prefix, quantity, short};
-use crate::studies::choose::{ChoiceRecord, TriedRecord};
+use crate::studies::choose::{Adequacy, ChoiceRecord, TriedRecord};
 
 /// A candidate that has both an error and a cost.
 struct Point<'a> {
@@ -69,8 +69,9 @@ pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
         let at = |p: &Point<'_>| frame.at(p.cost * prefix.factor, p.error);
         for p in &points {
             let mut l = look(p.style);
-            let radius = if p.tried.adequate { 5.2 } else { 3.6 };
-            if !p.tried.adequate {
+            let adequate = p.tried.adequate == Adequacy::Adequate;
+            let radius = if adequate { 5.2 } else { 3.6 };
+            if !adequate {
                 l.ink = l.ink.opacity(0.35);
             }
             marker(c, at(p), radius, l, true);
@@ -99,9 +100,9 @@ pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
 fn caption(choice: &ChoiceRecord) -> String {
     format!(
         "Each point is a model under an integrator at one step or tolerance, run on the window ({}). Large and strong: \
-         estimated to keep the tolerance with its margin; small and pale: not, or not by enough. The ring is the choice. Errors are \
-         distances to the top level with what that level is off, over the whole scene; costs are scaled from the window, set-up \
-         not included.",
+         adequate; small and pale: not adequate or not decided. The ring is the choice. Errors are distances to the yardstick over \
+         the whole scene, without the yardstick's own error; costs are those of one run, scaled from the window, without \
+         set-up.",
         choice.window
     )
 }

@@ -1,11 +1,15 @@
-//! The table of what a choice has tried.
+//! Tables of a choice: its candidates, and the levels of its hierarchy.
 
-use super::{ChoiceRecord, TriedRecord};
+use super::{ChoiceRecord, LevelRecord, TriedRecord};
 use crate::csv_table::{CsvTable, number, text};
 
-/// One line per candidate.
+/// One line per candidate, and one per level.
 pub fn tables(choice: &ChoiceRecord) -> Vec<CsvTable> {
-    vec![CsvTable::new::<(usize, &TriedRecord)>(
+    vec![candidates(choice), levels(choice)]
+}
+
+fn candidates(choice: &ChoiceRecord) -> CsvTable {
+    CsvTable::new::<(usize, &TriedRecord)>(
         "choose.csv",
         choice.tried.iter().enumerate(),
         &[
@@ -24,5 +28,35 @@ pub fn tables(choice: &ChoiceRecord) -> Vec<CsvTable> {
             ("chosen", &|(i, _)| (choice.chosen == Some(*i)).to_string()),
             ("failure", &|(_, t)| text(&t.failure)),
         ],
-    )]
+    )
+}
+
+fn levels(choice: &ChoiceRecord) -> CsvTable {
+    CsvTable::new::<&LevelRecord>(
+        "choose_levels.csv",
+        choice.levels.iter(),
+        &[
+            ("level", &|l| l.name.clone()),
+            ("family", &|l| l.family.clone()),
+            ("distance", &|l| number(l.distance)),
+            ("step_up", &|l| number(l.step_up)),
+            ("estimated_error", &|l| number(l.error)),
+            ("yardstick_error", &|_| number(choice.yardstick_error)),
+            ("tolerance", &|_| choice.tolerance.to_string()),
+            ("adequate", &|l| l.adequate.to_string()),
+            ("verdict", &|_| choice.answer().to_string()),
+            ("setup_s", &|l| number(l.setup_s)),
+            ("rms_n", &|l| number(l.statistics.map(|s| s.rms_n))),
+            ("spells", &|l| {
+                (l.statistics).map_or(String::new(), |s| s.spells.to_string())
+            }),
+            ("median_peak_n", &|l| {
+                number(l.statistics.map(|s| s.median_peak_n))
+            }),
+            ("greatest_peak_n", &|l| {
+                number(l.statistics.map(|s| s.greatest_peak_n))
+            }),
+            ("failure", &|l| text(&l.failure)),
+        ],
+    )
 }

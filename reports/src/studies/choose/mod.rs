@@ -3,11 +3,13 @@
 mod chart;
 mod csv;
 mod tables;
+mod verdict;
 
 use crate::drawing::canvas::DrawError;
 use crate::studies::StudyReport;
 use maud::Markup;
 use serde::{Deserialize, Serialize};
+pub use verdict::{Adequacy, Verdict};
 
 /// The answer to "what is the cheapest that will do", and how it was found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -19,10 +21,43 @@ pub struct ChoiceRecord {
     pub metric_title: String,
     /// Largest relative error that is accurate enough [-].
     pub tolerance: f64,
+    /// The answer: a model is adequate, nothing that was tried is, or the yardstick cannot decide. Absent in records of
+    /// earlier versions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<Verdict>,
+    /// The model that all others are compared with.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub yardstick: String,
+    /// Estimated error of the yardstick itself over the whole scene, by its modes, its mesh and its integration [-]; absent
+    /// where it is not known, and then nothing is judged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yardstick_error: Option<f64>,
+    /// Part of it by the integration, on the window [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yardstick_integration_error: Option<f64>,
+    /// Part of it by the mesh, on the window [-]; absent where the mesh cannot be refined.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yardstick_mesh_error: Option<f64>,
+    /// Part of it of a history that does not repeat: change of the metric over the whole scene by 1 % more stiffness of rigid
+    /// gears [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<f64>,
+    /// Why the history does not repeat; absent where it does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_repeatable: Option<String>,
+    /// Distances of the yardstick and of the choice to the references of the scene.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub references: Vec<ReferenceDistance>,
+    /// Runs of the scene over which the set-up is distributed; 0 in records of earlier versions, which ranked without it.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub runs: u64,
+    /// Predicted processor time of the choice for all runs with one set-up \[s\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub total_cost_s: Option<f64>,
     /// Place of the choice in [`ChoiceRecord::tried`]; none when nothing is adequate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chosen: Option<usize>,
-    /// Estimated error of the choice over the whole scene, else the least there is [-].
+    /// Estimated error of the choice against the yardstick over the whole scene, else the least there is [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted_error: Option<f64>,
     /// Part of it by the model, against the top level [-].
@@ -31,16 +66,16 @@ pub struct ChoiceRecord {
     /// Part of it by the integrator, against the model's own fine solution [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integration_error: Option<f64>,
-    /// What the top level is estimated to be off on the window [-].
+    /// Part of the yardstick's error by its modes, on the window [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub top_error: Option<f64>,
     /// Factor by which errors grow from the window to the whole scene [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub growth: Option<f64>,
-    /// Predicted processor time for the whole scene \[s\].
+    /// Predicted processor time of one run of the whole scene \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted_cost_s: Option<f64>,
-    /// Set-up beside it, as it was met \[s\].
+    /// Processor time of its set-up, with the caches as they were \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub setup_s: Option<f64>,
     /// The window in words.
@@ -76,15 +111,18 @@ pub struct LevelRecord {
     /// Distance to the next level on the window [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_up: Option<f64>,
-    /// Estimated error over the whole scene [-].
+    /// Estimated error against the yardstick over the whole scene [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
-    /// Keeps the tolerance.
-    pub adequate: bool,
+    /// Whether it keeps the tolerance, as far as the yardstick can decide.
+    pub adequate: Adequacy,
+    /// Forces on the window, where a history does not repeat.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub statistics: Option<ForceStatistics>,
     /// Place of its cheapest adequate candidate in [`ChoiceRecord::tried`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cheapest: Option<usize>,
-    /// Set-up \[s\].
+    /// Processor time of the set-up \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub setup_s: Option<f64>,
     /// Why its numbers are not to be used, if so.
@@ -109,7 +147,7 @@ pub struct TriedRecord {
     /// Relative tolerance [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rtol: Option<f64>,
-    /// Estimated error over the whole scene [-]; none where the run failed.
+    /// Estimated error against the yardstick over the whole scene [-]; none where the run failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
     /// Predicted processor time for the whole scene \[s\].
@@ -119,11 +157,43 @@ pub struct TriedRecord {
     pub steps: u64,
     /// Force evaluations on the window.
     pub force_evaluations: u64,
-    /// Keeps the tolerance.
-    pub adequate: bool,
+    /// Whether it keeps the tolerance, as far as the yardstick can decide.
+    pub adequate: Adequacy,
     /// How the run failed, if so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
+}
+
+/// Distances in the metric asked for to a reference of the scene, over the whole scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ReferenceDistance {
+    /// The reference.
+    pub reference: String,
+    /// Distance of the yardstick to it [-]; absent where the yardstick was not run or the reference has no such quantity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yardstick: Option<f64>,
+    /// Distance of the choice to it [-]; absent likewise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub choice: Option<f64>,
+}
+
+/// Statistics of a contact force whose history does not repeat.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ForceStatistics {
+    /// Root mean square \[N\].
+    pub rms_n: f64,
+    /// Spells of contact.
+    pub spells: usize,
+    /// Median of the peaks of the spells \[N\].
+    pub median_peak_n: f64,
+    /// Greatest peak \[N\].
+    pub greatest_peak_n: f64,
+}
+
+fn is_zero(n: &u64) -> bool {
+    *n == 0
 }
 
 impl TriedRecord {
@@ -158,19 +228,59 @@ impl ChoiceRecord {
         self.tried.get(self.chosen?)
     }
 
-    /// Checks the rules that the types do not enforce.
-    ///
+    /// The answer; records of earlier versions know a choice or none.
+    #[must_use]
+    pub fn answer(&self) -> Verdict {
+        self.verdict.unwrap_or(match self.chosen {
+            Some(_) => Verdict::Adequate,
+            None => Verdict::NoneAdequate,
+        })
+    }
+
+    /// Whether an error against the yardstick [-] keeps the tolerance.
+    #[must_use]
+    pub fn adequacy(&self, error: Option<f64>) -> Adequacy {
+        let own = self.yardstick_error.unwrap_or(f64::INFINITY);
+        Adequacy::of(error.unwrap_or(f64::INFINITY), own, self.tolerance)
+    }
+
+    /// Checks the rules that the types do not enforce: the verdict follows from the numbers.
+    ///    ///
     /// # Errors
     /// A sentence that names the rule.
     pub fn validate(&self) -> Result<(), String> {
         let places = self.levels.iter().filter_map(|r| r.cheapest);
-        match places.chain(self.chosen).find(|i| *i >= self.tried.len()) {
-            Some(i) => Err(format!(
+        if let Some(i) = places.chain(self.chosen).find(|i| *i >= self.tried.len()) {
+            return Err(format!(
                 "the choice names candidate {i}, but {} were tried",
                 self.tried.len()
-            )),
-            None => Ok(()),
+            ));
         }
+        let Some(verdict) = self.verdict else {
+            return Ok(());
+        };
+        let levels = (self.levels.iter()).map(|l| (l.name.as_str(), l.error, l.adequate));
+        let tried = (self.tried.iter()).map(|t| (t.level.as_str(), t.error, t.adequate));
+        for (name, error, adequate) in levels.chain(tried) {
+            let follows = self.adequacy(error);
+            if adequate != follows {
+                return Err(format!(
+                    "`{name}` is recorded as {adequate}, but {follows} follows from its error"
+                ));
+            }
+        }
+        let chosen = self.choice().map(|t| t.adequate);
+        let names = match (verdict, chosen) {
+            (Verdict::Adequate, of) => of == Some(Adequacy::Adequate),
+            (_, of) => of.is_none(),
+        };
+        if !names {
+            return Err(format!(
+                "the verdict is `{verdict}`, and the choice names {}",
+                chosen.map_or("no candidate", Adequacy::as_str)
+            ));
+        }
+        Ok(())
     }
 }
 

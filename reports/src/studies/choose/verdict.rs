@@ -1,0 +1,129 @@
+//! Whether an estimated error keeps a tolerance where the yardstick has an error of its own.
+//!
+//! With the estimated error `E` against the yardstick, the yardstick's own error `Y` and the tolerance `T`, the error against
+//! the truth lies between `E - Y` and `E + Y`:
+//!
+//! | | |
+//! |---|---|
+//! | `E + Y <= T` | adequate |
+//! | `E - Y > T` | not adequate |
+//! | between the two | not decided |
+
+use crate::words::words;
+use serde::{Deserialize, Deserializer};
+
+words! {
+    /// The answer of a choice.
+    pub enum Verdict {
+        /// A candidate keeps the tolerance.
+        Adequate = "adequate",
+        /// The yardstick cannot decide whether anything that was tried keeps the tolerance.
+        #[default]
+        NotDecided = "not decided",
+        /// Nothing that was tried keeps the tolerance.
+        NoneAdequate = "none adequate",
+    }
+}
+
+/// Whether a model keeps the tolerance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub enum Adequacy {
+    /// It does.
+    #[serde(rename = "adequate")]
+    Adequate,
+    /// The error of the yardstick is too large to decide.
+    #[default]
+    #[serde(rename = "not decided")]
+    NotDecided,
+    /// It does not.
+    #[serde(rename = "not adequate")]
+    NotAdequate,
+}
+
+impl Adequacy {
+    /// Adequacy of an estimated error under the yardstick's own error and a tolerance; of a run without an error, which is
+    /// infinite, nothing is adequate.
+    #[must_use]
+    pub fn of(error: f64, own: f64, tolerance: f64) -> Adequacy {
+        if !error.is_finite() {
+            Adequacy::NotAdequate
+        } else if error + own <= tolerance {
+            Adequacy::Adequate
+        } else if error - own > tolerance {
+            Adequacy::NotAdequate
+        } else {
+            Adequacy::NotDecided
+        }
+    }
+
+    /// The word of the format and of the report.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Adequacy::Adequate => "adequate",
+            Adequacy::NotDecided => "not decided",
+            Adequacy::NotAdequate => "not adequate",
+        }
+    }
+}
+
+impl std::fmt::Display for Adequacy {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+impl<'de> Deserialize<'de> for Adequacy {
+    /// Reads a word, or a boolean of records of earlier versions.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Written {
+            Earlier(bool),
+            Word(String),
+        }
+        let all = [
+            Adequacy::Adequate,
+            Adequacy::NotDecided,
+            Adequacy::NotAdequate,
+        ];
+        match Written::deserialize(deserializer)? {
+            Written::Earlier(true) => Ok(Adequacy::Adequate),
+            Written::Earlier(false) => Ok(Adequacy::NotAdequate),
+            Written::Word(word) => (all.into_iter().find(|a| a.as_str() == word))
+                .ok_or_else(|| serde::de::Error::custom(format!("unknown adequacy `{word}`"))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Adequacy;
+
+    /// The three answers, at their bounds, without a known error of the yardstick, and of failed runs.
+    #[test]
+    fn the_yardsticks_own_error_bounds_what_is_decided() {
+        for (error, own, expected) in [
+            (0.03, 0.02, Adequacy::Adequate),
+            (0.03, 0.021, Adequacy::NotDecided),
+            (0.069, 0.02, Adequacy::NotDecided),
+            (0.071, 0.02, Adequacy::NotAdequate),
+            (0.0, 0.06, Adequacy::NotDecided),
+            (9.0, f64::INFINITY, Adequacy::NotDecided),
+            (f64::INFINITY, f64::INFINITY, Adequacy::NotAdequate),
+            (f64::NAN, 0.01, Adequacy::NotAdequate),
+        ] {
+            let found = Adequacy::of(error, own, 0.05);
+            assert_eq!(found, expected, "{error} with {own}");
+        }
+    }
+
+    #[test]
+    fn records_of_earlier_versions_have_booleans() {
+        let read = |text| serde_json::from_str::<Adequacy>(text).ok();
+        assert_eq!(read("true"), Some(Adequacy::Adequate));
+        assert_eq!(read("false"), Some(Adequacy::NotAdequate));
+        assert_eq!(read("\"not decided\""), Some(Adequacy::NotDecided));
+        assert_eq!(read("\"perhaps\""), None);
+    }
+}
