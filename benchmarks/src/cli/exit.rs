@@ -52,7 +52,7 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         match self {
             Exit::Done => "done",
             Exit::FellShort => {
-                "a run is inaccurate (beyond the scene's tolerance), nothing is adequate, or a check moved"
+                "a run is inaccurate (beyond the scene's tolerance), nothing is adequate or it is not decided, or a check moved"
             }
             Exit::BadInput => "bad input: file, line, what was expected, a way out",
             Exit::FailedRun => "a run failed to finish, or a model could not be solved",
