@@ -13,6 +13,7 @@ use gearbench_integrators::table::RK4;
 use gearbench_models::spec::Modelling;
 use gearbench_reports::series::{Column, TimeSeries};
 use oscillator::{Case, FM, FORCED, Own, PARAMETRIC, Z};
+use std::f64::consts::TAU;
 
 /// Half of the dead zone over the base pitch; the mean deflection is a tenth of it. Larger ones shift the teeth, by some
 /// 1e-6 of the answer; smaller ones drown in the rounding of hub angles after a thousand mesh cycles.
