@@ -3,7 +3,8 @@
 use crate::metrics::Metric;
 use crate::numbers::{per_cent, quantity, round_quantity};
 use crate::record::{Part, ReferenceSeries, Results, Run, SELF, Study};
-use crate::studies::compare::{Kind, Verdict, Yardstick};
+use crate::studies::choose::Adequacy;
+use crate::studies::compare::{Kind, Yardstick};
 use std::borrow::Cow;
 
 /// A relative error below this is rounding, not a result.
@@ -167,15 +168,15 @@ impl<'a> View<'a> {
     }
 
     /// Whether a run is accurate enough; `None` where the scene asks for nothing, or the run cannot be judged.
-    pub fn verdict(&self, run: &Run) -> Option<Verdict> {
+    pub fn verdict(&self, run: &Run) -> Option<Adequacy> {
         if run.status.is_failure() {
             return None;
         }
         let (limit, error) = (self.limit?, self.error(run)?);
         Some(match &self.yardstick {
             Some(yardstick) => yardstick.verdict(error, limit),
-            None if error <= limit => Verdict::Adequate,
-            None => Verdict::NotAdequate,
+            None if error <= limit => Adequacy::Adequate,
+            None => Adequacy::NotAdequate,
         })
     }
 
@@ -189,7 +190,7 @@ impl<'a> View<'a> {
     /// Whether a run ended well and is accurate enough: by the limit of the scene, else by its integration.
     pub fn adequate(&self, run: &Run) -> bool {
         match self.limit {
-            Some(_) => self.verdict(run) == Some(Verdict::Adequate),
+            Some(_) => self.verdict(run) == Some(Adequacy::Adequate),
             None => run.status.holds(),
         }
     }

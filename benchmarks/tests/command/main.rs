@@ -23,6 +23,7 @@ mod rerun;
 mod signals;
 mod stiffness;
 mod terminal;
+mod yardstick;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

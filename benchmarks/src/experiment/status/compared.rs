@@ -1,6 +1,7 @@
 //! Labels that only a comparison gives: against the tolerance of the scene, and against the model's own converged solution.
 
-use gearbench_reports::comparison::{self, Yardstick};
+use gearbench_reports::Adequacy;
+use gearbench_reports::comparison::Yardstick;
 use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Run, SELF, Status, Tolerance};
 use gearbench_reports::series::TimeSeries;
@@ -85,14 +86,14 @@ fn by_tolerance(
         .get(*metric)
         .map(|x| (x, yardstick.verdict(x.abs(), *limit)))
     {
-        Some((_, comparison::Verdict::Adequate)) => Verdict::Within,
-        Some((x, comparison::Verdict::NotDecided)) => Verdict::NotJudged(format!(
+        Some((_, Adequacy::Adequate)) => Verdict::Within,
+        Some((x, Adequacy::NotDecided)) => Verdict::NotJudged(format!(
             "{metric} against {against} is {}; whether that is within the scene's {} is not decided: of the yardstick {}",
             short(x, digits(x.abs())),
             short(*limit, digits(x.abs())),
             yardstick.own_error()
         )),
-        Some((x, comparison::Verdict::NotAdequate)) => Verdict::Beyond(format!(
+        Some((x, Adequacy::NotAdequate)) => Verdict::Beyond(format!(
             "{metric} against {against} is {}, beyond the scene's {}; {}",
             short(x, digits(x.abs())),
             short(*limit, digits(x.abs())),

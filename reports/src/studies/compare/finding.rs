@@ -4,10 +4,11 @@
 //! Errors of models and errors of integration never stand in one sentence. Where nothing but each model's own converged
 //! solution is there, the finding is about the integration alone, and says so.
 
-use super::{Kind, Verdict, Yardstick};
+use super::{Kind, Yardstick};
 use crate::markup::failed_of;
 use crate::numbers::{limit, quantity, times};
 use crate::record::{Run, SELF, Tolerance};
+use crate::studies::choose::Adequacy;
 use crate::view::{INTEGRATION, View, capital, resolution};
 use maud::{Markup, html};
 
@@ -127,7 +128,7 @@ fn of_integration(view: &View<'_>) -> Markup {
 fn within(view: &View<'_>, most: f64) -> Markup {
     let time = |r: &Run| quantity(r.cost_s(), "s", 3);
     let runs = || (view.results.runs.iter()).filter(|r| !view.is_yardstick(r));
-    let with = |wanted: Verdict| runs().filter(move |r| view.verdict(r) == Some(wanted));
+    let with = |wanted: Adequacy| runs().filter(move |r| view.verdict(r) == Some(wanted));
     let asked = format!(
         "{} of at most {}",
         view.metric.words(),
@@ -140,8 +141,8 @@ fn within(view: &View<'_>, most: f64) -> Markup {
         let error = view.error(r).map_or(String::new(), |e| view.error_text(e));
         html! { (named(r)) ": " (error) " in " (time(r)) }
     };
-    let found = cheapest_of(with(Verdict::Adequate));
-    let fair = cheapest_of(with(Verdict::Adequate).filter(|r| !view.is_fitted(r)));
+    let found = cheapest_of(with(Adequacy::Adequate));
+    let fair = cheapest_of(with(Adequacy::Adequate).filter(|r| !view.is_fitted(r)));
     match (found, fair) {
         (Some(run), Some(other)) if view.is_fitted(run) => html! {
             "The cheapest run that predicts the scene within its tolerance (" (asked) ") is " (did(other)) "; "
@@ -155,7 +156,7 @@ fn within(view: &View<'_>, most: f64) -> Markup {
         (Some(run), _) => html! {
             "The cheapest run within the scene's tolerance (" (asked) ") is " (did(run)) "."
         },
-        (None, _) => match cheapest_of(with(Verdict::NotDecided)) {
+        (None, _) => match cheapest_of(with(Adequacy::NotDecided)) {
             Some(run) => html! {
                 "Not decided: whether " (did(run)) " is within the scene's tolerance (" (asked)
                 ") cannot be said, since the yardstick is not accurate enough itself."

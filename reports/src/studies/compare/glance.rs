@@ -107,7 +107,7 @@ pub fn glance(view: &View<'_>) -> Markup {
         })
         .text("Verdict", |row| {
             let (_, run) = row.of.filter(|(_, r)| !view.is_yardstick(r))?;
-            view.verdict(run).map(|v| v.words().to_owned())
+            view.verdict(run).map(|v| v.to_string())
         })
         .text("Cheapest adequate run", |row| {
             cheapest(row.of?.0).map(|r| format!("{}, {}", r.integrator, resolution(&r)))

@@ -20,7 +20,7 @@ use crate::studies::StudyReport;
 use crate::view::View;
 use maud::html;
 use serde::{Deserialize, Serialize};
-pub use yardstick::{Kind, Verdict, Yardstick};
+pub use yardstick::{Kind, Yardstick};
 
 /// What the record of this study has of its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,4 +1,4 @@
-//! The yardstick of a comparison: the history that all models are compared with, its own error, and the verdict on a model.
+//! The yardstick of a comparison: the history that all models are compared with, its own error, and whether a model is adequate.
 //!
 //! With the error `e` of a run against the yardstick and the error `u` of the yardstick itself, both in the metric of the
 //! tolerance `T`, a model is adequate where `e + u <= T`, not adequate where `e - u > T`, and not decided between the two.
@@ -6,6 +6,7 @@
 
 use crate::numbers::per_cent;
 use crate::record::not_a_number;
+use crate::studies::choose::Adequacy;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
 
@@ -50,44 +51,16 @@ pub struct Yardstick {
     pub note: String,
 }
 
-/// Whether a model is accurate enough.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// Within the tolerance, the error of the yardstick included.
-    Adequate,
-    /// Beyond the tolerance, whatever the error of the yardstick.
-    NotAdequate,
-    /// The yardstick is not accurate enough to decide.
-    NotDecided,
-}
-
-impl Verdict {
-    /// In a table.
-    pub fn words(self) -> &'static str {
-        match self {
-            Verdict::Adequate => "adequate",
-            Verdict::NotAdequate => "not adequate",
-            Verdict::NotDecided => "not decided",
-        }
-    }
-}
-
 impl Yardstick {
     /// The verdict on an error under a limit. Stored references whose own error is not stated count as exact, and so do
     /// models that the user names.
-    pub fn verdict(&self, error: f64, limit: f64) -> Verdict {
+    pub fn verdict(&self, error: f64, limit: f64) -> Adequacy {
         let own = match (self.error, self.kind) {
             (Some(own), _) => own,
             (None, Kind::Stored | Kind::Named) => 0.0,
             (None, _) => f64::INFINITY,
         };
-        if error + own <= limit {
-            Verdict::Adequate
-        } else if error - own > limit {
-            Verdict::NotAdequate
-        } else {
-            Verdict::NotDecided
-        }
+        Adequacy::of(error, own, limit)
     }
 
     /// What is known of its own error, for the end of a sentence.
@@ -130,7 +103,7 @@ mod tests {
         };
         let refined = of(Some(0.01), Kind::Refined);
         let found = [0.03, 0.045, 0.055, 0.07].map(|e| refined.verdict(e, 0.05));
-        use Verdict::{Adequate, NotAdequate, NotDecided};
+        use Adequacy::{Adequate, NotAdequate, NotDecided};
         assert_eq!(found, [Adequate, NotDecided, NotDecided, NotAdequate]);
         // A model of the scene whose mesh nobody refined decides nothing, a stored reference counts as exact.
         assert_eq!(of(None, Kind::Model).verdict(0.0, 0.05), NotDecided);

@@ -6,6 +6,7 @@ use crate::experiment::runner::Runner;
 use crate::scene_file::{Origin, SceneFile};
 use crate::studies::test_scene::waves as scene;
 use gearbench_models::spec::{Load, Mount, Profile, mesh_layout};
+use std::f64::consts::TAU;
 
 mod backlash;
 mod continuation;

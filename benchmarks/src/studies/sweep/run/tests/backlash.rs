@@ -10,7 +10,7 @@ use super::*;
 use crate::scene_file::load;
 use gearbench_integrators::State;
 use gearbench_integrators::table::RK4;
-use gearbench_models::spec::Modelling;
+use gearbench_models::spec::{Modelling, base_radius};
 use gearbench_reports::series::{Column, TimeSeries};
 use oscillator::{Case, FM, FORCED, Own, PARAMETRIC, Z};
 use std::f64::consts::TAU;

@@ -4,6 +4,7 @@
 
 use super::*;
 use gearbench_models::spec::Body;
+use std::f64::consts::TAU;
 
 /// The gears of the FZG test rig, type C, rigid on teeth of constant stiffness.
 const SCENE: &str = r#"
