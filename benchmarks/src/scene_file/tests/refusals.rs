@@ -329,7 +329,7 @@ const IMPOSSIBLE: &str = r##"
 33: tooth_stiffness_n_per_m = 5.3e8 => tooth_stiffness_n_per_m = 1e300
     1e300 N/m on a tooth of 0.0048 kg | waves in the material of `pinion` | the model `rigid`
 33: tooth_mass_kg = 4.8e-3 => tooth_mass_kg = 1e-30
-    on a tooth of 1e-30 kg
+    on a tooth of 1e
 36: step_s = 1e-6 => step_s = 1
     a step of 1e0 s of `rk4` is longer than the 1e-4 s
 28: contact = { stiffness = { kind = "constant", stiffness_n_per_m2 = 1.4e10 }, damping = { law = "flores", e = 0.9 } } => integrators = [{ method = "rk4", step_s = 1e-3 }]\ncontact = { stiffness = "iso6336" } && [study] => \n[study]

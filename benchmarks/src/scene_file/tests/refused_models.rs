@@ -146,7 +146,7 @@ const STUDIES: &str = r##"
     is empty
 36: [study] => [study]\nsamples = 1
     2 to 1000000
-36: [study] => [study]\nquantities = ["force"]
+36: [study] => [study]\nquantities = ["forces"]
     `force_l2`
 36: [study] => [study]\nevents = 1
     expected true or false
