@@ -35,6 +35,8 @@ const LEAST_PRESSURE_ANGLE: f64 = 5.0;
 const FAST: f64 = 400.0;
 /// Angular frequency of a tooth over that of waves across its module from which on it is refused.
 const STIFF_TOOTH: f64 = 1e3;
+/// Waves in materials of gears are hardly slower [m/s].
+const SLOW: f64 = 500.0;
 /// Nominal stress of a tooth over Young's modulus that hardly any steel carries.
 const HEAVY: f64 = 0.01;
 
@@ -161,7 +163,11 @@ fn tooth_springs(scene: &SceneFile, model: &ModelChoice) -> Result<(), SceneErro
             Body::Gear(g) => g.params().module,
             Body::Rack(r) => r.params().module,
         };
-        let wave = (gear.material.young / gear.material.density).sqrt() / module;
+        // A modulus in another unit has a message of its own.
+        let wave = (gear.material.young / gear.material.density)
+            .sqrt()
+            .max(SLOW)
+            / module;
         if stiffest > 0.0 && lightest > 0.0 && frequency > STIFF_TOOTH * wave {
             let why = (
                 format!(

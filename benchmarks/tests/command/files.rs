@@ -77,7 +77,9 @@ fn folders_and_names_without_an_ending_lead_to_what_is_there() {
         "compare .",
         &["name a scene file in it, such as", "pair.toml"],
     );
-    folder.says("compare pair.toml --models rigid --integrators dopri5@1e-4 --repeats 1");
+    folder.says(
+        "compare pair.toml --models rigid --yardstick rigid --integrators dopri5@1e-4 --repeats 1",
+    );
     folder.refuses(
         "compare out/pair/compare",
         &["gearbench report out/pair/compare"],
@@ -111,8 +113,8 @@ fn inputs_of_a_scene_are_named_for_what_they_are() {
     folder.write("press.xlsx", "x");
     folder.write("gear.step", "x");
     let with = scene.replace(
-        "duration_s = 1e-3",
-        "duration_s = 1e-3\nreference = { csv = \"press.xlsx\" }",
+        "duration_s = 15e-3",
+        "duration_s = 15e-3\nreference = { csv = \"press.xlsx\" }",
     );
     assert_ne!(with, scene);
     folder.write("measured.toml", &with);
@@ -141,7 +143,8 @@ fn warnings_of_a_scene_come_first() {
         .read("pair.toml")
         .replace("speed_rad_s = -46.34", "speed_rad_s = 46.34");
     folder.write("wrong.toml", &wrong);
-    let command = "compare wrong.toml --models rigid --integrators dopri5@1e-4 --repeats 1";
+    let command =
+        "compare wrong.toml --models rigid --yardstick rigid --integrators dopri5@1e-4 --repeats 1";
     let out = std::process::Command::new("sh")
         .args([
             "-c",

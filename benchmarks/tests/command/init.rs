@@ -12,10 +12,10 @@ fn scenes_to_start_from_run_in_every_command() {
         folder.refuses(&format!("init {what}"), &["is there already", "--force"]);
         folder.says(&format!("init {what} --force"));
         let scene = format!("{what}.toml");
-        let rigid = "--models rigid --integrators dopri5 --repeats 1";
+        let rigid = "--models rigid --yardstick rigid --integrators dopri5 --repeats 1";
         folder.ends(&format!("compare {scene} {rigid}"), 0);
         folder.ends(
-            &format!("compare {scene} --models elastic --repeats 1 --force"),
+            &format!("compare {scene} --models elastic --yardstick elastic --repeats 1 --force"),
             0,
         );
         folder.says(&format!(

@@ -49,10 +49,12 @@ pub fn summarise(results: &Results) {
             t => format!("{t:.2} s"),
         };
         let own = error(r, SELF, Metric::ForceL1).unwrap_or_default();
-        let found = of_model.and_then(|(id, metric)| error(r, id, metric));
+        let limited = results.tolerance.as_ref();
+        let found = (of_model.and_then(|(id, metric)| error(r, id, metric)))
+            .or_else(|| limited.and_then(|t| error(r, &t.against, t.metric)));
         let message = || r.message.as_deref().unwrap_or("no reason given");
         let outcome = match (r.status, found) {
-            (Status::Converged, found) => found.unwrap_or_default(),
+            (Status::Converged, found) => found.filter(|_| of_model.is_some()).unwrap_or_default(),
             (Status::Unchecked, Some(e)) => format!("{e}, {}", message()),
             // The scene shows this model for its error.
             (Status::Inaccurate, Some(e)) if is_excepted(results, r) => {
