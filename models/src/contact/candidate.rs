@@ -15,7 +15,8 @@ pub struct Candidate {
     pub normal: Vec3,
     /// That factor; the normal and the gap have it where the gap is closed.
     pub fade: f64,
-    /// What is added to the normal for the motion of either gear's point: how the factor of the gap changes.
+    /// What is added to the normal for the motion of either gear's point: how the factor of the gap changes. The hub of the
+    /// other gear feels the reaction, at that point.
     pub aside: [Vec3; 2],
     /// How the contact moves along the normal when neither gear tells by its part of the row: force and moment at the point
     /// that the motion of gear b over gear a is multiplied by, of flanks in space.

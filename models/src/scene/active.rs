@@ -113,11 +113,27 @@ pub(super) fn gap_row(
 ) -> [f64; 2] {
     row.clear();
     row.target(gears[mesh.gears[0]].offset, -c.scale[0]);
-    let of_a = (a.gear).row(a.at, &c.points[0], &(c.normal + c.aside[0]), row);
+    let of_a = (a.gear).row(a.at, &c.points[0], &(c.normal + c.aside[0]), row)
+        + fading_row(a, (&c.points[1].x, &c.aside[1]), row);
     row.mark_split();
     row.target(gears[mesh.gears[1]].offset, c.scale[1]);
-    let of_b = (b.gear).row(b.at, &c.points[1], &(c.normal + c.aside[1]), row);
+    let of_b = (b.gear).row(b.at, &c.points[1], &(c.normal + c.aside[1]), row)
+        + fading_row(b, (&c.points[0].x, &c.aside[0]), row);
     [of_a, of_b]
+}
+
+/// Appends what the factor of a point of the other gear that leaves over the tip of this one changes by when the hub moves
+/// out of its own motion, which leaves the height of the point alone; returns the prescribed part.
+#[inline]
+fn fading_row(master: &Party<'_>, (x, aside): (&Vec3, &Vec3), row: &mut Row) -> f64 {
+    if *aside == Vec3::zeros() {
+        return 0.0;
+    }
+    let (hub, at) = (&master.gear.hub().hub, master.at);
+    let standing = hub.standing(at.t, at.q);
+    standing.map_or(0.0, |s| {
+        hub.lateral_row_on(at.t, &s, (x, aside), row, false)
+    })
 }
 
 /// The row of a force `f` and a moment `m` at a contact point, on gear b against gear a: two forces `m x u` a unit `u` apart,

@@ -135,13 +135,7 @@ fn sets_on_pins_run_at_the_speeds_that_they_start_with() {
             println!(
                 "{label}, pins free along `{free}`: energy {unexplained:.1e}, speed of the train {train:.1e}, of hubs {speeds:.1e}"
             );
-            // The search in space, which hubs on bearings take, drops a point that still carries force, whatever the step.
-            let bound = if label == "elastic" && !pins.is_empty() {
-                2e-5
-            } else {
-                1e-6
-            };
-            assert!(unexplained.abs() < bound, "{label} {free}: {unexplained:e}");
+            assert!(unexplained.abs() < 1e-6, "{label} {free}: {unexplained:e}");
             assert!(train.abs() < 1e-3, "{label} {free}: {train:e}");
             // Teeth that pass let hubs swing by as much.
             assert!(speeds < 1e-2, "{label} {free}: {speeds:e}");

@@ -104,6 +104,8 @@ struct FaceOf<'a> {
     rise: f64,
     /// Where the next point is looked for.
     master_face: usize,
+    /// One of its points does not surely stand off.
+    near: bool,
 }
 
 /// Points of the slave `k` of a pair of flanks against the other.
@@ -223,8 +225,9 @@ impl<'a> Pass<'a, '_> {
             rise,
             of_master,
             master_face: c0.1,
+            near: false,
         };
-        // Along a convex flank the gap grows outwards.
+        // Along a convex flank the gap grows outwards of the nearest point, which need not be the first one.
         let middle = ((from * count as f64) as usize).min(count);
         for i in middle..count {
             if !self.may_touch(&mut on, i, count) {
@@ -238,7 +241,8 @@ impl<'a> Pass<'a, '_> {
         }
     }
 
-    /// Looks at point `i` of so many of a face; false where that and all further out stand off.
+    /// Looks at point `i` of so many of a face; false where that and all further out stand off, which a point that stands
+    /// off shows once another one was nearer.
     #[inline]
     fn may_touch(&mut self, on: &mut FaceOf<'_>, i: usize, count: usize) -> bool {
         let (twisted, k, m) = (self.twisted, self.k, 1 - self.k);
@@ -269,7 +273,7 @@ impl<'a> Pass<'a, '_> {
         if (0.0..=1.0).contains(&place)
             && (least > self.limit || least - on.rise - least_doubt > self.gap_bound.gap())
         {
-            return false;
+            return !on.near;
         }
         let s_weights = weights(a, cell.b);
         // Where the projection in the section leaves the flank the one in space decides.
@@ -285,8 +289,9 @@ impl<'a> Pass<'a, '_> {
             let gap = cos2.sqrt() * foot.gap;
             let doubt = twisted.doubt(gap, on.rise.abs());
             if gap - doubt > self.limit || gap - on.rise - doubt > self.gap_bound.gap() {
-                return false;
+                return !on.near;
             }
+            on.near = true;
             if on.of_master.face != (foot.row, cell.on) {
                 on.of_master = Corners::of(&mut self.sides[m], m_shape, foot.row, cell.on);
             }

@@ -19,7 +19,7 @@ use gearbench_models::spec::{
 use gearbench_tests::*;
 use std::f64::consts::TAU;
 
-fn flanked(id: &str, rows: usize, columns: usize) -> ModelSpec {
+pub(crate) fn flanked(id: &str, rows: usize, columns: usize) -> ModelSpec {
     ModelSpec {
         id: id.into(),
         parameters: Parameters::from([
