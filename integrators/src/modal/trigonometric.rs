@@ -322,7 +322,7 @@ impl OneStep for Trigonometric {
             let sizes = x.iter().zip(&scales).map(|(x, scale)| (x / scale).abs());
             // A maximum drops what is not a number, a sum keeps it.
             let size: f64 = sizes.sum();
-            if !(size < smallest.max(1.0)) {
+            if size.is_nan() || size >= smallest.max(1.0) {
                 return;
             }
             seen.q.iter_mut().zip(&x).for_each(|(q, x)| *q += x);

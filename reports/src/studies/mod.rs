@@ -192,11 +192,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
 /// [`DrawError`] when the drawing backend refuses.
 pub fn finding(results: &Results) -> Result<Vec<String>, DrawError> {
     let report = of_part(results)?;
-    Ok(report
-        .finding
-        .iter()
-        .map(|m| crate::markup::text(m))
-        .collect())
+    Ok(report.finding.iter().map(crate::markup::text).collect())
 }
 
 /// What the part of the study alone says.
