@@ -222,7 +222,7 @@ fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
 /// What a study says of a record: all that the page, the charts and the tables in CSV are written from.
 #[derive(Clone, Debug, Default)]
 pub struct StudyReport {
-    /// The finding in plain words: at most three sentences.
+    /// The finding in plain words: at most four sentences.
     pub finding: Vec<Markup>,
     /// Sections above the charts.
     pub tables: Markup,
