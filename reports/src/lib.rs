@@ -40,4 +40,4 @@ pub use studies::{
     StudyReport, check, choice_check, compare as comparison, coupling, finding, identify, modes,
     precision, response, run_up, stability, stiffness, sweep, truncation,
 };
-pub use view::metric_against;
+pub use view::{metric_against, yardstick_of};

@@ -39,7 +39,7 @@ pub struct View<'a> {
 }
 
 /// The yardstick of a comparison. Records of former versions do not name theirs: it is the first of their references.
-fn yardstick_of(results: &Results) -> Option<Cow<'_, Yardstick>> {
+pub fn yardstick_of(results: &Results) -> Option<Cow<'_, Yardstick>> {
     let Part::Compare(part) = &results.part else {
         return None;
     };

@@ -119,6 +119,17 @@ impl Details {
         self.setup_s[usize::from(detail == Detail::Finer)]
     }
 
+    /// Elements and contact of the gears that all models are compared with, in words.
+    pub fn describe_judge(&self) -> String {
+        let mut of_gears: Vec<String> = self.judge().gears.iter().map(elements).collect();
+        of_gears.dedup();
+        let contact = match self.on_half_spaces() {
+            true => "half-spaces",
+            false => "the contact of the scene",
+        };
+        format!("{}; {contact}", of_gears.join("; "))
+    }
+
     /// What all models are held against.
     pub fn judge(&self) -> &Flexible {
         self.finer.as_ref().unwrap_or(&self.lead)

@@ -16,17 +16,17 @@ use gearbench_reports::Metric;
 use gearbench_reports::metrics::compare_all;
 use gearbench_reports::record::Run;
 
-/// What is compared with the references.
+/// A model that is compared with the references of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Subject {
-    /// What was chosen.
+    /// The chosen candidate.
     Choice,
-    /// What all models are compared with.
+    /// The yardstick, the most detailed level of the hierarchy.
     Yardstick,
 }
 
 impl Subject {
-    /// What settings of the record about it begin with.
+    /// The words with which settings of the record about this model begin.
     fn against(self) -> &'static str {
         match self {
             Subject::Choice => "the choice against",
@@ -35,7 +35,7 @@ impl Subject {
     }
 }
 
-/// What the references say of a model.
+/// The distances of a model to the references, and the settings of the record about them.
 #[derive(Debug, Default)]
 pub(super) struct Found {
     /// A setting of the record for each reference.

@@ -286,7 +286,7 @@ fn grid(end: f64, spacing: f64, contact_time: f64, spells: &[[f64; 2]]) -> Vec<f
         .collect()
 }
 
-/// What a little more stiffness of rigid gears changes.
+/// Sensitivity of a history to a slightly larger stiffness of rigid gears.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensitivity {
     /// Factor by which its effect on the metric grows from the window to the whole scene, at least 1: errors of phase add up

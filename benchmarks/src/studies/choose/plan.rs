@@ -311,7 +311,7 @@ fn resolving(problem: &Problem, oscillator: &MeshOscillator, steps: f64) -> f64 
     short((oscillator.contact_time() / steps).min(tooth))
 }
 
-/// The same step of a problem that is not prepared.
+/// Step [s] of refined gears with at least so many in a contact time, of a problem that has no prepared levels.
 ///
 /// # Errors
 /// [`BuildError`] where rigid gears cannot be assembled.

@@ -1,6 +1,5 @@
 //! A choice as a record.
 
-use super::detail;
 use super::problem::Problem;
 use super::reason::yardstick;
 use super::requirement::Requirement;
@@ -121,19 +120,7 @@ fn settings(problem: &Problem, choice: &Choice) -> Vec<(String, String)> {
         let budget = problem.runner.budget().described();
         all.push((NOT_TRIED.into(), format!("{budget}: {rest}")));
     }
-    let details = &choice.details;
-    let judge = details.judge();
-    let of_gears = judge.gears.iter().map(detail::elements);
-    let mut of_gears: Vec<String> = of_gears.collect();
-    of_gears.dedup();
-    let contact = match details.on_half_spaces() {
-        true => "half-spaces",
-        false => "the contact of the scene",
-    };
-    all.push((
-        "yardstick".into(),
-        format!("{}; {contact}", of_gears.join("; ")),
-    ));
+    all.push(("yardstick".into(), choice.details.describe_judge()));
     all
 }
 

@@ -89,7 +89,7 @@ pub struct Refinement {
     pub remaining: f64,
     /// The same by its mesh, where there is a finer one.
     pub of_finer: Option<f64>,
-    /// What the integration of the top level is estimated to be off on the window.
+    /// Estimated error of integration of the top level on the window.
     pub integration: f64,
     /// Factor by which errors grow from the window to the scene.
     pub growth: f64,
@@ -147,7 +147,7 @@ impl Refinement {
     }
 }
 
-/// What the integration of a level is off on the window, from a further run with another step.
+/// Error of integration of a level on the window, estimated by a further run with another step.
 fn integration_error(
     problem: &Problem,
     level: &RefinedLevel,
@@ -231,7 +231,7 @@ pub fn refine(
 /// Refines over some numbers of modes.
 ///
 /// # Errors
-/// Those of [`refine`].
+/// [`ChooseError`] for the reasons that [`refine`] names.
 pub fn refine_over(
     (problem, prepared, window): (&Problem, &Prepared, &Window),
     (requirement, growth): (&Requirement, f64),

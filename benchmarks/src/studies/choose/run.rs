@@ -92,7 +92,7 @@ pub struct Tried {
 pub struct Choice {
     /// The answer.
     pub verdict: Verdict,
-    /// What to run; `None` when nothing is adequate, or when it is not decided.
+    /// The chosen candidate; `None` when nothing is adequate, or when it is not decided.
     pub candidate: Option<Candidate>,
     /// The top level, which all others are compared with.
     pub yardstick: Candidate,

@@ -34,7 +34,7 @@ pub struct Compare {
     /// [default: those of the scene's study]
     #[arg(long, value_name = "X,Y")]
     pub integrators: Option<String>,
-    /// What models are compared with: `refined`, or the label of a model
+    /// Yardstick of the comparison: `refined`, or the label of a model
     ///
     /// `refined` are elastic gears with twice the elements, on half-spaces where flanks may touch so, made for the
     /// comparison together with an estimate of their own error.

@@ -3,8 +3,8 @@
 use crate::cli::terminal::say;
 use crate::experiment::run::LEFT_OUT;
 use gearbench_reports::numbers::{digits_apart, short};
-use gearbench_reports::record::{Part, Results, Run, SELF, Status};
-use gearbench_reports::{Metric, finding};
+use gearbench_reports::record::{Results, Run, SELF, Status};
+use gearbench_reports::{Metric, finding, yardstick_of};
 
 /// Whether the scene's tolerance excepts the model of a run.
 fn is_excepted(results: &Results, run: &Run) -> bool {
@@ -14,11 +14,13 @@ fn is_excepted(results: &Results, run: &Run) -> bool {
 /// One line per run with its error of integration and its error against the yardstick, failures with their reason; then the
 /// finding.
 pub fn summarise(results: &Results) {
-    let metric = match (&results.tolerance, yardstick(results)) {
+    let yardstick = yardstick_of(results);
+    let id = yardstick.as_ref().map(|y| y.id.as_str());
+    let metric = match (&results.tolerance, id) {
         (Some(t), Some(id)) if t.against == id => t.metric,
         _ => Metric::default(),
     };
-    let of_model = yardstick(results).map(|id| (id, metric));
+    let of_model = id.map(|id| (id, metric));
     let heading = of_model.map_or_else(String::new, |(id, metric)| {
         format!("{} against {id}", metric.words())
     });
@@ -103,15 +105,6 @@ pub fn summarise(results: &Results) {
     for sentence in finding(results).unwrap_or_default() {
         say(&sentence);
     }
-}
-
-/// Id of what models are compared with.
-fn yardstick(results: &Results) -> Option<&str> {
-    let named = match &results.part {
-        Part::Compare(part) => part.yardstick.as_ref().map(|y| y.id.as_str()),
-        _ => None,
-    };
-    named.or(results.references.first().map(|r| r.id.as_str()))
 }
 
 /// Models, each with the converged solution that its runs are judged by.

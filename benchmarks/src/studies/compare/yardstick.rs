@@ -23,10 +23,11 @@ use crate::experiment::run::{Job, NO_BOUND, RunError, run};
 use crate::experiment::runner::Runner;
 use crate::models::models;
 use crate::scene_file::SceneFile;
-use crate::studies::choose::detail::{Details, elements};
+use crate::studies::choose::detail::Details;
 use crate::studies::choose::plan::{elastic, fine_step};
 use crate::studies::choose::problem::{Flexible, Problem};
 use crate::studies::choose::refinement::{error_of_mesh, steps_per_contact};
+use crate::studies::choose::trial::cannot_run;
 use gearbench_integrators::Scheme;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_models::gear::parameters::ModelParameters;
@@ -36,7 +37,6 @@ use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::comparison::{Kind, Yardstick};
 use gearbench_reports::metrics::{Metric, compare};
 use gearbench_reports::record::{ReferenceSeries, Run, SELF};
-use gearbench_reports::series::TimeSeries;
 
 /// Id of refined gears among the references of a record, and in `tolerance.against` of a scene.
 pub const REFINED: &str = "refined";
@@ -156,24 +156,22 @@ pub fn refined(
     let tell = |what: &str| runner.tell(0, plan.len(), &format!("yardstick: {what}"));
     tell("mesh and modes of refined gears");
     let details = Details::of(problem, MODES);
-    let judge = details.judge();
     let finest = Variant {
-        flexible: judge,
+        flexible: details.judge(),
         modes: MODES,
         coarser: 1.0,
     };
-    let made = match variant(plan, problem, &finest, step, runner)? {
+    let mut made = match variant(plan, problem, &finest, step, runner)? {
         Ok(made) => made,
         Err(why) => return Ok(Err(why)),
     };
+    let series = made.series.take().unwrap_or_default();
     let error_of = |of: &Variant<'_>, what: &str| -> Result<Option<f64>, RunError> {
         tell(what);
         let other = variant(plan, problem, of, step, runner)?;
         Ok(other.ok().and_then(|other| {
-            let run = other.row.finished().ok()?;
-            compare(run, &made.series, REFINED)
-                .get(metric)
-                .map(f64::abs)
+            let run = other.finished().ok()?;
+            compare(run, &series, REFINED).get(metric).map(f64::abs)
         }))
     };
     let coarser = Variant {
@@ -200,15 +198,9 @@ pub fn refined(
     let error = [integration, modes, mesh]
         .into_iter()
         .try_fold(0.0, |sum, e| Some(sum + e?));
-    let mut of_gears: Vec<String> = judge.gears.iter().map(elements).collect();
-    of_gears.dedup();
-    let contact = match details.on_half_spaces() {
-        true => "half-spaces",
-        false => "the contact of the scene",
-    };
     let title = format!(
-        "refined elastic gears ({}; {MODES} modes; {contact})",
-        of_gears.join("; ")
+        "refined elastic gears ({}; {MODES} modes)",
+        details.describe_judge()
     );
     let mut notes: Vec<String> = Vec::new();
     notes.extend(details.no_half_spaces.iter().cloned());
@@ -219,11 +211,11 @@ pub fn refined(
             title: title.clone(),
             source: format!(
                 "run of this record: {} coordinates, {}, {} steps",
-                made.row.dofs, made.row.integrator, made.row.steps
+                made.dofs, made.integrator, made.steps
             ),
             note: notes.join("; "),
-            cpu_s: Some(made.row.cpu_s).filter(|t| *t > 0.0),
-            series: made.series,
+            cpu_s: Some(made.cpu_s).filter(|t| *t > 0.0),
+            series,
             ..ReferenceSeries::default()
         },
         yardstick: Yardstick {
@@ -239,12 +231,6 @@ pub fn refined(
     }))
 }
 
-/// A run of refined gears.
-struct Made {
-    row: Run,
-    series: TimeSeries,
-}
-
 /// Runs a variant; the inner error is the reason why it does not reach its end.
 fn variant(
     plan: &Plan<'_>,
@@ -252,7 +238,7 @@ fn variant(
     of: &Variant<'_>,
     step: f64,
     runner: &Runner<'_>,
-) -> Result<Result<Made, String>, RunError> {
+) -> Result<Result<Run, String>, RunError> {
     let modelling = elastic(of.flexible, of.modes, Some(step));
     let conditions = &plan.conditions;
     let grid = conditions.grid();
@@ -272,16 +258,12 @@ fn variant(
         }
         other => other,
     };
-    let mut row = match made {
-        Err(e @ (RunError::Build(_) | RunError::Refused { .. })) => return Ok(Err(e.to_string())),
-        other => other?,
-    };
-    match (row.status, row.series.take()) {
-        (status, Some(series)) if !status.is_failure() => {
-            row.series = Some(series.clone());
-            Ok(Ok(Made { row, series }))
+    match made {
+        Err(e) => cannot_run(&e).map(Err).ok_or(e),
+        Ok(row) if row.status.is_failure() => {
+            Ok(Err(row.message.unwrap_or_else(|| row.status.to_string())))
         }
-        (status, _) => Ok(Err(row.message.unwrap_or_else(|| status.to_string()))),
+        Ok(row) => Ok(Ok(row)),
     }
 }
 

@@ -57,10 +57,6 @@ pub fn glance(view: &View<'_>) -> Markup {
             of: Some((group, run)),
         });
     }
-    let cheapest = |g: &Group<'_>| view.cheapest(g).map(|(_, r)| (*r).clone());
-    let on_models = |of: &dyn Fn(&Group<'_>, &Run) -> Option<String>, row: &Row<'_>| {
-        row.of.and_then(|(g, run)| of(g, run))
-    };
     let of_models = view.against.as_deref() != Some(SELF) && view.against.is_some();
     let result = |m: Metric| move |row: &Row<'_>| row.results.get(m);
     let table = Table::of(&rows)
@@ -79,14 +75,11 @@ pub fn glance(view: &View<'_>) -> Markup {
             result(Metric::TransmissionErrorSpan),
         )
         .written("Error", "", |row| {
-            on_models(
-                &|_, run| match run {
-                    _ if !of_models => None,
-                    run if view.is_yardstick(run) => Some("the yardstick".into()),
-                    run => view.error(run).map(|e| view.error_text(e)),
-                },
-                row,
-            )
+            let (_, run) = row.of.filter(|_| of_models)?;
+            match view.is_yardstick(run) {
+                true => Some("the yardstick".into()),
+                false => view.error(run).map(|e| view.error_text(e)),
+            }
         })
         .result()
         .text("Error is", |row| {
@@ -110,11 +103,12 @@ pub fn glance(view: &View<'_>) -> Markup {
             view.verdict(run).map(|v| v.to_string())
         })
         .text("Cheapest adequate run", |row| {
-            cheapest(row.of?.0).map(|r| format!("{}, {}", r.integrator, resolution(&r)))
+            view.cheapest(row.of?.0).map(|(_, r)| named(r))
         })
         .result()
         .written("Its processor time", "", |row| {
-            cheapest(row.of?.0).map(|r| quantity(r.cost_s(), "s", 3))
+            view.cheapest(row.of?.0)
+                .map(|(_, r)| quantity(r.cost_s(), "s", 3))
         })
         .result()
         .written("Cost ratio", "", |row| {
@@ -150,43 +144,44 @@ pub fn glance(view: &View<'_>) -> Markup {
     html! { (section("At a glance", html! { (table) (note(remark)) })) (integration(view)) }
 }
 
+/// Method and step of a run.
+fn named(run: &Run) -> String {
+    format!("{}, {}", run.integrator, resolution(run))
+}
+
 /// The error of integration of each model: its most accurate and its cheapest converged run against its own converged
 /// solution.
-fn integration(view: &View<'_>) -> Markup {
+fn integration<'a>(view: &View<'a>) -> Markup {
     let metric = Metric::ForceL1;
     let own = |r: &Run| r.against(SELF)?.get(metric).map(f64::abs);
-    let usable = |g: &Group<'_>| -> Vec<Run> {
+    let usable = |g: &Group<'a>| {
         let runs = g.runs.iter().map(|(_, r)| *r);
-        let runs = runs.filter(|r| !r.status.is_failure() && own(r).is_some());
-        runs.cloned().collect()
+        let error = |r: &'a Run| Some((r, own(r).filter(|_| !r.status.is_failure())?));
+        runs.filter_map(error).collect::<Vec<(&Run, f64)>>()
     };
     if view.groups.iter().all(|g| usable(g).is_empty()) {
         return Markup::default();
     }
-    let least = |g: &Group<'_>| {
-        usable(g).into_iter().min_by(|a, b| {
-            let error = |r: &Run| own(r).unwrap_or(f64::INFINITY);
-            error(a).total_cmp(&error(b))
-        })
+    let least = |g: &Group<'a>| {
+        let runs = usable(g).into_iter();
+        runs.min_by(|a, b| a.1.total_cmp(&b.1))
     };
-    let fast = |g: &Group<'_>| {
-        let mut close = usable(g);
-        close.retain(|r| own(r).is_some_and(|e| e <= CLOSE));
-        close
-            .into_iter()
-            .min_by(|a, b| a.cost_s().total_cmp(&b.cost_s()))
+    let fast = |g: &Group<'a>| {
+        let close = usable(g).into_iter().filter(|(_, e)| *e <= CLOSE);
+        close.min_by(|a, b| a.0.cost_s().total_cmp(&b.0.cost_s()))
     };
-    let named = |r: &Run| format!("{}, {}", r.integrator, resolution(r));
     let table = Table::of(&view.groups)
         .text("Model", |g| g.label.clone())
-        .percents("Least error", 3, |g| own(&least(g)?))
+        .percents("Least error", 3, |g| Some(least(g)?.1))
         .result()
-        .text("Under", |g| least(g).map(|r| named(&r)))
-        .text("Cheapest run within 1 %", |g| fast(g).map(|r| named(&r)))
+        .text("Under", |g| least(g).map(|(r, _)| named(r)))
+        .text("Cheapest run within 1 %", |g| {
+            fast(g).map(|(r, _)| named(r))
+        })
         .result()
-        .percents("Its error", 3, |g| own(&fast(g)?))
+        .percents("Its error", 3, |g| Some(fast(g)?.1))
         .written("Its processor time", "", |g| {
-            fast(g).map(|r| quantity(r.cost_s(), "s", 3))
+            fast(g).map(|(r, _)| quantity(r.cost_s(), "s", 3))
         })
         .result();
     let remark = "The relative L1 error of the contact force of a run against the converged solution of its own model: what \
