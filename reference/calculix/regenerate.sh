@@ -3,7 +3,7 @@
 #
 #   reference/calculix/regenerate.sh CASE [END_S [DIR]]
 #
-# CASE   an impact, case-a-fine, case-c, case-a-coarse, rack-pinion, helical or helical-tilted: its output becomes the stored CSV;
+# CASE   an impact, case-a-fine, case-a-graded, case-c, case-a-coarse, rack-pinion, helical or helical-tilted: its output becomes the stored CSV;
 #        modal: prints the frequencies of every deck; static: prints the force per width of every deck
 # END_S  simulated time [s] instead of the deck's own, to look at the beginning only (impacts; "" leaves it)
 # DIR    folder to work in (default out/calculix/CASE)
@@ -11,7 +11,7 @@
 # Needs ccx 2.20 (Debian: apt-get install calculix-ccx; another name or path: CCX=...) and Python 3.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-case_=${1:?usage: regenerate.sh case-a-fine|case-c|case-a-coarse|rack-pinion|helical|helical-tilted|modal|static [END_S [DIR]]}
+case_=${1:?usage: regenerate.sh case-a-fine|case-a-graded|case-c|case-a-coarse|rack-pinion|helical|helical-tilted|modal|static [END_S [DIR]]}
 work=${3:-out/calculix/$case_}
 ls "$here/$case_"/*.inp.gz > /dev/null || { echo "no case '$case_' in $here" >&2; exit 2; }
 mkdir -p "$work"

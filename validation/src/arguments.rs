@@ -10,6 +10,7 @@ Examples:
   gearbench-validation reduction reduction              elastic gears beside full finite elements
   gearbench-validation run held-out --threads 2         on the set that no rule was made on
   gearbench-validation coverage --model movable-teeth   do the intervals of identified constants hold the truth?
+  gearbench-validation agreement                        do compare and choose contradict each other?
   gearbench-validation identification                   identified constants against finite elements at other speeds
 
 Exit code 1 says that fewer than 95 % are right, or that the median choice costs more than twice the cheapest.";
@@ -41,8 +42,21 @@ pub enum Command {
     Reduction(Reduction),
     /// Check that 95 % intervals of identified constants hold what made data were made with
     Coverage(Coverage),
+    /// Run `compare` and `choose` on random scenes of users, and hold their answers against each other
+    Agreement(Agreement),
     /// Hold identified constants against finite elements at other speeds, and beside other stiffnesses
     Identification(Identification),
+}
+
+/// Arguments of `agreement`.
+#[derive(Args, Clone, Debug)]
+pub struct Agreement {
+    /// Scenes, from the first to the last [default: all 40]
+    #[arg(long, value_name = "A..B", value_parser = range)]
+    pub scenes: Option<[usize; 2]>,
+    /// Folder for scenes, records and the table
+    #[arg(long, value_name = "DIR", default_value = "out/agreement")]
+    pub out: PathBuf,
 }
 
 /// Arguments of `coverage`.

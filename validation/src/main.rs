@@ -2,6 +2,7 @@
 //!
 //! | module | owns |
 //! |---|---|
+//! | [`agreement`] | whether `compare` and `choose` answer alike on scenes of users |
 //! | [`arguments`] | the command line |
 //! | [`sampling`] | random scenes: sets, seeds, distributions |
 //! | [`validate`] | one scene: its reference, all candidates, the choice |
@@ -10,6 +11,7 @@
 //! | [`coverage`] | whether the intervals of identified constants hold the truth |
 //! | [`identification`] | identified constants against finite elements at other speeds |
 
+mod agreement;
 mod arguments;
 mod campaign;
 mod coverage;
@@ -55,9 +57,53 @@ fn main() -> ExitCode {
         Command::Run(args) => validate(&args, &told),
         Command::Reduction(args) => reduce(&args),
         Command::Coverage(args) => cover(&args),
+        Command::Agreement(args) => agree(&args),
         Command::Identification(args) => carry(&args, &told),
     };
     terminal::end(&told, done)
+}
+
+/// Runs both commands on each scene, one after the other, and writes the table after each.
+fn agree(args: &arguments::Agreement) -> Result<Answer, Refusal> {
+    let [first, last] = args.scenes.unwrap_or([1, agreement::SCENES]);
+    let fail = |e: std::io::Error| Refusal::Files(format!("{}: {e}", args.out.display()));
+    if last > agreement::SCENES {
+        return Err(Refusal::Input(miette::miette!(
+            "there are {} scenes",
+            agreement::SCENES
+        )));
+    }
+    let program = agreement::next_to_this();
+    let file = args.out.join("agreement.md");
+    let mut rows: Vec<agreement::Row> = Vec::new();
+    for number in first..=last {
+        let of = agreement::scene(number);
+        let folder = args.out.join(format!("scene-{number:02}"));
+        let row = agreement::hold(&of, &program, &folder).map_err(fail)?;
+        say(&format!(
+            "scene {number}, {}: {}",
+            row.kind,
+            match row.contradictions.is_empty() {
+                true => "no contradiction".into(),
+                false => row.contradictions.join("; "),
+            }
+        ));
+        rows.push(row);
+        std::fs::write(&file, agreement::table(&rows)).map_err(fail)?;
+    }
+    let contradicted = rows.iter().filter(|r| !r.contradictions.is_empty()).count();
+    let undecided = |i: usize| rows.iter().filter(|r| r.undecided()[i]).count();
+    say(&format!(
+        "{} scenes, {contradicted} with a contradiction; not decided by compare {}, by choose {}",
+        rows.len(),
+        undecided(0),
+        undecided(1)
+    ));
+    say(&format!("table: {}", file.display()));
+    Ok(Answer::done().ending(match contradicted {
+        0 => Exit::Done,
+        _ => Exit::FellShort,
+    }))
 }
 
 fn refuse_sample(e: SampleError) -> Refusal {

@@ -35,6 +35,7 @@ pub fn recorded(r: &Reference, scene: &SceneSpec) -> ReferenceSeries {
         title: r.title.clone(),
         source: r.source.clone(),
         note: r.note.clone(),
+        own_error: r.own_error,
         command: r.command.clone(),
         cpu_s: r.cpu_s,
         processing: r.processing.clone(),

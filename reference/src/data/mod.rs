@@ -96,6 +96,8 @@ pub struct Reference {
     pub note: String,
     /// Command that makes them again.
     pub command: Option<String>,
+    /// What they are off themselves, as a share of the quantities that models are compared in [-].
+    pub own_error: Option<f64>,
     /// Processor time that they cost [s].
     pub cpu_s: Option<f64>,
     /// The histories, each quantity once.

@@ -18,8 +18,8 @@ impl ExternalReference {
             id: self.id.split('/').next().unwrap_or(self.id).to_string(),
             title: self.title.split(", impact").next().unwrap_or(self.title).to_string(),
             source: format!("{} ({})", self.title, self.id),
-            note: "first-order bricks, faceted flanks: judge models against this discretisation, it is not converged physics"
-                .into(),
+            note: self.note.into(),
+            own_error: self.own_error,
             command: Some(self.regenerate.to_string()),
             cpu_s: Some(self.summary.cpu_s),
             channels: vec![

@@ -42,6 +42,10 @@ pub struct ExternalReference {
     pub source: &'static str,
     /// Command that computes it again, from the root of the repository.
     pub regenerate: &'static str,
+    /// What a reader has to know to judge it.
+    pub note: &'static str,
+    /// What its own force history is estimated to be off, relative [-].
+    pub own_error: Option<f64>,
     /// Input deck, gzip.
     pub deck: &'static [u8],
     /// What the deck was made from.

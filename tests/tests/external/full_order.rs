@@ -22,7 +22,7 @@ use std::sync::LazyLock;
 pub(crate) fn load(name: &str, labels: &str) -> (SceneFile, ExternalReference) {
     let wanted = scene_file::Selection::Labels(Some(labels));
     let scene = scene_file::load_for(name, wanted).unwrap_or_else(|e| panic!("{e:?}"));
-    let external = crate::stored(&scene);
+    let external = crate::on_one_mesh(&scene);
     (scene, external)
 }
 

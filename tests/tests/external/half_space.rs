@@ -10,10 +10,8 @@ use gearbench::experiment::runner::Runner;
 use gearbench::studies::compare::{Plan, Wanted, compare};
 use gearbench_integrators::{Resolution, Scheme};
 use gearbench_models::spec::{PointContact, Value};
-use gearbench_reference::stored::History;
+use gearbench_reference::reference;
 use gearbench_reports::record::Metrics;
-
-const RESULTS: &str = include_str!("../../../reference/calculix/case-a-graded/results.csv");
 
 /// Parameters of the gears beside those of the scene.
 type Other<'a> = &'a [(&'a str, Value)];
@@ -21,8 +19,8 @@ type Other<'a> = &'a [(&'a str, Value)];
 /// The elastic gears of the shipped impact, with other parameters (`mesh = "generated"` for the usual mesh) and on
 /// half-spaces if asked for, else with the penalty and the facets of the scene.
 fn errors(what: &str, other: Other<'_>, half_spaces: bool) -> Metrics {
-    let (scene, mut external) = load("spur_impact", "elastic");
-    external.history = History::read(RESULTS, false).unwrap();
+    let (scene, _) = load("spur_impact", "elastic");
+    let external = reference("calculix/case-a-graded").unwrap();
     let mut plan = Plan {
         conditions: Conditions {
             repeats: 0,

@@ -31,6 +31,10 @@ pub fn judge(
             run.status = Status::Inaccurate;
             run.message = Some(message);
         }
+        Verdict::NotDecided(why) => {
+            run.status = Status::Unchecked;
+            run.message.get_or_insert(format!("not decided: {why}"));
+        }
         Verdict::NotJudged(why) => {
             run.status = Status::Unchecked;
             run.message.get_or_insert(format!("not judged: {why}"));
@@ -42,6 +46,7 @@ pub fn judge(
 enum Verdict {
     Within,
     Beyond(String),
+    NotDecided(String),
     NotJudged(String),
 }
 
@@ -87,11 +92,14 @@ fn by_tolerance(
         .map(|x| (x, yardstick.verdict(x.abs(), *limit)))
     {
         Some((_, Adequacy::Adequate)) => Verdict::Within,
-        Some((x, Adequacy::NotDecided)) => Verdict::NotJudged(format!(
-            "{metric} against {against} is {}; whether that is within the scene's {} is not decided: of the yardstick {}",
+        Some((x, Adequacy::NotDecided)) => Verdict::NotDecided(format!(
+            "{metric} is {} of {}, and {against} itself is {}",
             short(x, digits(x.abs())),
             short(*limit, digits(x.abs())),
-            yardstick.own_error()
+            match yardstick.error {
+                Some(own) => format!("off by about {}", short(own, 2)),
+                None => "of unknown accuracy".into(),
+            }
         )),
         Some((x, Adequacy::NotAdequate)) => Verdict::Beyond(format!(
             "{metric} against {against} is {}, beyond the scene's {}; {}",

@@ -87,6 +87,7 @@ impl SceneFile {
         if let Some(source) = &named.source {
             data.source.clone_from(source);
         }
+        data.own_error = named.own_error.or(data.own_error);
         self.can_be_told(&data)?;
         self.odd.extend(self.negative_force(&named, &data));
         if !differs.is_empty() {

@@ -24,7 +24,7 @@ pub use table::subjects;
 use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::suggest::there_are;
-use super::reading::values::{InOrder, Positive};
+use super::reading::values::{InOrder, Positive, Share};
 use super::{SceneError, SceneFile};
 use columns::{ColumnKeys, UnitKeys};
 use conditions::GearConditionKeys;
@@ -69,6 +69,9 @@ keys! {
         moving_average_s: Option<Positive>,
         /// step of even times in seconds to which the reference is interpolated, default its own times
         resample_s: Option<Positive>,
+        /// what the reference is off itself, as a share of the quantities that models are compared in, for example 0.02 of
+        /// measured forces; default what a stored one states, else not stated
+        own_error: Option<Share>,
         /// "fit" (default) or "validate": held out of identification, and told there
         role: Option<Role>,
         /// simulated time of this reference in seconds, default the scene's
@@ -152,6 +155,8 @@ pub struct NamedReference {
     pub source: Option<String>,
     /// Where the data are.
     pub origin: DataOrigin,
+    /// What it is off itself, where the scene says so [-].
+    pub own_error: Option<f64>,
     /// What an identification does with it.
     pub role: Role,
     /// What differs from the scene.
@@ -336,6 +341,7 @@ fn named(
         title: line(keys.title),
         source: line(keys.source),
         origin,
+        own_error: keys.own_error.map(|e| e.0),
         role: keys.role.unwrap_or_default(),
         conditions,
         at: path,

@@ -290,6 +290,7 @@ pub fn of_stored(reference: &ReferenceSeries) -> Yardstick {
             "" => reference.id.clone(),
             title => title.to_owned(),
         },
+        error: reference.own_error,
         ..Yardstick::default()
     }
 }

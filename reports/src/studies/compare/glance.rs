@@ -141,7 +141,46 @@ pub fn glance(view: &View<'_>) -> Markup {
     };
     let remark =
         format!("{against}The cost ratio is the median over runs at the same method and step.");
-    html! { (section("At a glance", html! { (table) (note(remark)) })) (integration(view)) }
+    html! {
+        (section("At a glance", html! { (table) (note(remark)) }))
+        (others(view))
+        (integration(view))
+    }
+}
+
+/// The least error of each model against every reference that is not the yardstick.
+fn others(view: &View<'_>) -> Markup {
+    let compared = |id: &str| view.results.runs.iter().any(|r| r.against(id).is_some());
+    let further = (view.results.references.iter())
+        .filter(|r| Some(&r.id) != view.against.as_ref() && compared(&r.id));
+    let further: Vec<_> = further.collect();
+    if further.is_empty() || view.groups.is_empty() {
+        return Markup::default();
+    }
+    let mut table = Table::of(&view.groups).text("Model", |g| g.label.clone());
+    for r in &further {
+        let metric = view.metric;
+        let least = |g: &Group<'_>| {
+            let ended = g.runs.iter().filter(|(_, run)| !run.status.is_failure());
+            let errors = ended.filter_map(|(_, run)| run.against(&r.id)?.get(metric));
+            errors.map(f64::abs).min_by(f64::total_cmp)
+        };
+        let heading = view.reference_name(&r.id);
+        table = match metric.unit() {
+            "" => table.percents(&heading, 3, least),
+            unit => table.numbers(&heading, unit, 3, least),
+        };
+    }
+    let notes: Vec<String> = (further.iter())
+        .filter(|r| !r.note.is_empty())
+        .map(|r| format!("{}: {}.", view.reference_name(&r.id), r.note))
+        .collect();
+    let remark = format!(
+        "Errors as at a glance, of the run with the least error. {} A model on the mesh of a reference is compared like \
+         with like: its error is how well programs agree on one mesh, not how far either is off.",
+        notes.join(" ")
+    );
+    plain("Other references", html! { (table) (note(remark)) })
 }
 
 /// Method and step of a run.

@@ -74,6 +74,9 @@ impl Yardstick {
             .filter_map(|(what, e)| Some(format!("{what} {}", per_cent((*e)?, 2))))
             .collect();
         match (self.error, self.kind) {
+            (Some(all), _) if known.is_empty() => {
+                format!("its own error is stated as {}", per_cent(all, 2))
+            }
             (Some(all), _) => format!(
                 "its own error is estimated as {} ({})",
                 per_cent(all, 2),

@@ -1,0 +1,272 @@
+//! Do `compare` and `choose` answer alike? Both are run on scenes as users write them, as a user runs them, and their records
+//! are held against each other and against what they say.
+//!
+//! | a contradiction is | |
+//! |---|---|
+//! | models | one command calls the scene's own rigid gears adequate, the other not adequate, in the same metric and tolerance |
+//! | finding | the finding of `compare` does not name the cheapest adequate run of its record, or names one where there is none |
+//! | exit code | it is not what the record says |
+//! | tolerance | a model is called adequate whose error against refined gears (twice the elements, half-spaces) is beyond it |
+//!
+//! "Not decided" of one command contradicts no answer of the other; it is counted, with its reason.
+
+mod scenes;
+
+pub use scenes::{SCENES, UserScene, scene};
+
+use gearbench_reports::record::{Part, Results, Run};
+use gearbench_reports::{Adequacy, Verdict, finding, load_results, yardstick_of};
+use std::fmt::Write as _;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What came of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Row {
+    pub number: usize,
+    pub kind: &'static str,
+    pub metric: &'static str,
+    pub tolerance: f64,
+    /// Exit codes of `compare` and `choose`.
+    pub codes: [Option<i32>; 2],
+    /// Answer of `compare` on each model of the scene.
+    pub models: Vec<(String, Option<Adequacy>)>,
+    /// Error of the yardstick of each command.
+    pub yardstick: [Option<f64>; 2],
+    /// Answer of `choose`, and the level that it chose.
+    pub choice: (Option<Verdict>, String),
+    /// Its answer on the scene's own rigid gears.
+    pub own_rigid: Option<Adequacy>,
+    /// Why something is not decided.
+    pub reason: String,
+    pub contradictions: Vec<String>,
+}
+
+/// Bounds of a command, so that forty scenes are done in an hour.
+const BOUNDS: [&str; 2] = ["--timeout", "20"];
+/// Processor time that a choice may take [s].
+const BUDGET: &str = "120";
+
+/// Runs both commands on a scene, in a folder of its own.
+///
+/// # Errors
+/// [`io::Error`]: the folder cannot be written, or the program not started.
+pub fn hold(of: &UserScene, gearbench: &Path, folder: &Path) -> io::Result<Row> {
+    std::fs::create_dir_all(folder)?;
+    let file = folder.join("scene.toml");
+    std::fs::write(&file, &of.text)?;
+    let said = |arguments: &[&str], name: &str| -> io::Result<(Option<i32>, Option<Results>)> {
+        let out = folder.join(name);
+        let done = Command::new(gearbench)
+            .arg(name)
+            .arg(&file)
+            .args(arguments)
+            .args(BOUNDS)
+            .args(["--force", "--quiet", "--out"])
+            .arg(&out)
+            .output()?;
+        std::fs::write(folder.join(format!("{name}.txt")), [done.stdout, done.stderr].concat())?;
+        let record = load_results(&out.join("results.json")).ok();
+        Ok((done.status.code(), record))
+    };
+    let tolerance = of.tolerance.to_string();
+    let (compared_code, compared) =
+        said(&["--yardstick", "refined", "--repeats", "1"], "compare")?;
+    let (chosen_code, chosen) = said(
+        &["--metric", of.metric, "--tolerance", &tolerance, "--budget", BUDGET],
+        "choose",
+    )?;
+    let mut row = Row {
+        number: of.number,
+        kind: of.kind.as_str(),
+        metric: of.metric,
+        tolerance: of.tolerance,
+        codes: [compared_code, chosen_code],
+        ..Row::default()
+    };
+    if let Some(record) = &compared {
+        row.compared(record);
+    }
+    if let Some(record) = &chosen {
+        row.chosen(record);
+    }
+    row.against_each_other();
+    Ok(row)
+}
+
+/// The best answer on a model, and its best run.
+fn answers(record: &Results) -> Vec<(String, Option<Adequacy>, Option<f64>)> {
+    let yardstick = yardstick_of(record);
+    let Some(tolerance) = &record.tolerance else {
+        return Vec::new();
+    };
+    let mut labels: Vec<String> = record.runs.iter().map(Run::model_label).collect();
+    labels.dedup();
+    let of_label = |label: String| {
+        let own = record.runs.iter().filter(|r| r.model_label() == label);
+        let error = |r: &Run| {
+            let found = r.against(&tolerance.against)?.get(tolerance.metric)?;
+            Some(found.abs()).filter(|e| e.is_finite())
+        };
+        let least = own
+            .filter(|r| !r.status.is_failure())
+            .filter_map(error)
+            .min_by(f64::total_cmp);
+        let answer = least.and_then(|e| Some(yardstick.as_ref()?.verdict(e, tolerance.limit)));
+        (label, answer, least)
+    };
+    labels.into_iter().map(of_label).collect()
+}
+
+impl Row {
+    fn compared(&mut self, record: &Results) {
+        let found = answers(record);
+        let yardstick = yardstick_of(record);
+        self.yardstick[0] = yardstick.as_ref().and_then(|y| y.error);
+        let limit = record.tolerance.as_ref().map_or(f64::NAN, |t| t.limit);
+        for (label, answer, error) in &found {
+            if *answer == Some(Adequacy::Adequate) && error.is_none_or(|e| e > limit) {
+                let what = format!("tolerance: {label} is adequate with an error of {error:?}");
+                self.contradictions.push(what);
+            }
+        }
+        let any = |wanted| found.iter().any(|(_, a, _)| *a == Some(wanted));
+        let refused = record.runs.iter().any(|r| r.status.is_failure());
+        // A run that failed has a code of its own, above those of the answer.
+        let expected = if any(Adequacy::Adequate) { Some(0) } else { Some(1) };
+        if self.codes[0] != expected && !(refused && self.codes[0] == Some(3)) {
+            let what = format!("exit code: compare ended with {:?}", self.codes[0]);
+            self.contradictions.push(what);
+        }
+        let said = finding(record).unwrap_or_default().join(" ");
+        let names_one = said.contains("The cheapest run within the scene's tolerance");
+        if names_one != any(Adequacy::Adequate) {
+            self.contradictions.push(format!("finding: {said}"));
+        }
+        if let (true, Some(cheapest)) = (names_one, self.cheapest(record))
+            && !said.contains(&cheapest)
+        {
+            let what = format!("finding: `{cheapest}` is not in: {said}");
+            self.contradictions.push(what);
+        }
+        self.models = found.into_iter().map(|(label, a, _)| (label, a)).collect();
+        if let Some(y) = yardstick.filter(|y| !y.note.is_empty()) {
+            self.reason = y.note.clone();
+        }
+    }
+
+    /// Label and integrator of the cheapest adequate run of a record, as the finding writes them.
+    fn cheapest(&self, record: &Results) -> Option<String> {
+        let (yardstick, tolerance) = (yardstick_of(record)?, record.tolerance.as_ref()?);
+        let adequate = |r: &&Run| {
+            let error = r.against(&tolerance.against).and_then(|m| m.get(tolerance.metric));
+            let holds = |e: f64| yardstick.verdict(e.abs(), tolerance.limit) == Adequacy::Adequate;
+            !r.status.is_failure() && error.is_some_and(holds)
+        };
+        let cheapest = record.runs.iter().filter(adequate);
+        let cheapest = cheapest.min_by(|a, b| a.cost_s().total_cmp(&b.cost_s()))?;
+        Some(format!("{} under {}", cheapest.model_label(), cheapest.integrator))
+    }
+
+    fn chosen(&mut self, record: &Results) {
+        let Part::Choose(part) = &record.part else {
+            return;
+        };
+        let choice = &part.choice;
+        self.yardstick[1] = choice.yardstick_error;
+        let level = choice.chosen.and_then(|i| choice.tried.get(i));
+        self.choice = (choice.verdict, level.map_or(String::new(), |t| t.level.clone()));
+        let own = choice.levels.iter().find(|l| l.name.contains("own `rigid`"));
+        self.own_rigid = own.filter(|l| l.failure.is_none()).map(|l| l.adequate);
+        let expected = match choice.verdict {
+            Some(Verdict::Adequate) => Some(0),
+            _ => Some(1),
+        };
+        if self.codes[1] != expected {
+            let what = format!("exit code: choose ended with {:?}, {:?}", self.codes[1], choice.verdict);
+            self.contradictions.push(what);
+        }
+        let least = choice.predicted_error;
+        if choice.verdict == Some(Verdict::Adequate) && least.is_none_or(|e| e > choice.tolerance) {
+            let what = format!("tolerance: choose answers adequate with an error of {least:?}");
+            self.contradictions.push(what);
+        }
+        if choice.verdict == Some(Verdict::NotDecided) {
+            let why = match (&choice.not_repeatable, choice.yardstick_error) {
+                (Some(why), _) => why.clone(),
+                (None, Some(e)) => format!("the yardstick of choose is off by {:.2} %", 100.0 * e),
+                (None, None) => "the yardstick of choose has no known error".into(),
+            };
+            self.reason = why;
+        }
+    }
+
+    fn against_each_other(&mut self) {
+        let rigid = self.models.iter().find(|(label, _)| label == "rigid");
+        let pair = rigid.and_then(|(_, a)| *a).zip(self.own_rigid);
+        if let Some((Adequacy::Adequate, Adequacy::NotAdequate) | (Adequacy::NotAdequate, Adequacy::Adequate)) = pair {
+            let what = format!("models: compare and choose on rigid gears: {pair:?}");
+            self.contradictions.push(what);
+        }
+    }
+
+    /// Whether nothing is decided by a command.
+    pub fn undecided(&self) -> [bool; 2] {
+        let some = |wanted| self.models.iter().any(|(_, a)| *a == Some(wanted));
+        [
+            !some(Adequacy::Adequate) && some(Adequacy::NotDecided),
+            self.choice.0 == Some(Verdict::NotDecided),
+        ]
+    }
+}
+
+/// A table of all rows in Markdown.
+pub fn table(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "| scene | kind | metric, tolerance | compare: yardstick's error | rigid | elastic | choose: yardstick's error | answer | own rigid gears | contradictions |\n|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    let per_cent = |e: Option<f64>| e.map_or("not known".into(), |e| format!("{:.2} %", 100.0 * e));
+    for r in rows {
+        let of = |label: &str| {
+            let found = r.models.iter().find(|(l, _)| l == label).and_then(|(_, a)| *a);
+            found.map_or_else(|| "no run".to_owned(), |a| a.to_string())
+        };
+        let answer = match &r.choice {
+            (Some(Verdict::Adequate), level) => level.clone(),
+            (Some(verdict), _) => verdict.to_string(),
+            (None, _) => format!("exit code {:?}", r.codes[1]),
+        };
+        let own = r.own_rigid.map_or_else(|| "not run".to_owned(), |a| a.to_string());
+        let _ = writeln!(
+            text,
+            "| {} | {} | {}, {} | {} | {} | {} | {} | {answer} | {own} | {} |",
+            r.number,
+            r.kind,
+            r.metric,
+            r.tolerance,
+            per_cent(r.yardstick[0]),
+            of("rigid"),
+            of("elastic"),
+            per_cent(r.yardstick[1]),
+            match r.contradictions.is_empty() {
+                true => "none".into(),
+                false => r.contradictions.join("; "),
+            }
+        );
+    }
+    let reasons: Vec<String> = (rows.iter())
+        .filter(|r| r.undecided().contains(&true) && !r.reason.is_empty())
+        .map(|r| format!("- scene {}: {}", r.number, r.reason))
+        .collect();
+    if !reasons.is_empty() {
+        let _ = writeln!(text, "\nNot decided:\n\n{}", reasons.join("\n"));
+    }
+    text
+}
+
+/// The program that stands next to this one.
+pub fn next_to_this() -> PathBuf {
+    let own = std::env::current_exe().unwrap_or_default();
+    own.with_file_name(format!("gearbench{}", std::env::consts::EXE_SUFFIX))
+}
