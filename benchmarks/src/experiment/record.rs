@@ -10,7 +10,7 @@ use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
 use gearbench_models::spec::{self, Body, Modelling, SceneSpec, ShaftSpec, signed_base_radius};
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::histories::Histories;
-use gearbench_reports::metrics::TRANSMISSION_ERROR;
+use gearbench_reports::metrics::{MESH_CYCLE, TRANSMISSION_ERROR};
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
 use gearbench_reports::series::{Column, TimeSeries};
 
@@ -62,6 +62,11 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
     let error = transmission_error(spec, 0, |g| of_gear(g, OfGear::Displacement));
     columns.extend(error.map(|values| Column {
         name: TRANSMISSION_ERROR.into(),
+        values,
+    }));
+    let cycles = mesh_cycles(spec, |g| of_gear(g, OfGear::Displacement));
+    columns.extend(cycles.map(|values| Column {
+        name: MESH_CYCLE.into(),
         values,
     }));
     if job.forces {
@@ -238,6 +243,24 @@ fn transmission_error(
     let seen = carrier.map_or_else(|| vec![0.0; x.len()], &displacement);
     let error = |((x, y), c): ((&f64, &f64), &f64)| of(x - c, y - c);
     Some(x.iter().zip(&y).zip(&seen).map(error).collect())
+}
+
+/// Cycles of the first mesh since the start, by the turn of its first toothed wheel, in a planetary set relative to its
+/// carrier.
+fn mesh_cycles(scene: &SceneSpec, displacement: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
+    let mesh = scene.meshes.first()?;
+    let carrier = mesh.gears.into_iter().find_map(|g| carrier_of(scene, g));
+    let (gear, teeth) = mesh
+        .gears
+        .into_iter()
+        .find_map(|g| match &scene.gears[g].body {
+            Body::Gear(body) => Some((g, f64::from(body.teeth()))),
+            Body::Rack(_) => None,
+        })?;
+    let turn = displacement(gear);
+    let seen = carrier.map_or_else(|| vec![0.0; turn.len()], &displacement);
+    let cycles = |(x, c): (&f64, &f64)| teeth * (x - c) / std::f64::consts::TAU;
+    Some(turn.iter().zip(&seen).map(cycles).collect())
 }
 
 /// Momentum of each gear along its line of action, `L / r_b` [N s].

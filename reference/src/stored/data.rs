@@ -16,7 +16,12 @@ impl ExternalReference {
         Reference {
             // Records name the program; the title and source say which case.
             id: self.id.split('/').next().unwrap_or(self.id).to_string(),
-            title: self.title.split(", impact").next().unwrap_or(self.title).to_string(),
+            title: self
+                .title
+                .split(", impact")
+                .next()
+                .unwrap_or(self.title)
+                .to_string(),
             source: format!("{} ({})", self.title, self.id),
             note: self.note.into(),
             own_error: self.own_error,

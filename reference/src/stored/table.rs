@@ -23,7 +23,8 @@ pub struct StoredReference {
 }
 
 /// Of decks that models are run on as well.
-const ON_ONE_MESH: &str = "first-order bricks, faceted flanks: programs that agree on this mesh, not converged physics";
+const ON_ONE_MESH: &str =
+    "first-order bricks, faceted flanks: programs that agree on this mesh, not converged physics";
 
 /// Embeds the folder of a case.
 macro_rules! stored {

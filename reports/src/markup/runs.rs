@@ -114,7 +114,9 @@ fn metrics(view: &View<'_>) -> Markup {
                     "Force history: relative error of the contact force over time, as it is and after the best shift in time \
                      (the shift is added to the run's time). Peak force and impulse: deviations. Rebound: largest deviation of \
                      a last speed. Angles and torques: root mean square over the span of the reference's, the largest of all \
-                     gears. Time in contact: with more than 1e\u{2212}6 of the peak force. Energy drift: residual of \
+                     gears. Transmission error orders: amplitudes at multiples of the mesh frequency over the last whole mesh cycles; \
+                     aligned transmission error: what repeats with the mesh cycle, without its mean and after the best \
+                     shift. Time in contact: with more than 1e\u{2212}6 of the peak force. Energy drift: residual of \
                      the ledger over its largest entry."
                 ))
             }

@@ -309,7 +309,7 @@ pub(super) fn last_finite(values: &[f64]) -> Option<f64> {
     values.iter().rev().copied().find(|x| x.is_finite())
 }
 
-pub(super) fn trapezoid_weights(t: &[f64]) -> Vec<f64> {
+pub(crate) fn trapezoid_weights(t: &[f64]) -> Vec<f64> {
     let mut weights = vec![0.0; t.len()];
     for i in 1..t.len() {
         let half = 0.5 * (t[i] - t[i - 1]);

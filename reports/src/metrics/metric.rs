@@ -53,6 +53,12 @@ words! {
         /// Its deviation, over the reference.
         #[serde(alias = "transmission-error-pp")]
         TransmissionErrorSpanRel = "transmission_error_pp_rel",
+        /// Error of the amplitudes of the transmission error by orders of the mesh cycle.
+        #[serde(alias = "transmission-error-orders")]
+        TransmissionErrorOrders = "transmission_error_orders_rel",
+        /// Relative L2 error of the part of the transmission error that repeats with the mesh cycle, after the best shift.
+        #[serde(alias = "transmission-error-aligned")]
+        TransmissionErrorAligned = "transmission_error_l2_aligned",
         /// Largest error of an angle, over the span of that angle.
         #[serde(alias = "angle")]
         Angle = "angle_l2",
@@ -106,6 +112,16 @@ impl Metric {
                 "",
                 Some("transmission-error-pp"),
             ),
+            Self::TransmissionErrorOrders => (
+                "transmission-error-orders error",
+                "",
+                Some("transmission-error-orders"),
+            ),
+            Self::TransmissionErrorAligned => (
+                "aligned-transmission-error error",
+                "",
+                Some("transmission-error-aligned"),
+            ),
             Self::Angle => ("angle error", "", Some("angle")),
             Self::Torque => ("torque error", "", Some("torque")),
             Self::TorquePeakRel => ("torque-peak error", "", Some("torque-peak")),
@@ -145,6 +161,8 @@ impl Metric {
             "peak-force",
             "rms-force",
             "peak-to-peak-transmission-error",
+            "transmission-error-orders",
+            "aligned-transmission-error",
             "transmission-error",
             "torque-peak",
         ];

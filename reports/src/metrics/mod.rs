@@ -11,6 +11,7 @@
 //! transmission_error_pp = max e - min e          (while the reference lasts)
 //! duration         = time in which f exceeds 1e-6 of its own peak
 //! rebound          = max over gears of (last speed - last speed of the reference) / span of the reference's speed
+//! transmission_error_orders_rel, transmission_error_l2_aligned: by orders of the mesh cycle, see [`orders`]
 //! transmission_error_l2 = sqrt( int (e - e_r)^2 dt / int e_r^2 dt ) over the times at which f_r acts
 //! angle_l2         = max over gears of sqrt( int (phi - phi_r)^2 dt / T ) / span of phi_r
 //! torque_l2        = the same of torques
@@ -43,12 +44,15 @@
 mod columns;
 mod history;
 mod metric;
+pub mod orders;
 
 pub use metric::Metric;
 
 use crate::record::{Ledger, Metrics, finite};
 use crate::series::{TimeSeries, resample};
-use history::{Force, Target, force_of, last_finite, trapezoid_weights};
+pub(crate) use history::trapezoid_weights;
+use history::{Force, Target, force_of, last_finite};
+use orders::OverCycles;
 
 /// Part of the peak force above which teeth count as in contact [-].
 pub const CONTACT_THRESHOLD: f64 = 1e-6;
@@ -56,6 +60,9 @@ pub const CONTACT_THRESHOLD: f64 = 1e-6;
 /// Name of the column that holds the transmission error \[m\], `r_b1 theta_1 + r_b2 theta_2` in the transverse plane, zero where
 /// the flanks of rigid gears would have touched.
 pub const TRANSMISSION_ERROR: &str = "transmission_error_m";
+
+/// Name of the column that counts the cycles of the first mesh since the start.
+pub const MESH_CYCLE: &str = "mesh_cycle";
 
 /// Histories and ledger of a run that reached its end: no other has metrics.
 #[derive(Clone, Copy, Debug)]
@@ -132,6 +139,12 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
     let rms = |force: &Force<'_>| (force.square() / lasts).sqrt();
     metrics.rms_force_n = finite(rms(&run));
     metrics.transmission_error_pp_m = span_of_transmission_error(series, window);
+    let over_cycles = OverCycles::of_run(series);
+    if let Some(own) = &over_cycles
+        && let Some(whole) = OverCycles::whole([own])
+    {
+        metrics.transmission_error_orders_m = own.amplitudes(whole, orders::TOLD);
+    }
     metrics.duration_s = finite(run.time_above(CONTACT_THRESHOLD * peak));
     if reference.len() < 2 {
         return metrics;
@@ -149,6 +162,13 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
     );
     if let (Some(own), Some(wanted)) = spans {
         metrics.transmission_error_pp_rel = finite(deviation(own, wanted));
+    }
+    if let Some(own) = &over_cycles
+        && let Some(wanted) = OverCycles::of_reference(reference, series)
+        && let Some(errors) = orders::errors(own, &wanted)
+    {
+        metrics.transmission_error_orders_rel = finite(errors.amplitudes);
+        metrics.transmission_error_l2_aligned = finite(errors.aligned);
     }
     metrics.rebound_rel = rebound(series, reference, window);
     metrics.transmission_error_l2 = larger(
@@ -184,6 +204,18 @@ pub fn compare_all(run: Finished<'_>, all: &[&TimeSeries], against: &str) -> Met
         for (worst, more) in [
             (&mut whole.rebound_rel, more.rebound_rel),
             (&mut whole.transmission_error_l2, more.transmission_error_l2),
+            (
+                &mut whole.transmission_error_pp_rel,
+                more.transmission_error_pp_rel,
+            ),
+            (
+                &mut whole.transmission_error_orders_rel,
+                more.transmission_error_orders_rel,
+            ),
+            (
+                &mut whole.transmission_error_l2_aligned,
+                more.transmission_error_l2_aligned,
+            ),
             (&mut whole.angle_l2, more.angle_l2),
             (&mut whole.torque_l2, more.torque_l2),
             (&mut whole.torque_peak_rel, more.torque_peak_rel),

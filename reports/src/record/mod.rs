@@ -280,6 +280,16 @@ pub struct Metrics {
     /// Deviation of the peak to peak of the transmission error from the reference, over the reference [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub transmission_error_pp_rel: Option<f64>,
+    /// Amplitudes of the transmission error by orders of the mesh cycle, from the first on, over the last whole cycles \[m\].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub transmission_error_orders_m: Vec<f64>,
+    /// Error of these amplitudes: root of the sum of squares over that of the reference's [-].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub transmission_error_orders_rel: Option<f64>,
+    /// Relative L2 error of the part of the transmission error that repeats with the mesh cycle, without its mean and after
+    /// the best shift [-].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub transmission_error_l2_aligned: Option<f64>,
     /// Largest error of an angle: root mean square over the span of the reference's [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub angle_l2: Option<f64>,
@@ -317,6 +327,8 @@ impl Metrics {
             Metric::TransmissionError => self.transmission_error_l2,
             Metric::TransmissionErrorSpan => self.transmission_error_pp_m,
             Metric::TransmissionErrorSpanRel => self.transmission_error_pp_rel,
+            Metric::TransmissionErrorOrders => self.transmission_error_orders_rel,
+            Metric::TransmissionErrorAligned => self.transmission_error_l2_aligned,
             Metric::Angle => self.angle_l2,
             Metric::Torque => self.torque_l2,
             Metric::TorquePeakRel => self.torque_peak_rel,

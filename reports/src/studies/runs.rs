@@ -5,7 +5,7 @@
 
 use super::sweep;
 use crate::csv_table::{CsvColumn, CsvTable, number, text};
-use crate::metrics::Metric;
+use crate::metrics::{Metric, orders::TOLD};
 use crate::record::{Ledger, Results, Run};
 use crate::studies::Study;
 
@@ -116,6 +116,12 @@ fn table(results: &Results) -> CsvTable {
     columns.extend(RESULTS.map(|(name, metric)| -> Column<'_> {
         let cell = move |r: &Run| number(r.metrics.first().and_then(|m| m.get(metric)));
         (name.to_owned(), Box::new(cell))
+    }));
+    columns.extend((1..=TOLD).map(|n| -> Column<'_> {
+        let order =
+            move |r: &Run| Some(*r.metrics.first()?.transmission_error_orders_m.get(n - 1)?);
+        let cell = move |r: &Run| number(order(r));
+        (format!("transmission_error_{n}_m"), Box::new(cell))
     }));
     let mut references: Vec<&str> = Vec::new();
     for m in results.runs.iter().flat_map(|r| &r.metrics) {

@@ -66,15 +66,24 @@ pub fn hold(of: &UserScene, gearbench: &Path, folder: &Path) -> io::Result<Row> 
             .args(["--force", "--quiet", "--out"])
             .arg(&out)
             .output()?;
-        std::fs::write(folder.join(format!("{name}.txt")), [done.stdout, done.stderr].concat())?;
+        std::fs::write(
+            folder.join(format!("{name}.txt")),
+            [done.stdout, done.stderr].concat(),
+        )?;
         let record = load_results(&out.join("results.json")).ok();
         Ok((done.status.code(), record))
     };
     let tolerance = of.tolerance.to_string();
-    let (compared_code, compared) =
-        said(&["--yardstick", "refined", "--repeats", "1"], "compare")?;
+    let (compared_code, compared) = said(&["--yardstick", "refined", "--repeats", "1"], "compare")?;
     let (chosen_code, chosen) = said(
-        &["--metric", of.metric, "--tolerance", &tolerance, "--budget", BUDGET],
+        &[
+            "--metric",
+            of.metric,
+            "--tolerance",
+            &tolerance,
+            "--budget",
+            BUDGET,
+        ],
         "choose",
     )?;
     let mut row = Row {
@@ -134,7 +143,11 @@ impl Row {
         let any = |wanted| found.iter().any(|(_, a, _)| *a == Some(wanted));
         let refused = record.runs.iter().any(|r| r.status.is_failure());
         // A run that failed has a code of its own, above those of the answer.
-        let expected = if any(Adequacy::Adequate) { Some(0) } else { Some(1) };
+        let expected = if any(Adequacy::Adequate) {
+            Some(0)
+        } else {
+            Some(1)
+        };
         if self.codes[0] != expected && !(refused && self.codes[0] == Some(3)) {
             let what = format!("exit code: compare ended with {:?}", self.codes[0]);
             self.contradictions.push(what);
@@ -160,13 +173,19 @@ impl Row {
     fn cheapest(&self, record: &Results) -> Option<String> {
         let (yardstick, tolerance) = (yardstick_of(record)?, record.tolerance.as_ref()?);
         let adequate = |r: &&Run| {
-            let error = r.against(&tolerance.against).and_then(|m| m.get(tolerance.metric));
+            let error = r
+                .against(&tolerance.against)
+                .and_then(|m| m.get(tolerance.metric));
             let holds = |e: f64| yardstick.verdict(e.abs(), tolerance.limit) == Adequacy::Adequate;
             !r.status.is_failure() && error.is_some_and(holds)
         };
         let cheapest = record.runs.iter().filter(adequate);
         let cheapest = cheapest.min_by(|a, b| a.cost_s().total_cmp(&b.cost_s()))?;
-        Some(format!("{} under {}", cheapest.model_label(), cheapest.integrator))
+        Some(format!(
+            "{} under {}",
+            cheapest.model_label(),
+            cheapest.integrator
+        ))
     }
 
     fn chosen(&mut self, record: &Results) {
@@ -176,15 +195,24 @@ impl Row {
         let choice = &part.choice;
         self.yardstick[1] = choice.yardstick_error;
         let level = choice.chosen.and_then(|i| choice.tried.get(i));
-        self.choice = (choice.verdict, level.map_or(String::new(), |t| t.level.clone()));
-        let own = choice.levels.iter().find(|l| l.name.contains("own `rigid`"));
+        self.choice = (
+            choice.verdict,
+            level.map_or(String::new(), |t| t.level.clone()),
+        );
+        let own = choice
+            .levels
+            .iter()
+            .find(|l| l.name.contains("own `rigid`"));
         self.own_rigid = own.filter(|l| l.failure.is_none()).map(|l| l.adequate);
         let expected = match choice.verdict {
             Some(Verdict::Adequate) => Some(0),
             _ => Some(1),
         };
         if self.codes[1] != expected {
-            let what = format!("exit code: choose ended with {:?}, {:?}", self.codes[1], choice.verdict);
+            let what = format!(
+                "exit code: choose ended with {:?}, {:?}",
+                self.codes[1], choice.verdict
+            );
             self.contradictions.push(what);
         }
         let least = choice.predicted_error;
@@ -205,7 +233,11 @@ impl Row {
     fn against_each_other(&mut self) {
         let rigid = self.models.iter().find(|(label, _)| label == "rigid");
         let pair = rigid.and_then(|(_, a)| *a).zip(self.own_rigid);
-        if let Some((Adequacy::Adequate, Adequacy::NotAdequate) | (Adequacy::NotAdequate, Adequacy::Adequate)) = pair {
+        if let Some(
+            (Adequacy::Adequate, Adequacy::NotAdequate)
+            | (Adequacy::NotAdequate, Adequacy::Adequate),
+        ) = pair
+        {
             let what = format!("models: compare and choose on rigid gears: {pair:?}");
             self.contradictions.push(what);
         }
@@ -229,7 +261,11 @@ pub fn table(rows: &[Row]) -> String {
     let per_cent = |e: Option<f64>| e.map_or("not known".into(), |e| format!("{:.2} %", 100.0 * e));
     for r in rows {
         let of = |label: &str| {
-            let found = r.models.iter().find(|(l, _)| l == label).and_then(|(_, a)| *a);
+            let found = r
+                .models
+                .iter()
+                .find(|(l, _)| l == label)
+                .and_then(|(_, a)| *a);
             found.map_or_else(|| "no run".to_owned(), |a| a.to_string())
         };
         let answer = match &r.choice {
@@ -237,7 +273,9 @@ pub fn table(rows: &[Row]) -> String {
             (Some(verdict), _) => verdict.to_string(),
             (None, _) => format!("exit code {:?}", r.codes[1]),
         };
-        let own = r.own_rigid.map_or_else(|| "not run".to_owned(), |a| a.to_string());
+        let own = r
+            .own_rigid
+            .map_or_else(|| "not run".to_owned(), |a| a.to_string());
         let _ = writeln!(
             text,
             "| {} | {} | {}, {} | {} | {} | {} | {} | {answer} | {own} | {} |",

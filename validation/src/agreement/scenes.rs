@@ -77,10 +77,23 @@ pub fn scene(number: usize) -> UserScene {
         module: r.one(&[0.002, 0.0025, 0.003, 0.004]),
         width: short(r.between(0.008, 0.016)),
     };
-    let loaded = !matches!(kind, Kind::PairImpact | Kind::PairHammering | Kind::RackImpact);
+    let loaded = !matches!(
+        kind,
+        Kind::PairImpact | Kind::PairHammering | Kind::RackImpact
+    );
     let (metric, tolerance) = match loaded {
-        true => r.one(&[("peak", 0.05), ("peak", 0.1), ("rms", 0.02), ("transmission-error-pp", 0.1)]),
-        false => r.one(&[("peak", 0.05), ("force-aligned", 0.05), ("force-aligned", 0.1), ("impulse", 0.02)]),
+        true => r.one(&[
+            ("peak", 0.05),
+            ("peak", 0.1),
+            ("rms", 0.02),
+            ("transmission-error-pp", 0.1),
+        ]),
+        false => r.one(&[
+            ("peak", 0.05),
+            ("force-aligned", 0.05),
+            ("force-aligned", 0.1),
+            ("impulse", 0.02),
+        ]),
     };
     let body = match kind {
         Kind::PairLoaded | Kind::PairImpact | Kind::PairHammering => pair(r, kind, &of),
@@ -111,7 +124,10 @@ pub fn scene(number: usize) -> UserScene {
 }
 
 fn models(r: &mut Random, kind: Kind) -> String {
-    let loaded = !matches!(kind, Kind::PairImpact | Kind::PairHammering | Kind::RackImpact);
+    let loaded = !matches!(
+        kind,
+        Kind::PairImpact | Kind::PairHammering | Kind::RackImpact
+    );
     let stiffness = r.one(&["iso6336", "compliance"]);
     let ratio = r.one(&[0.005, 0.02, 0.06]);
     let (rigid, elastic) = match loaded {
@@ -126,7 +142,11 @@ fn models(r: &mut Random, kind: Kind) -> String {
         Kind::HelicalOnBearings => "penalty_pa_per_m = 1e15",
         _ => "local = \"half-space\"",
     };
-    let width = if kind == Kind::HelicalOnBearings { 3 } else { 1 };
+    let width = if kind == Kind::HelicalOnBearings {
+        3
+    } else {
+        1
+    };
     let method = match kind {
         Kind::HelicalOnBearings | Kind::Planetary => String::new(),
         _ => "integrators = [{ method = \"trigonometric\", step_s = 1e-6 }]\n".into(),
@@ -177,7 +197,10 @@ fn cycles(r: &mut Random, teeth: u32, speed: f64) -> f64 {
 }
 
 fn pair(r: &mut Random, kind: Kind, of: &Toothing) -> String {
-    let (a, b) = (17 + r.one(&[0_u32, 2, 5, 8]), 21 + r.one(&[0_u32, 4, 10, 14]));
+    let (a, b) = (
+        17 + r.one(&[0_u32, 2, 5, 8]),
+        21 + r.one(&[0_u32, 4, 10, 14]),
+    );
     let backlash = short(r.between(40e-6, 90e-6));
     let (head, first, second, start) = match kind {
         Kind::PairLoaded => {
@@ -200,7 +223,13 @@ fn pair(r: &mut Random, kind: Kind, of: &Toothing) -> String {
             let approach = r.decades(0.1, 0.8);
             let speed = short(approach / radius);
             let (duration, start) = match kind {
-                Kind::PairImpact => (0.35e-3, format!("start = {{ flank = \"left\", gap_m = {} }}", short(r.between(1e-6, 4e-6)))),
+                Kind::PairImpact => (
+                    0.35e-3,
+                    format!(
+                        "start = {{ flank = \"left\", gap_m = {} }}",
+                        short(r.between(1e-6, 4e-6))
+                    ),
+                ),
                 _ => (4.0 * backlash / approach + 0.6e-3, String::new()),
             };
             (
@@ -241,7 +270,10 @@ fn rack(r: &mut Random, kind: Kind, of: &Toothing) -> String {
             0.3e-3,
             format!("speed_rad_s = {}\n", short(r.decades(5.0, 30.0))),
             String::new(),
-            format!("start = {{ flank = \"left\", gap_m = {} }}", short(r.between(1e-6, 4e-6))),
+            format!(
+                "start = {{ flank = \"left\", gap_m = {} }}",
+                short(r.between(1e-6, 4e-6))
+            ),
         ),
     };
     format!(
@@ -264,7 +296,11 @@ backlash_m = {backlash}
 }
 
 fn train(r: &mut Random, of: &Toothing) -> String {
-    let teeth = [18 + r.one(&[0_u32, 1, 2]), 22 + r.one(&[0_u32, 3, 5]), 20 + r.one(&[0_u32, 1, 4])];
+    let teeth = [
+        18 + r.one(&[0_u32, 1, 2]),
+        22 + r.one(&[0_u32, 3, 5]),
+        20 + r.one(&[0_u32, 1, 4]),
+    ];
     let speed = short(r.decades(60.0, 200.0));
     let load = torque(r, teeth[0], of);
     let ratio = |i: usize| f64::from(teeth[0]) / f64::from(teeth[i]);

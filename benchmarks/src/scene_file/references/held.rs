@@ -155,9 +155,10 @@ impl SceneFile {
             | Metric::RmsForceRel
             | Metric::ImpulseRel => (force, "contact force"),
             Metric::Rebound => (speeds, "speed of the first two gears"),
-            Metric::TransmissionError | Metric::TransmissionErrorSpanRel => {
-                (error, "transmission error")
-            }
+            Metric::TransmissionError
+            | Metric::TransmissionErrorSpanRel
+            | Metric::TransmissionErrorOrders
+            | Metric::TransmissionErrorAligned => (error, "transmission error"),
             Metric::Angle => (angles, "angle"),
             Metric::Torque | Metric::TorquePeakRel => (torques, "torque"),
             _ => return Ok(()),

@@ -11,6 +11,7 @@ mod mesh;
 mod paths;
 mod pressure;
 mod timing;
+mod transmission;
 mod window;
 mod yardstick;
 
@@ -39,6 +40,7 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         histories::force(view)?,
         pressure::pressure(view)?,
         histories::speeds(view)?,
+        transmission::error(view)?,
         channels::channels(view)?,
         paths::shares(view)?,
         mesh::mesh(view)?,

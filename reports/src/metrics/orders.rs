@@ -1,0 +1,283 @@
+//! The transmission error by orders of the mesh cycle, without its mean, and without a shift.
+//!
+//! Over the last whole mesh cycles that both sides have, with c the cycles that have passed,
+//!
+//! ```text
+//! E_n = 2/N int e(c) exp(-2 pi i n c) dc          over N whole cycles, n = 1, 2, ..
+//! orders_rel = sqrt( sum (|E_n| - |R_n|)^2 / sum |R_n|^2 )
+//! aligned    = min over s of sqrt( sum |E_n exp(2 pi i n s) - R_n|^2 / sum |R_n|^2 )
+//! ```
+//!
+//! by the trapezoidal rule at the samples of each side, whose ends are put in on the line between neighbours. Measured
+//! transmission errors have no known mean, and their phase depends on where an encoder counts from: neither enters. What
+//! repeats with the turns of the gears and not with the mesh cycle is between the orders and does not enter either.
+
+use super::{MESH_CYCLE, TRANSMISSION_ERROR};
+use crate::series::TimeSeries;
+use std::f64::consts::TAU;
+
+/// Number of orders whose amplitudes a record keeps.
+pub const TOLD: usize = 5;
+/// Orders that errors are summed over.
+const SUMMED: usize = 20;
+/// Samples that a period of the highest order has at least.
+const SAMPLES: f64 = 8.0;
+/// Shifts that are tried, over one cycle.
+const SHIFTS: usize = 256;
+
+/// A history over mesh cycles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OverCycles {
+    /// Mesh cycles that have passed, ascending.
+    pub cycle: Vec<f64>,
+    /// Transmission error \[m\].
+    pub error_m: Vec<f64>,
+}
+
+/// Real and imaginary part of the amplitude of an order \[m\].
+#[derive(Clone, Copy, Debug, Default)]
+struct Order {
+    re: f64,
+    im: f64,
+}
+
+impl Order {
+    fn square(self) -> f64 {
+        self.re * self.re + self.im * self.im
+    }
+}
+
+fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
+    let found = series.columns.iter().find(|c| c.name == name)?;
+    (found.values.len() == series.time_s.len()).then_some(&found.values)
+}
+
+impl OverCycles {
+    /// The transmission error of a run over its own mesh cycles; `None` where it was not recorded, or where the gears turn
+    /// back by more than rounding.
+    pub fn of_run(series: &TimeSeries) -> Option<Self> {
+        Self::at(series, column(series, MESH_CYCLE)?)
+    }
+
+    /// The transmission error of a reference, whose mesh cycles are its own where it has them, else those of a run at the
+    /// same times.
+    pub fn of_reference(series: &TimeSeries, run: &TimeSeries) -> Option<Self> {
+        let cycles = match column(series, MESH_CYCLE) {
+            Some(own) => own.to_vec(),
+            None => {
+                let of_run = column(run, MESH_CYCLE)?;
+                let last = *run.time_s.last()?;
+                let known = series.time_s.partition_point(|&t| t <= last);
+                (series.time_s[..known].iter())
+                    .map(|&t| between(&run.time_s, of_run, t))
+                    .collect()
+            }
+        };
+        Self::at(series, &cycles)
+    }
+
+    fn at(series: &TimeSeries, cycles: &[f64]) -> Option<Self> {
+        let error = column(series, TRANSMISSION_ERROR)?;
+        let (first, last) = (cycles.first()?, cycles.last()?);
+        let sign = (last - first).signum();
+        let mut found = Self::default();
+        for (c, e) in cycles.iter().map(|c| sign * c).zip(error) {
+            if !(c.is_finite() && e.is_finite()) {
+                continue;
+            }
+            match found.cycle.last() {
+                Some(&before) if c < before - 1e-9 => return None,
+                // Both sides of a jump stand at one place.
+                Some(&before) => found.cycle.push(c.max(before)),
+                None => found.cycle.push(c),
+            }
+            found.error_m.push(*e);
+        }
+        (found.cycle.len() > 1).then_some(found)
+    }
+
+    /// First and last of the whole cycles that all of some histories have at their ends; `None` where they share less than
+    /// one cycle.
+    pub fn whole<'s>(all: impl IntoIterator<Item = &'s Self>) -> Option<[f64; 2]> {
+        let mut shared: Option<[f64; 2]> = None;
+        for of in all {
+            let (first, last) = (*of.cycle.first()?, *of.cycle.last()?);
+            shared = Some(shared.map_or([first, last], |[a, b]| [a.max(first), b.min(last)]));
+        }
+        let [first, last] = shared?;
+        let whole = (last - first + 1e-6).floor();
+        (whole >= 1.0).then_some([last - whole, last])
+    }
+
+    /// Amplitudes of the orders over whole cycles \[m\], from the first on.
+    pub fn amplitudes(&self, cycles: [f64; 2], most: usize) -> Vec<f64> {
+        let kept = self.resolved(cycles).min(most);
+        let orders = self.orders(cycles, kept);
+        orders.iter().map(|o| o.square().sqrt()).collect()
+    }
+
+    /// Number of orders that the samples between two cycles resolve.
+    fn resolved(&self, [first, last]: [f64; 2]) -> usize {
+        let until = |c: f64| self.cycle.partition_point(|&x| x < c);
+        ((until(last) - until(first)) as f64 / (last - first) / SAMPLES) as usize
+    }
+
+    fn orders(&self, [first, last]: [f64; 2], kept: usize) -> Vec<Order> {
+        let inner =
+            self.cycle.partition_point(|&c| c <= first)..self.cycle.partition_point(|&c| c < last);
+        let end = |c: f64| (c, between(&self.cycle, &self.error_m, c));
+        let points: Vec<(f64, f64)> = std::iter::once(end(first))
+            .chain(inner.map(|i| (self.cycle[i], self.error_m[i])))
+            .chain(std::iter::once(end(last)))
+            .collect();
+        let mut found = vec![Order::default(); kept];
+        for (i, (c, e)) in points.iter().enumerate() {
+            let before = points[i.saturating_sub(1)].0;
+            let after = points[(i + 1).min(points.len() - 1)].0;
+            let weight = (after - before) / (last - first) * e;
+            for (n, order) in found.iter_mut().enumerate() {
+                let (sine, cosine) = (TAU * (n + 1) as f64 * c).sin_cos();
+                order.re += weight * cosine;
+                order.im -= weight * sine;
+            }
+        }
+        found
+    }
+}
+
+/// A value on the line between samples.
+fn between(t: &[f64], y: &[f64], at: f64) -> f64 {
+    let next = t.partition_point(|&s| s < at);
+    match (next, t.get(next)) {
+        (0, _) => y[0],
+        (_, None) => y[t.len() - 1],
+        (i, Some(&s)) => {
+            let span = s - t[i - 1];
+            let u = if span > 0.0 {
+                (at - t[i - 1]) / span
+            } else {
+                1.0
+            };
+            y[i - 1] + u * (y[i] - y[i - 1])
+        }
+    }
+}
+
+/// Errors of a run by orders; see the head of the module.
+#[derive(Clone, Copy, Debug)]
+pub struct OrderErrors {
+    /// Error of the amplitudes [-].
+    pub amplitudes: f64,
+    /// Error after the best shift [-].
+    pub aligned: f64,
+}
+
+/// Compares a run with a reference over the last whole mesh cycles that both have.
+pub fn errors(run: &OverCycles, reference: &OverCycles) -> Option<OrderErrors> {
+    let window = OverCycles::whole([run, reference])?;
+    let kept = SUMMED
+        .min(run.resolved(window))
+        .min(reference.resolved(window));
+    if kept == 0 {
+        return None;
+    }
+    let (own, wanted) = (run.orders(window, kept), reference.orders(window, kept));
+    let norm: f64 = wanted.iter().map(|r| r.square()).sum();
+    let total: f64 = own.iter().map(|e| e.square()).sum();
+    let differ = |(e, r): (&Order, &Order)| (e.square().sqrt() - r.square().sqrt()).powi(2);
+    let amplitudes: f64 = own.iter().zip(&wanted).map(differ).sum();
+    // The sum of squares is least where the correlation is greatest.
+    let correlation = |shift: f64| -> f64 {
+        let one = |(n, (e, r)): (usize, (&Order, &Order))| {
+            let (sine, cosine) = (TAU * (n + 1) as f64 * shift).sin_cos();
+            let (re, im) = (e.re * cosine - e.im * sine, e.re * sine + e.im * cosine);
+            re * r.re + im * r.im
+        };
+        own.iter().zip(&wanted).enumerate().map(one).sum()
+    };
+    let better = |a: &f64, b: &f64| correlation(*a).total_cmp(&correlation(*b));
+    let step = 1.0 / SHIFTS as f64;
+    let mut best = (0..SHIFTS).map(|k| k as f64 * step).max_by(better)?;
+    let mut half = step;
+    while half > 1e-12 {
+        half *= 0.5;
+        best = [best - half, best, best + half]
+            .into_iter()
+            .max_by(better)?;
+    }
+    let rest = (total + norm - 2.0 * correlation(best)).max(0.0);
+    Some(OrderErrors {
+        amplitudes: (amplitudes / norm).sqrt(),
+        aligned: (rest / norm).sqrt(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::series::Column;
+
+    fn series(speed: f64, error: impl Fn(f64) -> f64, cycles: bool) -> TimeSeries {
+        let time: Vec<f64> = (0..=4000).map(|i| f64::from(i) * 1e-3).collect();
+        let of = |name: &str, f: &dyn Fn(f64) -> f64| Column {
+            name: name.into(),
+            values: time.iter().map(|&t| f(t)).collect(),
+        };
+        let mut columns = vec![of(TRANSMISSION_ERROR, &|t| error(speed * t))];
+        columns.extend(cycles.then(|| of(MESH_CYCLE, &|t| speed * t)));
+        TimeSeries {
+            time_s: time,
+            columns,
+            ..TimeSeries::default()
+        }
+    }
+
+    fn wave(c: f64) -> f64 {
+        3e-6 * (TAU * c).cos() + 1e-6 * (2.0 * TAU * c).sin()
+    }
+
+    /// Neither mean nor shift counts, a smaller second order does.
+    #[test]
+    fn mean_and_shift_are_no_errors_and_orders_are() {
+        let run = series(2.6, wave, true);
+        let own = OverCycles::of_run(&run).unwrap();
+        let found = own.amplitudes(OverCycles::whole([&own]).unwrap(), 3);
+        for (a, b) in found.iter().zip([3e-6, 1e-6, 0.0]) {
+            assert!((a - b).abs() < 1e-10, "{found:?}");
+        }
+        let shifted = series(2.6, |c| 7e-6 + wave(c + 0.37), false);
+        let shifted = OverCycles::of_reference(&shifted, &run).unwrap();
+        let same = errors(&own, &shifted).unwrap();
+        assert!(same.aligned < 1e-4 && same.amplitudes < 1e-4, "{same:?}");
+        // Half of the second order is missing: 0.5e-6 over the norm of what is there.
+        let flat = series(2.6, |c| wave(c) - 0.5e-6 * (2.0 * TAU * c).sin(), false);
+        let flat = OverCycles::of_reference(&flat, &run).unwrap();
+        let differs = errors(&own, &flat).unwrap();
+        let expected = 0.5 / (9.0_f64 + 0.25).sqrt();
+        assert!((differs.amplitudes - expected).abs() < 1e-4, "{differs:?}");
+        assert!((differs.aligned - expected).abs() < 1e-4, "{differs:?}");
+    }
+
+    /// A quarter turn of the second order against the first is no shift, and no error of amplitudes.
+    #[test]
+    fn phases_between_orders_count_after_the_best_shift() {
+        let run = series(2.6, wave, true);
+        let own = OverCycles::of_run(&run).unwrap();
+        let turned = |c: f64| 3e-6 * (TAU * c).cos() + 1e-6 * (2.0 * TAU * c).cos();
+        let other = OverCycles::of_reference(&series(2.6, turned, false), &run).unwrap();
+        let found = errors(&own, &other).unwrap();
+        assert!(found.amplitudes < 1e-4 && found.aligned > 0.1, "{found:?}");
+    }
+
+    /// Less than a cycle, and gears that turn back, have no orders.
+    #[test]
+    fn no_orders_without_a_whole_cycle() {
+        let short = OverCycles::of_run(&series(0.2, wave, true)).unwrap();
+        assert!(OverCycles::whole([&short]).is_none());
+        let mut back = series(2.0, wave, true);
+        for c in &mut back.columns[1].values {
+            *c = (3.0 * *c).sin();
+        }
+        assert!(OverCycles::of_run(&back).is_none());
+    }
+}

@@ -1,0 +1,110 @@
+//! The transmission error over whole mesh cycles, and its amplitudes at the orders of the mesh.
+
+use super::histories::{Histories, History};
+use crate::drawing::Chart;
+use crate::drawing::axis::Axis;
+use crate::drawing::canvas::DrawError;
+use crate::drawing::panel::{Curve, Panel, chart};
+use crate::metrics::orders::OverCycles;
+use crate::numbers::Prefix;
+use crate::view::View;
+
+/// Cycles that are drawn at most: the last ones.
+const SHOWN: f64 = 3.0;
+/// Orders that are drawn.
+const ORDERS: usize = 10;
+
+/// The chart over the last whole cycles that all histories have, less the mean of each; none where no run lasts a whole
+/// cycle, or where the teeth hammer to and fro.
+pub(super) fn error(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
+    let Some(h) = Histories::of(view) else {
+        return Ok(None);
+    };
+    let runs = h.curves.iter().filter(|c| c.style.is_some());
+    let clock = runs
+        .map(|c| c.series)
+        .find(|s| OverCycles::of_run(s).is_some());
+    let Some(clock) = clock else {
+        return Ok(None);
+    };
+    let over = |c: &History<'_>| match c.style {
+        Some(_) => OverCycles::of_run(c.series),
+        None => c
+            .all_series()
+            .find_map(|s| OverCycles::of_reference(s, clock)),
+    };
+    let found: Vec<(&History<'_>, OverCycles)> = h
+        .curves
+        .iter()
+        .filter_map(|c| Some((c, over(c)?)))
+        .collect();
+    let Some(whole) = OverCycles::whole(found.iter().map(|(_, o)| o)) else {
+        return Ok(None);
+    };
+    let [first, last] = whole;
+    let from = first.max(last - SHOWN);
+    let curves: Vec<(&History<'_>, Vec<(f64, f64)>)> = (found.iter())
+        .map(|(c, o)| {
+            let inside: Vec<(f64, f64)> = (o.cycle.iter().zip(&o.error_m))
+                .filter(|(c, _)| (from..=last).contains(*c))
+                .map(|(c, e)| (c - from, *e))
+                .collect();
+            // By the trapezoidal rule: samples may be uneven.
+            let (area, length) = inside.windows(2).fold((0.0, 0.0), |(area, length), w| {
+                let step = w[1].0 - w[0].0;
+                (area + 0.5 * step * (w[0].1 + w[1].1), length + step)
+            });
+            let mean = if length > 0.0 { area / length } else { 0.0 };
+            (*c, inside.iter().map(|(c, e)| (*c, e - mean)).collect())
+        })
+        .collect();
+    let values = curves
+        .iter()
+        .flat_map(|(_, p)| p.iter().map(|(_, e)| e.abs()));
+    let prefix = Prefix::of(values.fold(0.0, f64::max), 1.0);
+    let x = Axis::linear(0.0, last - from);
+    let lines = curves.into_iter().map(|(c, points)| {
+        let scaled = points.into_iter().map(|(c, e)| (c, e * prefix.factor));
+        let (t, y): (Vec<f64>, Vec<f64>) = scaled.unzip();
+        Curve::history(c.stroke, &x, &t, &y).along(c.style)
+    });
+    let unit = |what: &str| format!("{what} [{}m]", prefix.symbol);
+    let over_cycles = Panel {
+        x_name: Some("mesh cycle".into()),
+        ..Panel::new(200.0, &x, &unit("error less its mean"))
+            .curves(lines)
+            .close()
+    };
+    let orders = Axis::linear(0.0, (ORDERS + 1) as f64);
+    let spectra = found.iter().map(|(c, o)| {
+        let amplitudes = o.amplitudes(whole, ORDERS);
+        let points = (amplitudes.iter().enumerate())
+            .map(|(n, a)| ((n + 1) as f64, a * prefix.factor))
+            .collect();
+        Curve::line(c.stroke, points).along(c.style)
+    });
+    let over_orders = Panel {
+        x_name: Some("order of the mesh frequency".into()),
+        ..Panel::new(150.0, &orders, &unit("amplitude"))
+            .curves(spectra)
+            .close()
+    };
+    let caption = format!(
+        "The last whole mesh cycles that all histories have, each less its mean, and the amplitudes at multiples of the mesh \
+         frequency over the last {}. What repeats with the turns of the gears alone lies between the orders.",
+        match (last - first).round() {
+            1.0 => "cycle".to_owned(),
+            n => format!("{n} cycles"),
+        }
+    );
+    let title = "Transmission error over the mesh cycle";
+    let panels = [over_cycles, over_orders];
+    chart(
+        "transmission_error.svg",
+        title,
+        caption,
+        &h.legend(),
+        &panels,
+    )
+    .map(Some)
+}
