@@ -63,7 +63,7 @@ impl Status {
 pub struct Run {
     /// Model id: `rigid`, `movable-teeth`, `elastic`, `fe`.
     pub model: String,
-    /// What sets this model apart from others of its id, such as `k = 3.6e10 N/m`.
+    /// What sets this model apart from others of its id, such as `k = 3.6e9 N/m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub variant: Option<String>,
     /// Integrator id.
