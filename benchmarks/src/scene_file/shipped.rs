@@ -31,6 +31,7 @@ macro_rules! shipped {
 pub static SHIPPED: &[Shipped] = &[
     shipped!("spur_impact", calibrated),
     shipped!("spur_impact_large", calibrated),
+    shipped!("flank_contact", calibrated),
     shipped!("helical_impact"),
     shipped!("helical_tilted"),
     shipped!("rack_pinion"),

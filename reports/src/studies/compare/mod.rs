@@ -10,6 +10,7 @@ pub(super) mod histories;
 mod mesh;
 mod paths;
 mod pressure;
+mod teeth;
 mod timing;
 mod window;
 mod yardstick;
@@ -39,6 +40,7 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         histories::force(view)?,
         pressure::pressure(view)?,
         histories::speeds(view)?,
+        teeth::teeth(view)?,
         channels::channels(view)?,
         paths::shares(view)?,
         mesh::mesh(view)?,
