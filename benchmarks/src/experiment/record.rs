@@ -253,8 +253,8 @@ fn transmission_error(
     Some(x.iter().zip(&y).zip(&seen).map(error).collect())
 }
 
-/// Part of the backlash that a tooth has to cross for its place there to be recorded.
-const HAMMERING: f64 = 0.5;
+/// Places in the backlash between which a tooth has to move for them to be recorded: flanks of both sides are near then.
+const HAMMERING: [f64; 2] = [0.25, 0.75];
 /// Slowest over fastest speed of the second gear with which the error of the speed ratio is recorded.
 const TURNING: f64 = 0.5;
 
@@ -305,7 +305,7 @@ fn backlash_position(
     let error = transmission_error(spec, m, displacement)?;
     let place: Vec<f64> = error.iter().map(|e| -e / backlash).collect();
     let [least, most] = span(&place);
-    (most - least > HAMMERING).then_some(place)
+    (least < HAMMERING[0] && most > HAMMERING[1]).then_some(place)
 }
 
 /// Error of the speed ratio, `-(r_b1 omega_1)/(r_b2 omega_2) - 1`, by the speeds of the hubs.

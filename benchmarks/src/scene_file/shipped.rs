@@ -43,6 +43,7 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("misaligned"),
     shipped!("beveloid"),
     shipped!("beveloid_corrected"),
+    shipped!("beveloid_pairs"),
     shipped!("backlash_parametric"),
     shipped!("backlash_forced"),
     shipped!("driveline"),

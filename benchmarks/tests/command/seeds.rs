@@ -79,7 +79,7 @@ fn example_2_stays_within_the_published_axes() {
     assert!(fitted < 0.05 && unfitted > 0.2, "{fitted} {unfitted}");
 }
 
-/// The rack of 2020s steering gears: 200 truncated modes, and the cut at 80 kHz, with the modes that act in the settings.
+/// The rack of the steering gear: 200 truncated modes, and the cut at 80 kHz, with the modes that act in the settings.
 #[test]
 fn the_rack_shows_both_truncations_with_their_modes() {
     let record = record("compare rack_pinion --repeats 1");
@@ -191,4 +191,65 @@ fn the_place_in_the_backlash_is_drawn() {
         &folder.read("here/index.html"),
         &["Motion of the teeth", "place in the backlash"],
     );
+}
+
+/// The beveloid pairs of the user meeting of 2014, epsilon = speed ratio - 1: the corrected pair turns more evenly.
+#[test]
+fn the_corrected_beveloid_pair_turns_more_evenly() {
+    let record =
+        record("compare beveloid_pairs --models rigid --integrators dopri5@1e-4 --repeats 1");
+    let series = record.runs[0].series.as_ref().unwrap();
+    let swing = |name: &str| {
+        let column = series.columns.iter().find(|c| c.name == name).unwrap();
+        let settled = column
+            .values
+            .iter()
+            .zip(&series.time_s)
+            .filter(|(_, t)| **t > 5e-3);
+        let [least, most] = settled.fold([f64::MAX, f64::MIN], |[a, b], (x, _)| {
+            [a.min(*x), b.max(*x)]
+        });
+        most - least
+    };
+    let original = swing("speed_ratio_error");
+    let corrected = swing("speed_ratio_error_pinion_corrected_wheel_corrected");
+    assert!(
+        original > 0.015 && corrected < 0.3 * original,
+        "{original} {corrected}"
+    );
+}
+
+/// The skew gears of 2014: with misalignment the contact gets softer, so that the impact of elastic gears is weaker and longer.
+#[test]
+fn misalignment_softens_the_contact_of_elastic_gears() {
+    let folder = Folder::new();
+    let shipped = include_str!("../../scenes/misaligned.toml");
+    let found = [0.0, 0.05, 0.2].map(|angle| {
+        let name = format!("askew_{}", (angle * 100.0) as u32);
+        let scene = shipped
+            .replacen("name = \"misaligned\"", &format!("name = \"{name}\""), 1)
+            .replacen(
+                "plane_of_action = 0.03",
+                &format!("plane_of_action = {angle}"),
+                1,
+            );
+        folder.write(&format!("{name}.toml"), &scene);
+        folder.ends(
+            &format!("compare {name}.toml --models elastic --repeats 1 --out {name}"),
+            0,
+        );
+        let record = gearbench_reports::load_results(&folder.at(&name)).unwrap();
+        let run = run_of(&record, "elastic", None);
+        [
+            metric(run, Metric::PeakForce),
+            metric(run, Metric::Duration),
+        ]
+    });
+    for pair in found.windows(2) {
+        assert!(pair[1][0] < 0.97 * pair[0][0], "peaks fall: {found:?}");
+        assert!(
+            pair[1][1] > 1.1 * pair[0][1],
+            "impacts last longer: {found:?}"
+        );
+    }
 }

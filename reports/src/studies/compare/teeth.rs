@@ -3,8 +3,9 @@
 
 use super::histories::Histories;
 use crate::drawing::Chart;
+use crate::drawing::axis::Axis;
 use crate::drawing::canvas::DrawError;
-use crate::drawing::panel::{Panel, chart};
+use crate::drawing::panel::{Panel, chart, extremes};
 use crate::numbers::Prefix;
 use crate::series::{BACKLASH_POSITION, SPEED_RATIO_ERROR, TOOTH_DEFLECTION, TimeSeries};
 use crate::view::View;
@@ -19,17 +20,17 @@ const QUANTITIES: [(&str, &str, &str, &str); 3] = [
          beyond them teeth are deflected.",
     ),
     (
-        TOOTH_DEFLECTION,
-        "deflection of a tooth, ",
-        "rad",
-        "The deflection of a movable tooth is its angle less that of its body, of the touching tooth whose spring is \
-         loaded most, 0 while none touches.",
-    ),
-    (
         SPEED_RATIO_ERROR,
         "error of the speed ratio",
         "",
         "The error of the speed ratio is the ratio of the hubs' speeds over that of the numbers of teeth, less 1.",
+    ),
+    (
+        TOOTH_DEFLECTION,
+        "deflection of a tooth",
+        "rad",
+        "The deflection of a movable tooth is its angle less that of its body, of the touching tooth whose spring is \
+         loaded most, 0 while none touches.",
     ),
 ];
 
@@ -52,18 +53,21 @@ pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
                 names.push(&c.name);
             }
         }
-        let largest = |name: &&str| {
-            let values = all.iter().filter_map(|s| column(s, name)).flatten();
-            values.fold(0.0_f64, |most, x| most.max(x.abs()))
+        // One scale for all gears and meshes, so that they compare.
+        let values = || {
+            names
+                .iter()
+                .flat_map(|name| all.iter().filter_map(|s| column(s, name)).flatten())
         };
-        let most = names.iter().map(largest).fold(0.0, f64::max);
+        let (low, high) = extremes(values().copied().chain([0.0]));
         let (factor, label) = match unit {
             "" => (1.0, "[-]".to_owned()),
             _ => {
-                let prefix = Prefix::of(most, 1.0);
+                let prefix = Prefix::of(high.max(-low), 1.0);
                 (prefix.factor, format!("[{}{unit}]", prefix.symbol))
             }
         };
+        let y = Axis::linear(low * factor, high * factor);
         for name in &names {
             let of = name[begin.len()..]
                 .trim_start_matches('_')
@@ -75,8 +79,9 @@ pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             };
             panels.push(Panel {
                 x_name: Some(time.name.clone()),
+                y: Some(y.clone()),
                 ..Panel::new(150.0, &time.axis, &label)
-                    .remark(format!("{words}{}", of.replace('_', " ")))
+                    .remark(format!("{words}{of}"))
                     .curves(h.lines(|s| column(s, name), factor, time))
                     .close()
             });
