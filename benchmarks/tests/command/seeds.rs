@@ -173,7 +173,7 @@ fn the_place_in_the_backlash_is_drawn() {
         .fold([f64::MAX, f64::MIN], |[a, b], x| [a.min(*x), b.max(*x)]);
     assert!(
         (place[0] - 0.5).abs() < 1e-9,
-        "starts in the middle: {}",
+        "the run starts in the middle: {}",
         place[0]
     );
     // Flanks give way by some micrometres of 100.
