@@ -24,7 +24,7 @@ mod words;
 pub use csv_table::CsvTable;
 pub use drawing::{Chart, DrawError};
 pub use force::ForceHistory;
-pub use histories::{ContactEvent, Histories, PairSample};
+pub use histories::{ContactEvent, Histories, PairSample, SprungTooth};
 pub use metrics::{Finished, Metric, Unfinished, compare};
 pub use record::{
     ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue,

@@ -316,7 +316,10 @@ impl Standing<'_, '_> {
             let integrator = id_of(&s.run.integrator);
             let fitted = if s.is_fitted() { ", fitted" } else { "" };
             let at = modes_and_step(s.run);
-            format!("{} under {integrator} ({at}{fitted}) {time}", s.run.model_label())
+            format!(
+                "{} under {integrator} ({at}{fitted}) {time}",
+                s.run.model_label()
+            )
         };
         match self.next {
             Some((rival, factor)) if factor < 1.0 => format!(
