@@ -17,10 +17,14 @@ use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, absolute, all_references_of, refuse_run, say, warn};
 use crate::experiment::conditions::silent;
+use crate::experiment::configuration::Configuration;
 use crate::experiment::interruption;
+use crate::experiment::small_signals::mesh_modes;
 use crate::experiment::run::RunError;
+use crate::models::models;
 use crate::scene_file::references::Held;
 use crate::scene_file::{self, SceneFile};
+use gearbench_reports::record::MeshMode;
 use gearbench_reports::{Part, ReferenceDistance, Study, Verdict};
 use std::sync::Arc;
 
@@ -60,6 +64,7 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     let settings = compare_with(&mut choice, &references, &requirement, args.references)?;
     let mut results = record::results(&problem, (&scene.title, command), &requirement, &choice);
     results.settings.extend(settings.iter().cloned());
+    results.mesh_modes = damping_of(&scene, &choice, &problem)?;
     let file = folder.path().join("chosen.toml");
     let io = |e: std::io::Error| Refusal::Files(format!("{}: {e}", file.display()));
     match &choice.candidate {
@@ -95,6 +100,27 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     } else {
         Ok(answer)
     }
+}
+
+/// The mesh modes of the yardstick and of the choice: two models are alike under load only where their damping is.
+fn damping_of(
+    scene: &SceneFile,
+    choice: &Choice,
+    problem: &Problem,
+) -> Result<Vec<MeshMode>, Refusal> {
+    let Some(any) = scene.models.first() else {
+        return Ok(Vec::new());
+    };
+    let chosen = choice.candidate.iter().chain([&choice.yardstick]);
+    let entries: Vec<Configuration> = chosen
+        .map(|c| Configuration {
+            label: c.level.name(),
+            scene: (*c.scene).clone(),
+            modelling: (*c.modelling).clone(),
+            ..Configuration::of(scene, any)
+        })
+        .collect();
+    mesh_modes(&entries, models(), &problem.runner).map_err(Refusal::from)
 }
 
 /// References of the scene's own conditions, which the yardstick is compared with; none where they cannot be read, which is
