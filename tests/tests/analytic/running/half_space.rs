@@ -127,7 +127,7 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
     high - low
 }
 
-/// The tables of the README: half-spaces and elements in contact, over meshes and loads. What passing elements do is told
+/// The tables of the page on elastic gears of the book: half-spaces and elements in contact, over meshes and loads. What passing elements do is told
 /// in two ways: by the ripple where one pair carries the load, and all over the cycle by how the difference from the
 /// finest mesh varies.
 #[test]
