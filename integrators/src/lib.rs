@@ -130,6 +130,6 @@ pub use spec::{MethodError, MethodSpec};
 pub use stepped::Stepped;
 pub use system::{
     At, Change, Coeffs, Energy, Events, FreeFlight, HalfKick, Layout, ModalSplit, Outputs, Power,
-    Report, SecondOrderSystem, State, Touch,
+    Report, SecondOrderSystem, SprungMember, State, Touch,
 };
 pub use table::{METHODS, Method, method};

@@ -181,6 +181,21 @@ pub struct Touch {
     pub members: [i64; 2],
     /// Magnitude of the vector sum of its forces [N].
     pub force: f64,
+    /// State of each member that moves on a spring of its own.
+    pub sprung: [Option<SprungMember>; 2],
+}
+
+/// A member of a contact that moves against its body on a spring and a damper, as a movable tooth does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SprungMember {
+    /// Radial part of the contact force on the member, positive away from the axis [N].
+    pub radial: f64,
+    /// Tangential part, positive counter-clockwise, of a rack along its slide [N].
+    pub tangential: f64,
+    /// Force of spring and damper on the member, positive as the tangential part [N].
+    pub spring: f64,
+    /// Displacement of the member relative to its body [rad], of a rack [m].
+    pub deflection: f64,
 }
 
 /// A tangent that could not be inverted.
@@ -372,8 +387,8 @@ pub trait Report {
         None
     }
 
-    /// The contacts that are closed at the state that was last reported of, each pair of members once, in order.
-    fn touches(&mut self, out: &mut Vec<Touch>) {
+    /// The contacts that are closed at the state that was last reported of, which is `at`, each pair of members once, in order.
+    fn touches(&mut self, _at: At<'_>, out: &mut Vec<Touch>) {
         out.clear();
     }
 }

@@ -13,6 +13,27 @@ pub struct CsvTable {
     pub rows: Vec<Vec<String>>,
 }
 
+/// Endings of names of columns, and the unit that they are.
+const UNITS: [(&str, &str); 10] = [
+    ("_rad_s", "rad/s"),
+    ("_n_per_m", "N/m"),
+    ("_rad", "rad"),
+    ("_m_s", "m/s"),
+    ("_nm", "N m"),
+    ("_hz", "Hz"),
+    ("_pa", "Pa"),
+    ("_n", "N"),
+    ("_m", "m"),
+    ("_s", "s"),
+];
+
+/// The name of a column without the ending of its unit, and the unit; an empty one where it has none.
+pub fn named_unit(column: &str) -> (&str, &'static str) {
+    let mut endings = UNITS.iter();
+    let found = endings.find_map(|(ending, unit)| Some((column.strip_suffix(ending)?, *unit)));
+    found.unwrap_or((column, ""))
+}
+
 /// A column of rows of a kind: its name, and its cell in a row.
 pub type CsvColumn<'c, R> = (&'c str, &'c dyn Fn(&R) -> String);
 

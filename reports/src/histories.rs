@@ -23,6 +23,26 @@ pub struct PairSample {
     pub teeth: [i64; 2],
     /// Magnitude of the vector sum of the pair's contact forces \[N\].
     pub force_n: f64,
+    /// Teeth of the pair that move on springs of their own.
+    #[serde(default, skip_serializing_if = "no_tooth_moves")]
+    pub sprung: [Option<SprungTooth>; 2],
+}
+
+/// A tooth that moves against its body on a spring and a damper.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SprungTooth {
+    /// Radial part of the contact force on the tooth, positive away from the axis \[N\].
+    pub radial_n: f64,
+    /// Tangential part, positive counter-clockwise, of a rack along its slide \[N\].
+    pub tangential_n: f64,
+    /// Force of spring and damper on the tooth, positive as the tangential part \[N\].
+    pub spring_n: f64,
+    /// Displacement of the tooth relative to its body \[rad\], of a rack \[m\].
+    pub deflection: f64,
+}
+
+fn no_tooth_moves(sprung: &[Option<SprungTooth>; 2]) -> bool {
+    sprung.iter().all(Option::is_none)
 }
 
 /// A contact that closes or opens.
@@ -95,18 +115,38 @@ impl Histories {
     }
 }
 
+/// What a cell of the table of pairs says.
+type Text<'c> = &'c dyn Fn(&&PairSample) -> String;
+
 fn pairs(samples: &[PairSample]) -> CsvTable {
-    CsvTable::new(
-        "",
-        samples,
-        &[
-            ("time_s", &|s| number(s.time_s)),
-            ("mesh", &|s| s.mesh.to_string()),
-            ("tooth_1", &|s| s.teeth[0].to_string()),
-            ("tooth_2", &|s| s.teeth[1].to_string()),
-            ("pair_force_n", &|s| number(s.force_n)),
-        ],
-    )
+    let of = |k: usize, value: fn(&SprungTooth) -> f64| {
+        move |s: &&PairSample| number(s.sprung[k].as_ref().map(value))
+    };
+    let radial = [0, 1].map(|k| of(k, |t| t.radial_n));
+    let tangential = [0, 1].map(|k| of(k, |t| t.tangential_n));
+    let spring = [0, 1].map(|k| of(k, |t| t.spring_n));
+    let deflection = [0, 1].map(|k| of(k, |t| t.deflection));
+    let mut columns: Vec<(&str, Text<'_>)> = vec![
+        ("time_s", &|s| number(s.time_s)),
+        ("mesh", &|s| s.mesh.to_string()),
+        ("tooth_1", &|s| s.teeth[0].to_string()),
+        ("tooth_2", &|s| s.teeth[1].to_string()),
+        ("pair_force_n", &|s| number(s.force_n)),
+    ];
+    // Only models whose teeth move have more.
+    if samples.iter().any(|s| !no_tooth_moves(&s.sprung)) {
+        columns.extend([
+            ("tooth_radial_force_1_n", &radial[0] as Text<'_>),
+            ("tooth_radial_force_2_n", &radial[1]),
+            ("tooth_tangential_force_1_n", &tangential[0]),
+            ("tooth_tangential_force_2_n", &tangential[1]),
+            ("tooth_spring_force_1_n", &spring[0]),
+            ("tooth_spring_force_2_n", &spring[1]),
+            ("tooth_deflection_1_rad", &deflection[0]),
+            ("tooth_deflection_2_rad", &deflection[1]),
+        ]);
+    }
+    CsvTable::new("", samples, &columns)
 }
 
 fn events(events: &[ContactEvent]) -> CsvTable {

@@ -11,6 +11,7 @@ pub mod escape;
 pub mod force;
 pub mod histories;
 mod markup;
+pub mod measured;
 pub mod metrics;
 pub mod numbers;
 pub mod record;
@@ -23,7 +24,7 @@ mod words;
 pub use csv_table::CsvTable;
 pub use drawing::{Chart, DrawError};
 pub use force::ForceHistory;
-pub use histories::{ContactEvent, Histories, PairSample};
+pub use histories::{ContactEvent, Histories, PairSample, SprungTooth};
 pub use metrics::{Finished, Metric, Unfinished, compare};
 pub use record::{
     ContactPoint, ContactSnapshot, DeformedSection, FlankGrid, FlankLoad, FlankPatch, FlankValue,
@@ -37,7 +38,7 @@ pub use studies::choose::{
     TriedRecord, Verdict,
 };
 pub use studies::{
-    StudyReport, check, choice_check, compare as comparison, coupling, finding, identify, modes,
-    precision, response, run_up, stability, stiffness, sweep, truncation,
+    StudyReport, check, choice_check, compare as comparison, coupling, finding, identify,
+    measured_lines, modes, precision, response, run_up, stability, stiffness, sweep, truncation,
 };
 pub use view::{metric_against, yardstick_of};

@@ -6,6 +6,13 @@
 use crate::force::ForceHistory;
 use serde::{Deserialize, Serialize};
 
+/// Column of the place of the tooth of the first mesh in its backlash [-]; further meshes name their gears behind it.
+pub const BACKLASH_POSITION: &str = "backlash_position";
+/// Column of the error of the speed ratio of the first mesh [-], likewise.
+pub const SPEED_RATIO_ERROR: &str = "speed_ratio_error";
+/// What columns of the deflection of movable teeth begin with, before the name of the gear.
+pub const TOOTH_DEFLECTION: &str = "tooth_deflection_";
+
 /// Sampled histories over a common time axis.
 ///
 /// Every column is as long as `time_s`, or empty where a reference does not have it; the time does not decrease (two samples at one time mark a

@@ -40,7 +40,7 @@ const LOAD: f64 = 100e3;
 /// Positions of a mesh cycle at rest.
 const POSITIONS: usize = 24;
 /// Tooth stiffnesses of S. Ebrahimi, P. Eberhard, SIMPACK User Meeting 2006 [N/m].
-const PUBLISHED: [f64; 2] = [3.6e10, 5.6e10];
+const PUBLISHED: [f64; 2] = [5.6e7, 3.6e9];
 /// A stiffness over the width of 1 N/(mm um) [N/m^2].
 const N_PER_MM_UM: f64 = 1e9;
 

@@ -12,6 +12,12 @@ pub struct Output {
     /// Folder to write to [default: out/SCENE/STUDY]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Measured curves (CSV) to compare the tables of the study with: columns are called as in those tables
+    ///
+    /// The first column of numbers is the abscissa, every further one is a curve, for example `mesh_frequency [kHz],
+    /// transmission_error_rms [um]` for `sweep` and `response`. The page draws them; docs/data.md has all columns.
+    #[arg(long, value_name = "FILE")]
+    pub measured: Vec<PathBuf>,
     /// Start over: do not go on with runs that an interrupted start has finished
     #[arg(long)]
     pub fresh: bool,

@@ -8,6 +8,7 @@ pub mod exit;
 pub(crate) mod files;
 pub(crate) mod folder_lock;
 pub mod help;
+mod measured;
 pub mod progress;
 mod refusal;
 pub(crate) mod study_command;

@@ -9,6 +9,7 @@ use super::arguments::Output;
 use super::exit::Exit;
 use super::files::{folder_of, is_same};
 use super::folder_lock::FolderLock;
+use super::measured;
 use super::progress::Display;
 use super::terminal::{Refusal, absolute, say, warn};
 use crate::experiment::budget::Budget;
@@ -19,6 +20,7 @@ use crate::experiment::journal::{JOURNAL, Journal, JournalError, Subject};
 use crate::experiment::runner::Runner;
 use crate::scene_file::SceneFile;
 use gearbench_reports::RECORD;
+use gearbench_reports::measured::MeasuredCurve;
 use gearbench_reports::record::{Part, Results, Run, SCHEMA, Source, Status, damping_differs};
 use serde::Deserialize;
 use std::io;
@@ -42,6 +44,8 @@ pub struct StudyFolder {
     made: Option<PathBuf>,
     /// What the record will be made of.
     source: Option<Source>,
+    /// Measured curves to compare its tables with.
+    measured: Vec<MeasuredCurve>,
     /// Rows of models that cannot run the scene.
     refused: Vec<Run>,
     /// The journal in the folder is that of this study.
@@ -80,6 +84,8 @@ impl StudyFolder {
         (name, study): (&str, &str),
         scene: Option<&SceneFile>,
     ) -> Result<Self, Refusal> {
+        let measured = output.measured.iter().map(|p| measured::read(p));
+        let measured: Vec<Vec<MeasuredCurve>> = measured.collect::<Result<_, _>>()?;
         let path = (output.out.clone()).unwrap_or_else(|| Path::new("out").join(name).join(study));
         let fail = |e: io::Error| Refusal::Files(format!("{}: {e}", path.display()));
         let source = scene.map(SceneFile::source);
@@ -98,11 +104,13 @@ impl StudyFolder {
             path: path.clone(),
             made,
             source,
+            measured: measured.concat(),
             refused: Vec::new(),
         };
         remove_staging(&path);
-        for input in scene.map(SceneFile::inputs).unwrap_or_default() {
-            refuse_input(&path, &input)?;
+        let inputs = scene.map(SceneFile::inputs).unwrap_or_default();
+        for input in inputs.iter().chain(&output.measured) {
+            refuse_input(&path, input)?;
         }
         if !output.force {
             belongs_to(&path, (name, &subject), folder.source.as_ref())?;
@@ -216,12 +224,16 @@ impl StudyFolder {
             results.settings.push((INTERRUPTED_STUDY.into(), what));
         }
         results.header.source.clone_from(&self.source);
+        results.measured.clone_from(&self.measured);
         let page = gearbench_reports::write_results(&self.path, &results)
             .map_err(|e| Refusal::Files(e.to_string()))?;
         // They are in files of their own now, and as values of an answer they would take many times their memory.
         results.runs.iter_mut().for_each(|r| r.histories = None);
         summarise(&results);
         describe_mesh_modes(&results);
+        for line in gearbench_reports::measured_lines(&results).unwrap_or_default() {
+            say(&line);
+        }
         if let Some((_, what)) = results.settings.last().filter(|_| stopped) {
             say(&format!("interrupted: {what}"));
         }

@@ -24,6 +24,8 @@ pub struct Configuration {
     pub methods: Option<Vec<Scheme>>,
     /// Time that others publish for such a model [s].
     pub published: Option<f64>,
+    /// That time follows from other published numbers.
+    pub published_derived: bool,
 }
 
 impl Configuration {
@@ -38,6 +40,7 @@ impl Configuration {
             modelling: choice.modelling.clone(),
             methods: choice.integrators.clone(),
             published: choice.published,
+            published_derived: choice.published_derived,
         }
     }
 

@@ -3,7 +3,7 @@
 use gearbench_integrators::{Outputs, SecondOrderSystem, State, Touch};
 use gearbench_models::scene::{OfMesh, Scene};
 use gearbench_models::spec::{Body, SceneSpec};
-use gearbench_reports::histories::{ContactEvent, PairSample};
+use gearbench_reports::histories::{ContactEvent, PairSample, SprungTooth};
 
 /// Records contacts of a run.
 #[derive(Clone, Debug, Default)]
@@ -58,7 +58,7 @@ impl ContactLog {
     ) {
         let mut now = std::mem::take(&mut self.now);
         if let Some(report) = sys.report() {
-            report.touches(&mut now);
+            report.touches(s.at(), &mut now);
         }
         for touch in now.iter().filter(|t| t.force > 0.0) {
             self.pairs.push(PairSample {
@@ -66,6 +66,14 @@ impl ContactLog {
                 mesh: touch.group + 1,
                 teeth: self.numbers(touch),
                 force_n: touch.force,
+                sprung: touch.sprung.map(|tooth| {
+                    tooth.map(|t| SprungTooth {
+                        radial_n: t.radial,
+                        tangential_n: t.tangential,
+                        spring_n: t.spring,
+                        deflection: t.deflection,
+                    })
+                }),
             });
         }
         let forces = self.mesh_forces(channels);
@@ -87,7 +95,7 @@ impl ContactLog {
             let mut touches = Vec::new();
             if let Some(report) = sys.report() {
                 report.sample(s.at(), &mut out);
-                report.touches(&mut touches);
+                report.touches(s.at(), &mut touches);
             }
             (touches, self.mesh_forces(&out.channels))
         });

@@ -7,21 +7,27 @@ use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::system::{Outputs, Report};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
-use gearbench_models::spec::{self, Body, Modelling, SceneSpec, ShaftSpec, signed_base_radius};
+use gearbench_models::spec::{
+    self, Body, Modelling, SceneSpec, ShaftSpec, mesh_layout, signed_base_radius,
+};
 use gearbench_reference::reduction::ElasticParameters;
-use gearbench_reports::histories::Histories;
+use gearbench_reports::histories::{Histories, PairSample};
 use gearbench_reports::metrics::{MESH_CYCLE, TRANSMISSION_ERROR};
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
-use gearbench_reports::series::{Column, TimeSeries};
+use gearbench_reports::series::{
+    BACKLASH_POSITION, Column, SPEED_RATIO_ERROR, TOOTH_DEFLECTION, TimeSeries,
+};
 
 /// The part of a row that tells of the modes of elastic gears.
 pub fn reduction(scene: &Scene, modelling: &Modelling) -> Run {
     let mut found = Run::default();
     for (gear, spec) in scene.gears().iter().zip(&modelling.gears) {
         let Some(field) = gear.model.displacement() else {
+            found.modes_of_gears.push(0);
             continue;
         };
         let kept = gear.model.hub().own;
+        found.modes_of_gears.push(kept);
         // The characteristic time of such a gear is that of its fastest mode.
         let highest = (std::f64::consts::TAU * gear.model.hub().characteristic_time).recip();
         found.modes = found.modes.max(Some(kept));
@@ -32,6 +38,9 @@ pub fn reduction(scene: &Scene, modelling: &Modelling) -> Run {
         if let Some(way) = ElasticParameters::of(spec).and_then(|p| p.choose) {
             found.choose = Some(way.id().into());
         }
+    }
+    if found.modes.is_none() {
+        found.modes_of_gears.clear();
     }
     found
 }
@@ -69,6 +78,10 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
         name: MESH_CYCLE.into(),
         values,
     }));
+    columns.extend(motion_columns(spec, &of_gear));
+    if let Some(contacts) = &history.contacts {
+        columns.extend(tooth_deflections(spec, history, &contacts.pairs));
+    }
     if job.forces {
         for (force, bearing) in [(OfMesh::X, OfGear::BearingX), (OfMesh::Y, OfGear::BearingY)] {
             columns.extend(meshes.clone().map(|m| column(Channel::Mesh(m, force))));
@@ -261,6 +274,133 @@ fn mesh_cycles(scene: &SceneSpec, displacement: impl Fn(usize) -> Vec<f64>) -> O
     let seen = carrier.map_or_else(|| vec![0.0; turn.len()], &displacement);
     let cycles = |(x, c): (&f64, &f64)| teeth * (x - c) / std::f64::consts::TAU;
     Some(turn.iter().zip(&seen).map(cycles).collect())
+}
+
+/// Places in the backlash between which a tooth has to move for them to be recorded: flanks of both sides are near then.
+const HAMMERING: [f64; 2] = [0.25, 0.75];
+/// Slowest over fastest speed of the second gear with which the error of the speed ratio is recorded.
+const TURNING: f64 = 0.5;
+
+/// Of each mesh the place of the tooth in the backlash where it crosses that, and the error of the speed ratio where both
+/// gears keep turning.
+fn motion_columns(spec: &SceneSpec, of_gear: &impl Fn(usize, OfGear) -> Vec<f64>) -> Vec<Column> {
+    let mut found = Vec::new();
+    for (m, mesh) in spec.meshes.iter().enumerate() {
+        let of = match m {
+            0 => String::new(),
+            _ => {
+                let [a, b] = mesh.gears.map(|i| spec.gears[i].name.as_str());
+                format!("_{a}_{b}")
+            }
+        };
+        let mut add = |what: &str, values: Vec<f64>| {
+            let name = format!("{what}{of}");
+            found.push(Column { name, values });
+        };
+        let place = backlash_position(spec, m, |g| of_gear(g, OfGear::Displacement));
+        if let Some(values) = place {
+            add(BACKLASH_POSITION, values);
+        }
+        if let Some(values) = speed_ratio_error(spec, m, |g| of_gear(g, OfGear::HubSpeed)) {
+            add(SPEED_RATIO_ERROR, values);
+        }
+    }
+    found
+}
+
+fn span(values: &[f64]) -> [f64; 2] {
+    (values.iter()).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &x| {
+        [a.min(x), b.max(x)]
+    })
+}
+
+/// Place of the tooth in the backlash: 0 where the flank of the start touches without load, 1 where the other one does.
+fn backlash_position(
+    spec: &SceneSpec,
+    m: usize,
+    displacement: impl Fn(usize) -> Vec<f64>,
+) -> Option<Vec<f64>> {
+    let [a, b] = spec.meshes[m].gears.map(|i| &spec.gears[i]);
+    let backlash = mesh_layout(a, b).ok()?.backlash;
+    if backlash <= 0.0 {
+        return None;
+    }
+    let error = transmission_error(spec, m, displacement)?;
+    let place: Vec<f64> = error.iter().map(|e| -e / backlash).collect();
+    let [least, most] = span(&place);
+    (least < HAMMERING[0] && most > HAMMERING[1]).then_some(place)
+}
+
+/// Error of the speed ratio, `-(r_b1 omega_1)/(r_b2 omega_2) - 1`, by the speeds of the hubs.
+fn speed_ratio_error(
+    spec: &SceneSpec,
+    m: usize,
+    speed: impl Fn(usize) -> Vec<f64>,
+) -> Option<Vec<f64>> {
+    let mesh = &spec.meshes[m];
+    let [ra, rb] = mesh.gears.map(|i| signed_base_radius(&spec.gears[i].body));
+    let carrier = mesh.gears.into_iter().find_map(|g| carrier_of(spec, g));
+    let [x, y] = mesh.gears.map(&speed);
+    let carried = carrier.map_or_else(|| vec![0.0; x.len()], &speed);
+    let relative =
+        |v: Vec<f64>| -> Vec<f64> { v.iter().zip(&carried).map(|(v, c)| v - c).collect() };
+    let (x, y) = (relative(x), relative(y));
+    let [least, most] = span(&y);
+    let turns =
+        least * most > 0.0 && least.abs().min(most.abs()) > TURNING * least.abs().max(most.abs());
+    let error = |(x, y): (&f64, &f64)| -(ra * x) / (rb * y) - 1.0;
+    turns.then(|| x.iter().zip(&y).map(error).collect())
+}
+
+/// Of each gear whose teeth move on springs the deflection of the tooth that its spring presses most, among those that
+/// touch; 0 while none does. It is known at times of the grid; between them charts have a line.
+fn tooth_deflections(spec: &SceneSpec, history: &History, pairs: &[PairSample]) -> Vec<Column> {
+    let mut found = Vec::new();
+    for (g, gear) in spec.gears.iter().enumerate() {
+        let mut on_grid: Vec<(f64, [f64; 2])> = history
+            .on_grid
+            .iter()
+            .map(|&row| (history.time[row], [0.0; 2]))
+            .collect();
+        let mut moves = false;
+        for pair in pairs {
+            let gears = spec.meshes[pair.mesh - 1].gears;
+            for tooth in (0..2)
+                .filter(|&k| gears[k] == g)
+                .filter_map(|k| pair.sprung[k])
+            {
+                moves = true;
+                let at = on_grid.partition_point(|(t, _)| *t < pair.time_s);
+                if let Some((_, [force, deflection])) = on_grid.get_mut(at)
+                    && tooth.spring_n.abs() > *force
+                {
+                    (*force, *deflection) = (tooth.spring_n.abs(), tooth.deflection);
+                }
+            }
+        }
+        if !moves {
+            continue;
+        }
+        let at = |t: &f64| {
+            let next = on_grid.partition_point(|(x, _)| x < t);
+            match (next.checked_sub(1).map(|i| on_grid[i]), on_grid.get(next)) {
+                (Some((a, [_, x])), Some(&(b, [_, y]))) => x + (y - x) * (t - a) / (b - a),
+                (None, Some((_, [_, y]))) => *y,
+                (Some((_, [_, x])), None) => x,
+                (None, None) => 0.0,
+            }
+        };
+        let unit = if matches!(gear.body, Body::Rack(_)) {
+            "m"
+        } else {
+            "rad"
+        };
+        found.push(Column {
+            name: format!("{TOOTH_DEFLECTION}{}_{unit}", gear.name),
+            values: history.time.iter().map(at).collect(),
+        });
+    }
+    found
 }
 
 /// Momentum of each gear along its line of action, `L / r_b` [N s].

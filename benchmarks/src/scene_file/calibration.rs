@@ -6,7 +6,7 @@
 //!
 //! ```toml
 //! [impact.movable-teeth]
-//! stiffness_n_per_m2 = 3.6e10      # of the contact, per face width
+//! stiffness_n_per_m2 = 1.5e10      # of the contact, per face width
 //! damping_ns_per_m = 40            # of the contact, a linear dashpot; most calibrations have none
 //! gap_m = 3.1e-6                   # gap at the start
 //! path_slope = 0.04                # of the stiffness along the path of contact, which is then a parabola

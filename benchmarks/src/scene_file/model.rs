@@ -35,6 +35,9 @@ keys! {
         integrators: Option<Vec<IntegratorKeys>>,
         /// time in seconds that others publish for such a model, for the timing table
         published_s: Option<f64>,
+        /// true where that time is not printed there but follows from other published numbers
+        #[serde(default)]
+        published_derived: bool,
         /// "impact", "static" or "running", or { name, scene, label } to take another one's
         calibration: Option<CalibrationChoice>,
     }
@@ -112,6 +115,8 @@ pub struct ModelChoice {
     pub default_integrators: bool,
     /// Time that others publish for such a model [s].
     pub published: Option<f64>,
+    /// That time follows from other published numbers.
+    pub published_derived: bool,
 }
 
 impl ModelChoice {
@@ -230,6 +235,7 @@ fn model(
         integrators: integrators.transpose()?,
         default_integrators: false,
         published: keys.published_s,
+        published_derived: keys.published_derived,
     })
 }
 

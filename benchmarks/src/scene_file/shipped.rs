@@ -31,6 +31,7 @@ macro_rules! shipped {
 pub static SHIPPED: &[Shipped] = &[
     shipped!("spur_impact", calibrated),
     shipped!("spur_impact_large", calibrated),
+    shipped!("flank_contact", calibrated),
     shipped!("helical_impact"),
     shipped!("helical_tilted"),
     shipped!("rack_pinion"),
@@ -42,6 +43,7 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("misaligned"),
     shipped!("beveloid"),
     shipped!("beveloid_corrected"),
+    shipped!("beveloid_pairs"),
     shipped!("backlash_parametric"),
     shipped!("backlash_forced"),
     shipped!("driveline"),

@@ -11,6 +11,8 @@ use crate::experiment::runner::Runner;
 use crate::models::models;
 use crate::scene_file::{Origin, SHIPPED, SceneFile};
 use crate::studies::modes::{self, vibrations};
+use gearbench_integrators::Scheme;
+use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Body, Load, Mount, Profile, base_radius};
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
@@ -38,6 +40,23 @@ contact = {{ stiffness = {{ kind = "constant", stiffness_n_per_m2 = 1.4e10 }}, d
     SceneFile::parse("pair.toml", &text, Origin::Shipped, false).unwrap()
 }
 
+/// Two elastic gears on half-spaces under 33 N m.
+fn elastic() -> SceneFile {
+    let text = r#"
+schema = 1
+name = "pair"
+duration_s = 1e-4
+gears.pinion = { teeth = 20, module_m = 0.004, face_width_m = 0.01, bore_radius_m = 0.015, speed_rad_s = 10.0, loads = [{ torque_nm = 33.0 }] }
+gears.wheel = { teeth = 31, module_m = 0.004, face_width_m = 0.01, bore_radius_m = 0.025, speed_rad_s = -6.4516129032, loads = [{ torque_nm = 51.15 }] }
+meshes = [{ gears = ["pinion", "wheel"], centre_distance_m = 0.1021, start = { flank = "left", gap_m = 0.0 } }]
+[[models]]
+model = "elastic"
+parameters = { modes = 20, damping_ratio = 0.05, flank_elements = 6, width_elements = 1 }
+contact = { local = "half-space", damping = { law = "ratio-at-load", ratio = 0.2 } }
+"#;
+    SceneFile::parse("pair.toml", text, Origin::Shipped, false).unwrap()
+}
+
 /// The shipped conical pair on axes that meet, under its loads from the start on.
 fn conical() -> SceneFile {
     let shipped = SHIPPED.iter().find(|s| s.name == "beveloid").unwrap();
@@ -54,7 +73,15 @@ fn conical() -> SceneFile {
 }
 
 fn entry(scene: &SceneFile) -> Configuration {
-    Configuration::of(scene, scene.model("rigid").unwrap())
+    Configuration::of(scene, &scene.models[0])
+}
+
+/// The method of the runs: elastic gears have one that is exact for modes.
+fn method(scene: &SceneFile) -> Scheme {
+    match scene.models[0].label.as_str() {
+        "elastic" => TRIGONOMETRIC.at_step(1e-6),
+        _ => DOPRI5.at_tolerance(1e-6),
+    }
 }
 
 fn plan(
@@ -70,7 +97,7 @@ fn plan(
         },
         entries: vec![entry(scene)],
         standing: Vec::new(),
-        method: gearbench_integrators::table::DOPRI5.at_tolerance(1e-6),
+        method: method(scene),
         frequencies,
         branches: vec![Branch::Fresh],
         cycles,
@@ -93,7 +120,7 @@ fn error_at_the_start(scene: &SceneFile) -> f64 {
     own.scene.gears[1].mount = Mount::Fixed;
     own.scene.meshes[0].start.loaded = true;
     let conditions = Conditions::of(scene);
-    let method = gearbench_integrators::table::DOPRI5.at_tolerance(1e-6);
+    let method = method(scene);
     let job = conditions.job((&own.scene, &own.modelling), &method, &[0.0, 1e-6]);
     let made = run(&crate::experiment::run::Job {
         t_end: 1e-6,
@@ -213,6 +240,80 @@ fn studies_agree_in_the_transverse_plane() {
             );
         }
     }
+}
+
+/// Elastic gears have one transmission error, one stiffness and one resonance in a run of `compare`, in `stiffness`, `modes`,
+/// `response` and `sweep`.
+#[test]
+fn studies_agree_on_elastic_gears() {
+    let scene = elastic();
+    let near = |what: &str, found: f64, expected: f64, within: f64| {
+        println!("elastic, {what}: {found:.6e} for {expected:.6e}");
+        let off = (found / expected - 1.0).abs();
+        assert!(off < within, "{what}: {found} for {expected}");
+    };
+    let own = entry(&scene);
+    let radius = base_radius(&own.scene.gears[0].body);
+    let mut pair = LoadedPair::new(&own.scene, &own.modelling, models()).unwrap();
+    let load = StaticLoad::Force(33.0 / radius);
+    let cycle = MeshCycle::solve(&mut pair, load, 12, |_| {}).unwrap();
+    let at = cycle.positions.len() / 2;
+    let start = error_at_the_start(&scene);
+    near(
+        "error of a run in equilibrium",
+        start,
+        cycle.positions[at].approach,
+        2e-3,
+    );
+    let wanted = Wanted {
+        range: Some([100.0, 200.0]),
+        points: 2,
+        phases: 24,
+    };
+    let of = (&own.scene, &own.modelling);
+    let answered = response("elastic", of, models(), &wanted, &|_| false).unwrap();
+    assert!(answered.message.is_empty(), "{}", answered.message);
+    let group = &answered.groups[0];
+    let still = plan(&scene, Vec::new(), 2, 4e-3);
+    let by_sweep = mesh_resonance(&still, &still.entries[0]).unwrap().unwrap();
+    let by_response = group.resonance_hz.unwrap();
+    near("resonance by response", by_response, by_sweep, 1e-9);
+    // The mode at one phase lies within the range over the mesh cycle.
+    let range = group.resonance_range_hz.unwrap();
+    let found = vibrations("elastic", of, models(), &modes::Wanted::default()).unwrap();
+    let mode = found.modes.iter().find(|m| m.frequency_hz > 0.5 * range[0]);
+    let mode = mode.unwrap().frequency_hz;
+    println!("elastic, frequency by modes {mode:.1}, range {range:.1?}");
+    assert!((0.99 * range[0]..1.01 * range[1]).contains(&mode));
+    let tangent = cycle.mesh_tangent() * cycle.face_width;
+    near(
+        "stiffness by response",
+        group.meshes[0].stiffness_n_per_m,
+        tangent,
+        0.03,
+    );
+    let slow = plan(&scene, vec![100.0], 1, 4e-3);
+    let results = sweep::sweep(&slow, &Runner::default()).unwrap();
+    let rest = &results.statics()[0];
+    near(
+        "static error of sweep",
+        rest.error_mean_m,
+        cycle.mean_error(),
+        2e-3,
+    );
+    let slow = steady(&results.runs[0]);
+    near(
+        "mesh frequency of sweep",
+        slow.mesh_frequency_hz,
+        100.0,
+        1e-3,
+    );
+    near(
+        "error of slow running",
+        slow.error_mean_m,
+        rest.error_mean_m,
+        1.5e-2,
+    );
 }
 
 /// The 27 speeds of which ten were windows of too few mesh cycles.

@@ -20,6 +20,7 @@ mod precision;
 mod reduce;
 mod reference;
 mod rerun;
+mod seeds;
 mod signals;
 mod stiffness;
 mod terminal;

@@ -44,6 +44,15 @@ pub trait FlankNodes {
     fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]);
 }
 
+/// The spring behind a tooth in its present state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToothSpring {
+    /// Angle of the tooth relative to its body, `S - phi` [rad]; displacement of a rack's tooth [m].
+    pub deflection: f64,
+    /// Force of spring and damper on the tooth, `k r_d (phi - S) + c r_d (phi' - S')` [N].
+    pub force: f64,
+}
+
 /// Teeth with a displacement of their own.
 pub trait ToothCoordinates {
     /// Angle of a tooth from its assembled position [rad] (displacement [m] for a rack), pitch not included.
@@ -59,6 +68,11 @@ pub trait ToothCoordinates {
     /// The coordinate of the gear that is the displacement of a tooth, where a contact force acts on that one alone, by
     /// the effective radius arm of the hub; `None` where teeth move by several.
     fn coordinate(&self, _discrete: &[f64], _tooth: Tooth) -> Option<usize> {
+        None
+    }
+
+    /// The spring between a tooth and its body; `None` where a tooth has none of its own.
+    fn spring(&self, _at: At<'_>, _tooth: Tooth) -> Option<ToothSpring> {
         None
     }
 

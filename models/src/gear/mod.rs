@@ -32,7 +32,7 @@ pub use any::{add_response, condense_by, condensed, respond_by, work_on_hub};
 pub use body::{BodyLoad, Displaced, MeshedBody, Recovery};
 pub use capabilities::{
     CoupledMass, DeformedLines, FlankNodes, FlankSurface, LargeGear, LinearMotion, Oscillators,
-    ToothCoordinates,
+    ToothCoordinates, ToothSpring,
 };
 pub use flank_displacement::FlankDisplacement;
 pub use free_flight::FreeFlight;

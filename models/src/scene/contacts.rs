@@ -10,7 +10,7 @@ use crate::contact::pairs::{LinePressure, LinesOfAction, all_open};
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use crate::law::FrictionForce;
-use gearbench_integrators::system::{At, Touch};
+use gearbench_integrators::system::{At, SprungMember, Touch};
 use std::collections::BTreeMap;
 
 /// The contact force at a point, for pictures and reports.
@@ -273,13 +273,30 @@ impl Scene {
         on
     }
 
-    /// Closed contacts of the last evaluation by mesh and tooth pair.
-    pub(super) fn fill_touches(&self, out: &mut Vec<Touch>) {
+    /// Closed contacts of the last evaluation by mesh and tooth pair, at the state that contacts see.
+    pub(super) fn fill_touches(&self, at: At<'_>, out: &mut Vec<Touch>) {
         out.clear();
-        let mut sums: BTreeMap<(usize, [i64; 2]), Vec3> = BTreeMap::new();
-        let mut add = |mesh: usize, teeth: [Tooth; 2], force: Vec3| {
-            let key = (mesh, teeth.map(|t| t.index));
-            *sums.entry(key).or_insert_with(Vec3::zeros) += force;
+        let mut sums: BTreeMap<(usize, [i64; 2]), (Vec3, Touch)> = BTreeMap::new();
+        let mut add = |group: usize, teeth: [Tooth; 2], points: [Vec3; 2], force: Vec3| {
+            let members = teeth.map(|t| t.index);
+            let (sum, touch) = sums.entry((group, members)).or_insert_with(|| {
+                let sprung = [0, 1].map(|k| self.sprung_tooth(at, group, k, teeth[k]));
+                let touch = Touch {
+                    group,
+                    members,
+                    force: 0.0,
+                    sprung,
+                };
+                (Vec3::zeros(), touch)
+            });
+            *sum += force;
+            for (k, sign) in [(0, -1.0), (1, 1.0)] {
+                if let Some(tooth) = &mut touch.sprung[k] {
+                    let [radial, tangential] = self.tooth_directions(at, group, k, points[k]);
+                    tooth.radial += sign * force.dot(&radial);
+                    tooth.tangential += sign * force.dot(&tangential);
+                }
+            }
         };
         for c in &self.work.active {
             let candidate = &self.work.candidates[c.candidate];
@@ -287,18 +304,49 @@ impl Scene {
             add(
                 c.mesh,
                 teeth,
+                [0, 1].map(|k| candidate.points[k].x),
                 c.force.n * candidate.direction() + c.friction.f * sliding_of(candidate),
             );
         }
         for a in self.work.nodal.active.iter().filter(|a| a.force.n > 0.0) {
             let p = &self.work.nodal.found.points[a.point];
-            add(p.mesh as usize, p.teeth, a.on_second(p));
+            add(p.mesh as usize, p.teeth, [p.x; 2], a.on_second(p));
         }
-        out.extend(sums.into_iter().map(|((group, members), force)| Touch {
-            group,
-            members,
+        out.extend(sums.into_values().map(|(force, touch)| Touch {
             force: force.norm(),
+            ..touch
         }));
+    }
+
+    /// A tooth on a spring of its own, without the contact force yet.
+    fn sprung_tooth(
+        &self,
+        at: At<'_>,
+        mesh: usize,
+        k: usize,
+        tooth: Tooth,
+    ) -> Option<SprungMember> {
+        let gear = &self.gears[self.meshes[mesh].gears[k]];
+        let spring = gear.model.teeth()?.spring(gear.at(at), tooth)?;
+        Some(SprungMember {
+            spring: spring.force,
+            deflection: spring.deflection,
+            ..SprungMember::default()
+        })
+    }
+
+    /// Radial and tangential direction of a gear at a point, across its axis; of a rack out of its teeth and along its slide.
+    fn tooth_directions(&self, at: At<'_>, mesh: usize, k: usize, x: Vec3) -> [Vec3; 2] {
+        let gear = &self.gears[self.meshes[mesh].gears[k]];
+        let (hub, own) = (&gear.model.hub().hub, gear.at(at));
+        let frame = hub.frame(own.t, own.q);
+        let axis = frame.axes[2];
+        if let Some(slide) = hub.slide {
+            return [axis.cross(&slide), slide];
+        }
+        let from_axis = x - frame.origin;
+        let radial = (from_axis - axis.dot(&from_axis) * axis).normalize();
+        [radial, axis.cross(&radial)]
     }
 
     /// The contacts of a scene that has gears with fields.

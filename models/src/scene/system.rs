@@ -280,7 +280,7 @@ impl Report for Scene {
         Some(self.loads_between(from, to))
     }
 
-    fn touches(&mut self, out: &mut Vec<Touch>) {
-        self.fill_touches(out);
+    fn touches(&mut self, at: At<'_>, out: &mut Vec<Touch>) {
+        self.seen(at, |scene, seen| scene.fill_touches(seen, out));
     }
 }

@@ -104,6 +104,15 @@ pub fn reference_stroke() -> Stroke {
     Stroke::new(Ink::DARK.opacity(0.82), 3.2)
 }
 
+/// The look of measured points.
+pub fn reference_look() -> Look {
+    Look {
+        ink: Ink::DARK,
+        dash: &[],
+        marker: Marker::Circle,
+    }
+}
+
 /// The stroke of a model.
 pub fn model_stroke(style: usize) -> Stroke {
     let look = look(style);

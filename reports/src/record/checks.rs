@@ -39,6 +39,11 @@ impl Results {
             return Err(format!("schema is {schema}, must be {SCHEMA}"));
         }
         self.part.validate()?;
+        each(
+            "measured",
+            &self.measured,
+            crate::measured::MeasuredCurve::validate,
+        )?;
         for reference in &self.references {
             for series in reference.all_series() {
                 (series.validate()).map_err(|e| format!("reference {}: {e}", reference.id))?;
@@ -98,6 +103,7 @@ impl Results {
             settings: self.settings.clone(),
             tolerance: self.tolerance.clone(),
             references: self.references.clone(),
+            measured: self.measured.clone(),
             mesh_modes: self.mesh_modes.clone(),
             part: self.part.clone(),
         };

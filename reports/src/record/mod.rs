@@ -119,6 +119,9 @@ pub struct Results {
     /// Independent references; the first is the one the charts show as the dark line.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<ReferenceSeries>,
+    /// Measured curves that the tables of the study are compared with.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub measured: Vec<crate::measured::MeasuredCurve>,
     /// The mesh mode of each model, of studies of models of a scene with loads.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mesh_modes: Vec<MeshMode>,

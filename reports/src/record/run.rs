@@ -63,7 +63,7 @@ impl Status {
 pub struct Run {
     /// Model id: `rigid`, `movable-teeth`, `elastic`, `fe`.
     pub model: String,
-    /// What sets this model apart from others of its id, such as `k = 3.6e10 N/m`.
+    /// What sets this model apart from others of its id, such as `k = 3.6e9 N/m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub variant: Option<String>,
     /// Integrator id.
@@ -134,6 +134,9 @@ pub struct Run {
     /// Dynamic modes of the gear that has most of them (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,
+    /// Dynamic modes of each gear in the order of the scene, 0 of a gear that has none (elastic model).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub modes_of_gears: Vec<usize>,
     /// Whether the truncated modes are kept as residual compliance (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<bool>,
@@ -155,6 +158,9 @@ pub struct Run {
     /// What it settles to (loaded running).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steady: Option<Steady>,
+    /// [`Run::published_s`] is not printed there but follows from other published numbers.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub published_derived: bool,
     /// Time that others publish for such a model \[s\]; see [`crate::studies::compare::CompareRecord`].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub published_s: Option<f64>,

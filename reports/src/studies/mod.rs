@@ -23,6 +23,7 @@ pub mod truncation;
 use crate::csv_table::CsvTable;
 use crate::drawing::Chart;
 use crate::drawing::canvas::DrawError;
+use crate::measured;
 use crate::record::Results;
 use crate::record::checks::each;
 use crate::view::View;
@@ -182,6 +183,9 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
     let mesh_modes = mesh_modes::tables(&results.mesh_modes);
     report.tables = maud::html! { (report.tables) (mesh_modes) };
     report.csv.extend(mesh_modes::csv(&results.mesh_modes));
+    let (measured, charts) = measured::report(&results.measured, &report.csv)?;
+    report.tables = maud::html! { (report.tables) (measured) };
+    report.charts.extend(charts);
     report.distinguish_files();
     Ok(report)
 }
@@ -193,6 +197,17 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
 pub fn finding(results: &Results) -> Result<Vec<String>, DrawError> {
     let report = of_part(results)?;
     Ok(report.finding.iter().map(crate::markup::text).collect())
+}
+
+/// How far the results of a record are from the measured curves in it, a line each.
+///
+/// # Errors
+/// [`DrawError`] when the drawing backend refuses.
+pub fn measured_lines(results: &Results) -> Result<Vec<String>, DrawError> {
+    if results.measured.is_empty() {
+        return Ok(Vec::new());
+    }
+    Ok(measured::lines(&results.measured, &of_part(results)?.csv))
 }
 
 /// What the part of the study alone says.

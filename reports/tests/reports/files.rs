@@ -171,6 +171,7 @@ fn whole_histories_have_files_of_their_own() {
             mesh: 1,
             teeth: [3, 30],
             force_n: 5.0,
+            ..PairSample::default()
         }],
         events: vec![ContactEvent {
             time_s: 1e-5,

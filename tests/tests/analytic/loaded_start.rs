@@ -78,7 +78,6 @@ fn loads_that_balance_accelerate_nothing() {
         ("ring_pair", "rigid"),
         ("ring_pair", "elastic"),
         ("planetary", "rigid"),
-        ("spur_rotation", "rigid"),
     ] {
         let (touching, _) = at_start(&mut scene(name, label, false, &[]).unwrap());
         let (left, forces) = at_start(&mut scene(name, label, true, &[]).unwrap());

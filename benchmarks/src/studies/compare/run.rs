@@ -13,6 +13,7 @@ use crate::experiment::thin::thin_row;
 use gearbench_integrators::Scheme;
 use gearbench_reports::comparison::{CompareRecord, Kind, Yardstick};
 use gearbench_reports::metrics::{Metric, compare as measure, compare_all};
+use gearbench_reports::numbers::quantity;
 use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run, SELF, Tolerance};
 use gearbench_reports::series::TimeSeries;
 use std::fmt::Display;
@@ -24,7 +25,8 @@ use std::fmt::Display;
 pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> {
     let grid = plan.conditions.grid();
     let mut runs = Vec::with_capacity(plan.len());
-    let mut left_out = Vec::new();
+    // What only the built models and their runs show.
+    let mut found = Vec::new();
     let mut refused = None;
     let mut references: Vec<ReferenceSeries> = plan.references.clone();
     let mut tolerance = plan.tolerance.clone();
@@ -93,6 +95,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
             let mut make = || {
                 let mut row = run(&own_job())?;
                 row.published_s = entry.published;
+                row.published_derived = entry.published_derived;
                 // The first run says how large the model is.
                 let own = match &mut own {
                     Some(own) => own,
@@ -122,7 +125,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 // Not every method is for every model; the record says which pairs it has not.
                 Err(e) if e.leaves_out() => {
                     let pair = format!("{} under {}: {e}", entry.label, method.method);
-                    left_out.push((LEFT_OUT.into(), pair));
+                    found.push((LEFT_OUT.into(), pair));
                     refused.get_or_insert(e);
                     continue;
                 }
@@ -158,6 +161,12 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
             runs.push(row);
         }
     }
+    let modes = plan
+        .entries
+        .iter()
+        .zip(&by_entry)
+        .filter_map(modes_that_act);
+    found.extend(modes);
     runs.extend(by_entry.into_iter().flatten());
     if let Some(e) = refused.filter(|_| runs.is_empty()) {
         return Err(e);
@@ -166,7 +175,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
     let mesh_modes = mesh_modes(&plan.entries, plan.conditions.models, runner)?;
     Ok(Results {
         mesh_modes,
-        settings: [plan.conditions.settings.clone(), left_out].concat(),
+        settings: [plan.conditions.settings.clone(), found].concat(),
         tolerance,
         references,
         runs,
@@ -175,6 +184,18 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
             yardstick,
         }))
     })
+}
+
+/// How many modes each gear of an elastic model has, which the numbers and frequencies asked for only bound.
+fn modes_that_act((entry, runs): (&Configuration, &Vec<Run>)) -> Option<(String, String)> {
+    let run = runs.iter().find(|r| r.modes.is_some())?;
+    let gears = entry.scene.gears.iter().zip(&run.modes_of_gears);
+    let mut each: Vec<String> = gears.map(|(g, n)| format!("{} {n}", g.name)).collect();
+    let highest = run
+        .highest_hz
+        .map(|f| format!("the highest at {}", quantity(f, "Hz", 3)));
+    each.extend(highest);
+    Some((format!("modes of {}", entry.label), each.join(", ")))
 }
 
 /// Whether a tolerance is against a stored reference, or says nothing of models.

@@ -339,7 +339,7 @@ impl Report for Led<'_> {
         self.scene.sample(at, out);
     }
 
-    fn touches(&mut self, out: &mut Vec<Touch>) {
-        self.scene.touches(out);
+    fn touches(&mut self, at: At<'_>, out: &mut Vec<Touch>) {
+        self.scene.touches(at, out);
     }
 }

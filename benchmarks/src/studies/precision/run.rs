@@ -197,6 +197,7 @@ fn fill(row: &mut Run, variant: &Variant) {
     let entry = &variant.entry;
     entry.sign(row);
     row.published_s = entry.published;
+    row.published_derived = entry.published_derived;
     // The modes that were kept, as the model says.
     row.modes = row.modes.or(variant.modes);
     row.contacts = None;

@@ -39,7 +39,7 @@ pub fn summarise(results: &Results) {
             };
             let lines: Vec<String> = (LEVELS.iter())
                 .filter_map(|l| cloud.standing(*l, fitted_too))
-                .map(|s| format!("{} {}: {}", s.level(), s.own(), s.rivals()))
+                .map(|s| format!("{} {}", s.level(), s.winner()))
                 .collect();
             if !lines.is_empty() {
                 say(&format!("{which}:\n  {}", lines.join("\n  ")));

@@ -11,7 +11,7 @@ Examples:
   gearbench stability spur_impact                        the maps of the scene
   gearbench stability spur_impact --grid 24x16           finer
   gearbench stability spur_impact --models rigid --integrators velocity-verlet,rk4 --steps 1e-7:1e-4
-  gearbench stability spur_rotation --models movable-teeth --axis tooth-stiffness=8e8:5.6e10
+  gearbench stability spur_rotation --models movable-teeth-3.6e9 --axis tooth-stiffness=5.6e7:3.6e9
   gearbench stability hammer --axis damping=0,0.05,0.2 --axis speed=0.5:2:3
 
 Every cell is a run of the scene with one label: converged, inaccurate, energy growth, chatter, newton failure, step
@@ -134,7 +134,7 @@ fn axis(text: &str) -> Result<AxisValues, String> {
     };
     if values.is_empty() {
         return Err(format!(
-            "{name} needs values, for example {name}=8e8:5.6e10"
+            "{name} needs values, for example {name}=5.6e7:3.6e9"
         ));
     }
     AxisValues::new(axis, values).map_err(|x| {

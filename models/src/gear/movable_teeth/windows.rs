@@ -2,7 +2,7 @@
 
 use super::deviations::Exchange;
 use super::teeth::{HYSTERESIS, Integrated, MovableTeeth};
-use crate::gear::capabilities::ToothCoordinates;
+use crate::gear::capabilities::{ToothCoordinates, ToothSpring};
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use gearbench_integrators::system::{At, Change};
@@ -19,6 +19,19 @@ impl ToothCoordinates for MovableTeeth {
     #[inline]
     fn coordinate(&self, discrete: &[f64], tooth: Tooth) -> Option<usize> {
         Some(self.own_or_mean(discrete, tooth))
+    }
+
+    fn spring(&self, at: At<'_>, tooth: Tooth) -> Option<ToothSpring> {
+        let i = self.own_coordinate(at.discrete, tooth)?;
+        let deflection = at.q[i] - self.hub.displacement(at.t, at.q);
+        let rate = at.v[i] - self.hub.speed(at.t, at.v);
+        // About the hub, as all constants of a spring.
+        let spring = MovableTeeth::spring(self, at, i - self.first(), at.q[i]);
+        let torque = spring.k * deflection + spring.c * rate;
+        Some(ToothSpring {
+            deflection,
+            force: -torque / self.springs.radius_squared.sqrt(),
+        })
     }
 
     /// The middle teeth of its windows.

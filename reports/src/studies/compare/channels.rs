@@ -2,6 +2,7 @@
 //! forces of further meshes.
 
 use super::histories::Histories;
+use crate::csv_table::named_unit;
 use crate::drawing::Chart;
 use crate::drawing::canvas::DrawError;
 use crate::drawing::panel::{Panel, chart};
@@ -9,15 +10,6 @@ use crate::metrics::TRANSMISSION_ERROR;
 use crate::numbers::Prefix;
 use crate::series::TimeSeries;
 use crate::view::View;
-
-/// Endings of names of columns, and the unit that they are.
-const UNITS: [(&str, &str); 5] = [
-    ("_rad", "rad"),
-    ("_m_s", "m/s"),
-    ("_nm", "N m"),
-    ("_n", "N"),
-    ("_m", "m"),
-];
 
 fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
     let found = series.columns.iter().find(|c| c.name == name)?;
@@ -47,10 +39,7 @@ pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             let values = all.filter_map(|s| column(s, name)).flatten();
             let largest = values.fold(0.0_f64, |most, x| most.max(x.abs()));
             let prefix = Prefix::of(largest, 1.0);
-            let ending = UNITS.iter().find(|(ending, _)| name.ends_with(ending));
-            let (stem, unit) = ending.map_or((*name, ""), |(ending, unit)| {
-                (name.strip_suffix(ending).unwrap_or(name), *unit)
-            });
+            let (stem, unit) = named_unit(name);
             let label = format!("[{}{unit}]", prefix.symbol);
             Panel {
                 x_name: (i + 1 == names.len()).then(|| time.name.clone()),

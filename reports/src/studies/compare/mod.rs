@@ -10,6 +10,7 @@ pub(super) mod histories;
 mod mesh;
 mod paths;
 mod pressure;
+mod teeth;
 mod timing;
 mod transmission;
 mod window;
@@ -41,6 +42,7 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         pressure::pressure(view)?,
         histories::speeds(view)?,
         transmission::error(view)?,
+        teeth::teeth(view)?,
         channels::channels(view)?,
         paths::shares(view)?,
         mesh::mesh(view)?,

@@ -77,7 +77,9 @@ pub fn timing(view: &View<'_>, part: &CompareRecord) -> Markup {
         .result()
         .written("Setup", "", |r| r.run.map(|r| quantity(r.setup_s, "s", 3)))
         .written("Published", "", |r| {
-            published(r).map(|t| format!("{} s", short(t, 4)))
+            let derived = r.run.is_some_and(|r| r.published_derived);
+            let mark = if derived { " (derived)" } else { "" };
+            published(r).map(|t| format!("{} s{mark}", short(t, 4)))
         })
         .result()
         .written(&format!("{over}, published"), "", |r| {

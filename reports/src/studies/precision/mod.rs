@@ -309,11 +309,33 @@ impl Standing<'_, '_> {
         )
     }
 
-    /// What is next to it, in words, each once.
-    pub fn rivals(&self) -> String {
-        let mut both = vec![self.beside_next(), self.beside_other()];
-        both.dedup();
-        both.join("; ")
+    /// Who is cheapest of all, and what the other side costs, in words.
+    pub fn winner(&self) -> String {
+        let named = |s: &Shown<'_>| {
+            let time = quantity(s.run.cost_s(), "s", 2).replace('\u{a0}', " ");
+            let integrator = id_of(&s.run.integrator);
+            let fitted = if s.is_fitted() { ", fitted" } else { "" };
+            let at = modes_and_step(s.run);
+            format!(
+                "{} under {integrator} ({at}{fitted}) {time}",
+                s.run.model_label()
+            )
+        };
+        match self.next {
+            Some((rival, factor)) if factor < 1.0 => format!(
+                "{}; the cheapest with all compliance of its teeth, {}, takes {} times as long",
+                named(rival),
+                named(self.ours),
+                short(1.0 / factor, 2)
+            ),
+            Some((rival, factor)) => format!(
+                "{}; the next family, {}, takes {} times as long",
+                named(self.ours),
+                named(rival),
+                short(factor, 2)
+            ),
+            None => format!("{}; no other family keeps the limit", named(self.ours)),
+        }
     }
 
     /// The next family, in words.

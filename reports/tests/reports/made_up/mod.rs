@@ -346,8 +346,8 @@ pub fn rotation_results() -> Results {
     let mut runs = Vec::new();
     for (model, variant, scale) in [
         ("rigid", None, 1.0),
-        ("movable-teeth", Some("k = 3.6e10 N/m"), 1.2),
-        ("movable-teeth", Some("k = 5.6e10 N/m"), 1.25),
+        ("movable-teeth", Some("k = 5.6e7 N/m"), 1.2),
+        ("movable-teeth", Some("k = 3.6e9 N/m"), 1.25),
         ("movable-teeth", Some("k identified"), 0.95),
     ] {
         for (integrator, implicit, cost) in

@@ -38,7 +38,7 @@ fn rigid_gears_have_the_limit_of_their_spring() {
             assert!((h * omega / x - 1.0).abs() < 1e-6, "{method}: {h:e}");
         }
     }
-    let e = entry("spur_rotation", "rigid");
+    let e = entry("loaded_mesh", "rigid");
     let mut f = linearised(&e);
     let closed = f.closed().unwrap().clone();
     assert_eq!(f.scene().contact_forces(closed.at()).len(), 2);

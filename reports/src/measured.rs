@@ -1,0 +1,441 @@
+//! Measured curves next to the tables of a study: what a table of a study has over one of its columns, somebody has measured
+//! over the same column.
+//!
+//! Every study writes its results as tables ([`CsvTable`]), whose columns have fixed names with SI units. A measured curve
+//! names two of them, an abscissa and an ordinate, and is compared with every curve that the tables have of these two: of
+//! each model, and of each of what else texts in the table tell apart (gear, branch, order). With the measured points
+//! (x_i, m_i) that lie within the range of a computed curve y(x), joined by lines between its rows,
+//!
+//! ```text
+//! error  = sqrt( sum w_i (y(x_i) - m_i)^2 / sum w_i m_i^2 )       w: trapezoidal rule over x
+//! height = max y(x_i) / max m_i - 1,   place = x of max y / x of max m - 1
+//! ```
+
+use crate::csv_table::{CsvTable, named_unit};
+use crate::drawing::Chart;
+use crate::drawing::axis::Axis;
+use crate::drawing::canvas::DrawError;
+use crate::drawing::legend::Entry;
+use crate::drawing::panel::{Curve, Panel, chart};
+use crate::drawing::style::{model_stroke, reference_look};
+use crate::markup::table::Table;
+use crate::markup::{note, section};
+use crate::metrics::trapezoid_weights;
+use crate::numbers::{Prefix, per_cent};
+use maud::{Markup, html};
+use serde::{Deserialize, Serialize};
+
+/// A measured curve.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredCurve {
+    /// The file that it comes from.
+    pub source: String,
+    /// Column of its abscissa in the tables of the study.
+    pub abscissa: String,
+    /// Column of its ordinate.
+    pub ordinate: String,
+    /// Texts by which rows of the tables are chosen: column and text.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub only: Vec<(String, String)>,
+    /// Abscissae in SI units, ascending.
+    pub x: Vec<f64>,
+    /// Ordinates in SI units.
+    pub y: Vec<f64>,
+}
+
+/// A computed curve next to a measured one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Distance {
+    /// Model, and what else tells the curve from others.
+    pub label: String,
+    /// Measured points within the range of the computed curve.
+    pub covered: usize,
+    /// Relative error over these [-].
+    pub error: Option<f64>,
+    /// Error of the greatest value [-].
+    pub height: Option<f64>,
+    /// Error of its place [-].
+    pub place: Option<f64>,
+    points: Vec<(f64, f64)>,
+}
+
+/// Columns of texts that say how a row came about, not of what it is.
+const REMARKS: [&str; 8] = [
+    "status",
+    "message",
+    "holds",
+    "limits",
+    "includes",
+    "calibration",
+    "variant",
+    "title",
+];
+/// The table that repeats others.
+const RUNS: &str = "runs.csv";
+
+/// Named curves as points.
+type Curves = Vec<(String, Vec<(f64, f64)>)>;
+
+impl MeasuredCurve {
+    /// Checks the rules that the type does not enforce.
+    pub(crate) fn validate(&self) -> Result<(), String> {
+        let wrong = |what: &str| Err(format!("{}: {what}", self.source));
+        if self.x.len() != self.y.len() {
+            return wrong("it has not as many ordinates as abscissae");
+        }
+        let ascending = self.x.windows(2).all(|w| w[0] < w[1]);
+        let finite = self.x.iter().chain(&self.y).all(|x| x.is_finite());
+        match ascending && finite {
+            true => Ok(()),
+            false => wrong("abscissae are to ascend, and values to be finite"),
+        }
+    }
+
+    /// What it is of, in words.
+    fn title(&self) -> String {
+        let of = |name: &str| named_unit(name).0.replace('_', " ");
+        let only: Vec<&str> = self.only.iter().map(|(_, text)| text.as_str()).collect();
+        let only = match only.is_empty() {
+            true => String::new(),
+            false => format!(" ({})", only.join(", ")),
+        };
+        format!("{}{only} over {}", of(&self.ordinate), of(&self.abscissa))
+    }
+
+    /// The computed curves of its two columns with their distances.
+    pub fn distances(&self, tables: &[CsvTable]) -> Vec<Distance> {
+        let has = |t: &CsvTable, name: &str| t.header.iter().any(|h| h == name);
+        let fits = |t: &&CsvTable| has(t, &self.abscissa) && has(t, &self.ordinate);
+        let own = tables.iter().filter(|t| t.file != RUNS).filter(fits);
+        let mut own: Vec<&CsvTable> = own.collect();
+        if own.is_empty() {
+            own.extend(tables.iter().filter(fits));
+        }
+        let curves = own.into_iter().flat_map(|table| self.curves(table));
+        (curves.filter(|(_, points)| points.len() > 1))
+            .map(|(label, points)| self.distance(label, points))
+            .collect()
+    }
+
+    /// The curves of a table.
+    fn curves(&self, table: &CsvTable) -> Curves {
+        let place = |name: &str| table.header.iter().position(|h| h == name);
+        let (Some(x), Some(y)) = (place(&self.abscissa), place(&self.ordinate)) else {
+            return Curves::new();
+        };
+        let number = |row: &[String], i: usize| row.get(i)?.parse::<f64>().ok();
+        let is_text = |i: &usize| {
+            let mut cells = table.rows.iter().filter_map(|r| r.get(*i));
+            cells.any(|c| !c.is_empty() && c.parse::<f64>().is_err())
+        };
+        let is_remark = |i: &usize| REMARKS.contains(&table.header[*i].as_str());
+        let texts = (0..table.header.len()).filter(is_text);
+        let texts: Vec<usize> = texts.filter(|i| !is_remark(i)).collect();
+        let remark = |row: &[String], name: &str| {
+            let cell = place(name).and_then(|i| row.get(i));
+            cell.cloned().unwrap_or_default()
+        };
+        let mut found = Curves::new();
+        for row in &table.rows {
+            let chosen = |(column, text): &(String, String)| {
+                place(column).is_none_or(|i| row.get(i).is_some_and(|c| c == text))
+            };
+            // A result is compared only where it holds.
+            let holds = remark(row, "holds") != "false"
+                && ["", "converged", "unchecked"].contains(&remark(row, "status").as_str());
+            let point = number(row, x).zip(number(row, y));
+            let Some(point) = point.filter(|_| holds && self.only.iter().all(chosen)) else {
+                continue;
+            };
+            let label: Vec<&str> = texts.iter().map(|i| row[*i].as_str()).collect();
+            let label = match label.is_empty() {
+                true => table.file.trim_end_matches(".csv").to_owned(),
+                false => label.join(", "),
+            };
+            match found.iter_mut().find(|(known, _)| *known == label) {
+                Some((_, points)) => points.push(point),
+                None => found.push((label, vec![point])),
+            }
+        }
+        for (_, points) in &mut found {
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            points.dedup_by(|a, b| a.0 == b.0);
+        }
+        found
+    }
+
+    fn distance(&self, label: String, points: Vec<(f64, f64)>) -> Distance {
+        let at = |x: f64| -> Option<f64> {
+            let next = points.partition_point(|p| p.0 < x);
+            let b = points.get(next)?;
+            if b.0 == x {
+                return Some(b.1);
+            }
+            let a = points.get(next.checked_sub(1)?)?;
+            Some(a.1 + (x - a.0) / (b.0 - a.0) * (b.1 - a.1))
+        };
+        let pairs: Vec<(f64, f64, f64)> = (self.x.iter().zip(&self.y))
+            .filter_map(|(x, m)| Some((*x, *m, at(*x)?)))
+            .collect();
+        let places: Vec<f64> = pairs.iter().map(|p| p.0).collect();
+        let weights = match places.len() {
+            1 => vec![1.0],
+            _ => trapezoid_weights(&places),
+        };
+        let (mut missed, mut norm) = (0.0, 0.0);
+        for ((_, m, y), w) in pairs.iter().zip(weights) {
+            missed += w * (y - m).powi(2);
+            norm += w * m * m;
+        }
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        let measured = pairs.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        let computed = pairs.iter().max_by(|a, b| a.2.total_cmp(&b.2));
+        let tops = measured.zip(computed);
+        Distance {
+            label,
+            covered: pairs.len(),
+            error: finite((missed / norm).sqrt()),
+            height: tops.and_then(|(m, y)| finite(y.2 / m.1 - 1.0)),
+            place: tops.and_then(|(m, y)| finite(y.0 / m.0 - 1.0)),
+            points,
+        }
+    }
+}
+
+/// A line for each computed curve next to a measured one, for a terminal; a measured curve that no table of the study has
+/// columns for is one line that says so.
+pub fn lines(curves: &[MeasuredCurve], tables: &[CsvTable]) -> Vec<String> {
+    let mut said = Vec::new();
+    for curve in curves {
+        let found = curve.distances(tables);
+        if found.is_empty() {
+            said.push(format!("{}: {}", curve.source, without(curve, tables)));
+        }
+        for d in found {
+            let head = format!("{}: {}, {}", curve.source, curve.title(), d.label);
+            said.push(match d.error {
+                Some(error) => format!(
+                    "{head}: {} off, at {} of {} measured points",
+                    per_cent(error, 3),
+                    d.covered,
+                    curve.x.len()
+                ),
+                None => format!("{head}: no measured point lies within its range"),
+            });
+        }
+    }
+    said
+}
+
+/// Why a measured curve is compared with nothing.
+fn without(curve: &MeasuredCurve, tables: &[CsvTable]) -> String {
+    let columns = [&curve.abscissa, &curve.ordinate];
+    let unknown = |name: &&&String| !tables.iter().any(|t| t.header.contains(name));
+    match columns.iter().find(unknown) {
+        Some(name) => format!("no table of this study has a column `{name}`"),
+        None => format!(
+            "no table of this study has a curve of `{}` over `{}`",
+            curve.ordinate, curve.abscissa
+        ),
+    }
+}
+
+/// Section and charts of the measured curves of a record.
+pub(crate) fn report(
+    curves: &[MeasuredCurve],
+    tables: &[CsvTable],
+) -> Result<(Markup, Vec<Chart>), DrawError> {
+    if curves.is_empty() {
+        return Ok((Markup::default(), Vec::new()));
+    }
+    let found: Vec<(&MeasuredCurve, Vec<Distance>)> =
+        curves.iter().map(|c| (c, c.distances(tables))).collect();
+    let rows: Vec<(&MeasuredCurve, &Distance)> = (found.iter())
+        .flat_map(|(c, all)| all.iter().map(|d| (*c, d)))
+        .collect();
+    let table = Table::of(&rows)
+        .text("Measured", |(c, _)| c.title())
+        .text("Computed", |(_, d)| d.label.clone())
+        .key()
+        .percents("Error", 3, |(_, d)| d.error)
+        .result()
+        .deviations("Greatest value", |(_, d)| d.height)
+        .deviations("Its place", |(_, d)| d.place)
+        .text("Points", |(c, d)| format!("{} of {}", d.covered, c.x.len()))
+        .text("File", |(c, _)| c.source.clone());
+    let lone: Vec<String> = (found.iter())
+        .filter(|(_, all)| all.is_empty())
+        .map(|(c, _)| format!("{}: {}.", c.source, without(c, tables)))
+        .collect();
+    let remark = "Error: relative root mean square over the measured points within the range of the computed curve, which is \
+                  joined by lines. Greatest value and its place: deviations of the computed one.";
+    let markup = section(
+        "Measured curves",
+        html! {
+            (table)
+            (note(remark))
+            @for line in &lone { (note(line)) }
+        },
+    );
+    let charts = (found.iter().enumerate())
+        .filter(|(_, (_, all))| !all.is_empty())
+        .map(|(i, (c, all))| drawn(i, c, all));
+    Ok((markup, charts.collect::<Result<Vec<_>, _>>()?))
+}
+
+fn drawn(i: usize, measured: &MeasuredCurve, all: &[Distance]) -> Result<Chart, DrawError> {
+    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+    let x_prefix = Prefix::of(largest(&measured.x), 1.0);
+    let y_prefix = Prefix::of(largest(&measured.y), 1.0);
+    let named = |column: &str, prefix: &Prefix| {
+        let (stem, unit) = named_unit(column);
+        let stem = stem.replace('_', " ");
+        match unit {
+            "" => stem,
+            unit => format!("{stem} [{}{unit}]", prefix.symbol),
+        }
+    };
+    let unitless = |column: &str| named_unit(column).1.is_empty();
+    let x_factor = if unitless(&measured.abscissa) {
+        1.0
+    } else {
+        x_prefix.factor
+    };
+    let y_factor = if unitless(&measured.ordinate) {
+        1.0
+    } else {
+        y_prefix.factor
+    };
+    let places = || {
+        let computed = all.iter().flat_map(|d| d.points.iter().map(|p| p.0));
+        let own = measured.x.iter().copied();
+        // A single measured point has no range of its own.
+        own.chain(computed.filter(|_| measured.x.len() < 2))
+    };
+    let (first, last) = (
+        places().fold(f64::INFINITY, f64::min),
+        places().fold(f64::NEG_INFINITY, f64::max),
+    );
+    let x = Axis::padded(first * x_factor, last * x_factor, 0.05);
+    let scaled = |p: &(f64, f64)| (p.0 * x_factor, p.1 * y_factor);
+    let mut legend = vec![Entry::marked("measured", reference_look(), true)];
+    let mut curves = Vec::new();
+    for (style, d) in all.iter().enumerate() {
+        legend.push(Entry::history(&d.label, model_stroke(style), Some(style)));
+        let (t, y): (Vec<f64>, Vec<f64>) = d.points.iter().map(scaled).unzip();
+        curves.push(Curve::history(model_stroke(style), &x, &t, &y).along(Some(style)));
+    }
+    let points = measured.x.iter().copied().zip(measured.y.iter().copied());
+    let points: Vec<(f64, f64)> = points.map(|p| scaled(&p)).collect();
+    curves.push(Curve::points(reference_look(), 3.2, true, points));
+    let panel = Panel {
+        x_name: Some(named(&measured.abscissa, &x_prefix)),
+        ..Panel::new(230.0, &x, &named(&measured.ordinate, &y_prefix))
+            .curves(curves)
+            .close()
+    };
+    let errors: Vec<String> = (all.iter())
+        .filter_map(|d| Some(format!("{} {}", d.label, per_cent(d.error?, 3))))
+        .collect();
+    let caption = format!(
+        "Measured points of {} and the curves of this study. {}",
+        measured.source,
+        match errors.is_empty() {
+            true => "No measured point lies within the range of a curve.".to_owned(),
+            false => format!("Errors: {}.", errors.join(", ")),
+        }
+    );
+    let title = format!("Measured: {}", measured.title());
+    chart(
+        &format!("measured{}.svg", i + 1),
+        &title,
+        caption,
+        &legend,
+        &[panel],
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn peak(x: f64) -> f64 {
+        3.0 + (x - 2.0).powi(2).recip().min(4.0)
+    }
+
+    fn table(factor: f64) -> CsvTable {
+        let row = |model: &str, x: f64, f: f64, status: &str| {
+            [
+                model.to_owned(),
+                status.to_owned(),
+                x.to_string(),
+                (f * peak(x)).to_string(),
+            ]
+            .to_vec()
+        };
+        let xs = || (0..=40).map(|i| 0.1 * f64::from(i));
+        CsvTable {
+            file: "sweep.csv".into(),
+            header: ["model", "status", "mesh_frequency_hz", "force_peak_n"]
+                .map(String::from)
+                .to_vec(),
+            rows: (xs().map(|x| row("rigid", x, factor, "converged")))
+                .chain(xs().map(|x| row("elastic", x, 1.0, "converged")))
+                .chain(xs().map(|x| row("elastic", x, 9.0, "inaccurate")))
+                .collect(),
+        }
+    }
+
+    fn measured(only: Vec<(String, String)>) -> MeasuredCurve {
+        let x: Vec<f64> = (0..=50).map(|i| 0.1 * f64::from(i)).collect();
+        MeasuredCurve {
+            source: "rig.csv".into(),
+            abscissa: "mesh_frequency_hz".into(),
+            ordinate: "force_peak_n".into(),
+            only,
+            y: x.iter().map(|x| peak(*x)).collect(),
+            x,
+        }
+    }
+
+    /// A curve that is a tenth too high is 10 % off, at the points within its range; what did not settle is not compared.
+    #[test]
+    fn errors_are_those_of_the_points_that_a_curve_covers() {
+        let found = measured(Vec::new()).distances(&[table(1.1)]);
+        let labels: Vec<&str> = found.iter().map(|d| d.label.as_str()).collect();
+        assert_eq!(labels, ["rigid", "elastic"]);
+        assert_eq!(found[0].covered, 41);
+        let errors = [0, 1].map(|i| found[i].error.unwrap());
+        assert!(
+            (errors[0] - 0.1).abs() < 1e-9 && errors[1] < 1e-9,
+            "{errors:?}"
+        );
+        assert!((found[0].height.unwrap() - 0.1).abs() < 1e-9);
+        assert!(found[0].place.unwrap().abs() < 1e-9);
+        let one = measured(vec![("model".into(), "rigid".into())]);
+        assert_eq!(one.distances(&[table(1.1)]).len(), 1);
+    }
+
+    /// The page has a row and a line in the chart for each curve, and a curve without a table says so.
+    #[test]
+    fn page_and_lines_name_every_curve() {
+        let mut other = measured(Vec::new());
+        other.ordinate = "speed_rad_s".into();
+        let all = [measured(Vec::new()), other];
+        let (page, charts) = report(&all, &[table(1.1)]).unwrap();
+        let page = page.into_string();
+        assert!(
+            page.contains("no table of this study has a column `speed_rad_s`"),
+            "{page}"
+        );
+        assert_eq!(charts.len(), 1);
+        assert!(charts[0].svg.contains("mesh frequency [Hz]"));
+        let said = lines(&all, &[table(1.1)]);
+        assert_eq!(said.len(), 3);
+        assert!(
+            said[0].contains("rigid: 10.0\u{a0}% off, at 41 of 51"),
+            "{}",
+            said[0]
+        );
+    }
+}
