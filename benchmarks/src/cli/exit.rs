@@ -1,4 +1,4 @@
-//! How the command can end: the one table of exit codes, for the terminal, `--help`, `--json` and the README.
+//! How the command can end: the one table of exit codes, for the terminal, `--help`, `--json` and the book.
 
 use crate::experiment::interruption;
 use gearbench_reports::Study;
@@ -190,11 +190,11 @@ mod tests {
     }
 
     #[test]
-    fn the_readme_has_the_table() {
-        let readme = include_str!("../../../README.md");
+    fn the_book_has_the_table() {
+        let page = include_str!("../../../docs/book/src/reference/commands.md");
         for e in Exit::ALL {
             let row = format!("| {} | {} |", e.code(), e.meaning());
-            assert!(readme.contains(&row), "{row}");
+            assert!(page.contains(&row), "{row}");
         }
     }
 }

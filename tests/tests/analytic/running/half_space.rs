@@ -127,9 +127,9 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
     high - low
 }
 
-/// The tables of the README: half-spaces and elements in contact, over meshes and loads. What passing elements do is told
-/// in two ways: by the ripple where one pair carries the load, and all over the cycle by how the difference from the
-/// finest mesh varies.
+/// The tables of the book's page on elastic gears: half-spaces and elements in contact, over meshes and loads. The effect of
+/// passing elements has two measures: the ripple where one pair carries the load, and over the whole cycle the variation of
+/// the difference from the finest mesh.
 #[test]
 #[ignore = "a minute: meshes of up to 48 elements along a flank"]
 fn transmission_error_over_meshes() {
