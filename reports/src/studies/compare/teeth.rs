@@ -72,6 +72,10 @@ pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             let of = name[begin.len()..]
                 .trim_start_matches('_')
                 .trim_end_matches("_rad");
+            let of = match of {
+                "" => String::new(),
+                _ => format!(", {}", of.replace('_', " ")),
+            };
             // A tooth that hammers does so all the time; the rest is read around the highest force.
             let time = match (begin, &h.zoom) {
                 (TOOTH_DEFLECTION, Some(zoom)) => zoom,
