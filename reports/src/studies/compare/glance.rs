@@ -102,6 +102,7 @@ pub fn glance(view: &View<'_>) -> Markup {
             let (_, run) = row.of.filter(|(_, r)| !view.is_yardstick(r))?;
             view.verdict(run).map(|v| v.to_string())
         })
+        .result()
         .text("Cheapest adequate run", |row| {
             view.cheapest(row.of?.0).map(|(_, r)| named(r))
         })
