@@ -253,3 +253,30 @@ fn misalignment_softens_the_contact_of_elastic_gears() {
         );
     }
 }
+
+/// The stored calibration of the first impact is what `identify` finds today, with its intervals: numbers agree to a thousandth, words
+/// exactly.
+#[test]
+fn the_stored_calibration_is_that_of_today() {
+    let folder = Folder::new();
+    folder.says("init spur_impact");
+    folder.ends("identify spur_impact.toml --write --force --out o", 0);
+    let stored = include_str!("../../calibrations/spur_impact.toml");
+    let written = folder.read("spur_impact.calibration.toml");
+    for model in ["rigid", "movable-teeth"] {
+        let line = |text: &str| -> Vec<String> {
+            let begin = format!("# impact: {model}: ");
+            let found = text.lines().find_map(|l| l.strip_prefix(&begin));
+            let found = found.unwrap_or_else(|| panic!("{begin} is missing in\n{text}"));
+            found.split([' ', ',', ';']).map(str::to_owned).collect()
+        };
+        let (stored, found) = (line(stored), line(&written));
+        assert_eq!(stored.len(), found.len(), "{stored:?} {found:?}");
+        for (a, b) in stored.iter().zip(&found) {
+            match (a.parse::<f64>(), b.parse::<f64>()) {
+                (Ok(a), Ok(b)) => assert!((a - b).abs() <= 1e-3 * b.abs(), "{a} {b}"),
+                _ => assert_eq!(a, b),
+            }
+        }
+    }
+}
