@@ -211,8 +211,14 @@ impl InvoluteHelicoid {
     pub fn near(&self, psi: f64, p: &Vec3, around: &PlaneAngle) -> Near {
         let (sigma, rb) = (self.side.sign(), self.base_radius);
         let square = p.x * p.x + p.y * p.y;
-        let roll = (square - rb * rb).max(0.0).sqrt();
-        let per_square = square.recip();
+        let beyond = square - rb * rb;
+        // Inside the base cylinder, where no flank is, the distance goes on as that of the radial plane through its origin.
+        let (roll, per_square, stretch) = if beyond >= 0.0 {
+            (beyond.sqrt(), square.recip(), 1.0)
+        } else {
+            let radius = square.sqrt();
+            (0.0, (rb * radius).recip(), rb / radius)
+        };
         let base = around.of_direction(
             (rb * p.x + sigma * roll * p.y) * per_square,
             (rb * p.y - sigma * roll * p.x) * per_square,
@@ -222,7 +228,9 @@ impl InvoluteHelicoid {
         let (c, s) = (base.cos, base.sin);
         Near {
             distance: -sigma * along * self.cos_helix,
-            gradient: sigma * self.cos_helix * Vec3::new(-s, c, -self.tan_helix),
+            gradient: sigma
+                * self.cos_helix
+                * Vec3::new(-stretch * s, stretch * c, -self.tan_helix),
             roll,
             base,
         }

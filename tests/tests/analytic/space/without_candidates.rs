@@ -184,11 +184,14 @@ fn sides_that_are_left_out_are_apart() {
             for turn in 0..12 {
                 let mut s = s.clone();
                 s.q[wheel] += 2e-4 * (f64::from(turn) - 6.0);
+                // Tilts up to 1e-2, most of them small; offsets up to a tenth of a millimetre.
+                let tilt = 1e-2 * (5.0 * numbers.draw() - 5.0).exp2();
                 for g in scene.gears() {
-                    let tilts = g.range().start + 4..g.range().start + 6;
-                    s.q[tilts]
-                        .iter_mut()
-                        .for_each(|q| *q += 3e-4 * numbers.draw());
+                    let at = g.range().start;
+                    let moves = s.q[at + 1..at + 6].iter_mut();
+                    for (q, size) in moves.zip([1e-4, 1e-4, 1e-4, tilt, tilt]) {
+                        *q += size * numbers.draw();
+                    }
                 }
                 let modes = s.discrete.len() - 2 * slots;
                 let mut events = vec![0.0; first + slots];

@@ -319,7 +319,10 @@ impl Section<'_> {
                 from = roll;
             }
             let next = roll + step;
-            let next = if correction > 4 && !(from..=to).contains(&next) {
+            // Inside the mate's base cylinder the curvature is not that of a flank, and its corrections would creep.
+            let inside = matches!(self.mate, FlankForm::Involute(_)) && place.near.roll == 0.0;
+            let astray = correction > 4 && !(from..=to).contains(&next);
+            let next = if (inside && to.is_finite()) || astray {
                 0.5 * (from + to)
             } else {
                 next.clamp(low, high)
