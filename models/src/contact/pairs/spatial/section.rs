@@ -9,11 +9,8 @@ use std::cell::Cell;
 const MAX_CORRECTIONS: usize = 40;
 
 /// Correction of the length of roll, over itself, whose square is neglected: the nearest place follows to first order, its
-/// distance to second. Corrections are squares of each other, so that places are exact to 1e-9.
-const SMALL_STEP: f64 = 1e-5;
-
-/// The same of modified flanks, whose curvature leaves out terms of a thousandth.
-const SMALL_STEP_MODIFIED: f64 = 1e-7;
+/// distance to second. Corrections are squares of each other: places are exact to 1e-12, which errors of 1e-12 in time ask for.
+const SMALL_STEP: f64 = 1e-6;
 
 /// The same where the curvature is not that of the gap, near kinks too, and each correction is a part of the one before.
 const SMALL_STEP_BOUNDED: f64 = 1e-11;
@@ -66,8 +63,8 @@ pub(super) struct Slopes {
     /// Second derivatives.
     gap_bend: f64,
     distance_bend: f64,
-    /// Second derivative of what is removed from the mate, by its own length of roll.
-    removed_bend: f64,
+    /// First and second derivative of what is removed from the mate, by its own length of roll.
+    removed: [f64; 2],
     /// Correction of the length of roll over itself whose square is neglected.
     small: f64,
 }
@@ -149,10 +146,11 @@ impl Section<'_> {
                 let turned = sigma * flank.cos_helix * turn;
                 near.gradient.x -= turned * cos;
                 near.gradient.y -= turned * sin;
-                if slopes.removed_bend != 0.0 {
-                    let bent = slopes.removed_bend * more * per_roll;
-                    near.gradient.x += bent * place.x.x;
-                    near.gradient.y += bent * place.x.y;
+                if slopes.removed != [0.0; 2] {
+                    let [slope, bend] = slopes.removed.map(|removed| removed * per_roll);
+                    let bent = (bend - slope * per_roll) * more;
+                    near.gradient.x += bent * place.x.x + slope * dx.x;
+                    near.gradient.y += bent * place.x.y + slope * dx.y;
                 }
                 near.roll += more;
                 near.base = near.base.turned(turn);
@@ -189,7 +187,7 @@ impl Section<'_> {
             distance: slope,
             gap_bend: bend,
             distance_bend: bend,
-            removed_bend: 0.0,
+            removed: [0.0; 2],
             small: if bounded {
                 SMALL_STEP_BOUNDED
             } else {
@@ -200,8 +198,9 @@ impl Section<'_> {
 
     /// Adds what is removed from the mate to its distance; returns the slopes of modified flanks.
     pub(super) fn remove(&self, place: &mut Place, low: f64) -> Slopes {
-        let mut plain = self.slopes(place, low);
         let mut smooth = self.own.is_smooth(self.side, place.roll, self.z);
+        let per_roll = place.roll * self.per_base;
+        let (mut removed, mut bent) = ([0.0; 2], 0.0);
         if let FlankForm::Involute(h) = self.mate
             && h.modified
             && place.near.roll > 0.0
@@ -214,23 +213,27 @@ impl Section<'_> {
             near.distance += e;
             near.gradient += by_roll * outward;
             near.gradient.z += by_z;
-            let per_roll = place.roll * self.per_base;
-            let along = per_roll * outward.dot(&place.direction);
-            plain.distance = per_roll * place.direction.dot(&near.gradient);
-            plain.distance_bend += bend * along * along;
-            plain.removed_bend = bend;
+            let dx = per_roll * place.direction.xy();
+            let along = outward.xy().dot(&dx);
+            bent = bend * along * along + by_roll * (dx.norm_squared() - along * along) / near.roll;
+            removed = [by_roll, bend];
         }
+        // The slope of the mate's distance does not vanish where that of the own flank is its opposite.
+        let slopes = self.slopes(place, low);
+        let distance_bend = slopes.distance_bend + bent + slopes.distance / place.roll;
         let [_, slope, bend, _] = (self.own).removed(self.tooth.0, self.side, place.roll, self.z);
-        let (bend, least) = (plain.distance_bend + bend, LEAST_BEND * plain.gap_bend);
+        let (bend, least) = (distance_bend + bend, LEAST_BEND * slopes.gap_bend);
         Slopes {
-            gap: plain.distance + slope,
+            gap: slopes.distance + slope,
             gap_bend: bend.max(least),
+            distance_bend,
+            removed,
             small: if bend < least || !smooth {
                 SMALL_STEP_BOUNDED
             } else {
-                plain.small.min(SMALL_STEP_MODIFIED)
+                slopes.small
             },
-            ..plain
+            ..slopes
         }
     }
 
