@@ -162,7 +162,7 @@ fn compared(modified: bool, tilt: f64) -> ([f64; 3], usize, f64) {
     (worst, count, evaluated as f64 / count as f64)
 }
 
-/// Small last corrections to first order and starts from the slice before leave nearest points exact to 1e-9.
+/// Small last corrections to first order and starts from the slice before leave nearest points exact to 1e-11.
 #[test]
 fn nearest_points_are_those_of_bisection() {
     for modified in [false, true] {
@@ -173,7 +173,7 @@ fn nearest_points_are_those_of_bisection() {
             );
             assert!(count > 60, "{count}");
             assert!(gap < 1e-15, "{gap:e}");
-            assert!(place < 1e-9 && normal < 1e-9, "{place:e} {normal:e}");
+            assert!(place < 1e-11 && normal < 1e-10, "{place:e} {normal:e}");
         }
     }
 }
