@@ -199,7 +199,7 @@ impl Spatial {
         let of_pair = &found[pair.rem_euclid(KEPT as i64) as usize];
         let mut place = match of_pair.get().or(found[KEPT].get()) {
             Some([base, around]) => section.along(base, least, &around),
-            None => section.from_roll(guess.max(least)),
+            None => section.at_roll(guess.max(least)),
         };
         section.least(&mut place, [least, f64::INFINITY], self.far, false);
         let bases = Some([place.base, place.near.base]);

@@ -93,8 +93,8 @@ impl Section<'_> {
         }
     }
 
-    /// The place with a length of roll.
-    pub(super) fn from_roll(&self, roll: f64) -> Place {
+    /// The place that has a length of roll [m].
+    pub(super) fn at_roll(&self, roll: f64) -> Place {
         let base = self.flank.base(self.tooth.1, roll, self.z);
         self.place(base, roll, &PlaneAngle::new(0.0))
     }

@@ -69,7 +69,7 @@ fn bisected(section: &Section<'_>, [low, high]: [f64; 2], exact: bool) -> Place 
     let (mut from, mut to) = (low, high);
     loop {
         let roll = 0.5 * (from + to);
-        let mut place = section.from_roll(roll);
+        let mut place = section.at_roll(roll);
         let slope = match exact {
             true => section.remove(&mut place, low).gap,
             false => section.slopes(&place, low).gap,
@@ -260,7 +260,7 @@ fn descended(section: &Section<'_>, from: &Place, least: f64) -> Option<f64> {
     let downhill = -section.slopes(from, least).gap.signum() * step;
     let (mut roll, mut distance) = (from.roll, from.near.distance);
     loop {
-        let next = section.from_roll(roll + downhill);
+        let next = section.at_roll(roll + downhill);
         if next.near.roll == 0.0 {
             return None;
         }
@@ -306,7 +306,7 @@ fn far_flanks_are_as_far_as_their_bounds() {
             let z = 0.5 * WIDTH * draws.next();
             let section = spatial.section(side, z, &pose, [(0, psi), (0, of_mate)]);
             let guess = least + 0.5 * (1.0 + draws.next()) * REACH;
-            let place = section.from_roll(guess);
+            let place = section.at_roll(guess);
             if let Some(bound) = section.lower_bound(&place)
                 && let Some(exact) = descended(&section, &place, least)
             {
@@ -314,7 +314,7 @@ fn far_flanks_are_as_far_as_their_bounds() {
                 closest = closest.min(exact - bound);
             }
             let found = spatial.nearest(&section, 0, &pose, guess);
-            let Some(exact) = descended(&section, &section.from_roll(found.roll), least) else {
+            let Some(exact) = descended(&section, &section.at_roll(found.roll), least) else {
                 continue;
             };
             if found.near.distance > spatial.far {
@@ -345,7 +345,7 @@ fn a_poor_guess_does_not_leave_a_near_flank_out() {
         let section = spatial.section(Side::Left, 0.0, &pose, [(0, 0.0), (0, of_mate)]);
         let exact = bisected(&section, [least, REACH], false).near.distance;
         for guess in 1..66 {
-            let place = section.from_roll(5e-4 * f64::from(guess));
+            let place = section.at_roll(5e-4 * f64::from(guess));
             let bound = section.lower_bound(&place).unwrap_or(f64::NEG_INFINITY);
             assert!(bound <= exact + 1e-15, "{guess}: {bound:e} {exact:e}");
         }
