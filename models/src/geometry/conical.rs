@@ -167,6 +167,54 @@ impl Gear {
         self.flank_deviation(side, below, height / (0.5 * self.face_width()))
     }
 
+    /// The same over the length of roll (m, that of [`Gear::roll_length`]) of the exact flank and the height over the middle of
+    /// the face width (m): the amount (m), its first and second derivative by the roll and its derivative by the height.
+    pub fn flank_deviation_at_roll(&self, side: Side, roll: f64, height: f64) -> [f64; 4] {
+        let (of, modifications) = (self.flank_range(), &self.params().modifications);
+        let per_height = of.half_width.recip();
+        if !self.is_conical() {
+            let at = modifications.removed(side, roll, &of, height * per_height);
+            let [e, by_roll, bend, by_zeta] = at;
+            return [e, by_roll, bend, by_zeta * per_height];
+        }
+        // Modifications go by the radius less what the tip cone has risen.
+        let base = self.flank(side).base_radius;
+        let (radius, cone) = (base.hypot(roll), self.params().tip_cone_angle.tan());
+        let below = radius - height * cone;
+        let s = self.roll_length(below);
+        let [e, by_s, bend, by_zeta] = modifications.removed(side, s, &of, height * per_height);
+        if s == 0.0 {
+            return [e, 0.0, 0.0, by_zeta * per_height];
+        }
+        let (rise, rises) = (roll / radius, base * base / radius.powi(3));
+        let (s_rise, s_rises) = (below / s, -of.r_base * of.r_base / s.powi(3));
+        [
+            e,
+            by_s * s_rise * rise,
+            bend * (s_rise * rise).powi(2) + by_s * (s_rises * rise * rise + s_rise * rises),
+            by_zeta * per_height - by_s * s_rise * cone,
+        ]
+    }
+
+    /// Whether what is removed may have a kink within a distance of a length of roll at a height (m): at form circle and tip, at
+    /// the start of a tip relief, and anywhere with end reliefs or a topography, which have kinks over the width as well.
+    pub fn flank_kinks(&self, side: Side, roll: f64, height: f64, within: f64) -> bool {
+        let modifications = &self.params().modifications;
+        if modifications.topography.iter().any(Option::is_some)
+            || modifications.end_relief.iter().any(Option::is_some)
+        {
+            return true;
+        }
+        let s = if self.is_conical() {
+            let radius = self.flank(side).base_radius.hypot(roll);
+            self.roll_length(radius - height * self.params().tip_cone_angle.tan())
+        } else {
+            roll
+        };
+        let kinks = self.flank_range().roll;
+        kinks.iter().any(|kink| (s - kink).abs() <= within)
+    }
+
     /// Whether profile shift or tip radius vary along the axis: a conical gear (beveloid). Radii, thicknesses and angles of
     /// it that name no height or side are those of the cylindrical gear with the profile shift of its middle section.
     pub fn is_conical(&self) -> bool {
@@ -240,7 +288,7 @@ mod tests {
             for side in Side::BOTH {
                 let flank = gear.flank(side);
                 let roll = (r * r - flank.base_radius * flank.base_radius).sqrt();
-                let (x, _) = flank.point(0.0, roll, height);
+                let x = flank.point(&flank.base(0.0, roll, height), roll, height);
                 let half = side.sign() * x.y.atan2(x.x);
                 assert!((half - section.half_angle_reference()).abs() < 1e-7);
             }

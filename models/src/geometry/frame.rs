@@ -15,11 +15,16 @@ impl Frame {
     /// A point in space in these axes [m].
     #[inline]
     pub fn point_back(&self, x: &Vec3) -> Vec3 {
-        let r = x - self.origin;
+        self.turn_back(&(x - self.origin))
+    }
+
+    /// A direction in space in these axes.
+    #[inline]
+    pub fn turn_back(&self, x: &Vec3) -> Vec3 {
         Vec3::new(
-            self.axes[0].dot(&r),
-            self.axes[1].dot(&r),
-            self.axes[2].dot(&r),
+            self.axes[0].dot(x),
+            self.axes[1].dot(x),
+            self.axes[2].dot(x),
         )
     }
 

@@ -113,14 +113,11 @@ impl Gear {
 
     /// The modifications must leave some tooth at the tip.
     fn check_depth_of_modifications(&self) -> Result<(), GeometryError> {
-        let each = self.deviations.as_ref().map_or(0.0, |d| d.greatest());
         let of_all = [Side::Left, Side::Right].map(|side| {
             let ends = [-1.0, 1.0].map(|zeta| self.flank_deviation(side, self.r_tip(), zeta));
             ends[0].max(ends[1])
         });
-        let measured = self.params.modifications.topography.iter().flatten();
-        let measured = measured.map(|t| 2.0 * t.greatest()).fold(0.0, f64::max);
-        let removed = of_all[0].max(of_all[1]) + measured + each * self.beta_b.cos();
+        let removed = of_all[0].max(of_all[1]) + self.stands_out();
         // The tooth centreline is r_b times the half angle away, measured along the line of action.
         let available = self.r_base * self.half_angle_at(self.r_tip()) * self.beta_b.cos();
         if removed < available {
@@ -279,18 +276,21 @@ impl Gear {
         if modifications.is_none() {
             return 0.0;
         }
-        let range = FlankRange {
+        modifications.removed(side, self.roll_length(r), &self.flank_range(), zeta)[0]
+    }
+
+    pub(super) fn flank_range(&self) -> FlankRange {
+        FlankRange {
             roll: self.roll,
             r_base: self.r_base,
             half_width: 0.5 * self.params.face_width,
-        };
-        modifications.removed(side, self.roll_length(r), &range, zeta)
+        }
     }
 
     /// The part of it that varies over the width alone (m).
     pub fn lead_deviation(&self, side: Side, zeta: f64) -> f64 {
         let half_width = 0.5 * self.params.face_width;
-        self.params.modifications.over_width(side, zeta, half_width)
+        self.params.modifications.over_width(side, zeta, half_width)[0]
     }
 
     /// The side of a counter-clockwise or clockwise flank as one looks from the root to the tip of its tooth, and back: the
@@ -338,6 +338,14 @@ impl Gear {
             None => [0.0; 3],
             Some(d) => d.at(tooth, side, s).map(|x| x * self.beta_b.cos()),
         }
+    }
+
+    /// How far flanks stand out of their involutes at most (m): by a measured topography or by deviations of teeth.
+    pub fn stands_out(&self) -> f64 {
+        let measured = self.params.modifications.topography.iter().flatten();
+        // Between the amounts of a grid its cubics go beyond them.
+        let measured = measured.map(|t| 2.0 * t.greatest()).fold(0.0, f64::max);
+        measured + self.greatest_tooth_deviation()
     }
 
     /// Greatest amount by which the flank of any tooth stands off the place of all (m).

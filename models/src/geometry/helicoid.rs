@@ -59,14 +59,19 @@ pub struct Near {
     pub distance: f64,
     /// Its gradient, in the axes of the gear.
     pub gradient: Vec3,
-    /// Length of roll [m] (height over the reference line of a rack), and the base radius through the tangent point.
+    /// Length of roll [m] (height over the reference line of a rack).
     pub roll: f64,
-    /// Direction of that base radius.
-    pub base: Vec3,
+    /// Angle of the base radius through the tangent point.
+    pub base: PlaneAngle,
 }
 
-/// Angle [rad] up to which sine and cosine are series of three terms: the next is below rounding.
-const SMALL_TURN: f64 = 1e-4;
+/// Turn [rad] up to which trigonometric functions are power series whose remainder is below rounding.
+const SMALL_TURN: f64 = 0.02;
+
+/// Coefficients of these series after the first: of sine, one less cosine, and arcsine.
+const SINE: [f64; 3] = [-1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0];
+const VERSINE: [f64; 2] = [-1.0 / 24.0, 1.0 / 720.0];
+const ARCSINE: [f64; 3] = [1.0 / 6.0, 3.0 / 40.0, 15.0 / 336.0];
 
 /// Angle in (-pi, pi].
 fn wrapped(angle: f64) -> f64 {
@@ -74,6 +79,82 @@ fn wrapped(angle: f64) -> f64 {
         angle
     } else {
         angle - TAU * (angle / TAU).round()
+    }
+}
+
+/// Length along a circle of a radius, up to half its circumference to either side.
+#[inline]
+fn wrapped_on(radius: f64, length: f64) -> f64 {
+    if length.abs() <= PI * radius {
+        length
+    } else {
+        radius * wrapped(length / radius)
+    }
+}
+
+/// An angle in the transverse plane with its cosine and sine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneAngle {
+    /// [rad]
+    pub angle: f64,
+    /// Its cosine.
+    pub cos: f64,
+    /// Its sine.
+    pub sin: f64,
+}
+
+impl PlaneAngle {
+    /// Of an angle [rad].
+    pub fn new(angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        PlaneAngle { angle, cos, sin }
+    }
+
+    /// The angle greater by a turn [rad]; a small turn takes no trigonometric functions.
+    #[inline]
+    #[must_use]
+    pub fn turned(&self, turn: f64) -> Self {
+        if turn.abs() > SMALL_TURN {
+            return Self::new(self.angle + turn);
+        }
+        let square = turn * turn;
+        let sin = turn * (1.0 + square * (SINE[0] + square * (SINE[1] + square * SINE[2])));
+        let lack = square * (0.5 + square * (VERSINE[0] + square * VERSINE[1]));
+        PlaneAngle {
+            angle: self.angle + turn,
+            cos: self.cos - (self.sin * sin + self.cos * lack),
+            sin: self.sin + (self.cos * sin - self.sin * lack),
+        }
+    }
+
+    /// Another angle [rad], up to whole turns.
+    #[inline]
+    #[must_use]
+    pub fn turned_to(&self, angle: f64) -> Self {
+        self.turned(wrapped(angle - self.angle))
+    }
+
+    /// The angle of a unit vector; one near this angle takes no trigonometric functions.
+    #[inline]
+    #[must_use]
+    pub fn of_direction(&self, cos: f64, sin: f64) -> Self {
+        let across = self.cos * sin - self.sin * cos;
+        let along = self.cos * cos + self.sin * sin;
+        if across.abs() > SMALL_TURN || along < 0.0 {
+            return PlaneAngle {
+                angle: sin.atan2(cos),
+                cos,
+                sin,
+            };
+        }
+        let square = across * across;
+        let arc = ARCSINE[0] + square * (ARCSINE[1] + square * ARCSINE[2]);
+        let turn = across * (1.0 + square * arc);
+        PlaneAngle {
+            angle: self.angle + turn,
+            cos,
+            sin,
+        }
     }
 }
 
@@ -99,66 +180,59 @@ impl InvoluteHelicoid {
         }
     }
 
-    /// The point of the transverse section at `z` [m] with a length of roll [m], of a tooth at the angle `psi`, and the
-    /// direction of its base radius.
-    pub fn point(&self, psi: f64, roll: f64, z: f64) -> (Vec3, Vec3) {
-        let sigma = self.side.sign();
+    /// Angle of the base radius through the tangent point of a point of the transverse section at `z` [m] with a length of
+    /// roll [m], of a tooth at the angle `psi`.
+    pub fn angle(&self, psi: f64, roll: f64, z: f64) -> f64 {
         let rb = self.base_radius;
-        let tau = psi + z * self.tan_helix / rb + sigma * (self.half_angle - roll / rb);
-        let (sin, cos) = tau.sin_cos();
-        let along = sigma * roll;
-        let x = Vec3::new(rb * cos - along * sin, rb * sin + along * cos, z);
-        (x, Vec3::new(cos, sin, 0.0))
+        psi + z * self.tan_helix / rb + self.side.sign() * (self.half_angle - roll / rb)
     }
 
-    /// [`Self::point`] with a length of roll that is longer than that of a known point by `more` [m], whose base radius has
-    /// the direction `base`: a small turn takes a series instead of sine and cosine, exact to rounding.
-    pub fn point_onwards(
-        &self,
-        (psi, z): (f64, f64),
-        base: &Vec3,
-        roll: f64,
-        more: f64,
-    ) -> (Vec3, Vec3) {
-        let sigma = self.side.sign();
-        let rb = self.base_radius;
-        let turn = -sigma * more / rb;
-        if turn.abs() > SMALL_TURN {
-            return self.point(psi, roll, z);
-        }
-        let square = turn * turn;
-        let (sin, lack) = (turn * (1.0 - square / 6.0), 0.5 * square);
-        let cosine = base.x - (base.y * sin + base.x * lack);
-        let sine = base.y + (base.x * sin - base.y * lack);
-        let along = sigma * roll;
-        let x = Vec3::new(rb * cosine - along * sine, rb * sine + along * cosine, z);
-        (x, Vec3::new(cosine, sine, 0.0))
+    /// That base radius.
+    pub fn base(&self, psi: f64, roll: f64, z: f64) -> PlaneAngle {
+        PlaneAngle::new(self.angle(psi, roll, z))
     }
 
-    /// What is known of a point near the flank without its distance, which takes most of the time.
-    pub fn directed(&self, p: &Vec3) -> Near {
+    /// The length of roll [m] of the point of that section whose base radius has an angle.
+    pub fn roll(&self, psi: f64, angle: f64, z: f64) -> f64 {
+        let (sigma, rb) = (self.side.sign(), self.base_radius);
+        let ahead = wrapped_on(rb, rb * (psi - angle) + z * self.tan_helix);
+        rb * self.half_angle + sigma * ahead
+    }
+
+    /// The point of the section at `z` [m] with a length of roll [m], whose base radius has an angle.
+    pub fn point(&self, base: &PlaneAngle, roll: f64, z: f64) -> Vec3 {
+        let (rb, along) = (self.base_radius, self.side.sign() * roll);
+        let PlaneAngle { cos, sin, .. } = base;
+        Vec3::new(rb * cos - along * sin, rb * sin + along * cos, z)
+    }
+
+    /// A point near the flank of a tooth at the angle `psi`; it is found fastest where its base radius is near an angle.
+    #[inline]
+    pub fn near(&self, psi: f64, p: &Vec3, around: &PlaneAngle) -> Near {
         let (sigma, rb) = (self.side.sign(), self.base_radius);
         let square = p.x * p.x + p.y * p.y;
-        let roll = (square - rb * rb).max(0.0).sqrt();
-        let (c, s) = (
-            (rb * p.x + sigma * roll * p.y) / square,
-            (rb * p.y - sigma * roll * p.x) / square,
+        let beyond = square - rb * rb;
+        // Inside the base cylinder, where no flank is, the distance goes on as that of the radial plane through its origin.
+        let (roll, per_square, stretch) = if beyond >= 0.0 {
+            (beyond.sqrt(), square.recip(), 1.0)
+        } else {
+            let radius = square.sqrt();
+            (0.0, (rb * radius).recip(), rb / radius)
+        };
+        let base = around.of_direction(
+            (rb * p.x + sigma * roll * p.y) * per_square,
+            (rb * p.y - sigma * roll * p.x) * per_square,
         );
+        let ahead = rb * (psi - base.angle + sigma * self.half_angle) + p.z * self.tan_helix;
+        let along = wrapped_on(rb, ahead - sigma * roll);
+        let (c, s) = (base.cos, base.sin);
         Near {
-            distance: 0.0,
-            gradient: sigma * self.cos_helix * Vec3::new(-s, c, -self.tan_helix),
+            distance: -sigma * along * self.cos_helix,
+            gradient: sigma
+                * self.cos_helix
+                * Vec3::new(-stretch * s, stretch * c, -self.tan_helix),
             roll,
-            base: Vec3::new(c, s, 0.0),
+            base,
         }
-    }
-
-    /// A point near the flank of a tooth at the angle `psi`.
-    pub fn near(&self, psi: f64, p: &Vec3) -> Near {
-        let (sigma, rb) = (self.side.sign(), self.base_radius);
-        let mut near = self.directed(p);
-        let ahead = psi + p.z * self.tan_helix / rb - near.base.y.atan2(near.base.x);
-        let angle = wrapped(ahead - sigma * (near.roll / rb - self.half_angle));
-        near.distance = -sigma * rb * angle * self.cos_helix;
-        near
     }
 }

@@ -251,9 +251,10 @@ fn planetary_stage_of_17_22_61() {
 
 /// Point and outward normal of a flank where its length of roll is `s`, of a tooth at an angle.
 fn on_flank(gear: &Gear, side: Side, angle: f64, s: f64) -> ([f64; 2], [f64; 2]) {
-    let (x, base) = gear.flank(side).point(angle, s, 0.0);
+    let base = gear.flank(side).base(angle, s, 0.0);
+    let x = gear.flank(side).point(&base, s, 0.0);
     let sign = side.sign();
-    ([x.x, x.y], [-sign * base.y, sign * base.x])
+    ([x.x, x.y], [-sign * base.sin, sign * base.cos])
 }
 
 /// Flanks touch in one point with one normal all along the path, and turn as their numbers of teeth say.

@@ -34,12 +34,14 @@ pub enum ReliefShape {
 }
 
 impl ReliefShape {
-    /// Share of the amount at a part of the way; 0 before the start.
-    fn at(self, part: f64) -> f64 {
-        let part = part.max(0.0);
+    /// Share of the amount at a part of the way with its first two derivatives by that part; 0 before the start.
+    fn at(self, part: f64) -> [f64; 3] {
+        if part <= 0.0 {
+            return [0.0; 3];
+        }
         match self {
-            ReliefShape::Linear => part,
-            ReliefShape::Parabolic => part * part,
+            ReliefShape::Linear => [part, 1.0, 0.0],
+            ReliefShape::Parabolic => [part * part, 2.0 * part, 2.0],
         }
     }
 }
@@ -169,41 +171,61 @@ impl Modifications {
         Ok(())
     }
 
-    /// What is removed over the width alone (m), at `zeta` in [-1, 1].
-    pub(super) fn over_width(&self, side: Side, zeta: f64, half_width: f64) -> f64 {
+    /// What is removed over the width alone (m), at `zeta` in [-1, 1], and its derivative by `zeta`.
+    pub(super) fn over_width(&self, side: Side, zeta: f64, half_width: f64) -> [f64; 2] {
         let mut removed = self.lead_crowning * zeta * zeta;
+        let mut slope = 2.0 * self.lead_crowning * zeta;
         for (relief, sign) in self.end_relief.iter().zip([-1.0, 1.0]) {
             if let Some(relief) = relief {
                 let to_the_end = half_width * (1.0 - sign * zeta);
-                removed += relief.amount * relief.shape.at(1.0 - to_the_end / relief.length);
+                let [share, rise, _] = relief.shape.at(1.0 - to_the_end / relief.length);
+                removed += relief.amount * share;
+                slope += relief.amount * rise * sign * half_width / relief.length;
             }
         }
-        let slope = self.helix_slope[side.index()];
-        if slope != 0.0 {
-            removed += 0.5 * (slope * zeta + slope.abs());
+        let helix = self.helix_slope[side.index()];
+        if helix != 0.0 {
+            removed += 0.5 * (helix * zeta + helix.abs());
+            slope += 0.5 * helix;
         }
-        removed
+        [removed, slope]
     }
 
-    /// Material removed (m) of the flanks of a side at length of roll `s`; `zeta` in [-1, 1] runs over the face width.
-    pub(super) fn removed(&self, side: Side, s: f64, of: &FlankRange, zeta: f64) -> f64 {
+    /// Material removed (m) of the flanks of a side at length of roll `s`; `zeta` in [-1, 1] runs over the face width. Its
+    /// first and second derivative by `s` and its derivative by `zeta` follow. Below the form circle and beyond the tip the
+    /// amount is that at the border.
+    pub(super) fn removed(&self, side: Side, s: f64, of: &FlankRange, zeta: f64) -> [f64; 4] {
         let [s_form, s_tip, s_relief] = of.roll;
+        let length = s_tip - s_form;
+        // The border itself belongs to the flank, rounding included.
+        let on_flank = (s - 0.5 * (s_form + s_tip)).abs() <= 0.5 * length.abs() * (1.0 + 1e-9);
+        let inside = f64::from(u8::from(on_flank));
         let s = s.clamp(s_form, s_tip);
-        let relief = self.tip_relief.map_or(0.0, |relief| {
-            relief.amount * relief.shape.at((s - s_relief) / (s_tip - s_relief))
+        let [mut removed, mut by_roll, mut bend] = self.tip_relief.map_or([0.0; 3], |relief| {
+            let length = s_tip - s_relief;
+            let [share, rise, bends] = relief.shape.at((s - s_relief) / length);
+            [share, rise / length, bends / (length * length)].map(|part| relief.amount * part)
         });
-        let height = (2.0 * s - s_form - s_tip) / (s_tip - s_form);
-        let mut removed = relief
-            + self.profile_crowning * height * height
-            + self.over_width(side, zeta, of.half_width);
+        let height = (2.0 * s - s_form - s_tip) / length;
+        let rise = 2.0 / length;
+        let [over_width, mut by_zeta] = self.over_width(side, zeta, of.half_width);
+        removed = removed + self.profile_crowning * height * height + over_width;
+        by_roll += 2.0 * self.profile_crowning * height * rise;
+        bend += 2.0 * self.profile_crowning * rise * rise;
         if self.vary_jointly(side) {
             let twist = self.twist[side.index()];
             removed += 0.25 * (twist * zeta * height + twist.abs());
+            by_roll += 0.25 * twist * zeta * rise;
+            by_zeta += 0.25 * twist * height;
             if let Some(topography) = &self.topography[side.index()] {
-                removed += topography.removed(s, of, zeta);
+                let [e, slope, bends, across] = topography.removed(s, of, zeta);
+                removed += e;
+                by_roll += slope;
+                bend += bends;
+                by_zeta += across;
             }
         }
-        removed
+        [removed, inside * by_roll, inside * bend, by_zeta]
     }
 }
 
@@ -268,5 +290,63 @@ mod tests {
         })
         .unwrap();
         assert_eq!(plain.flank_deviation(LEFT, plain.r_tip(), 1.0), 0.0);
+    }
+
+    #[test]
+    fn slopes_are_those_of_differences() {
+        let topography = Topography::new(
+            &[
+                vec![1e-6, 3e-6, 2e-6],
+                vec![0.0, -1e-6, 4e-6],
+                vec![2e-6, 5e-6, 1e-6],
+                vec![6e-6, 7e-6, 3e-6],
+            ],
+            None,
+            None,
+        )
+        .unwrap();
+        let end = |shape, length| {
+            Some(EndRelief {
+                amount: 9e-6,
+                length,
+                shape,
+            })
+        };
+        for shape in [ReliefShape::Linear, ReliefShape::Parabolic] {
+            let modifications = Modifications {
+                tip_relief: gear(shape).params().modifications.tip_relief,
+                profile_crowning: 4e-6,
+                lead_crowning: 6e-6,
+                end_relief: [end(shape, 8e-3), end(shape, 5e-3)],
+                helix_slope: [7e-6, -3e-6],
+                twist: [-5e-6, 8e-6],
+                topography: [Some(Arc::new(topography.clone())), None],
+            };
+            let of = FlankRange {
+                roll: [8e-3, 20e-3, 15e-3],
+                r_base: 42e-3,
+                half_width: 10e-3,
+            };
+            for side in Side::BOTH {
+                for (s, zeta) in [(9.1e-3, -0.8), (13e-3, 0.15), (16.2e-3, 0.7), (19e-3, 0.96)] {
+                    let at = |s, zeta| modifications.removed(side, s, &of, zeta)[0];
+                    let [_, by_roll, bend, by_zeta] = modifications.removed(side, s, &of, zeta);
+                    let (h, w) = (1e-6, 1e-5);
+                    let slope = (at(s + h, zeta) - at(s - h, zeta)) / (2.0 * h);
+                    let bends = (at(s + h, zeta) - 2.0 * at(s, zeta) + at(s - h, zeta)) / (h * h);
+                    let across = (at(s, zeta + w) - at(s, zeta - w)) / (2.0 * w);
+                    assert!((by_roll - slope).abs() < 1e-8, "{by_roll:e} {slope:e}");
+                    assert!(
+                        (bend - bends).abs() < 1e-4 * (1.0 + bends.abs()),
+                        "{bend:e} {bends:e}"
+                    );
+                    assert!((by_zeta - across).abs() < 1e-12, "{by_zeta:e} {across:e}");
+                }
+                for beyond in [7e-3, 21e-3] {
+                    let [_, by_roll, bend, _] = modifications.removed(side, beyond, &of, 0.3);
+                    assert_eq!([by_roll, bend], [0.0; 2]);
+                }
+            }
+        }
     }
 }

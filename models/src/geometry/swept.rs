@@ -93,7 +93,7 @@ impl Swept {
                     let place = if gear.is_conical() && r >= of.r_form() && r < of.r_tip() {
                         let flank = gear.flank(side);
                         let roll = (r * r - flank.base_radius.powi(2)).max(0.0).sqrt();
-                        flank.point(turn, roll, z).0
+                        flank.point(&flank.base(turn, roll, z), roll, z)
                     } else {
                         turned(*x, *y, z, turn + per_height * z)
                     };

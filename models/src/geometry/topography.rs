@@ -113,65 +113,99 @@ impl Topography {
         Ok(())
     }
 
-    /// Material removed (m) at length of roll `s` and `zeta` in [-1, 1] over the face width.
-    pub(super) fn removed(&self, s: f64, of: &FlankRange, zeta: f64) -> f64 {
+    /// Material removed (m) at length of roll `s` and `zeta` in [-1, 1] over the face width, its first and second derivative
+    /// by `s` and its derivative by `zeta`.
+    pub(super) fn removed(&self, s: f64, of: &FlankRange, zeta: f64) -> [f64; 4] {
         let roll = |r: f64| (r * r - of.r_base * of.r_base).max(0.0).sqrt();
         let [from, to] = self.radii.map_or([of.roll[0], of.roll[1]], |r| r.map(roll));
         let [low, high] = self.heights.unwrap_or([-of.half_width, of.half_width]);
-        self.at([
-            (s - from) / (to - from),
-            (of.half_width * zeta - low) / (high - low),
-        ])
+        let (length, width) = (to - from, high - low);
+        let parts = [(s - from) / length, (of.half_width * zeta - low) / width];
+        let [e, by_part, bend, across] = self.at(parts);
+        let by_zeta = across * of.half_width / width;
+        [e, by_part / length, bend / (length * length), by_zeta]
     }
 
-    /// The amount (m) at parts of the way from the first to the last row and column.
-    fn at(&self, parts: [f64; 2]) -> f64 {
+    /// The amount (m) at parts of the way from the first to the last row and column, its first and second derivative by the
+    /// former and its derivative by the latter.
+    fn at(&self, parts: [f64; 2]) -> [f64; 4] {
         let (rows, along) = weights(self.rows, parts[0]);
         let (columns, across) = weights(self.columns, parts[1]);
-        let row = |i: usize| {
-            let at = |j: usize| across[j] * self.amounts[i * self.columns + columns[j]];
-            at(0) + at(1) + at(2) + at(3)
+        let sum = |along: &[f64; 4], across: &[f64; 4]| {
+            let row = |i: usize| {
+                let at = |j: usize| across[j] * self.amounts[i * self.columns + columns[j]];
+                at(0) + at(1) + at(2) + at(3)
+            };
+            let part = |i: usize| along[i] * row(rows[i]);
+            part(0) + part(1) + part(2) + part(3)
         };
-        let part = |i: usize| along[i] * row(rows[i]);
-        part(0) + part(1) + part(2) + part(3)
+        [
+            sum(&along[0], &across[0]),
+            sum(&along[1], &across[0]),
+            sum(&along[2], &across[0]),
+            sum(&along[0], &across[1]),
+        ]
     }
 }
 
-/// The four values that a part of the way lies between, and their weights.
-fn weights(n: usize, part: f64) -> ([usize; 4], [f64; 4]) {
-    let x = part.clamp(0.0, 1.0) * (n - 1) as f64;
+/// The four values that a part of the way lies between, their weights, and the first two derivatives of these by the part.
+fn weights(n: usize, part: f64) -> ([usize; 4], [[f64; 4]; 3]) {
+    let steps = (n - 1) as f64;
+    let x = part.clamp(0.0, 1.0) * steps;
     let i = (x as usize).min(n - 2);
     let t = x - i as f64;
     let (t2, t3) = (t * t, t * t * t);
-    let [before, first, second, behind] = [
-        0.5 * (2.0 * t2 - t3 - t),
-        0.5 * (3.0 * t3 - 5.0 * t2 + 2.0),
-        0.5 * (4.0 * t2 - 3.0 * t3 + t),
-        0.5 * (t3 - t2),
-    ];
+    // Beyond the grid the amounts of its border hold.
+    let inside = f64::from(u8::from((0.0..=1.0).contains(&part)));
+    let (once, twice) = (inside * steps, inside * steps * steps);
     if n == 2 {
-        return ([0, 1, 0, 0], [1.0 - t, t, 0.0, 0.0]);
+        let rise = [-once, once, 0.0, 0.0];
+        return ([0, 1, 0, 0], [[1.0 - t, t, 0.0, 0.0], rise, [0.0; 4]]);
     }
+    let cubic = [
+        [
+            0.5 * (2.0 * t2 - t3 - t),
+            0.5 * (3.0 * t3 - 5.0 * t2 + 2.0),
+            0.5 * (4.0 * t2 - 3.0 * t3 + t),
+            0.5 * (t3 - t2),
+        ],
+        [
+            0.5 * once * (4.0 * t - 3.0 * t2 - 1.0),
+            0.5 * once * (9.0 * t2 - 10.0 * t),
+            0.5 * once * (8.0 * t - 9.0 * t2 + 1.0),
+            0.5 * once * (3.0 * t2 - 2.0 * t),
+        ],
+        [
+            0.5 * twice * (4.0 - 6.0 * t),
+            0.5 * twice * (18.0 * t - 10.0),
+            0.5 * twice * (8.0 - 18.0 * t),
+            0.5 * twice * (6.0 * t - 2.0),
+        ],
+    ];
     // Beyond the border the parabola through the outer three goes on: p_-1 = 3 p_0 - 3 p_1 + p_2.
     if i == 0 {
-        let of = [
-            first + 3.0 * before,
-            second - 3.0 * before,
-            behind + before,
-            0.0,
-        ];
+        let of = cubic.map(|[before, first, second, behind]| {
+            [
+                first + 3.0 * before,
+                second - 3.0 * before,
+                behind + before,
+                0.0,
+            ]
+        });
         return ([0, 1, 2, 0], of);
     }
     if i == n - 2 {
-        let of = [
-            before + behind,
-            first - 3.0 * behind,
-            second + 3.0 * behind,
-            0.0,
-        ];
+        let of = cubic.map(|[before, first, second, behind]| {
+            [
+                before + behind,
+                first - 3.0 * behind,
+                second + 3.0 * behind,
+                0.0,
+            ]
+        });
         return ([i - 1, i, i + 1, 0], of);
     }
-    ([i - 1, i, i + 1, i + 2], [before, first, second, behind])
+    ([i - 1, i, i + 1, i + 2], cubic)
 }
 
 #[cfg(test)]

@@ -170,7 +170,7 @@ impl Hub {
 
     /// A vector in the axes of the hub, in space.
     #[inline]
-    fn in_space(&self, x: &Vec3) -> Vec3 {
+    pub(super) fn in_space(&self, x: &Vec3) -> Vec3 {
         self.axes[0] * x.x + self.axes[1] * x.y + self.axes[2] * x.z
     }
 
@@ -296,4 +296,4 @@ mod standing;
 #[cfg(test)]
 mod tests;
 
-pub use standing::Standing;
+pub use standing::{BodyMotion, Standing};

@@ -9,7 +9,7 @@ mod view;
 
 pub use crate::geometry::Frame as HubFrame;
 pub use freedom::{BodyMass, Lateral, Motion, listed};
-pub use hub::{Direction, Hub, Standing, Wrench};
+pub use hub::{BodyMotion, Direction, Hub, Standing, Wrench};
 pub use point::{Locus, Point, Tooth};
 pub use pose::{Placement, Pose};
 pub use row::Row;

@@ -231,6 +231,7 @@ impl Scene {
                 hard: contact.points.is_some_and(|p| p.hard) && mesh.gears.iter().any(has_field),
                 nodal,
                 arms: None,
+                bodies: false,
                 clearances,
                 gap_bound: (if with_flanks { FLANK_BOUND } else { ROUNDING }) * l.base_pitch,
                 discrete: 0,
@@ -317,7 +318,7 @@ impl Scene {
             g.places = g.model.teeth().map_or(0, |teeth| teeth.places());
         }
         for m in &mut meshes {
-            m.note_arms(&gears);
+            m.note_directness(&gears);
         }
         let characteristic_time = gears
             .iter()

@@ -1,12 +1,12 @@
-//! Forces and event functions of meshes whose contacts need no candidates: gears whose teeth move by one coordinate each,
-//! on lines of action, without friction, while events are located. A step asks for nothing else; reports and tangents look
-//! at candidates.
+//! Forces and event functions of meshes whose contacts need no candidates: gears whose teeth move by one coordinate each on
+//! lines of action, and rigid bodies that move in space; without friction, while events are located. A step asks for nothing else;
+//! reports and tangents look at candidates.
 
 use super::assembled::Scene;
-use super::members::{SceneGear, SceneMesh};
+use super::members::{SceneGear, SceneMesh, parties};
 use super::workspace::Workspace;
-use crate::contact::pairs::{LinesOfAction, Mesh, PRESCRIBED, Roster};
-use crate::kinematics::Tooth;
+use crate::contact::pairs::{LinesOfAction, Mesh, MeshedBodies, PRESCRIBED, Roster, Twist};
+use crate::kinematics::{BodyMotion, Tooth};
 use gearbench_integrators::system::At;
 
 /// What the flanks of a gear follow.
@@ -16,6 +16,8 @@ pub(super) enum Follows {
     Hub,
     /// Each tooth a coordinate of its own.
     Teeth,
+    /// The hub, in several directions.
+    Body,
     /// Several coordinates at once.
     Several,
 }
@@ -24,14 +26,21 @@ impl Follows {
     /// What those of a gear in a state do; `discrete` is the gear's own.
     pub(super) fn of(gear: &SceneGear, discrete: &[f64]) -> Self {
         let model = gear.model.as_ref();
-        let lateral = model.hub().lateral.is_some();
-        if lateral || model.surface().is_some() || model.coupled_mass().is_some() {
+        let hub = model.hub();
+        if hub.lateral.is_some() {
+            let rigid = hub.own == 0 && model.teeth().is_none() && model.surface().is_none();
+            return match rigid {
+                true => Follows::Body,
+                false => Follows::Several,
+            };
+        }
+        if model.surface().is_some() || model.coupled_mass().is_some() {
             return Follows::Several;
         }
         let tooth = Tooth { index: 0, mesh: 0 };
         match model.teeth() {
             Some(teeth) if teeth.coordinate(discrete, tooth).is_some() => Follows::Teeth,
-            None if !model.hub().is_internal() => Follows::Hub,
+            None if !hub.is_internal() => Follows::Hub,
             _ => Follows::Several,
         }
     }
@@ -73,16 +82,51 @@ impl SceneGear {
 }
 
 impl SceneMesh {
-    /// Notes the arms of a mesh whose contacts need no candidates.
-    pub(super) fn note_arms(&mut self, gears: &[SceneGear]) {
+    /// Notes whether its contacts need no candidates, and the arms of those on lines of action.
+    pub(super) fn note_directness(&mut self, gears: &[SceneGear]) {
         let pair = self.gears.map(|i| &gears[i]);
-        let follow = pair.iter().all(|g| g.follows != Follows::Several);
-        self.arms = match self.search.pairs() {
-            Some(pairs) if follow && self.friction.is_none() && !pairs.is_spatial() => {
-                Some(pairs.arms(pair.map(|g| &g.model.hub().hub)))
-            }
-            _ => None,
+        (self.arms, self.bodies) = (None, false);
+        let Some(pairs) = self.search.pairs().filter(|_| self.friction.is_none()) else {
+            return;
         };
+        let all = |these: &[Follows]| pair.iter().all(|g| these.contains(&g.follows));
+        if pairs.is_spatial() {
+            self.bodies = all(&[Follows::Hub, Follows::Body]) && !pairs.couples();
+        } else if all(&[Follows::Hub, Follows::Teeth]) {
+            self.arms = Some(pairs.arms(pair.map(|g| &g.model.hub().hub)));
+        }
+    }
+
+    /// The mesh at a state where events are located, if its gears are rigid bodies in space whose contacts need no candidates,
+    /// and the motions of both.
+    fn as_bodies<'a>(
+        &'a self,
+        gears: &'a [SceneGear],
+        at: At<'a>,
+    ) -> Option<(&'a LinesOfAction, MeshedBodies<'a>, [BodyMotion; 2])> {
+        let pairs = self.search.pairs()?;
+        if !self.bodies || at.discrete[0] == 0.0 {
+            return None;
+        }
+        let (a, b) = parties(gears, self, at);
+        let motions = [&a, &b].map(|party| {
+            let At { t, q, v, .. } = party.at;
+            party.gear.hub().body_motion(t, q, v)
+        });
+        let [of_a, of_b] = &motions;
+        let origin = of_b.origin;
+        let mesh = MeshedBodies {
+            law: &self.law,
+            gears: [a, b],
+            twist: Twist {
+                origin,
+                velocity: of_b.velocity - of_a.velocity - of_a.spin.cross(&(origin - of_a.origin)),
+                spin: of_b.spin - of_a.spin,
+            },
+            discrete: &at.discrete[self.search_discrete()],
+            modes: &at.discrete[self.modes()],
+        };
+        Some((pairs, mesh, motions))
     }
 
     /// The mesh at a state where events are located, if its contacts need no candidates; the pairs that are looked at
@@ -121,6 +165,15 @@ impl Scene {
     /// Adds the contact forces of a mesh, if its contacts need no candidates.
     #[inline]
     pub(super) fn add_forces_directly(&mut self, at: At<'_>, m: usize, f: &mut [f64]) -> bool {
+        if let Some((pairs, mesh, motions)) = self.meshes[m].as_bodies(&self.gears, at) {
+            let [force, moment] = pairs.wrench_on_second(&mesh);
+            for (k, sign) in [(0, -1.0), (1, 1.0)] {
+                let gear = &self.gears[self.meshes[m].gears[k]];
+                let wrench = (&mesh.twist.origin, &(sign * force), &(sign * moment));
+                (gear.model.hub()).add_wrench(&motions[k], wrench, &mut f[gear.range()]);
+            }
+            return true;
+        }
         let Workspace {
             rosters, pressed, ..
         } = &mut self.work;
@@ -136,6 +189,13 @@ impl Scene {
     /// Sets the event functions of a mesh, if its contacts need no candidates.
     #[inline]
     pub(super) fn watch_directly(&mut self, at: At<'_>, m: usize, out: &mut [f64]) -> bool {
+        if let Some((pairs, mesh, _)) = self.meshes[m].as_bodies(&self.gears, at) {
+            let of_mesh = &self.meshes[m];
+            let own = &mut out[of_mesh.event_functions..][..of_mesh.zones + of_mesh.slots];
+            let (zones, slots) = own.split_at_mut(of_mesh.zones);
+            pairs.watch_bodies(&mesh, zones, slots);
+            return true;
+        }
         let Workspace {
             rosters, pressed, ..
         } = &mut self.work;

@@ -184,6 +184,8 @@ pub struct SceneMesh {
     pub(super) hard: bool,
     /// Effective radius arms of both gears on each line of action, where contacts need no candidates.
     pub(super) arms: Option<Vec<[f64; 2]>>,
+    /// Its gears are rigid bodies that move in space, and contacts need no candidates.
+    pub(super) bodies: bool,
     /// One of its gears has a displacement field, or its flanks touch along lines.
     pub(super) nodal: bool,
     /// What facing flanks are apart at least, were the gears rigid.

@@ -6,6 +6,7 @@ use super::placement::{engagement, views};
 use super::scales::{hub_mass, initial_speed, reduced_mass};
 use crate::contact::pairs::{
     FlankForm, Helicoid, LinesOfAction, MeshGeometry, Plane, Separation, Slice, Spatial,
+    SpatialGeometry,
 };
 use crate::error::{BuildError, MeshPart, Reason};
 use crate::geometry::Side;
@@ -171,7 +172,7 @@ pub(super) fn lines_of_action(
         search = search.in_plane([a, b].map(|g| g.position.into()));
     }
     if in_space {
-        search = search.in_space(Spatial {
+        search = search.in_space(Spatial::new(SpatialGeometry {
             flanks: [a, b].map(|g| match &g.body {
                 Body::Gear(gear) => FlankForm::Involute(Box::new(Helicoid::new(gear))),
                 Body::Rack(rack) => FlankForm::Plane(Plane::new(rack, rack.tip_height())),
@@ -184,7 +185,7 @@ pub(super) fn lines_of_action(
                 .map_or([[1.0; 2]; 2], |pair| pair.roll_scale()),
             base_pitch: l.base_pitch,
             phases: mesh.gears.map(|i| phases[i]),
-        });
+        }));
     }
     Ok((search, law, geometry))
 }

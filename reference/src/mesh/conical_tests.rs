@@ -6,7 +6,7 @@ use super::tests::{assert_conforming, bored, params};
 use super::*;
 use crate::test_support::layered;
 use gearbench_models::geometry::{
-    Gear, GearParams, Modifications, ReliefShape, Side, TipRelief, Topography,
+    Gear, GearParams, Modifications, PlaneAngle, ReliefShape, Side, TipRelief, Topography,
 };
 use std::sync::Arc;
 
@@ -67,7 +67,12 @@ fn flank_nodes_lie_on_the_helicoids_of_each_side_up_to_the_tip_cone() {
         let (mut worst, mut highest, mut seen) = (0.0_f64, f64::NEG_INFINITY, 0);
         each_flank(&m, |tooth, side, x| {
             let psi = f64::from(tooth) * g.pitch_angle();
-            worst = worst.max(g.flank(side).near(psi, x).distance.abs());
+            worst = worst.max(
+                g.flank(side)
+                    .near(psi, x, &PlaneAngle::new(0.0))
+                    .distance
+                    .abs(),
+            );
             highest = highest.max(x.xy().norm() - g.r_tip_at(x.z));
             seen += 1;
         });
@@ -104,7 +109,7 @@ fn modified_flanks_are_removed_along_the_normal_up_to_the_tip_cone() {
     let (mut worst, mut most) = (0.0_f64, 0.0_f64);
     each_flank(&m, |tooth, side, x| {
         let flank = g.flank(side);
-        let near = flank.near(f64::from(tooth) * g.pitch_angle(), x);
+        let near = flank.near(f64::from(tooth) * g.pitch_angle(), x, &PlaneAngle::new(0.0));
         // Back along the normal the length of roll is longer by what was removed there.
         let roll = near.roll - near.distance / flank.cos_helix;
         let asked = g.flank_deviation_at(side, flank.base_radius.hypot(roll), x.z);

@@ -21,7 +21,7 @@
 //! contact along the profile, by `R` times the tilt, is left out: 1 % of the approach where teeth are loaded to
 //! 800 N/mm. A tip edge counts as the end of the flank, with the curvature that it has there.
 
-use super::lines::{Line, LinesOfAction, Mover, side_index};
+use super::lines::{Line, LinesOfAction, MeshedGears, side_index};
 use crate::Vec3;
 use crate::contact::nodal::{
     GapBound, GearNodes, LineTerms, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
@@ -242,15 +242,14 @@ impl FlankLines {
         } else {
             sides[0].bound() + sides[1].bound()
         };
-        let movers = [0, 1].map(|k| Mover::new(&sides[k].party));
-        let movers = [&movers[0], &movers[1]];
+        let gears = &MeshedGears::new(&sides[0].party, &sides[1].party);
         for (l, line) in self.pairs.lines.iter().enumerate() {
-            if self.pairs.clearly_open(line, movers, limit) {
+            if self.pairs.clearly_open(line, gears, limit) {
                 continue;
             }
-            let range = self.pairs.pairs_of(l, movers, &[], false);
-            self.pairs.each_pair(l, range, movers, |_, pair, s| {
-                let p = self.pairs.pair(line, movers, pair, s);
+            let range = self.pairs.pairs_of(l, gears, &[], false);
+            self.pairs.each_pair(l, range, gears, |_, pair, s| {
+                let p = self.pairs.pair(line, gears, pair, s);
                 if p.gap <= limit {
                     self.line_point(line, &p, &mut sides, gap_bound, out);
                 }

@@ -1,7 +1,7 @@
 //! The lines of action of a mesh as data, and what a gear looks like to them.
 
 use super::separation::Separation;
-use super::spatial::{Spatial, Touch};
+use super::spatial::{MeshPose, Spatial, Touch};
 use crate::Vec3;
 use crate::contact::party::Party;
 use crate::gear::{GearModel, ToothCoordinates};
@@ -163,6 +163,41 @@ impl<'a> Mover<'a> {
             let along = hub.slide.map_or(0.0, |_| hub.displacement_at(self.at));
             (hub.hub.frame(self.at.t, self.at.q), along)
         })
+    }
+}
+
+/// Both gears of a mesh at a state.
+pub(super) struct MeshedGears<'a> {
+    pub(super) of: [Mover<'a>; 2],
+    /// Nearest points tell how they move along the path.
+    pub(super) with_paths: bool,
+    pose: OnceCell<MeshPose>,
+}
+
+impl<'a> MeshedGears<'a> {
+    #[inline]
+    pub(super) fn new(a: &Party<'a>, b: &Party<'a>) -> Self {
+        MeshedGears {
+            of: [Mover::new(a), Mover::new(b)],
+            with_paths: true,
+            pose: OnceCell::new(),
+        }
+    }
+
+    /// The same where gaps and their rates are all that is asked for.
+    #[inline]
+    pub(super) fn for_gaps(a: &Party<'a>, b: &Party<'a>) -> Self {
+        MeshedGears {
+            with_paths: false,
+            ..Self::new(a, b)
+        }
+    }
+
+    /// Their hubs, of a mesh in space.
+    #[inline]
+    pub(super) fn pose(&self, spatial: &Spatial) -> &MeshPose {
+        self.pose
+            .get_or_init(|| spatial.pose([0, 1].map(|k| &self.of[k].frame().0)))
     }
 }
 

@@ -25,6 +25,7 @@
 //! `delta + sign (pi/2 - alpha_w)`, tangent point at angle `delta - sign alpha_w`.
 
 mod assembly;
+mod bodies;
 mod coupling;
 mod direct;
 mod flank_lines;
@@ -35,10 +36,11 @@ mod separation;
 mod spatial;
 mod walk;
 
+pub(crate) use bodies::{MeshedBodies, Twist};
 pub(crate) use coupling::MOST_ON_LINE;
 pub(crate) use direct::{Mesh, PRESCRIBED, Pressed, Roster};
 pub use flank_lines::{FlankLines, LineGear, LinePressure};
 pub(crate) use lines::all_open;
 pub use lines::{LinesOfAction, MeshGeometry, Slice};
 pub use separation::{Engagement, Separation};
-pub use spatial::{FlankForm, Helicoid, Plane, Spatial, Touch};
+pub use spatial::{FlankForm, Helicoid, Plane, Spatial, SpatialGeometry, Touch};

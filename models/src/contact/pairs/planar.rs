@@ -19,7 +19,7 @@
 //! involutes conjugate.) What the flanks stand off their involutes adds `e_k'(s_k) ds_k` to the change of the gap: force and
 //! moment, which are one force along another line.
 
-use super::lines::{Line, LinesOfAction, Mover, PairState};
+use super::lines::{Line, LinesOfAction, MeshedGears, PairState};
 use super::spatial::Touch;
 use crate::Vec3;
 use crate::geometry::Side;
@@ -29,7 +29,7 @@ impl LinesOfAction {
     pub(super) fn pair_in_plane(
         &self,
         line: &Line,
-        movers: [&Mover<'_>; 2],
+        gears: &MeshedGears<'_>,
         pair: i64,
         s: [f64; 2],
     ) -> PairState {
@@ -37,7 +37,7 @@ impl LinesOfAction {
         let sum = radii[0] + radii[1];
         let sigma = if line.side == Side::Left { 1.0 } else { -1.0 };
         let [x, y, axis] = self.mesh.axes;
-        let origins = movers.map(|m| m.frame().0.origin);
+        let origins = [0, 1].map(|k| gears.of[k].frame().0.origin);
         let apart = origins[1] - origins[0];
         let (dx, dy) = (x.dot(&apart), y.dot(&apart));
         let square = dx * dx + dy * dy;

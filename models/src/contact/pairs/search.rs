@@ -1,6 +1,6 @@
 //! The lines of action as a contact search: candidates, gaps, event functions of the contact zone.
 
-use super::lines::{LinesOfAction, Mover, ZONE_EVENTS, all_open};
+use super::lines::{LinesOfAction, MeshedGears, ZONE_EVENTS, all_open};
 use crate::Vec3;
 use crate::contact::candidate::Candidate;
 use crate::contact::party::{Party, Wanted, ZoneChange};
@@ -28,9 +28,9 @@ impl LinesOfAction {
 
     /// Sets the discrete state from a state.
     pub fn begin(&self, a: Party<'_>, b: Party<'_>, discrete: &mut [f64]) {
-        let movers = [&Mover::new(&a), &Mover::new(&b)];
+        let gears = &MeshedGears::new(&a, &b);
         for (line, m) in self.lines.iter().zip(discrete.chunks_exact_mut(2)) {
-            let (lo, hi) = self.zone_now(line, movers);
+            let (lo, hi) = self.zone_now(line, gears);
             m[0] = lo as f64;
             m[1] = hi as f64;
         }
@@ -45,18 +45,18 @@ impl LinesOfAction {
         wanted: Wanted<'_>,
         out: &mut Vec<Candidate>,
     ) {
-        let movers = [&Mover::new(&a), &Mover::new(&b)];
+        let gears = &MeshedGears::new(&a, &b);
         let first = out.len();
         for (l, line) in self.lines.iter().enumerate() {
             let skip = match wanted {
                 Wanted::Closed(modes) => all_open(&modes[2 * l * self.pairs..][..2 * self.pairs]),
-                Wanted::Touching(reach) => self.clearly_open(line, movers, reach),
+                Wanted::Touching(reach) => self.clearly_open(line, gears, reach),
                 Wanted::Listed | Wanted::Watched(_) => false,
             };
             if skip {
                 continue;
             }
-            self.collect(l, movers, discrete, wanted, out);
+            self.collect(l, gears, discrete, wanted, out);
         }
         self.couple(&mut out[first..], |slot| match wanted {
             Wanted::Closed(modes) | Wanted::Watched(modes) => Some(modes[2 * slot] != 0.0),
@@ -74,17 +74,17 @@ impl LinesOfAction {
         event_functions: &mut [f64],
         gaps: &mut [f64],
     ) {
-        let movers = [&Mover::new(&a), &Mover::new(&b)];
+        let gears = &MeshedGears::for_gaps(&a, &b);
         if self.whole_mesh {
             for l in 0..self.lines.len() {
-                let range = self.pairs_of(l, movers, discrete, true);
-                self.gaps_of_pairs(l, range, movers, gaps);
+                let range = self.pairs_of(l, gears, discrete, true);
+                self.gaps_of_pairs(l, range, gears, gaps);
             }
             return;
         }
         for (l, g) in event_functions.chunks_exact_mut(ZONE_EVENTS).enumerate() {
             let (lo, hi) = (discrete[2 * l] as i64, discrete[2 * l + 1] as i64);
-            self.watch_line(l, (lo, hi), movers, g, gaps);
+            self.watch_line(l, (lo, hi), gears, g, gaps);
         }
     }
 
@@ -96,13 +96,24 @@ impl LinesOfAction {
         discrete: &[f64],
         event_functions: &mut [f64],
     ) {
-        let movers = [&Mover::new(&a), &Mover::new(&b)];
-        let of_lines = event_functions.chunks_exact_mut(ZONE_EVENTS);
-        for ((line, g), range) in (self.lines.iter().zip(of_lines)).zip(discrete.chunks_exact(2)) {
-            let (lo, hi) = (range[0] as i64, range[1] as i64);
-            let place = |pair: i64| self.place(line, movers, pair);
-            self.set_zone_events([lo - 1, lo, hi, hi + 1].map(place), g);
+        let gears = &MeshedGears::new(&a, &b);
+        for (l, zone) in event_functions.chunks_exact_mut(ZONE_EVENTS).enumerate() {
+            self.watch_zone(l, gears, discrete, zone);
         }
+    }
+
+    /// The same of a line.
+    #[inline]
+    pub(super) fn watch_zone(
+        &self,
+        l: usize,
+        gears: &MeshedGears<'_>,
+        discrete: &[f64],
+        event_functions: &mut [f64],
+    ) {
+        let (lo, hi) = (discrete[2 * l] as i64, discrete[2 * l + 1] as i64);
+        let place = |pair: i64| self.place(&self.lines[l], gears, pair);
+        self.set_zone_events([lo - 1, lo, hi, hi + 1].map(place), event_functions);
     }
 
     /// Flips what event function `i` watches.

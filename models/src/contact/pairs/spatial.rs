@@ -25,30 +25,31 @@
 //! ```
 
 mod flanks;
+mod section;
+#[cfg(test)]
+mod tests;
 
-use super::lines::{Line, LinesOfAction, Mover, PairState, side_index};
+use super::lines::{Line, LinesOfAction, MeshedGears, PairState, side_index};
 use crate::Vec3;
-use crate::geometry::{Near, Side};
-use crate::kinematics::{HubFrame, Tooth};
+use crate::geometry::{Frame, PlaneAngle, Side};
+use crate::kinematics::HubFrame;
 pub use flanks::{FlankForm, Helicoid, Plane};
+use section::{Place, Section};
+use std::cell::Cell;
 
-/// Corrections of the length of roll.
-const MAX_CORRECTIONS: usize = 40;
-
-/// Change of the length of roll, over the base radius, after which it is found: Newton's corrections are squares of each
-/// other.
-const FOUND: f64 = 1e-6;
-
-/// Gap over the base pitch from which on one correction is enough: nothing touches.
+/// Gap over the base pitch from which on one evaluation is enough: nothing touches.
 const FAR: f64 = 5e-3;
 
 /// Least length of roll, over the base pitch: nearer to the base circle no flank is looked at.
 const LEAST_ROLL: f64 = 0.01;
 
+/// Pairs of a side whose last nearest points are kept: those that are looked at, for contact ratios below three.
+const KEPT: usize = 4;
+
 /// Where the flanks of a slice come nearest.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
-    /// [m]
+    /// Of pairs that are [`FAR`] from each other a lower bound, what is removed left out [m].
     pub gap: f64,
     /// [m]
     pub x: Vec3,
@@ -57,7 +58,7 @@ pub struct Touch {
     /// Lengths of roll of both flanks, as if they went on beyond their tips [m].
     pub roll: [f64; 2],
     /// How the path coordinate moves, `ds = f . v + m . w` with the velocity `v` at the contact point and the spin `w` of
-    /// gear b over gear a.
+    /// gear b over gear a; zero where that is not asked for.
     pub path: [Vec3; 2],
 }
 
@@ -65,6 +66,29 @@ pub struct Touch {
 #[derive(Clone, Debug)]
 pub struct Spatial {
     /// Those of both gears.
+    flanks: [FlankForm; 2],
+    /// The gear whose transverse sections the slices are; never a rack.
+    sliced: usize,
+    /// Distance between the tangent points [m].
+    length: f64,
+    /// Path coordinate per length of roll of both gears, on left and right flanks.
+    roll_scale: [[f64; 2]; 2],
+    /// Base pitch [m].
+    base_pitch: f64,
+    /// Angle (place on the slide) of tooth 0 of both gears at the assembled position.
+    phases: [f64; 2],
+    /// How far flanks stand out of their involutes at most [m], and the distance of unmodified flanks from which on a pair is
+    /// [`FAR`] open all the same.
+    stands_out: f64,
+    far: f64,
+    /// Places on sections whose distance from the mate was evaluated so far.
+    evaluated: Cell<u64>,
+}
+
+/// What the flanks of a mesh in space are made of.
+#[derive(Clone, Debug)]
+pub struct SpatialGeometry {
+    /// Flanks of both gears.
     pub flanks: [FlankForm; 2],
     /// The gear whose transverse sections the slices are; never a rack.
     pub sliced: usize,
@@ -78,241 +102,183 @@ pub struct Spatial {
     pub phases: [f64; 2],
 }
 
+/// Hubs of both gears at a state, and the nearest points found at it so far: slice by slice those of a pair lie close together.
+#[derive(Debug)]
+pub(super) struct MeshPose {
+    /// Hub of the mate of the sliced gear, in space.
+    mate: HubFrame,
+    /// Hub of the sliced gear in the axes of the mate's.
+    sliced: Frame,
+    /// Base radii at the nearest points of pairs of left and right flanks, in the axes of the sliced gear and of its mate; the
+    /// last of a side comes after those of its pairs.
+    found: [[Cell<Option<[PlaneAngle; 2]>>; KEPT + 1]; 2],
+    /// Least distance of all pairs of left and right flanks [m], once it is asked for.
+    least: [Cell<Option<f64>>; 2],
+}
+
 impl Spatial {
-    /// Where the flanks of a slice at the height `z` of the sliced gear come nearest; teeth and their angles are those of
-    /// gear a and gear b, `roll` a guess of the length of roll of the sliced gear.
-    pub fn touch(
-        &self,
+    /// Of flanks and their arrangement.
+    pub fn new(of: SpatialGeometry) -> Self {
+        let stands_out: f64 = of.flanks.iter().map(FlankForm::stands_out).sum();
+        Spatial {
+            stands_out,
+            far: FAR * of.base_pitch + stands_out,
+            flanks: of.flanks,
+            sliced: of.sliced,
+            length: of.length,
+            roll_scale: of.roll_scale,
+            base_pitch: of.base_pitch,
+            phases: of.phases,
+            evaluated: Cell::new(0),
+        }
+    }
+
+    /// Hubs of both gears at a state.
+    pub(super) fn pose(&self, hubs: [&HubFrame; 2]) -> MeshPose {
+        let [sliced, mate] = [self.sliced, 1 - self.sliced].map(|k| hubs[k]);
+        MeshPose {
+            mate: *mate,
+            sliced: Frame {
+                axes: sliced.axes.map(|axis| mate.turn_back(&axis)),
+                origin: mate.point_back(&sliced.origin),
+            },
+            found: Default::default(),
+            least: Default::default(),
+        }
+    }
+
+    /// Tip radius of the sliced gear [m].
+    fn tip_radius(&self, side: Side) -> f64 {
+        let own = self.sliced_flanks();
+        own.tip(side, 0.0).hypot(own.flank(side).base_radius)
+    }
+
+    /// Places on sections whose distance from the mate was evaluated so far.
+    pub(super) fn evaluated(&self) -> u64 {
+        self.evaluated.get()
+    }
+
+    fn sliced_flanks(&self) -> &Helicoid {
+        match &self.flanks[self.sliced] {
+            FlankForm::Involute(own) => own,
+            FlankForm::Plane(_) => unreachable!("a rack is never the sliced gear"),
+        }
+    }
+
+    /// The slice at the height `z` of the sliced gear; teeth and their angles are those of gear a and gear b.
+    #[inline]
+    fn section<'a>(
+        &'a self,
         side: Side,
         z: f64,
-        frames: [&HubFrame; 2],
+        pose: &'a MeshPose,
         teeth: [(i64, f64); 2],
-        roll: f64,
-    ) -> Touch {
-        let (i, j) = (self.sliced, 1 - self.sliced);
-        let FlankForm::Involute(own) = &self.flanks[i] else {
-            unreachable!("a rack is never the sliced gear")
-        };
-        let mate = &self.flanks[j];
-        let [tooth, of_mate] = [i, j].map(|k| (teeth[k].0, side, teeth[k].1));
-        let least = LEAST_ROLL * self.base_pitch;
-        // The least distance of unmodified flanks that go on beyond their tips.
-        let found = self.least(
+    ) -> Section<'a> {
+        let own = self.sliced_flanks();
+        Section {
+            own,
+            flank: own.flank(side),
+            mate: &self.flanks[1 - self.sliced],
             side,
             z,
-            frames,
-            [tooth, of_mate],
-            (least, f64::INFINITY, roll),
-            false,
-        );
-        let (rho, near, x, base) = found;
-        let tip = own.tip(side, z);
+            tooth: teeth[self.sliced],
+            of_mate: teeth[1 - self.sliced],
+            hub: &pose.sliced,
+            middle: pose.sliced.origin + z * pose.sliced.axes[2],
+            per_base: own.per_base(side),
+            evaluated: &self.evaluated,
+        }
+    }
+
+    /// The place of a section that is nearest to the mate, of unmodified flanks that go on beyond their tips, or a place that is
+    /// [`FAR`] from it; `guess` is a guess of its length of roll.
+    #[inline]
+    fn nearest(&self, section: &Section<'_>, pair: i64, pose: &MeshPose, guess: f64) -> Place {
+        let least = LEAST_ROLL * self.base_pitch;
+        let found = &pose.found[side_index(section.side)];
+        let of_pair = &found[pair.rem_euclid(KEPT as i64) as usize];
+        let mut place = match of_pair.get().or(found[KEPT].get()) {
+            Some([base, around]) => section.along(base, least, &around),
+            None => section.at_roll(guess.max(least)),
+        };
+        section.least(&mut place, [least, f64::INFINITY], self.far, false);
+        let bases = Some([place.base, place.near.base]);
+        of_pair.set(bases);
+        found[KEPT].set(bases);
+        place
+    }
+
+    /// Where the flanks of a section come nearest, by the place where those without modifications do.
+    #[inline]
+    fn touch(
+        &self,
+        section: &Section<'_>,
+        mut place: Place,
+        pose: &MeshPose,
+        with_path: bool,
+    ) -> Touch {
+        let (i, j) = (self.sliced, 1 - self.sliced);
+        let (own, mate, side, z) = (section.own, section.mate, section.side, section.z);
+        let least = LEAST_ROLL * self.base_pitch;
+        let near = &place.near;
         // Of the foot on the mate.
         let foot = match mate {
             FlankForm::Involute(h) => near.roll - near.distance / h.flank(side).cos_helix,
             FlankForm::Plane(_) => near.roll - near.distance * near.gradient.y,
         };
         let mut rolls = [0.0; 2];
-        rolls[i] = rho;
+        rolls[i] = place.roll;
         rolls[j] = match mate {
             FlankForm::Involute(_) => foot,
-            FlankForm::Plane(_) => self.length - rho,
+            FlankForm::Plane(_) => self.length - place.roll,
         };
-        let path = self.path(side, frames, (rho, &base), &near);
-        let outward = |gradient: &Vec3| {
-            // From a to b: against the outward normal of b, along that of a.
-            let normal = frames[j].turn(gradient);
-            if j == 1 { -normal } else { normal }
+        let path = match with_path {
+            true => self.path(section, pose, &place),
+            false => [Vec3::zeros(); 2],
         };
-        let touch = |gap: f64, x: Vec3, normal: Vec3| Touch {
+        // The outward normal of the sliced gear points from a to b where that is a.
+        let sign = if j == 1 { -1.0 } else { 1.0 };
+        let touch = |gap: f64, x: &Vec3, outward: &Vec3| Touch {
             gap,
-            x,
-            normal,
+            x: pose.mate.point(x),
+            normal: pose.mate.turn(&(sign * outward)),
             roll: rolls,
             path,
         };
         let plain = !own.modified && !mate.is_modified();
-        let beyond = mate.is_beyond(side, foot, mate.height(frames[j], &x));
-        let inside = rho <= tip && !beyond;
-        if (plain && inside) || near.distance > 4.0 * FAR * self.base_pitch {
-            return touch(near.distance, x, outward(&near.gradient));
+        let tip = own.tip(side, z);
+        let beyond = mate.is_beyond(side, foot, place.x.z);
+        let inside = place.roll <= tip && !beyond;
+        if (plain && inside) || near.distance > self.far {
+            return touch(near.distance, &place.x, &near.gradient);
         }
         if beyond {
-            return self.edge_of_mate(side, z, frames, [tooth, of_mate], &x, touch);
+            let (gap, x, outward) = section.edge_of_mate(&place);
+            return touch(gap, &x, &outward);
         }
-        let (rho, near, x, _) =
-            self.least(side, z, frames, [tooth, of_mate], (least, tip, rho), true);
-        let [e, _, _] = own.removed(tooth.0, side, rho, z);
-        touch(near.distance + e, x, outward(&near.gradient))
-    }
-
-    /// The point of the section that is nearest to the mate: its roll, what the mate says of it, its place in space and the
-    /// direction of its base radius; with modifications where `exact`.
-    fn least(
-        &self,
-        side: Side,
-        z: f64,
-        frames: [&HubFrame; 2],
-        [tooth, of_mate]: [(i64, Side, f64); 2],
-        (low, high, start): (f64, f64, f64),
-        exact: bool,
-    ) -> (f64, Near, Vec3, Vec3) {
-        let (i, j) = (self.sliced, 1 - self.sliced);
-        let FlankForm::Involute(own) = &self.flanks[i] else {
-            unreachable!("a rack is never the sliced gear")
-        };
-        let rb = own.flank(side).base_radius;
-        let mut rho = start.clamp(low, high);
-        let (mut from, mut to) = (low, high);
-        let mut found = false;
-        let (mut p, mut of_base) = own.flank(side).point(tooth.2, rho, z);
-        for correction in 0.. {
-            let x = frames[i].point(&p);
-            let base = frames[i].turn(&of_base);
-            let place = frames[j].point_back(&x);
-            // Far flanks are recognised by their distance, which otherwise only the last correction needs; modified ones
-            // need their slope.
-            let near = match &self.flanks[j] {
-                FlankForm::Involute(h) if !exact && correction != 0 && !found => {
-                    h.flank(side).directed(&place)
-                }
-                flank => flank.near(of_mate, &place, exact),
-            };
-            let has_distance = exact || correction == 0 || found;
-            let removed = if exact {
-                own.removed(tooth.0, side, rho, z)[1]
-            } else {
-                0.0
-            };
-            let per_roll = rho / rb;
-            let slope = per_roll * base.dot(&frames[j].turn(&near.gradient)) + removed;
-            // Curvature of both involutes; a modification bends little beside them.
-            let bend = match &self.flanks[j] {
-                FlankForm::Involute(h) => {
-                    let other = near.roll.max(low);
-                    h.flank(side).cos_helix * (rho + other) / other
-                }
-                FlankForm::Plane(p) => p.cos * (1.0 + p.tan_pressure.powi(2)).sqrt(),
-            };
-            let bend = per_roll / rb * bend;
-            let step = -slope / bend;
-            let ends = (rho == low && step < 0.0) || (rho == high && step > 0.0);
-            let far = !exact
-                && correction == 0
-                && near.distance - 0.5 * slope * slope / bend > FAR * self.base_pitch;
-            if correction == MAX_CORRECTIONS || ends || found || far {
-                let near = match has_distance {
-                    true => near,
-                    false => self.flanks[j].near(of_mate, &place, exact),
-                };
-                return (rho, near, x, base);
-            }
-            // Modifications bend the flank as well, which the curvature leaves out.
-            let enough = if exact { 1e-5 * FOUND } else { FOUND };
-            found = step.abs() <= enough * rb;
-            // Kinks of modifications: the sign of the slope brackets the least.
-            if slope > 0.0 {
-                to = rho;
-            } else {
-                from = rho;
-            }
-            let next = rho + step;
-            let before = rho;
-            rho = if correction > 4 && !(from..=to).contains(&next) {
-                0.5 * (from + to)
-            } else {
-                next.clamp(low, high)
-            };
-            let flank = own.flank(side);
-            (p, of_base) = flank.point_onwards((tooth.2, z), &of_base, rho, rho - before);
-        }
-        unreachable!("the corrections end")
-    }
-
-    /// The tip edge of the mate in the plane of the slice, on the flank of the sliced gear.
-    fn edge_of_mate(
-        &self,
-        side: Side,
-        z: f64,
-        frames: [&HubFrame; 2],
-        [tooth, of_mate]: [(i64, Side, f64); 2],
-        x: &Vec3,
-        touch: impl Fn(f64, Vec3, Vec3) -> Touch,
-    ) -> Touch {
-        let (i, j) = (self.sliced, 1 - self.sliced);
-        let FlankForm::Involute(own) = &self.flanks[i] else {
-            unreachable!("a rack is never the sliced gear")
-        };
-        let axis = frames[i].axes[2];
-        let mut height = frames[j].point_back(x).z;
-        let (mut edge, mut tangent) = (*x, axis);
-        for _ in 0..3 {
-            let (p, t) = match &self.flanks[j] {
-                FlankForm::Involute(h) => {
-                    let (flank, tip) = (h.flank(side), h.tip(side, height));
-                    let (p, base) = flank.point(of_mate.2, tip, height);
-                    let turn = flank.tan_helix / flank.base_radius;
-                    let along = Vec3::new(-turn * p.y, turn * p.x, 1.0);
-                    // On a cone the edge moves along the profile as well.
-                    let rise = h.tip_rise(side, height) * tip / flank.base_radius;
-                    (p, along + rise * base)
-                }
-                FlankForm::Plane(plane) => {
-                    let off = side.sign() * (plane.half_thickness - plane.tip * plane.tan_pressure);
-                    let along = of_mate.2 + height * plane.tan_helix - off;
-                    (
-                        Vec3::new(along, plane.tip, height),
-                        Vec3::new(plane.tan_helix, 0.0, 1.0),
-                    )
-                }
-            };
-            edge = frames[j].point(&p);
-            tangent = frames[j].turn(&t);
-            let off = axis.dot(&(edge - frames[i].origin)) - z;
-            height -= off / axis.dot(&tangent);
-            edge -= off / axis.dot(&tangent) * tangent;
-        }
-        let near = own.near(tooth, &frames[i].point_back(&edge), true);
-        let (removed, by_height) = match &self.flanks[j] {
-            FlankForm::Involute(h) => {
-                let [e, by_roll, by_z] = h.removed(of_mate.0, side, h.tip(side, height), height);
-                (e, by_z + by_roll * h.tip_rise(side, height))
-            }
-            FlankForm::Plane(_) => (0.0, 0.0),
-        };
-        // The edge slides along itself to stay in the plane.
-        let normal = frames[i].turn(&near.gradient);
-        let along = (normal.dot(&tangent) + by_height) / axis.dot(&tangent);
-        let normal = normal - along * axis;
-        let from_a = if i == 0 { normal } else { -normal };
-        touch(near.distance + removed, edge, from_a)
+        section.keep_within(&mut place, [least, tip]);
+        section.least(&mut place, [least, tip], self.far, true);
+        let [e, ..] = own.removed(section.tooth.0, side, place.roll, z);
+        touch(place.near.distance + e, &place.x, &place.near.gradient)
     }
 
     /// How the path coordinate moves with the motion of gear b over gear a.
-    fn path(
-        &self,
-        side: Side,
-        frames: [&HubFrame; 2],
-        (rho, base): (f64, &Vec3),
-        near: &Near,
-    ) -> [Vec3; 2] {
+    fn path(&self, section: &Section<'_>, pose: &MeshPose, place: &Place) -> [Vec3; 2] {
         let (i, j) = (self.sliced, 1 - self.sliced);
-        let FlankForm::Involute(own) = &self.flanks[i] else {
-            unreachable!("a rack is never the sliced gear")
-        };
+        let (side, near, base) = (section.side, &place.near, &place.direction);
         let sigma = side.sign();
-        let outward = sigma * frames[i].axes[2].cross(base);
-        let normal = frames[j].turn(&near.gradient);
-        let rb = own.flank(side).base_radius;
-        let turning = -outward.dot(&normal) / rb;
-        let couple = base.cross(&normal);
-        let FlankForm::Involute(other) = &self.flanks[j] else {
+        let outward = sigma * pose.sliced.axes[2].cross(base);
+        let normal = &near.gradient;
+        let rb = section.own.flank(side).base_radius;
+        let turning = -outward.dot(normal) / rb;
+        let couple = base.cross(normal);
+        let FlankForm::Involute(other) = section.mate else {
             // On a rack the place is that of the gear's own flank.
-            return [Vec3::zeros(), couple / turning];
+            return [Vec3::zeros(), pose.mate.turn(&(couple / turning))];
         };
         let other = other.flank(side);
-        let per_roll = rho / rb;
-        let of_mate = frames[j].turn(&near.base);
+        let per_roll = place.roll / rb;
+        let of_mate = Vec3::new(near.base.cos, near.base.sin, 0.0);
         let (across, roll) = (
             base.dot(&of_mate),
             near.roll.max(LEAST_ROLL * self.base_pitch),
@@ -321,44 +287,138 @@ impl Spatial {
         let by_roll = turning + bend * across * per_roll;
         let own_roll = [bend / by_roll * of_mate, couple / by_roll];
         // Of the foot on the mate, which goes along with the point on the sliced gear.
-        let axis = frames[j].axes[2];
-        let outward = sigma * axis.cross(&of_mate);
+        let outward = sigma * Vec3::new(-near.base.sin, near.base.cos, 0.0);
         let lever = other.base_radius / roll;
         let along = (lever * across + outward.dot(base)) * per_roll;
-        let still = lever * of_mate + sigma * other.tan_helix * axis;
+        let still = lever * of_mate + sigma * other.tan_helix * Vec3::z();
         let foot = [along * own_roll[0] - still, along * own_roll[1]];
         let scale = self.roll_scale[side_index(side)];
-        [0, 1].map(|k| 0.5 * (scale[i] * own_roll[k] - scale[j] * foot[k]))
+        [0, 1].map(|k| {
+            let moves = 0.5 * (scale[i] * own_roll[k] - scale[j] * foot[k]);
+            pose.mate.turn(&moves)
+        })
     }
 }
 
 impl LinesOfAction {
-    /// Where a pair stands: its teeth, lengths of roll and gap, by path coordinates that only tell how far its teeth have
-    /// turned.
-    pub(super) fn pair_in_space(
+    /// Places on flanks in space whose distance from the mate was evaluated so far, each a correction of a nearest point; none on
+    /// lines of action.
+    pub fn evaluated_places(&self) -> u64 {
+        self.spatial
+            .as_ref()
+            .map_or(0, |spatial| spatial.evaluated())
+    }
+
+    /// Whether all pairs of a side are open by more than `reach` [m], by the distance of one of them.
+    ///
+    /// On parallel axes the unmodified flanks of all pairs and slices are equally far from each other, and their nearest places
+    /// lie in the plane of action, apart by what their teeth and heights are. Turned to parallel axes about the nearest place of
+    /// pair `p`, by the angle `Sigma` between the axes, the mate's distance from a point changes by `sigma = 2 sin(Sigma/2)`
+    /// over the point's distance from that place at most (the gradient is a unit vector), and there not at all. The nearest
+    /// place of `p` itself moves by `delta <= rho phi`, `cos(beta) sin(phi) = sigma`, since the slope there becomes `sigma` at
+    /// most and grows by `cos(beta) cos(phi)/rho` at least; for the same reason no place farther than `delta` from the nearest
+    /// one of a pair on parallel axes has a lesser distance for being turned back. With the distance `R` of both on parallel axes
+    ///
+    /// ```text
+    /// d_k >= d_p - sigma (R + 3 delta)
+    /// ```
+    ///
+    /// `p` is nearest to the middle of the zone, and others are a pitch out of it at most: `R` is less than the extent below by
+    /// half the zone and one and a half pitches. These cover `sigma/sin(Sigma)`, and tip edges, whose distance from the own
+    /// flank is that of the flanks less `sigma tan(beta)` of it at most; a length of roll is less than the tip radius. All of
+    /// it holds outside the base cylinders, where flanks are.
+    pub(super) fn is_apart(
         &self,
         spatial: &Spatial,
         line: &Line,
-        movers: [&Mover<'_>; 2],
-        teeth: [Tooth; 2],
+        gears: &MeshedGears<'_>,
+        reach: f64,
+    ) -> bool {
+        let pose = gears.pose(spatial);
+        let bound = &pose.least[side_index(line.side)];
+        if bound.get().is_none() {
+            bound.set(Some(self.least_distance(spatial, line.side, gears)));
+        }
+        bound
+            .get()
+            .is_some_and(|least| least > spatial.far.max(reach + spatial.stands_out))
+    }
+
+    /// Least distance of the unmodified flanks of a side, if they are [`FAR`] from each other.
+    fn least_distance(&self, spatial: &Spatial, side: Side, gears: &MeshedGears<'_>) -> f64 {
+        let mut lines = self.lines.iter().filter(|line| line.side == side);
+        let count = self.slices.len();
+        let Some(line) = lines.nth(count / 2) else {
+            return f64::NEG_INFINITY;
+        };
+        let [first, last] = [&self.slices[0], &self.slices[count - 1]];
+        if first.rolls.is_some() {
+            return f64::NEG_INFINITY;
+        }
+        let pair = self.nearest_to_middle(self.place(line, gears, 0));
+        let s = self.both(line, gears, pair);
+        let (section, guess) = self.section_of_pair(spatial, line, gears, pair, s);
+        let pose = gears.pose(spatial);
+        let distance = spatial.nearest(&section, pair, pose, guess).near.distance;
+        if distance <= spatial.far {
+            return f64::NEG_INFINITY;
+        }
+        let extent = (last.z - first.z) + (self.zone[1] - self.zone[0]) + 3.0 * spatial.base_pitch;
+        let axis = &pose.sliced.axes[2];
+        let tilt = axis.x.hypot(axis.y);
+        distance - tilt * (extent + 4.0 * tilt * spatial.tip_radius(side))
+    }
+
+    /// The slice of a pair and a guess of the length of roll of its nearest place, by path coordinates that only tell how far its
+    /// teeth have turned.
+    #[inline]
+    fn section_of_pair<'a>(
+        &self,
+        spatial: &'a Spatial,
+        line: &Line,
+        gears: &'a MeshedGears<'_>,
+        pair: i64,
         s: [f64; 2],
-    ) -> PairState {
-        let frames = movers.map(Mover::frame);
+    ) -> (Section<'a>, f64) {
+        let teeth = self.teeth(line.side, pair);
         // Where the maps of the line have teeth turned to.
         let angles = [0, 1].map(|k| {
             let map = &line.map[k];
             let first = self.teeth(line.side, 0)[k].index as f64 * self.mesh.views[k].pitch;
-            let turned = (s[k] - map.at_zero) / map.per_displacement - frames[k].1;
+            let turned = (s[k] - map.at_zero) / map.per_displacement - gears.of[k].frame().1;
             (teeth[k].index, spatial.phases[k] + first + turned)
         });
-        let z = self.slices[line.slice].z;
-        let maps = &self.slices[line.slice].rolls;
-        let maps = maps.as_ref().map(|maps| maps[side_index(line.side)]);
+        let slice = &self.slices[line.slice];
         let guess = s[spatial.sliced];
-        let guess = maps.map_or(guess, |maps| maps[spatial.sliced].roll(guess));
-        let touch = spatial.touch(line.side, z, [&frames[0].0, &frames[1].0], angles, guess);
+        let maps = slice.rolls.as_ref();
+        let guess = maps.map_or(guess, |maps| {
+            maps[side_index(line.side)][spatial.sliced].roll(guess)
+        });
+        (
+            spatial.section(line.side, slice.z, gears.pose(spatial), angles),
+            guess,
+        )
+    }
+
+    /// Where a pair stands: its teeth, lengths of roll and gap, by path coordinates that only tell how far its teeth have
+    /// turned.
+    #[inline]
+    pub(super) fn pair_in_space(
+        &self,
+        spatial: &Spatial,
+        line: &Line,
+        gears: &MeshedGears<'_>,
+        pair: i64,
+        s: [f64; 2],
+    ) -> PairState {
+        let (section, guess) = self.section_of_pair(spatial, line, gears, pair, s);
+        let pose = gears.pose(spatial);
+        let place = spatial.nearest(&section, pair, pose, guess);
+        let touch = spatial.touch(&section, place, pose, gears.with_paths);
+        let maps = self.slices[line.slice].rolls.as_ref();
+        let maps = maps.map(|maps| maps[side_index(line.side)]);
         PairState {
-            teeth,
+            teeth: self.teeth(line.side, pair),
             s: maps.map_or(touch.roll, |maps| [0, 1].map(|k| maps[k].s(touch.roll[k]))),
             gap: touch.gap,
             scale: [1.0; 2],

@@ -1,6 +1,6 @@
 //! Along the lines of action: teeth, path coordinates, gaps and candidates of consecutive pairs.
 
-use super::lines::{Displacements, Line, LinesOfAction, Mover, PairState, side_index};
+use super::lines::{Displacements, Line, LinesOfAction, MeshedGears, Mover, PairState, side_index};
 use crate::contact::candidate::Candidate;
 use crate::contact::party::Wanted;
 use crate::geometry::Side;
@@ -87,9 +87,10 @@ impl LinesOfAction {
         &self,
         l: usize,
         (first, last): (i64, i64),
-        [a, b]: [&Mover<'_>; 2],
+        gears: &MeshedGears<'_>,
         mut f: impl FnMut(usize, i64, [f64; 2]),
     ) {
+        let [a, b] = &gears.of;
         let line = &self.lines[l];
         let (mut pair, mut slot) = (first, self.slot(l, first));
         if let [Displacements::OfHub(a), Displacements::OfHub(b)] =
@@ -120,18 +121,20 @@ impl LinesOfAction {
     pub(super) fn pair(
         &self,
         line: &Line,
-        movers: [&Mover<'_>; 2],
+        gears: &MeshedGears<'_>,
         pair: i64,
         s: [f64; 2],
     ) -> PairState {
         match &self.spatial {
-            None if self.planar => self.pair_in_plane(line, movers, pair, s),
+            None if self.planar => self.pair_in_plane(line, gears, pair, s),
             None => self.pair_on_line(line, pair, s),
-            Some(spatial) => {
-                let teeth = self.teeth(line.side, pair);
-                self.pair_in_space(spatial, line, movers, teeth, s)
-            }
+            Some(spatial) => self.pair_in_space(spatial, line, gears, pair, s),
         }
+    }
+
+    /// Path coordinates of both flanks of a pair [m].
+    pub(super) fn both(&self, line: &Line, gears: &MeshedGears<'_>, pair: i64) -> [f64; 2] {
+        [0, 1].map(|k| self.path_coordinate(line, k, &gears.of[k], pair))
     }
 
     /// The same on the line of action.
@@ -172,15 +175,21 @@ impl LinesOfAction {
         }
     }
 
-    /// Whether all pairs of a line are open by more than `reach`, told without looking at any: where teeth
-    /// move as one. False says nothing.
+    /// Whether all pairs of a line are known to be open by more than `reach` [m] without an evaluation of each: where teeth move as
+    /// one. False says nothing.
     #[inline(always)]
-    pub(super) fn clearly_open(&self, line: &Line, [a, b]: [&Mover<'_>; 2], reach: f64) -> bool {
-        let (Displacements::OfHub(a), Displacements::OfHub(b), true) =
-            (a.displacements, b.displacements, line.plain)
+    pub(super) fn clearly_open(&self, line: &Line, gears: &MeshedGears<'_>, reach: f64) -> bool {
+        let [a, b] = &gears.of;
+        let (Displacements::OfHub(a), Displacements::OfHub(b)) = (a.displacements, b.displacements)
         else {
             return false;
         };
+        if let Some(spatial) = &self.spatial {
+            return self.is_apart(spatial, line, gears, reach);
+        }
+        if !line.plain {
+            return false;
+        }
         let slack =
             line.slack - line.map[0].per_displacement * a - line.map[1].per_displacement * b;
         // Rounding may leave the exact gap a hair below.
@@ -267,21 +276,21 @@ impl LinesOfAction {
     pub(super) fn collect(
         &self,
         l: usize,
-        movers: [&Mover<'_>; 2],
+        gears: &MeshedGears<'_>,
         discrete: &[f64],
         wanted: Wanted<'_>,
         out: &mut Vec<Candidate>,
     ) {
         let line = &self.lines[l];
         let listed = !matches!(wanted, Wanted::Touching(_));
-        let range = self.pairs_of(l, movers, discrete, listed);
-        self.each_pair(l, range, movers, |slot, pair, s| {
+        let range = self.pairs_of(l, gears, discrete, listed);
+        self.each_pair(l, range, gears, |slot, pair, s| {
             if let Wanted::Closed(modes) = wanted
                 && modes[2 * slot] == 0.0
             {
                 return;
             }
-            let p = self.pair(line, movers, pair, s);
+            let p = self.pair(line, gears, pair, s);
             if let Wanted::Touching(reach) = wanted
                 && p.gap > reach
             {
@@ -296,12 +305,12 @@ impl LinesOfAction {
         &self,
         l: usize,
         range: (i64, i64),
-        movers: [&Mover<'_>; 2],
+        gears: &MeshedGears<'_>,
         out: &mut [f64],
     ) {
         let line = &self.lines[l];
-        self.each_pair(l, range, movers, |slot, pair, s| {
-            out[slot] = self.pair(line, movers, pair, s).gap
+        self.each_pair(l, range, gears, |slot, pair, s| {
+            out[slot] = self.pair(line, gears, pair, s).gap
         });
     }
 
@@ -310,7 +319,7 @@ impl LinesOfAction {
         &self,
         l: usize,
         (lo, hi): (i64, i64),
-        movers: [&Mover<'_>; 2],
+        gears: &MeshedGears<'_>,
         event_functions: &mut [f64],
         gaps: &mut [f64],
     ) {
@@ -318,29 +327,28 @@ impl LinesOfAction {
         let n = (hi - lo + 1) as usize;
         let mut both = [[0.0; BLOCK + 2]; 2];
         if n > BLOCK {
-            let place = |pair: i64| self.place(line, movers, pair);
+            let place = |pair: i64| self.place(line, gears, pair);
             self.set_zone_events([lo - 1, lo, hi, hi + 1].map(place), event_functions);
-            return self.gaps_of_pairs(l, (lo, hi), movers, gaps);
+            return self.gaps_of_pairs(l, (lo, hi), gears, gaps);
         }
         let [a, b] = &mut both;
         let (a, b) = (&mut a[..n + 2], &mut b[..n + 2]);
-        self.path_coordinates(line, 0, movers[0], lo - 1, a);
-        self.path_coordinates(line, 1, movers[1], lo - 1, b);
+        self.path_coordinates(line, 0, &gears.of[0], lo - 1, a);
+        self.path_coordinates(line, 1, &gears.of[1], lo - 1, b);
         let ends = [0, 1, n, n + 1].map(|i| self.middle([a[i], b[i]]));
         self.set_zone_events(ends, event_functions);
         let mut slot = self.slot(l, lo);
         for i in 0..n {
             let s = [a[i + 1], b[i + 1]];
-            gaps[slot] = self.pair(line, movers, lo + i as i64, s).gap;
+            gaps[slot] = self.pair(line, gears, lo + i as i64, s).gap;
             slot = self.next_slot(l, slot);
         }
     }
 
     /// Path coordinate of a pair on that of gear a, the same whichever gear comes first [m].
     #[inline(always)]
-    pub(super) fn place(&self, line: &Line, movers: [&Mover<'_>; 2], pair: i64) -> f64 {
-        let of = |k: usize| self.path_coordinate(line, k, movers[k], pair);
-        self.middle([of(0), of(1)])
+    pub(super) fn place(&self, line: &Line, gears: &MeshedGears<'_>, pair: i64) -> f64 {
+        self.middle(self.both(line, gears, pair))
     }
 
     /// `s`: path coordinates of the pair before the first, the first, the last, the one after it.
@@ -358,7 +366,7 @@ impl LinesOfAction {
     pub(super) fn pairs_of(
         &self,
         l: usize,
-        movers: [&Mover<'_>; 2],
+        gears: &MeshedGears<'_>,
         discrete: &[f64],
         listed: bool,
     ) -> (i64, i64) {
@@ -366,12 +374,12 @@ impl LinesOfAction {
         if self.whole_mesh {
             // One spring: the pair nearest to the middle of the path stands for the mesh; all pairs of
             // rigid gears have its gap.
-            let pair = self.nearest_to_middle(self.place(line, movers, 0));
+            let pair = self.nearest_to_middle(self.place(line, gears, 0));
             (pair, pair)
         } else if listed {
             (discrete[2 * l] as i64, discrete[2 * l + 1] as i64)
         } else {
-            self.zone_now(line, movers)
+            self.zone_now(line, gears)
         }
     }
 
@@ -383,19 +391,19 @@ impl LinesOfAction {
     }
 
     /// First and last pair in the zone at a state.
-    pub(super) fn zone_now(&self, line: &Line, movers: [&Mover<'_>; 2]) -> (i64, i64) {
+    pub(super) fn zone_now(&self, line: &Line, gears: &MeshedGears<'_>) -> (i64, i64) {
         // The teeth move little against the hub, so the pair nearest to the middle is a safe start.
-        let guess = self.nearest_to_middle(self.place(line, movers, 0));
+        let guess = self.nearest_to_middle(self.place(line, gears, 0));
         // Two pairs on each side are all that a contact ratio below three has.
         let mut around = [[0.0; 5]; 2];
         for (k, around) in around.iter_mut().enumerate() {
-            self.path_coordinates(line, k, movers[k], guess - 2, around);
+            self.path_coordinates(line, k, &gears.of[k], guess - 2, around);
         }
         let inside = |p: i64| {
             let known = usize::try_from(p - (guess - 2)).ok().filter(|i| *i < 5);
             let s = match known {
                 Some(i) => self.middle([around[0][i], around[1][i]]),
-                None => self.place(line, movers, p),
+                None => self.place(line, gears, p),
             };
             s >= self.zone[0] && s <= self.zone[1]
         };

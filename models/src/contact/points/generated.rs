@@ -124,9 +124,10 @@ fn conical(g: &Gear, size: [usize; 2]) -> Vec<FlankGrid> {
                     .sqrt();
                 let high = g.roll_length_tip_at(side, z);
                 let roll = low + t * (high - low);
-                let (x, towards) = flank.point(psi, roll, z);
+                let radius = flank.base(psi, roll, z);
+                let x = flank.point(&radius, roll, z);
                 let removed = g.flank_deviation_at(side, base.hypot(roll), z) / flank.cos_helix;
-                let out = side.sign() * Vec3::new(-towards.y, towards.x, 0.0);
+                let out = side.sign() * Vec3::new(-radius.sin, radius.cos, 0.0);
                 x - removed * out
             }));
         }

@@ -5,7 +5,7 @@ use super::super::conical::ConicalError;
 use super::super::error::GeometryError;
 use super::super::frame::Frame;
 use super::super::gear::Gear;
-use super::super::helicoid::InvoluteHelicoid;
+use super::super::helicoid::{InvoluteHelicoid, PlaneAngle};
 use crate::Vec3;
 
 /// Corrections of the length of roll of the nearest place of a section.
@@ -74,10 +74,13 @@ pub(super) fn nearest(
         distance: f64::INFINITY,
         rise: 0.0,
     };
+    let mut of_mates_base = PlaneAngle::new(0.0);
     for _ in 0..MOST_CORRECTIONS {
-        let (p, base) = of_own.point(psi, roll, height);
+        let base = of_own.base(psi, roll, height);
+        let p = of_own.point(&base, roll, height);
         let place = frame_mate.point_back(&frame.point(&p));
-        let near = of_mate.near(psi_mate, &place);
+        let near = of_mate.near(psi_mate, &place, &of_mates_base);
+        of_mates_base = near.base;
         found.roll[own] = roll;
         found.roll[other] = near.roll - near.distance / of_mate.cos_helix;
         found.height[other] = place.z;
@@ -86,6 +89,7 @@ pub(super) fn nearest(
         let twist = of_own.tan_helix / rb;
         let upwards = frame.turn(&Vec3::new(-twist * p.y, twist * p.x, 1.0));
         found.rise = upwards.dot(&normal);
+        let base = Vec3::new(base.cos, base.sin, 0.0);
         let slope = frame.turn(&base).dot(&normal);
         let bend = of_mate.cos_helix * (1.0 + roll / near.roll.max(0.01 * rb)) / rb;
         let step = -slope / bend;

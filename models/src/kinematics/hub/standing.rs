@@ -19,7 +19,49 @@ pub struct Standing {
     rotations: [Vec3; 3],
 }
 
+/// Motion of a body on a hub, in space.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyMotion {
+    /// Place of the hub [m].
+    pub origin: Vec3,
+    /// Its velocity [m/s].
+    pub velocity: Vec3,
+    /// Spin of the body [rad/s].
+    pub spin: Vec3,
+    /// Axes of the three rotations.
+    rotations: [Vec3; 3],
+}
+
 impl Hub {
+    /// How a body on the hub moves.
+    pub fn body_motion(&self, t: f64, q: &[f64], v: &[f64]) -> BodyMotion {
+        let Motion { x, v, .. } = self.motion(t, q, v);
+        let rotations = freedom::rotation_axes(&x).map(|axis| self.in_space(&axis));
+        BodyMotion {
+            origin: self.centre + self.in_space(&Vec3::new(x[0], x[1], x[2])),
+            velocity: self.in_space(&Vec3::new(v[0], v[1], v[2])),
+            spin: v[3] * rotations[0] + v[4] * rotations[1] + v[5] * rotations[2],
+            rotations,
+        }
+    }
+
+    /// Adds the generalised forces of a force [N] and of a moment [N m] about a point in space to those of the hub's
+    /// coordinates.
+    pub fn add_wrench(
+        &self,
+        motion: &BodyMotion,
+        (point, force, moment): (&Vec3, &Vec3, &Vec3),
+        f: &mut [f64],
+    ) {
+        let moment = moment + (point - motion.origin).cross(force);
+        for (f, d) in f.iter_mut().zip(self.free_directions()) {
+            *f += match d {
+                0..3 => self.axes[d].dot(force),
+                _ => motion.rotations[d - 3].dot(&moment),
+            };
+        }
+    }
+
     /// Where the hub stands; `None` where it only turns or slides.
     pub fn standing(&self, t: f64, q: &[f64]) -> Option<Standing> {
         self.lateral.as_ref()?;

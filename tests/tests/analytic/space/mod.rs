@@ -7,6 +7,7 @@ mod elastic;
 mod flanks;
 mod invariance;
 mod misaligned;
+mod without_candidates;
 
 use gearbench_integrators::State;
 use gearbench_integrators::system::{Outputs, Report};

@@ -2,7 +2,11 @@
 
 use crate::Vec3;
 use crate::contact::pairs::lines::side_index;
-use crate::geometry::{Frame, Gear, InvoluteHelicoid, Near, Rack, Side};
+use crate::geometry::{Gear, InvoluteHelicoid, Near, PlaneAngle, Rack, Side};
+
+/// Half the length over which kinks of modifications are rounded, over the length of roll at the tip and over the face width.
+const ROUNDED: f64 = 1e-4;
+const ROUNDED_OVER_WIDTH: f64 = 5e-4;
 
 /// A flank of a tooth at the angle zero (place zero of a rack), in the axes of its hub.
 #[derive(Clone, Debug)]
@@ -21,6 +25,10 @@ pub struct Helicoid {
     tips: [f64; 2],
     tip_slope: f64,
     pub(super) modified: bool,
+    /// Modifications of all teeth.
+    of_all: bool,
+    /// Inverses of the base radii [1/m].
+    per_base: [f64; 2],
 }
 
 /// The flank of a rack.
@@ -42,6 +50,8 @@ impl Helicoid {
             tips: Side::BOTH.map(|side| gear.roll_length_tip_at(side, 0.0)),
             tip_slope: gear.params().tip_cone_angle.tan(),
             modified: !gear.params().modifications.is_none() || gear.deviates(),
+            per_base: Side::BOTH.map(|side| gear.flank(side).base_radius.recip()),
+            of_all: !gear.params().modifications.is_none(),
             gear: gear.clone(),
         }
     }
@@ -50,6 +60,12 @@ impl Helicoid {
     #[inline]
     pub(super) fn flank(&self, side: Side) -> &InvoluteHelicoid {
         &self.flanks[side_index(side)]
+    }
+
+    /// Inverse of the base radius of a side [1/m].
+    #[inline]
+    pub(super) fn per_base(&self, side: Side) -> f64 {
+        self.per_base[side_index(side)]
     }
 
     /// Length of roll at the tip, at a height.
@@ -67,36 +83,35 @@ impl Helicoid {
         self.tip_slope * self.gear.r_tip_at(z) / self.tip(side, z)
     }
 
-    /// Material removed at a roll and height [m], and its slopes. On conical gears modifications follow the tip cone.
-    pub(super) fn removed(&self, tooth: i64, side: Side, roll: f64, z: f64) -> [f64; 3] {
-        if !self.modified {
-            return [0.0; 3];
-        }
-        let half = 0.5 * self.gear.face_width();
-        let base_radius = self.flank(side).base_radius;
-        let of = |roll: f64, z: f64| {
-            let radius = base_radius.hypot(roll);
-            self.gear.flank_deviation_at(side, radius, z)
-        };
-        // Second differences of smooth modifications are exact enough at a thousandth of their lengths.
-        let (h, w) = (1e-4 * self.tips[side_index(side)], 1e-3 * half);
-        let [own, slope, _] = self.gear.tooth_deviation_at_roll(tooth, side, roll);
-        [
-            of(roll, z) + own,
-            0.5 * (of(roll + h, z) - of(roll - h, z)) / h + slope,
-            0.5 * (of(roll, z + w) - of(roll, z - w)) / w,
-        ]
+    /// Whether what is removed has no kink near a roll at a height [m]: closed-form slopes hold there, and turn smoothly.
+    #[inline]
+    pub(super) fn is_smooth(&self, side: Side, roll: f64, z: f64) -> bool {
+        let near = 2.0 * ROUNDED * self.tips[side_index(side)];
+        !self.of_all || !self.gear.flank_kinks(side, roll, z, near)
     }
 
-    pub(super) fn near(&self, (tooth, side, psi): (i64, Side, f64), p: &Vec3, exact: bool) -> Near {
-        let mut near = self.flank(side).near(psi, p);
-        let roll = near.roll;
-        if exact && self.modified && roll > 0.0 {
-            let [e, by_roll, by_z] = self.removed(tooth, side, roll, p.z);
-            near.distance += e;
-            near.gradient += Vec3::new(by_roll * p.x / roll, by_roll * p.y / roll, by_z);
+    /// Material removed of a tooth at a roll and height [m], its first and second derivative by the roll and its derivative by
+    /// the height. On conical gears modifications follow the tip cone. Kinks are rounded: slopes near them are those of
+    /// differences, so that the direction of the force is continuous.
+    #[inline]
+    pub(super) fn removed(&self, tooth: i64, side: Side, roll: f64, z: f64) -> [f64; 4] {
+        if !self.modified {
+            return [0.0; 4];
         }
-        near
+        let of_all = |roll: f64, z: f64| self.gear.flank_deviation_at_roll(side, roll, z);
+        let mut removed = match self.of_all {
+            true => of_all(roll, z),
+            false => [0.0; 4],
+        };
+        if !self.is_smooth(side, roll, z) {
+            let h = ROUNDED * self.tips[side_index(side)];
+            let w = ROUNDED_OVER_WIDTH * self.gear.face_width();
+            removed[1] = 0.5 * (of_all(roll + h, z)[0] - of_all(roll - h, z)[0]) / h;
+            removed[3] = 0.5 * (of_all(roll, z + w)[0] - of_all(roll, z - w)[0]) / w;
+        }
+        let own = self.gear.tooth_deviation_at_roll(tooth, side, roll);
+        removed.iter_mut().zip(own).for_each(|(r, own)| *r += own);
+        removed
     }
 }
 
@@ -114,6 +129,16 @@ impl Plane {
         }
     }
 
+    /// The tip edge at a height and its tangent.
+    pub(super) fn edge(&self, side: Side, psi: f64, height: f64) -> (Vec3, Vec3) {
+        let off = side.sign() * (self.half_thickness - self.tip * self.tan_pressure);
+        let along = psi + height * self.tan_helix - off;
+        (
+            Vec3::new(along, self.tip, height),
+            Vec3::new(self.tan_helix, 0.0, 1.0),
+        )
+    }
+
     pub(super) fn near(&self, side: Side, psi: f64, p: &Vec3) -> Near {
         let sigma = side.sign();
         let off = p.x - psi - p.z * self.tan_helix;
@@ -123,29 +148,26 @@ impl Plane {
             distance: self.cos * distance,
             gradient: self.cos * gradient,
             roll: p.y,
-            base: Vec3::zeros(),
+            base: PlaneAngle {
+                angle: 0.0,
+                cos: 1.0,
+                sin: 0.0,
+            },
         }
     }
 }
 
 impl FlankForm {
-    pub(super) fn near(&self, tooth: (i64, Side, f64), p: &Vec3, exact: bool) -> Near {
-        match self {
-            FlankForm::Involute(helicoid) => helicoid.near(tooth, p, exact),
-            FlankForm::Plane(plane) => plane.near(tooth.1, tooth.2, p),
-        }
-    }
-
-    /// Height of the gear at a point in space; nothing depends on that of a rack.
-    pub(super) fn height(&self, frame: &Frame, x: &Vec3) -> f64 {
-        match self {
-            FlankForm::Involute(h) if h.tip_slope != 0.0 => frame.point_back(x).z,
-            _ => 0.0,
-        }
-    }
-
     pub(super) fn is_modified(&self) -> bool {
         matches!(self, FlankForm::Involute(h) if h.modified)
+    }
+
+    /// How far a flank stands out of its involute at most [m].
+    pub(super) fn stands_out(&self) -> f64 {
+        match self {
+            FlankForm::Involute(h) => h.gear.stands_out(),
+            FlankForm::Plane(_) => 0.0,
+        }
     }
 
     /// Whether a length of roll (height) at a height of the gear lies beyond the tip.

@@ -49,7 +49,10 @@ fn exact_gap(spec: &SceneSpec, scene: &Scene, s: &State, k: usize, c: &Candidate
     let tooth = c.points[k].tooth.index as f64 * toothing(spec, k).pitch_angle();
     let psi = scene.phases()[k] + s.q[g.range().start] + tooth;
     let x = frame.point_back(&c.points[1 - k].x);
-    toothing(spec, k).flank(side).near(psi, &x).distance
+    toothing(spec, k)
+        .flank(side)
+        .near(psi, &x, &gearbench_models::geometry::PlaneAngle::new(0.0))
+        .distance
 }
 
 #[test]
