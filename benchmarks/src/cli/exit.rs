@@ -93,11 +93,14 @@ ends with 1, as one beyond the tolerance does; `except` names models that are le
         }
     }
 
-    /// Of a comparison: where it looks for a model that is enough, and its yardstick is one that it made or a model of the
-    /// scene, one adequate run answers the question. Where the scene has a reference all runs are meant to hold.
+    /// Of a comparison: where it looks for a model that is enough, and its yardstick is one that it made, a model of the
+    /// scene, or a reference that states its own error, one adequate run answers the question. Where the scene has a
+    /// reference that counts as exact all runs are meant to hold.
     pub fn of_comparison(results: &Results) -> Exit {
         let made = match &results.part {
-            Part::Compare(part) => part.yardstick.as_ref().filter(|y| y.kind != Kind::Stored),
+            Part::Compare(part) => {
+                (part.yardstick.as_ref()).filter(|y| y.kind != Kind::Stored || y.error.is_some())
+            }
             _ => None,
         };
         let asked = results.tolerance.as_ref().zip(made);

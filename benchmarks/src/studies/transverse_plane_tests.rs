@@ -40,7 +40,8 @@ contact = {{ stiffness = {{ kind = "constant", stiffness_n_per_m2 = 1.4e10 }}, d
     SceneFile::parse("pair.toml", &text, Origin::Shipped, false).unwrap()
 }
 
-/// Two elastic gears on half-spaces under 33 N m.
+/// Two elastic gears on half-spaces under 33 N m. With fewer modes the stiffness of `response` lacks the twist that modes
+/// which are cut would give the hubs: 13 % of it with 20 modes.
 fn elastic() -> SceneFile {
     let text = r#"
 schema = 1
@@ -51,7 +52,7 @@ gears.wheel = { teeth = 31, module_m = 0.004, face_width_m = 0.01, bore_radius_m
 meshes = [{ gears = ["pinion", "wheel"], centre_distance_m = 0.1021, start = { flank = "left", gap_m = 0.0 } }]
 [[models]]
 model = "elastic"
-parameters = { modes = 20, damping_ratio = 0.05, flank_elements = 6, width_elements = 1 }
+parameters = { modes = 100, damping_ratio = 0.05, flank_elements = 6, width_elements = 1 }
 contact = { local = "half-space", damping = { law = "ratio-at-load", ratio = 0.2 } }
 "#;
     SceneFile::parse("pair.toml", text, Origin::Shipped, false).unwrap()

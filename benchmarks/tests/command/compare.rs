@@ -4,9 +4,9 @@ use super::{Folder, has, stdout};
 use gearbench_reports::record::Results;
 
 /// Writes a report, quietly.
-fn reports(arguments: &str) {
+fn reports(arguments: &str, code: i32) {
     let folder = Folder::new();
-    let out = folder.ends(arguments, 0);
+    let out = folder.ends(arguments, code);
     let read = || folder.read("out/spur_impact/compare/index.html");
     let page = read();
     has(&page, &["movable-teeth", "CalculiX"]);
@@ -23,13 +23,14 @@ fn reports(arguments: &str) {
 
 #[test]
 fn a_comparison_writes_its_report() {
-    reports("compare spur_impact --models rigid,movable-teeth");
+    // What is left of their fits is not decided: the reference itself is off by 2.3 %.
+    reports("compare spur_impact --models rigid,movable-teeth", 1);
 }
 
 #[test]
 #[ignore = "a quarter of a minute of finite elements: cargo test --release -p gearbench --test command -- --ignored"]
 fn the_bare_command_writes_the_default_report() {
-    reports("");
+    reports("", 0);
 }
 
 /// The record of a model of the impact under some integrators, each run once.
@@ -48,7 +49,7 @@ fn integrators_and_models_can_be_chosen() {
     let record = compared(
         "rigid",
         "generalised-alpha(rho_inf=0.5)@1e-6,dopri5@1e-8",
-        0,
+        1,
     );
     let runs = record.runs.iter();
     let runs: Vec<_> = runs

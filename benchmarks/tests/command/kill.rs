@@ -215,7 +215,7 @@ fn the_folder_is_tried_before_the_first_run() {
 fn a_record_is_run_again() {
     let folder = Folder::new();
     folder.says(
-        "compare spur_impact --models rigid,movable-teeth --integrators dopri5,bdf --out here",
+        "compare spur_impact --models rigid,elastic-own-mesh --integrators dopri5,bdf --out here",
     );
     let text = folder.read("here/results.json");
     // The scene of the record counts, whatever becomes of the file.

@@ -21,8 +21,8 @@ fn precision_writes_its_table_and_takes_failures_as_data() {
     assert!(record.runs[0].status.is_failure());
     assert_eq!(record.runs[1].step, Some(1e-6));
     let table = folder.read("here/precision.csv");
-    // Two references each, CalculiX and the model's own converged solution; a run that failed has no errors.
-    assert_eq!(table.lines().count(), 1 + 1 + 2 * 2, "{table}");
+    // Three references each, CalculiX twice and the model's own converged solution; a run that failed has no errors.
+    assert_eq!(table.lines().count(), 1 + 1 + 2 * 3, "{table}");
     assert!(folder.at("here/precision_model.svg").exists());
     has(&said, &["Pareto front against calculix"]);
 

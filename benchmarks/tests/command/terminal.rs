@@ -43,10 +43,10 @@ fn an_answer_for_programs_is_one_object() {
     let folder = Folder::new();
     let out = folder.ends(
         "compare spur_impact --models rigid --integrators rk4,dopri5 --repeats 1 --json",
-        0,
+        1,
     );
     let all = object(&out.stdout);
-    assert_eq!(all["exit"]["code"], 0, "{all}");
+    assert_eq!(all["exit"]["code"], 1, "{all}");
     has(all["command"].as_str().unwrap(), &["--models rigid"]);
     let runs = all["results"]["runs"].as_array().unwrap();
     assert_eq!(runs.len(), 2);
@@ -117,7 +117,7 @@ fn a_reference_of_other_gears_is_refused_unless_the_user_insists() {
         include_str!("../../calibrations/spur_impact.toml"),
     );
     let words = [
-        "mine.toml:10",
+        "mine.toml:16",
         "initial speed of `pinion` 22 rad/s (reference: 20)",
     ];
     folder.refuses("compare mine.toml --models rigid --integrators rk4", &words);
@@ -142,7 +142,7 @@ fn a_quiet_command_says_nothing() {
     let folder = Folder::new();
     let out = folder.ends(
         "compare spur_impact --models rigid --integrators rk4 --repeats 1 --quiet --out here",
-        0,
+        1,
     );
     assert!(out.stdout.is_empty() && out.stderr.is_empty(), "{out:?}");
     assert!(folder.at("here/index.html").is_file());

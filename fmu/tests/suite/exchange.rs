@@ -104,7 +104,7 @@ fn a_host_with_its_own_method_gets_the_run_of_the_scene() {
             expected.contains(&events),
             "{scene} {model}: {events} events"
         );
-        let bound = if model == "elastic" { 1e-5 } else { 1e-7 };
+        let bound = if model == "elastic" { 1e-5 } else { 5e-7 };
         assert!(worst < bound, "{scene} {model}: {worst:e}");
     }
 }

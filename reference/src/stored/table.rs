@@ -360,7 +360,8 @@ mod tests {
         assert_eq!(
             message,
             "there is no reference `calculix/case-b`; there are calculix/case-a-fine, calculix/case-c, \
-             calculix/case-a-coarse, calculix/rack-pinion, calculix/helical, calculix/helical-tilted"
+             calculix/case-a-coarse, calculix/case-a-graded, calculix/rack-pinion, calculix/helical, \
+             calculix/helical-tilted"
         );
     }
 }

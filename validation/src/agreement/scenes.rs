@@ -198,7 +198,7 @@ fn cycles(r: &mut Random, teeth: u32, speed: f64) -> f64 {
 
 fn pair(r: &mut Random, kind: Kind, of: &Toothing) -> String {
     let (a, b) = (
-        17 + r.one(&[0_u32, 2, 5, 8]),
+        18 + r.one(&[0_u32, 2, 5, 8]),
         21 + r.one(&[0_u32, 4, 10, 14]),
     );
     let backlash = short(r.between(40e-6, 90e-6));
@@ -248,7 +248,7 @@ fn pair(r: &mut Random, kind: Kind, of: &Toothing) -> String {
 }
 
 fn rack(r: &mut Random, kind: Kind, of: &Toothing) -> String {
-    let teeth = 17 + r.one(&[0_u32, 1, 3, 6]);
+    let teeth = 18 + r.one(&[0_u32, 1, 3, 6]);
     let radius = 0.5 * f64::from(teeth) * of.module;
     let backlash = short(r.between(30e-6, 70e-6));
     let (head, first, second, start) = match kind {
@@ -339,7 +339,7 @@ start = {{ flank = \"right\", loaded = true }}
 }
 
 fn helical(r: &mut Random, of: &Toothing) -> String {
-    let (a, b) = (17 + r.one(&[0_u32, 2, 4]), 23 + r.one(&[0_u32, 2, 6]));
+    let (a, b) = (18 + r.one(&[0_u32, 2, 4]), 23 + r.one(&[0_u32, 2, 6]));
     let helix = r.one(&[10.0, 15.0, 20.0]);
     let speed = short(r.decades(80.0, 250.0));
     let load = torque(r, a, of);

@@ -19,8 +19,8 @@ use crate::cli::terminal::{Refusal, absolute, all_references_of, refuse_run, say
 use crate::experiment::conditions::silent;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::interruption;
-use crate::experiment::small_signals::mesh_modes;
 use crate::experiment::run::RunError;
+use crate::experiment::small_signals::mesh_modes;
 use crate::models::models;
 use crate::scene_file::references::Held;
 use crate::scene_file::{self, SceneFile};

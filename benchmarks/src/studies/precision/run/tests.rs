@@ -137,7 +137,7 @@ fn references_go_with_their_contact() {
     let all = "rigid,elastic,elastic-nodes,elastic-nodes-hard,fe";
     let impact = plan("spur_impact", all, true, &Asked::default()).unwrap();
     for label in ["rigid", "elastic", "elastic-nodes"] {
-        assert_eq!(against(&impact, label), "calculix fe");
+        assert_eq!(against(&impact, label), "calculix calculix-one-mesh fe");
     }
     assert_eq!(against(&impact, "elastic-nodes-hard"), "");
     let counts: Vec<_> = (impact.variants.iter())
