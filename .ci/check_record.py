@@ -25,17 +25,21 @@ def main(path):
         for key in RUN_KEYS:
             assert key in run, f"{name}: no {key}"
         assert ("step" in run) != ("rtol" in run), f"{name}: step or rtol"
-        # Plain truncation stands beside the others to show how far off it is.
+        # Plain truncation shows how far off it is. The own error of the reference decides about elastic gears of their own
+        # mesh alone: fits, and models on the mesh of the second reference, are too far from the first one.
         truncated = run["model"] == "elastic" and not run["residual"]
-        expected = "inaccurate" if truncated else "converged"
+        decided = run.get("variant") == "own-mesh"
+        expected = "inaccurate" if truncated else "converged" if decided else "unchecked"
         assert run["status"] == expected, f"{name}: {run['status']}: {run.get('message')}"
         against = {m["against"]: m for m in run["metrics"]}
-        wanted = {"calculix"} if run["model"] == "fe" else {"calculix", "self"}
+        wanted = {"calculix", "calculix-one-mesh"} | (set() if run["model"] == "fe" else {"self"})
         assert wanted <= set(against), f"{name}: compared with {sorted(against)}"
         for key in METRIC_KEYS:
             assert key in against["calculix"], f"{name}: no {key}"
         limit = {"rigid": 0.05, "movable-teeth": 0.035, "elastic": 0.02, "fe": 0.02}[run["model"]]
-        error = against["calculix"]["force_l2_aligned"]
+        # Models on the mesh of the second reference are compared with it, like with like.
+        of_its_mesh = run["model"] in ("elastic", "fe") and not decided
+        error = against["calculix-one-mesh" if of_its_mesh else "calculix"]["force_l2_aligned"]
         if truncated:
             assert 0.1 < error < 0.3, f"{name}: aligned force error {error:.4f} of plain truncation"
         else:
