@@ -49,7 +49,7 @@ const KEPT: usize = 4;
 /// Where the flanks of a slice come nearest.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
-    /// Of pairs that are [`FAR`] from each other a lower bound, what is removed left out [m].
+    /// Of pairs that are far from each other a lower bound, what is removed left out [m].
     pub gap: f64,
     /// [m]
     pub x: Vec3,

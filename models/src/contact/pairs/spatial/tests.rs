@@ -1,4 +1,5 @@
 //! Nearest points against those that bisection of the slope finds from scratch, and bounds of far flanks against descents.
+#![allow(clippy::print_stdout, reason = "observed figures")]
 
 use super::*;
 use crate::geometry::{Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, TipRelief};
