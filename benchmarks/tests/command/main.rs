@@ -15,6 +15,7 @@ mod init;
 mod judged;
 mod kill;
 mod malformed;
+mod measured;
 mod mesh;
 mod precision;
 mod reduce;
