@@ -2,7 +2,7 @@
 
 use super::{Folder, has};
 
-/// Points that a study wrote itself are met exactly, in other units and with commas for points; half of them are 100 % off.
+/// Points that are four fifths of what the study has, in other units and with commas for points: the study is 25 % off.
 #[test]
 fn measured_curves_are_compared_with_the_tables_of_a_study() {
     let folder = Folder::new();
@@ -17,7 +17,7 @@ fn measured_curves_are_compared_with_the_tables_of_a_study() {
     for row in lines {
         let x: f64 = row[place].parse().unwrap();
         let e: f64 = row[error].parse().unwrap();
-        measured += &format!("{x}; {}\n", 1e6 * e).replace('.', ",");
+        measured += &format!("{x}; {}\n", 0.8e6 * e).replace('.', ",");
     }
     folder.write("rig.csv", &measured);
     let said = folder.says(&format!("{study} --measured rig.csv --out here"));
@@ -30,16 +30,7 @@ fn measured_curves_are_compared_with_the_tables_of_a_study() {
             "at 10 of 10 measured points",
         ],
     );
-    let off: f64 = line
-        .split(": ")
-        .last()
-        .unwrap()
-        .split('\u{a0}')
-        .next()
-        .unwrap()
-        .parse()
-        .unwrap();
-    assert!(off < 1e-6, "{line}");
+    has(line, &[": 25.0 % off"]);
     has(
         &folder.read("here/index.html"),
         &["Measured curves", "rig.csv"],
