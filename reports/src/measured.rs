@@ -45,7 +45,7 @@ pub struct MeasuredCurve {
 
 /// A computed curve next to a measured one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Distance {
+pub struct ComparedCurve {
     /// Model, and what else tells the curve from others.
     pub label: String,
     /// Measured points within the range of the computed curve.
@@ -103,7 +103,7 @@ impl MeasuredCurve {
     }
 
     /// The computed curves of its two columns with their distances.
-    pub fn distances(&self, tables: &[CsvTable]) -> Vec<Distance> {
+    pub fn compared(&self, tables: &[CsvTable]) -> Vec<ComparedCurve> {
         let has = |t: &CsvTable, name: &str| t.header.iter().any(|h| h == name);
         let fits = |t: &&CsvTable| has(t, &self.abscissa) && has(t, &self.ordinate);
         let own = tables.iter().filter(|t| t.file != RUNS).filter(fits);
@@ -113,7 +113,7 @@ impl MeasuredCurve {
         }
         let curves = own.into_iter().flat_map(|table| self.curves(table));
         (curves.filter(|(_, points)| points.len() > 1))
-            .map(|(label, points)| self.distance(label, points))
+            .map(|(label, points)| self.compared_with(label, points))
             .collect()
     }
 
@@ -164,7 +164,7 @@ impl MeasuredCurve {
         found
     }
 
-    fn distance(&self, label: String, points: Vec<(f64, f64)>) -> Distance {
+    fn compared_with(&self, label: String, points: Vec<(f64, f64)>) -> ComparedCurve {
         let at = |x: f64| -> Option<f64> {
             let next = points.partition_point(|p| p.0 < x);
             let b = points.get(next)?;
@@ -191,7 +191,7 @@ impl MeasuredCurve {
         let measured = pairs.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         let computed = pairs.iter().max_by(|a, b| a.2.total_cmp(&b.2));
         let tops = measured.zip(computed);
-        Distance {
+        ComparedCurve {
             label,
             covered: pairs.len(),
             error: finite((missed / norm).sqrt()),
@@ -207,9 +207,13 @@ impl MeasuredCurve {
 pub fn lines(curves: &[MeasuredCurve], tables: &[CsvTable]) -> Vec<String> {
     let mut said = Vec::new();
     for curve in curves {
-        let found = curve.distances(tables);
+        let found = curve.compared(tables);
         if found.is_empty() {
-            said.push(format!("{}: {}", curve.source, without(curve, tables)));
+            said.push(format!(
+                "{}: {}",
+                curve.source,
+                nothing_to_compare(curve, tables)
+            ));
         }
         for d in found {
             let head = format!("{}: {}, {}", curve.source, curve.title(), d.label);
@@ -228,7 +232,7 @@ pub fn lines(curves: &[MeasuredCurve], tables: &[CsvTable]) -> Vec<String> {
 }
 
 /// Why a measured curve is compared with nothing.
-fn without(curve: &MeasuredCurve, tables: &[CsvTable]) -> String {
+fn nothing_to_compare(curve: &MeasuredCurve, tables: &[CsvTable]) -> String {
     let columns = [&curve.abscissa, &curve.ordinate];
     let unknown = |name: &&&String| !tables.iter().any(|t| t.header.contains(name));
     match columns.iter().find(unknown) {
@@ -248,9 +252,9 @@ pub(crate) fn report(
     if curves.is_empty() {
         return Ok((Markup::default(), Vec::new()));
     }
-    let found: Vec<(&MeasuredCurve, Vec<Distance>)> =
-        curves.iter().map(|c| (c, c.distances(tables))).collect();
-    let rows: Vec<(&MeasuredCurve, &Distance)> = (found.iter())
+    let found: Vec<(&MeasuredCurve, Vec<ComparedCurve>)> =
+        curves.iter().map(|c| (c, c.compared(tables))).collect();
+    let rows: Vec<(&MeasuredCurve, &ComparedCurve)> = (found.iter())
         .flat_map(|(c, all)| all.iter().map(|d| (*c, d)))
         .collect();
     let table = Table::of(&rows)
@@ -265,7 +269,7 @@ pub(crate) fn report(
         .text("File", |(c, _)| c.source.clone());
     let lone: Vec<String> = (found.iter())
         .filter(|(_, all)| all.is_empty())
-        .map(|(c, _)| format!("{}: {}.", c.source, without(c, tables)))
+        .map(|(c, _)| format!("{}: {}.", c.source, nothing_to_compare(c, tables)))
         .collect();
     let remark = "Error: relative root mean square over the measured points within the range of the computed curve, which is \
                   joined by lines. Greatest value and its place: deviations of the computed one.";
@@ -283,7 +287,7 @@ pub(crate) fn report(
     Ok((markup, charts.collect::<Result<Vec<_>, _>>()?))
 }
 
-fn drawn(i: usize, measured: &MeasuredCurve, all: &[Distance]) -> Result<Chart, DrawError> {
+fn drawn(i: usize, measured: &MeasuredCurve, all: &[ComparedCurve]) -> Result<Chart, DrawError> {
     let largest = |values: &[f64]| values.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     let x_prefix = Prefix::of(largest(&measured.x), 1.0);
     let y_prefix = Prefix::of(largest(&measured.y), 1.0);
@@ -401,7 +405,7 @@ mod tests {
     /// A curve that is a tenth too high is 10 % off, at the points within its range; what did not settle is not compared.
     #[test]
     fn errors_are_those_of_the_points_that_a_curve_covers() {
-        let found = measured(Vec::new()).distances(&[table(1.1)]);
+        let found = measured(Vec::new()).compared(&[table(1.1)]);
         let labels: Vec<&str> = found.iter().map(|d| d.label.as_str()).collect();
         assert_eq!(labels, ["rigid", "elastic"]);
         assert_eq!(found[0].covered, 41);
@@ -413,7 +417,7 @@ mod tests {
         assert!((found[0].height.unwrap() - 0.1).abs() < 1e-9);
         assert!(found[0].place.unwrap().abs() < 1e-9);
         let one = measured(vec![("model".into(), "rigid".into())]);
-        assert_eq!(one.distances(&[table(1.1)]).len(), 1);
+        assert_eq!(one.compared(&[table(1.1)]).len(), 1);
     }
 
     /// The page has a row and a line in the chart for each curve, and a curve without a table says so.

@@ -79,7 +79,7 @@ fn agree(args: &arguments::Agreement) -> Result<Answer, Refusal> {
     for number in first..=last {
         let of = agreement::scene(number);
         let folder = args.out.join(format!("scene-{number:02}"));
-        let row = agreement::hold(&of, &program, &folder).map_err(fail)?;
+        let row = agreement::compare_answers(&of, &program, &folder).map_err(fail)?;
         say(&format!(
             "scene {number}, {}: {}",
             row.kind,

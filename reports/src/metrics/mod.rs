@@ -143,7 +143,7 @@ pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metr
     if let Some(own) = &over_cycles
         && let Some(whole) = OverCycles::whole([own])
     {
-        metrics.transmission_error_orders_m = own.amplitudes(whole, orders::TOLD);
+        metrics.transmission_error_orders_m = own.amplitudes(whole, orders::KEPT);
     }
     metrics.duration_s = finite(run.time_above(CONTACT_THRESHOLD * peak));
     if reference.len() < 2 {

@@ -17,7 +17,7 @@ use crate::series::TimeSeries;
 use std::f64::consts::TAU;
 
 /// Number of orders whose amplitudes a record keeps.
-pub const TOLD: usize = 5;
+pub const KEPT: usize = 5;
 /// Orders that errors are summed over.
 const SUMMED: usize = 20;
 /// Samples that a period of the highest order has at least.

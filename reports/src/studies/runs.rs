@@ -5,7 +5,7 @@
 
 use super::sweep;
 use crate::csv_table::{CsvColumn, CsvTable, number, text};
-use crate::metrics::{Metric, orders::TOLD};
+use crate::metrics::{Metric, orders::KEPT};
 use crate::record::{Ledger, Results, Run};
 use crate::studies::Study;
 
@@ -117,7 +117,7 @@ fn table(results: &Results) -> CsvTable {
         let cell = move |r: &Run| number(r.metrics.first().and_then(|m| m.get(metric)));
         (name.to_owned(), Box::new(cell))
     }));
-    columns.extend((1..=TOLD).map(|n| -> Column<'_> {
+    columns.extend((1..=KEPT).map(|n| -> Column<'_> {
         let order =
             move |r: &Run| Some(*r.metrics.first()?.transmission_error_orders_m.get(n - 1)?);
         let cell = move |r: &Run| number(order(r));

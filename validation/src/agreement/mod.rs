@@ -52,7 +52,7 @@ const BUDGET: &str = "120";
 ///
 /// # Errors
 /// [`io::Error`]: the folder cannot be written, or the program not started.
-pub fn hold(of: &UserScene, gearbench: &Path, folder: &Path) -> io::Result<Row> {
+pub fn compare_answers(of: &UserScene, gearbench: &Path, folder: &Path) -> io::Result<Row> {
     std::fs::create_dir_all(folder)?;
     let file = folder.join("scene.toml");
     std::fs::write(&file, &of.text)?;
