@@ -124,8 +124,7 @@ pub fn glance(view: &View<'_>) -> Markup {
             let (g, _) = row.of?;
             let failed = g.runs.iter().filter(|(_, r)| r.status.is_failure()).count();
             Some(format!("{failed} of {}", g.runs.len()))
-        })
-        .result();
+        });
     let against = match &view.against {
         Some(id) if of_models => format!(
             "Errors are the {} against {}, of the run with the least error. {}",
