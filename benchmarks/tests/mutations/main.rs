@@ -339,7 +339,8 @@ fn every_base_runs_in_its_studies() {
             let folder = tempfile::tempdir().unwrap();
             std::fs::write(folder.path().join("s.toml"), base(place)).unwrap();
             let ended = run(folder.path(), &arguments(study));
-            let did = matches!(ended.code, Some(0 | 1));
+            // A run that the time limit ends has begun: nothing was refused.
+            let did = matches!(ended.code, Some(0 | 1 | 3));
             assert!(did, "{place}, {study}: {:?}: {}", ended.code, ended.said);
         }
     }
