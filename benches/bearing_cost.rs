@@ -1,6 +1,8 @@
-//! What a step of rigid helical gears on bearings costs beside one on fixed axes: `cargo bench --bench bearing_cost`.
+//! This bench compares the cost of a step of rigid helical gears on bearings with that on fixed axes
+//! (`cargo bench --bench bearing_cost`).
 //!
-//! The same gears, loads, law and method (`dopri5`, events located), by turns, in processor time of one thread per step. On fixed
+//! Both runs have the same gears, loads, law and method (`dopri5`, events located). They take turns, and the ratio is one of processor
+//! time of one thread per step. On fixed
 //! axes the gap of a pair is a linear function of two angles; on bearings that tilt it is the least distance of two helicoids in
 //! space, slice by slice.
 

@@ -20,7 +20,7 @@ use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::{model_stroke, reference_look};
 use crate::markup::table::Table;
 use crate::markup::{note, section};
-use crate::metrics::trapezoid_weights;
+use crate::metrics::{at_times, trapezoid_weights};
 use crate::numbers::{Prefix, per_cent};
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
@@ -165,37 +165,32 @@ impl MeasuredCurve {
     }
 
     fn compared_with(&self, label: String, points: Vec<(f64, f64)>) -> ComparedCurve {
-        let at = |x: f64| -> Option<f64> {
-            let next = points.partition_point(|p| p.0 < x);
-            let b = points.get(next)?;
-            if b.0 == x {
-                return Some(b.1);
-            }
-            let a = points.get(next.checked_sub(1)?)?;
-            Some(a.1 + (x - a.0) / (b.0 - a.0) * (b.1 - a.1))
-        };
-        let pairs: Vec<(f64, f64, f64)> = (self.x.iter().zip(&self.y))
-            .filter_map(|(x, m)| Some((*x, *m, at(*x)?)))
-            .collect();
-        let places: Vec<f64> = pairs.iter().map(|p| p.0).collect();
+        let (xs, ys): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+        let range = xs.first().zip(xs.last());
+        let inside = |x: f64| range.is_some_and(|(a, b)| (*a..=*b).contains(&x));
+        let measured = self.x.iter().copied().zip(self.y.iter().copied());
+        let (places, wanted): (Vec<f64>, Vec<f64>) = measured.filter(|p| inside(p.0)).unzip();
+        let computed = at_times(&xs, &ys, &places);
         let weights = match places.len() {
             1 => vec![1.0],
             _ => trapezoid_weights(&places),
         };
         let (mut missed, mut norm) = (0.0, 0.0);
-        for ((_, m, y), w) in pairs.iter().zip(weights) {
+        for ((m, y), w) in wanted.iter().zip(&computed).zip(weights) {
             missed += w * (y - m).powi(2);
             norm += w * m * m;
         }
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-        let measured = pairs.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        let computed = pairs.iter().max_by(|a, b| a.2.total_cmp(&b.2));
-        let tops = measured.zip(computed);
+        let top = |values: &[f64]| {
+            let highest = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]))?;
+            Some((places[highest], values[highest]))
+        };
+        let tops = top(&wanted).zip(top(&computed));
         ComparedCurve {
             label,
-            covered: pairs.len(),
+            covered: places.len(),
             error: finite((missed / norm).sqrt()),
-            height: tops.and_then(|(m, y)| finite(y.2 / m.1 - 1.0)),
+            height: tops.and_then(|(m, y)| finite(y.1 / m.1 - 1.0)),
             place: tops.and_then(|(m, y)| finite(y.0 / m.0 - 1.0)),
             points,
         }

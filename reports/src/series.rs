@@ -78,6 +78,12 @@ impl TimeSeries {
         self.omega2_rad_s.push(omega2);
     }
 
+    /// The values of a further column by its name.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        let found = self.columns.iter().find(|c| c.name == name)?;
+        Some(&found.values)
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.time_s.len()

@@ -8,7 +8,7 @@ use gearbench_integrators::system::{Outputs, Report};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
 use gearbench_models::spec::{
-    self, Body, Modelling, SceneSpec, ShaftSpec, mesh_layout, signed_base_radius,
+    self, Body, MeshSpec, Modelling, SceneSpec, ShaftSpec, mesh_layout, signed_base_radius,
 };
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::histories::{Histories, PairSample};
@@ -251,29 +251,40 @@ fn transmission_error(
 ) -> Option<Vec<f64>> {
     let mesh = scene.meshes.get(mesh)?;
     let of = spec::transmission_error(mesh, &scene.gears);
+    let [x, y] = seen_from_carrier(scene, mesh, displacement);
+    Some(x.iter().zip(&y).map(|(x, y)| of(*x, *y)).collect())
+}
+
+/// Motions of both gears of a mesh, in a planetary set relative to its carrier, by the motion of each hub.
+fn seen_from_carrier(
+    scene: &SceneSpec,
+    mesh: &MeshSpec,
+    of_hub: impl Fn(usize) -> Vec<f64>,
+) -> [Vec<f64>; 2] {
+    let mut motions = mesh.gears.map(&of_hub);
     let carrier = mesh.gears.into_iter().find_map(|g| carrier_of(scene, g));
-    let [x, y] = mesh.gears.map(&displacement);
-    let seen = carrier.map_or_else(|| vec![0.0; x.len()], &displacement);
-    let error = |((x, y), c): ((&f64, &f64), &f64)| of(x - c, y - c);
-    Some(x.iter().zip(&y).zip(&seen).map(error).collect())
+    if let Some(carried) = carrier.map(of_hub) {
+        for motion in &mut motions {
+            motion.iter_mut().zip(&carried).for_each(|(x, c)| *x -= c);
+        }
+    }
+    motions
 }
 
 /// Cycles of the first mesh since the start, by the turn of its first toothed wheel, in a planetary set relative to its
 /// carrier.
 fn mesh_cycles(scene: &SceneSpec, displacement: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
     let mesh = scene.meshes.first()?;
-    let carrier = mesh.gears.into_iter().find_map(|g| carrier_of(scene, g));
-    let (gear, teeth) = mesh
-        .gears
-        .into_iter()
-        .find_map(|g| match &scene.gears[g].body {
-            Body::Gear(body) => Some((g, f64::from(body.teeth()))),
+    let turns = seen_from_carrier(scene, mesh, displacement);
+    let (teeth, mut turn) =
+        (mesh.gears.into_iter().zip(turns)).find_map(|(g, turn)| match &scene.gears[g].body {
+            Body::Gear(body) => Some((f64::from(body.teeth()), turn)),
             Body::Rack(_) => None,
         })?;
-    let turn = displacement(gear);
-    let seen = carrier.map_or_else(|| vec![0.0; turn.len()], &displacement);
-    let cycles = |(x, c): (&f64, &f64)| teeth * (x - c) / std::f64::consts::TAU;
-    Some(turn.iter().zip(&seen).map(cycles).collect())
+    for x in &mut turn {
+        *x = teeth * *x / std::f64::consts::TAU;
+    }
+    Some(turn)
 }
 
 /// Places in the backlash between which a tooth has to move for them to be recorded: flanks of both sides are near then.
@@ -339,12 +350,7 @@ fn speed_ratio_error(
 ) -> Option<Vec<f64>> {
     let mesh = &spec.meshes[m];
     let [ra, rb] = mesh.gears.map(|i| signed_base_radius(&spec.gears[i].body));
-    let carrier = mesh.gears.into_iter().find_map(|g| carrier_of(spec, g));
-    let [x, y] = mesh.gears.map(&speed);
-    let carried = carrier.map_or_else(|| vec![0.0; x.len()], &speed);
-    let relative =
-        |v: Vec<f64>| -> Vec<f64> { v.iter().zip(&carried).map(|(v, c)| v - c).collect() };
-    let (x, y) = (relative(x), relative(y));
+    let [x, y] = seen_from_carrier(spec, mesh, speed);
     let [least, most] = span(&y);
     let turns =
         least * most > 0.0 && least.abs().min(most.abs()) > TURNING * least.abs().max(most.abs());
@@ -417,8 +423,7 @@ pub fn momenta(scene: &mut Scene, state: &State) -> Vec<f64> {
 /// Impulse of the transverse force by the samples of a series [N s].
 pub fn sampled_impulse(spec: &SceneSpec, series: &TimeSeries) -> f64 {
     let name = Channel::Mesh(0, OfMesh::Transverse).column(spec);
-    let transverse = series.columns.iter().find(|c| c.name == name);
-    let transverse = transverse.map_or(&[][..], |c| &c.values);
+    let transverse = series.column(&name).unwrap_or_default();
     (series.time_s.windows(2).zip(transverse.windows(2)))
         .map(|(t, f)| 0.5 * (t[1] - t[0]) * (f[0] + f[1]))
         .sum()

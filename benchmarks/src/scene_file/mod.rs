@@ -47,6 +47,7 @@ pub mod shipped;
 pub mod source;
 mod stiffness;
 pub(crate) mod study_plan;
+pub(crate) mod tables;
 #[cfg(test)]
 mod tests;
 mod usual;

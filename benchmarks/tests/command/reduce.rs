@@ -63,7 +63,7 @@ fn foreign_decks_are_reduced_and_compared() {
     assert_eq!(again.matches("from the cache").count(), 2, "{again}");
     assert_eq!(std::fs::read(reduced("impA_g2_C3D8")).unwrap(), before);
 
-    // The example `own_gears`, its reductions beside it, from another folder.
+    // The example `own_gears` runs from another folder, with its reductions in its own.
     let scene = repository("benchmarks/examples/foreign_gears.toml");
     std::fs::copy(scene, folder.at("foreign_gears.toml")).unwrap();
     std::fs::create_dir(folder.at("elsewhere")).unwrap();

@@ -167,8 +167,8 @@ impl Gear {
         self.flank_deviation(side, below, height / (0.5 * self.face_width()))
     }
 
-    /// The same over the length of roll (m, that of [`Gear::roll_length`]) of the exact flank and the height over the middle of
-    /// the face width (m): the amount (m), its first and second derivative by the roll and its derivative by the height.
+    /// Material removed normal to the flanks of a side, over the length of roll (m, that of [`Gear::roll_length`]) of the exact flank
+    /// and the height over the middle of the face width (m): the amount (m), its first and second derivative by the roll and its derivative by the height.
     pub fn flank_deviation_at_roll(&self, side: Side, roll: f64, height: f64) -> [f64; 4] {
         let (of, modifications) = (self.flank_range(), &self.params().modifications);
         let per_height = of.half_width.recip();

@@ -171,7 +171,7 @@ impl Modifications {
         Ok(())
     }
 
-    /// What is removed over the width alone (m), at `zeta` in [-1, 1], and its derivative by `zeta`.
+    /// Material removed by modifications over the face width alone (m), at `zeta` in [-1, 1], and its derivative by `zeta`.
     pub(super) fn over_width(&self, side: Side, zeta: f64, half_width: f64) -> [f64; 2] {
         let mut removed = self.lead_crowning * zeta * zeta;
         let mut slope = 2.0 * self.lead_crowning * zeta;

@@ -355,17 +355,6 @@ fn named(
 
 /// The ending of a name that is a unit of something.
 fn any_ending(name: &str) -> Option<String> {
-    let all = [
-        Dimension::Turning,
-        Dimension::Velocity,
-        Dimension::Torque,
-        Dimension::Force,
-        Dimension::Angle,
-        Dimension::Time,
-        Dimension::Length,
-    ];
-    let found = all.into_iter().filter_map(|d| units::ending(name, d));
-    found
-        .max_by_key(|(_, ending, _)| ending.len())
-        .map(|(_, ending, _)| format!("_{ending}"))
+    let found = units::longest_ending(name, &Dimension::OF_HISTORIES);
+    found.map(|(_, ending, ..)| format!("_{ending}"))
 }

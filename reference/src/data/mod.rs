@@ -19,6 +19,7 @@
 //! of action, with that gear's base radius.
 
 mod columns;
+mod curves;
 mod process;
 mod read;
 mod table;
@@ -26,6 +27,7 @@ mod table;
 mod tests;
 mod units;
 
+pub use curves::{Curve, curves};
 pub use process::Processing;
 pub use read::{Request, read};
 pub use table::{Delimiter, TableError, decode};
@@ -96,7 +98,7 @@ pub struct Reference {
     pub note: String,
     /// Command that makes them again.
     pub command: Option<String>,
-    /// What they are off themselves, as a share of the quantities that models are compared in [-].
+    /// Own error of the data, as a share of the quantities that models are compared in [-].
     pub own_error: Option<f64>,
     /// Processor time that they cost [s].
     pub cpu_s: Option<f64>,

@@ -52,15 +52,27 @@ fn of(list: &[(Quantity, String)], quantity: Quantity) -> Option<&str> {
 }
 
 /// Numbers with points or commas, the same in the whole table.
-struct Numbers {
+pub(super) struct Numbers {
     comma: Option<bool>,
     /// Commas stand between cells, and nobody says that numbers have them too.
     between_cells: bool,
 }
 
 impl Numbers {
+    /// Those of a table whose sign the user says, or not.
+    pub(super) fn of(rows: &Rows<'_>, decimal_comma: Option<bool>) -> Self {
+        Numbers {
+            comma: decimal_comma,
+            between_cells: rows.delimiter == Delimiter::Comma && decimal_comma.is_none(),
+        }
+    }
+
     /// A number times the factor of its unit; else why it is none.
-    fn read(&mut self, cell: &str, factor: f64) -> Result<f64, (&'static str, &'static str)> {
+    pub(super) fn read(
+        &mut self,
+        cell: &str,
+        factor: f64,
+    ) -> Result<f64, (&'static str, &'static str)> {
         let comma = cell.contains(',');
         let point = cell.contains('.');
         if comma && point {
@@ -133,10 +145,7 @@ pub fn read(text: &str, request: &Request, subjects: &Subjects) -> Result<Refere
         return Err(rows.error(&head, "", "a table", "nothing", help));
     }
     let mut found = columns(&rows, &head, request, subjects)?;
-    let mut numbers = Numbers {
-        comma: request.decimal_comma,
-        between_cells: rows.delimiter == Delimiter::Comma && request.decimal_comma.is_none(),
-    };
+    let mut numbers = Numbers::of(&rows, request.decimal_comma);
     let mut row = Row::default();
     let mut more = rows.next(&mut row)?;
     if more && line_of_units(&row, &mut found, subjects) {

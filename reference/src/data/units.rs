@@ -16,6 +16,33 @@ pub enum Dimension {
     Angle,
     Turning,
     Velocity,
+    Frequency,
+    Stiffness,
+}
+
+impl Dimension {
+    /// What histories are measured in.
+    pub const OF_HISTORIES: [Dimension; 7] = [
+        Dimension::Time,
+        Dimension::Force,
+        Dimension::Torque,
+        Dimension::Length,
+        Dimension::Angle,
+        Dimension::Turning,
+        Dimension::Velocity,
+    ];
+    /// What columns of tables are measured in.
+    const ALL: [Dimension; 9] = [
+        Dimension::Time,
+        Dimension::Force,
+        Dimension::Torque,
+        Dimension::Length,
+        Dimension::Angle,
+        Dimension::Turning,
+        Dimension::Velocity,
+        Dimension::Frequency,
+        Dimension::Stiffness,
+    ];
 }
 
 /// Units with their factors to SI, the unit of SI first; then what endings of names are written like.
@@ -108,6 +135,11 @@ fn row(dimension: Dimension) -> Row {
             &[("m/s", 1.0), ("mm/s", 1e-3), ("km/h", 1.0 / 3.6)],
             &[("_mm_s", 1e-3), ("_m_s", 1.0)],
         ),
+        Dimension::Frequency => (&[("Hz", 1.0), ("kHz", 1e3)], &[("_khz", 1e3), ("_hz", 1.0)]),
+        Dimension::Stiffness => (
+            &[("N/m", 1.0), ("N/mm", 1e3), ("N/um", 1e6)],
+            &[("_n_per_um", 1e6), ("_n_per_mm", 1e3), ("_n_per_m", 1.0)],
+        ),
     }
 }
 
@@ -158,9 +190,97 @@ pub(super) fn ending(name: &str, dimension: Dimension) -> Option<(&str, &str, f6
     })
 }
 
+/// The longest ending of a name that is a unit of one of some dimensions: the name before it, the ending without its line,
+/// the factor, and the dimension.
+pub(super) fn longest_ending<'n>(
+    name: &'n str,
+    among: &[Dimension],
+) -> Option<(&'n str, &'n str, f64, Dimension)> {
+    let found = among.iter().filter_map(|&d| {
+        let (stem, ending, factor) = ending(name, d)?;
+        Some((stem, ending, factor, d))
+    });
+    found.max_by_key(|(_, ending, ..)| ending.len())
+}
+
+/// Units of ratios.
+const OF_RATIOS: [&str; 2] = ["-", "1"];
+
+/// All units, in a line.
+pub(super) fn all() -> String {
+    let of_dimensions = Dimension::ALL.map(known).join(", ");
+    format!("{of_dimensions}, {}", OF_RATIOS.join(", "))
+}
+
+/// A heading as a name in SI units, whose ending is the unit, and the factor to it.
+///
+/// # Errors
+/// The unit in the heading, where it is not known.
+pub(super) fn in_si(heading: &str) -> Result<(String, f64), String> {
+    let (name, unit) = split(heading);
+    let si = |dimension: Dimension| {
+        let endings = row(dimension).1.iter();
+        let mut of_si = endings.filter(|(_, factor)| *factor == 1.0);
+        of_si.next().map_or("", |(ending, _)| *ending)
+    };
+    let Some(unit) = unit else {
+        return Ok(match longest_ending(name, &Dimension::ALL) {
+            Some((stem, _, factor, d)) if factor != 1.0 => (format!("{stem}{}", si(d)), factor),
+            _ => (name.to_owned(), 1.0),
+        });
+    };
+    let stem = name.replace(' ', "_");
+    if OF_RATIOS.contains(&unit) {
+        return Ok((stem, 1.0));
+    }
+    let mut known = Dimension::ALL
+        .iter()
+        .filter_map(|&d| Some((d, factor(unit, d)?)));
+    match known.next() {
+        Some((d, factor)) => Ok((format!("{stem}{}", si(d)), factor)),
+        None => Err(unit.to_owned()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn headings_are_columns_of_the_study_in_si_units() {
+        for (heading, name, factor) in [
+            ("mesh_frequency_hz", "mesh_frequency_hz", 1.0),
+            ("mesh_frequency [kHz]", "mesh_frequency_hz", 1e3),
+            (
+                "transmission error rms (µm)",
+                "transmission_error_rms_m",
+                1e-6,
+            ),
+            (
+                "transmission_error_rms_um",
+                "transmission_error_rms_m",
+                1e-6,
+            ),
+            ("position_base_pitches", "position_base_pitches", 1.0),
+            ("speed [1/min]", "speed_rad_s", PI / 30.0),
+            ("secant [N/um]", "secant_n_per_m", 1e6),
+            ("omega1_rad_s", "omega1_rad_s", 1.0),
+        ] {
+            assert_eq!(in_si(heading), Ok((name.to_owned(), factor)), "{heading}");
+        }
+        assert_eq!(in_si("speed [furlong]"), Err("furlong".into()));
+        // The unit of SI of every dimension is that of its factor, and no unit is of two.
+        for d in Dimension::ALL {
+            assert_eq!(row(d).0[0].1, 1.0);
+            assert!(row(d).1.iter().any(|(_, factor)| *factor == 1.0));
+            for (unit, _) in row(d).0 {
+                let of = Dimension::ALL
+                    .iter()
+                    .filter(|&&d| factor(unit, d).is_some());
+                assert_eq!(of.count(), 1, "{unit}");
+            }
+        }
+    }
 
     #[test]
     fn units_of_headers() {

@@ -44,7 +44,7 @@ pub struct ExternalReference {
     pub regenerate: &'static str,
     /// What a reader has to know to judge it.
     pub note: &'static str,
-    /// What its own force history is estimated to be off, relative [-].
+    /// Estimated relative error of its own force history [-].
     pub own_error: Option<f64>,
     /// Input deck, gzip.
     pub deck: &'static [u8],

@@ -13,7 +13,7 @@ pub struct StoredReference {
     pub regenerate: &'static str,
     /// What a reader has to know to judge it.
     pub note: &'static str,
-    /// What its own force history is estimated to be off, relative, by its mesh, elements and contact together [-].
+    /// Estimated relative error of its own force history, by its mesh, elements and contact together [-].
     pub own_error: Option<f64>,
     pub(super) source: &'static str,
     pub(super) params: &'static str,

@@ -49,10 +49,10 @@ fn pairs(run: &TimeSeries, reference: &TimeSeries, of: impl Fn(&str) -> bool) ->
     let wanted = reference.columns.iter();
     let wanted = wanted.filter(|c| of(&c.name) && c.values.len() == reference.len());
     let pair = |wanted: &crate::series::Column| {
-        let own = run.columns.iter().find(|c| c.name == wanted.name)?;
-        (own.values.len() == run.len()).then(|| Pair {
+        let own = run.column(&wanted.name)?;
+        (own.len() == run.len()).then(|| Pair {
             weights: trapezoid_weights(times),
-            run: at_times(&run.time_s, &own.values, times),
+            run: at_times(&run.time_s, own, times),
             reference: wanted.values[..n].to_vec(),
         })
     };
@@ -61,7 +61,7 @@ fn pairs(run: &TimeSeries, reference: &TimeSeries, of: impl Fn(&str) -> bool) ->
 
 /// Values at ascending times: between samples on a line, outside the nearest; at a jump the first of two equal times is its
 /// left side and the second its right one.
-fn at_times(t: &[f64], y: &[f64], times: &[f64]) -> Vec<f64> {
+pub(crate) fn at_times(t: &[f64], y: &[f64], times: &[f64]) -> Vec<f64> {
     let value = |(k, &x): (usize, &f64)| {
         let second = k > 0 && times[k - 1] == x;
         // The first sample at or beyond x, on the right side of a jump the first beyond it.

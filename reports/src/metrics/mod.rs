@@ -50,6 +50,7 @@ pub use metric::Metric;
 
 use crate::record::{Ledger, Metrics, finite};
 use crate::series::{TimeSeries, resample};
+pub(crate) use columns::at_times;
 pub(crate) use history::trapezoid_weights;
 use history::{Force, Target, force_of, last_finite};
 use orders::OverCycles;
@@ -244,9 +245,9 @@ fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
 
 /// Peak to peak of the transmission error up to a time \[m\]; `None` where it was not recorded.
 fn span_of_transmission_error(series: &TimeSeries, until: f64) -> Option<f64> {
-    let column = (series.columns.iter()).find(|c| c.name == TRANSMISSION_ERROR)?;
+    let column = series.column(TRANSMISSION_ERROR)?;
     let known = series.time_s.partition_point(|&t| t <= until);
-    let values = column.values.iter().take(known).filter(|x| x.is_finite());
+    let values = column.iter().take(known).filter(|x| x.is_finite());
     let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
         (a.min(*x), b.max(*x))
     });
@@ -286,8 +287,8 @@ const COMMON: usize = 3;
 /// neither is interpolated; where these are too few, at those of the reference.
 fn transmission_error(series: &TimeSeries, reference: &TimeSeries, peak: f64) -> Option<f64> {
     let column = |s: &'_ TimeSeries| {
-        let found = s.columns.iter().find(|c| c.name == TRANSMISSION_ERROR)?;
-        (found.values.len() == s.time_s.len() && s.time_s.len() > 1).then(|| found.values.clone())
+        let found = s.column(TRANSMISSION_ERROR)?;
+        (found.len() == s.time_s.len() && s.time_s.len() > 1).then(|| found.to_vec())
     };
     let (own, wanted) = (column(series)?, column(reference)?);
     let n = reference.finite_len();

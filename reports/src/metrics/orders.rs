@@ -12,6 +12,8 @@
 //! transmission errors have no known mean, and their phase depends on where an encoder counts from: neither enters. What
 //! repeats with the turns of the gears and not with the mesh cycle is between the orders and does not enter either.
 
+use super::columns::at_times;
+use super::history::trapezoid_weights;
 use super::{MESH_CYCLE, TRANSMISSION_ERROR};
 use crate::series::TimeSeries;
 use std::f64::consts::TAU;
@@ -47,9 +49,10 @@ impl Order {
     }
 }
 
+/// The values of a column that is known at all times.
 fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
-    let found = series.columns.iter().find(|c| c.name == name)?;
-    (found.values.len() == series.time_s.len()).then_some(&found.values)
+    let values = series.column(name)?;
+    (values.len() == series.time_s.len()).then_some(values)
 }
 
 impl OverCycles {
@@ -65,12 +68,13 @@ impl OverCycles {
         let cycles = match column(series, MESH_CYCLE) {
             Some(own) => own.to_vec(),
             None => {
-                let of_run = column(run, MESH_CYCLE)?;
                 let last = *run.time_s.last()?;
                 let known = series.time_s.partition_point(|&t| t <= last);
-                (series.time_s[..known].iter())
-                    .map(|&t| between(&run.time_s, of_run, t))
-                    .collect()
+                at_times(
+                    &run.time_s,
+                    column(run, MESH_CYCLE)?,
+                    &series.time_s[..known],
+                )
             }
         };
         Self::at(series, &cycles)
@@ -122,44 +126,38 @@ impl OverCycles {
         ((until(last) - until(first)) as f64 / (last - first) / SAMPLES) as usize
     }
 
-    fn orders(&self, [first, last]: [f64; 2], kept: usize) -> Vec<Order> {
+    /// Samples between two cycles with both ends, which stand on the line between neighbours: cycles and errors.
+    pub fn between(&self, [first, last]: [f64; 2]) -> (Vec<f64>, Vec<f64>) {
         let inner =
             self.cycle.partition_point(|&c| c <= first)..self.cycle.partition_point(|&c| c < last);
-        let end = |c: f64| (c, between(&self.cycle, &self.error_m, c));
-        let points: Vec<(f64, f64)> = std::iter::once(end(first))
-            .chain(inner.map(|i| (self.cycle[i], self.error_m[i])))
-            .chain(std::iter::once(end(last)))
-            .collect();
+        let ends = at_times(&self.cycle, &self.error_m, &[first, last]);
+        let with_ends = |ends: [f64; 2], inner: &[f64]| {
+            let mut all = vec![ends[0]];
+            all.extend_from_slice(inner);
+            all.push(ends[1]);
+            all
+        };
+        (
+            with_ends([first, last], &self.cycle[inner.clone()]),
+            with_ends([ends[0], ends[1]], &self.error_m[inner]),
+        )
+    }
+
+    fn orders(&self, cycles: [f64; 2], kept: usize) -> Vec<Order> {
+        let (cycle, error) = self.between(cycles);
+        let scale = 2.0 / (cycles[1] - cycles[0]);
         let mut found = vec![Order::default(); kept];
-        for (i, (c, e)) in points.iter().enumerate() {
-            let before = points[i.saturating_sub(1)].0;
-            let after = points[(i + 1).min(points.len() - 1)].0;
-            let weight = (after - before) / (last - first) * e;
-            for (n, order) in found.iter_mut().enumerate() {
-                let (sine, cosine) = (TAU * (n + 1) as f64 * c).sin_cos();
-                order.re += weight * cosine;
-                order.im -= weight * sine;
+        for ((c, e), w) in cycle.iter().zip(&error).zip(trapezoid_weights(&cycle)) {
+            // Powers of the first order's phase are those of the others.
+            let (sine, cosine) = (TAU * c).sin_cos();
+            let (mut re, mut im) = (scale * w * e, 0.0);
+            for order in &mut found {
+                (re, im) = (re * cosine + im * sine, im * cosine - re * sine);
+                order.re += re;
+                order.im += im;
             }
         }
         found
-    }
-}
-
-/// A value on the line between samples.
-fn between(t: &[f64], y: &[f64], at: f64) -> f64 {
-    let next = t.partition_point(|&s| s < at);
-    match (next, t.get(next)) {
-        (0, _) => y[0],
-        (_, None) => y[t.len() - 1],
-        (i, Some(&s)) => {
-            let span = s - t[i - 1];
-            let u = if span > 0.0 {
-                (at - t[i - 1]) / span
-            } else {
-                1.0
-            };
-            y[i - 1] + u * (y[i] - y[i - 1])
-        }
     }
 }
 

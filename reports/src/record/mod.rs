@@ -189,7 +189,7 @@ pub struct ReferenceSeries {
     /// What a reader has to know to judge it.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub note: String,
-    /// What it is off itself, as a share of the quantities that runs are compared in [-].
+    /// Own error of the reference, as a share of the quantities that runs are compared in [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub own_error: Option<f64>,
     /// Command that regenerates it.

@@ -7,7 +7,7 @@ use super::super::reading::suggest::there_are;
 use super::super::reading::values::InOrder;
 use super::subjects;
 use gearbench_models::spec::SceneSpec;
-use gearbench_reference::data::{Quantity, factor};
+use gearbench_reference::data::{Dimension, Quantity, factor};
 use serde::Deserialize;
 
 keys! {
@@ -184,11 +184,8 @@ pub(super) fn units(
     }
     // Units of a rack may be those of its mate, which the reader knows: here only what is a unit of nothing is refused.
     let known = |text: &str| {
-        use gearbench_reference::data::Dimension::{
-            Angle, Force, Length, Time, Torque, Turning, Velocity,
-        };
-        let all = [Time, Force, Torque, Length, Angle, Turning, Velocity];
-        text == "cycle" || all.into_iter().any(|d| factor(text, d).is_some())
+        let mut all = Dimension::OF_HISTORIES.into_iter();
+        text == "cycle" || all.any(|d| factor(text, d).is_some())
     };
     let time = keys.time.iter().map(|u| ("time".to_owned(), u.clone()));
     let of_quantities = all.iter().map(|(q, u)| (subjects.told(*q), u.clone()));

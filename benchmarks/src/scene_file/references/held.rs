@@ -1,23 +1,18 @@
 //! The data of references, and what they state of themselves against the scene.
 
-use super::super::error::Source;
-use super::super::{SceneError, SceneFile};
+use super::super::{SceneError, SceneFile, tables};
 use super::conditions::stated;
 use super::{DataOrigin, NamedReference, Role, subjects};
 use gearbench_reference::data::{self, Quantity, Reference, Request};
-use gearbench_reference::file_kind::{self, Input};
-use gearbench_reference::{files, limits, reference};
+use gearbench_reference::reference;
 use gearbench_reports::Metric;
 use gearbench_reports::numbers::short;
-use std::io::ErrorKind;
 use std::path::Path;
 
+/// Size of a table that is read at most [bytes].
+const LARGEST: u64 = 1 << 30;
 /// Relative deviation of a condition that is still the same one.
 const SAME: f64 = 1e-4;
-/// Size of a file that is read at most [bytes].
-const LARGEST: u64 = 1 << 30;
-/// Memory that a table takes over the bytes of its text: lines and cells, numbers, what is made of them.
-const MEMORY_OVER_TEXT: f64 = 14.0;
 
 /// A reference with its data.
 #[derive(Clone, Debug)]
@@ -197,50 +192,32 @@ impl SceneFile {
         path: &Path,
         request: &Request,
     ) -> Result<Reference, SceneError> {
-        let name = path.display().to_string();
         let place = self.document.at(&*named.at);
         let place = place.first(&["csv"]);
-        let refuse = |why: String, help: &str| place.error(why, "this file", help);
-        if let Some(kind) = file_kind::foreign(path, Input::Table) {
-            let why = format!("`{name}` is {}, not a table", kind.name);
-            return Err(refuse(why, &kind.way_out_of(path)));
-        }
-        let shorter = "keep every n-th row, or the columns needed";
-        let size = files::check(path, LARGEST).map_err(|e| {
-            let help = match e.kind() {
-                ErrorKind::NotFound => "paths count from the folder of the scene file",
-                ErrorKind::FileTooLarge => shorter,
-                _ => "expected a readable CSV file with a line of names",
-            };
-            refuse(format!("{name}: {e}"), help)
-        })?;
-        let what = format!("the table {name} of {size} bytes");
-        limits::check(what, MEMORY_OVER_TEXT * size as f64, shorter)
-            .map_err(|e| refuse(e.to_string(), shorter))?;
-        let bytes = files::read(path, LARGEST)
-            .map_err(|e| refuse(format!("{name}: {e}"), "expected a readable CSV file"))?;
-        let (text, latin) =
-            data::decode(&bytes).map_err(|e| refuse(format!("{name}: {e}"), &e.help))?;
+        let from = "paths count from the folder of the scene file";
+        let text = tables::text(path, LARGEST, from)
+            .map_err(|e| place.error(e.why, "this file", e.help))?;
         // A table over the angle of rotation counts by the speed of its own conditions.
         let mut spec = self.spec.clone();
         if named.conditions.apply(&mut spec).is_err() {
             spec = self.spec.clone();
         }
-        let mut data = data::read(&text, request, &subjects(&spec)).map_err(|e| {
-            let message = format!("reference \"{}\": {e}", named.name);
-            Source::new(&name, &text).error(e.at.clone(), message, "here", e.help.clone())
-        })?;
-        if latin {
+        let mut data = data::read(&text.decoded, request, &subjects(&spec))
+            .map_err(|e| text.error(&e, &format!("reference \"{}\"", named.name)))?;
+        if text.latin {
             data.processing
                 .insert(0, "read as Latin-1, since it is not UTF-8".into());
         }
         let told = |key: &str| {
-            let lines = text.lines().map_while(|l| l.trim().strip_prefix('#'));
+            let lines = text
+                .decoded
+                .lines()
+                .map_while(|l| l.trim().strip_prefix('#'));
             let mut found = lines.filter_map(|l| l.trim().strip_prefix(key)?.strip_prefix(": "));
             found.next().map(str::to_owned)
         };
         data.title = told("title").unwrap_or_else(|| named.name.clone());
-        data.source = told("source").unwrap_or_else(|| name.clone());
+        data.source = told("source").unwrap_or_else(|| text.name.clone());
         data.note = told("note").unwrap_or_default();
         data.command = told("command");
         Ok(data)

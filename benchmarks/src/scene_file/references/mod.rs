@@ -69,7 +69,7 @@ keys! {
         moving_average_s: Option<Positive>,
         /// step of even times in seconds to which the reference is interpolated, default its own times
         resample_s: Option<Positive>,
-        /// what the reference is off itself, as a share of the quantities that models are compared in, for example 0.02 of
+        /// own error of the reference, as a share of the quantities that models are compared in, for example 0.02 of
         /// measured forces; default what a stored one states, else not stated
         own_error: Option<Share>,
         /// "fit" (default) or "validate": held out of identification, and told there
@@ -155,7 +155,7 @@ pub struct NamedReference {
     pub source: Option<String>,
     /// Where the data are.
     pub origin: DataOrigin,
-    /// What it is off itself, where the scene says so [-].
+    /// Own error of the reference, where the scene states it [-].
     pub own_error: Option<f64>,
     /// What an identification does with it.
     pub role: Role,

@@ -120,8 +120,7 @@ pub(super) fn values(
                 found.extend(root_mean_square(&series.contact_force_n).map(|x| (key.to_owned(), x)))
             }
             Quantity::TransmissionErrorRms => {
-                let column = series.columns.iter().find(|c| c.name == TRANSMISSION_ERROR);
-                let rms = column.and_then(|c| root_mean_square(&c.values));
+                let rms = series.column(TRANSMISSION_ERROR).and_then(root_mean_square);
                 found.extend(rms.map(|x| (key.to_owned(), x)));
             }
         }

@@ -48,10 +48,7 @@ impl Pair {
         series: &TimeSeries,
         counts: [usize; 2],
     ) -> Option<record::Steady> {
-        let column = |name: String| {
-            let found = series.columns.iter().find(|c| c.name == name);
-            found.map(|c| c.values.as_slice())
-        };
+        let column = |name: String| series.column(&name);
         let displacement = |k: usize| column(format!("hub_angle_{}_rad", gears[k].0));
         let (first, second) = (displacement(0)?, displacement(1)?);
         let [ra, rb] = self.base_radii;

@@ -184,7 +184,7 @@ impl<'a> MeshedGears<'a> {
         }
     }
 
-    /// The same where gaps and their rates are all that is asked for.
+    /// The gears of a mesh of which only gaps and gap rates are needed.
     #[inline]
     pub(super) fn for_gaps(a: &Party<'a>, b: &Party<'a>) -> Self {
         MeshedGears {

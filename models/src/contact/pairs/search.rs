@@ -102,7 +102,7 @@ impl LinesOfAction {
         }
     }
 
-    /// The same of a line.
+    /// Evaluates the event functions of one line.
     #[inline]
     pub(super) fn watch_zone(
         &self,

@@ -85,7 +85,7 @@ pub struct Spatial {
     evaluated: Cell<u64>,
 }
 
-/// What the flanks of a mesh in space are made of.
+/// The geometry of a mesh whose flanks touch anywhere in space.
 #[derive(Clone, Debug)]
 pub struct SpatialGeometry {
     /// Flanks of both gears.

@@ -8,13 +8,7 @@ use crate::drawing::canvas::DrawError;
 use crate::drawing::panel::{Panel, chart};
 use crate::metrics::TRANSMISSION_ERROR;
 use crate::numbers::Prefix;
-use crate::series::TimeSeries;
 use crate::view::View;
-
-fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
-    let found = series.columns.iter().find(|c| c.name == name)?;
-    Some(&found.values)
-}
 
 /// A panel for each further history of the references that come from tables, with the runs that have it.
 pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
@@ -36,7 +30,7 @@ pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let panels: Vec<Panel> = (names.iter().enumerate())
         .map(|(i, name)| {
             let all = h.curves.iter().flat_map(|c| c.all_series());
-            let values = all.filter_map(|s| column(s, name)).flatten();
+            let values = all.filter_map(|s| s.column(name)).flatten();
             let largest = values.fold(0.0_f64, |most, x| most.max(x.abs()));
             let prefix = Prefix::of(largest, 1.0);
             let (stem, unit) = named_unit(name);
@@ -45,7 +39,7 @@ pub fn channels(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
                 x_name: (i + 1 == names.len()).then(|| time.name.clone()),
                 ..Panel::new(130.0, &time.axis, &label)
                     .remark(stem.replace('_', " "))
-                    .curves(h.lines(|s| column(s, name), prefix.factor, time))
+                    .curves(h.lines(|s| s.column(name), prefix.factor, time))
                     .close()
             }
         })

@@ -195,8 +195,7 @@ fn force<'s>(series: &'s TimeSeries, [a, b]: &[String; 2], first: bool) -> Optio
         return Some(&series.contact_force_n);
     }
     let name = format!("contact_force_{a}_{b}_n");
-    let found = series.columns.iter().find(|c| c.name == name)?;
-    Some(&found.values)
+    series.column(&name)
 }
 
 /// Shares of planets over time, a panel for each gear that they mesh with; of the first model that has them.

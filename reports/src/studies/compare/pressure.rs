@@ -6,7 +6,6 @@ use crate::drawing::canvas::DrawError;
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Panel, chart};
 use crate::numbers::{Prefix, quantity};
-use crate::series::TimeSeries;
 use crate::view::View;
 
 /// Column of the pressure of the first mesh, and of half the width of its contact.
@@ -17,12 +16,8 @@ pub fn pressure(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
     };
-    fn column<'s>(s: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
-        let found = s.columns.iter().find(|c| c.name == name)?;
-        Some(&found.values)
-    }
     let largest = |name: &str| {
-        let all = h.curves.iter().filter_map(|c| column(c.series, name));
+        let all = h.curves.iter().filter_map(|c| c.series.column(name));
         all.flatten().fold(0.0_f64, |most, x| most.max(*x))
     };
     let [peak, width] = PRESSURE.map(largest);
@@ -34,7 +29,7 @@ pub fn pressure(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let panel = |name: &str, label: &str, factor: f64| Panel {
         x_name: (name == PRESSURE[1]).then(|| time.name.clone()),
         ..Panel::new(150.0, &time.axis, label)
-            .curves(h.lines(|s| column(s, name), factor, time))
+            .curves(h.lines(|s| s.column(name), factor, time))
             .close()
     };
     let panels = [
@@ -49,7 +44,7 @@ pub fn pressure(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             length.factor,
         ),
     ];
-    let shown = |c: &&History<'_>| column(c.series, PRESSURE[0]).is_some();
+    let shown = |c: &&History<'_>| c.series.column(PRESSURE[0]).is_some();
     let legend: Vec<Entry> = (h.curves.iter().filter(shown))
         .map(|c| Entry::history(&c.label, c.stroke, c.style))
         .collect();

@@ -34,11 +34,6 @@ const QUANTITIES: [(&str, &str, &str, &str); 3] = [
     ),
 ];
 
-fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
-    let found = series.columns.iter().find(|c| c.name == name)?;
-    Some(&found.values)
-}
-
 /// Panels of the motion of teeth; none where no run has such a history.
 pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
@@ -57,7 +52,7 @@ pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         let values = || {
             names
                 .iter()
-                .flat_map(|name| all.iter().filter_map(|s| column(s, name)).flatten())
+                .flat_map(|name| all.iter().filter_map(|s| s.column(name)).flatten())
         };
         let (low, high) = extremes(values().copied().chain([0.0]));
         let (factor, label) = match unit {
@@ -86,7 +81,7 @@ pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
                 y: Some(y.clone()),
                 ..Panel::new(150.0, &time.axis, &label)
                     .remark(format!("{words}{of}"))
-                    .curves(h.lines(|s| column(s, name), factor, time))
+                    .curves(h.lines(|s| s.column(name), factor, time))
                     .close()
             });
         }

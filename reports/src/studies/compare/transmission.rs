@@ -6,6 +6,7 @@ use crate::drawing::axis::Axis;
 use crate::drawing::canvas::DrawError;
 use crate::drawing::panel::{Curve, Panel, chart};
 use crate::metrics::orders::OverCycles;
+use crate::metrics::trapezoid_weights;
 use crate::numbers::Prefix;
 use crate::view::View;
 
@@ -45,17 +46,12 @@ pub(super) fn error(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let from = first.max(last - SHOWN);
     let curves: Vec<(&History<'_>, Vec<(f64, f64)>)> = (found.iter())
         .map(|(c, o)| {
-            let inside: Vec<(f64, f64)> = (o.cycle.iter().zip(&o.error_m))
-                .filter(|(c, _)| (from..=last).contains(*c))
-                .map(|(c, e)| (c - from, *e))
-                .collect();
-            // By the trapezoidal rule: samples may be uneven.
-            let (area, length) = inside.windows(2).fold((0.0, 0.0), |(area, length), w| {
-                let step = w[1].0 - w[0].0;
-                (area + 0.5 * step * (w[0].1 + w[1].1), length + step)
-            });
-            let mean = if length > 0.0 { area / length } else { 0.0 };
-            (*c, inside.iter().map(|(c, e)| (*c, e - mean)).collect())
+            let (cycle, error) = o.between([from, last]);
+            let weights = trapezoid_weights(&cycle);
+            let area: f64 = error.iter().zip(weights).map(|(e, w)| w * e).sum();
+            let mean = area / (last - from);
+            let points = cycle.iter().zip(&error);
+            (*c, points.map(|(c, e)| (c - from, e - mean)).collect())
         })
         .collect();
     let values = curves

@@ -12,7 +12,8 @@ const MAX_CORRECTIONS: usize = 40;
 /// distance to second. Corrections are squares of each other: places are exact to 1e-12, which errors of 1e-12 in time ask for.
 const SMALL_STEP: f64 = 1e-6;
 
-/// The same where the curvature is not that of the gap, near kinks too, and each correction is a part of the one before.
+/// Correction of the length of roll, over itself, that is neglected where the curvature is not that of the gap, such as near kinks:
+/// there each correction is a part of the one before, not its square.
 const SMALL_STEP_BOUNDED: f64 = 1e-11;
 
 /// Least curvature that is reckoned with: of the distance over the involute's own, where a guess is far off, and of a modified

@@ -1,0 +1,82 @@
+//! The text of a table that a user names, for references and measured curves alike: bounded in size and memory, and refused
+//! by its own name where it is something else.
+
+use super::error::{SceneError, Source};
+use gearbench_reference::data::{self, TableError};
+use gearbench_reference::file_kind::{self, Input};
+use gearbench_reference::{files, limits};
+use std::io::ErrorKind;
+use std::path::Path;
+
+/// Memory that a table takes over the bytes of its text: lines and cells, numbers, what is made of them.
+const MEMORY_OVER_TEXT: f64 = 14.0;
+
+/// The text of a table.
+pub struct TableText {
+    /// Name of the file.
+    pub name: String,
+    /// Its text.
+    pub decoded: String,
+    /// Whether it is Latin-1.
+    pub latin: bool,
+}
+
+/// Why a file is no table of text, and a way out.
+pub struct Unreadable {
+    /// What is wrong, with the name of the file.
+    pub why: String,
+    /// The way out.
+    pub help: String,
+}
+
+impl Unreadable {
+    /// The refusal without a place in a scene.
+    pub fn plain(self) -> SceneError {
+        SceneError::plain(self.why, self.help)
+    }
+}
+
+impl TableText {
+    /// An error of the table at its line; `what` names whose table it is.
+    pub fn error(&self, e: &TableError, what: &str) -> SceneError {
+        let message = format!("{what}: {e}");
+        Source::new(&self.name, &self.decoded).error(e.at.clone(), message, "here", e.help.clone())
+    }
+}
+
+/// Reads a table of at most so many bytes; `from` says what paths count from.
+///
+/// # Errors
+/// [`Unreadable`] where the file is no table of text, or larger than what may be read.
+pub fn text(path: &Path, largest: u64, from: &str) -> Result<TableText, Unreadable> {
+    let name = path.display().to_string();
+    let refuse = |why: String, help: &str| Unreadable {
+        why,
+        help: help.to_owned(),
+    };
+    if let Some(kind) = file_kind::foreign(path, Input::Table) {
+        let why = format!("`{name}` is {}, not a table", kind.name);
+        return Err(refuse(why, &kind.way_out_of(path)));
+    }
+    let shorter = "keep every n-th row, or the columns needed";
+    let size = files::check(path, largest).map_err(|e| {
+        let help = match e.kind() {
+            ErrorKind::NotFound => from,
+            ErrorKind::FileTooLarge => shorter,
+            _ => "expected a readable CSV file with a line of names",
+        };
+        refuse(format!("{name}: {e}"), help)
+    })?;
+    let what = format!("the table {name} of {size} bytes");
+    limits::check(what, MEMORY_OVER_TEXT * size as f64, shorter)
+        .map_err(|e| refuse(e.to_string(), shorter))?;
+    let bytes = files::read(path, largest)
+        .map_err(|e| refuse(format!("{name}: {e}"), "expected a readable CSV file"))?;
+    let (decoded, latin) =
+        data::decode(&bytes).map_err(|e| refuse(format!("{name}: {e}"), &e.help))?;
+    Ok(TableText {
+        name,
+        decoded,
+        latin,
+    })
+}
