@@ -11,6 +11,7 @@ Examples:
   gearbench-validation run held-out --threads 2         on the set that no rule was made on
   gearbench-validation coverage --model movable-teeth   do the intervals of identified constants hold the truth?
   gearbench-validation agreement                        do compare and choose contradict each other?
+  gearbench-validation figures impact                   measure the figures of one source for the documents
   gearbench-validation identification                   identified constants against finite elements at other speeds
 
 Exit code 1 says that fewer than 95 % are right, or that the median choice costs more than twice the cheapest.";
@@ -46,6 +47,8 @@ pub enum Command {
     Agreement(Agreement),
     /// Hold identified constants against finite elements at other speeds, and beside other stiffnesses
     Identification(Identification),
+    /// Measure the figures that README and book quote, store them, and write them into the documents
+    Figures(Figures),
 }
 
 /// Arguments of `agreement`.
@@ -57,6 +60,17 @@ pub struct Agreement {
     /// Folder for scenes, records and the table
     #[arg(long, value_name = "DIR", default_value = "out/agreement")]
     pub out: PathBuf,
+}
+
+/// Arguments of `figures`.
+#[derive(Args, Clone, Debug)]
+pub struct Figures {
+    /// Sources of validation/figures.toml [default: all]
+    #[arg(value_name = "SOURCE")]
+    pub sources: Vec<String>,
+    /// Write the stored figures into the documents, without measuring
+    #[arg(long, conflicts_with = "sources")]
+    pub text: bool,
 }
 
 /// Arguments of `coverage`.

@@ -9,12 +9,14 @@
 //! | [`campaign`] | a set of scenes, in parallel, with a journal |
 //! | [`reduction`] | elastic gears against full finite elements on the same scenes |
 //! | [`coverage`] | whether the intervals of identified constants hold the truth |
+//! | [`figures`] | figures that the documents quote: commands, stored values, comparison |
 //! | [`identification`] | identified constants against finite elements at other speeds |
 
 mod agreement;
 mod arguments;
 mod campaign;
 mod coverage;
+mod figures;
 mod identification;
 mod reduction;
 mod sampling;
@@ -59,6 +61,7 @@ fn main() -> ExitCode {
         Command::Coverage(args) => cover(&args),
         Command::Agreement(args) => agree(&args),
         Command::Identification(args) => carry(&args, &told),
+        Command::Figures(args) => quote(&args),
     };
     terminal::end(&told, done)
 }
@@ -104,6 +107,27 @@ fn agree(args: &arguments::Agreement) -> Result<Answer, Refusal> {
         0 => Exit::Done,
         _ => Exit::FellShort,
     }))
+}
+
+/// Measures the figures of the documents again and writes them.
+fn quote(args: &arguments::Figures) -> Result<Answer, Refusal> {
+    let root = figures::repository();
+    let mut stored = figures::Figures::load(&root).map_err(Refusal::Failed)?;
+    if !args.text {
+        let program = agreement::next_to_this();
+        stored
+            .measure(&root, &args.sources, &program, &say)
+            .map_err(Refusal::Failed)?;
+    }
+    let changed = stored.write(&root).map_err(Refusal::Failed)?;
+    for difference in &changed {
+        say(&difference.to_string());
+    }
+    say(&format!(
+        "{} figures of the documents changed",
+        changed.len()
+    ));
+    Ok(Answer::done())
 }
 
 fn refuse_sample(e: SampleError) -> Refusal {

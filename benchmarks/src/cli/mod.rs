@@ -10,6 +10,8 @@ pub(crate) mod folder_lock;
 pub mod help;
 mod measured;
 pub mod progress;
+#[cfg(test)]
+mod reference_pages;
 mod refusal;
 pub(crate) mod study_command;
 pub mod study_folder;

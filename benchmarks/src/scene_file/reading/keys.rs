@@ -25,7 +25,7 @@ impl Table {
 }
 
 /// All tables of the format.
-pub(in super::super) fn tables() -> impl Iterator<Item = &'static Table> {
+pub(crate) fn tables() -> impl Iterator<Item = &'static Table> {
     [
         &SceneKeys::TABLE,
         &gear::GearKeys::TABLE,

@@ -9,7 +9,7 @@ use crate::scene_file::{ModelChoice, SceneError, SceneFile};
 use gearbench_integrators::table::{NEWMARK, TRIGONOMETRIC, VELOCITY_VERLET};
 use gearbench_integrators::{MethodSpec, Resolution, Scheme};
 use gearbench_models::gear::parameters::ModelParameters;
-use gearbench_models::spec::Modelling;
+use gearbench_models::spec::{ModelSpec, Modelling};
 use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reference::reduction::choose::Criterion;
@@ -197,7 +197,8 @@ impl Plan<'_> {
     }
 }
 
-/// The elastic and the full model of a scene.
+/// The elastic and the full model of a scene that are compared: the first two on the same mesh with the same contact, so
+/// that only the modes differ.
 pub(super) fn sides<'s>(
     scene: &'s SceneFile,
     args: &Truncation,
@@ -207,17 +208,42 @@ pub(super) fn sides<'s>(
         None => scene.models.iter().collect(),
     };
     let of = |id: &str| {
-        let mut all = named.iter().filter(|m| m.model == id);
-        all.find(|m| !is_truncated(m)).copied().ok_or_else(|| {
-            Refusal::from(SceneError::plain(
+        let whole = named
+            .iter()
+            .copied()
+            .filter(|m| m.model == id && !is_truncated(m));
+        let whole: Vec<&ModelChoice> = whole.collect();
+        (!whole.is_empty()).then_some(whole).ok_or_else(|| {
+            SceneError::plain(
                 format!("the scene `{}` offers no model of the kind `{id}` here", scene.name),
                 format!(
-                    "the study holds `{ELASTIC}` against `{FULL}` on the same mesh; add a [[models]] with model = \"{id}\""
+                    "the study compares `{ELASTIC}` with `{FULL}` on the same mesh; add a [[models]] with model = \"{id}\""
                 ),
-            ))
+            )
         })
     };
-    Ok((of(ELASTIC)?, of(FULL)?))
+    let (reduced, full) = (of(ELASTIC)?, of(FULL)?);
+    let mut pairs = reduced
+        .iter()
+        .flat_map(|e| full.iter().map(move |f| (*e, *f)));
+    let found = pairs.find(|(e, f)| differ_in_modes_alone(&e.modelling, &f.modelling));
+    found.ok_or_else(|| {
+        let (e, f) = (&reduced[0].label, &full[0].label);
+        Refusal::from(SceneError::plain(
+            format!("no elastic model of the scene `{}` has the mesh and the contact of a full one: `{e}` and `{f}` differ in more than their modes", scene.name),
+            format!("give `{f}` the mesh parameters and the `contact` of `{e}`, or name two models that share them with --models"),
+        ))
+    })
+}
+
+/// Whether an elastic and a full model have the same mesh of each gear and the same contact at their flanks.
+fn differ_in_modes_alone(elastic: &Modelling, full: &Modelling) -> bool {
+    let same_mesh = |(e, f): (&ModelSpec, &ModelSpec)| {
+        ElasticParameters::of(e).map(|p| p.mesh) == FullOrderParameters::of(f).map(|p| p.mesh)
+    };
+    let contacts = elastic.contacts.iter().zip(&full.contacts);
+    elastic.gears.iter().zip(&full.gears).all(same_mesh)
+        && contacts.into_iter().all(|(e, f)| e.points == f.points)
 }
 
 fn is_truncated(choice: &ModelChoice) -> bool {

@@ -1,0 +1,263 @@
+//! Figures of the documents: numbers that the README and the book quote from results.
+//!
+//! | file | content |
+//! |---|---|
+//! | `validation/figures.toml` | the commands that measure figures, and where each is in their records ([`sources`]) |
+//! | `validation/results/figures.json` | the stored values with command, commit, time and processor |
+//! | `README.md`, `docs/**/*.md` | the figures, each with the name of its stored value in a comment ([`anchors`]) |
+//!
+//! `gearbench-validation figures` measures them again, stores them and writes them into the documents. A test compares the
+//! documents with the stored values.
+
+mod anchors;
+mod sources;
+
+use anchors::{anchors, with_figures};
+use gearbench::experiment::machine;
+use serde::{Deserialize, Serialize};
+use sources::sources;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// The stored values, from the folder of the repository.
+const STORED: &str = "validation/results/figures.json";
+
+/// The values that one command measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Measured {
+    command: String,
+    commit: String,
+    created: String,
+    cpu: String,
+    values: BTreeMap<String, f64>,
+}
+
+/// The stored values of all commands, by the name of their source.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Figures(BTreeMap<String, Measured>);
+
+/// A figure of a document that differs from the stored one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    file: PathBuf,
+    line: usize,
+    id: String,
+    printed: String,
+    /// What is stored, rounded as the document prints it; `None` where nothing is.
+    stored: Option<String>,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let file = self.file.display();
+        write!(f, "{file}:{}: `{}` is {}", self.line, self.id, self.printed)?;
+        match &self.stored {
+            Some(x) => write!(f, ", stored is {x}"),
+            None => f.write_str(", nothing is stored under this name"),
+        }
+    }
+}
+
+/// The folder of the repository that this program was built in.
+pub fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+impl Figures {
+    /// The stored ones.
+    ///
+    /// # Errors
+    /// The file cannot be read: which, and why.
+    pub fn load(root: &Path) -> Result<Figures, String> {
+        let path = root.join(STORED);
+        let text = std::fs::read_to_string(&path);
+        let text = text.map_err(|e| format!("{}: {e}", path.display()))?;
+        serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
+    }
+
+    /// Measures the figures of some sources, or of all, and stores them after each.
+    ///
+    /// # Errors
+    /// An unknown source, a command that fails, a figure that it does not state.
+    pub fn measure(
+        &mut self,
+        root: &Path,
+        names: &[String],
+        gearbench: &Path,
+        say: &dyn Fn(&str),
+    ) -> Result<(), String> {
+        let all = sources()?;
+        if let Some(name) = names.iter().find(|n| all.iter().all(|s| s.name != **n)) {
+            let known: Vec<&str> = all.iter().map(|s| s.name.as_str()).collect();
+            return Err(format!(
+                "no source `{name}`; there are {}",
+                known.join(", ")
+            ));
+        }
+        self.0.retain(|name, _| all.iter().any(|s| s.name == *name));
+        for source in all
+            .iter()
+            .filter(|s| names.is_empty() || names.contains(&s.name))
+        {
+            say(&format!("{}: {}", source.name, source.command));
+            let values = source.measure(root, gearbench)?;
+            if values.is_empty() {
+                return Err(format!("`{}` states no figure", source.command));
+            }
+            let header = machine::header("", "", "");
+            let measured = Measured {
+                command: source.command.clone(),
+                commit: header.commit,
+                created: header.created,
+                cpu: machine::machine().cpu,
+                values,
+            };
+            self.0.insert(source.name.clone(), measured);
+            let text = serde_json::to_string_pretty(&self).map_err(|e| e.to_string())?;
+            let path = root.join(STORED);
+            std::fs::write(&path, text + "\n").map_err(|e| format!("{}: {e}", path.display()))?;
+        }
+        Ok(())
+    }
+
+    /// The value of a name, `source.key`.
+    fn get(&self, id: &str) -> Option<f64> {
+        let (source, key) = id.split_once('.')?;
+        self.0.get(source)?.values.get(key).copied()
+    }
+
+    /// Figures of a document that differ from the stored ones.
+    ///
+    /// # Errors
+    /// A comment that names no figure, with its place.
+    fn differences(&self, file: &Path, text: &str) -> Result<Vec<Difference>, String> {
+        let found = anchors(text).map_err(|e| format!("{}, {e}", file.display()))?;
+        let differs = |a: anchors::Anchor| {
+            let stored = self.get(&a.id).map(|x| a.rounded(x));
+            (stored.as_ref() != Some(&a.printed)).then_some(Difference {
+                file: file.to_path_buf(),
+                line: a.line,
+                id: a.id,
+                printed: a.printed,
+                stored,
+            })
+        };
+        Ok(found.into_iter().filter_map(differs).collect())
+    }
+
+    /// Writes the stored values into all documents and returns the differences that there were.
+    ///
+    /// # Errors
+    /// A document that cannot be read or written, or a comment that names no figure.
+    pub fn write(&self, root: &Path) -> Result<Vec<Difference>, String> {
+        let mut all = Vec::new();
+        for (path, text) in documents(root)? {
+            let differences = self.differences(&path, &text)?;
+            if !differences.is_empty() {
+                let new = with_figures(&text, &anchors(&text)?, |id| self.get(id));
+                let path = root.join(&path);
+                std::fs::write(&path, new).map_err(|e| format!("{}: {e}", path.display()))?;
+            }
+            all.extend(differences);
+        }
+        Ok(all)
+    }
+}
+
+/// The documents that may quote figures, by their path in the repository.
+fn documents(root: &Path) -> Result<Vec<(PathBuf, String)>, String> {
+    let mut found = vec![root.join("README.md")];
+    let mut folders = vec![root.join("docs")];
+    while let Some(folder) = folders.pop() {
+        let entries = std::fs::read_dir(&folder);
+        for entry in entries.map_err(|e| format!("{}: {e}", folder.display()))? {
+            let path = entry.map_err(|e| e.to_string())?.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "md") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    let read = |path: PathBuf| {
+        let text = std::fs::read_to_string(&path);
+        let text = text.map_err(|e| format!("{}: {e}", path.display()))?;
+        Ok((path.strip_prefix(root).unwrap_or(&path).to_path_buf(), text))
+    };
+    found.into_iter().map(read).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn documents_quote_the_stored_figures() {
+        let root = repository();
+        let figures = Figures::load(&root).unwrap();
+        let mut quoted = Vec::new();
+        for (path, text) in documents(&root).unwrap() {
+            let differences = figures.differences(&path, &text).unwrap();
+            assert!(
+                differences.is_empty(),
+                "{}\n`cargo run --release -p gearbench-validation -- figures --text` writes the stored figures",
+                differences
+                    .iter()
+                    .map(Difference::to_string)
+                    .collect::<Vec<_>>()
+                    .join("\n")
+            );
+            quoted.extend(anchors(&text).unwrap().into_iter().map(|a| a.id));
+        }
+        for (source, measured) in &figures.0 {
+            for key in measured.values.keys() {
+                let id = format!("{source}.{key}");
+                assert!(quoted.contains(&id), "no document quotes `{id}`");
+            }
+        }
+    }
+
+    #[test]
+    fn a_changed_digit_is_found() {
+        let root = repository();
+        let figures = Figures::load(&root).unwrap();
+        for (path, text) in documents(&root).unwrap() {
+            for anchor in anchors(&text).unwrap() {
+                let last = anchor
+                    .printed
+                    .rfind(|c: char| matches!(c, '1'..='9'))
+                    .unwrap();
+                let at = anchor.at.start + last;
+                let other = if text[at..].starts_with('9') {
+                    "8"
+                } else {
+                    "9"
+                };
+                let mut changed = text.clone();
+                changed.replace_range(at..=at, other);
+                let found = figures.differences(&path, &changed).unwrap();
+                assert_eq!(found.len(), 1, "{}: {anchor:?}", path.display());
+                assert_eq!(found[0].id, anchor.id);
+            }
+        }
+    }
+
+    #[test]
+    fn stored_figures_are_those_of_the_sources() {
+        let figures = Figures::load(&repository()).unwrap();
+        let all = sources().unwrap();
+        for source in &all {
+            let stored = figures.0.get(&source.name);
+            let stored = stored.unwrap_or_else(|| panic!("`{}` is not measured", source.name));
+            assert_eq!(stored.command, source.command);
+            let keys: Vec<&String> = stored.values.keys().collect();
+            if !source.figures.is_empty() {
+                assert_eq!(keys, source.figures.keys().collect::<Vec<_>>());
+            }
+        }
+        assert_eq!(figures.0.len(), all.len());
+    }
+}
