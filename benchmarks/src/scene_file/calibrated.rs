@@ -39,6 +39,8 @@ pub struct CalibrationUse {
     pub label: String,
     /// The constants that were applied; `None` when the scene was loaded without calibrations.
     pub constants: Option<Constants>,
+    /// The constants that are stored under this name, whether they were applied or not.
+    pub stored: Option<Constants>,
 }
 
 impl CalibrationUse {
@@ -64,9 +66,14 @@ pub(super) fn calibration(
     };
     let scene = scene.unwrap_or_else(|| context.scene.to_owned());
     let label = other.unwrap_or_else(|| label.to_owned());
-    let mut constants = None;
-    if let Some(find) = context.calibrations {
-        let file = find(&scene)?.unwrap_or_default();
+    let found = (context.calibrations)(&scene);
+    let (mut constants, mut stored) = (None, None);
+    if !context.calibrated {
+        // A new fit does not depend on what an earlier one left, not even on whether that can be read.
+        let file = found.ok().flatten();
+        stored = file.and_then(|f| f.get(&name, &label).cloned());
+    } else {
+        let file = found?.unwrap_or_default();
         let Some(found) = file.get(&name, &label) else {
             let labels: Vec<&String> = file
                 .sets
@@ -109,6 +116,7 @@ pub(super) fn calibration(
             // Another scene's gap is that of its own start.
             found.gap = None;
         }
+        stored = Some(found.clone());
         constants = Some(found);
     }
     Ok(CalibrationUse {
@@ -116,5 +124,6 @@ pub(super) fn calibration(
         scene,
         label,
         constants,
+        stored,
     })
 }

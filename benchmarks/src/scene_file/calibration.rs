@@ -315,6 +315,18 @@ impl Calibration {
         self.sets.get(name)?.get(label)
     }
 
+    /// These constants, and those of another calibration for models that have none here.
+    #[must_use]
+    pub(super) fn or(mut self, other: &Calibration) -> Calibration {
+        for (name, labels) in &other.sets {
+            let own = self.sets.entry(name.clone()).or_default();
+            for (label, constants) in labels {
+                own.entry(label.clone()).or_insert_with(|| constants.clone());
+            }
+        }
+        self
+    }
+
     /// Its tables as TOML; numbers keep every digit.
     pub fn to_toml(&self) -> String {
         let key = |name: &str| toml_edit::Key::new(name).display_repr().into_owned();

@@ -197,7 +197,8 @@ fn contents(folder: &Path) -> String {
     }
 }
 
-/// Calibrations of a scene: of this file beside itself, else in it, else those that are embedded under the name.
+/// Calibrations of a scene: for a model in the file next to the scene, else in the scene itself; without either those that are
+/// embedded under the name.
 pub(super) fn find_calibration(
     scene: &str,
     (name, own): (&str, &Calibration),
@@ -209,7 +210,10 @@ pub(super) fn find_calibration(
     if let (Origin::File(path), true) = (origin, scene == name) {
         let beside = path.with_extension("calibration.toml");
         match files::read_text(&beside, files::MOST_OF_TEXT) {
-            Ok(text) => return Calibration::parse(&beside.to_string_lossy(), &text).map(Some),
+            Ok(text) => {
+                let stored = Calibration::parse(&beside.to_string_lossy(), &text)?;
+                return Ok(Some(stored.or(own)));
+            }
             Err(e) if e.kind() == ErrorKind::NotFound => {}
             Err(e) => {
                 return Err(SceneError::plain(

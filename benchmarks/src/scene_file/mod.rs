@@ -278,7 +278,8 @@ impl SceneFile {
             meshes: meshes.len(),
             models: model_table(),
             folder,
-            calibrations: if calibrated { Some(&find) } else { None },
+            calibrations: &find,
+            calibrated,
         };
         let mut models = model::models(keys.models, &context, &root.key("models"))?;
         if keys.study.integrators.is_none() {

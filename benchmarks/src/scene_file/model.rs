@@ -142,8 +142,10 @@ pub(super) struct Context<'a> {
     pub(super) models: &'a [Model],
     /// Folder of the scene file, from which paths of meshes count.
     pub(super) folder: Option<&'a Path>,
-    /// Finds the calibration of a scene; `None` when the scene is loaded without.
-    pub(super) calibrations: Option<&'a FindCalibration<'a>>,
+    /// Finds the calibration of a scene.
+    pub(super) calibrations: &'a FindCalibration<'a>,
+    /// Models take the constants of their calibration.
+    pub(super) calibrated: bool,
 }
 
 /// Checks all configurations.

@@ -152,7 +152,7 @@ fn into_scene<'a>(
         } else {
             found.constants()
         };
-        let older = (choice.calibration.as_ref()).and_then(|c| c.constants.as_ref());
+        let older = (choice.calibration.as_ref()).and_then(|c| c.stored.as_ref());
         let data: Vec<String> = (found.data.iter())
             .map(|(name, key)| format!("{name} (data {key})"))
             .collect();

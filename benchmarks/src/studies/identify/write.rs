@@ -34,9 +34,9 @@ pub fn write(
     let sets: Vec<(&FitRecord, Constants)> = (found.iter())
         .map(|(_, f)| {
             let mut constants = if force { f.all.clone() } else { f.constants() };
-            // What was not fitted stays as the calibration that the model asks for has it.
+            // Parameters that the fit does not determine stay as they are stored.
             let old = scene.model(&f.record.label);
-            let old = old.and_then(|c| c.calibration.as_ref()?.constants.clone());
+            let old = old.and_then(|c| c.calibration.as_ref()?.stored.clone());
             for (key, x) in old.map(|old| old.parameters).unwrap_or_default() {
                 constants.parameters.entry(key).or_insert(x);
             }
