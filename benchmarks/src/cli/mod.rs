@@ -4,14 +4,14 @@
 pub mod answer;
 pub mod arguments;
 pub(crate) mod command_line;
+#[cfg(test)]
+mod documents_tests;
 pub mod exit;
 pub(crate) mod files;
 pub(crate) mod folder_lock;
 pub mod help;
 mod measured;
 pub mod progress;
-#[cfg(test)]
-mod reference_pages;
 mod refusal;
 pub(crate) mod study_command;
 pub mod study_folder;

@@ -67,7 +67,8 @@ pub(super) fn calibration(
     let scene = scene.unwrap_or_else(|| context.scene.to_owned());
     let label = other.unwrap_or_else(|| label.to_owned());
     let found = (context.calibrations)(&scene);
-    let (mut constants, mut stored) = (None, None);
+    let stored;
+    let mut constants = None;
     if !context.calibrated {
         // A new fit does not depend on what an earlier one left, not even on whether that can be read.
         let file = found.ok().flatten();

@@ -177,3 +177,35 @@ fn a_model_that_cannot_be_fitted_is_a_row_and_the_others_are_fitted() {
     has(&super::stderr(&alone), &["the fit failed from every start"]);
     assert!(!folder.at("alone/results.json").exists());
 }
+
+/// A fit of one constant of one model leaves the other stored constants and the other models as they are, also where the
+/// scene file has them itself.
+#[test]
+fn constants_that_are_not_fitted_stay_stored() {
+    let folder = Folder::new();
+    let scene =
+        include_str!("../../scenes/spur_impact.toml").replacen("limit = 0.05", "limit = 0.2", 1);
+    let stored = "\n[calibration.impact.rigid]\nstiffness_n_per_m2 = 1.4e10\n\n[calibration.impact.movable-teeth]\n\
+                  stiffness_n_per_m2 = 2.5e10\ntooth_stiffness_n_per_m = 8e8\ntooth_mass_kg = 5e-3\n";
+    folder.write("own.toml", &(scene + stored));
+    folder.says(
+        "identify own.toml --model movable-teeth --fit stiffness_n_per_m2 --hold tooth_stiffness_n_per_m=8e8,gap_m=2e-6 \
+         --out fit --write",
+    );
+    let written = folder.read("own.calibration.toml");
+    has(
+        &written,
+        &["tooth_mass_kg = 5e-3", "[impact.movable-teeth]"],
+    );
+    let run = |model: &str| {
+        let integrators = "--integrators dopri5@1e-4 --repeats 1";
+        folder.says(&format!(
+            "compare own.toml --models {model} {integrators} --out {model}"
+        ));
+        run_of(&folder, &format!("{model}/results.json"))["parameters"].clone()
+    };
+    let mass = &run("movable-teeth")["pinion"]["tooth_mass_kg"];
+    assert_eq!(mass.as_f64(), Some(5e-3));
+    let stiffness = &run("rigid")["contact pinion - wheel"]["stiffness_n_per_m2"];
+    assert_eq!(stiffness.as_f64(), Some(1.4e10));
+}

@@ -1,15 +1,16 @@
-//! Generated pages of the book: the options of each command, the keys of each table, models and integrators, as the program
-//! declares them.
+//! The documents and the program agree: every command of a document is understood, and the generated pages of the book (options,
+//! keys, models, integrators) are what the program declares.
 //!
-//! `GEARBENCH_UPDATE_GOLDEN=1 cargo test --release --locked --workspace --lib reference_pages` writes them.
+//! `GEARBENCH_UPDATE_GOLDEN=1 cargo test --release --locked --workspace --lib documents` writes the pages.
 
 use super::Cli;
+use super::command_line::split;
 use crate::models::models;
 use crate::scene_file::reading::keys::tables;
 use clap::CommandFactory;
 use gearbench_integrators::table::{FREE_FLIGHT, METHODS};
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const NOTE: &str = "This page is generated from the program; a test compares it.";
 
@@ -150,4 +151,77 @@ fn pages_are_those_of_the_program() {
             "{name} is not what the program declares: {differs:?}; GEARBENCH_UPDATE_GOLDEN=1 writes it anew"
         );
     }
+}
+
+/// All Markdown files of a folder and those below it.
+fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.extension() {
+            _ if path.is_dir() => pages(&path, found),
+            Some(e) if e == "md" => found.push(path),
+            _ => {}
+        }
+    }
+}
+
+/// The words of a command line of a document, whose quotes are double or single and whose comments begin with ` #`.
+fn words(line: &str) -> Vec<String> {
+    let line = line.split(" #").next().unwrap_or_default();
+    let line = line.split(['|', '>', ';']).next().unwrap_or_default();
+    let line = line.replace('"', "'");
+    [vec!["gearbench".to_owned()], split(line.trim())].concat()
+}
+
+/// Command lines of `gearbench` in a document: lines of its code blocks, and code within text.
+fn commands(text: &str) -> Vec<Vec<String>> {
+    let mut found = Vec::new();
+    let mut inside = false;
+    let program = |line: &str| line.starts_with("gearbench ") || line == "gearbench";
+    for line in text.lines() {
+        if line.trim_start().starts_with("```") {
+            inside = !inside;
+        } else if inside {
+            let line = line.trim_start();
+            let line = line.strip_prefix("$ ").unwrap_or(line);
+            let line = line
+                .strip_prefix("cargo run --release -- ")
+                .map_or(line.into(), |rest| format!("gearbench {rest}"));
+            found.extend(program(&line).then(|| words(&line)));
+        } else {
+            let code = line.split('`').skip(1).step_by(2);
+            found.extend(code.filter(|c| program(c)).map(words));
+        }
+    }
+    // Words in capitals, dots and brackets stand for something else.
+    let stands = |w: &String| {
+        w.contains("...") || w.contains(['[', '$']) || w.chars().all(|c| c.is_ascii_uppercase())
+    };
+    found.retain(|words| !words.iter().any(stands));
+    found
+}
+
+#[test]
+fn commands_of_the_documents_are_understood() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut all = vec![root.join("README.md"), root.join("CONTRIBUTING.md")];
+    all.push(root.join("benchmarks/scenes/README.md"));
+    pages(&root.join("docs"), &mut all);
+    pages(&root.join("examples"), &mut all);
+    let mut checked = 0;
+    for page in all {
+        let text = std::fs::read_to_string(&page).unwrap();
+        for command in commands(&text) {
+            checked += 1;
+            if let Err(e) = Cli::read(command.iter().map(String::as_str)) {
+                assert!(
+                    !e.use_stderr(),
+                    "{}: `{}`\n{e}",
+                    page.display(),
+                    command.join(" ")
+                );
+            }
+        }
+    }
+    assert!(checked > 100, "{checked} commands");
 }
