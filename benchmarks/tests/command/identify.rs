@@ -184,8 +184,8 @@ fn a_model_that_cannot_be_fitted_is_a_row_and_the_others_are_fitted() {
 fn measured_histories_are_fitted_and_compared() {
     let folder = Folder::new();
     let rig = "name = \"rig\"\nduration_s = 2e-4\n[gears.pinion]\nteeth = 20\nmodule_m = 0.004\nface_width_m = 0.01\n\
-               speed_rad_s = 20.0\n[gears.wheel]\nteeth = 30\nmodule_m = 0.004\nface_width_m = 0.01\n[[meshes]]\n\
-               gears = [\"pinion\", \"wheel\"]\nstart = { flank = \"left\", gap_m = 1e-6 }\n[[models]]\n\
+               speed_rad_s = 20.0\n[gears.wheel]\nteeth = 30\nmodule_m = 0.004\nface_width_m = 0.01\nspeed_rad_s = -12.0\n[[meshes]]\n\
+               gears = [\"pinion\", \"wheel\"]\ncentre_distance_m = 0.1001\nstart = { flank = \"left\", gap_m = 1e-6 }\n[[models]]\n\
                model = \"rigid\"\ncontact = { stiffness = { kind = \"constant\", stiffness_n_per_m2 = 1.3e10 } }\n";
     folder.write("rig.toml", &format!("schema = 1\n{rig}"));
     folder.says("reference rig.toml --model rigid --method dopri5@1e-9 --out whole.csv");
@@ -211,8 +211,8 @@ fn measured_histories_are_fitted_and_compared() {
     write(
         "force.csv",
         &[
-            ("time_s", "t [ms]", 1e3),
-            ("contact_force_n", "force [kN]", 1e-3),
+            ("time_s", "time [ms]", 1e3),
+            ("contact_force_n", "contact_force [kN]", 1e-3),
         ],
     );
     let cycles = 20.0 / std::f64::consts::TAU;

@@ -214,7 +214,7 @@ fn forces_on_movable_teeth_are_drawn() {
             "{heading}"
         );
     }
-    // The radial and the tangential part make up the contact force of the only pair in contact.
+    // The radial and the tangential part make up the force of one of the two pairs in contact at the peak.
     let record = gearbench_reports::load_results(&folder.at("here")).unwrap();
     let series = record.runs[0].series.as_ref().unwrap();
     let column = |name: &str| series.column(name).unwrap();
@@ -226,7 +226,7 @@ fn forces_on_movable_teeth_are_drawn() {
         let part = |what: &str| column(&format!("tooth_{what}_force_{gear}_n"))[most];
         let sum = part("radial").hypot(part("tangential"));
         assert!(
-            sum > 0.5 * force[most] && sum < 1.01 * force[most],
+            sum > 0.4 * force[most] && sum < 1.01 * force[most],
             "{sum} {}",
             force[most]
         );
