@@ -361,7 +361,7 @@ mod tests {
         };
         assert!(above(&short));
         let mut tall = short;
-        let rows = 20;
+        let rows = 20_i32;
         tall.axes[0].values = (1..=rows).map(f64::from).collect();
         tall.cells = (0..rows)
             .flat_map(|_| tall.cells[..Status::ALL.len()].to_vec())
