@@ -84,6 +84,14 @@ impl ForceHistory {
         usize::from(!self.is_empty()) + self.first.windows(2).filter(meet).count()
     }
 
+    /// Begin and end of the first spell of contact \[s\].
+    pub fn first_spell(&self) -> Option<[f64; 2]> {
+        let begin = self.begins()?;
+        let mut nodes = self.first.iter().skip(1).copied();
+        let last = nodes.find(|&next| self.time_s[next - 1] < self.time_s[next]);
+        Some([begin, self.time_s[last.unwrap_or(self.time_s.len()) - 1]])
+    }
+
     /// Checks the invariants, which data from a file may break.
     ///
     /// # Errors
@@ -345,6 +353,7 @@ mod tests {
         );
         assert_eq!((samples.len(), samples.spells()), (3, 2));
         assert_eq!(samples.begins(), Some(1.0));
+        assert_eq!(samples.first_spell(), Some([1.0, 2.0]));
         let text = serde_json::to_string(&samples).unwrap();
         let back: ForceHistory = serde_json::from_str(&text).unwrap();
         assert_eq!(back, samples);

@@ -11,7 +11,13 @@ pub const BACKLASH_POSITION: &str = "backlash_position";
 /// Column of the error of the speed ratio of the first mesh [-], likewise.
 pub const SPEED_RATIO_ERROR: &str = "speed_ratio_error";
 /// What columns of the deflection of movable teeth begin with, before the name of the gear.
-pub const TOOTH_DEFLECTION: &str = "tooth_deflection_";
+pub const TOOTH_DEFLECTION: &str = "tooth_deflection";
+/// The same of the radial part of the contact force on such a tooth.
+pub const TOOTH_RADIAL_FORCE: &str = "tooth_radial_force";
+/// The same of its tangential part.
+pub const TOOTH_TANGENTIAL_FORCE: &str = "tooth_tangential_force";
+/// The same of the force of its spring and damper.
+pub const TOOTH_SPRING_FORCE: &str = "tooth_spring_force";
 
 /// Sampled histories over a common time axis.
 ///

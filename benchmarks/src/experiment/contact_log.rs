@@ -16,11 +16,28 @@ pub struct ContactLog {
     pub pairs: Vec<PairSample>,
     /// Contacts that close and open.
     pub events: Vec<ContactEvent>,
+    /// Teeth on springs of their own that touch, at times of the rows of a history: time [s], gear, tooth.
+    pub sprung: Vec<(f64, usize, SprungTooth)>,
+    /// Gears of each mesh, of a scene that has such teeth; else nothing.
+    sprung_meshes: Vec<[usize; 2]>,
     /// Forces of the meshes at the last time of the grid.
     last_forces: Vec<f64>,
     last: Vec<Touch>,
     now: Vec<Touch>,
+    touches: Vec<Touch>,
     out: Outputs,
+}
+
+/// The teeth of a contact that move on springs of their own.
+fn sprung_teeth(touch: &Touch) -> [Option<SprungTooth>; 2] {
+    touch.sprung.map(|tooth| {
+        tooth.map(|t| SprungTooth {
+            radial_n: t.radial,
+            tangential_n: t.tangential,
+            spring_n: t.spring,
+            deflection: t.deflection,
+        })
+    })
 }
 
 impl ContactLog {
@@ -30,7 +47,10 @@ impl ContactLog {
             Body::Gear(g) => i64::from(g.teeth()),
             Body::Rack(r) => i64::from(r.teeth()),
         };
+        let moves = scene.gears().iter().any(|g| g.model.teeth().is_some());
+        let meshes = spec.meshes.iter().filter(|_| moves);
         ContactLog {
+            sprung_meshes: meshes.map(|m| m.gears).collect(),
             teeth: spec.meshes.iter().map(|m| m.gears.map(count)).collect(),
             forces: scene.channels_of_meshes(OfMesh::Force),
             last_forces: vec![0.0; spec.meshes.len()],
@@ -66,14 +86,7 @@ impl ContactLog {
                 mesh: touch.group + 1,
                 teeth: self.numbers(touch),
                 force_n: touch.force,
-                sprung: touch.sprung.map(|tooth| {
-                    tooth.map(|t| SprungTooth {
-                        radial_n: t.radial,
-                        tangential_n: t.tangential,
-                        spring_n: t.spring,
-                        deflection: t.deflection,
-                    })
-                }),
+                sprung: sprung_teeth(touch),
             });
         }
         let forces = self.mesh_forces(channels);
@@ -86,6 +99,24 @@ impl ContactLog {
         self.last_forces = forces;
         std::mem::swap(&mut self.last, &mut now);
         self.now = now;
+    }
+
+    /// At a row of a history.
+    pub fn at_row(&mut self, sys: &mut dyn SecondOrderSystem, s: &State) {
+        if self.sprung_meshes.is_empty() {
+            return;
+        }
+        let mut touches = std::mem::take(&mut self.touches);
+        if let Some(report) = sys.report() {
+            report.touches(s.at(), &mut touches);
+        }
+        for touch in touches.iter().filter(|t| t.force > 0.0) {
+            let gears = self.sprung_meshes[touch.group];
+            let teeth = gears.into_iter().zip(sprung_teeth(touch));
+            let row = teeth.filter_map(|(gear, tooth)| Some((s.t, gear, tooth?)));
+            self.sprung.extend(row);
+        }
+        self.touches = touches;
     }
 
     /// The state was switched at one instant.

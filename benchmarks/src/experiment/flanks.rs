@@ -192,8 +192,16 @@ pub fn deformed_sections(
     let forces = scene.contact_forces(peak.at());
     let mut out = Vec::new();
     for (i, g) in spec.gears.iter().enumerate() {
-        let Body::Gear(gear) = &g.body else { continue };
-        let teeth = i64::from(gear.teeth());
+        let neighbour = |index: i64| match &g.body {
+            Body::Gear(gear) => Some(index.rem_euclid(i64::from(gear.teeth())) as u32),
+            Body::Rack(rack) => {
+                let (n, first) = (i64::from(rack.teeth()), rack.first_tooth());
+                // The teeth of a rack have ends.
+                (first..first + n)
+                    .contains(&index)
+                    .then_some(index.rem_euclid(n) as u32)
+            }
+        };
         let mut near: Vec<u32> = Vec::new();
         let mut greatest = (0.0, 0.0);
         for f in &forces {
@@ -201,8 +209,8 @@ pub fn deformed_sections(
                 .into_iter()
                 .filter(|k| spec.meshes[f.mesh].gears[*k] == i)
             {
-                let numbers = [-1, 0, 1].map(|by| (f.teeth[k].index + by).rem_euclid(teeth) as u32);
-                near.extend(numbers);
+                let numbers = [-1, 0, 1].map(|by| neighbour(f.teeth[k].index + by));
+                near.extend(numbers.into_iter().flatten());
                 let frame = scene.hub_frame(i, peak.at());
                 if f.normal_force > greatest.0 {
                     greatest = (f.normal_force, frame.point_back(&f.x).z);

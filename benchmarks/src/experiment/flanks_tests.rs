@@ -4,7 +4,7 @@ use crate::experiment::runner::Runner;
 use crate::models::models;
 use crate::scene_file::{Origin, SceneFile};
 use crate::studies::compare::{Plan, compare};
-use crate::studies::test_scene::coarse;
+use crate::studies::test_scene::{coarse, coarse_rack};
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_reports::record::{ContactSnapshot, Run};
 
@@ -99,8 +99,12 @@ contact = { stiffness = "iso6336", slices = 10 }
 /// mesh has it by its stiffness. (Their normals are chords of the grid: near its ends a few degrees off.)
 #[test]
 fn sections_yield_as_the_body_does() {
-    let file = coarse("modes = 6");
-    let of = Configuration::of(&file, &file.models[0]);
+    yields_as_the_body(&coarse("modes = 6"));
+    yields_as_the_body(&coarse_rack("modes = 6"));
+}
+
+fn yields_as_the_body(file: &SceneFile) {
+    let of = Configuration::of(file, &file.models[0]);
     let mut scene = Scene::build(&of.scene, &of.modelling, models()).unwrap();
     let mut state = scene.initial();
     // Five micrometres into each other, at rest.
@@ -111,6 +115,11 @@ fn sections_yield_as_the_body_does() {
         .map(|f| f.normal_force)
         .sum();
     assert!(pressed > 50.0, "{pressed}");
+    // The picture of the run has both gears of the mesh.
+    let drawn = deformed_sections(&of.scene, &mut scene, &state);
+    for gear in ["a", "b"] {
+        assert!(drawn.iter().any(|section| section.gear == gear), "{gear}");
+    }
     let bodies = scene.bodies(&of.scene).unwrap();
     for (gear, body) in bodies.iter().enumerate() {
         let found = scene.displaced(state.at(), gear, body).unwrap();

@@ -186,6 +186,9 @@ impl History {
             self.time.push(self.sample.t);
             self.rows.push(self.out.channels.clone());
             self.skipped = None;
+            if let Some(contacts) = &mut self.contacts {
+                contacts.at_row(sys, &self.sample);
+            }
         } else {
             let mut row = self.skipped.take().map_or_else(Vec::new, |(_, row)| row);
             row.clone_from(&self.out.channels);

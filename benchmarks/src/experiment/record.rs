@@ -11,11 +11,12 @@ use gearbench_models::spec::{
     self, Body, MeshSpec, Modelling, SceneSpec, ShaftSpec, mesh_layout, signed_base_radius,
 };
 use gearbench_reference::reduction::ElasticParameters;
-use gearbench_reports::histories::{Histories, PairSample};
+use gearbench_reports::histories::{Histories, SprungTooth};
 use gearbench_reports::metrics::{MESH_CYCLE, TRANSMISSION_ERROR};
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
 use gearbench_reports::series::{
-    BACKLASH_POSITION, Column, SPEED_RATIO_ERROR, TOOTH_DEFLECTION, TimeSeries,
+    BACKLASH_POSITION, Column, SPEED_RATIO_ERROR, TOOTH_DEFLECTION, TOOTH_RADIAL_FORCE,
+    TOOTH_SPRING_FORCE, TOOTH_TANGENTIAL_FORCE, TimeSeries,
 };
 
 /// The part of a row that tells of the modes of elastic gears.
@@ -80,7 +81,7 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
     }));
     columns.extend(motion_columns(spec, &of_gear));
     if let Some(contacts) = &history.contacts {
-        columns.extend(tooth_deflections(spec, history, &contacts.pairs));
+        columns.extend(tooth_columns(spec, history, &contacts.sprung));
     }
     if job.forces {
         for (force, bearing) in [(OfMesh::X, OfGear::BearingX), (OfMesh::Y, OfGear::BearingY)] {
@@ -358,53 +359,41 @@ fn speed_ratio_error(
     turns.then(|| x.iter().zip(&y).map(error).collect())
 }
 
-/// Of each gear whose teeth move on springs the deflection of the tooth that its spring presses most, among those that
-/// touch; 0 while none does. It is known at times of the grid; between them charts have a line.
-fn tooth_deflections(spec: &SceneSpec, history: &History, pairs: &[PairSample]) -> Vec<Column> {
+/// Of each gear whose teeth move on springs the deflection of the tooth whose spring is loaded most, among those that touch,
+/// and the forces on it; 0 while none does. `sprung` has the touching teeth by time and gear, ascending in time.
+fn tooth_columns(
+    spec: &SceneSpec,
+    history: &History,
+    sprung: &[(f64, usize, SprungTooth)],
+) -> Vec<Column> {
     let mut found = Vec::new();
     for (g, gear) in spec.gears.iter().enumerate() {
-        let mut on_grid: Vec<(f64, [f64; 2])> = history
-            .on_grid
-            .iter()
-            .map(|&row| (history.time[row], [0.0; 2]))
-            .collect();
-        let mut moves = false;
-        for pair in pairs {
-            let gears = spec.meshes[pair.mesh - 1].gears;
-            for tooth in (0..2)
-                .filter(|&k| gears[k] == g)
-                .filter_map(|k| pair.sprung[k])
-            {
-                moves = true;
-                let at = on_grid.partition_point(|(t, _)| *t < pair.time_s);
-                if let Some((_, [force, deflection])) = on_grid.get_mut(at)
-                    && tooth.spring_n.abs() > *force
-                {
-                    (*force, *deflection) = (tooth.spring_n.abs(), tooth.deflection);
-                }
-            }
-        }
-        if !moves {
+        if sprung.iter().all(|(_, of, _)| *of != g) {
             continue;
         }
         let at = |t: &f64| {
-            let next = on_grid.partition_point(|(x, _)| x < t);
-            match (next.checked_sub(1).map(|i| on_grid[i]), on_grid.get(next)) {
-                (Some((a, [_, x])), Some(&(b, [_, y]))) => x + (y - x) * (t - a) / (b - a),
-                (None, Some((_, [_, y]))) => *y,
-                (Some((_, [_, x])), None) => x,
-                (None, None) => 0.0,
-            }
+            let first = sprung.partition_point(|(time, ..)| time < t);
+            let here = sprung[first..].iter().take_while(|(time, ..)| time == t);
+            let own = here.filter(|(_, of, _)| *of == g).map(|(.., tooth)| tooth);
+            let most = own.max_by(|a, b| a.spring_n.abs().total_cmp(&b.spring_n.abs()));
+            most.copied().unwrap_or_default()
         };
-        let unit = if matches!(gear.body, Body::Rack(_)) {
+        let teeth: Vec<SprungTooth> = history.time.iter().map(at).collect();
+        let of_deflection = if matches!(gear.body, Body::Rack(_)) {
             "m"
         } else {
             "rad"
         };
-        found.push(Column {
-            name: format!("{TOOTH_DEFLECTION}{}_{unit}", gear.name),
-            values: history.time.iter().map(at).collect(),
-        });
+        let quantities: [(&str, &str, fn(&SprungTooth) -> f64); 4] = [
+            (TOOTH_DEFLECTION, of_deflection, |t| t.deflection),
+            (TOOTH_RADIAL_FORCE, "n", |t| t.radial_n),
+            (TOOTH_TANGENTIAL_FORCE, "n", |t| t.tangential_n),
+            (TOOTH_SPRING_FORCE, "n", |t| t.spring_n),
+        ];
+        found.extend(quantities.map(|(what, unit, value)| Column {
+            name: format!("{what}_{}_{unit}", gear.name),
+            values: teeth.iter().map(value).collect(),
+        }));
     }
     found
 }

@@ -41,6 +41,7 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("helical_hammer"),
     shipped!("helical_loaded"),
     shipped!("misaligned"),
+    shipped!("skew_pairs"),
     shipped!("beveloid"),
     shipped!("beveloid_corrected"),
     shipped!("beveloid_pairs"),

@@ -41,6 +41,8 @@ keys! {
         quantities: Option<Distinct<MetricKey>>,
         /// label of a model whose run the others are held against, beside the scene's reference
         reference_model: Option<Label>,
+        /// frequency above which the force of each mesh of a scene with several counts as ripple, for example 25e3
+        ripple_above_hz: Option<Positive>,
         /// where the times `published_s` of the models were published
         published: Option<String>,
         /// speeds of `gearbench sweep`: { from_hz, to_hz, points, cycles, turns, settle_s, branches }
@@ -112,6 +114,8 @@ pub struct Study {
     pub quantities: Vec<Metric>,
     /// Label of a model that is a reference for the others.
     pub reference_model: Option<String>,
+    /// Frequency above which the force of a mesh counts as ripple [Hz].
+    pub ripple_above: Option<f64>,
     /// Source of published times.
     pub published: Option<String>,
     /// Speeds of a sweep.
@@ -145,6 +149,7 @@ pub(super) fn study(keys: StudyKeys, labels: &[&str], at: &Place<'_>) -> Result<
             .map(|m| m.0)
             .collect(),
         reference_model: keys.reference_model.map(|l| l.0),
+        ripple_above: keys.ripple_above_hz.map(|f| f.0),
         published: keys.published,
         sweep: keys.sweep,
         stability,

@@ -46,6 +46,22 @@ pub fn coarse(parameters: &str) -> SceneFile {
     SceneFile::unbuilt("coarse.toml", &text, Origin::Shipped, false).expect("a scene")
 }
 
+/// The first gear with a rack in the place of the second.
+pub fn coarse_rack(parameters: &str) -> SceneFile {
+    let rack = GEARS
+        .replace(
+            "[gears.b]\nteeth = 24",
+            "[gears.b]\nkind = \"rack\"\nteeth = 6",
+        )
+        .replace("bore_radius_m = 0.01\n", "")
+        .replace("backlash_m = 80e-6", "centre_distance_m = 0.01805");
+    let text = format!(
+        "{rack}\n[[models]]\nmodel = \"elastic\"\nparameters = {{ {MESH}, {parameters} }}\n\
+         contact = {{ penalty_pa_per_m = 2e15, damping_ns_per_m3 = 2e9 }}\n"
+    );
+    SceneFile::unbuilt("rack.toml", &text, Origin::Shipped, false).expect("a scene")
+}
+
 /// Gears with a mesh spring `k0 (1 + depth cos)` of one wave per base pitch, and some damping.
 pub fn waves(depth: f64, ratio: f64, wheel_torque: f64) -> SceneFile {
     let text = |rows: &str| {

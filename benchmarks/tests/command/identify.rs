@@ -209,3 +209,87 @@ fn constants_that_are_not_fitted_stay_stored() {
     let stiffness = &run("rigid")["contact pinion - wheel"]["stiffness_n_per_m2"];
     assert_eq!(stiffness.as_f64(), Some(1.4e10));
 }
+
+/// Measured histories of a rig: the force is fitted as the scene's reference, and the transmission error over the mesh cycle,
+/// which no fit has seen, is compared with the model as it was and as it was identified.
+#[test]
+fn measured_histories_are_fitted_and_compared() {
+    let folder = Folder::new();
+    let rig = "name = \"rig\"\nduration_s = 2e-4\n[gears.pinion]\nteeth = 20\nmodule_m = 0.004\nface_width_m = 0.01\n\
+               speed_rad_s = 20.0\n[gears.wheel]\nteeth = 30\nmodule_m = 0.004\nface_width_m = 0.01\nspeed_rad_s = -12.0\n[[meshes]]\n\
+               gears = [\"pinion\", \"wheel\"]\ncentre_distance_m = 0.1001\nstart = { flank = \"left\", gap_m = 1e-6 }\n[[models]]\n\
+               model = \"rigid\"\ncontact = { stiffness = { kind = \"constant\", stiffness_n_per_m2 = 1.3e10 } }\n";
+    folder.write("rig.toml", &format!("schema = 1\n{rig}"));
+    folder.says("reference rig.toml --model rigid --method dopri5@1e-9 --out whole.csv");
+    let whole = folder.read("whole.csv");
+    let lines: Vec<&str> = whole.lines().filter(|l| !l.starts_with('#')).collect();
+    let names: Vec<&str> = lines[0].split(',').collect();
+    let write = |file: &str, columns: &[(&str, &str, f64)]| {
+        let head: Vec<&str> = columns.iter().map(|c| c.1).collect();
+        let mut text = head.join(",") + "\n";
+        for line in &lines[1..] {
+            let cells: Vec<&str> = line.split(',').collect();
+            let value = |name: &str| -> f64 {
+                let at = names.iter().position(|n| *n == name).unwrap();
+                cells[at].parse().unwrap()
+            };
+            let row = columns
+                .iter()
+                .map(|(of, _, factor)| (value(of) * factor).to_string());
+            text += &(row.collect::<Vec<_>>().join(",") + "\n");
+        }
+        folder.write(file, &text);
+    };
+    write(
+        "force.csv",
+        &[
+            ("time_s", "time [ms]", 1e3),
+            ("contact_force_n", "contact_force [kN]", 1e-3),
+        ],
+    );
+    let cycles = 20.0 / std::f64::consts::TAU;
+    let error = ("transmission_error_m", "transmission error [um]", 1e6);
+    write(
+        "cycle.csv",
+        &[("hub_angle_pinion_rad", "mesh_cycle", cycles), error],
+    );
+    let fitted = rig.replacen(
+        "[gears.pinion]",
+        "reference = \"force.csv\"\n[gears.pinion]",
+        1,
+    );
+    folder.write("rig.toml", &format!("schema = 1\n{fitted}"));
+    let fit = "identify rig.toml --model rigid --fit stiffness_n_per_m2 --hold gap_m=1e-6";
+    let said = folder.says(&format!(
+        "{fit} --measured cycle.csv --measured force.csv --out fit"
+    ));
+    as_documented(&folder.at("fit"));
+    let off = |constants: &str| -> f64 {
+        let line = said.lines().find(|l| {
+            l.contains("transmission error over mesh cycle, rigid, ") && l.contains(constants)
+        });
+        let line = line.unwrap_or_else(|| panic!("{constants} is missing in {said}"));
+        let (_, rest) = line.rsplit_once(": ").unwrap();
+        let number = rest.split(['\u{a0}', ' ']).next().unwrap();
+        let number = number.replace('\u{2212}', "-");
+        number.parse().unwrap_or_else(|_| panic!("{line}"))
+    };
+    assert!(off("initial") > 1.0 && off("identified") < 0.1, "{said}");
+    has(
+        &folder.read("fit/index.html"),
+        &[
+            "Measured curves",
+            "rigid, initial",
+            "rigid, identified",
+            "cycle.csv",
+        ],
+    );
+    let table = folder.read("fit/identify_histories.csv");
+    has(
+        &table,
+        &["model,constants,time_s", "rigid,identified,", "mesh_cycle"],
+    );
+    // Without measured curves no run is made for them.
+    folder.says(&format!("{fit} --out plain"));
+    assert!(!folder.at("plain/identify_histories.csv").exists());
+}

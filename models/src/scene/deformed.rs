@@ -1,12 +1,13 @@
 //! Flanks of elastic gears as they are deformed at a state, for pictures.
 //!
 //! A node of a reduced gear moves with the hub, and outward by `a = B q + r T - R F` (and along the profile where the gear
-//! knows that); nodes of finite elements say where they are.
+//! knows that); nodes of finite elements say where they are. Racks slide, all other gears turn: [`Placement`] has both.
 
 use super::assembled::Scene;
 use crate::Vec3;
 use crate::gear::FlankDisplacement;
 use crate::geometry::{FlankGrid, Side};
+use crate::kinematics::Placement;
 use gearbench_integrators::system::At;
 
 /// A section of a flank.
@@ -25,7 +26,7 @@ pub struct DeformedFlank {
 
 impl Scene {
     /// Sections of the flanks of some teeth of a gear, at the column of nodes nearest to a height on its axis [m]; none of
-    /// gears without nodes, and of racks.
+    /// gears without nodes.
     pub fn deformed_flanks(
         &mut self,
         at: At<'_>,
@@ -53,27 +54,13 @@ impl Scene {
     ) -> Vec<DeformedFlank> {
         self.evaluate_contacts(at);
         let g = &self.gears[gear];
-        let (Some(surface), None) = (g.model.surface(), g.model.hub().slide) else {
+        let Some(surface) = g.model.surface() else {
             return Vec::new();
         };
         let own = g.at(at);
-        let frame = g.model.hub().hub.frame(own.t, own.q);
-        let turn = self.phases()[gear] + g.model.hub_state(own).displacement;
-        let (sin, cos) = turn.sin_cos();
-        let placed = |p: &Vec3| {
-            frame.point(&Vec3::new(
-                cos * p.x - sin * p.y,
-                sin * p.x + cos * p.y,
-                p.z,
-            ))
-        };
-        let turned = |d: &Vec3| {
-            frame.turn(&Vec3::new(
-                cos * d.x - sin * d.y,
-                sin * d.x + cos * d.y,
-                d.z,
-            ))
-        };
+        let hub = &g.model.hub().hub;
+        let moved = g.model.hub_state(own).displacement;
+        let pose = Placement::new(hub, self.phases()[gear]).pose_at(hub, own.t, own.q, moved);
         let grids = surface.flanks.grids().iter();
         let mut out = Vec::new();
         for grid in grids.filter(|grid| teeth.contains(&grid.tooth)) {
@@ -83,7 +70,7 @@ impl Scene {
             let nodes: Vec<u32> = (0..grid.rows).map(|r| grid.nodes[place(r)]).collect();
             let with_hub: Vec<Vec3> = match surface.displacement {
                 None => (0..grid.rows)
-                    .map(|r| placed(&grid.positions[place(r)]))
+                    .map(|r| pose.point(&grid.positions[place(r)]))
                     .collect(),
                 // Displacements count from the rigid motion that the nodes tell.
                 Some(_) => {
@@ -107,7 +94,7 @@ impl Scene {
                         .map(|(r, n)| {
                             let tangent = Vec3::new(-n.y, n.x, 0.0);
                             let along = along.as_ref().map_or(0.0, |a| a[r]);
-                            turned(&(outward[r] * n + along * tangent))
+                            pose.turn(&(outward[r] * n + along * tangent))
                         })
                         .collect()
                 }

@@ -110,7 +110,11 @@ impl<'a> Force<'a> {
     }
 
     /// The force at ascending times, each moved by `-shift`; 0 between pieces.
-    fn at_times(&self, times: impl Iterator<Item = f64>, shift: f64) -> impl Iterator<Item = f64> {
+    pub fn at_times(
+        &self,
+        times: impl Iterator<Item = f64>,
+        shift: f64,
+    ) -> impl Iterator<Item = f64> {
         let mut next = 0;
         times.map(move |t| {
             let t = t - shift;

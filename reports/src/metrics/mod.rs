@@ -43,6 +43,7 @@
 
 mod columns;
 mod history;
+pub mod meshes;
 mod metric;
 pub mod orders;
 

@@ -6,6 +6,7 @@
 //! finite, is absent: use [`finite`].
 
 pub(crate) mod checks;
+mod mesh_force;
 mod mesh_mode;
 mod paths;
 mod picture;
@@ -16,6 +17,7 @@ use crate::metrics::Metric;
 use crate::series::TimeSeries;
 pub use crate::studies::sweep::{Bearing, StaticCycle, Steady};
 pub use crate::studies::{Part, Study};
+pub use mesh_force::MeshForce;
 pub(crate) use mesh_mode::damping_to_text;
 pub use mesh_mode::{MeshMode, damping_differs};
 pub use paths::{MemberPath, MeshPath, PlanetShare, ShaftPath, Sharing, TorquePaths};

@@ -1,7 +1,8 @@
 //! A run: one model under one integrator, what it cost, and how it ended.
 
 use super::{
-    ContactSnapshot, Ledger, Metrics, Steady, TorquePaths, is_not_finite, nan, not_a_number, slug,
+    ContactSnapshot, Ledger, MeshForce, Metrics, Steady, TorquePaths, is_not_finite, nan,
+    not_a_number, slug,
 };
 use crate::histories::Histories;
 use crate::metrics::{Finished, Unfinished};
@@ -180,6 +181,9 @@ pub struct Run {
     /// Where torque and power go, of trains and shafts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paths: Option<TorquePaths>,
+    /// The contact force of each mesh, of scenes with several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mesh_forces: Vec<MeshForce>,
     /// CSV files with its histories, in the folder of the record.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<String>,

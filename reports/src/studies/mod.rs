@@ -150,7 +150,10 @@ impl Part {
                 &part.stiffness,
                 stiffness::ModelStiffness::validate,
             ),
-            Part::Identify(part) => each("fits", &part.fits, identify::FitRecord::validate),
+            Part::Identify(part) => {
+                each("fits", &part.fits, identify::FitRecord::validate)?;
+                each("histories", &part.histories, |h| h.series.validate())
+            }
             Part::Compare(_)
             | Part::Precision(_)
             | Part::ChoiceCheck(_)
@@ -223,7 +226,7 @@ fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
         Part::Truncation => truncation::report(view),
         Part::Penalty => penalty::report(view),
         Part::Sweep(part) => sweep::report(view, &part.statics),
-        Part::Identify(part) => identify::report(&part.fits),
+        Part::Identify(part) => identify::report(part),
         Part::Modes(part) => modes::report(&part.vibrations),
         Part::Response(part) => response::report(&part.responses),
         Part::Coupling(part) => coupling::report(view, &part.couplings),

@@ -2,7 +2,7 @@
 
 use crate::{finding, has_only_numbers, holds, written};
 use gearbench_reports::record::{
-    MemberPath, MeshPath, PlanetShare, Run, ShaftPath, Sharing, TorquePaths,
+    MemberPath, MeshForce, MeshPath, PlanetShare, Run, ShaftPath, Sharing, TorquePaths,
 };
 use gearbench_reports::run_up::{
     ModelRunUp, NaturalFrequency, RunUpChannel, RunUpMap, RunUpRecord, TrackedOrder,
@@ -216,4 +216,117 @@ fn paths_of_torque_and_shares_of_planets_are_told() {
         "no share of a run that has not settled"
     );
     assert!(!files.contains_key("torque_paths.csv") && !files.contains_key("load_sharing.svg"));
+}
+
+/// Two models of a scene with so many pairs, whose forces and speed ratios swing; teeth of the second model move.
+fn pairs(meshes: usize) -> Results {
+    let time_s: Vec<f64> = (0..200).map(|i| 1e-5 * f64::from(i)).collect();
+    let swing = |size: f64, per_s: f64| -> Vec<f64> {
+        time_s.iter().map(|t| size * (per_s * t).sin()).collect()
+    };
+    let gears: Vec<[String; 2]> = (0..meshes)
+        .map(|m| [format!("p{m}"), format!("w{m}")])
+        .collect();
+    let run = |model: &str, size: f64| {
+        let of = |m: usize, what: &str, unit: &str| {
+            let [a, b] = &gears[m];
+            Column {
+                name: match m {
+                    0 => format!("{what}{unit}"),
+                    _ => format!("{what}_{a}_{b}{unit}"),
+                },
+                values: swing(size * (m + 1) as f64, 1e3 * (m + 2) as f64),
+            }
+        };
+        let mut columns: Vec<Column> = (0..meshes)
+            .flat_map(|m| [of(m, "speed_ratio_error", ""), of(m, "contact_force", "_n")])
+            .filter(|c| c.name != "contact_force_n")
+            .collect();
+        if model == "movable-teeth" {
+            for what in [
+                "deflection",
+                "radial_force",
+                "tangential_force",
+                "spring_force",
+            ] {
+                let unit = if what == "deflection" { "rad" } else { "n" };
+                columns.extend(gears[0].iter().map(|gear| Column {
+                    name: format!("tooth_{what}_{gear}_{unit}"),
+                    values: swing(size, 5e3),
+                }));
+            }
+        }
+        Run {
+            model: model.into(),
+            integrator: "rk4".into(),
+            simulated_s: 2e-3,
+            series: Some(TimeSeries {
+                contact_force_n: swing(size, 2e3),
+                omega1_rad_s: vec![1.0; time_s.len()],
+                omega2_rad_s: vec![-1.0; time_s.len()],
+                columns,
+                time_s: time_s.clone(),
+                force: None,
+            }),
+            mesh_forces: (gears.iter().enumerate())
+                .map(|(m, gears)| MeshForce {
+                    gears: gears.clone(),
+                    peak_force_n: Some(size * (m + 1) as f64),
+                    ripple_rms_n: Some(0.5),
+                    ripple_above_hz: Some(25e3),
+                    ..MeshForce::default()
+                })
+                .collect(),
+            ..Run::default()
+        }
+    };
+    Results {
+        runs: vec![run("rigid", 100.0), run("movable-teeth", 90.0)],
+        ..Results::default()
+    }
+}
+
+/// How often a chart has a text.
+fn texts(svg: &str, text: &str) -> usize {
+    svg.lines().filter(|line| *line == text).count()
+}
+
+/// The meshes of a model are in one panel, named by the legend alone, as long as these can be told apart; of many meshes
+/// each has a panel of its own.
+#[test]
+fn the_meshes_of_a_model_share_a_panel() {
+    let files = written(&pairs(2));
+    has_only_numbers(&files);
+    let (motion, force) = (&files["teeth.svg"], &files["force.svg"]);
+    for svg in [motion, force] {
+        assert_eq!([texts(svg, "p0 - w0"), texts(svg, "p1 - w1")], [1, 1]);
+    }
+    for model in ["rigid (rk4)", "movable-teeth (rk4)"] {
+        assert_eq!(texts(force, model), 1, "{model}");
+        let of = |what: &str| texts(motion, &format!("{what}, {model}"));
+        assert_eq!(of("error of the speed ratio"), 1);
+        // One model has moving teeth: both gears are in its panels.
+        let moves = usize::from(model.starts_with("movable"));
+        for what in [
+            "deflection of a tooth",
+            "radial force",
+            "tangential force",
+            "spring force",
+        ] {
+            assert_eq!(of(what), moves, "{what}");
+        }
+    }
+    assert_eq!([texts(motion, "p0"), texts(motion, "w0")], [1, 1]);
+    let page = &files["index.html"];
+    assert!(page.contains("Forces of the meshes") && page.contains("Ripple above 25"));
+    assert_eq!(files["mesh_forces.csv"].lines().count(), 1 + 4);
+
+    let many = written(&pairs(5));
+    let motion = &many["teeth.svg"];
+    assert_eq!(texts(motion, "error of the speed ratio, p4 - w4"), 1);
+    assert_eq!(texts(motion, "p4 - w4"), 0);
+    // Models are named by the legend.
+    assert_eq!(texts(motion, "rigid (rk4)"), 1);
+    let caption = "It is that of the first mesh, p0 - w0.";
+    assert!(many["index.html"].contains(caption));
 }

@@ -35,6 +35,8 @@ pub struct Plan<'a> {
     pub references: Vec<ReferenceSeries>,
     /// What models are compared with.
     pub wanted: Wanted,
+    /// Frequency above which the force of a mesh counts as ripple [Hz].
+    pub ripple_above: Option<f64>,
     /// Source of published times.
     pub published: Option<String>,
     /// What the scene calls accurate enough.
@@ -64,6 +66,7 @@ impl Plan<'_> {
                 Some(label) => Wanted::Named(label.clone()),
                 None => Wanted::Stored,
             },
+            ripple_above: scene.study.ripple_above,
             published: scene.study.published.clone(),
             tolerance: scene.tolerance.clone(),
             pictures: None,

@@ -12,6 +12,7 @@ use crate::experiment::status::{against_contact, judge};
 use crate::experiment::thin::thin_row;
 use gearbench_integrators::Scheme;
 use gearbench_reports::comparison::{CompareRecord, Kind, Yardstick};
+use gearbench_reports::metrics::meshes::mesh_forces;
 use gearbench_reports::metrics::{Metric, compare as measure, compare_all};
 use gearbench_reports::numbers::quantity;
 use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run, SELF, Tolerance};
@@ -91,7 +92,13 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                 runner.tell(done + runs.len(), plan.len(), &what);
             };
             tell(&method.method);
-            let held = (&references, &tolerance, &yardstick, asked);
+            let held = (
+                &references,
+                &tolerance,
+                &yardstick,
+                asked,
+                plan.ripple_above,
+            );
             let mut make = || {
                 let mut row = run(&own_job())?;
                 row.published_s = entry.published;
@@ -119,6 +126,9 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
                     .filter(|t| !(is_reference(entry) && t.against == entry.label));
                 let limits = (tolerance, yardstick.as_ref());
                 measure_against(&mut row, method, limits, &references, own);
+                if let (Ok(_), Some(series)) = (row.finished(), &row.series) {
+                    row.mesh_forces = mesh_forces(series, &meshes_of(entry), plan.ripple_above);
+                }
                 Ok::<_, RunError>(row)
             };
             let mut row = match runner.row(own_job().key().and(&held), method, &mut make) {
@@ -184,6 +194,15 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
             yardstick,
         }))
     })
+}
+
+/// Names of the gears of each mesh.
+fn meshes_of(entry: &Configuration) -> Vec<[String; 2]> {
+    let gears = &entry.scene.gears;
+    let meshes = entry.scene.meshes.iter();
+    meshes
+        .map(|m| m.gears.map(|i| gears[i].name.clone()))
+        .collect()
 }
 
 /// How many modes each gear of an elastic model has, which the numbers and frequencies asked for only bound.

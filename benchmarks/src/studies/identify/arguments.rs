@@ -18,6 +18,9 @@ Examples:
                                                     constants of single gears
   gearbench identify spur_impact --to running --load 27 --write
                                                     fitted to the impact and to finite elements at rest at once
+  gearbench identify my_scene.toml --measured rig.csv
+                                                    and compare a measured curve, such as transmission_error_um over
+                                                    mesh_cycle, with the initial and the identified model
 
 A calibration holds for what it was fitted to: `impact` for single impacts, `static` for standing and slow running under
 load, `running` for both. `impact` and `running` need a reference of the scene, `static` and `running` a model of finite

@@ -1,6 +1,6 @@
 //! The parameters that a fit has, and the points that it starts from.
 
-use super::estimate::coordinates::Coordinate;
+use super::estimate::coordinates::{Coordinate, values};
 use super::parameters::Parameter;
 use crate::scene_file::calibration::{CURVATURE, Constants, SLOPE};
 use std::f64::consts::PI;
@@ -58,6 +58,14 @@ impl Chosen {
             Parameter::Constant(key) => Some((key.as_str(), x)),
             Parameter::Clock(_) => None,
         }))
+    }
+
+    /// The constants that a fit starts from.
+    pub fn initial(&self) -> Option<Constants> {
+        let start = values(&self.coordinates, self.starts.first()?);
+        let held = start.iter().zip(&self.held);
+        let all: Vec<f64> = held.map(|(x, held)| held.unwrap_or(*x)).collect();
+        Some(self.constants(&all))
     }
 
     /// Offset of the clock of a data set [s].

@@ -5,7 +5,10 @@ use super::into_scene::{Written, write_scene};
 use super::parameters::Wishes;
 use super::summary::summarise;
 use super::write::{told_of, write};
-use super::{DataSet, FitPlan, Identification, IdentifyError, StaticTarget, identify};
+use super::{
+    DataSet, FitPlan, Identification, IdentifyError, StaticTarget, histories as histories_of_fit,
+    identify,
+};
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
 use crate::cli::progress::Display;
@@ -85,6 +88,13 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
         }
         drop(display);
     }
+    let mut histories = Vec::new();
+    if !args.output.measured.is_empty() {
+        for (choice, found) in &found {
+            let made = histories_of_fit(&scene, choice, found, &runner);
+            histories.extend(made.map_err(|e| refuse_study(&scene, e.into()))?);
+        }
+    }
     drop(runner);
     // Where no model is fitted the study has no result: the first reason is its refusal.
     let none = found.is_empty() && !interruption::requested();
@@ -111,7 +121,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     };
     let fits: Vec<_> = found.iter().map(|(_, f)| f.record.clone()).collect();
     let told: Vec<_> = fits.iter().map(told).collect();
-    let results = conditions.record(Part::Identify(IdentifyRecord { fits }));
+    let results = conditions.record(Part::Identify(IdentifyRecord { fits, histories }));
     let answer = folder.finish(results, |_| Exit::Done, summarise)?;
     let answer = answer.with("reference", &names).with("models", told);
     if interruption::requested() {

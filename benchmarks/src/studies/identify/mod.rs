@@ -50,4 +50,4 @@ mod write;
 pub use chosen::Chosen;
 pub use parameters::{CLOCK, Parameter, Wishes};
 pub use plan::{Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply};
-pub use run::{identify, modelled};
+pub use run::{histories, identify, modelled};

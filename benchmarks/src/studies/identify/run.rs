@@ -7,15 +7,19 @@ use super::parameters::choose;
 use super::plan::{
     Data, DataSet, FitPlan, Identification, IdentifyError, StaticTarget, apply, size,
 };
+use crate::experiment::conditions::Conditions;
 use crate::experiment::key::Key;
-use crate::experiment::run::force_on_grid;
+use crate::experiment::run::{Job, RunError, force_on_grid, run};
 use crate::experiment::runner::Runner;
 use crate::experiment::small_signals::assemble;
+use crate::experiment::thin::thin;
 use crate::scene_file::calibration::Constants;
+use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::DOPRI5;
 use gearbench_reports::identify::{
-    DataKind, DataRecord, FitRecord, Outcome, ParameterRecord, ProfileRecord,
+    ConstantSet, DataKind, DataRecord, FitHistory, FitRecord, Outcome, ParameterRecord,
+    ProfileRecord,
 };
 
 /// Tolerance of the integration inside the fit: differences of two runs are to have three digits.
@@ -209,6 +213,49 @@ fn against(set: &DataSet, model: Vec<f64>, validation: bool) -> DataRecord {
         data: data.to_vec(),
         model,
     }
+}
+
+/// The scene with a fitted model, once with the constants that the fit started from and once with those that it found: what
+/// measured curves are compared with. A run that fails is none.
+///
+/// # Errors
+/// [`RunError`] when a model cannot be built with its constants.
+pub fn histories(
+    scene: &SceneFile,
+    choice: &ModelChoice,
+    found: &Identification,
+    runner: &Runner<'_>,
+) -> Result<Vec<FitHistory>, RunError> {
+    let conditions = Conditions {
+        torques: true,
+        repeats: 0,
+        ..Conditions::of(scene)
+    };
+    let (method, grid) = (DOPRI5.at_tolerance(RTOL), conditions.grid());
+    let sets = [
+        (ConstantSet::Initial, found.chosen.initial()),
+        (ConstantSet::Identified, Some(found.all.clone())),
+    ];
+    let mut all = Vec::new();
+    for (set, constants) in sets {
+        let Some(constants) = constants else { continue };
+        let (mut spec, mut modelling) = (scene.spec_for(choice), choice.modelling.clone());
+        apply(&constants, &choice.model, &mut spec, &mut modelling);
+        let job = Job {
+            max_steps: MAX_STEPS,
+            ..conditions.job((&spec, &modelling), &method, &grid)
+        };
+        let row = runner.row(job.key(), &method, || run(&job))?;
+        if row.status.is_failure() {
+            continue;
+        }
+        all.extend(row.series.map(|series| FitHistory {
+            label: choice.label.clone(),
+            constants: set,
+            series: thin(&series),
+        }));
+    }
+    Ok(all)
 }
 
 fn record(

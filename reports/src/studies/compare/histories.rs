@@ -1,11 +1,14 @@
 //! Contact force and angular velocities over time: one run per model, with the reference.
+//!
+//! A quantity that meshes (or gears) of a scene have each their own history of is drawn in one of two layouts: a panel for
+//! each model with all meshes in it, or, where a panel would hold too many curves, a panel for each mesh with all models.
 
 use super::window::{TimeAxis, busy_window, contact_window, peak_of, time_axis};
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
-use crate::drawing::panel::{Curve, Panel, chart};
+use crate::drawing::panel::{Curve, Panel, chart, extremes};
 use crate::drawing::style::{model_stroke, reference_stroke};
 use crate::numbers::{Prefix, per_cent, quantity};
 use crate::record::{ReferenceSeries, Run};
@@ -18,9 +21,23 @@ struct Drawn<'a> {
     history: usize,
 }
 
+/// Meshes or gears whose curves one panel shows at most: more of them cannot be told apart.
+const MOST_OVERLAID: usize = 4;
+
+/// A mesh or a gear, and the column that a quantity of it stands in.
+pub(super) struct Member {
+    /// Its name; empty where a scene has but one.
+    pub name: String,
+    pub column: String,
+    /// Place of its look, behind those of all models.
+    pub style: usize,
+}
+
 /// A history with its look.
 pub(super) struct History<'a> {
     pub label: String,
+    /// It is a reference that is a run of the record.
+    pub is_copy: bool,
     pub series: &'a TimeSeries,
     /// Of a reference, its histories at other times.
     pub further: &'a [TimeSeries],
@@ -38,6 +55,10 @@ pub(super) struct Histories<'a> {
     pub time: TimeAxis,
     /// A window to look into when the whole is too busy to read.
     pub zoom: Option<TimeAxis>,
+    /// Names of the gears of each mesh, of scenes with several.
+    meshes: Vec<[String; 2]>,
+    /// Number of models, whose looks come first.
+    models: usize,
 }
 
 impl<'a> History<'a> {
@@ -49,14 +70,28 @@ impl<'a> History<'a> {
     fn has_force(&self) -> bool {
         !self.series.contact_force_n.is_empty()
     }
+
+    /// Times and values of a column, of the first of its series that has it.
+    fn column(&self, name: &str) -> Option<(&'a [f64], &'a [f64])> {
+        let mut all = self.all_series();
+        all.find_map(|s| Some((s.time_s.as_slice(), column(s, name)?)))
+    }
+}
+
+/// The values of a column, of the standard ones or a further one; a column that a reference does not have is none.
+fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
+    let mut columns = series.named_columns();
+    columns.find_map(|(n, values)| (n == name && !values.is_empty()).then_some(values))
 }
 
 impl<'a> Histories<'a> {
     pub fn of(view: &View<'a>) -> Option<Self> {
         let reference = view.reference();
+        let is_copy = |id: &str| view.results.runs.iter().any(|run| is_run(id, run));
         let mut curves: Vec<History<'a>> = (reference.iter())
             .map(|r| History {
                 label: view.reference_name(&r.id),
+                is_copy: is_copy(&r.id),
                 series: &r.series,
                 further: &r.further,
                 stroke: reference_stroke(),
@@ -69,6 +104,7 @@ impl<'a> Histories<'a> {
         let plain = curves.len();
         curves.extend(others.map(|r| History {
             label: view.reference_name(&r.id),
+            is_copy: is_copy(&r.id),
             series: &r.series,
             further: &r.further,
             stroke: Stroke::dashed(Ink::GREY, 1.3, &[1.5, 2.0]),
@@ -99,24 +135,148 @@ impl<'a> Histories<'a> {
             });
             curves.push(History {
                 label,
+                is_copy: false,
                 series,
                 further: &[],
                 stroke: model_stroke(group.style),
                 style: Some(group.style),
             });
         }
+        let with_meshes = view.results.runs.iter().map(|r| &r.mesh_forces);
+        let forces = with_meshes.max_by_key(|m| m.len());
+        let meshes: Vec<[String; 2]> = (forces.into_iter().flatten())
+            .map(|m| m.gears.clone())
+            .collect();
         let all: Vec<&TimeSeries> = curves.iter().map(|c| c.series).collect();
-        let time = time_axis(contact_window(&all));
         // A reference may lack a force.
         let busiest = curves.iter().find(|c| c.has_force());
         let zoom = busy_window(busiest.map_or(*all.first()?, |c| c.series)).map(time_axis);
-        Some(Self {
+        let mut found = Self {
             reference,
             runs,
             curves,
-            time,
+            time: time_axis((0.0, 1.0)),
             zoom,
-        })
+            meshes,
+            models: view.groups.len(),
+        };
+        found.time = time_axis(contact_window(&found.forces()));
+        Some(found)
+    }
+
+    /// Times and contact forces of all histories: of the first mesh, and of the others where panels show them.
+    fn forces(&self) -> Vec<(&'a [f64], &'a [f64])> {
+        let meshes = self.meshes_with("contact_force", "_n");
+        let shown = match overlay(meshes.len()) {
+            true => meshes.len(),
+            false => 1,
+        };
+        let columns = || meshes.iter().take(shown);
+        let of = |c: &History<'a>| {
+            let series = c.series;
+            let force = |m: &Member| Some((series.time_s.as_slice(), column(series, &m.column)?));
+            columns().filter_map(force).collect::<Vec<_>>()
+        };
+        self.curves.iter().flat_map(of).collect()
+    }
+
+    /// The meshes of the scene with the columns of a quantity, whose names consist of a beginning and an ending.
+    pub fn meshes_with(&self, begin: &str, end: &str) -> Vec<Member> {
+        let first = Member {
+            name: String::new(),
+            column: format!("{begin}{end}"),
+            style: self.models,
+        };
+        if self.meshes.is_empty() {
+            return vec![first];
+        }
+        let member = |(m, [a, b]): (usize, &[String; 2])| Member {
+            name: format!("{a} - {b}"),
+            column: match m {
+                0 => first.column.clone(),
+                _ => format!("{begin}_{a}_{b}{end}"),
+            },
+            style: self.models + m,
+        };
+        self.meshes.iter().enumerate().map(member).collect()
+    }
+
+    /// Gears with columns of a quantity; the name of such a column begins with that of the quantity and ends with a unit.
+    pub fn gears_with(&self, begin: &str, unit: &str) -> Vec<Member> {
+        let first = self.models + self.meshes.len();
+        let mut found: Vec<Member> = Vec::new();
+        let all = self.curves.iter().flat_map(History::all_series);
+        for (name, _) in all.flat_map(TimeSeries::named_columns) {
+            let gear = name
+                .strip_prefix(begin)
+                .and_then(|n| n.strip_prefix('_')?.strip_suffix(unit)?.strip_suffix('_'));
+            if let Some(gear) = gear.filter(|_| found.iter().all(|m| m.column != name)) {
+                found.push(Member {
+                    name: gear.to_owned(),
+                    column: name.to_owned(),
+                    style: first + found.len(),
+                });
+            }
+        }
+        found
+    }
+
+    /// Number of models that have any of these columns.
+    pub fn models_with(&self, members: &[Member]) -> usize {
+        let has = |c: &&History<'_>| members.iter().any(|m| c.column(&m.column).is_some());
+        self.curves
+            .iter()
+            .filter(|c| c.style.is_some())
+            .filter(has)
+            .count()
+    }
+
+    /// Least and greatest value of some columns, and zero.
+    pub fn extremes(&self, members: &[Member]) -> (f64, f64) {
+        let all = || {
+            self.curves
+                .iter()
+                .flat_map(|c| members.iter().map(move |m| (c, m)))
+        };
+        let values = all()
+            .filter_map(|(c, m)| c.column(&m.column))
+            .flat_map(|(_, y)| y);
+        extremes(values.copied().chain([0.0]))
+    }
+
+    /// A panel for each history with the curves of all members in it.
+    pub fn by_model(
+        &self,
+        members: &[Member],
+        factor: f64,
+        time: &TimeAxis,
+        panel: &dyn Fn(&str) -> Panel,
+    ) -> Vec<Panel> {
+        let of = |c: &History<'a>| {
+            let line = |m: &Member| {
+                let look = (model_stroke(m.style), Some(m.style));
+                Some(self.curve(look, c.column(&m.column)?, factor, time))
+            };
+            let curves: Vec<Curve> = members.iter().filter_map(line).collect();
+            (!curves.is_empty()).then(|| panel(&c.label).curves(curves))
+        };
+        let own = self.curves.iter().filter(|c| !c.is_copy);
+        own.filter_map(of).collect()
+    }
+
+    /// A panel for each member with the curves of all histories in it.
+    pub fn by_member(
+        &self,
+        members: &[Member],
+        factor: f64,
+        time: &TimeAxis,
+        panel: &dyn Fn(&str) -> Panel,
+    ) -> Vec<Panel> {
+        let of = |m: &Member| {
+            let curves = self.lines(|s| column(s, &m.column), factor, time);
+            (!curves.is_empty()).then(|| panel(&m.name).curves(curves))
+        };
+        members.iter().filter_map(of).collect()
     }
 
     pub fn legend(&self) -> Vec<Entry> {
@@ -125,32 +285,53 @@ impl<'a> Histories<'a> {
     }
 
     fn peak(&self) -> f64 {
-        peak_of(&self.curves.iter().map(|c| c.series).collect::<Vec<_>>())
+        peak_of(&self.forces())
     }
 
-    /// All curves of a column. Busy overviews take thin full lines: dashes would be lost in them.
+    /// All curves of a column.
     pub fn lines(
         &self,
         column: impl Fn(&TimeSeries) -> Option<&[f64]>,
         factor: f64,
         time: &TimeAxis,
     ) -> Vec<Curve> {
-        let overview = self.zoom.is_some() && *time == self.time;
         let line = |c: &History<'_>| {
             // A column that a reference does not have is no line at zero.
             let mut all = c.all_series().filter_map(|s| Some((s, column(s)?)));
             let (series, values) = all.find(|(_, values)| !values.is_empty())?;
-            let stroke = match overview {
-                true => Stroke::new(c.stroke.ink, 0.9),
-                false => c.stroke,
-            };
-            let x = scaled(&series.time_s, time.factor);
-            let y = scaled(values, factor);
-            let curve = Curve::history(stroke, &time.axis, &x, &y);
-            Some(curve.along(c.style.filter(|_| !overview)))
+            let look = (c.stroke, c.style);
+            Some(self.curve(look, (&series.time_s, values), factor, time))
         };
         self.curves.iter().filter_map(line).collect()
     }
+
+    /// A curve with its look. Busy overviews take thin full lines: dashes would be lost in them.
+    fn curve(
+        &self,
+        (stroke, style): (Stroke, Option<usize>),
+        (t, values): (&[f64], &[f64]),
+        factor: f64,
+        time: &TimeAxis,
+    ) -> Curve {
+        let overview = self.zoom.is_some() && *time == self.time;
+        let stroke = match overview {
+            true => Stroke::new(stroke.ink, 0.9),
+            false => stroke,
+        };
+        let (x, y) = (scaled(t, time.factor), scaled(values, factor));
+        Curve::history(stroke, &time.axis, &x, &y).along(style.filter(|_| !overview))
+    }
+}
+
+/// Whether one panel shows so many meshes or gears.
+pub(super) fn overlay(members: usize) -> bool {
+    (2..=MOST_OVERLAID).contains(&members)
+}
+
+/// Entries of a legend for members.
+pub(super) fn legend_of(members: &[Member]) -> impl Iterator<Item = Entry> + '_ {
+    let entry = |m: &Member| Entry::history(&m.name, model_stroke(m.style), Some(m.style));
+    members.iter().map(entry)
 }
 
 /// Whether a reference is a run of the record: it then has the run's label, `model` or `model-variant`.
@@ -172,19 +353,47 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     };
     let unit = Prefix::of(h.peak(), 20.0);
     let y_name = format!("contact force [{}N]", unit.symbol);
-    let panel = |time: &TimeAxis, height: f64| Panel {
+    let meshes = h.meshes_with("contact_force", "_n");
+    let overlaid = overlay(meshes.len());
+    let top = Axis::from_zero(h.peak() * unit.factor);
+    let together = |time: &TimeAxis, height: f64| Panel {
         x_name: Some(time.name.clone()),
         ..Panel::new(height, &time.axis, &y_name)
             .curves(h.lines(|s| Some(&s.contact_force_n), unit.factor, time))
             .close()
     };
+    let by_model = |time: &TimeAxis, height: f64| {
+        let panel = |of: &str| Panel {
+            y: Some(top.clone()),
+            ..Panel::new(height, &time.axis, &format!("force [{}N]", unit.symbol)).remark(of)
+        };
+        let mut panels = h.by_model(&meshes, unit.factor, time, &panel);
+        if let Some(last) = panels.last_mut() {
+            last.x_name = Some(time.name.clone());
+        }
+        panels
+    };
     let mut caption =
         "Normal contact force of one run per model, the one with the least error.".to_owned();
+    match (overlaid, meshes.first()) {
+        (true, _) => caption.push_str(" Each panel has the meshes of one model."),
+        (false, Some(first)) if meshes.len() > 1 => {
+            caption.push_str(&format!(" It is that of the first mesh, {}.", first.name));
+        }
+        _ => {}
+    }
     let mut panels = Vec::new();
-    match &h.zoom {
-        None => panels.push(panel(&h.time, 240.0)),
-        Some(zoom) => {
-            let top = Axis::from_zero(h.peak() * unit.factor);
+    match (&h.zoom, overlaid) {
+        (None, false) => panels.push(together(&h.time, 240.0)),
+        (None, true) => panels.extend(by_model(&h.time, 150.0)),
+        (Some(zoom), true) => {
+            panels.extend(by_model(&h.time, 88.0));
+            panels.extend(by_model(zoom, 150.0));
+            caption.push_str(
+                " Each model as a whole (drawn so that every peak stays), then around the highest peak.",
+            );
+        }
+        (Some(zoom), false) => {
             let lines = h.lines(|s| Some(&s.contact_force_n), unit.factor, &h.time);
             let forces = h.curves.iter().filter(|c| c.has_force());
             let last = lines.len().saturating_sub(1);
@@ -198,7 +407,7 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
                         .curves([line])
                 });
             }
-            panels.push(panel(zoom, 200.0));
+            panels.push(together(zoom, 200.0));
             caption.push_str(
                 " Each history as a whole (drawn so that every peak stays), then all of them \
                  around the highest peak.",
@@ -213,10 +422,14 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             h.zoom.as_ref().unwrap_or(&h.time),
             unit,
         ));
-        caption.push_str(
-            " Below: model minus reference, each run shifted in time to its best fit; what stays \
+        let of = match meshes.len() {
+            1 => "",
+            _ => " of the first mesh",
+        };
+        caption.push_str(&format!(
+            " Below: model minus reference{of}, each run shifted in time to its best fit; what stays \
              are the shape of the contact law and the ripples that only elastic bodies show.",
-        );
+        ));
         let shifts: Vec<String> = (h.runs.iter())
             .filter_map(|d| {
                 let m = d.run.against(&reference.id)?;
@@ -233,8 +446,16 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             caption.push_str(&format!(" Errors: {}.", shifts.join("; ")));
         }
     }
+    let mut legend = Vec::new();
+    if overlaid {
+        legend.extend(legend_of(&meshes));
+    }
+    // Models have a line of their own only where panels show several.
+    if !overlaid || h.reference.is_some_and(|r| with_force(&r)) {
+        legend.extend(h.legend());
+    }
     let title = "Contact force over time";
-    chart("force.svg", title, caption, &h.legend(), &panels).map(Some)
+    chart("force.svg", title, caption, &legend, &panels).map(Some)
 }
 
 fn residual(

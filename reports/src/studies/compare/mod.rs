@@ -8,6 +8,7 @@ mod flanks;
 mod glance;
 pub(super) mod histories;
 mod mesh;
+mod meshes;
 mod paths;
 mod pressure;
 mod teeth;
@@ -54,10 +55,10 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         .chain(behind.into_iter().flatten());
     Ok(StudyReport {
         finding: finding::finding(view),
-        tables: html! { (glance::glance(view)) (timing::timing(view, part)) (paths::tables(view)) },
+        tables: html! { (glance::glance(view)) (timing::timing(view, part)) (meshes::table(view)) (paths::tables(view)) },
         charts: charts.collect(),
         details: runs::all(view),
-        csv: paths::csv(view),
+        csv: [meshes::csv(view), paths::csv(view)].concat(),
         ..StudyReport::default()
     })
 }

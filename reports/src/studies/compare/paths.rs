@@ -9,6 +9,7 @@ use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::look;
 use crate::markup::table::Table;
 use crate::markup::{note, section};
+use crate::metrics::meshes::force_column;
 use crate::numbers::{Prefix, per_cent, quantity, significant};
 use crate::record::{MemberPath, MeshPath, PlanetShare, Run, ShaftPath, Sharing, TorquePaths};
 use crate::series::TimeSeries;
@@ -189,13 +190,11 @@ fn sharing(all: &[&Shown<'_>]) -> Markup {
     )
 }
 
-/// The name of the column of the force of a mesh; the first of a scene has none in it.
-fn force<'s>(series: &'s TimeSeries, [a, b]: &[String; 2], first: bool) -> Option<&'s [f64]> {
-    if first {
-        return Some(&series.contact_force_n);
-    }
-    let name = format!("contact_force_{a}_{b}_n");
-    series.column(&name)
+/// The force of a mesh over time.
+fn force<'s>(series: &'s TimeSeries, gears: &[String; 2], first: bool) -> Option<&'s [f64]> {
+    let name = force_column(gears, first);
+    let mut columns = series.named_columns();
+    columns.find_map(|(n, values)| (n == name).then_some(values))
 }
 
 /// Shares of planets over time, a panel for each gear that they mesh with; of the first model that has them.

@@ -1,37 +1,71 @@
-//! How teeth move: their place in the backlash where they hammer, the deflection of movable teeth, the error of the speed
-//! ratio.
+//! How teeth move: their place in the backlash where they hammer, the error of the speed ratio, the deflection of movable
+//! teeth and the forces on them.
 
-use super::histories::Histories;
+use super::histories::{Histories, Member, legend_of, overlay};
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::DrawError;
-use crate::drawing::panel::{Panel, chart, extremes};
+use crate::drawing::panel::{Panel, chart};
 use crate::numbers::Prefix;
-use crate::series::{BACKLASH_POSITION, SPEED_RATIO_ERROR, TOOTH_DEFLECTION, TimeSeries};
+use crate::series::{
+    BACKLASH_POSITION, SPEED_RATIO_ERROR, TOOTH_DEFLECTION, TOOTH_RADIAL_FORCE, TOOTH_SPRING_FORCE,
+    TOOTH_TANGENTIAL_FORCE,
+};
 use crate::view::View;
 
-/// Columns by what their names begin with: what a panel calls them, their unit, and what the caption says.
-const QUANTITIES: [(&str, &str, &str, &str); 3] = [
-    (
-        BACKLASH_POSITION,
-        "place in the backlash",
-        "",
-        "The place in the backlash is 0 where the flank that touches first does so without load and 1 where the other one does; \
-         beyond them teeth are deflected.",
-    ),
-    (
-        SPEED_RATIO_ERROR,
-        "error of the speed ratio",
-        "",
-        "The error of the speed ratio is the ratio of the hubs' speeds over that of the numbers of teeth, less 1.",
-    ),
-    (
-        TOOTH_DEFLECTION,
-        "deflection of a tooth",
-        "rad",
-        "The deflection of a movable tooth is its angle less that of its body, of the touching tooth whose spring is \
-         loaded most, 0 while none touches.",
-    ),
+/// A quantity of meshes or of gears.
+struct Quantity {
+    /// What its columns begin with.
+    begin: &'static str,
+    /// What panels call it.
+    words: &'static str,
+    /// Endings of its columns with their units; a quantity of meshes has none.
+    units: &'static [(&'static str, &'static str)],
+    /// What the caption says of it.
+    meaning: &'static str,
+}
+
+const FORCE: &[(&str, &str)] = &[("n", "N")];
+
+const QUANTITIES: [Quantity; 6] = [
+    Quantity {
+        begin: BACKLASH_POSITION,
+        words: "place in the backlash",
+        units: &[],
+        meaning: "The place in the backlash is 0 where the flank that touches first does so without load and 1 where the other \
+                  one does; beyond them teeth are deflected.",
+    },
+    Quantity {
+        begin: SPEED_RATIO_ERROR,
+        words: "error of the speed ratio",
+        units: &[],
+        meaning: "The error of the speed ratio is the ratio of the hubs' speeds over that of the numbers of teeth, less 1.",
+    },
+    Quantity {
+        begin: TOOTH_DEFLECTION,
+        words: "deflection of a tooth",
+        units: &[("rad", "rad"), ("m", "m")],
+        meaning: "The deflection of a movable tooth is its angle less that of its body, of the touching tooth whose spring is \
+                  loaded most, 0 while none touches; the forces are those on this tooth.",
+    },
+    Quantity {
+        begin: TOOTH_RADIAL_FORCE,
+        words: "radial force",
+        units: FORCE,
+        meaning: "The radial part of its contact force is positive away from the axis.",
+    },
+    Quantity {
+        begin: TOOTH_TANGENTIAL_FORCE,
+        words: "tangential force",
+        units: FORCE,
+        meaning: "The tangential part is positive counter-clockwise.",
+    },
+    Quantity {
+        begin: TOOTH_SPRING_FORCE,
+        words: "spring force",
+        units: FORCE,
+        meaning: "The spring force is that of spring and damper on the tooth, positive as the tangential part.",
+    },
 ];
 
 /// Panels of the motion of teeth; none where no run has such a history.
@@ -39,22 +73,61 @@ pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
     };
-    let all: Vec<&TimeSeries> = h.curves.iter().flat_map(|c| c.all_series()).collect();
-    let (mut panels, mut said) = (Vec::new(), Vec::new());
-    for (begin, words, unit, meaning) in QUANTITIES {
-        let mut names: Vec<&str> = Vec::new();
-        for c in all.iter().flat_map(|s| &s.columns) {
-            if c.name.starts_with(begin) && !names.contains(&c.name.as_str()) {
-                names.push(&c.name);
+    let mut drawn = Drawn::default();
+    let mut said = Vec::new();
+    for quantity in &QUANTITIES {
+        let before = drawn.panels.len();
+        match quantity.units {
+            [] => {
+                let meshes = h.meshes_with(quantity.begin, "");
+                let overlaid = overlay(meshes.len());
+                drawn.add(&h, quantity, meshes, ("", overlaid));
+            }
+            units => {
+                for (ending, unit) in units {
+                    let gears = h.gears_with(quantity.begin, ending);
+                    // The layout with fewer panels.
+                    let overlaid = overlay(gears.len()) && h.models_with(&gears) < gears.len();
+                    drawn.add(&h, quantity, gears, (unit, overlaid));
+                }
             }
         }
-        // One scale for all gears and meshes, so that they compare.
-        let values = || {
-            names
-                .iter()
-                .flat_map(|name| all.iter().filter_map(|s| s.column(name)).flatten())
-        };
-        let (low, high) = extremes(values().copied().chain([0.0]));
+        if drawn.panels.len() > before {
+            said.push(quantity.meaning);
+        }
+    }
+    if drawn.panels.is_empty() {
+        return Ok(None);
+    }
+    let mut legend: Vec<_> = legend_of(&drawn.overlaid).collect();
+    if drawn.has_models {
+        legend.extend(h.legend());
+    }
+    let title = "Motion of the teeth";
+    chart("teeth.svg", title, said.join(" "), &legend, &drawn.panels).map(Some)
+}
+
+/// Panels, and what their legend has to name.
+#[derive(Default)]
+struct Drawn {
+    panels: Vec<Panel>,
+    /// Meshes and gears that have curves of their own.
+    overlaid: Vec<Member>,
+    /// Models have curves of their own.
+    has_models: bool,
+}
+
+impl Drawn {
+    /// Adds the panels of a quantity of some members, in a unit, laid over one another or not.
+    fn add(
+        &mut self,
+        h: &Histories<'_>,
+        quantity: &Quantity,
+        members: Vec<Member>,
+        (unit, overlaid): (&str, bool),
+    ) {
+        // One scale for all members, so that they compare.
+        let (low, high) = h.extremes(&members);
         let (factor, label) = match unit {
             "" => (1.0, "[-]".to_owned()),
             _ => {
@@ -62,36 +135,39 @@ pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
                 (prefix.factor, format!("[{}{unit}]", prefix.symbol))
             }
         };
-        let y = Axis::linear(low * factor, high * factor);
-        for name in &names {
-            let of = name[begin.len()..]
-                .trim_start_matches('_')
-                .trim_end_matches("_rad");
-            let of = match of {
-                "" => String::new(),
-                _ => format!(", {}", of.replace('_', " ")),
+        let y = Axis::padded(low * factor, high * factor, 0.04);
+        // A tooth that hammers does so all the time; the rest is read around the highest force.
+        let time = match (quantity.units, &h.zoom) {
+            ([_, ..], Some(zoom)) => zoom,
+            _ => &h.time,
+        };
+        let height = if unit.is_empty() { 150.0 } else { 110.0 };
+        let panel = |of: &str| {
+            let remark = match of {
+                "" => quantity.words.to_owned(),
+                _ => format!("{}, {of}", quantity.words),
             };
-            // A tooth that hammers does so all the time; the rest is read around the highest force.
-            let time = match (begin, &h.zoom) {
-                (TOOTH_DEFLECTION, Some(zoom)) => zoom,
-                _ => &h.time,
-            };
-            panels.push(Panel {
-                x_name: Some(time.name.clone()),
+            Panel {
                 y: Some(y.clone()),
-                ..Panel::new(150.0, &time.axis, &label)
-                    .remark(format!("{words}{of}"))
-                    .curves(h.lines(|s| s.column(name), factor, time))
-                    .close()
-            });
-        }
-        if !names.is_empty() {
-            said.push(meaning);
+                ..Panel::new(height, &time.axis, &label).remark(remark)
+            }
+        };
+        let mut panels = match overlaid {
+            true => h.by_model(&members, factor, time, &panel),
+            false => h.by_member(&members, factor, time, &panel),
+        };
+        let Some(last) = panels.last_mut() else {
+            return;
+        };
+        last.x_name = Some(time.name.clone());
+        self.panels.extend(panels);
+        match overlaid {
+            true => {
+                let new = |m: &Member| self.overlaid.iter().all(|known| known.style != m.style);
+                let new: Vec<Member> = members.into_iter().filter(new).collect();
+                self.overlaid.extend(new);
+            }
+            false => self.has_models = true,
         }
     }
-    if panels.is_empty() {
-        return Ok(None);
-    }
-    let title = "Motion of the teeth";
-    chart("teeth.svg", title, said.join(" "), &h.legend(), &panels).map(Some)
 }

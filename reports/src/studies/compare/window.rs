@@ -21,13 +21,13 @@ pub(super) fn time_axis(window: (f64, f64)) -> TimeAxis {
     }
 }
 
-/// The time in which something happens: all contact with a margin, or everything.
-pub(super) fn contact_window(all: &[&TimeSeries]) -> (f64, f64) {
+/// The time in which something happens, by times and forces of all histories: all contact with a margin, or everything.
+pub(super) fn contact_window(all: &[(&[f64], &[f64])]) -> (f64, f64) {
     let mut whole = (f64::INFINITY, f64::NEG_INFINITY);
     let mut contact = whole;
     let peak = peak_of(all);
-    for s in all {
-        for (&t, &f) in s.time_s.iter().zip(&s.contact_force_n) {
+    for (times, forces) in all {
+        for (&t, &f) in times.iter().zip(*forces) {
             whole = (whole.0.min(t), whole.1.max(t));
             if f > 1e-3 * peak {
                 contact = (contact.0.min(t), contact.1.max(t));
@@ -46,8 +46,8 @@ pub(super) fn contact_window(all: &[&TimeSeries]) -> (f64, f64) {
     }
 }
 
-pub(super) fn peak_of(all: &[&TimeSeries]) -> f64 {
-    (all.iter().flat_map(|s| &s.contact_force_n)).fold(0.0_f64, |a, &f| a.max(f))
+pub(super) fn peak_of(all: &[(&[f64], &[f64])]) -> f64 {
+    (all.iter().flat_map(|(_, force)| *force)).fold(0.0_f64, |a, &f| a.max(f))
 }
 
 /// A window around the highest peak when the history is too busy to read as a whole: five

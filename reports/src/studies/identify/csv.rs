@@ -1,13 +1,17 @@
-//! The tables of an identification: parameters, residuals, profiles.
+//! The tables of an identification: parameters, residuals, profiles, histories that measured curves are compared with.
 
-use super::{DataRecord, FitRecord, ParameterRecord, ProfileRecord};
+use super::{DataRecord, FitHistory, FitRecord, IdentifyRecord, ParameterRecord, ProfileRecord};
 use crate::csv_table::{CsvTable, number};
 
 /// The tables that a record has data for.
-pub fn tables(fits: &[FitRecord]) -> Vec<CsvTable> {
+pub fn tables(part: &IdentifyRecord) -> Vec<CsvTable> {
+    let fits = part.fits.as_slice();
     let mut all = vec![parameters(fits), fitted(fits), residuals(fits)];
     if fits.iter().any(|f| !f.profiles.is_empty()) {
         all.push(profiles(fits));
+    }
+    if !part.histories.is_empty() {
+        all.push(histories(&part.histories));
     }
     all
 }
@@ -91,4 +95,36 @@ fn profiles(fits: &[FitRecord]) -> CsvTable {
             }),
         ],
     )
+}
+
+/// The columns that any of the histories has, a row per time.
+fn histories(all: &[FitHistory]) -> CsvTable {
+    let mut names: Vec<&str> = Vec::new();
+    for (name, _) in all.iter().flat_map(|h| h.series.named_columns()) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let rows = all.iter().flat_map(|h| {
+        let column = |name: &&str| h.series.named_columns().find(|(n, _)| n == name);
+        let columns: Vec<Option<&[f64]>> = names.iter().map(|n| Some(column(n)?.1)).collect();
+        (0..h.series.len()).map(move |i| {
+            let value = |c: &Option<&[f64]>| number(c.and_then(|c| c.get(i).copied()));
+            let head = [
+                h.label.clone(),
+                h.constants.to_string(),
+                number(h.series.time_s[i]),
+            ];
+            head.into_iter().chain(columns.iter().map(value)).collect()
+        })
+    });
+    let header = ["model", "constants", "time_s"].into_iter();
+    CsvTable {
+        file: "identify_histories.csv".into(),
+        rows: rows.collect(),
+        header: header
+            .chain(names.iter().copied())
+            .map(str::to_owned)
+            .collect(),
+    }
 }

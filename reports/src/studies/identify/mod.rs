@@ -8,17 +8,19 @@ mod tables;
 use crate::drawing::canvas::DrawError;
 use crate::studies::StudyReport;
 pub use record::{
-    DataKind, DataRecord, FitRecord, IdentifyRecord, Outcome, ParameterRecord, ProfileRecord,
+    ConstantSet, DataKind, DataRecord, FitHistory, FitRecord, IdentifyRecord, Outcome,
+    ParameterRecord, ProfileRecord,
 };
 
 /// What the study says of a record.
-pub(super) fn report(fits: &[FitRecord]) -> Result<StudyReport, DrawError> {
+pub(super) fn report(part: &IdentifyRecord) -> Result<StudyReport, DrawError> {
+    let fits = &part.fits;
     Ok(StudyReport {
         finding: tables::finding(fits),
         tables: tables::tables(fits),
         charts: charts::charts(fits)?,
         details: tables::details(fits),
-        csv: csv::tables(fits),
+        csv: csv::tables(part),
         ..StudyReport::default()
     })
 }

@@ -2,6 +2,7 @@
 
 use crate::record::Results;
 use crate::record::checks::{each, same_length};
+use crate::series::TimeSeries;
 use crate::studies::Part;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
@@ -11,6 +12,33 @@ use serde::{Deserialize, Serialize};
 pub struct IdentifyRecord {
     /// Fits, one per model.
     pub fits: Vec<FitRecord>,
+    /// Runs of the scene that measured curves are compared with: each fitted model with its initial and with its identified
+    /// constants; none where nothing measured was given.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub histories: Vec<FitHistory>,
+}
+
+words! {
+    /// Constants that a model of a fit ran with.
+    pub enum ConstantSet {
+        /// Those that the fit started from.
+        #[default]
+        Initial = "initial",
+        /// Those that it found.
+        Identified = "identified",
+    }
+}
+
+/// Histories of a model of a fit over the time of the scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FitHistory {
+    /// Label of the model in its scene.
+    pub label: String,
+    /// Its constants.
+    pub constants: ConstantSet,
+    /// The histories.
+    pub series: TimeSeries,
 }
 
 impl Results {

@@ -267,7 +267,10 @@ pub fn identify_results() -> Results {
         starts: 4,
         starts_agreed: 3,
     };
-    let part = Part::Identify(IdentifyRecord { fits: vec![fit] });
+    let part = Part::Identify(IdentifyRecord {
+        fits: vec![fit],
+        ..IdentifyRecord::default()
+    });
     study(
         "gearbench identify spur_impact",
         part,

@@ -6,7 +6,7 @@ mod panel;
 
 use crate::drawing::Chart;
 use crate::drawing::axis::NAME_SIZE;
-use crate::drawing::canvas::{Anchor, DrawError, Type, draw};
+use crate::drawing::canvas::{Anchor, DrawError, Type, draw, text_width};
 use crate::drawing::geometry::Rect;
 use crate::drawing::panel::{RIGHT, WIDTH};
 use crate::numbers::{counted, per_cent, quantity};
@@ -27,6 +27,8 @@ const BETWEEN: f64 = 16.0;
 const ABOVE: f64 = 26.0;
 const BELOW: f64 = 22.0;
 const NAME: f64 = 22.0;
+/// Height of a line with the name of the ordinate, where that is longer than the panels are high.
+const NAME_ABOVE: f64 = 20.0;
 
 /// Maps that are drawn; those beyond are left out, and the last caption says so.
 const DRAWN: usize = 24;
@@ -217,8 +219,13 @@ fn paint(maps: &[&Map]) -> Result<String, DrawError> {
         .max()
         .unwrap_or(1);
     let tall = (18.0 * values as f64).clamp(96.0, 300.0);
-    let head = 30.0 + legend_height(&entries);
-    let height = head + rows.len() as f64 * (ABOVE + tall + BELOW) + NAME;
+    let plots = rows.len() as f64 * (ABOVE + tall + BELOW);
+    let y_name = maps[0].axes.first().map(|axis| labels(axis).1);
+    let is_long = |name: &String| text_width(name, NAME_SIZE) > plots;
+    let above = y_name.iter().any(is_long);
+    let legend_end = 30.0 + legend_height(&entries);
+    let head = legend_end + if above { NAME_ABOVE } else { 0.0 };
+    let height = head + plots + NAME;
     let wide = (WIDTH - RIGHT - LEFT - BETWEEN * (ACROSS - 1) as f64) / ACROSS as f64;
     let title = maps[0].model_label();
     draw(WIDTH, height, &title, |c| {
@@ -232,10 +239,18 @@ fn paint(maps: &[&Map]) -> Result<String, DrawError> {
                 p.paint(c, &Rect::new(left, top, left + wide, top + tall));
             }
         }
-        if let Some(axis) = maps[0].axes.first() {
-            let middle = 0.5 * (head + height - NAME);
-            let kind = Type::new(NAME_SIZE, Anchor::Middle).upwards();
-            c.text(&labels(axis).1, (14.0, middle), kind);
+        match &y_name {
+            Some(name) if above => {
+                let kind = Type::new(NAME_SIZE, Anchor::Start);
+                let text = format!("ordinate: {name}");
+                c.text(&text, (16.0, legend_end + 0.5 * NAME_ABOVE), kind);
+            }
+            Some(name) => {
+                let middle = 0.5 * (head + height - NAME);
+                let kind = Type::new(NAME_SIZE, Anchor::Middle).upwards();
+                c.text(name, (14.0, middle), kind);
+            }
+            None => {}
         }
     })
 }
@@ -334,6 +349,24 @@ mod tests {
         let page = crate::markup::page(&record, &report);
         assert!(page.contains("Largest stable steps") && !page.contains("<b></b>"));
         assert!(!page.contains("NaN") && page.contains("&lt;b&gt;"));
+    }
+
+    /// The name of the ordinate stands upright beside panels that are as high as it is long, else in a line above them.
+    #[test]
+    fn a_long_name_of_the_ordinate_stands_above() {
+        let short = map(0, "rk4", 0);
+        let above = |map: &Map| {
+            let charts = stability(std::slice::from_ref(map)).unwrap();
+            charts[1].svg.contains("ordinate: tooth-stiffness")
+        };
+        assert!(above(&short));
+        let mut tall = short;
+        let rows = 20_i32;
+        tall.axes[0].values = (1..=rows).map(f64::from).collect();
+        tall.cells = (0..rows)
+            .flat_map(|_| tall.cells[..Status::ALL.len()].to_vec())
+            .collect();
+        assert!(!above(&tall));
     }
 
     #[test]

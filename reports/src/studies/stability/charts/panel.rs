@@ -130,8 +130,8 @@ impl Panel<'_> {
         };
         let rows = axis.values.len();
         let first = self.second * rows;
-        // Bold letters are about a tenth wider.
-        let fit = area.width() / (1.1 * text_width(&self.title, 1.0)).max(1.0);
+        // Bold letters are about a fifth wider.
+        let fit = area.width() / (1.2 * text_width(&self.title, 1.0)).max(1.0);
         let heading = Type::new(fit.min(NAME_SIZE), Anchor::Start).bold();
         c.text(&self.title, (area.x0, area.y0 - 10.0), heading);
         for i in 0..rows {
