@@ -27,34 +27,34 @@ use diffsol::{NalgebraMat, OdeBuilder};
 use session::{Failed, Session};
 use std::cell::{Cell, RefCell};
 
-/// Relative tolerance: some units of rounding of the coordinate itself.
+/// Relative tolerance of the solver: a few units of rounding of the coordinate itself.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Which solver of diffsol.
+/// Solvers of diffsol that the table of methods uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solver {
     /// Backward differentiation of variable order one to five.
     Bdf,
-    /// TR-BDF2.
+    /// TR-BDF2, a one-step method of order two.
     TrBdf2,
-    /// ESDIRK 3(4).
+    /// ESDIRK 3(4), a singly diagonally implicit method of order three.
     Esdirk34,
-    /// Tsitouras 5(4).
+    /// Tsitouras 5(4), an explicit Runge-Kutta method.
     Tsit45,
 }
 
-/// A method of diffsol.
+/// Integrator that runs a solver of diffsol.
 #[derive(Clone, Copy, Debug)]
 pub struct Diffsol {
     info: &'static MethodInfo,
     solver: Solver,
     free_flights: bool,
-    /// A run ended, and may be gone on with.
+    /// True if a run ended and can be continued.
     ran: bool,
 }
 
 impl Diffsol {
-    /// Gives a solver its declaration.
+    /// Combines a solver with its declared properties.
     pub fn new(info: &'static MethodInfo, solver: Solver) -> Self {
         Diffsol {
             info,
@@ -64,7 +64,7 @@ impl Diffsol {
         }
     }
 
-    /// The first step after a restart goes with this power of the tolerance; BDF starts at order one.
+    /// Returns the exponent of the tolerance in the first step after a restart; BDF starts at order one.
     fn starting_exponent(&self) -> f64 {
         match self.solver {
             Solver::Bdf => 0.5,
@@ -73,7 +73,7 @@ impl Diffsol {
     }
 }
 
-/// What the callbacks share with the loop. Callbacks run only inside a solver's constructor and `step`, the
+/// Data that the callbacks share with the loop. Callbacks run only inside the constructor and `step` of a solver; the
 /// loop borrows only outside of them.
 struct Shared<'a> {
     sys: RefCell<&'a mut (dyn SecondOrderSystem + 'a)>,
@@ -152,7 +152,7 @@ impl Integrator for Diffsol {
         self.integrate(sys, s, plan, sink, work)
     }
 
-    /// Solvers of diffsol keep nothing between two calls but the branch: they start afresh in each piece.
+    /// Continues a run. The solvers of diffsol keep only the branch between two calls: they restart in each piece.
     fn resume(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -171,7 +171,7 @@ impl Integrator for Diffsol {
 }
 
 impl Diffsol {
-    /// A run, or the next piece of one.
+    /// Integrates a run, or its next piece.
     fn integrate(
         &mut self,
         sys: &mut dyn SecondOrderSystem,

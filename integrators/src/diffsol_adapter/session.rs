@@ -15,11 +15,11 @@ use std::cell::RefCell;
 
 mod locate;
 
-/// Why a run failed.
+/// Failure of a run, from this crate or from diffsol.
 pub(super) enum Failed {
-    /// In our words.
+    /// An error of this crate.
     Step(StepError),
-    /// In the library's.
+    /// An error of diffsol.
     Library(DiffsolError),
 }
 
@@ -35,17 +35,17 @@ impl From<StepError> for Failed {
     }
 }
 
-/// How a run goes on after a solver's step.
+/// Action of the loop after a step of the solver.
 enum Next {
-    /// With the next step.
+    /// The solver makes its next step.
     Step,
-    /// From a changed state.
+    /// The solver restarts from a changed state.
     Restart,
-    /// Not at all.
+    /// The run ends.
     End,
 }
 
-/// One run.
+/// State of one run with a solver of diffsol.
 pub(super) struct Session<'x, 'a> {
     shared: &'x Shared<'a>,
     s: &'x mut State,
@@ -97,7 +97,7 @@ impl<'x, 'a> Session<'x, 'a> {
         }
     }
 
-    /// Runs to the end of the plan. `first_step` gives the first step after a restart.
+    /// Runs to the end of the plan. `first_step` returns the first step after a restart.
     pub(super) fn run(
         &mut self,
         kernel: &mut dyn Kernel,
@@ -156,8 +156,8 @@ impl<'x, 'a> Session<'x, 'a> {
         }
     }
 
-    /// Crosses a flight that is longer than a step of size `h` and ends by `stop`, and what follows from that; `None`
-    /// where there is none.
+    /// Crosses a free flight that is longer than a step of size `h` and ends by `stop`; returns the next action, or
+    /// `None` where there is no such flight.
     fn flight_path(&mut self, h: f64, stop: f64) -> Result<Option<Next>, Failed> {
         let shared = self.shared;
         let later = self.s.t + h;
@@ -204,7 +204,7 @@ impl<'x, 'a> Session<'x, 'a> {
         }))
     }
 
-    /// One step of the solver and what follows from it.
+    /// Makes one step of the solver and returns the next action.
     fn step(&mut self, kernel: &mut dyn Kernel, stop: f64) -> Result<Next, Failed> {
         let shared = self.shared;
         self.bounds
@@ -281,8 +281,8 @@ impl<'x, 'a> Session<'x, 'a> {
         })
     }
 
-    /// What happens to a state between two steps: switches, `commit`, the next breakpoint. True when the solver
-    /// has to start afresh, as after a free flight.
+    /// Processes events, `commit` and the next breakpoint between two steps. Returns true when the solver has to
+    /// restart, as after a free flight.
     fn between(&mut self, located: bool, flown: bool) -> bool {
         let mut sys = self.shared.sys.borrow_mut();
         let s = &mut *self.s;
@@ -322,7 +322,7 @@ impl<'x, 'a> Session<'x, 'a> {
     }
 }
 
-/// Says in the words of [`StepError`] why a step failed that started at `t` with size `h`.
+/// Converts the failure of a step that started at `t` with size `h` to a [`StepError`].
 fn explain(
     e: DiffsolError,
     shared: &Shared<'_>,

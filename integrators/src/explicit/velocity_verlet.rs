@@ -10,7 +10,7 @@ use crate::interpolation::hermite_with_acceleration;
 use crate::method::{MethodInfo, OneStep, Stepping, Tolerance, Work};
 use crate::system::{At, HalfKick, SecondOrderSystem, State};
 
-/// What the method declares.
+/// Declared properties of velocity Verlet.
 pub static INFO: MethodInfo = MethodInfo {
     id: "velocity-verlet",
     name: "velocity Verlet",
@@ -25,7 +25,7 @@ pub static INFO: MethodInfo = MethodInfo {
     citation: "Verlet, Phys. Rev. 159 (1967) 98; Swope et al., J. Chem. Phys. 76 (1982) 637",
 };
 
-/// The method; keeps the acceleration at both ends of a step.
+/// The velocity Verlet method with the accelerations at both ends of a step.
 #[derive(Clone, Debug, Default)]
 pub struct VelocityVerlet {
     a0: Vec<f64>,

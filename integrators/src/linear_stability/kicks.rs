@@ -1,4 +1,4 @@
-//! Stability of kicks between exact oscillators.
+//! Linear stability of the trigonometric method: impulses ("kicks") between exact oscillators.
 //!
 //! Without damping a kick-drift-kick step of `q'' + Omega^2 q = -K_c q` (unit masses) has the recurrence
 //!
@@ -30,7 +30,7 @@
 use super::Flip;
 use crate::modal::propagator::quasi_static_of;
 
-/// Kicks with a filter.
+/// Impulses of the remainder between exact oscillators, with a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kicks {
     /// Phase `omega h` [rad] above which oscillators are filtered.
@@ -42,11 +42,11 @@ fn sinc(x: f64) -> f64 {
 }
 
 impl Kicks {
-    /// The limit of a free mass on a remainder with dampers that are evaluated at the predicted velocity; those that the
-    /// system takes implicitly do not show in it.
+    /// Stability limit of a free mass on a remainder with dampers that are evaluated at the predicted velocity.
+    /// Dampers that the system evaluates implicitly do not affect it.
     pub const FLIP: Flip = Flip { d: 4.0, k: 1.0 };
 
-    /// What the remainder sees of an oscillator, and kicks back.
+    /// Returns the filter factor of an oscillator, on its displacement in the remainder and on its impulse.
     #[must_use]
     pub fn filter(&self, omega: f64, h: f64) -> f64 {
         if omega * h > self.filter_from {
@@ -56,13 +56,15 @@ impl Kicks {
         }
     }
 
-    /// How much less than `1/omega^2` the method lets an oscillator give to a force that lasts [s^2].
+    /// Returns the compliance per unit mass [s^2] by which the quasi-static response of an oscillator under the method
+    /// falls short of `1/omega^2`.
     #[must_use]
     pub fn quasi_static(&self, omega: f64, h: f64) -> f64 {
         quasi_static_of(omega, h, self.filter_from)
     }
 
-    /// `2 + 2 cos(omega h)` and the weight `h sqrt(sinc(omega h)) f` of an oscillator; `None` at and beyond `pi`.
+    /// Returns `2 + 2 cos(omega h)` and the weight `h sqrt(sinc(omega h)) f` of an oscillator; `None` at and beyond
+    /// `omega h = pi`.
     #[must_use]
     pub fn weights(&self, omega: f64, h: f64) -> Option<[f64; 2]> {
         let x = omega * h;

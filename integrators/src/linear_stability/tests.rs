@@ -1,4 +1,5 @@
-//! Limits against closed forms of the literature, and every method as implemented against what it declares.
+//! Stability limits compared with closed forms of the literature, and every implemented method compared with its
+//! declaration.
 
 use super::*;
 use crate::{
@@ -20,7 +21,7 @@ fn close(a: f64, b: f64, tolerance: f64, what: &str) {
     assert!((a / b - 1.0).abs() <= tolerance, "{what}: {a} {b}");
 }
 
-/// The truncated exponential, and the one of Dormand-Prince with its `z^6/600` (Hairer, Wanner, IV.2).
+/// Coefficients of the truncated exponential, and of Dormand-Prince with its `z^6/600` (Hairer, Wanner, IV.2).
 #[test]
 fn polynomials_come_from_the_tableaus() {
     let exact = [
@@ -113,7 +114,8 @@ fn flips_are_the_classical_limits() {
     }
 }
 
-/// `q'' + 2 zeta omega q' + omega^2 q = 0`; for methods that are exact for oscillators a free mass on a remainder.
+/// Oscillator `q'' + 2 zeta omega q' + omega^2 q = 0`; for methods that are exact for oscillators, a free mass on a
+/// remainder.
 struct Oscillator {
     omega: f64,
     zeta: f64,
@@ -159,7 +161,7 @@ impl ModalSplit for Oscillator {
     }
 }
 
-/// Energy after so many steps over that at the start.
+/// Returns the energy after a number of steps relative to the initial energy.
 fn growth(text: &str, zeta: f64, h: f64, steps: u32) -> f64 {
     let mut sys = Oscillator { omega: 30.0, zeta };
     let mut s = State {
@@ -177,8 +179,8 @@ fn growth(text: &str, zeta: f64, h: f64, steps: u32) -> f64 {
     }
 }
 
-/// One per cent below its limit every method stays bounded, one per cent above it does not; implicit ones survive steps
-/// of a thousand times that.
+/// One per cent below its limit every method stays bounded and one per cent above it does not; implicit methods stay
+/// bounded at a thousand times that step.
 #[test]
 fn methods_have_the_limits_they_declare() {
     let variants = ["newmark(beta=0)", "newmark(beta=0.2)"];
@@ -213,8 +215,8 @@ fn methods_have_the_limits_they_declare() {
     }
 }
 
-/// An oscillator under kicks: the limit of `4 = h^2 K_c` for a free mass, and the closed form of the frequency beyond
-/// which kicks of a spring `k` on an oscillator flip it, `2 + 2 cos x = h^2 k sinc x`, against long runs.
+/// An oscillator under impulses: the limit `4 = h^2 K_c` of a free mass, and the closed form of the frequency beyond
+/// which a spring `k` on an oscillator is unstable, `2 + 2 cos x = h^2 k sinc x`, compared with long runs.
 #[test]
 fn kicks_of_an_oscillator_flip_where_its_weights_say() {
     struct Kicked(f64, f64);

@@ -1,4 +1,4 @@
-//! Steps that resonate with a frequency.
+//! Steps that resonate with an oscillator, and the filter against them.
 //!
 //! The forces act once per step. Where `omega h` is near a multiple of pi an oscillator stands, after each step, where
 //! it stood before, but for its sign, and the kicks of a contact add up instead of cancelling: the energy of such a
@@ -29,27 +29,27 @@
 
 use std::f64::consts::PI;
 
-/// Part of `pi / h` up to which frequencies are safe: below, no contact stiffness that the step resolves moves an
+/// Fraction of `pi / h` up to which frequencies are safe: no contact stiffness that the step resolves shifts such an
 /// oscillator into resonance. Modes beyond it belong into a residual compliance.
 pub const SAFE: f64 = 0.64;
 
 /// Half width of a resonance around a multiple of pi [rad].
 pub const WIDTH: f64 = 0.3;
 
-/// Which oscillators the remainder sees by their mean over the step.
+/// Oscillators whose displacement the remainder receives as its mean over the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
-    /// None.
+    /// No oscillator is filtered.
     None,
-    /// Those with `omega h` beyond `0.64 pi`.
+    /// Oscillators with `omega h` beyond `0.64 pi` are filtered.
     #[default]
     Fast,
-    /// All.
+    /// All oscillators are filtered.
     All,
 }
 
 impl Filter {
-    /// Phase `omega h` [rad] above which oscillators are filtered.
+    /// Returns the phase `omega h` [rad] above which oscillators are filtered.
     #[must_use]
     pub fn from(self) -> f64 {
         match self {
@@ -65,13 +65,13 @@ impl Filter {
 pub struct Resonance {
     /// Index of the coordinate.
     pub mode: usize,
-    /// `omega h` [rad].
+    /// Phase `omega h` of the oscillator [rad].
     pub phase: f64,
-    /// The multiple of pi that it is near to.
+    /// Nearest multiple of pi.
     pub multiple: u32,
 }
 
-/// The oscillators, by frequency [rad/s], whose `omega h` lies within [`WIDTH`] of a multiple of pi.
+/// Lists the oscillators, by frequency [rad/s], whose `omega h` lies within [`WIDTH`] of a multiple of pi.
 pub fn resonances(omega: &[f64], h: f64) -> Vec<Resonance> {
     let near = |(mode, w): (usize, &f64)| {
         let phase = w * h;
@@ -85,7 +85,7 @@ pub fn resonances(omega: &[f64], h: f64) -> Vec<Resonance> {
     omega.iter().enumerate().filter_map(near).collect()
 }
 
-/// The largest step [s] at which all frequencies [rad/s] are safe; infinite where nothing oscillates.
+/// Returns the largest step [s] at which all frequencies [rad/s] are safe; infinite without oscillators.
 pub fn safe_step(omega: &[f64]) -> f64 {
     SAFE * PI / omega.iter().copied().fold(0.0, f64::max)
 }

@@ -48,7 +48,7 @@ use crate::method::{MethodInfo, OneStep, Parameter, Resolution, Stepping, Tolera
 use crate::system::{At, Coeffs, HalfKick, ModalSplit, SecondOrderSystem, State};
 use std::cell::RefCell;
 
-/// What the method declares.
+/// Declared properties of the trigonometric method.
 pub static INFO: MethodInfo = MethodInfo {
     id: "trigonometric",
     name: "trigonometric",
@@ -68,25 +68,25 @@ pub static INFO: MethodInfo = MethodInfo {
     citation: "Deuflhard, Z. angew. Math. Phys. 30 (1979) 177; Garcia-Archilla, Sanz-Serna, Skeel, SIAM J. Sci. Comput. 20 (1998) 930",
 };
 
-/// The remainder at one end of a step.
+/// Acceleration of the remainder at one end of a step, from which the half impulse follows.
 #[derive(Clone, Debug, Default)]
 struct Kick {
     /// Acceleration without oscillators and steady loads, filtered.
     a: Vec<f64>,
-    /// Something but the steady loads acts.
+    /// True if other forces than the steady loads act.
     acts: bool,
-    /// Step [s] whose filter it has; 0 without a filter.
+    /// Step [s] of the filter that was applied; 0 without a filter.
     filter: f64,
 }
 
-/// Newton iterations towards the rest position of the kicks.
+/// Largest number of Newton iterations for the rest position under impulses.
 const MOST_ITERATIONS: u32 = 40;
-/// Correction of a rest position, in typical deflections: below the first it ends the search, between both if rounding
-/// keeps it from falling.
+/// Corrections of a rest position in typical deflections. Below the first the search ends; between the two it ends if
+/// rounding prevents a further decrease.
 const AT_REST: f64 = 1e-11;
 const ROUNDING: f64 = 1e-7;
 
-/// The method.
+/// The trigonometric method with its tables and buffers.
 #[derive(Clone, Debug, Default)]
 pub struct Trigonometric {
     /// Phase `omega h` [rad] above which oscillators are filtered.
@@ -95,27 +95,27 @@ pub struct Trigonometric {
     zeta: Vec<f64>,
     longest: f64,
     tables: Tables,
-    /// Those of places inside steps.
+    /// Tables for points inside steps.
     inside: RefCell<Tables>,
-    /// Table of the last step.
+    /// Index of the table of the last step.
     table: usize,
     ends: [Kick; 2],
-    /// Acceleration by steady loads, and the time until which they are steady.
+    /// Acceleration from steady loads, and the time until which they are steady.
     steady: Vec<f64>,
     steady_until: f64,
-    /// Nothing touches until this time.
+    /// Time until which no contact can close.
     free_until: f64,
     patience: Patience,
-    /// Velocities at the end of a step before its last kick.
+    /// Velocities at the end of a step before its last half impulse.
     predicted: Vec<f64>,
-    /// What the remainder sees through the filter.
+    /// Filtered coordinates and velocities for the evaluation of the remainder.
     q: Vec<f64>,
     v: Vec<f64>,
     before: Vec<f64>,
 }
 
 impl Trigonometric {
-    /// With its filter: none, for oscillators beyond what is safe, for all.
+    /// Builds the method with a filter.
     pub fn new(filter: Filter) -> Self {
         Trigonometric {
             filter_from: filter.from(),
@@ -124,8 +124,8 @@ impl Trigonometric {
         }
     }
 
-    /// The remainder at `at`, for a step with a table or none, into end `end`; with the velocities before the kick that it
-    /// makes and the time of that, at its end.
+    /// Evaluates the remainder at `at` into end `end`, with or without the filter of a table. At the end of a step the
+    /// velocities before the half impulse and its duration are given.
     fn evaluate(
         &mut self,
         split: &mut dyn ModalSplit,
@@ -178,7 +178,7 @@ impl Trigonometric {
     }
 }
 
-/// `a -= g`; true when something is left.
+/// Subtracts the steady acceleration, `a -= g`, and returns true when the rest is not negligible.
 #[inline]
 fn subtract(a: &mut [f64], g: &[f64]) -> bool {
     let mut largest = 0.0_f64;
@@ -245,9 +245,10 @@ impl OneStep for Trigonometric {
         Ok(())
     }
 
-    /// Newton's method on the remainder: of oscillators it has to be the one that their rest position follows from, of rigid
-    /// motions that of the static equilibrium. The tangent of the system serves as Jacobian, since what kicks leave out
-    /// of it is small or given as local compliance.
+    /// Solves for the rest position under impulses by Newton's method on the remainder. The remainder of an oscillator
+    /// has to agree with the rest position that it causes, that of a rigid-body motion with the static equilibrium.
+    /// The tangent of the system serves as Jacobian, since its difference from the exact one is small or given as
+    /// local compliance.
     fn balance(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -457,8 +458,9 @@ impl OneStep for Trigonometric {
         }
     }
 
-    /// An oscillator at rest under kicks has a velocity at the ends of its steps where it is damped, which has no displacement
-    /// and dissipates nothing. The trapezoidal rule is applied to the velocities without it.
+    /// Computes the damping beyond the trapezoidal rule. A damped oscillator at rest under impulses has a velocity at
+    /// the ends of its steps without displacement or dissipation. The trapezoidal rule is applied to the velocities
+    /// without it.
     fn damping_beyond_trapezoid(&self, from: &State, to: &State, beyond: &mut [f64]) -> bool {
         let h = to.t - from.t;
         let whole = self.tables.get(self.table);
@@ -479,8 +481,8 @@ impl OneStep for Trigonometric {
         true
     }
 
-    /// Oscillators, steady loads and the kick at the start, taken as a constant load, in closed form; what is then
-    /// missing at the end, by a cubic.
+    /// Interpolates by the closed form with oscillators, steady loads and the initial half impulse as a constant load;
+    /// a cubic adds the difference at the end.
     fn interpolate(&self, from: &State, to: &State, theta: f64, q: &mut [f64], v: &mut [f64]) {
         let n = self.omega.len();
         let h = to.t - from.t;

@@ -1,4 +1,4 @@
-//! One step: where it is to end, and how the state gets there.
+//! One step of the loop: its planned end, and the advance of the state.
 
 use super::{MethodDense, Run, Stepped, first_not_finite, resolution_of_time};
 use crate::error::StepError;
@@ -6,40 +6,40 @@ use crate::free_flight::FlightDense;
 use crate::method::{AcceptedStep, Control, Dense, OneStep, Sink, Work};
 use crate::system::{SecondOrderSystem, State};
 
-/// Where a step is to end, and along what.
+/// Planned end of a step, and the kind of motion to it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Aim {
-    /// Its end [s].
+    /// End time of the step [s].
     pub(super) t_new: f64,
-    /// The end of the run or the next breakpoint [s], whichever comes first.
+    /// End of the run or next breakpoint [s], whichever comes first.
     stop: f64,
-    /// Nothing happens until the end of the step, whatever its length.
+    /// True if no contact closes before the end of the step, whatever its length.
     pub(super) leaps: bool,
-    /// It goes along the system's own closed form.
+    /// True if the step follows the closed-form motion of the system.
     pub(super) free_flights: bool,
-    /// An event left less than time resolves before the stop: the step is not worth making.
+    /// True if the rest of the interval is below the resolution of time after an event, so that no step is made.
     pub(super) sliver: bool,
 }
 
-/// What became of a step.
+/// Outcome of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Outcome {
-    /// Its error was too large: the next one is shorter.
+    /// The error was too large: the next step is shorter.
     Rejected,
-    /// The sink wants no more.
+    /// The sink ended the run.
     Stopped,
-    /// The state moved, or switches at the start of the step.
+    /// The state advanced, or switches at the start of the step.
     Went {
-        /// To an event.
+        /// True if the step ends at an event.
         located: bool,
-        /// Farther than rounding.
+        /// True if time advanced by more than rounding.
         progressed: bool,
     },
 }
 
 impl<M: OneStep> Stepped<M> {
-    /// Where the next step ends: on the grid of fixed steps, at the end of the run and at breakpoints, or as far as
-    /// nothing happens. Never leaves a sliver of a step behind.
+    /// Plans the end of the next step: on the grid of fixed steps, at the end of the run and at breakpoints, or at the
+    /// end of a free flight. It never leaves a negligible rest of a step.
     pub(super) fn aim(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -84,7 +84,7 @@ impl<M: OneStep> Stepped<M> {
         }
     }
 
-    /// Makes the step, tells the sink and moves the state, to an event where one lies in the step.
+    /// Makes the step, passes it to the sink and advances the state, up to an event where one lies in the step.
     pub(super) fn advance(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -159,7 +159,7 @@ impl<M: OneStep> Stepped<M> {
     }
 }
 
-/// Tells the sink of a step between two states and counts it.
+/// Passes a step between two states to the sink and counts it.
 fn accept(
     sys: &mut dyn SecondOrderSystem,
     [from, to]: [&State; 2],

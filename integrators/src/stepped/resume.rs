@@ -1,4 +1,4 @@
-//! Between two steps: branches are switched, teeth handed over, and the method goes on or starts afresh.
+//! Actions between two steps: branches switch, teeth are handed over, and the method continues or restarts.
 
 use super::advance::Aim;
 use super::{ERROR_AT_START, Run, Stepped, first_step};
@@ -7,7 +7,7 @@ use crate::method::{OneStep, Sink, Work};
 use crate::system::{Change, SecondOrderSystem, State};
 
 impl<M: OneStep> Stepped<M> {
-    /// Starts the method afresh from a state.
+    /// Restarts the method from a state.
     pub(super) fn start_afresh(
         &mut self,
         sys: &mut dyn SecondOrderSystem,

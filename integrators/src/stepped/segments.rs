@@ -1,4 +1,4 @@
-//! From event to event in closed form, where the system knows its motion with contacts closed
+//! Closed-form motion from event to event, where the system provides it for closed contacts
 //! ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)).
 //!
 //! A method that is exact for oscillators is so for linear contacts, too: it goes along the path of the system to the event
@@ -12,19 +12,19 @@ use crate::free_flight::FlightDense;
 use crate::method::{AcceptedStep, Control, OneStep, Sink, Work};
 use crate::system::{Change, SecondOrderSystem, State};
 
-/// What became of the question for a path.
+/// Outcome of the query for a closed-form path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Segment {
-    /// There is none.
+    /// The system has no closed form at this state.
     Unknown,
-    /// The sink wants no more.
+    /// The sink ended the run.
     Stopped,
-    /// The state is at its end.
+    /// The state is at the end of the path.
     Went,
 }
 
 impl<M: OneStep> Stepped<M> {
-    /// Goes along the closed form of the system to its next event, if it knows one.
+    /// Follows the closed-form motion of the system to its next event, if there is one.
     pub(super) fn segment(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -117,7 +117,7 @@ impl<M: OneStep> Stepped<M> {
         Ok(Segment::Went)
     }
 
-    /// Makes the method start afresh where a path of the system ended.
+    /// Restarts the method where a path of the system ended.
     pub(super) fn leave_segment(
         &mut self,
         sys: &mut dyn SecondOrderSystem,

@@ -1,4 +1,4 @@
-//! Static equilibrium against exact solutions, and what it says where there is none.
+//! Static equilibrium compared with exact solutions, and the errors where there is none.
 
 use crate::problems::state;
 use crate::unit_masses;
@@ -6,13 +6,13 @@ use gearbench_integrators::{
     At, EquilibriumError, EquilibriumOptions, Layout, SecondOrderSystem, State, equilibrium,
 };
 
-/// `f = load - K q + sum of stops`: springs as a full matrix, and one-sided stops `k <q_i - limit>`.
+/// System `f = load - K q + sum of stops`, with springs as a full matrix and one-sided stops `k <q_i - limit>`.
 pub struct Springs {
     k: Vec<f64>,
     load: Vec<f64>,
-    /// Coordinate, limit [m], stiffness [N/m].
+    /// Coordinate, limit [m] and stiffness [N/m] of each stop.
     stops: Vec<(usize, f64, f64)>,
-    /// Hardening `-h q^3` of every coordinate.
+    /// Coefficient `h` of the hardening force `-h q^3` of every coordinate.
     hardening: f64,
 }
 
@@ -175,8 +175,7 @@ fn a_body_that_only_a_stop_holds_rests_on_it() {
     assert_eq!(result, Err(EquilibriumError::SingularTangent { t: 0.0 }));
 }
 
-/// The tangent of [`Springs`], but the correction refuses a stiffness without mass, as a scene does that corrects
-/// gear by gear.
+/// System [`Springs`] whose correction refuses a stiffness without mass, as a scene does that corrects gear by gear.
 struct Blockwise(Springs);
 
 impl SecondOrderSystem for Blockwise {
@@ -230,7 +229,7 @@ fn a_shift_by_mass_does_not_move_the_equilibrium() {
     assert_eq!(result, Err(EquilibriumError::SingularTangent { t: 0.0 }));
 }
 
-/// `f = 1 + q^2`: no equilibrium anywhere.
+/// System `f = 1 + q^2` without any equilibrium.
 struct Nowhere;
 
 impl SecondOrderSystem for Nowhere {

@@ -1,4 +1,5 @@
-//! Event location: simultaneous, grazing, at the end of a step, jumps of the state; breakpoints; hand-overs.
+//! Event location: simultaneous events, grazing events, events at the end of a step, jumps of the state, breakpoints
+//! and hand-overs.
 
 use crate::problems::*;
 use crate::{split_off, unit_masses};
@@ -46,7 +47,7 @@ split_off!(Graze, |_own, _i| (1.0, 0.0));
 split_off!(Table, |_own, _i| (0.0, 0.0));
 split_off!(Counting, |_own, i| ([1.0, 1.3][i], [0.05, 0.0][i]));
 
-/// From height one with acceleration two: floor at one second, back up at three, and so on.
+/// Balls from height one with acceleration two reach the floor after one second and rise again until three.
 #[test]
 fn simultaneous_events_are_switched_together() {
     for m in METHODS {
@@ -65,7 +66,7 @@ fn simultaneous_events_are_switched_together() {
     }
 }
 
-/// The floor is reached at one second, where a step ends: one event, not two and not none.
+/// An event at one second, where a step ends, counts exactly once.
 #[test]
 fn an_event_at_the_end_of_a_step_counts_once() {
     for m in fixed_step() {
@@ -100,7 +101,7 @@ fn accumulating_events_end_as_chatter() {
     }
 }
 
-/// A mass on a spring that just reaches a stiff wall at the turn of its motion.
+/// A mass on a spring whose motion turns just at a stiff wall.
 struct Graze {
     wall: f64,
 }
@@ -242,8 +243,8 @@ fn steps_land_on_the_breakpoints_of_a_table() {
     }
 }
 
-/// Counts its commits into the discrete state and asks for a restart at some; the force insists on the discrete state
-/// being the committed one.
+/// System that counts its commits in the discrete state and requests a restart at some of them; the force requires
+/// that the discrete state is the committed one.
 struct Counting {
     commits: f64,
     restart_every: u32,
@@ -323,7 +324,7 @@ fn commits_reach_the_force_and_restarts_keep_the_solution() {
     }
 }
 
-/// Steps follow on each other without gap or overlap, through events as well.
+/// Sink that checks that steps follow each other without gap or overlap, through events as well.
 #[derive(Default)]
 struct Seamless {
     last: Option<State>,

@@ -1,25 +1,26 @@
-//! What kicks leave out of oscillators, and what a system wins that gives it as local compliance.
+//! The quasi-static correction: the compliance that impulses leave out of oscillators, and the gain of a system that
+//! adds it as local compliance.
 
 use crate::problems::*;
 use crate::unit_masses;
 use gearbench_integrators::{At, Layout, ModalSplit, SecondOrderSystem, State};
 
-/// Oscillators pressed at one point by a two-sided spring that stands on a local compliance.
+/// Oscillators with a two-sided spring at one point, in series with a local compliance.
 struct Pressed {
     omega: Vec<f64>,
     /// Shape of the oscillators at the point.
     shape: Vec<f64>,
-    /// Steady load on each.
+    /// Steady load on each oscillator.
     load: Vec<f64>,
     spring: f64,
     local: f64,
-    /// Gives what the method says that it leaves out.
+    /// True if the system adds the compliance that the method leaves out.
     gives: bool,
     quasi_static: Vec<f64>,
 }
 
 impl Pressed {
-    /// A free body with modes of which the fastest is about as fast as the contact.
+    /// Builds a free body with modes, the fastest of which is about as fast as the contact.
     fn body(gives: bool) -> Self {
         Pressed {
             omega: vec![0.0, 1.4],
@@ -37,13 +38,13 @@ impl Pressed {
         of.map(|(b, quasi_static)| b * b * quasi_static).sum()
     }
 
-    /// Force of the spring.
+    /// Returns the force of the spring.
     fn press(&self, q: &[f64]) -> f64 {
         let x: f64 = self.shape.iter().zip(q).map(|(b, q)| b * q).sum();
         x / (1.0 / self.spring + self.local + self.given())
     }
 
-    /// Frequencies of two oscillators with the spring: roots of the characteristic polynomial.
+    /// Returns the frequencies of two oscillators with the spring: roots of the characteristic polynomial.
     fn frequencies(&self) -> [f64; 2] {
         let k = 1.0 / (1.0 / self.spring + self.local);
         let (b, w) = (&self.shape, &self.omega);
@@ -53,7 +54,7 @@ impl Pressed {
         [(mean - half).sqrt(), (mean + half).sqrt()]
     }
 
-    /// Frequencies of the motion over steps `h`: cosines of its phases are those of the one-step map.
+    /// Returns the frequencies of the motion over steps `h`, from the cosines of the phases of the one-step map.
     fn stepped(&mut self, h: f64) -> [f64; 2] {
         let mut map = [[0.0; 4]; 4];
         for j in 0..4 {
@@ -122,8 +123,7 @@ impl SecondOrderSystem for Pressed {
     }
 }
 
-/// Frequencies of a body in contact converge with order two, and with order four where it gives the quasi-static
-/// correction back.
+/// Frequencies of a body in contact converge with order two, and with order four with the quasi-static correction.
 #[test]
 fn a_contact_with_the_quasi_static_correction_has_order_four() {
     let lengths = [0.8, 0.4, 0.2, 0.1];
@@ -149,7 +149,7 @@ fn a_contact_with_the_quasi_static_correction_has_order_four() {
     }
 }
 
-/// The force that a steady load leaves on the contact at rest is that of the springs in series, at every step.
+/// The contact force under a steady load at rest is that of the springs in series, at every step.
 #[test]
 fn a_load_at_rest_presses_alike_at_every_step() {
     let mut errors = [0.0_f64; 2];

@@ -1,4 +1,4 @@
-//! What the methods of the table declare, held against exact solutions. One binary, one room per question.
+//! Declared properties of the methods compared with exact solutions. One binary, one module per question.
 
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
 

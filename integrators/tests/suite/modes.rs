@@ -6,7 +6,7 @@ use gearbench_integrators::{
     At, Energy, Layout, ModalSplit, Outputs, Power, Report, SecondOrderSystem, State,
 };
 
-/// Independent oscillators under steady loads, next to a smooth nonlinear coupling and a stop.
+/// Independent oscillators under steady loads with a smooth nonlinear coupling and a stop.
 #[derive(Clone)]
 pub struct Modes {
     pub omega: Vec<f64>,
@@ -14,11 +14,11 @@ pub struct Modes {
     pub load: Vec<f64>,
     /// Shape of the modes at the point that the nonlinear forces act on.
     pub shape: Vec<f64>,
-    /// Cubic spring at the point.
+    /// Coefficient of the cubic spring at the point.
     pub cubic: f64,
     /// Stiffness of the stop at `point > 0`: the stop itself in series with a residual compliance.
     pub stop: f64,
-    /// Where the stop stands.
+    /// Position of the stop.
     pub wall: f64,
 }
 
@@ -94,7 +94,8 @@ impl ModalSplit for Modes {
         a.copy_from_slice(&self.load);
         f64::INFINITY
     }
-    /// The gap of the first coordinate, which is free, less the largest swing of the others; no load on either.
+    /// Returns a bound from the gap of the first coordinate, which is free, less the largest amplitude of the others,
+    /// without load on either.
     fn free_until(&mut self, s: &State) -> f64 {
         if self.wall == f64::INFINITY && self.cubic == 0.0 {
             return f64::INFINITY;

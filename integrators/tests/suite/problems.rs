@@ -1,4 +1,4 @@
-//! Test systems, each bound to its exact solution where it has one.
+//! Test systems, each with its exact solution where one exists.
 
 pub use crate::hammer::*;
 use gearbench_integrators::{
@@ -6,7 +6,7 @@ use gearbench_integrators::{
     SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan, Work, method,
 };
 
-/// Runs a method of the table; the state is where it ended.
+/// Runs a method of the table; the state is the one where it ended.
 pub fn run(
     method: &Method,
     sys: &mut dyn SecondOrderSystem,
@@ -20,7 +20,7 @@ pub fn run(
     (s, work, result)
 }
 
-/// Runs a method `id(name=value)` that must not fail, watched by a sink.
+/// Runs a method `id(name=value)` that must not fail, with a sink.
 pub fn watch(
     text: &str,
     sys: &mut dyn SecondOrderSystem,
@@ -67,7 +67,7 @@ pub fn adaptive() -> impl Iterator<Item = &'static Method> {
         .filter(|m| m.info.stepping != Stepping::Fixed)
 }
 
-/// Slope of log(error) over log(x) by least squares.
+/// Fits the slope of log(error) over log(x) by least squares.
 pub fn slope(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let (mut sx, mut sy, mut sxx, mut sxy) = (0.0, 0.0, 0.0, 0.0);
@@ -90,8 +90,7 @@ pub fn state(q: &[f64], v: &[f64]) -> State {
     }
 }
 
-/// What test systems of unit masses and scales have alike: the length of their coordinates, event functions and discrete
-/// state, and the capabilities that they hand out.
+/// Implements the sizes, scales and capabilities of test systems with unit masses and unit scales.
 #[macro_export]
 macro_rules! unit_masses {
     (|$own:ident| [$n:expr, $events:expr, $discrete:expr] $(, $capability:ident: $trait:ident)*) => {
@@ -117,8 +116,8 @@ macro_rules! unit_masses {
     };
 }
 
-/// Makes a system oscillators and a rest: the frequency [rad/s] and damping ratio of each coordinate are given, the
-/// rest is what is left of its acceleration.
+/// Implements the modal split of a system from the frequency [rad/s] and damping ratio of each coordinate; the
+/// remainder is the rest of its acceleration.
 #[macro_export]
 macro_rules! split_off {
     ($system:ty, |$own:ident, $i:ident| $oscillator:expr) => {
@@ -152,8 +151,8 @@ split_off!(Duffing, |_own, i| ([1.0, 1.3][i], [0.05, 0.0][i]));
 split_off!(Oscillator, |own, _i| (own.omega, 0.0));
 split_off!(Chain, |_own, _i| (0.0, 0.0));
 
-/// Two coupled Duffing oscillators with cubic damping and a full mass matrix, forced so that
-/// `q = (sin 1.3 t + 0.2 cos 2.1 t, cos(0.9 t + 0.4))` solves them exactly.
+/// Two coupled Duffing oscillators with cubic damping and a full mass matrix, forced so that `q = (sin 1.3 t + 0.2 cos
+/// 2.1 t, cos(0.9 t + 0.4))` is the exact solution.
 #[derive(Default)]
 pub struct Duffing;
 
@@ -238,7 +237,7 @@ impl SecondOrderSystem for Duffing {
     }
 }
 
-/// `x'' = -omega^2 x` and `omega = 1` unless said otherwise.
+/// Oscillator `x'' = -omega^2 x`, with `omega = 1` by default.
 pub struct Oscillator {
     pub omega: f64,
 }
@@ -358,17 +357,17 @@ impl SecondOrderSystem for Chain {
     }
 }
 
-/// A plan of fixed steps.
+/// Returns a plan of `n` fixed steps.
 pub fn steps(t_end: f64, n: f64) -> TimePlan<'static> {
     TimePlan::new(t_end, Resolution::Step(t_end / n))
 }
 
-/// A plan under a tolerance.
+/// Returns a plan under a tolerance.
 pub fn tolerance(t_end: f64, rtol: f64) -> TimePlan<'static> {
     TimePlan::new(t_end, Resolution::Tolerance(rtol))
 }
 
-/// A plan that suits a method: a tolerance, or so many steps where it takes any.
+/// Returns a plan that suits a method: a tolerance, or `n` steps where it supports fixed steps.
 pub fn plan_of(m: &Method, t_end: f64, n: f64, rtol: f64) -> TimePlan<'static> {
     match m.info.stepping {
         Stepping::Adaptive => tolerance(t_end, rtol),

@@ -1,4 +1,4 @@
-//! Where in the last step of a solver events lie, on its interpolant.
+//! Location of events in the last step of a solver, on its interpolant.
 
 use super::{Failed, Session};
 use crate::diffsol_adapter::kernel::{Kernel, copy, read};
@@ -6,8 +6,8 @@ use crate::events::dips::SHORT;
 use crate::events::{Root, Watch};
 
 impl Session<'_, '_> {
-    /// Runs `find` on the event functions over the last step, at fractions of it, whose length [s] it is told with the
-    /// system's characteristic time. Leaves `to` where it looked last.
+    /// Runs `find` on the event functions over the last step, at fractions of it, with the length of the step [s] and
+    /// the characteristic time of the system. The state at the last evaluated fraction remains in `to`.
     fn on_step<T>(
         &mut self,
         kernel: &dyn Kernel,
@@ -31,7 +31,7 @@ impl Session<'_, '_> {
         failed.map_or(Ok(found), |e| Err(e.into()))
     }
 
-    /// Whether event functions fell and rose again in the last step.
+    /// Returns true if event functions fell and rose again in the last step.
     pub(super) fn dipped(&mut self, kernel: &dyn Kernel) -> Result<bool, Failed> {
         let end = self.to.t;
         let dipped = self.on_step(kernel, |watch, [h, time], look| {
@@ -42,8 +42,8 @@ impl Session<'_, '_> {
         Ok(dipped)
     }
 
-    /// Finds the first event in the last step and leaves the state there in `to`. False when it lies at the
-    /// start of the step.
+    /// Finds the first event in the last step and stores its state in `to`. Returns false when it lies at the start of
+    /// the step.
     pub(super) fn locate(&mut self, kernel: &dyn Kernel) -> Result<bool, Failed> {
         self.on_step(kernel, |watch, [h, time], look| {
             loop {
