@@ -1,4 +1,5 @@
-//! A gear model of one's own in one file and one line: a toothed rim on an elastic web, one elastic mode.
+//! A user-defined gear model in one file and one line of the table: a toothed rim on an elastic web, with one elastic
+//! mode.
 //!
 //! ```text
 //! J_r psi'' = sum_c N_c w_c - k (psi - phi) - d (psi' - phi')
@@ -17,7 +18,7 @@ use gearbench_models::gear::{GearModel, HubBody, HubState, ToothCoordinates};
 use gearbench_models::kinematics::{Point, Row, Tooth, Wrench};
 use gearbench_models::spec::Value;
 
-/// The row that a table of models needs: this is the one line.
+/// Row of the model in a table of models.
 pub const MODEL: Model = Model {
     id: "elastic-web",
     title: "rim on an elastic web, one mode (example)",
@@ -30,7 +31,7 @@ pub const MODEL: Model = Model {
     build,
 };
 
-/// A rim and a hub joined by a spring and a damper; all about the axis (along the slide of a rack).
+/// Rim and hub joined by a spring and a damper; all quantities are about the axis (along the motion of a rack).
 struct ElasticWeb {
     hub: HubBody,
     rim: f64,
@@ -66,7 +67,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
 }
 
 impl ElasticWeb {
-    /// Stretch of the web, its rate and its torque on the hub.
+    /// Returns the twist of the web, its rate and its torque on the hub.
     fn stretch(&self, at: At<'_>) -> [f64; 3] {
         let rim = self.hub.first();
         let x = at.q[rim] - self.hub.displacement_at(at);

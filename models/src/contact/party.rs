@@ -1,50 +1,50 @@
-//! What a search for contacts is told and what it tells.
+//! Kinematic state of one gear for the contact search, and the selection and counters of a search.
 
 use crate::gear::GearModel;
 use gearbench_integrators::system::At;
 
-/// A gear with its slice of the state.
+/// A gear model with its part of the state.
 #[derive(Clone, Copy)]
 pub struct Party<'a> {
-    /// The gear.
+    /// The gear model.
     pub gear: &'a dyn GearModel,
-    /// Its own coordinates, velocities and discrete state.
+    /// Coordinates, velocities and discrete state of the gear.
     pub at: At<'a>,
 }
 
-/// Which candidates are wanted.
+/// Selection of the candidates that a search returns.
 #[derive(Clone, Copy, Debug)]
 pub enum Wanted<'a> {
-    /// Pairs in the search's discrete state whose slot is closed; per slot `(mode, impact speed)`.
+    /// Pairs in the discrete state of the search whose slot is closed; per slot `(mode, impact speed)`.
     Closed(&'a [f64]),
-    /// All pairs in the search's discrete state, open or closed as their gaps tell.
+    /// All pairs in the discrete state of the search, open or closed according to their gaps.
     Listed,
-    /// The same, open or closed as their slots say.
+    /// All pairs in the discrete state of the search, open or closed according to their slots.
     Watched(&'a [f64]),
-    /// Pairs that lie in the contact zone at this state, discrete state aside, with a gap [m] of at most so much.
+    /// Pairs that lie in the contact zone at this state, whatever the discrete state, with a gap [m] up to this value.
     Touching(f64),
 }
 
-/// What a switched event function of a search did.
+/// Slots that changed at an event function of the contact zone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ZoneChange {
-    /// Slot of a pair that became a candidate.
+    /// Slot of a pair that entered the contact zone.
     pub entered: Option<usize>,
-    /// Slot of a pair that is none any more.
+    /// Slot of a pair that left the contact zone.
     pub left: Option<usize>,
 }
 
-/// What the last evaluation of a point search looked at.
+/// Counters of the last evaluation of a point search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SearchWork {
-    /// Pairs of flanks.
+    /// Number of flank pairs.
     pub pairs: usize,
-    /// Flanks whose node positions were computed.
+    /// Number of flanks whose node positions were computed.
     pub flanks: usize,
-    /// Nodes of these.
+    /// Number of nodes of these flanks.
     pub nodes: usize,
-    /// Points that were placed.
+    /// Number of points whose positions were computed.
     pub points: usize,
-    /// Points that were projected.
+    /// Number of points that were projected.
     pub projections: usize,
 }

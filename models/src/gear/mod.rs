@@ -1,4 +1,4 @@
-//! Gears: what a gear model must tell the contact and the integrator, and the models.
+//! Gears: the interface between gear models, contact and integrator, and the models.
 //!
 //! | module | owns |
 //! |---|---|

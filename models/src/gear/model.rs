@@ -1,4 +1,4 @@
-//! The one gear-contact interface: what a gear model must tell the contact and the integrator.
+//! The interface of gear models to contact and integrator.
 //!
 //! A gear has generalised coordinates (those of its mount first, then its own), a contact row, a mass and internal
 //! forces. What all gears share is the data of [`HubBody`]; what only some can do are small traits of their own
@@ -15,16 +15,16 @@ use crate::kinematics::{Motion, Point, Row, Wrench};
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 
-/// A gear at some fidelity. `at` holds the gear's own coordinates and discrete state only. Every default is that of a
-/// rigid body on its hub, or works for any gear.
+/// A gear model. `at` has the coordinates and the discrete state of this gear only. Every default is that of a rigid
+/// body on its hub, or is valid for any gear.
 pub trait GearModel {
-    /// The hub that carries the gear, and its data.
+    /// Returns the hub that carries the gear, and its data.
     fn hub(&self) -> &HubBody;
 
-    /// Its hub, to prescribe another motion; the number of its coordinates has to stay.
+    /// Returns the hub for a change of its prescribed motion; the number of its coordinates has to be preserved.
     fn hub_mut(&mut self) -> &mut HubBody;
 
-    /// Sets the initial state of its coordinates for a hub that moves at `speed`.
+    /// Sets the initial state of the coordinates for a hub that moves at `speed`.
     fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _discrete: &mut [f64]) {
         q.fill(0.0);
         v.fill(0.0);
@@ -33,8 +33,7 @@ pub trait GearModel {
         }
     }
 
-    /// Appends `d(x_p . n)/dq` to a row that is already targeted at this gear; returns the part of `d(x_p . n)/dt`
-    /// [m/s] that a driven mount prescribes.
+    /// Appends `d(x_p . n)/dq` to a row of this gear; returns the part of `d(x_p . n)/dt` [m/s] from a driven mount.
     fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         self.hub().row(at, &p.x, n, row)
     }
@@ -51,9 +50,9 @@ pub trait GearModel {
         }
     }
 
-    /// `x = (c.m M + c.d D + c.k K)^-1 rhs` without contact and loads, but with `hub_damping` [N m s/rad] from viscous
-    /// loads on the mount's coordinate. The scene adds contacts as low-rank terms. By default dense, for gears of few
-    /// coordinates.
+    /// Solves `x = (c.m M + c.d D + c.k K)^-1 rhs` without contact and loads, but with `hub_damping` [N m s/rad] from
+    /// viscous loads on the coordinate of the mount. The scene adds contacts as low-rank terms. The default is a dense
+    /// solve, for gears of few coordinates.
     fn correct(
         &mut self,
         at: At<'_>,
@@ -64,7 +63,7 @@ pub trait GearModel {
         correct_dense(self, at, c, hub_damping, rhs_to_x)
     }
 
-    /// Kinetic and strain energy [J].
+    /// Returns kinetic and strain energy [J].
     fn energy(&self, at: At<'_>) -> Energy {
         let hub = self.hub();
         Energy {
@@ -74,8 +73,8 @@ pub trait GearModel {
         }
     }
 
-    /// Power [W] that is lost inside the gear, that stiffness varying with position puts in, and that a prescribed
-    /// motion puts into the gear's own coordinates.
+    /// Returns the powers [W]: losses inside the gear, power of a stiffness that varies with position, and power of a
+    /// prescribed motion on the own coordinates.
     fn powers(&self, at: At<'_>) -> Power {
         let hub = self.hub();
         Power {
@@ -85,60 +84,61 @@ pub trait GearModel {
         }
     }
 
-    /// Hub motion and momentum of the whole gear.
+    /// Returns hub motion and momentum of the whole gear.
     fn hub_state(&self, at: At<'_>) -> HubState {
         self.hub().state(at)
     }
 
-    /// Where the hub is in its six directions and how fast.
+    /// Returns position and velocity of the hub in its six directions.
     fn hub_motion(&self, at: At<'_>) -> Motion {
         self.hub().motion(at.t, at.q, at.v)
     }
 
-    /// What the mount exerts on the gear: by Newton's law the rate of its momentum less the `contact` forces. `forces`
-    /// are those of contacts and loads on its coordinates. The default is that of a body that moves as its hub does.
+    /// Returns the force and moment of the mount on the gear: by Newton's law the rate of its momentum less the
+    /// `contact` forces. `forces` are those of contacts and loads on its coordinates. The default is that of a body
+    /// that moves as its hub does.
     fn mount_reaction(&self, at: At<'_>, _forces: &[f64], contact: &Wrench) -> Wrench {
         self.hub().reaction_at(at, contact)
     }
 
-    /// Flanks as grids of nodes, for gears whose contact is searched point by point. Such a gear takes
+    /// Returns the flanks as grids of nodes, for gears whose contact is searched point by point. Such a gear accepts
     /// [`Locus::Quadrature`](crate::kinematics::Locus) points in [`Self::row`].
     fn surface(&self) -> Option<FlankSurface<'_>> {
         None
     }
 
-    /// Flanks as lines, for gears that meet half-spaces with the places of their nodes.
+    /// Returns the flanks as lines, for gears in contact with half-spaces at the positions of their nodes.
     fn deformed_lines(&self) -> Option<&dyn DeformedLines> {
         None
     }
 
-    /// Gears whose body is a mesh, for pictures.
+    /// Returns the finite-element body, for figures.
     fn body(&self) -> Option<&dyn MeshedBody> {
         None
     }
 
-    /// Gears whose motion between contacts is known in closed form.
+    /// Returns the closed-form motion between contacts, if there is one.
     fn linear(&self) -> Option<&dyn LinearMotion> {
         None
     }
 
-    /// Gears whose teeth have another displacement than the hub.
+    /// Returns the individual displacements of the teeth, if they differ from that of the hub.
     fn teeth(&self) -> Option<&dyn ToothCoordinates> {
         None
     }
 
-    /// Gears with many coordinates of which a contact touches few.
+    /// Returns the interface of a gear with many coordinates of which a contact acts on few.
     fn large(&self) -> Option<&dyn LargeGear> {
         None
     }
 
-    /// Gears whose mass matrix is not constant and diagonal.
+    /// Returns the mass matrix, if it is not constant and diagonal.
     fn coupled_mass(&self) -> Option<&dyn CoupledMass> {
         None
     }
 }
 
-/// Relative step of central differences, the cube root of rounding.
+/// Relative step of central differences: the cube root of the rounding unit.
 const STEP: f64 = 6e-6;
 
 fn add_difference<G: GearModel + ?Sized>(

@@ -1,4 +1,4 @@
-//! The rigid gear: the mount's coordinate only; all compliance sits in the contact law.
+//! The rigid gear: it has the coordinate of the mount only; all compliance is in the contact law.
 //!
 //! `J phi'' = T + sum_c N_c d(x_c . n_c)/dphi`, on the line of action the effective base radius arm is the base radius.
 
@@ -14,10 +14,10 @@ use crate::spec::{ModelSpec, Parameters};
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 
-/// Id of the model.
+/// Identifier of the model.
 pub const MODEL: &str = "rigid";
 
-/// Its contact law is all there is to fit.
+/// Fit of the contact law, the only constant of the model.
 pub const FIT: Fit = Fit {
     parameters: &[],
     starts: |contact, _| {
@@ -28,7 +28,7 @@ pub const FIT: Fit = Fit {
     },
 };
 
-/// A gear of this model in a scene.
+/// Creates a gear of this model for a scene.
 pub fn spec() -> ModelSpec {
     ModelSpec {
         id: MODEL.into(),
@@ -45,7 +45,7 @@ pub struct Rigid {
 }
 
 impl Rigid {
-    /// A rigid body on its hub with the base radius [m], or `cos(alpha)` for a rack.
+    /// Creates a rigid body on its hub with the base radius [m], or `cos(alpha)` for a rack.
     pub fn new(hub: Hub, effective_base_radius: f64) -> Self {
         let own = vec![0.0; usize::from(hub.is_free())];
         let oscillators = match &hub.lateral {

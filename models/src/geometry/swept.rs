@@ -1,4 +1,4 @@
-//! Toothed bodies as surfaces, for pictures: the outlines of sections across the axis, joined over the face width.
+//! Toothed bodies as surfaces, for figures: the outlines of sections across the axis, joined over the face width.
 //!
 //! A section at the height `z` is the transverse outline turned by the helix, `z tan(beta)/r` (a rack: moved by
 //! `-z tan(beta)`). Flanks of conical gears are their involute helicoids, the fillets those of the cylindrical gear with the
@@ -9,18 +9,18 @@ use crate::Vec3;
 
 /// Kinds of cells, numbered as in VTK's file formats, with the node orders of these.
 pub mod cell {
-    /// A flat polygon.
+    /// Cell of a flat polygon.
     pub const POLYGON: u8 = 7;
-    /// Four nodes in a ring.
+    /// Cell of four nodes in a ring.
     pub const QUADRILATERAL: u8 = 9;
 }
 
-/// Cells between nodes.
+/// Cells of a mesh over nodes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cells {
     /// Kind of each cell, see [`cell`].
     pub kinds: Vec<u8>,
-    /// Where the nodes of each cell end among [`Cells::nodes`].
+    /// End of the nodes of each cell in [`Cells::nodes`].
     pub ends: Vec<u32>,
     /// Nodes of the cells, one after the other.
     pub nodes: Vec<u32>,
@@ -35,34 +35,34 @@ impl Cells {
     }
 }
 
-/// The surface of a toothed body in its own frame.
+/// Surface of a toothed body in its own frame.
 #[derive(Clone, Debug, Default)]
 pub struct Swept {
-    /// Nodes [m].
+    /// Positions of the nodes [m].
     pub nodes: Vec<Vec3>,
-    /// Per node its tooth, and its share in a motion of that tooth alone: 1 on the flanks, falling to 0 on the root.
+    /// Tooth of each node, and its share in a motion of that tooth alone: 1 on the flanks, falling to 0 on the root.
     pub teeth: Vec<(i64, f64)>,
-    /// Faces.
+    /// Faces of the surface.
     pub cells: Cells,
 }
 
-/// Points along an arc of the bore per pitch.
+/// Number of points along an arc of the bore per pitch.
 const ON_BORE: usize = 4;
-/// Largest turn of the helix between two sections [rad].
+/// Largest rotation of the helix between two sections [rad].
 const TURN: f64 = 0.02;
 
-/// Share of a point between the root and the end of the flank in the motion of a tooth.
+/// Returns the share of a point between the root and the end of the flank in the motion of a tooth.
 fn share(from_root: f64, flank: f64) -> f64 {
     (from_root / flank.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
-/// Sections that show a helix.
+/// Returns the number of layers that resolve a helix.
 fn layers(turn: f64) -> usize {
     ((turn.abs() / TURN).ceil() as usize).clamp(1, 32)
 }
 
 impl Swept {
-    /// A gear with so many points per flank, its bore open.
+    /// Builds a gear with a number of points per flank and an open bore.
     pub fn gear(gear: &Gear, points: usize) -> Swept {
         let width = gear.face_width();
         let per_height = gear.params().helix_angle.tan() / gear.r_reference();
@@ -157,7 +157,7 @@ impl Swept {
         swept
     }
 
-    /// A rack with so many points per flank.
+    /// Builds a rack with a number of points per flank.
     pub fn rack(rack: &Rack, points: usize) -> Swept {
         let width = rack.face_width();
         let slope = -rack.params().helix_angle.tan();
@@ -180,7 +180,7 @@ impl Swept {
         swept
     }
 
-    /// Faces between sections of rings of so many nodes.
+    /// Adds the faces between sections with rings of a number of nodes.
     fn sides(&mut self, sections: usize, ring: usize) {
         let at = |section: usize, k: usize| (section * ring + k % ring) as u32;
         for section in 0..sections - 1 {
@@ -208,8 +208,8 @@ mod tests {
     use crate::geometry::{GearParams, RackParams};
     use std::collections::HashMap;
 
-    /// Every edge of a closed surface without holes is passed once each way; volume by the divergence theorem, faces as
-    /// fans about their means.
+    /// Checks that the surface is closed (every edge occurs once in each direction) and returns its volume by the
+    /// divergence theorem, with faces as fans about their means.
     fn volume(swept: &Swept) -> f64 {
         let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
         let (mut sum, mut begin) = (0.0, 0);

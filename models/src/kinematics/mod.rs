@@ -1,4 +1,4 @@
-//! Where gears are and how their points move: teeth and points, poses, hubs, rows over the coordinates.
+//! Kinematics of gears: teeth and points, poses, hubs, and rows over the coordinates.
 
 mod freedom;
 mod hub;

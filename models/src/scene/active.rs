@@ -1,4 +1,4 @@
-//! Contacts on lines of action that carry (or may carry) a force, and their rows.
+//! Contacts on lines of action with a force, or possibly with one, and their rows.
 
 use super::members::{SceneGear, SceneMesh, parties};
 use crate::Vec3;
@@ -8,47 +8,48 @@ use crate::kinematics::{Point, Row};
 use crate::law::{Friction, FrictionForce, Law, LawForce};
 use gearbench_integrators::system::At;
 
-/// A contact that carries (or may carry) a force.
+/// A contact with a force, or possibly with one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Active {
     pub mesh: usize,
-    /// Index into the candidates.
+    /// Index of the candidate.
     pub candidate: usize,
-    /// Gap [m].
+    /// Gap of the contact [m].
     pub gap: f64,
-    /// Its rate [m/s].
+    /// Rate of the gap [m/s].
     pub rate: f64,
     pub impact_speed: f64,
     pub force: LawForce,
-    /// What the parts of both gears in the contact row are multiplied by: the normal force, and what the potential
-    /// changes by along the path [N].
+    /// Factors of the parts of both gears in the contact row: the normal force plus the parametric term of the
+    /// potential along the path [N].
     pub on: [f64; 2],
-    /// The latter, on the row of its own that flanks in space have for it [N].
+    /// Parametric term on the separate row of flanks in space [N].
     pub along: f64,
     pub friction: FrictionForce,
-    /// Sliding speed of gear b over gear a [m/s].
+    /// Sliding speed of gear b relative to gear a [m/s].
     pub sliding: f64,
     pub prescribed: Prescribed,
 }
 
-/// Speeds that driven mounts prescribe [m/s].
+/// Speeds from prescribed motions of driven mounts [m/s].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Prescribed {
-    /// Of the points of both gears along the normal.
+    /// Speeds of the points of both gears along the normal.
     pub points: [f64; 2],
-    /// Of the gap.
+    /// Gap rate from prescribed motions.
     pub gap: f64,
-    /// Of sliding.
+    /// Sliding speed from prescribed motions.
     pub sliding: f64,
 }
 
-/// Direction of sliding of a candidate, with the factor of a point that leaves over a tip, which its normal has as well.
+/// Returns the direction of sliding of a candidate, with the taper factor of a point that leaves contact over a tip,
+/// as in its normal.
 pub(super) fn sliding_of(c: &Candidate) -> Vec3 {
     c.fade * along_profile(&c.normal)
 }
 
-/// How far a contact on a line of action moves along it when the parts of its row move by so much; flank points stay
-/// where they are on their flank.
+/// Returns the displacement of a contact along the line of action, from displacements of the parts of its row; flank
+/// points keep their position on the flank.
 pub(super) fn moves(mesh: &SceneMesh, c: &Candidate, d: [f64; 2]) -> f64 {
     if mesh.search.points().is_some() || c.along.is_some() {
         0.0
@@ -102,7 +103,7 @@ pub(super) fn fill_rows(
     prescribed
 }
 
-/// The row `dg/dq` of a candidate; returns the prescribed speeds of the points of both gears along the normal.
+/// Appends the row `dg/dq` of a candidate; returns the prescribed speeds of the points of both gears along the normal.
 #[inline]
 pub(super) fn gap_row(
     gears: &[SceneGear],
@@ -122,8 +123,9 @@ pub(super) fn gap_row(
     [of_a, of_b]
 }
 
-/// Appends what the factor of a point of the other gear that leaves over the tip of this one changes by when the hub moves
-/// out of its own motion, which leaves the height of the point alone; returns the prescribed part.
+/// Appends the gradient of the tip-taper factor by out-of-plane motion of the hub, at a point of the other gear that
+/// leaves contact over the tip of this one; returns the prescribed part. The hub's own motion does not change the
+/// height of the point.
 #[inline]
 fn fading_row(master: &Party<'_>, (x, aside): (&Vec3, &Vec3), row: &mut Row) -> f64 {
     if *aside == Vec3::zeros() {
@@ -136,8 +138,8 @@ fn fading_row(master: &Party<'_>, (x, aside): (&Vec3, &Vec3), row: &mut Row) -> 
     })
 }
 
-/// The row of a force `f` and a moment `m` at a contact point, on gear b against gear a: two forces `m x u` a unit `u` apart,
-/// across the moment, make it up.
+/// Appends the row of a force `f` and a moment `m` at a contact point, on gear b against gear a. Two forces `m x u` at
+/// a unit distance `u`, perpendicular to the moment, represent the moment.
 fn path_row(
     gears: &[SceneGear],
     mesh: &SceneMesh,
@@ -173,20 +175,20 @@ pub(super) fn gap_rate(
     row.dot(at.v) + c.scale[1] * of_b - c.scale[0] * of_a
 }
 
-/// Length of the transverse part of a candidate's normal.
+/// Returns the length of the transverse part of a candidate's normal.
 fn transverse(c: &Candidate) -> f64 {
     c.normal.x.hypot(c.normal.y)
 }
 
-/// How far a contact moves along the normal when the parts of its row move by so much: by half with either gear, in the
-/// directions in which its stiffness and its place follow.
+/// Returns the displacement of a contact along the normal, from displacements of the parts of its row: one half with
+/// either gear, in the directions in which its stiffness and its position follow.
 #[inline]
 fn along(c: &Candidate, [a, b]: [f64; 2]) -> f64 {
     0.5 * (b / c.scale[1] - a / c.scale[0])
 }
 
-/// Half of what the elastic energy of a contact changes by along the path [N]: the force of the parametric term on each
-/// gear.
+/// Returns one half of the derivative of the elastic energy of a contact along the path [N]: the force of the
+/// parametric term on each gear.
 #[inline]
 pub(super) fn along_path(law: &Law, c: &Candidate, gap: f64) -> f64 {
     if c.stiffness_s == 0.0 {
@@ -195,8 +197,8 @@ pub(super) fn along_path(law: &Law, c: &Candidate, gap: f64) -> f64 {
     0.5 * law.d_potential_dk(gap, c.stiffness) * c.stiffness_s
 }
 
-/// Multipliers of both parts of the row of a contact with the normal force `n`: with `V = W(g, k(s))` the force is
-/// `-dV/dq = n dg/dq - dW/dk k'(s) ds/dq`.
+/// Returns the factors of both parts of the row of a contact with the normal force `n`: with `V = W(g, k(s))` the
+/// force is `-dV/dq = n dg/dq - dW/dk k'(s) ds/dq`.
 #[inline]
 pub(super) fn parts(law: &Law, c: &Candidate, gap: f64, n: f64) -> ([f64; 2], f64) {
     let along = along_path(law, c, gap);
@@ -206,37 +208,38 @@ pub(super) fn parts(law: &Law, c: &Candidate, gap: f64, n: f64) -> ([f64; 2], f6
     }
 }
 
-/// Derivatives of the force of a contact by the two parts of its row applied to a change of coordinates, and to one of
+/// Derivatives of the force of a contact by the two parts of its row, applied to changes of coordinates and of
 /// velocities.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tangent {
-    /// Of the normal force [N/m].
+    /// Derivatives of the normal force [N/m].
     pub normal: [f64; 2],
-    /// Of the elastic part of the normal force, which is what neighbours feel [N/m].
+    /// Derivatives of the elastic part of the normal force, which acts on neighbouring pairs [N/m].
     pub elastic: [f64; 2],
-    /// Of [`Active::on`] by the gap [N/m].
+    /// Derivatives of [`Active::on`] by the gap [N/m].
     pub by_gap: [f64; 2],
-    /// Of [`Active::on`], first the gear whose part is multiplied [N/m].
+    /// Derivatives of [`Active::on`]; the first index is the gear whose part is multiplied [N/m].
     pub on: [[f64; 2]; 2],
-    /// Of all of them by the gap rate [N s/m].
+    /// Derivative of all of them by the gap rate [N s/m].
     pub rate: f64,
-    /// The rows of both gears change alike: one direction is enough.
+    /// True if the rows of both gears have equal derivatives: one direction is then enough.
     pub plain: bool,
 }
 
-/// What the force of a contact changes by when the elastic force of another one does, through the body that both bend.
+/// Coupling of two contacts: the change of the force of one with the elastic force of another, through their common
+/// body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Answer {
-    /// The contact that answers.
+    /// Index of the contact whose force changes.
     pub of: usize,
-    /// The one that it answers to.
+    /// Index of the contact that causes the change.
     pub to: usize,
-    /// Its normal force, and [`Active::on`].
+    /// Changes of the normal force and of [`Active::on`].
     pub normal: f64,
     pub on: [f64; 2],
 }
 
-/// The tangent of a contact, but for how its stiffness curves along the path.
+/// Computes the tangent of a contact, without the curvature of its stiffness along the path.
 pub(super) fn tangent(law: &Law, c: &Candidate, a: &Active, row: &Row, v: &[f64]) -> Tangent {
     let force = &a.force;
     // Of flanks in space the rows' own change is left to differences.

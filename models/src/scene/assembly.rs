@@ -29,8 +29,8 @@ use crate::spec::{
 };
 use gearbench_integrators::system::State;
 
-/// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
-/// rounding leaves.
+/// Largest deviation of surfaces through flank nodes from the positions of the nodes, relative to the base pitch, and
+/// that of rounding.
 const FLANK_BOUND: f64 = 1e-6;
 const ROUNDING: f64 = 1e-9;
 
@@ -252,7 +252,7 @@ impl Scene {
         ))
     }
 
-    /// Offsets, initial state, buffers.
+    /// Computes offsets, initial state and buffers.
     fn lay_out(
         spec: &SceneSpec,
         mut gears: Vec<SceneGear>,

@@ -1,4 +1,4 @@
-//! Bodies of gears as they stand at a state, for pictures.
+//! Bodies of gears at a state, for figures.
 //!
 //! Gears of finite elements show their mesh; all others the surface of their teeth ([`Swept`]), which moves with the hub, its
 //! teeth by their own displacements beyond that. What a node is off the rigid motion of its gear is its displacement: that
@@ -14,20 +14,20 @@ use crate::spec::{Body, SceneSpec};
 use gearbench_integrators::system::At;
 use std::sync::Arc;
 
-/// Points along a flank of a surface.
+/// Number of points along a flank of a surface.
 const POINTS: usize = 16;
 
-/// The body of a gear.
+/// Body of a gear for a figure.
 #[derive(Clone, Debug)]
 pub struct Pictured {
-    /// Its elements, or the faces of its surface.
+    /// Elements of the body, or faces of its surface.
     pub cells: Arc<Cells>,
-    /// The surface; `None` where the gear itself says where its nodes are.
+    /// Surface of the body; `None` where the gear itself returns the positions of its nodes.
     swept: Option<Swept>,
 }
 
 impl Scene {
-    /// The bodies of its gears.
+    /// Returns the bodies of the gears.
     ///
     /// # Errors
     /// [`BuildError`] names a gear whose body is not known.
@@ -62,7 +62,7 @@ impl Scene {
             .collect()
     }
 
-    /// The nodes of a gear's body at a state.
+    /// Returns the nodes of a gear's body at a state.
     ///
     /// # Errors
     /// [`BuildError`] says why they are not known.
@@ -81,7 +81,7 @@ impl Scene {
         Ok(found)
     }
 
-    /// The same where carriers do not turn.
+    /// Returns the nodes of a gear's body in the carrier-frame state.
     fn seen_body(
         &mut self,
         at: At<'_>,

@@ -13,41 +13,42 @@ use crate::law::FrictionForce;
 use gearbench_integrators::system::{At, SprungMember, Touch};
 use std::collections::BTreeMap;
 
-/// The contact force at a point, for pictures and reports.
+/// Contact force at a point, for figures and reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {
     /// Index of the mesh.
     pub mesh: usize,
-    /// Teeth of both gears, unwrapped.
+    /// Teeth of both gears, counted on over turns.
     pub teeth: [Tooth; 2],
     /// Flank side that is in contact.
     pub side: Side,
-    /// Where [m].
+    /// Position of the contact [m].
     pub x: Vec3,
     /// Force on the second gear of the mesh [N].
     pub force: Vec3,
     /// Normal force [N].
     pub normal_force: f64,
-    /// Friction [N], positive where it drives the second gear along the normal turned by 90 degrees counter-clockwise.
+    /// Friction [N], positive where it drives the second gear along the normal rotated by 90 degrees
+    /// counter-clockwise.
     pub friction: f64,
-    /// What the contact exerts on the hubs of both gears: torque about the axis [N m], force along the slide [N]. Where a
-    /// tip edge touches off the line of action its lever is another than that of the force, and what the potential
-    /// changes by along the path has its part.
+    /// Generalised force on the hubs of both gears: torque about the axis [N m], or force along the motion of a rack
+    /// [N]. A tip edge in contact off the line of action has a lever other than that of the force, and the parametric
+    /// term of the potential along the path contributes.
     pub on_hubs: [f64; 2],
-    /// Gap [m].
+    /// Gap of the contact [m].
     pub gap: f64,
-    /// Pressure, of a line between flanks.
+    /// Hertzian pressure of a line contact.
     pub pressure: Option<LinePressure>,
-    /// What part of the flank it stands for.
+    /// Extent of the flank that the contact represents.
     pub extent: ContactExtent,
 }
 
-/// What part of a flank a contact stands for.
+/// Extent of a flank that a contact represents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ContactExtent {
-    /// A share of the common face width: a slice of lines of action, a line between flanks.
+    /// Share of the common face width, for a slice of lines of action or a line between flanks.
     Width(f64),
-    /// An area [m^2]; 1 where nodes count alike.
+    /// Area [m^2]; 1 for nodes with unit areas.
     Area(f64),
 }
 
@@ -69,7 +70,7 @@ impl Scene {
         }
     }
 
-    /// Adds the forces of all contacts at a state; what they are is noted only where forces need it.
+    /// Adds the forces of all contacts at a state; the contacts are stored only where the forces need that.
     #[inline]
     pub(super) fn add_contacts(&mut self, at: At<'_>, f: &mut [f64]) {
         if self.fields {
@@ -160,7 +161,7 @@ impl Scene {
         }
     }
 
-    /// Applies `x += N w + F t` of all active contacts.
+    /// Adds `N w + F t` of all active contacts to `f`.
     #[inline]
     pub(super) fn add_contact_forces(&self, f: &mut [f64]) {
         for (c, rows) in self.work.active.iter().zip(&self.work.rows) {
@@ -178,7 +179,7 @@ impl Scene {
         }
     }
 
-    /// Contact forces at a state, for pictures and reports.
+    /// Returns the contact forces at a state, for figures and reports.
     pub fn contact_forces(&mut self, at: At<'_>) -> Vec<ContactForce> {
         let mut found = self.seen(at, Self::seen_forces);
         if !self.carriers.is_empty() {
@@ -190,7 +191,7 @@ impl Scene {
         found
     }
 
-    /// The same where carriers do not turn.
+    /// Returns the contact forces in the carrier-frame state.
     fn seen_forces(&mut self, at: At<'_>) -> Vec<ContactForce> {
         self.evaluate_contacts(at);
         let nodal = self.work.nodal.active.iter().filter(|a| a.force.n > 0.0);
@@ -247,15 +248,15 @@ impl Scene {
             .collect()
     }
 
-    /// Hertz's pressure at a point under a normal force [N], where it is a line between flanks.
+    /// Returns the Hertzian pressure at a point under a normal force [N], if it is a line contact.
     pub(super) fn pressure(&self, p: &NodalPoint, force: f64) -> Option<LinePressure> {
         let line = &self.work.nodal.found.lines[p.line? as usize];
         let lines = self.meshes[p.mesh as usize].search.lines()?;
         Some(lines.pressure(line.radius, p.share, force))
     }
 
-    /// What an active contact exerts on the hub of one of its gears: torque about the axis [N m], force along the slide
-    /// [N].
+    /// Returns the generalised force of an active contact on the hub of one of its gears: torque about the axis [N m],
+    /// or force along the motion of a rack [N].
     pub(super) fn on_hub(&self, at: At<'_>, a: &Active, k: usize) -> f64 {
         let mesh = &self.meshes[a.mesh];
         let c = &self.work.candidates[a.candidate];
@@ -273,7 +274,7 @@ impl Scene {
         on
     }
 
-    /// Closed contacts of the last evaluation by mesh and tooth pair, at the state that contacts see.
+    /// Lists the closed contacts of the last evaluation by mesh and tooth pair, at the carrier-frame state.
     pub(super) fn fill_touches(&self, at: At<'_>, out: &mut Vec<Touch>) {
         out.clear();
         let mut sums: BTreeMap<(usize, [i64; 2]), (Vec3, Touch)> = BTreeMap::new();
@@ -318,7 +319,7 @@ impl Scene {
         }));
     }
 
-    /// A tooth on a spring of its own, without the contact force yet.
+    /// Returns a movable tooth without the contact force.
     fn sprung_tooth(
         &self,
         at: At<'_>,
@@ -335,7 +336,8 @@ impl Scene {
         })
     }
 
-    /// Radial and tangential direction of a gear at a point, across its axis; of a rack out of its teeth and along its slide.
+    /// Returns the radial and tangential direction of a gear at a point, perpendicular to its axis; for a rack out of
+    /// its teeth and along its motion.
     fn tooth_directions(&self, at: At<'_>, mesh: usize, k: usize, x: Vec3) -> [Vec3; 2] {
         let gear = &self.gears[self.meshes[mesh].gears[k]];
         let (hub, own) = (&gear.model.hub().hub, gear.at(at));
@@ -349,7 +351,7 @@ impl Scene {
         [radial, axis.cross(&radial)]
     }
 
-    /// The contacts of a scene that has gears with fields.
+    /// Evaluates the contacts of a scene with displacement fields.
     pub(super) fn evaluate_with_fields(&mut self, at: At<'_>) {
         self.work.reported.forget();
         self.work.active.clear();
@@ -362,7 +364,7 @@ impl Scene {
         self.work.nodal.evaluate(&self.gears, &self.meshes, at);
     }
 
-    /// Flank nodes of a gear with a field that carried a force in the last evaluation.
+    /// Returns the flank nodes of a gear with a field that were loaded in the last evaluation.
     pub fn pressed_nodes(&self, gear: usize) -> Vec<u32> {
         let nodes = &self.work.nodal.gears[gear];
         let pressed = nodes.nodes.iter().zip(&nodes.force);
@@ -370,13 +372,13 @@ impl Scene {
         pressed.map(|(node, _)| *node).collect()
     }
 
-    /// Ends of the line of action that a contact lies on [m], in the transverse plane.
+    /// Returns the ends of the line of action of a contact [m], in the transverse plane.
     pub fn line_of_action(&self, contact: &ContactForce) -> Option<[[f64; 2]; 2]> {
         let ends = self.meshes.get(contact.mesh)?.search.line(contact.side)?;
         Some(ends.map(|p| self.in_plane(&p)))
     }
 
-    /// A place or direction as seen along the axis of the first gear, in its axes.
+    /// Projects a position or direction along the axis of the first gear, in its axes.
     pub fn in_plane(&self, x: &Vec3) -> [f64; 2] {
         let first = self.gears.first().map(|g| &g.model.hub().axes);
         let [a, b, _] = first.unwrap_or(&crate::spec::UPRIGHT);

@@ -1,4 +1,4 @@
-//! The Newton correction: gears apart, then contacts as low-rank terms (Woodbury).
+//! The Newton correction: gears separately, then contacts as low-rank terms (Woodbury).
 //!
 //! ([`low_rank`](super::low_rank)) with a row and a column for each normal force (for each of both gears, where stiffness or separation changes along
 //! the path), and for each sliding force where there is friction. Many
@@ -11,7 +11,7 @@ use super::low_rank::LowRank;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 
 impl Scene {
-    /// Solves the gears apart, then adds the contacts as low-rank terms (Woodbury).
+    /// Solves for the gears separately, then adds the contacts as low-rank terms (Woodbury).
     pub(super) fn newton_correction(
         &mut self,
         at: At<'_>,
@@ -25,8 +25,7 @@ impl Scene {
         self.correct_with_shafts(at, c, rhs_to_x)
     }
 
-    /// The correction with the contacts of the last evaluation; those of tooth pairs with the links of shafts beside them,
-    /// where these are wanted.
+    /// Solves with the contacts of the last evaluation, and with the links of shafts where these are requested.
     pub(super) fn correct_contacts(
         &mut self,
         at: At<'_>,
@@ -67,7 +66,7 @@ impl Scene {
         solved
     }
 
-    /// `Z = A0^-1 U` of low-rank terms.
+    /// Computes `Z = A0^-1 U` of low-rank terms.
     fn correct_terms(
         &mut self,
         at: At<'_>,
@@ -81,7 +80,7 @@ impl Scene {
         })
     }
 
-    /// Whether the condensed correction serves the contacts at hand.
+    /// Returns true if the condensed correction applies to the present contacts.
     pub(super) fn condenses_now(&self, c: Coeffs) -> bool {
         self.condenses
             && self.work.active.iter().all(|a| {
@@ -129,8 +128,8 @@ impl Scene {
         if singular { Err(Singular) } else { solved }
     }
 
-    /// Adds the terms of contact `i`: one where both gears feel the same change of force, else one for each, and one of the
-    /// sliding force.
+    /// Adds the terms of contact `i`: one where both gears receive the same change of force, otherwise one for each,
+    /// and one of the sliding force.
     fn terms_of_contact(&self, at: At<'_>, c: Coeffs, i: usize, terms: &mut LowRank) {
         let (a, rows, t) = (
             &self.work.active[i],
@@ -177,7 +176,7 @@ impl Scene {
         // F / r_b against a contact stiffness, and costs a further rank.
     }
 
-    /// Adds to a row of contact `i` how it answers to its neighbours.
+    /// Adds the couplings of contact `i` with its neighbours to a row.
     fn add_answers(&self, i: usize, c: Coeffs, by: impl Fn(&Answer) -> f64, row: &mut [f64]) {
         for answer in self.work.answers_of(i) {
             let factor = c.k * by(answer);

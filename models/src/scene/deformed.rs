@@ -1,4 +1,4 @@
-//! Flanks of elastic gears as they are deformed at a state, for pictures.
+//! Deformed flanks of elastic gears at a state, for figures.
 //!
 //! A node of a reduced gear moves with the hub, and outward by `a = B q + r T - R F` (and along the profile where the gear
 //! knows that); nodes of finite elements say where they are.
@@ -9,23 +9,23 @@ use crate::gear::FlankDisplacement;
 use crate::geometry::{FlankGrid, Side};
 use gearbench_integrators::system::At;
 
-/// A section of a flank.
+/// A section of a deformed flank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeformedFlank {
     /// Tooth of the gear, from 0.
     pub tooth: u32,
-    /// Side of it.
+    /// Side of the flank.
     pub side: Side,
-    /// Nodes from the root to the tip where the rigid motion takes them [m]: that of the hub, of reduced gears that of their
+    /// Nodes from the root to the tip after the rigid motion [m]: that of the hub, for reduced gears that of their
     /// mean axes.
     pub with_hub: Vec<Vec3>,
-    /// How far they are off that place [m].
+    /// Displacements of the nodes from these positions [m].
     pub displacement: Vec<Vec3>,
 }
 
 impl Scene {
-    /// Sections of the flanks of some teeth of a gear, at the column of nodes nearest to a height on its axis [m]; none of
-    /// gears without nodes, and of racks.
+    /// Returns sections of the flanks of some teeth of a gear, at the column of nodes nearest to a height on its axis
+    /// [m]; empty for gears without nodes, and for racks.
     pub fn deformed_flanks(
         &mut self,
         at: At<'_>,
@@ -43,7 +43,7 @@ impl Scene {
         found
     }
 
-    /// The same where carriers do not turn.
+    /// Returns the sections in the carrier-frame state.
     fn seen_deformed(
         &mut self,
         at: At<'_>,
@@ -122,7 +122,7 @@ impl Scene {
         out
     }
 
-    /// Displacements of nodes, outward, or along the profile with what is added to their numbers for that [m].
+    /// Computes the displacements of nodes, outward or, with the offset of their numbers, along the profile [m].
     fn outward(
         &self,
         field: &dyn FlankDisplacement,
@@ -162,7 +162,7 @@ impl Scene {
     }
 }
 
-/// Outward normal of a flank at a node, in the transverse plane of its gear.
+/// Returns the outward normal of a flank at a node, in the transverse plane of its gear.
 fn normal(grid: &FlankGrid, column: usize, row: usize) -> Vec3 {
     let at = |r: usize| grid.positions[r * grid.columns + column];
     let along = at((row + 1).min(grid.rows - 1)) - at(row.saturating_sub(1));

@@ -1,6 +1,6 @@
-//! Forces and event functions of meshes whose contacts need no candidates: gears whose teeth move by one coordinate each on
-//! lines of action, and rigid bodies that move in space; without friction, while events are located. A step asks for nothing else;
-//! reports and tangents look at candidates.
+//! Forces and event functions of meshes without candidates: gears whose teeth move by one coordinate each on lines of
+//! action, and rigid bodies that move in space, without friction and with event location. Steps use these; reports and
+//! tangents use candidates.
 
 use super::assembled::Scene;
 use super::members::{SceneGear, SceneMesh, parties};
@@ -9,21 +9,21 @@ use crate::contact::pairs::{LinesOfAction, Mesh, MeshedBodies, PRESCRIBED, Roste
 use crate::kinematics::{BodyMotion, Tooth};
 use gearbench_integrators::system::At;
 
-/// What the flanks of a gear follow.
+/// Motion that the flanks of a gear follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Follows {
-    /// The hub, by its one coordinate or by a prescribed motion.
+    /// The flanks follow the hub, by its one coordinate or by a prescribed motion.
     Hub,
-    /// Each tooth a coordinate of its own.
+    /// Each tooth follows a coordinate of its own.
     Teeth,
-    /// The hub, in several directions.
+    /// The flanks follow the hub in several directions.
     Body,
-    /// Several coordinates at once.
+    /// The flanks follow several coordinates at once.
     Several,
 }
 
 impl Follows {
-    /// What those of a gear in a state do; `discrete` is the gear's own.
+    /// Returns the motion of the flanks of a gear at a state; `discrete` is that of the gear.
     pub(super) fn of(gear: &SceneGear, discrete: &[f64]) -> Self {
         let model = gear.model.as_ref();
         let hub = model.hub();
@@ -47,7 +47,7 @@ impl Follows {
 }
 
 impl SceneGear {
-    /// The scene's coordinate by which a tooth moves.
+    /// Returns the coordinate of the scene by which a tooth moves.
     fn coordinate(&self, at: At<'_>, tooth: Tooth) -> usize {
         let own = match self.model.teeth() {
             Some(teeth) if self.follows == Follows::Teeth => {
@@ -59,7 +59,7 @@ impl SceneGear {
         self.offset + own
     }
 
-    /// Its part of the discrete state that says so.
+    /// Returns the part of the discrete state that determines these coordinates.
     #[inline(always)]
     fn places<'a>(&self, at: At<'a>) -> &'a [f64] {
         &at.discrete[self.discrete.0..][..self.places]
@@ -70,7 +70,7 @@ impl SceneGear {
         &at.discrete[self.discrete.0..][..self.discrete.1]
     }
 
-    /// Displacement and speed of its hub where these are prescribed.
+    /// Returns displacement and speed of the hub where these are prescribed.
     #[inline(always)]
     fn prescribed(&self, t: f64) -> [f64; 2] {
         if self.n > 0 {
@@ -82,7 +82,7 @@ impl SceneGear {
 }
 
 impl SceneMesh {
-    /// Notes whether its contacts need no candidates, and the arms of those on lines of action.
+    /// Stores whether the contacts need no candidates, and the arms of those on lines of action.
     pub(super) fn note_directness(&mut self, gears: &[SceneGear]) {
         let pair = self.gears.map(|i| &gears[i]);
         (self.arms, self.bodies) = (None, false);
@@ -97,8 +97,8 @@ impl SceneMesh {
         }
     }
 
-    /// The mesh at a state where events are located, if its gears are rigid bodies in space whose contacts need no candidates,
-    /// and the motions of both.
+    /// Returns the mesh at a state with event location and the motions of both gears, if these are rigid bodies in
+    /// space and contacts need no candidates.
     fn as_bodies<'a>(
         &'a self,
         gears: &'a [SceneGear],
@@ -129,8 +129,8 @@ impl SceneMesh {
         Some((pairs, mesh, motions))
     }
 
-    /// The mesh at a state where events are located, if its contacts need no candidates; the pairs that are looked at
-    /// are then in the roster.
+    /// Returns the mesh at a state with event location, if its contacts need no candidates; its pairs are then in the
+    /// list of the mesh.
     #[inline(always)]
     fn directly<'a>(
         &'a self,

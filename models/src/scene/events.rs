@@ -1,4 +1,4 @@
-//! Events of a scene: event functions, switches of contacts and zones, what the discrete state remembers.
+//! Events of a scene: event functions, transitions of contacts and zones, and the history in the discrete state.
 
 use super::active::gap_rate;
 use super::assembled::Scene;
@@ -85,7 +85,7 @@ impl Events for Scene {
 }
 
 impl Scene {
-    /// Contacts of an earlier run let go of their teeth.
+    /// Disengages the teeth of contacts of an earlier run.
     fn let_go(&mut self, s: &mut State) {
         for m in 0..self.meshes.len() {
             for slot in 0..self.meshes[m].slots {
@@ -96,7 +96,7 @@ impl Scene {
         }
     }
 
-    /// Flips what an event function watches.
+    /// Switches the contact, zone or guide at an event function.
     fn switch(&mut self, s: &mut State, event: usize) -> Change {
         let m = self
             .meshes
@@ -167,7 +167,7 @@ impl Scene {
         Change::Restart
     }
 
-    /// Zones and modes of all meshes from a state as contacts see it.
+    /// Sets zones and modes of all meshes from a carrier-frame state.
     fn begin_contacts(&mut self, s: &mut State) {
         for i in 0..self.meshes.len() {
             let mesh = &self.meshes[i];
@@ -188,7 +188,7 @@ impl Scene {
         self.refresh_modes(s, None);
     }
 
-    /// Event functions at a state as contacts see it.
+    /// Computes the event functions at a carrier-frame state.
     fn watch(&mut self, at: At<'_>, out: &mut [f64]) {
         for m in 0..self.meshes.len() {
             if self.watch_directly(at, m, out) {
@@ -231,7 +231,7 @@ impl Scene {
         }
     }
 
-    /// Event functions of a mesh's closed or overlapping contacts with a damper, from the force.
+    /// Computes event functions of a mesh's closed or overlapping contacts with a damper from the force.
     fn damped_events(&mut self, at: At<'_>, m: usize, wanted: Wanted<'_>, out: &mut [f64]) {
         let Scene {
             gears,
@@ -297,7 +297,7 @@ impl Scene {
         }
     }
 
-    /// Without event location: impact speeds and engagement follow the accepted states.
+    /// Updates impact speeds and engagement from accepted states, without event location.
     fn track_modes(&mut self, s: &mut State) {
         for m in 0..self.meshes.len() {
             if self.meshes[m].slots == 0 {
@@ -332,7 +332,7 @@ impl Scene {
         }
     }
 
-    /// The candidates of a mesh, in the buffer for them, which is put back after use.
+    /// Moves the candidates of a mesh out of their buffer, which the caller returns after use.
     fn take_candidates(&mut self, s: &State, m: usize, wanted: Wanted<'_>) -> Vec<Candidate> {
         let mut found = std::mem::take(&mut self.work.candidates);
         found.clear();
@@ -364,7 +364,7 @@ impl Scene {
         gap_rate(&self.gears, mesh, c, s.at(), &mut self.work.scratch)
     }
 
-    /// Tells both gears that a contact of a slot closed or opened.
+    /// Notifies both gears that a contact of a slot closed or opened.
     fn engage(&mut self, s: &mut State, m: usize, slot: usize, closed: bool) {
         if let Some(c) = self.find(s, m, slot) {
             self.tell(s, m, &c, closed);

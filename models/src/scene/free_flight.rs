@@ -1,4 +1,4 @@
-//! FreeFlight: how long nothing touches, where the scene is until then, and gears that are put to rest meanwhile.
+//! Free flight of a scene: its duration, its motion, and the removal of vibration during it.
 //!
 //! **How long.** Under steady loads gears fly as their frames do ([`FreeFlight`]), `theta = theta_0 + theta' t +
 //! theta'' t^2 / 2`, and facing flanks of rigid gears are apart by at least `c + p . theta`
@@ -36,7 +36,7 @@ use crate::gear::{FreeFlight, work_on_hub};
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Events, State};
 
-/// The first positive zero of `c + b t + a t^2 / 2` for `c > 0`, infinite where there is none.
+/// Returns the first positive zero of `c + b t + a t^2 / 2` for `c > 0`, or infinity.
 fn first_zero(c: f64, b: f64, a: f64) -> f64 {
     // c + b t + a t^2/2 = 0 with u = 1/t: c u^2 + b u + a/2 = 0, whose largest root is the first zero.
     let disc = b * b - 2.0 * a * c;
@@ -52,7 +52,7 @@ fn first_zero(c: f64, b: f64, a: f64) -> f64 {
     if u > 0.0 { 1.0 / u } else { f64::INFINITY }
 }
 
-/// Clearance of the frames on a line, its rate and acceleration.
+/// Returns the clearance of the frames on a line, its rate and acceleration.
 fn clearance(line: &LineClearance, frames: [&FreeFlight; 2]) -> [f64; 3] {
     let [a, b] = line.per_displacement;
     let along = |d: usize| a * frames[0].frame[d] + b * frames[1].frame[d];
@@ -60,8 +60,8 @@ fn clearance(line: &LineClearance, frames: [&FreeFlight; 2]) -> [f64; 3] {
 }
 
 impl Scene {
-    /// A time until which nothing touches and all loads are steady; `at.t` where that is not known. Leaves the flights
-    /// of the gears in `self.flights` where it is later.
+    /// Returns a time until which no contact closes and all loads are steady, or `at.t` where no bound is known. The
+    /// flights of the gears remain in `self.flights` where the time is later.
     pub(super) fn flight_until(&mut self, at: At<'_>) -> f64 {
         let open = |m: &super::SceneMesh| {
             let modes = at.discrete[m.modes()].chunks_exact(2);
@@ -89,7 +89,7 @@ impl Scene {
         }
     }
 
-    /// Time for which nothing touches, by the flights of the gears [s].
+    /// Returns the duration without contact from the flights of the gears [s].
     fn flight_lasts(&self) -> f64 {
         let mut shortest = f64::INFINITY;
         for mesh in &self.meshes {
@@ -111,7 +111,7 @@ impl Scene {
         shortest * (1.0 - 1e-9)
     }
 
-    /// [`SecondOrderSystem::flight_path`] of the scene.
+    /// Computes [`SecondOrderSystem::flight_path`] of the scene.
     pub(super) fn path_from(&mut self, at: At<'_>, later: f64, path: &mut FlightPath) -> f64 {
         let until = self.flight_until(at);
         if until > later {
@@ -126,7 +126,7 @@ impl Scene {
         until
     }
 
-    /// Energy of the next impact of a gear, were its flight to go on [J]; infinite where there is none.
+    /// Returns the energy of the next impact of a gear if its flight continued [J]; infinite where there is none.
     fn coming_impact(&self, gear: usize) -> f64 {
         let (mut soonest, mut energy) = (f64::INFINITY, f64::INFINITY);
         for mesh in self.meshes.iter().filter(|m| m.gears.contains(&gear)) {
@@ -149,7 +149,7 @@ impl Scene {
         energy
     }
 
-    /// Puts gears to rest that may lose their vibration; true when one did.
+    /// Removes the vibration of gears that permit it; returns true when it removed one.
     pub(super) fn cut_off_vibration(&mut self, s: &mut State) -> bool {
         if self.flight_until(s.at()) <= s.t {
             return false;
@@ -174,7 +174,7 @@ impl Scene {
         slept
     }
 
-    /// [`SecondOrderSystem::steady_work`] of the scene.
+    /// Computes [`SecondOrderSystem::steady_work`] of the scene.
     pub(super) fn work_of_flight(&self, from: At<'_>, to: At<'_>) -> Option<f64> {
         let mut work = 0.0;
         for g in &self.gears {

@@ -1,4 +1,4 @@
-//! Hubs from their settings: inertia, axes, and how they move beside their own turn or slide.
+//! Assembly of hubs: inertia, axes, and out-of-plane freedom.
 
 use crate::Vec3;
 use crate::error::{BuildError, GearPart, Reason};
@@ -7,7 +7,7 @@ use crate::spec::{Body, Freedom, GearSpec, LateralSpec, Mount, SpinTerms, UPRIGH
 use nalgebra::Matrix3;
 use std::sync::Arc;
 
-/// The hub of a gear.
+/// Builds the hub of a gear.
 ///
 /// # Errors
 /// The mount is not for this gear, or a number of bearing or body cannot be.
@@ -66,7 +66,7 @@ pub fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
     Ok(hub)
 }
 
-/// Inertia tensor of a body with three or more equal sectors, about its hub.
+/// Returns the inertia tensor of a body with three or more equal sectors, about its hub.
 pub(super) fn round_tensor(g: &GearSpec) -> Matrix3<f64> {
     let about = g.own_inertia() + g.added_inertia;
     let added = g.lateral.as_ref().map_or(0.0, |l| l.added_mass);
@@ -81,20 +81,20 @@ pub(super) fn round_tensor(g: &GearSpec) -> Matrix3<f64> {
     Matrix3::from_diagonal(&Vec3::new(across, across, about))
 }
 
-/// What a body on a hub is that may move sideways.
+/// Specification of a body on a hub that may have out-of-plane freedom.
 pub(super) struct Across<'a> {
     pub name: &'a str,
     pub mount: &'a Mount,
     pub speed: f64,
-    /// Its own mass [kg] and inertia tensor [kg m^2] where none are given.
+    /// Mass [kg] and inertia tensor [kg m^2] of the body where none are given.
     pub mass: f64,
     pub tensor: Matrix3<f64>,
 }
 
-/// Share of the lowest natural frequency of the tilt from which on the speed of a hub counts.
+/// Ratio of the hub speed to the lowest natural frequency of the tilt above which spin terms are included.
 const SLOW: f64 = 1e-3;
 
-/// The lateral directions of a hub and its body; `None` where all are held.
+/// Returns the out-of-plane freedom of a hub and its body, or `None` where all directions are fixed.
 pub(super) fn lateral_of(
     g: &Across<'_>,
     lateral: &LateralSpec,

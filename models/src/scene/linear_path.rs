@@ -1,4 +1,4 @@
-//! Two rigid gears on one constant spring and damper, from event to event in closed form.
+//! Closed-form motion from event to event of two rigid gears on one constant spring and damper.
 //!
 //! With the displacements `x` of both gears the gap of left flanks is `g_l = G_l + y`, that of right flanks `g_r = G_r - y`,
 //! `y = p . x`. Under steady loads, with `1/m = sum p^2/J` over the gears that are free, `a_0` the acceleration of `y`
@@ -24,24 +24,24 @@ use gearbench_integrators::FlightPath;
 use gearbench_integrators::modal::propagator::coefficients;
 use gearbench_integrators::system::{At, Events};
 
-/// Steps in which observers see a contact, in radians of its oscillation.
+/// Step in which observers resolve a contact, in radians of its oscillation.
 const PHASE: f64 = 0.5;
-/// Corrections of the time of an event.
+/// Largest number of corrections of the time of an event.
 const MAX_CORRECTIONS: u32 = 100;
 
-/// The one spring of a scene that it holds for.
+/// The single spring of a scene with a closed form.
 #[derive(Clone, Debug)]
 pub(super) struct OneSpring {
     /// Gaps of left and of right flanks at the assembled position [m].
     gaps: [f64; 2],
     /// Change of the gap of left flanks by the displacement of each gear [m] or [-].
     per_displacement: [f64; 2],
-    /// [N/m], [N s/m]
+    /// Stiffness [N/m] and damping [N s/m].
     stiffness: f64,
     damper: f64,
 }
 
-/// One side of the teeth: its gap is `gap + sign y`.
+/// One side of the teeth, with the gap `gap + sign y`.
 #[derive(Clone, Copy, Debug)]
 struct Flank {
     gap: f64,
@@ -50,7 +50,7 @@ struct Flank {
 }
 
 impl OneSpring {
-    /// That of a scene, if there is one.
+    /// Returns the single spring of a scene, if there is one.
     pub(super) fn of(gears: &[SceneGear], meshes: &[SceneMesh]) -> Option<Self> {
         let [mesh] = meshes else { return None };
         let pairs = mesh.search.pairs()?;
@@ -72,7 +72,7 @@ impl OneSpring {
     }
 }
 
-/// What `alpha y + beta y'` is along an oscillation about its rest.
+/// Damped oscillation about its static position, in which `alpha y + beta y'` is evaluated.
 #[derive(Clone, Copy, Debug)]
 struct Swing {
     omega: f64,
@@ -91,13 +91,13 @@ impl Swing {
         ]
     }
 
-    /// Acceleration at a place and speed.
+    /// Returns the acceleration at a position and speed.
     fn acceleration(&self, [y, v]: [f64; 2]) -> f64 {
         self.load - 2.0 * self.zeta * self.omega * v - self.omega * self.omega * y
     }
 
-    /// The first time [s] at which `f = offset + alpha y + beta y'` falls to zero in an oscillation; infinite where it
-    /// does not. Minima of a decaying oscillation only rise, so that the first one tells.
+    /// Returns the first time [s] at which `f = offset + alpha y + beta y'` falls to zero in an oscillation, or
+    /// infinity. Minima of a decaying oscillation only rise, so that the first one decides.
     fn falls(&self, offset: f64, [alpha, beta]: [f64; 2]) -> f64 {
         let value = |x: [f64; 2]| offset + alpha * x[0] + beta * x[1];
         let slope = |x: [f64; 2]| alpha * x[1] + beta * self.acceleration(x);
@@ -158,7 +158,7 @@ impl Swing {
     }
 }
 
-/// The first time after 0 at which `c + b t + a t^2 / 2` crosses zero, downwards or upwards; infinite where it does not.
+/// Returns the first time after 0 at which `c + b t + a t^2 / 2` crosses zero in the given direction, or infinity.
 fn crosses(c: f64, b: f64, a: f64, downwards: bool) -> f64 {
     let sign = if downwards { 1.0 } else { -1.0 };
     let (c, b, a) = (sign * c, sign * b, sign * a);
@@ -177,7 +177,7 @@ fn crosses(c: f64, b: f64, a: f64, downwards: bool) -> f64 {
 }
 
 impl Scene {
-    /// [`FreeFlight::linear_path`](gearbench_integrators::FreeFlight::linear_path) of the scene.
+    /// Computes [`FreeFlight::linear_path`](gearbench_integrators::FreeFlight::linear_path) of the scene.
     pub(super) fn linear_path_from(&self, at: At<'_>, path: &mut FlightPath) -> f64 {
         self.one_spring_path(at, path).unwrap_or(at.t)
     }
@@ -293,8 +293,8 @@ impl Scene {
     }
 }
 
-/// When an open flank in flight is closed [s]: its gap falls to zero, or, while it still overlaps after a damper released
-/// it, its force rises to zero.
+/// Returns the time at which an open flank in flight closes [s]: its gap falls to zero, or, while it still overlaps
+/// after a release with a damper, its force rises to zero.
 fn touches([g, rate, acceleration]: [f64; 3], k: f64, c: f64) -> f64 {
     // A gap that rounding leaves a hair beside zero belongs to the side that its rate leads to.
     let parts = crosses(g, rate, acceleration, false);

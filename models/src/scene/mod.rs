@@ -1,4 +1,4 @@
-//! The assembled scene: gears on their mounts, loads, meshes, as one second-order system.
+//! The assembled scene: gears on their mounts, loads and meshes as one second-order system.
 //!
 //! `M q'' = f_int(q, q') + f_load(t, q') + sum_c (w_c N_c + t_c F_c)`: `w = dg/dq` is the contact row, `t` the
 //! sliding row. Newton corrections solve the gears' own blocks and add the contacts as low-rank terms

@@ -1,13 +1,13 @@
-//! The scene as independent oscillators and a rest, for methods that are exact for the linear part.
+//! The scene as independent oscillators and a remainder, for methods that are exact for the linear part.
 
 use super::assembled::Scene;
 use crate::gear::LinearMotion;
 use gearbench_integrators::system::{At, Events, HalfKick, ModalSplit, SecondOrderSystem, State};
 
-/// Reason why the coordinates of a scene are no independent oscillators.
+/// Reason why the coordinates of a scene are not independent oscillators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coupling {
-    /// Gears go round on a carrier, whose rotation couples them.
+    /// A carrier rotates with its gears and couples them.
     Carrier,
     /// Gyroscopic terms couple the directions of a gear on its bearing.
     Gyroscopic(usize),
@@ -15,14 +15,14 @@ pub enum Coupling {
     Coriolis(usize),
     /// The bearing of a gear has clearance, or couples its directions.
     Bearing(usize),
-    /// The coordinates of a gear are none of a linear body.
+    /// The coordinates of a gear are not those of a linear body.
     Gear(usize),
-    /// A rigid shaft joins coordinates that swing.
+    /// A rigid shaft joins coordinates that oscillate.
     Shaft,
 }
 
 impl Scene {
-    /// Why the coordinates are no independent oscillators; `None` where they are.
+    /// Returns the reason why the coordinates are not independent oscillators, or `None` where they are.
     pub fn coupling(&self) -> Option<Coupling> {
         if self.oscillators {
             return None;

@@ -1,5 +1,4 @@
-//! Tangent and Newton correction of a scene that has gears with displacement fields, in the coordinates that
-//! [`Reduced`] numbers.
+//! Tangent and Newton correction of a scene with displacement fields, in the coordinates of [`Reduced`].
 
 use super::assembled::Scene;
 use super::members::SceneMesh;
@@ -155,7 +154,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Adds what the nodal contacts' forces change by along a direction of coordinates and velocities.
+    /// Adds the change of the nodal contact forces along a direction of coordinates and velocities.
     pub(super) fn add_nodal_tangent(&mut self, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
         let mut b = std::mem::take(&mut self.work.reduced);
         let Scene {
@@ -260,7 +259,8 @@ impl Scene {
         self.work.reduced = b;
     }
 
-    /// Prescribed part of the rate of a point along a direction [m/s]; with it the gap that it fades out with.
+    /// Returns the prescribed part of the rate of a point along a direction [m/s]; the direction comes with the gap in
+    /// its tip taper.
     pub(super) fn nodal_drift(&self, a: &NodalActive, along: (Vec3, f64), at: At<'_>) -> f64 {
         let p = &self.work.nodal.found.points[a.point];
         let mesh = &self.meshes[p.mesh as usize];
@@ -284,7 +284,7 @@ impl Scene {
         drift
     }
 
-    /// The part of it that driven hubs have [m/s].
+    /// Returns the part of the rate from driven hubs [m/s].
     pub(super) fn driven_drift(
         &self,
         mesh: &SceneMesh,

@@ -1,4 +1,4 @@
-//! What a scene reports: energies, powers, and the channels of [`Channel`](super::Channel).
+//! Reports of a scene: energies, powers, and the values of [`Channel`](super::Channel).
 
 use super::active::sliding_of;
 use super::assembled::Scene;
@@ -8,14 +8,14 @@ use crate::Vec3;
 use crate::kinematics::Wrench;
 use gearbench_integrators::system::{At, Energy, Outputs, Power};
 
-/// Channels of a mesh.
+/// Number of channels of a mesh.
 const PER_MESH: usize = OfMesh::ALL.len();
-/// Channels of a gear.
+/// Number of channels of a gear.
 const PER_GEAR: usize = OfGear::ALL.len();
-/// Places among the channels of a gear.
+/// Positions of single quantities among the channels of a gear.
 const TRAVEL: usize = OfGear::Displacement as usize;
 const CONTACT_TORQUE: usize = OfGear::ContactTorque as usize;
-/// Places of the torques on both gears among the channels of a mesh.
+/// Positions of the torques on both gears among the channels of a mesh.
 const TORQUES: [usize; 2] = [OfMesh::FirstTorque as usize, OfMesh::SecondTorque as usize];
 
 /// Adds the force of a contact on the second gear.
@@ -28,8 +28,8 @@ fn add_contact(of_mesh: &mut [f64], force: Vec3, normal: f64) {
 }
 
 impl Scene {
-    /// Work of the loads on hubs between two states of a step: their mean over the displacement, which holds however the
-    /// hub vibrates in between.
+    /// Returns the work of the loads on hubs between two states of a step: mean load times displacement, which is
+    /// valid however the hub vibrates in between.
     pub(super) fn loads_between(&self, from: At<'_>, to: At<'_>) -> f64 {
         let loaded = |g: &&SceneGear| !g.loads.is_empty() && g.model.hub().is_free();
         let work = |g: &SceneGear| {
@@ -40,8 +40,8 @@ impl Scene {
         self.gears.iter().filter(loaded).map(work).sum()
     }
 
-    /// The contacts at a state. Several observers look at the end of each step: where contact takes a solve it is done
-    /// once. Meshes on lines of action share their candidates with event functions, and are cheap.
+    /// Evaluates the contacts at a state once for all observers, because contact may take a solve. Meshes on lines of
+    /// action share their candidates with event functions, and are cheap.
     fn evaluate_reported(&mut self, at: At<'_>) {
         if self.work.reported.is(at) {
             return;
@@ -52,7 +52,7 @@ impl Scene {
         }
     }
 
-    /// Forces of the loads on all coordinates.
+    /// Computes the forces of the loads on all coordinates.
     pub fn loads(&self, at: At<'_>, forces: &mut Vec<f64>) {
         forces.clear();
         forces.resize(self.n, 0.0);
@@ -65,7 +65,7 @@ impl Scene {
         }
     }
 
-    /// Channels at a state; with `books` the energies and powers of the gears as well.
+    /// Computes the channels at a state; with `books` the energies and powers of the gears as well.
     pub(super) fn fill_output(&mut self, at: At<'_>, out: &mut Outputs, books: bool) {
         self.evaluate_reported(at);
         let mut energy = Energy::default();
@@ -129,7 +129,8 @@ impl Scene {
         out.power = power;
     }
 
-    /// What contacts, and gears on carriers by their pins and teeth, add; at the state that they see.
+    /// Adds the contributions of contacts, and of gears on carriers by their pins and teeth, at the carrier-frame
+    /// state.
     fn add_contact_output(
         &mut self,
         at: At<'_>,
@@ -176,8 +177,8 @@ impl Scene {
         }
     }
 
-    /// What contacts of gears with fields add. Energy of the residual compliance counts as that of contact; a load
-    /// that changes works on the turn of the hub that it carries.
+    /// Adds the contributions of contacts of gears with fields. Energy of the residual compliance counts as that of
+    /// contact; a changing load does work on the rotation of the hub by that compliance.
     fn add_nodal_output(
         &self,
         at: At<'_>,
@@ -247,7 +248,7 @@ impl Scene {
         }
     }
 
-    /// Reactions of the mounts, from the channels of contact forces and torques.
+    /// Computes the reactions of the mounts from the channels of contact forces and torques.
     fn fill_reactions(&mut self, at: At<'_>, channels: &mut [f64]) {
         let mut forces = std::mem::take(&mut self.work.rhs);
         self.loads(at, &mut forces);

@@ -1,4 +1,4 @@
-//! Small signals: a scene to first order about a state,
+//! Small signals: linearisation of a scene about a state.
 //!
 //! ```text
 //! M x'' + D x' + K x = 0,    C x = 0
@@ -21,28 +21,28 @@ use gearbench_integrators::system::{At, SecondOrderSystem, State};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
-/// Part of a typical deflection that contacts are moved by to see which of them answer.
+/// Displacement relative to a typical deflection by which contacts are tested for a response.
 const STEP: f64 = 1e-3;
-/// Step that a relative state is differenced by [rad], [m].
+/// Step of the finite differences of a carrier-frame state [rad], [m].
 const TURN: f64 = 1e-6;
 
-/// A scene to first order.
+/// Linearisation of a scene: mass, damping and stiffness matrix.
 #[derive(Clone, Debug)]
 pub struct Linearised {
-    /// Mass.
+    /// Mass matrix.
     pub mass: DMatrix<f64>,
-    /// `-df/dv`.
+    /// Damping matrix `-df/dv`.
     pub damping: DMatrix<f64>,
-    /// `-df/dq`; friction, and contacts that move along the path, leave a small skew part.
+    /// Stiffness matrix `-df/dq`; friction, and contacts that move along the path, cause a small skew part.
     pub stiffness: DMatrix<f64>,
 }
 
 /// A scene as a mechanism.
 #[derive(Clone, Debug)]
 pub struct Mechanism {
-    /// Its stiffness.
+    /// Stiffness matrix of the mechanism.
     pub stiffness: DMatrix<f64>,
-    /// Rate of the forces that driven hubs make in it while all others stand still.
+    /// Rate of the forces from driven hubs while all others are at rest.
     pub driven: Vec<f64>,
 }
 
@@ -52,24 +52,24 @@ struct MeshSpring {
     stiffness: f64,
 }
 
-/// Where strain energy lies.
+/// Component with strain energy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum StrainIn {
-    /// A mesh: its contacts, and what bends with them without coordinates of its own.
+    /// A mesh: its contacts, and the compliance of bodies without coordinates.
     Mesh(usize),
     /// Own coordinates of a member: teeth, modes.
     Body(usize),
     /// The bearing of a member, or its guide.
     Bearing(usize),
-    /// A shaft that twists.
+    /// Torsion of a shaft.
     Twist(usize),
-    /// A shaft that stretches.
+    /// Extension of a shaft.
     Stretch(usize),
-    /// A shaft that bends.
+    /// Bending of a shaft.
     Bend(usize),
 }
 
-/// A matrix column by column.
+/// Assembles a matrix column by column.
 fn by_columns(n: usize, mut times: impl FnMut(&[f64], &mut [f64])) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(n, n);
     let (mut unit, mut column) = (vec![0.0; n], vec![0.0; n]);
@@ -87,7 +87,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Scene {
-    /// The scene to first order about a state.
+    /// Linearises the scene about a state.
     pub fn linearised(&mut self, at: At<'_>) -> Linearised {
         let none = vec![0.0; self.n];
         Linearised {
@@ -97,7 +97,7 @@ impl Scene {
         }
     }
 
-    /// Rows of what rigid shafts, and the ground of planetary sets, hold: `C x = 0` in every motion.
+    /// Returns the constraints `C x = 0` of rigid shafts and of the ground of planetary sets.
     pub fn constraints(&self) -> Vec<Vec<f64>> {
         let row = |l: &super::shafts::Link| {
             let mut row = vec![0.0; self.n];
@@ -107,12 +107,13 @@ impl Scene {
         self.shafts.rigid().iter().map(row).collect()
     }
 
-    /// Coordinates of the carriers of planetary sets.
+    /// Returns the coordinates of the carriers of planetary sets.
     pub fn carrier_coordinates(&self) -> Vec<usize> {
         self.carriers.coordinates()
     }
 
-    /// The scene as a mechanism; the null space of its stiffness are the rigid motions. `mass` is the mass matrix.
+    /// Returns the scene as a mechanism; the null space of its stiffness consists of the rigid motions. `mass` is the
+    /// mass matrix.
     pub fn mechanism(&mut self, at: At<'_>, mass: &DMatrix<f64>) -> Mechanism {
         let none = vec![0.0; self.n];
         let at = At { v: &none, ..at };
@@ -152,7 +153,7 @@ impl Scene {
         Mechanism { stiffness, driven }
     }
 
-    /// Adds the rate of the forces that driven hubs exert on the own coordinates of their gears, as on movable teeth.
+    /// Adds the rate of the forces of driven hubs on the own coordinates of their gears, as on movable teeth.
     fn add_driven_bodies(&mut self, at: At<'_>, driven: &mut [f64]) {
         for (i, g) in self.gears.iter_mut().enumerate() {
             let own = g.at(at);
@@ -173,8 +174,8 @@ impl Scene {
         }
     }
 
-    /// By mesh: how its flanks close by the free directions of both hubs, as coordinates and their weights. Signs are those of
-    /// left flanks.
+    /// Returns for each mesh the closing of its flanks by the free directions of both hubs, as coordinates and their
+    /// weights. Signs are those of left flanks.
     fn mesh_rows(&mut self, at: At<'_>) -> Vec<Vec<(usize, f64)>> {
         let sides = self.acting_sides(at);
         let meshes = self.meshes.iter().zip(sides);
@@ -201,7 +202,7 @@ impl Scene {
             .collect()
     }
 
-    /// The flanks of each mesh that are pressed, or else those that are nearest to it at the assembled position.
+    /// Returns the loaded flanks of each mesh, or otherwise those with the smallest gap at the assembled position.
     pub fn acting_sides(&mut self, at: At<'_>) -> Vec<Side> {
         let mut forces = vec![[0.0; 2]; self.meshes.len()];
         for contact in self.contact_forces(at) {
@@ -221,7 +222,7 @@ impl Scene {
             .collect()
     }
 
-    /// `y = K x` of the mechanism.
+    /// Computes `y = K x` of the mechanism.
     fn mechanism_times(&mut self, at: At<'_>, x: &[f64], meshes: &[MeshSpring], y: &mut [f64]) {
         let n = self.n;
         let none = vec![0.0; n];
@@ -263,7 +264,7 @@ impl Scene {
         y.iter_mut().for_each(|y| *y = -*y);
     }
 
-    /// How the relative state moves by a displacement.
+    /// Returns the change of the carrier-frame state for a displacement.
     fn relative_change(&self, at: At<'_>, x: &[f64]) -> Vec<f64> {
         let largest = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         if self.carriers.is_empty() || largest == 0.0 {
@@ -280,8 +281,8 @@ impl Scene {
         ends.map(|(up, down)| 0.5 * (up - down) / h).collect()
     }
 
-    /// Where the strain energy `x^T K x / 2` of a displacement lies [J]; what neither bodies, bearings nor shafts hold is that
-    /// of meshes, in the ratio of what their contacts do.
+    /// Distributes the strain energy `x^T K x / 2` of a displacement [J]; the energy that is in neither bodies,
+    /// bearings nor shafts belongs to meshes, in the ratio of their contact energies.
     pub fn strain_in(
         &mut self,
         s: &State,
@@ -338,7 +339,7 @@ impl Scene {
         found
     }
 
-    /// What part meshes have in the energy of contacts that a displacement changes: by force and gap of their contacts.
+    /// Returns the shares of meshes in the contact energy of a displacement, from force and gap of their contacts.
     fn shares_of_meshes(&mut self, s: &State, x: &[f64]) -> Vec<(usize, f64)> {
         let (mut scales, mut speeds) = (vec![0.0; self.n], vec![0.0; self.n]);
         self.scales(&mut scales, &mut speeds);
@@ -366,7 +367,7 @@ impl Scene {
     }
 }
 
-/// Force and gap of contacts by mesh, teeth and which of these they are.
+/// Groups force and gap of contacts by mesh, teeth, and number within these.
 fn by_pair(contacts: &[ContactForce]) -> BTreeMap<(usize, [i64; 2], usize), [f64; 2]> {
     let mut found = BTreeMap::new();
     let mut count: BTreeMap<(usize, [i64; 2]), usize> = BTreeMap::new();

@@ -176,7 +176,8 @@ impl SecondOrderSystem for Scene {
 }
 
 impl Scene {
-    /// Internal forces and loads, and what elastic shafts exert; gears on carriers have their own with contacts.
+    /// Computes internal forces, loads and forces of elastic shafts; the internal forces of gears on carriers are
+    /// added with the contacts.
     fn force_without_contact(&mut self, at: At<'_>, f: &mut [f64]) {
         f.fill(0.0);
         self.add_shafts(at, f);
@@ -193,7 +194,7 @@ impl Scene {
         }
     }
 
-    /// The tangent of contacts whose rows turn with the gears or their carriers, by central differences.
+    /// Adds the tangent of contacts whose rows rotate with the gears or their carriers, by central differences.
     fn add_contact_differences(&mut self, at: At<'_>, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let (moved, sped) = (largest(dq), largest(dv));
@@ -223,7 +224,8 @@ impl Scene {
         }
     }
 
-    /// The contacts at the end of a half kick, on top of forces without contact: dashpots and friction implicitly.
+    /// Evaluates the contacts at the end of a half-step impulse, in addition to forces without contact: dashpots and
+    /// friction implicitly.
     pub(super) fn evaluate_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, without: &[f64]) {
         let nodal = &mut self.work.nodal;
         nodal.kick.accelerations.clear();

@@ -1,4 +1,4 @@
-//! What a scene is made of: plain data, SI units, no files.
+//! Specification of a scene: plain data in SI units, independent of files.
 
 mod layout;
 mod load;

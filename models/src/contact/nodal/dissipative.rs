@@ -1,4 +1,4 @@
-//! Dashpots and friction at points, in one solve with the residual compliance and, at the end of a kick, with the
+//! Dashpots and friction at points, in one solve with the residual compliance and, at the end of an impulse, with the
 //! velocities.
 //!
 //! A point pushes with its law at its gap and the rate of the gap, and rubs with the force of friction at its sliding
@@ -44,49 +44,49 @@ use super::spring::Spring;
 use gearbench_integrators::dense_solve::{Lu, solve_in_place};
 use gearbench_integrators::system::Singular;
 
-/// Newton iterations before the solve is given up.
+/// Largest number of Newton iterations.
 const MOST_ITERATIONS: usize = 100;
 
-/// A direction of a point over the ports of both gears: four nodes and a hub each.
+/// Direction of a point over the ports of both gears: four nodes and one hub each.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct OverPorts {
-    /// Ports; those without weight are any.
+    /// Indices of the ports; entries without weight are arbitrary.
     pub ports: [u32; 10],
-    /// Their weights: of nodes as in the gap, of hubs the effective radius, less.
+    /// Weights of the ports: those of nodes as in the gap, those of hubs the negative effective radius.
     pub weights: [f64; 10],
 }
 
-/// A point over the ports.
+/// A point with its directions over the ports.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ported {
-    /// Along the normal.
+    /// Direction along the normal.
     pub normal: OverPorts,
-    /// Along the profile; without weights where there is no friction.
+    /// Direction along the profile, without weights if there is no friction.
     pub sliding: OverPorts,
 }
 
-/// What ports do under forces on them.
+/// Compliance and mobility of the ports under forces on them.
 #[derive(Clone, Debug, Default)]
 pub struct Ports {
     /// Number of ports.
     pub n: usize,
-    /// Gear by gear.
+    /// Ranges of the ports of each gear.
     pub blocks: Vec<Block>,
-    /// `R` of the blocks, one `len x len` matrix after the other [m/N].
+    /// Blocks of `R`, one `len x len` matrix after the other [m/N].
     pub compliance: Vec<f64>,
-    /// `tau Y` alike [m/s/N]; empty where rates do not answer.
+    /// Blocks of `tau Y` [m/s/N]; empty where rates do not depend on the forces.
     pub mobility: Vec<f64>,
-    /// `T`, a row of all ports for each node, where nodes follow: as ports move inwards by `y`, the gap of a point closes
-    /// by `w . (y - T y)`; else empty.
+    /// Matrix `T`, one row of all ports for each node, where nodes follow quasi-statically: when ports move inwards by
+    /// `y`, the gap of a point closes by `w . (y - T y)`. Empty otherwise.
     pub following: Vec<f64>,
-    /// Port of each of those nodes.
+    /// Port index of each of those nodes.
     pub of_nodes: Vec<u32>,
-    /// `(I - T) tau Y`, full rows; empty where nothing follows or rates do not answer.
+    /// Full rows of `(I - T) tau Y`; empty where no nodes follow or rates do not depend on the forces.
     answer: Vec<f64>,
 }
 
 impl Ports {
-    /// Sets what rates answer with, from mobility and following.
+    /// Computes the matrix of the rate response from mobility and following nodes.
     fn combine(&mut self) {
         self.answer.clear();
         if self.mobility.is_empty() || self.following.is_empty() {
@@ -120,12 +120,12 @@ impl Ports {
     }
 }
 
-/// The solve and its buffers.
+/// Solve for normal forces with dashpots and for friction, with its buffers.
 #[derive(Clone, Debug, Default)]
 pub struct DissipativeSolve {
-    /// The ports; to be set before a solve.
+    /// Ports, to be set before a solve.
     pub ports: Ports,
-    /// The points over them, in the order of the springs.
+    /// Directions of the points over the ports, in the order of the springs.
     pub points: Vec<Ported>,
     force: Vec<f64>,
     gaps: Vec<f64>,
@@ -139,7 +139,7 @@ pub struct DissipativeSolve {
     factor: Lu,
 }
 
-/// `y = A x` block by block.
+/// Multiplies block by block: `y = A x`.
 fn apply(blocks: &[Block], matrix: &[f64], x: &[f64], y: &mut Vec<f64>) {
     y.clear();
     y.resize(x.len(), 0.0);
@@ -163,7 +163,7 @@ impl OverPorts {
         ports.map(|(&i, w)| w * y[i as usize]).sum()
     }
 
-    /// `y += x w`.
+    /// Adds the multiple `x w` of the direction to `y`.
     fn add(&self, x: f64, y: &mut [f64]) {
         for (&i, w) in self.ports.iter().zip(&self.weights) {
             y[i as usize] += x * w;
@@ -172,8 +172,8 @@ impl OverPorts {
 }
 
 impl DissipativeSolve {
-    /// Forces of the springs by their laws at gap and rates; `gap0`, `rate` and `slip` of the springs are those without
-    /// contact. Leaves the gaps in them. Begins with the forces that the springs have.
+    /// Solves for the forces of the springs at gap and rates; `gap0`, `rate` and `slip` of the springs are values
+    /// without contact. The gaps are stored in the springs. The iteration starts from the forces of the springs.
     ///
     /// # Errors
     /// [`Singular`] where numbers are not finite or the iteration does not end.
@@ -214,7 +214,7 @@ impl DissipativeSolve {
         Err(Singular)
     }
 
-    /// Residual displacements `u = -R F` of all ports, which come with them.
+    /// Returns the residual displacements `u = -R F` of all ports, with the ports.
     pub fn displacements(&mut self) -> (&Ports, &[f64]) {
         let Ports {
             blocks, compliance, ..
@@ -224,8 +224,8 @@ impl DissipativeSolve {
         (&self.ports, &self.gaps)
     }
 
-    /// Gaps and forces of the points under the forces on the ports; returns the norm of what these lack, in units of
-    /// displacement.
+    /// Computes gaps and forces of the points under the forces on the ports; returns the norm of the residual, in
+    /// units of displacement.
     fn residual(&mut self, springs: &mut [Spring]) -> f64 {
         let p = &self.ports;
         apply(&p.blocks, &p.compliance, &self.force, &mut self.gaps);
@@ -254,7 +254,7 @@ impl DissipativeSolve {
         norm_of(&self.line)
     }
 
-    /// The matrix of the present pieces.
+    /// Assembles the matrix of the present linear pieces.
     fn linearise(&mut self, springs: &[Spring]) {
         let n = self.ports.n;
         self.matrix.clear();
@@ -284,7 +284,7 @@ impl DissipativeSolve {
         }
     }
 
-    /// `line = k R w + c tau Y w` in the blocks that `touched` names: both matrices are symmetric.
+    /// Computes `line = k R w + c tau Y w` in the blocks that `touched` lists; both matrices are symmetric.
     fn respond(&mut self, of: &OverPorts, [k, c]: [f64; 2]) {
         let p = &self.ports;
         self.line.clear();
@@ -335,7 +335,7 @@ impl DissipativeSolve {
         self.touched.push((0, p.n));
     }
 
-    /// Adds `factor w line^T` to the matrix.
+    /// Adds the outer product `factor w line^T` to the matrix.
     fn add_outer(&mut self, of: &OverPorts, factor: f64) {
         for (&i, &w) in of.ports.iter().zip(&of.weights) {
             if w == 0.0 {
@@ -350,7 +350,7 @@ impl DissipativeSolve {
         }
     }
 
-    /// Factorises for [`Self::tangent`] at the forces of the springs, without a kick.
+    /// Factorises for [`Self::tangent`] at the forces of the springs, without impulse.
     ///
     /// # Errors
     /// [`Singular`].
@@ -362,9 +362,9 @@ impl DissipativeSolve {
         self.factor.set(&mut self.matrix, self.ports.n)
     }
 
-    /// What forces change by when gaps and rates do: of each point the changes of its normal force and of its friction
-    /// were its neighbours to stay, in their place those that come out. Friction changes by those of the normal force in
-    /// any case.
+    /// Converts changes of the forces of each point, at fixed neighbours, to the changes with all couplings, in place.
+    /// `changes` has the normal force and the friction of each point. Friction changes with the normal force in any
+    /// case.
     pub fn tangent(&mut self, springs: &[Spring], changes: &mut [[f64; 2]]) {
         self.step.clear();
         self.step.resize(self.ports.n, 0.0);

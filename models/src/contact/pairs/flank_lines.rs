@@ -1,4 +1,4 @@
-//! Contact of elastic gears along lines of their flanks: one line of pressure per tooth pair and strip of the width.
+//! Contact of elastic gears along lines of their flanks: one pressure line per tooth pair and strip of the width.
 //!
 //! Where the flanks touch is told by the [lines of action](LinesOfAction), with the exact separation of involutes beyond
 //! the path and of modified flanks; how the teeth give way there, by [lines](crate::gear::elastic::lines) of their meshes
@@ -34,15 +34,15 @@ use crate::spec::Body;
 use std::f64::consts::{LN_2, PI};
 use std::sync::Arc;
 
-/// Least radius of curvature over the base pitch: near the base circle that of an involute vanishes. Those of concave flanks,
-/// on internal gears, are negative.
+/// Smallest radius of curvature relative to the base pitch: near the base circle that of an involute vanishes. The
+/// radii of concave flanks, on internal gears, are negative.
 const SHARPEST: f64 = 0.05;
 
-/// The lines of both flanks of a mesh with at least one elastic gear.
+/// Lines of both flanks of a mesh with at least one elastic gear.
 #[derive(Clone, Debug)]
 pub struct FlankLines {
     pairs: LinesOfAction,
-    /// Those of gears that give way; others are rigid.
+    /// Lines of the elastic gears; `None` for a rigid gear.
     gears: [Option<LineGear>; 2],
     /// `A_1 + A_2` [m^2/N].
     compliance: f64,
@@ -50,7 +50,7 @@ pub struct FlankLines {
     width: f64,
 }
 
-/// The flanks of a gear as lines.
+/// Flanks of a gear as lines.
 #[derive(Clone, Debug)]
 pub struct LineGear {
     /// `2 (1 - nu^2)/(pi E)` [m^2/N].
@@ -58,7 +58,7 @@ pub struct LineGear {
     teeth: i64,
     /// Index of the first tooth of a rack.
     first: Option<i64>,
-    /// Flank of each tooth, left and right.
+    /// Index of the flank of each tooth, left and right.
     of_tooth: Vec<[Option<u32>; 2]>,
     flanks: Vec<LineFlank>,
     near_field: Arc<Vec<Vec<f64>>>,
@@ -67,24 +67,24 @@ pub struct LineGear {
 
 #[derive(Clone, Debug)]
 struct LineFlank {
-    /// Heights of the lines by [`Tips`](crate::geometry::Tips), ascending.
+    /// Heights of the lines as [`Tips`](crate::geometry::Tips) measures them, ascending.
     heights: Vec<f64>,
-    /// Line by line, strip by strip.
+    /// Numbers of the nodes, line by line, strip by strip.
     nodes: Vec<u32>,
 }
 
-/// Where a contact lies on a flank, and how that changes with the displacement of the gear.
+/// Position of a contact on a flank, with its derivatives by the displacement of the gear.
 struct Place {
     lines: [u32; 4],
     weights: [f64; 4],
     slopes: [f64; 4],
-    /// `ln b` of the width over which the mesh spreads the load, and its slope by the displacement.
+    /// Logarithm of the width over which the mesh distributes the load, and its slope by the displacement.
     ln_spread: (f64, f64),
 }
 
 impl LineGear {
-    /// The lines of a gear [reduced to such](crate::gear::elastic::reduced::Reduced::over_lines), of a material with
-    /// `2 (1 - nu^2)/(pi E)` [m^2/N].
+    /// Builds the lines of a gear [reduced to lines](crate::gear::elastic::reduced::Reduced::over_lines), of a
+    /// material with `2 (1 - nu^2)/(pi E)` [m^2/N].
     pub fn new(
         flanks: &Flanks,
         near_field: Arc<Vec<Vec<f64>>>,
@@ -133,12 +133,12 @@ impl LineGear {
         })
     }
 
-    /// Strips over the width.
+    /// Returns the number of strips over the width.
     pub fn strips(&self) -> usize {
         self.strips
     }
 
-    /// Flank of a tooth, if it is meshed; meshes number the teeth of a rack as if it closed on itself.
+    /// Returns the flank of a tooth, if it is meshed; meshes number the teeth of a rack as if it were closed.
     fn flank(&self, tooth: Tooth, side: usize) -> Option<usize> {
         let beyond = |first: i64| !(first..first + self.teeth).contains(&tooth.index);
         if self.first.is_some_and(beyond) {
@@ -148,7 +148,7 @@ impl LineGear {
         self.of_tooth.get(tooth)?[side].map(|f| f as usize)
     }
 
-    /// Where a height lies on a flank, with the slope of the height by the displacement.
+    /// Returns the position of a height on a flank, with the slope of the height by the displacement.
     #[inline]
     fn place(&self, flank: usize, strip: usize, (height, slope): (f64, f64)) -> Place {
         let f = &self.flanks[flank];
@@ -180,18 +180,18 @@ impl LineGear {
     }
 }
 
-/// Hertz's pressure on a line.
+/// Hertzian pressure on a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinePressure {
-    /// Half the width of the strip that is pressed [m].
+    /// Half-width of the contact strip [m].
     pub half_width: f64,
-    /// Pressure in its middle [Pa].
+    /// Maximum pressure [Pa].
     pub peak: f64,
 }
 
 impl FlankLines {
-    /// Pressure under a normal force [N] on a share of the width, with the relative radius of curvature [m]:
-    /// `b^2 = 2 R A q`, `p_0 = 2 q/(pi b)`.
+    /// Returns the pressure under a normal force [N] on a share of the width, with the relative radius of curvature
+    /// [m]: `b^2 = 2 R A q`, `p_0 = 2 q/(pi b)`.
     pub fn pressure(&self, radius: f64, share: f64, force: f64) -> LinePressure {
         let per_width = force / (share * self.width);
         let half_width = (2.0 * radius * self.compliance * per_width).sqrt();
@@ -201,7 +201,7 @@ impl FlankLines {
         }
     }
 
-    /// Of lines of action with a slice for each strip.
+    /// Builds the search from lines of action with one slice for each strip.
     pub fn new(pairs: LinesOfAction, gears: [Option<LineGear>; 2], face_width: f64) -> Self {
         let compliance = gears.iter().flatten().map(|g| g.compliance).sum();
         FlankLines {
@@ -212,22 +212,22 @@ impl FlankLines {
         }
     }
 
-    /// The lines of action.
+    /// Returns the lines of action.
     pub fn pairs(&self) -> &LinesOfAction {
         &self.pairs
     }
 
-    /// `A_1 + A_2` [m^2/N].
+    /// Returns the sum of both material compliances, `A_1 + A_2` [m^2/N].
     pub fn compliance(&self) -> f64 {
         self.compliance
     }
 
-    /// Width of the contact along the teeth [m].
+    /// Returns the width of the contact along the teeth [m].
     pub fn width(&self) -> f64 {
         self.width
     }
 
-    /// Appends the lines with a gap within the bound before residual compliance, and the nodes that they act on.
+    /// Appends the lines with a gap within the bound before residual compliance, and registers their nodes.
     pub fn nodal_points(
         &self,
         mut sides: [NodalParty<'_>; 2],

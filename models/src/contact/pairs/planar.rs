@@ -25,7 +25,7 @@ use crate::Vec3;
 use crate::geometry::Side;
 
 impl LinesOfAction {
-    /// Where a pair stands whose hubs have moved in the transverse plane and along their axes.
+    /// Returns a pair whose hubs have moved in the transverse plane and along their axes.
     pub(super) fn pair_in_plane(
         &self,
         line: &Line,
@@ -100,7 +100,8 @@ impl LinesOfAction {
         p
     }
 
-    /// The same for hubs that move across and along parallel axes; heights are those of both centres at the start.
+    /// Builds the lines for hubs that move across and along parallel axes; heights are those of both centres at the
+    /// start.
     #[must_use]
     pub fn in_plane(mut self, centres: [Vec3; 2]) -> Self {
         self.planar = true;

@@ -7,17 +7,17 @@ use crate::contact::party::{Party, Wanted, ZoneChange};
 use crate::geometry::Side;
 
 impl LinesOfAction {
-    /// Number of contact slots: an upper bound of simultaneous candidates.
+    /// Returns the number of contact slots, an upper bound of simultaneous candidates.
     pub fn slots(&self) -> usize {
         self.lines.len() * self.pairs
     }
 
-    /// Length of the search's discrete state.
+    /// Returns the length of the discrete state of the search.
     pub fn discrete(&self) -> usize {
         2 * self.lines.len()
     }
 
-    /// Number of the search's event functions.
+    /// Returns the number of event functions of the search.
     pub fn event_count(&self) -> usize {
         if self.whole_mesh {
             0
@@ -64,8 +64,8 @@ impl LinesOfAction {
         });
     }
 
-    /// Event functions of the discrete state, and gaps [m] of all pairs in it by slot; other entries of `gaps` stay as
-    /// they are.
+    /// Computes the event functions of the discrete state, and the gaps [m] of all its pairs by slot; other entries of
+    /// `gaps` are not changed.
     pub fn watch(
         &self,
         a: Party<'_>,
@@ -88,7 +88,7 @@ impl LinesOfAction {
         }
     }
 
-    /// Event functions of the zone alone: what [`Self::watch`] sets beside gaps.
+    /// Computes the event functions of the zone alone, without the gaps of [`Self::watch`].
     pub fn watch_zones(
         &self,
         a: Party<'_>,
@@ -102,7 +102,7 @@ impl LinesOfAction {
         }
     }
 
-    /// Evaluates the event functions of one line.
+    /// Computes the event functions of one line.
     #[inline]
     pub(super) fn watch_zone(
         &self,
@@ -116,7 +116,7 @@ impl LinesOfAction {
         self.set_zone_events([lo - 1, lo, hi, hi + 1].map(place), event_functions);
     }
 
-    /// Flips what event function `i` watches.
+    /// Switches the zone at event function `i`.
     pub fn transition(&self, event: usize, discrete: &mut [f64]) -> ZoneChange {
         let l = event / ZONE_EVENTS;
         let slot = |p: f64| l * self.pairs + (p as i64).rem_euclid(self.pairs as i64) as usize;
@@ -143,7 +143,7 @@ impl LinesOfAction {
         change
     }
 
-    /// Ends of the line of action of a flank [m], for pictures.
+    /// Returns the ends of the line of action of a flank [m], for figures.
     pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         let line = self.lines.iter().find(|l| l.side == side)?;
         // A rack has no tangent point, and those of an internal gear are both on one side: the line is shown as far as the path
@@ -156,7 +156,7 @@ impl LinesOfAction {
         Some([start, end].map(|s| line.origin + s * line.transverse))
     }
 
-    /// The point halfway along the path of contact and of the width [m], and the normal from gear a to gear b there.
+    /// Returns the midpoint of the path of contact and of the width [m], and the normal from gear a to gear b there.
     pub fn middle_of(&self, side: Side) -> Option<(Vec3, Vec3)> {
         let mut lines = self.lines.iter().filter(|l| l.side == side);
         let (first, last) = (lines.next()?, lines.next_back());
@@ -165,7 +165,7 @@ impl LinesOfAction {
         Some((origin + s * first.transverse, first.normal))
     }
 
-    /// Flank side of a candidate.
+    /// Returns the flank side of a candidate.
     pub fn side_of(&self, c: &Candidate) -> Side {
         self.lines[c.slot / self.pairs].side
     }

@@ -1,4 +1,4 @@
-//! The coarse step of the point search: which flanks of both gears are looked at in a state.
+//! Coarse phase of the point search: the pairs of flanks that may touch at a state.
 //!
 //! [`CoarseStep`] is the seam. What a step yields may be too much, never too little; the narrow phase is the same
 //! behind every step, and pairs come in one order, so that the forces of flanks that both steps find are the same to
@@ -30,22 +30,22 @@ use parry3d_f64::math::{self, Rotation, Vector};
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use std::fmt::Debug;
 
-/// Buffers of a step; they grow and stay.
+/// Buffers of the coarse phase, reused between evaluations.
 #[derive(Debug, Default)]
 pub(super) struct CoarseScratch {
-    /// What was found: left flanks, then right ones, each by the path coordinates of the first and the second gear.
+    /// Result: left flanks, then right ones, each by the path coordinates of the first and the second gear.
     pub pairs: Vec<[Near; 2]>,
     near: [Vec<Near>; 2],
     found: Vec<[usize; 2]>,
 }
 
-/// Finds the pairs of flanks that may touch.
+/// A method that finds the pairs of flanks that may touch.
 pub(super) trait CoarseStep: Debug + Send {
-    /// The pairs of a side where both gears stand at finite places, appended to `scratch.pairs`.
+    /// Appends the pairs of a side to `scratch.pairs`, where both gears have finite poses.
     fn pairs(&self, of: &MeshFlanks, side: Side, stand: &Stand, scratch: &mut CoarseScratch);
 }
 
-/// Flanks about the line of centres, and the flanks that they face: by path coordinates.
+/// Coarse phase by path coordinates: flanks near the line of centres, and the flanks opposite to them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ToothIndices;
 
@@ -66,19 +66,19 @@ impl CoarseStep for ToothIndices {
     }
 }
 
-/// Part of the base pitch by which flanks may overlap: deeper, a flank stands behind the tooth and not in it.
+/// Largest overlap of flanks relative to the base pitch: a flank that is deeper lies behind the tooth, not in it.
 const DEEPEST: f64 = 0.25;
 
-/// Trees of boxes about the undeformed flanks.
+/// Coarse phase by trees of bounding boxes of the undeformed flanks.
 #[derive(Debug)]
 pub(super) struct FlankBoxes {
-    /// Of both sides of each gear.
+    /// Trees of both sides of each gear.
     trees: [[Tree; 2]; 2],
-    /// How deep flanks may overlap, and what displacements may add [m].
+    /// Largest overlap of flanks, including displacements [m].
     deepest: f64,
 }
 
-/// The flanks of one side of a gear in its own frame.
+/// Flanks of one side of a gear in its own frame.
 #[derive(Debug)]
 struct Tree {
     boxes: Bvh,
@@ -92,12 +92,12 @@ struct Flank {
     centre: Vec3,
     /// Mean unit normal, out of the tooth.
     normal: Vec3,
-    /// Height of its lowest node along that normal [m].
+    /// Height of the lowest node along the mean normal [m].
     lowest: f64,
 }
 
 impl FlankBoxes {
-    /// `reach` [m] is the gap, and the displacement of each gear, up to which points are wanted.
+    /// Builds the trees; `reach` [m] is the largest gap of returned points, and the largest displacement of each gear.
     pub fn new(gears: &[Flanked; 2], reach: f64, base_pitch: f64) -> Self {
         let tree = |g: &Flanked, side: Side| {
             let of_side = (0..g.shapes.len()).filter(|&i| g.shapes[i].side == side);
@@ -120,7 +120,7 @@ impl FlankBoxes {
     }
 }
 
-/// How far the surface of a flank and its continuation beyond the tip may leave the box of its nodes [m].
+/// Returns the largest distance of the surface of a flank, continued beyond the tip, from the box of its nodes [m].
 fn beyond_the_nodes(shape: &Shape) -> f64 {
     let most = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(*x));
     most(&shape.chord_bound) + most(&shape.lengths)
@@ -163,8 +163,8 @@ impl Flank {
         )
     }
 
-    /// Whether another flank rises above this one, or lies no deeper under it than `deepest`; `pose` leads from the
-    /// other's frame to this one.
+    /// Returns true if another flank rises above this one, or is at most `deepest` below it; `pose` maps the other's
+    /// frame to this one.
     fn is_faced_by(&self, other: &Flank, pose: &math::Pose, deepest: f64) -> bool {
         let vector = |x: &Vec3| Vector::new(x.x, x.y, x.z);
         let normal = pose.rotation.inverse() * vector(&self.normal);

@@ -4,7 +4,7 @@ use super::surface::Shape;
 use crate::contact::nodal::{GearNodes, NodalParty, UNUSED};
 use crate::geometry::Flanks;
 
-/// Corners of a face among the nodes of its gear, with their displacements.
+/// Corners of a face as nodes of its gear, with their displacements.
 #[derive(Clone, Copy)]
 pub(super) struct Corners {
     pub face: (usize, usize),
@@ -13,7 +13,7 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    /// Those of a face; none without a field.
+    /// Registers the corners of a face; they are empty without a field.
     #[inline]
     pub fn of(side: &mut NodalParty<'_>, shape: &Shape, row: usize, column: usize) -> Self {
         let Some(field) = side.field else {
@@ -45,7 +45,7 @@ impl Corners {
     }
 }
 
-/// Bilinear weights of the corners of a face.
+/// Returns the bilinear weights of the corners of a face.
 #[inline]
 pub(super) fn weights(a: f64, b: f64) -> [f64; 4] {
     Flanks::weights([2.0 * a - 1.0, 2.0 * b - 1.0])

@@ -48,8 +48,8 @@ use crate::spec::{PointRule, SurfaceKind};
 use rule::Rule;
 use surface::Shape;
 
-/// Reference areas [m^2] that the points of a rule stand for on grid `grid`: nodes row by row, or faces row by
-/// row with their points along the profile, then over the width.
+/// Returns the reference areas [m^2] of the points of a rule on grid `grid`: nodes row by row, or faces row by row
+/// with their points along the profile, then over the width.
 pub fn reference_areas(flanks: &Flanks, grid: usize, rule: PointRule) -> Vec<f64> {
     let rule = Rule::new(rule);
     let shape = Shape::new(flanks, grid, SurfaceKind::Smooth, &rule, Tips::Outwards);
@@ -58,8 +58,8 @@ pub fn reference_areas(flanks: &Flanks, grid: usize, rule: PointRule) -> Vec<f64
     areas
 }
 
-/// Outward unit normals of the smooth surface through the undeformed nodes of grid `grid`, at these nodes, row by
-/// row: `t_z x t_r` of the spline tangents over the width and along the profile, turned out of the tooth.
+/// Returns the outward unit normals of the smooth surface through the undeformed nodes of grid `grid`, at these nodes,
+/// row by row: `t_z x t_r` of the spline tangents over the width and along the profile, directed out of the tooth.
 pub fn nodal_normals(flanks: &Flanks, grid: usize) -> Vec<Vec3> {
     // Normals ask for no heights.
     let (kind, rule) = (SurfaceKind::Smooth, Rule::default());

@@ -1,4 +1,4 @@
-//! The narrow phase: points of one flank held against the deformed surface of the other.
+//! Narrow phase of the point search: projection of the points of one flank on the deformed surface of the other.
 
 use super::coarse::{CoarseScratch, CoarseStep};
 use super::flanked::Near;
@@ -12,37 +12,37 @@ use crate::contact::party::{Party, SearchWork};
 use crate::geometry::{Side, Tips};
 use crate::kinematics::{Locus, Point, Pose};
 
-/// A flank at a state.
+/// A flank whose nodes are evaluated at a state.
 #[derive(Clone, Copy, Debug)]
 struct Active {
     near: Near,
     pose: Pose,
-    /// Its nodes in the buffer of positions.
+    /// Index of its first node in the buffer of positions.
     start: usize,
 }
 
-/// Buffers; they grow to the most that was ever active and stay.
+/// Buffers of the narrow phase, reused between evaluations.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     active: [Vec<Active>; 2],
     positions: [Vec<Vec3>; 2],
     coarse: CoarseScratch,
     pairs: Vec<[usize; 2]>,
-    /// Clearance of each node of a flank [m].
+    /// Height of each node of a flank over the other flank [m].
     heights: Vec<f64>,
     pub work: SearchWork,
 }
 
-/// A point of gear `k`, the slave, that is projected on the other gear, the master.
+/// A point of gear `k`, the slave, with its projection on the other gear, the master.
 pub(super) struct Found<'a> {
     pub k: usize,
-    /// Slave and master.
+    /// Flanks of slave and master.
     pub flanks: [&'a Deformed<'a>; 2],
     active: [&'a Active; 2],
     pub point: FlankPoint,
     pub x: Vec3,
     pub hit: Hit,
-    /// How it leaves over the tip of the master.
+    /// Taper of the point at the tip of the master.
     pub fade: Fade,
 }
 
@@ -76,7 +76,7 @@ impl MeshFlanks {
         scratch.work = work;
     }
 
-    /// First and second step: flanks about the line of centres, and the flanks they face.
+    /// Finds the flanks near the line of centres and the flanks opposite to them (first and second step).
     fn find_pairs(&self, step: &dyn CoarseStep, parties: [&Party<'_>; 2], scratch: &mut Scratch) {
         let stand = self.stand(parties);
         scratch.pairs.clear();
@@ -100,7 +100,7 @@ impl MeshFlanks {
         scratch.coarse = coarse;
     }
 
-    /// Index of a flank among the active ones; its nodes are placed when it is new.
+    /// Returns the index of a flank among the active ones; the nodes of a new flank are evaluated.
     fn activate(
         &self,
         k: usize,
@@ -147,7 +147,7 @@ impl MeshFlanks {
         }
     }
 
-    /// Height of a point on the flanks of gear `k`, as [`Shape::heights`] has it.
+    /// Returns the height of a point on the flanks of gear `k`, as in [`Shape::heights`].
     #[inline]
     fn height(&self, k: usize, pose: &Pose, x: &Vec3) -> f64 {
         match self.gears[k].tips {
@@ -157,7 +157,7 @@ impl MeshFlanks {
         }
     }
 
-    /// Place of a point on the last face by its height, and the gradient of that [1/m].
+    /// Returns the position of a point on the last face by its height, and the gradient of the position [1/m].
     #[inline]
     fn tip_place(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (f64, Vec3) {
         let heights = &master.shape.heights;
@@ -182,7 +182,7 @@ impl MeshFlanks {
         ((self.height(m, pose, x) - low) * per, per * gradient)
     }
 
-    /// A point of gear `k`: on its mesh, or on its rigid flank.
+    /// Returns a point of gear `k`, on its mesh or on its rigid flank.
     #[inline]
     fn point(&self, k: usize, active: &Active, face: u32, [a, b]: [f64; 2], x: Vec3) -> Point {
         let g = &self.gears[k];
@@ -205,8 +205,8 @@ impl MeshFlanks {
         }
     }
 
-    /// Third step: the points of gear `k`'s flank against the other flank of a pair. Faces whose corners all
-    /// stand clearly off the other flank are passed over.
+    /// Projects the points of gear `k` on the other flank of a pair (third step). Faces whose corners are all clearly
+    /// above the other flank are skipped.
     fn hold_points(
         &self,
         k: usize,
@@ -269,7 +269,7 @@ impl MeshFlanks {
         });
     }
 
-    /// Where the projection of a point on the master begins, and a gap that it surely has [m]: infinite more
+    /// Returns the start of the projection of a point on the master, and a lower bound of its gap [m]: infinite more
     /// than a face beyond root, tip or sides.
     #[inline]
     fn clearance_bound(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
@@ -290,7 +290,7 @@ impl MeshFlanks {
         (begin, over - master.shape.chord_bound[row])
     }
 
-    /// The points on both gears.
+    /// Returns the contact points on both gears.
     #[inline]
     pub fn points(&self, found: &Found<'_>) -> [Point; 2] {
         let Found {

@@ -1,20 +1,20 @@
-//! What a point search needs to know of a gear.
+//! A gear as the input of a point search.
 
 use crate::gear::GearModel;
 use crate::kinematics::MeshView;
 use crate::spec::Body;
 
-/// What a point search needs to know of a gear.
+/// A gear as the input of a point search: body, model, phase and view.
 #[derive(Clone, Copy)]
 pub struct Owner<'a> {
-    /// Toothing.
+    /// Body with the toothing of the gear.
     pub body: &'a Body,
-    /// The model; its flanks are taken where it has some.
+    /// The gear model, whose flanks are used if it has any.
     pub gear: &'a dyn GearModel,
     /// Angle [rad] (displacement [m] of a rack) of tooth 0 at the assembled position.
     pub phase: f64,
-    /// How the mesh sees it.
+    /// View of the gear from the mesh.
     pub view: MeshView,
-    /// The mesh's index in the gear's own count.
+    /// Index of the mesh in the gear's own count.
     pub mesh: u8,
 }

@@ -1,4 +1,4 @@
-//! Faces of a flank in its own frame as polynomials, for searches that ask one many times.
+//! Faces of a flank in its own frame as polynomials, for searches with many evaluations per face.
 //!
 //! What [`Face::eval`](super::surface::Face::eval) adds up of chords and bulges is
 //!
@@ -15,13 +15,13 @@ use crate::kinematics::Pose;
 pub(super) struct Patch {
     p: [Vec3; 4],
     q: [Vec3; 4],
-    /// Of `b^2` and `b^3`.
+    /// Coefficients of `b^2` and `b^3`.
     r: [Vec3; 2],
     s: [Vec3; 2],
 }
 
 impl Patch {
-    /// All faces of a shape, row by row.
+    /// Returns all faces of a shape, row by row.
     pub fn all(shape: &Shape) -> Vec<Patch> {
         let columns = 0..shape.columns - 1;
         let faces = (0..shape.rows - 1).flat_map(|row| columns.clone().map(move |c| (row, c)));
@@ -55,7 +55,7 @@ impl Patch {
         Patch { p, q, r, s }
     }
 
-    /// Position, tangents and second derivatives.
+    /// Computes position, tangents and second derivatives.
     #[inline]
     pub fn eval(&self, a: f64, b: f64) -> Spot {
         let Patch { p, q, r, s } = self;
@@ -79,7 +79,7 @@ impl Patch {
         }
     }
 
-    /// Position alone.
+    /// Computes the position.
     #[inline]
     pub fn position(&self, a: f64, b: f64) -> Vec3 {
         let Patch { p, q, r, s } = self;

@@ -21,7 +21,7 @@ use crate::geometry::{Flanks, Side};
 use crate::spec::{CoarseSearch, PointContact};
 use std::cell::RefCell;
 
-/// Flank points of one gear against the flank surfaces of the other.
+/// Search for contact of flank points of one gear with the flank surfaces of the other.
 ///
 /// The search has no discrete state, no slots and no event functions: points open and close all the time, so the force
 /// is clipped and runs with it do not locate events.
@@ -29,11 +29,11 @@ use std::cell::RefCell;
 pub struct FlankPoints {
     flanks: MeshFlanks,
     lines: [Option<[Vec3; 2]>; 2],
-    /// Which flanks are looked at.
+    /// Coarse phase, which finds the pairs of flanks.
     coarse: Box<dyn CoarseStep>,
-    /// The search in the transverse plane, where flanks allow it.
+    /// Search in the transverse plane, where the flanks allow it.
     spur: Option<Spur>,
-    /// The search in twisted sections, where flanks allow that alone.
+    /// Search in twisted sections, where the flanks allow only that.
     twisted: Option<Twisted>,
     scratch: RefCell<Scratch>,
     spur_scratch: RefCell<SpurScratch>,
@@ -41,7 +41,7 @@ pub struct FlankPoints {
 }
 
 impl FlankPoints {
-    /// Builds the search of a mesh. `lines` are the ends of its lines of action, for pictures.
+    /// Builds the search of a mesh. `lines` are the ends of its lines of action, for figures.
     ///
     /// # Errors
     /// What is wrong with the settings or with the flanks of a gear (0 or 1), and a way out.
@@ -102,8 +102,8 @@ impl FlankPoints {
         });
     }
 
-    /// Appends the points of a mesh with a gear that has a [flank displacement](crate::gear::FlankDisplacement), of a
-    /// gap within the gap_bound before residual compliance, and the nodes that they lie on.
+    /// Appends the points of a mesh with a gear that has a [flank displacement](crate::gear::FlankDisplacement), with
+    /// a gap within `gap_bound` before residual compliance, and registers their nodes.
     pub fn nodal_points(
         &self,
         mut sides: [NodalParty<'_>; 2],
@@ -154,19 +154,19 @@ impl FlankPoints {
         });
     }
 
-    /// A lower bound of the gaps of all points of rigid flanks at displacements of both hubs; `None` where flanks or hubs
-    /// move otherwise or the search does not know.
+    /// Returns lower bounds of the gaps of all points of rigid flanks at displacements of both hubs; `None` where
+    /// flanks or hubs move otherwise or no bound is known.
     pub fn clearance(&self, displacements: [f64; 2]) -> Option<Clearance> {
         let parallel = self.flanks.layout.is_none();
         parallel.then(|| self.flanks.clearance(displacements))?
     }
 
-    /// What the last evaluation looked at.
+    /// Returns the counters of the last evaluation.
     pub fn work(&self) -> SearchWork {
         self.scratch.borrow().work
     }
 
-    /// Ends of the line of action of a flank [m], for pictures.
+    /// Returns the ends of the line of action of a flank [m], for figures.
     pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         self.lines[usize::from(side == Side::Right)]
     }
@@ -211,7 +211,7 @@ impl FlankPoints {
         }
     }
 
-    /// A point with the nodes that it lies on, on gears with a field.
+    /// Returns a point with the nodes of its faces, for gears with a field.
     fn nodal_point(
         &self,
         found: &Found<'_>,

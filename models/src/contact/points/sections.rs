@@ -1,4 +1,4 @@
-//! Flanks of both gears as profiles in the transverse plane, and the places over the width at which they meet.
+//! Flanks of both gears as profiles in the transverse plane, and the positions over the width of their points.
 
 use super::flanked::Flanked;
 use super::profile::{Profile, Vec2};
@@ -7,33 +7,33 @@ use super::rule::Rule;
 use super::surface::Shape;
 use crate::kinematics::Pose;
 
-/// Flanks of both gears as profiles.
+/// Flanks of both gears as transverse profiles.
 #[derive(Clone, Debug)]
 pub(super) struct Spur {
     pub(super) profiles: [Vec<Profile>; 2],
-    /// Places over the width of the points of each gear, as slave.
+    /// Positions over the width of the points of each gear, as slave.
     pub(super) cells: [Vec<Cell>; 2],
-    /// Points along the profile of a face with their weights; none where points are nodes.
+    /// Points along the profile of a face with their weights; empty for points at nodes.
     pub(super) along: Vec<(f64, f64)>,
     pub(super) across: usize,
 }
 
-/// A place over the width.
+/// Position over the width of a line of points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
-    /// Height [m].
+    /// Height along the axis [m].
     pub(super) z: f64,
-    /// Column of the slave's face, place there, and index of the point among those of a face over the width (of the
-    /// rule at nodes, column of the node).
+    /// Column of the face of the slave, position there, and index of the point among those of a face over the width
+    /// (for the rule at nodes, column of the node).
     pub(super) column: usize,
     pub(super) b: f64,
     pub(super) index: usize,
-    /// Column of the master's face and place there.
+    /// Column of the face of the master, and position there.
     pub(super) on: usize,
     pub(super) b_on: f64,
 }
 
-/// Own frame of one gear seen from that of another.
+/// Rigid transformation in the transverse plane from the frame of one gear to that of another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     pub(super) cos: f64,
@@ -42,7 +42,7 @@ pub(super) struct Turn {
 }
 
 impl Turn {
-    /// Where both axes are parallel and the origins stand at one height.
+    /// Returns the transformation between frames with parallel axes and origins at one height.
     pub(super) fn between(from: &Pose, to: &Pose) -> Self {
         let d = from.origin - to.origin;
         let [x, y, _] = &to.axes;
@@ -53,7 +53,7 @@ impl Turn {
         }
     }
 
-    /// This one after another.
+    /// Composes this transformation after another.
     #[inline]
     pub(super) fn after(&self, first: &Turn) -> Turn {
         Turn {
@@ -86,7 +86,7 @@ impl Turn {
 }
 
 impl Spur {
-    /// Profiles of both gears, where their flanks allow it.
+    /// Returns the profiles of both gears, where their flanks allow it.
     pub fn new(gears: &[Flanked; 2], rule: &Rule) -> Option<Self> {
         let profiles = |g: &Flanked| -> Option<Vec<Profile>> {
             let first = &g.shapes[0];
@@ -106,7 +106,8 @@ impl Spur {
     }
 }
 
-/// Places over the width at which points of a slave meet a master, or lie beside it by less than `beside` of a face.
+/// Lists the positions over the width at which points of a slave face a master, or are less than `beside` of a face
+/// away from it.
 pub(super) fn cells(slave: &Shape, master: &Shape, rule: &Rule, beside: f64) -> Vec<Cell> {
     let mut all = Vec::new();
     let mut add = |column: usize, b: f64, index: usize| {

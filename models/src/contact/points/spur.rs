@@ -1,4 +1,4 @@
-//! The search where all flanks move with their hubs and look the same in every transverse plane: in two dimensions.
+//! Point search in two dimensions, where all flanks move with their hubs and are equal in every transverse plane.
 //!
 //! A point and a flank meet in the transverse plane whatever their place over the width, so that one projection serves
 //! all points of a line over it. Everything stands in the gears' own frames from the start; an evaluation needs one
@@ -17,19 +17,19 @@ use crate::geometry::Side;
 
 pub(super) use super::sections::Spur;
 
-/// Buffers; they grow and stay.
+/// Buffers of the search, reused between evaluations.
 #[derive(Debug, Default)]
 pub(super) struct SpurScratch {
     first: Vec<Near>,
     pairs: Vec<Facing>,
-    /// Per gear: slot of the first node of each row, [`UNUSED`] where it was not met.
+    /// Slot of the first node of each row, per gear; [`UNUSED`] for rows that are not registered.
     rows: [Vec<u32>; 2],
-    /// Gap that each row of the slave surely has [m], and the master's face it was held against.
+    /// Lower bound of the gap of each row of the slave [m], and the face of the master for which it was computed.
     clear: Vec<(f64, usize)>,
 }
 
 impl Spur {
-    /// The points of a mesh at a state, `limit` the largest gap that displacements can close.
+    /// Finds the points of a mesh at a state; `limit` is the largest gap that displacements can close.
     #[allow(clippy::too_many_arguments)]
     pub fn points(
         &self,
@@ -72,10 +72,10 @@ impl Spur {
     }
 }
 
-/// A pair of flanks, how far they are apart along the path, and their side.
+/// Pair of flanks: their distance along the path, the flanks, and their side.
 pub(super) type Facing = (f64, Near, Near, Side);
 
-/// Flanks that face each other within the limit, the nearest pair first.
+/// Returns the opposite flanks within the limit, the nearest pair first.
 pub(super) fn facing(
     of: &MeshFlanks,
     stand: &Stand,
@@ -102,7 +102,7 @@ pub(super) fn facing(
 }
 
 impl Pair<'_> {
-    /// Points of both passes.
+    /// Finds the points of both passes, with either gear as slave.
     fn points(
         &self,
         sides: &mut [NodalParty<'_>; 2],
@@ -123,8 +123,8 @@ impl Pair<'_> {
         }
     }
 
-    /// Places in both own frames where the flanks face each other best: where the line of action crosses them, or,
-    /// where it leaves a flank, at the end of that flank.
+    /// Returns the positions of smallest gap in both gear frames: where the line of action crosses the flanks, or,
+    /// outside a flank, at the end of that flank.
     fn start(&self) -> [Vec2; 2] {
         let (first, second) = (self.profile(0), self.profile(1));
         let x = first.at_height(self.of.gears[0].height_on_path(self.near[0].s));
@@ -133,7 +133,7 @@ impl Pair<'_> {
         [x, y]
     }
 
-    /// Points of gear `k` against the other.
+    /// Finds the points of gear `k` on the other.
     #[allow(clippy::too_many_arguments)]
     fn hold(
         &self,

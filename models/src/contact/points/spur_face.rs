@@ -1,4 +1,4 @@
-//! Points of a face of one gear held against the profile of the other's flank.
+//! Points of a face of one gear on the profile of the other's flank.
 
 use super::flanked::Near;
 use super::mesh_flanks::MeshFlanks;
@@ -19,7 +19,7 @@ pub(super) struct Pair<'a> {
     pub near: [Near; 2],
     pub side: Side,
     pub poses: &'a [Pose; 2],
-    /// From the frame of the first gear to that of the second, and back.
+    /// Transformations from the frame of the first gear to that of the second, and back.
     pub turns: &'a [Turn; 2],
     pub limit: f64,
 }
@@ -33,7 +33,7 @@ impl Pair<'_> {
         &self.of.gears[k].shapes[self.near[k].shape]
     }
 
-    /// Meets rows of nodes of a gear.
+    /// Registers rows of nodes of a gear.
     pub fn meet(
         &self,
         k: usize,
@@ -61,7 +61,7 @@ impl Pair<'_> {
     }
 }
 
-/// Points of one gear's flank held against the other's.
+/// Search for the points of one gear's flank on the other's.
 pub(super) struct Held<'a, 'b, 'c> {
     pub pair: &'a Pair<'b>,
     pub k: usize,
@@ -73,7 +73,7 @@ pub(super) struct Held<'a, 'b, 'c> {
 }
 
 impl Held<'_, '_, '_> {
-    /// Largest displacement of the nodes of rows that were met.
+    /// Returns the largest displacement of the nodes of registered rows.
     fn rise(side: &NodalParty<'_>, slots: &[u32], columns: usize) -> f64 {
         let met = slots.iter().filter(|s| **s != UNUSED);
         met.fold(f64::NEG_INFINITY, |most, &slot| {
@@ -82,7 +82,7 @@ impl Held<'_, '_, '_> {
         })
     }
 
-    /// Displacement at a place of a face; zero without a field.
+    /// Returns the displacement at a position on a face; zero without a field.
     #[inline]
     fn at(
         side: &NodalParty<'_>,
@@ -101,7 +101,7 @@ impl Held<'_, '_, '_> {
         below + a * (above - below)
     }
 
-    /// Slots of the corners of a face; none without a field.
+    /// Returns the slots of the corners of a face; [`UNUSED`] without a field.
     #[inline]
     fn corners(rows: &[u32], row: usize, column: usize) -> [u32; 4] {
         if rows[row] == UNUSED {
@@ -111,7 +111,7 @@ impl Held<'_, '_, '_> {
         [below, above, above + 1, below + 1]
     }
 
-    /// Points of a face of the slave.
+    /// Finds the points of a face of the slave.
     pub fn points(
         &mut self,
         row: usize,
@@ -247,7 +247,7 @@ impl Held<'_, '_, '_> {
     }
 }
 
-/// Bilinear weights of the corners, as [`super::Flanks::weights`].
+/// Returns the bilinear weights of the corners, as [`super::Flanks::weights`].
 #[inline]
 fn weights(a: f64, b: f64) -> [f64; 4] {
     [(1.0 - a) * (1.0 - b), a * (1.0 - b), a * b, (1.0 - a) * b]

@@ -1,4 +1,4 @@
-//! How both gears of a mesh stand: their own frames in space, and how far from where they were laid out.
+//! Poses of both gears of a mesh: their frames in space, and their distance from the layout of the mesh.
 
 use super::flanked::Flanked;
 use super::owner::Owner;
@@ -6,17 +6,17 @@ use crate::Vec3;
 use crate::contact::pairs::MeshGeometry;
 use crate::kinematics::Pose;
 
-/// Angle between two axes below which they are parallel [rad].
+/// Angle between two axes below which they count as parallel [rad].
 const PARALLEL: f64 = 1e-12;
 
-/// Both gears at a state.
+/// Poses and displacements of both gears at a state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stand {
-    /// Of the hubs along their own motion [rad] or [m].
+    /// Displacements of the hubs along their own motion [rad or m].
     pub displacements: [f64; 2],
-    /// The own frames in space.
+    /// Gear frames in space.
     pub poses: [Pose; 2],
-    /// By how much all other motion of the hubs may bring flanks together along the path of contact [m].
+    /// Largest approach of the flanks along the path of contact by all other motion of the hubs [m].
     pub beside: f64,
 }
 
@@ -26,22 +26,23 @@ impl Stand {
     }
 }
 
-/// Where the gears of a mesh were laid out.
+/// Layout of the gears of a mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
-    /// From the centre of the first gear to that of the second [m].
+    /// Vector from the centre of the first gear to that of the second [m].
     apart: Vec3,
-    /// Those of both gears: the one in common of cylindrical gears, on which their flanks are the same everywhere.
+    /// Axes of both gears; for cylindrical gears the common axis, along which their flanks are equal.
     axes: [Vec3; 2],
-    /// How far nodes are from the centres of their gears at most [m].
+    /// Largest distance of the nodes of each gear from its centre [m].
     radii: [f64; 2],
-    /// Of the path of contact per length along the axis.
+    /// Change of the path of contact per length along the axis.
     tan_helix: f64,
     slides: [bool; 2],
 }
 
 impl Layout {
-    /// That of gears which do not just turn about parallel axes, their middles at one height.
+    /// Returns the layout of gears that do not merely rotate about parallel fixed axes with their middles at one
+    /// height, otherwise `None`.
     pub fn of(
         owners: &[Owner<'_>; 2],
         geometry: &MeshGeometry,
@@ -70,7 +71,7 @@ impl Layout {
         })
     }
 
-    /// What the gears' being elsewhere may change the path coordinates by [m].
+    /// Returns the largest change of the path coordinates from out-of-plane hub motion [m].
     pub fn beside(&self, poses: &[Pose; 2]) -> f64 {
         let mut moved = poses[1].origin - poses[0].origin - self.apart;
         for (pose, _) in poses.iter().zip(self.slides).filter(|(_, slides)| *slides) {

@@ -1,5 +1,5 @@
-//! Flanks that move with their hubs and show one profile in all transverse planes, turned in proportion to the height:
-//! helical teeth, and teeth with lead crowning as nearly such.
+//! Flanks that move with their hubs and whose transverse profile rotates in proportion to the height: helical teeth,
+//! and teeth with lead crowning as an approximation.
 //!
 //! At a height `z` the own frame is that of the section there, turned by the twist (of a rack: moved along by it),
 //!
@@ -38,62 +38,62 @@ use crate::Vec3;
 use crate::geometry::Tips;
 use crate::kinematics::Pose;
 
-/// Part of the base pitch by which a flank may leave its twisted profile and still be looked for by it.
+/// Largest deviation of a flank from its twisted profile, relative to the base pitch, for the search in sections.
 const OFF_TWIST: f64 = 0.01;
 
-/// Part of a face beside a flank up to which the search in space is asked about a point.
+/// Distance from a flank, as a fraction of a face, up to which the search in space evaluates a point.
 pub(super) const BESIDE: f64 = 0.2;
 
-/// The same for places over the width that axial shifts and tilts may bring to the flank.
+/// Distance from a flank over the width, as a fraction of a face, that axial shifts and tilts may bridge.
 const MAY_COME: f64 = 2.0;
 
-/// Largest part of a gap, and of displacements, that the section leaves out.
+/// Largest fraction of a gap, and of displacements, that the section neglects.
 const SECOND_ORDER: f64 = 0.02;
 
 /// Flanks of both gears as twisted profiles.
 #[derive(Clone, Debug)]
 pub(super) struct Twisted {
     pub profiles: [Vec<Profile>; 2],
-    /// Faces of each flank.
+    /// Faces of each flank as polynomials.
     pub patches: [Vec<Vec<Patch>>; 2],
     pub twists: [Twist; 2],
-    /// Points of the rule on each flank in its own frame, in the order of their areas.
+    /// Points of the rule on each flank in the gear frame, in the order of their areas.
     pub points: [Vec<Vec<Vec3>>; 2],
-    /// Places over the width of the points of each gear, as slave.
+    /// Positions over the width of the points of each gear, as slave.
     pub cells: [Vec<TwistedCell>; 2],
-    /// Points along the profile of a face with their weights; none where points are nodes.
+    /// Points along the profile of a face with their weights; empty for points at nodes.
     pub along: Vec<(f64, f64)>,
     pub across: usize,
-    /// How far both flanks may leave their twisted profiles at most [m].
+    /// Largest deviation of both flanks from their twisted profiles [m].
     pub off: f64,
-    /// Axes stay parallel and the middles of both gears at one height.
+    /// True if axes are parallel and the middles of both gears are at one height.
     pub parallel: bool,
 }
 
-/// A place over the width.
+/// Position over the width of a line of points, with its section transformations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TwistedCell {
     pub cell: Cell,
-    /// From the section of the slave to its own frame, and from the own frame of the master to its section.
+    /// Transformation from the section of the slave to its frame, and from the frame of the master to its section.
     from_slave: Turn,
     to_master: Turn,
 }
 
-/// From a section of the slave to those of the master.
+/// Map from a section of the slave to those of the master.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SectionMap {
-    /// For parallel axes; nearly for others.
+    /// Transformation for parallel axes; an approximation for others.
     pub turn: Turn,
     tilted: Option<Tilted>,
 }
 
-/// What tilted axes add.
+/// Additional terms for tilted axes.
 #[derive(Clone, Copy, Debug)]
 struct Tilted {
-    /// To the section of the master at the height of the slave's axis; rows.
+    /// Map to the section of the master at the height of the slave's axis, as rows.
     rows: [Vec2; 2],
     shift: Vec2,
-    /// How much higher other places stand.
+    /// Slope of the height over the section.
     slope: Vec2,
     twist: Twist,
 }
@@ -115,16 +115,16 @@ impl SectionMap {
     }
 }
 
-/// How sections stand against each other.
+/// Rotation of the sections of a flank along the axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Twist {
     rack: bool,
-    /// `tau` [rad/m] of a gear, `sigma` of a rack.
+    /// Twist rate `tau` [rad/m] of a gear, or slope `sigma` of a rack.
     pub rate: f64,
 }
 
 impl Twist {
-    /// That of the flanks of a gear, by the ends of one in the middle of the profile.
+    /// Computes the twist of the flanks of a gear, from the ends of one flank in the middle of the profile.
     fn of(gear: &Flanked) -> Self {
         let shape = &gear.shapes[0];
         let row = shape.rows / 2 * shape.columns;
@@ -141,7 +141,7 @@ impl Twist {
         }
     }
 
-    /// From the section at a height to the own frame.
+    /// Returns the transformation from the section at a height to the gear frame.
     fn section(&self, z: f64) -> Turn {
         let by = self.rate * z;
         let (angle, shift) = if self.rack { (0.0, by) } else { (by, 0.0) };
@@ -152,7 +152,7 @@ impl Twist {
         }
     }
 
-    /// `d` at a place of a section.
+    /// Returns the derivative `d` by the height at a point of a section.
     #[inline]
     pub fn drift(&self, x: &Vec2) -> Vec2 {
         if self.rack {
@@ -164,7 +164,7 @@ impl Twist {
 }
 
 impl Twisted {
-    /// Twisted profiles of both gears, where their flanks allow it.
+    /// Returns the twisted profiles of both gears, where their flanks allow it.
     pub fn new(gears: &[Flanked; 2], rule: &Rule, base_pitch: f64, parallel: bool) -> Option<Self> {
         let rising = |s: &Shape| s.z.is_sorted_by(|a, b| a < b);
         let may_be = |g: &Flanked| g.rigid && !g.conical && g.shapes.iter().all(rising);
@@ -219,7 +219,7 @@ impl Twisted {
         })
     }
 
-    /// The frame of the slave `k` as seen from that of the master.
+    /// Returns the frame of the slave `k` in that of the master.
     pub fn seen(&self, slave: &Pose, master: &Pose) -> Pose {
         if !self.parallel {
             return slave.seen_from(master);
@@ -235,8 +235,8 @@ impl Twisted {
         }
     }
 
-    /// From the section of the slave `k` at each of its cells to those of the master, in whose frame that of the slave is
-    /// `seen`.
+    /// Computes the maps from the section of the slave `k` at each of its cells to those of the master; `seen` is the
+    /// frame of the slave in that of the master.
     pub fn maps(&self, k: usize, seen: &Pose, out: &mut Vec<SectionMap>) {
         out.clear();
         let [x, y, z] = &seen.axes;
@@ -281,15 +281,15 @@ impl Twisted {
         }));
     }
 
-    /// By how much the path coordinate of a left flank of the first gear grows from the middle to a height [m].
+    /// Returns the change of the path coordinate of a left flank of the first gear from the middle to a height [m].
     #[inline]
     pub fn path_by_height(&self, of: &MeshFlanks, z: f64) -> f64 {
         of.gears[0].base_radius.unwrap_or(0.0) * self.twists[0].rate * z
     }
 
-    /// The place on the profile of the slave `k` that faces the master best, in a section where the first gear's flank stands
-    /// at the path coordinate `s` [m]: where the line of action crosses it, or, where it leaves a flank, the end of that
-    /// flank. `turn` leads to the section of the master.
+    /// Returns the position of smallest gap on the profile of the slave `k`, in a section where the flank of the first
+    /// gear has the path coordinate `s` [m]: where the line of action crosses it, or, outside a flank, the end of that
+    /// flank. `turn` maps to the section of the master.
     pub fn facing(
         [first, second]: [&Profile; 2],
         k: usize,
@@ -314,20 +314,20 @@ impl Twisted {
         first.at_height(first.height(&to_first.point(&y)))
     }
 
-    /// Height over the middle of the master of a place in a section of the slave.
+    /// Returns the height over the middle of the master of a point in a section of the slave.
     pub fn height(seen: &Pose, cell: &TwistedCell, x: &Vec2) -> f64 {
         let own = cell.from_slave.point(x);
         seen.point(&Vec3::new(own.x, own.y, cell.cell.z)).z
     }
 
-    /// What of a gap [m] and of displacements [m] sections may miss.
+    /// Returns a bound of the error of sections for a gap [m] and displacements [m].
     #[inline]
     pub fn doubt(&self, gap: f64, displacements: f64) -> f64 {
         self.off + SECOND_ORDER * (gap.abs() + displacements)
     }
 }
 
-/// Points of the rule on a flank in its own frame, in the order of their areas.
+/// Returns the points of the rule on a flank in the gear frame, in the order of their areas.
 fn points(shape: &Shape, patches: &[Patch], rule: &Rule) -> Vec<Vec3> {
     let mut all = Vec::with_capacity(shape.areas.len());
     shape.points(
@@ -340,7 +340,8 @@ fn points(shape: &Shape, patches: &[Patch], rule: &Rule) -> Vec<Vec3> {
     all
 }
 
-/// The profile of a shape in the section at height zero, and how far the shape leaves it when that is twisted [m].
+/// Returns the profile of a shape in the section at height zero, and the deviation of the shape from the twisted
+/// profile [m].
 fn twisted(shape: &Shape, twist: &Twist, rule: &Rule, tips: Tips) -> (Profile, f64) {
     let untwisted = |row: usize, column: usize, place: [f64; 2]| {
         let x: Vec3 = shape.undeformed(row, column, place);

@@ -1,4 +1,4 @@
-//! The search between [twisted](super::twisted) flanks: sections tell which points are wanted, surfaces where they are.
+//! Point search between [twisted](super::twisted) flanks: sections select the points, surfaces locate them.
 
 use super::corners::{Corners, weights};
 use super::flanked::Near;
@@ -18,19 +18,20 @@ use crate::contact::party::SearchWork;
 use crate::geometry::Side;
 use crate::kinematics::{Pose, Tooth};
 
-/// Buffers; they grow and stay.
+/// Buffers of the search, reused between evaluations.
 #[derive(Debug, Default)]
 pub(super) struct TwistedScratch {
     first: Vec<Near>,
     pairs: Vec<Facing>,
-    /// From the sections of each gear, as slave, to those of the other.
+    /// Maps from the sections of each gear, as slave, to those of the other.
     maps: [Vec<SectionMap>; 2],
-    /// Gap that each row of the slave surely has in a section [m], and the master's face it was held against.
+    /// Lower bound of the gap of each row of the slave in a section [m], and the face of the master for which it was
+    /// computed.
     clear: Vec<(f64, usize)>,
 }
 
 impl Twisted {
-    /// The points of a mesh at a state, `limit` the largest gap that displacements can close.
+    /// Finds the points of a mesh at a state; `limit` is the largest gap that displacements can close.
     #[allow(clippy::too_many_arguments)]
     pub fn points(
         &self,
@@ -92,39 +93,39 @@ impl Twisted {
     }
 }
 
-/// A face of the slave at a place over the width.
+/// A face of the slave at a position over the width.
 struct FaceOf<'a> {
     row: usize,
     cell: Cell,
     map: &'a SectionMap,
     of_slave: Corners,
-    /// Of the face of the master that the last point faced.
+    /// Corners of the face of the master opposite to the last point.
     of_master: Corners,
-    /// What displacements may close there at most [m].
+    /// Largest gap that displacements can close there [m].
     rise: f64,
-    /// Where the next point is looked for.
+    /// Face of the master at which the next search starts.
     master_face: usize,
-    /// One of its points does not surely stand off.
+    /// True if one of its points may touch.
     near: bool,
 }
 
-/// Points of the slave `k` of a pair of flanks against the other.
+/// Search for the points of the slave `k` of a pair of flanks on the other.
 struct Pass<'a, 'b> {
     twisted: &'a Twisted,
     of: &'a MeshFlanks,
     profiles: [&'a Profile; 2],
     shapes: [&'a Shape; 2],
-    /// Faces of the master.
+    /// Faces of the master as polynomials.
     patches: &'a [Patch],
     /// Points of both flanks, in the order of their areas.
     points: [&'a [Vec3]; 2],
-    /// Path coordinate of the first gear's flank at height zero [m].
+    /// Path coordinate of the flank of the first gear at height zero [m].
     s: f64,
     teeth: [Tooth; 2],
     side: Side,
     k: usize,
     poses: &'a [Pose; 2],
-    /// The slave's frame in the master's.
+    /// Frame of the slave in that of the master.
     frame: &'a Pose,
     limit: f64,
     clear: &'a mut Vec<(f64, usize)>,
@@ -135,7 +136,7 @@ struct Pass<'a, 'b> {
 }
 
 impl<'a> Pass<'a, '_> {
-    /// A gap in space that a gap in a section stands for at least.
+    /// Converts a gap in a section to a lower bound of the gap in space.
     #[inline]
     fn in_space(&self, gap: f64) -> f64 {
         let along = if gap > 0.0 {
@@ -146,7 +147,8 @@ impl<'a> Pass<'a, '_> {
         along - self.twisted.doubt(along, 0.0)
     }
 
-    /// Points at a place over the width: rows from the best place outwards, until they stand off.
+    /// Finds the points at a position over the width: rows from the smallest gap outwards, until they are clearly
+    /// open.
     fn cell(&mut self, of_cell: &TwistedCell, map: &SectionMap) {
         let (slave, master) = (self.profiles[self.k], self.profiles[1 - self.k]);
         let mut cell = of_cell.cell;
@@ -190,7 +192,7 @@ impl<'a> Pass<'a, '_> {
         }
     }
 
-    /// Points of a face of the slave at a place over the width, outwards from the one that is nearest.
+    /// Finds the points of a face of the slave at a position over the width, outwards from the nearest one.
     fn face(&mut self, row: usize, from: f64, cell: Cell, map: &SectionMap) {
         let (k, m) = (self.k, 1 - self.k);
         let (s_shape, m_shape) = (self.shapes[k], self.shapes[m]);
@@ -241,8 +243,8 @@ impl<'a> Pass<'a, '_> {
         }
     }
 
-    /// Looks at point `i` of so many of a face; false where that and all further out stand off, which a point that stands
-    /// off shows once another one was nearer.
+    /// Evaluates point `i` of `count` of a face; returns false where it and all points further out are clearly open. A
+    /// clearly open point proves that once another one was nearer.
     #[inline]
     fn may_touch(&mut self, on: &mut FaceOf<'_>, i: usize, count: usize) -> bool {
         let (twisted, k, m) = (self.twisted, self.k, 1 - self.k);
@@ -329,7 +331,7 @@ impl<'a> Pass<'a, '_> {
         true
     }
 
-    /// A point held against the surface of the master, all in the master's own frame.
+    /// Projects a point on the surface of the master, in the frame of the master.
     fn point(
         &mut self,
         (p, own): (&FlankPoint, &Vec3),

@@ -1,4 +1,4 @@
-//! The elastic gear in flight: modes that swing about the deflection of the load, in closed form.
+//! The elastic gear in free flight: modes that oscillate about their static deflection under the load, in closed form.
 //!
 //! About `q_s = g / omega^2` under steady loads `g` the modes keep, with damping lose, the energy
 //! `E = sum (v^2 + omega^2 (q - q_s)^2) / 2`, so that by Cauchy and Schwarz
@@ -18,7 +18,8 @@ use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::At;
 
 impl Elastic {
-    /// The gear whose modes are put to rest in flight below this share of the energy of the next impact; 0: never.
+    /// Sets the ratio to the energy of the next impact below which the modes are set to their static deflection in
+    /// flight; 0 disables this.
     ///
     /// # Errors
     /// A share outside [0, 1).
@@ -30,7 +31,7 @@ impl Elastic {
         Ok(self)
     }
 
-    /// Modal loads of a steady load on the hub, or of its prescribed acceleration.
+    /// Returns the modal loads of a steady load on the hub, or of its prescribed acceleration.
     fn modal_loads(&self, t: f64, load: f64) -> impl Iterator<Item = f64> + '_ {
         let (shapes, factor) = if self.turns() {
             (&self.data.hub, load)
@@ -43,7 +44,7 @@ impl Elastic {
         shapes.iter().map(move |s| s * factor)
     }
 
-    /// Twice the energies of the swinging about the deflection of the load, and of that deflection.
+    /// Returns twice the energy of the oscillation about the static deflection, and twice that of the deflection.
     fn energies(&self, at: At<'_>, load: f64) -> [f64; 2] {
         let (mut swinging, mut resting) = (0.0, 0.0);
         let state = at.q[self.own..].iter().zip(&at.v[self.own..]);
@@ -59,7 +60,7 @@ impl Elastic {
 }
 
 impl Elastic {
-    /// What a prescribed acceleration of the hub asks of the modes.
+    /// Adds the inertia forces of a prescribed hub acceleration on the modes.
     pub(super) fn add_modal_inertia(&self, t: f64, f: &mut [f64]) {
         let acceleration = self.hub.prescribed_acceleration(t);
         if acceleration == 0.0 {
@@ -141,7 +142,7 @@ impl LinearMotion for Elastic {
         true
     }
 
-    /// Of a prescribed acceleration on the modes, besides what loads do.
+    /// Returns the work of a prescribed acceleration on the modes, in addition to that of loads.
     fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
         if self.turns() {
             return load * (self.hub_state(to).displacement - self.hub_state(from).displacement);

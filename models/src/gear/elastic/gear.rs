@@ -243,8 +243,8 @@ impl GearModel for Elastic {
         self.standing_hub(at)
     }
 
-    /// Modes and frame together: the centre of mass is at `R(theta) (s + sum_i p_i q_i) / m` with the unbalance `s`.
-    /// Modes that were cut follow their loads without inertia.
+    /// Returns the reaction from modes and frame together: the centre of mass is at `R(theta) (s + sum_i p_i q_i) / m`
+    /// with the unbalance `s`. Truncated modes follow their loads without inertia.
     fn mount_reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
         let d = &*self.data;
         let mut reaction = self.hub.reaction(at.t, contact);
@@ -328,7 +328,7 @@ impl Elastic {
         (self.placement).pose_at(&self.hub, at.t, at.q, displacement)
     }
 
-    /// A reaction with what the bearing exerts along the directions that it leaves free.
+    /// Adds the bearing forces along the free directions to a reaction.
     fn with_bearing(&self, at: At<'_>, mut reaction: Wrench) -> Wrench {
         if let Some(lateral) = &self.hub.lateral {
             let exerted = self.bearing_on_hub(at);

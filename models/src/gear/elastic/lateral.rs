@@ -1,4 +1,5 @@
-//! The elastic gear on a hub that also moves aside of its own turn: how modes move the hub, and what the bearing does to them.
+//! The elastic gear on a hub with out-of-plane freedom: motion of the hub by the modes, and forces of the bearing on
+//! the modes.
 //!
 //! The floating frame moves as a rigid body does ([`crate::kinematics::Lateral`]); the modes hold no momentum in the
 //! directions in which the hub is free. The hub stands off the frame by what the modes make of it, own axes turned with the
@@ -25,19 +26,19 @@ use gearbench_integrators::system::At;
 use nalgebra::{Matrix3, Rotation3};
 use std::sync::Arc;
 
-/// Translations and rotations.
+/// Three translations and three rotations.
 type Six = [f64; 6];
 
-/// Hub shapes of the modes, that of the own motion with the others.
+/// Hub shapes of the modes in all six directions.
 #[derive(Clone, Debug)]
 pub(super) struct HubShapes(pub Vec<Six>);
 
-/// A turn of own axes into those of the hub.
+/// Rotation of the gear frame into the axes of the hub.
 #[derive(Clone, Copy, Debug)]
 struct Turned {
     cos: f64,
     sin: f64,
-    /// The own frame turns with the hub's own motion.
+    /// True if the gear frame rotates with the hub's own motion.
     turns: bool,
 }
 
@@ -57,7 +58,7 @@ impl Turned {
         .to_hub(f)
     }
 
-    /// `dT/dtheta s` from `T s`.
+    /// Computes `dT/dtheta s` from `T s`.
     fn slope(self, u: &Six) -> Six {
         if self.turns {
             [-u[1], u[0], 0.0, -u[4], u[3], 0.0]
@@ -67,12 +68,12 @@ impl Turned {
     }
 }
 
-/// Frame and hub at a state.
+/// Motion of frame and hub at a state.
 struct Standing {
     turned: Turned,
     frame: Motion,
     hub: Motion,
-    /// Hub off the frame, and the part of its rate that the modes' own rates make.
+    /// Displacement of the hub from the frame, and the part of its rate from the modal velocities.
     off: Six,
     rate: Six,
 }
@@ -85,7 +86,7 @@ fn add(a: &mut Six, factor: f64, b: &Six) {
     a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
 }
 
-/// The body of a reduction on a hub with these lateral directions.
+/// Transforms the reduction to the out-of-plane directions of a hub.
 ///
 /// # Errors
 /// What of the directions the modes do not know.
@@ -127,7 +128,8 @@ pub(super) fn on_hub(
     })
 }
 
-/// Directions of a hub along own axes: the hub of a rack has its slide, own y, first.
+/// Returns the directions of a hub in the axes of the gear frame: the hub of a rack has its direction of motion, the y
+/// axis of the gear frame, first.
 fn own_order(free: [bool; 6], slides: bool) -> [bool; 6] {
     let [a, b, c, d, e, f] = free;
     if slides { [b, a, c, e, d, f] } else { free }
@@ -155,7 +157,7 @@ impl Elastic {
         }
     }
 
-    /// `sum_i Phi_i x_i` over the modes of a vector of coordinates.
+    /// Computes `sum_i Phi_i x_i` over the modes of a vector of coordinates.
     fn of_modes(&self, shapes: &HubShapes, x: &[f64]) -> Six {
         let mut sum = [0.0; 6];
         for (phi, x) in shapes.0.iter().zip(&x[self.own..]) {
@@ -182,7 +184,7 @@ impl Elastic {
         }
     }
 
-    /// Where the hub is and how fast.
+    /// Returns position and velocity of the hub.
     pub(super) fn standing_hub(&self, at: At<'_>) -> Motion {
         match self.lateral() {
             Some((_, shapes)) => self.standing(shapes, at).hub,
@@ -190,14 +192,15 @@ impl Elastic {
         }
     }
 
-    /// What the bearing exerts on the hub; zeros without one.
+    /// Returns the bearing forces on the hub, or zeros without a bearing.
     pub(super) fn bearing_on_hub(&self, at: At<'_>) -> Six {
         self.lateral().map_or([0.0; 6], |(lateral, shapes)| {
             lateral.bearing_forces(&self.standing(shapes, at).hub)
         })
     }
 
-    /// Energy in the bearing [J], the power that it takes and that a driven turn puts into it [W].
+    /// Returns the energy in the bearing [J], the power of its dampers, and the power of a driven rotation into it
+    /// [W].
     pub(super) fn bearing_books(&self, at: At<'_>) -> [f64; 3] {
         let Some((lateral, shapes)) = self.lateral() else {
             return [0.0; 3];
@@ -213,8 +216,8 @@ impl Elastic {
         [energy, taken, driven]
     }
 
-    /// Adds bearing and spin terms of the rigid body; without `whole` those of the bearing beyond what it exerts on a rigid
-    /// body.
+    /// Adds bearing forces and the spin terms of the rigid body; without `whole` only the part of the bearing forces
+    /// that modes add to those on a rigid body.
     pub(super) fn add_bearing(&self, at: At<'_>, whole: bool, f: &mut [f64]) {
         let Some((lateral, shapes)) = self.lateral() else {
             return;
@@ -239,7 +242,7 @@ impl Elastic {
         }
     }
 
-    /// Change of the whole of it.
+    /// Adds the change of bearing forces and spin terms.
     pub(super) fn add_bearing_tangent(&self, at: At<'_>, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
         let Some((lateral, shapes)) = self.lateral() else {
             return;

@@ -1,5 +1,4 @@
-//! The elastic gear: rigid motion of a floating frame plus a few modes, and the static compliance of the modes
-//! that were cut.
+//! The elastic gear: rigid motion of a floating frame, a few modes, and the static compliance of the truncated modes.
 //!
 //! Generalised coordinates: the turn `theta` of the mean-axis frame where the mount leaves it free (a rack: its
 //! displacement), then one coordinate `q_i` per kept mode, shapes orthonormal in the mass. Modes of a hub that is free

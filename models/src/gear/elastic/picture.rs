@@ -1,4 +1,4 @@
-//! The mesh behind an elastic gear, as it is displaced at a state.
+//! The displaced mesh behind an elastic gear, for figures.
 
 use super::body::Elastic;
 use crate::error::Reason;

@@ -8,7 +8,8 @@ use crate::gear::model::GearModel;
 use crate::kinematics::{Point, Row, Wrench};
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 
-/// What a tooth's own torque changes by, per angle of the tooth: stiffness, and how it follows the contact radius.
+/// Returns the derivative of a tooth's torque by the angle of the tooth: stiffness, and its dependence on the contact
+/// radius.
 fn own_spring(c: Coeffs, p: Spring, stretch: f64) -> f64 {
     c.d * p.c + c.k * (p.k + 2.0 * p.dk * stretch + p.bend * stretch * stretch)
 }
@@ -102,7 +103,7 @@ impl GearModel for MovableTeeth {
         }
     }
 
-    /// Arrow matrix, symmetric: the teeth are coupled through the hub only.
+    /// Solves with an arrow matrix, which is symmetric: the teeth are coupled through the hub only.
     fn correct(
         &mut self,
         at: At<'_>,

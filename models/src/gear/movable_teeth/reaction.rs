@@ -1,4 +1,4 @@
-//! What the mount of a gear with movable teeth exerts on it.
+//! Reaction force of the mount on a gear with movable teeth.
 //!
 //! The body's centre of mass lies on the axis, each tooth is a mass `m_t` on the radius `r_d`:
 //!

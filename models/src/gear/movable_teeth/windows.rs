@@ -1,4 +1,4 @@
-//! Displacements of single teeth, and how they move through the windows.
+//! Displacements of individual teeth, and their exchange between windows and mean.
 
 use super::deviations::Exchange;
 use super::teeth::{HYSTERESIS, Integrated, MovableTeeth};
@@ -7,7 +7,8 @@ use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use gearbench_integrators::system::{At, Change};
 
-/// Teeth that a gear may turn by in one step: more than any method that still follows its teeth.
+/// Largest number of teeth by which a gear may rotate in one step, above the limit of any method that still resolves
+/// its teeth.
 const MOST_TEETH: f64 = 1e4;
 
 impl ToothCoordinates for MovableTeeth {
@@ -34,7 +35,7 @@ impl ToothCoordinates for MovableTeeth {
         })
     }
 
-    /// The middle teeth of its windows.
+    /// Returns the middle teeth of the windows.
     #[inline]
     fn places(&self) -> usize {
         match &self.integrated {

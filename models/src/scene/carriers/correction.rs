@@ -17,7 +17,7 @@ use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, SecondOrderSystem, Singular};
 
 impl Scene {
-    /// The correction of gears and contacts without links, at a state of the scene whose contacts are at hand.
+    /// Solves for gears and contacts without links, at a state of the scene with evaluated contacts.
     pub(in crate::scene) fn correct_sets(
         &mut self,
         at: At<'_>,
@@ -91,7 +91,7 @@ impl Scene {
         Ok(())
     }
 
-    /// `A_0 x` of what does not go with the carriers: inertia, bearings and loads on the ground.
+    /// Computes `A_0 x` of the absolute part: inertia, bearings and loads on the ground.
     fn absolute_product(&mut self, seen: At<'_>, c: Coeffs, x: &[f64]) -> Vec<f64> {
         let n = x.len();
         let mut y = vec![0.0; n];

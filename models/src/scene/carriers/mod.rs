@@ -1,4 +1,4 @@
-//! Planet carriers: gears whose axes go round with another body.
+//! Planet carriers: gears whose axes rotate with another body.
 //!
 //! Seen from a carrier that has turned by `theta_c` and moved by `u_c`, a planetary set is a train of gears on fixed axes.
 //! Contacts, and the pins that hold planets, are evaluated in that **relative state**: angles less that of the carrier,

@@ -1,4 +1,4 @@
-//! What a scene does in the relative state: forces, events, frames of hubs.
+//! Evaluation of a scene in the carrier frame: forces, events, frames of hubs.
 
 use super::relative::RelativeState;
 use crate::kinematics::HubFrame;
@@ -6,7 +6,8 @@ use crate::scene::assembled::Scene;
 use gearbench_integrators::system::{At, SecondOrderSystem, State};
 
 impl Scene {
-    /// Calls `act` with the state that contacts see: the relative one where there are carriers.
+    /// Calls `act` with the state for contacts: the carrier-frame state where there are carriers, otherwise the state
+    /// itself.
     pub(in crate::scene) fn seen<R>(
         &mut self,
         at: At<'_>,
@@ -27,7 +28,7 @@ impl Scene {
         result
     }
 
-    /// The same for a state whose discrete part is to change.
+    /// Calls `act` with a carrier-frame state whose discrete part may change.
     pub(in crate::scene) fn seen_state<R>(
         &mut self,
         s: &mut State,
@@ -49,7 +50,7 @@ impl Scene {
         result
     }
 
-    /// Adds forces that `act` tells of the relative state.
+    /// Adds the forces that `act` computes in the carrier frame.
     #[inline]
     pub(in crate::scene) fn relative_forces(
         &mut self,
@@ -70,7 +71,7 @@ impl Scene {
         self.work.relative = relative;
     }
 
-    /// Adds the forces of contacts, and of what gears on carriers have of their own.
+    /// Adds the forces of contacts, and the internal forces of gears on carriers.
     #[inline]
     pub(in crate::scene) fn add_relative_forces(&mut self, at: At<'_>, f: &mut [f64]) {
         self.relative_forces(at, f, |scene, seen, f| {
@@ -79,7 +80,7 @@ impl Scene {
         });
     }
 
-    /// Adds internal forces of gears on carriers, in the relative state.
+    /// Adds internal forces of gears on carriers, in the carrier frame.
     pub(in crate::scene) fn add_carried_forces(&mut self, seen: At<'_>, f: &mut [f64]) {
         if self.carriers.is_empty() {
             return;
@@ -92,12 +93,12 @@ impl Scene {
         }
     }
 
-    /// Gives gears on carriers the velocities with which their carriers move them.
+    /// Sets the velocities of gears on carriers to those of their pins.
     pub fn follow_carriers(&self, s: &mut State) {
         self.carriers.carry_along(s);
     }
 
-    /// Adds the centrifugal forces of gears that go round with their carriers at the speeds of the moment.
+    /// Adds the centrifugal forces of gears that rotate with their carriers at the present speeds.
     pub fn add_centrifugal(&mut self, at: At<'_>, f: &mut [f64]) {
         if self.carriers.is_empty() {
             return;
@@ -109,12 +110,12 @@ impl Scene {
         f.iter_mut().zip(&inertia).for_each(|(f, i)| *f -= i);
     }
 
-    /// Whether a gear goes round with a carrier.
+    /// Returns true if a gear rotates with a carrier.
     pub fn is_carried(&self, gear: usize) -> bool {
         self.carriers.carries(gear)
     }
 
-    /// The coordinate of the carrier that a mesh is seen from, and which member of the scene it is.
+    /// Returns the coordinate of the carrier of a mesh, and its index among the members of the scene.
     pub fn carrier_of_mesh(&self, mesh: usize) -> Option<(usize, usize)> {
         let carrier = self.carriers.carrier_of(mesh)?;
         let body = self
@@ -124,7 +125,7 @@ impl Scene {
         Some((carrier.turn, body))
     }
 
-    /// The state as gears of planetary sets are seen from their carriers.
+    /// Returns the carrier-frame state.
     pub fn relative_state(&self, s: &State) -> State {
         let mut relative = RelativeState::default();
         self.carriers.see(s.at(), &mut relative);
@@ -137,7 +138,7 @@ impl Scene {
         }
     }
 
-    /// Axes of a hub, not turned with the gear, and its origin in space [m].
+    /// Returns the axes of a hub, not rotated with the gear, and its origin in space [m].
     pub fn hub_frame(&mut self, gear: usize, at: At<'_>) -> HubFrame {
         let frame = self.seen(at, |scene, seen| {
             let g = &scene.gears[gear];

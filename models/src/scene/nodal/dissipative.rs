@@ -1,4 +1,4 @@
-//! Dashpots and friction of an island: its ports, and what they do under forces.
+//! Dashpots and friction of an island: its ports, and their response to forces.
 
 use super::islands::{Island, Nodal, Solved};
 use crate::contact::nodal::{Block, DissipativeSolve, NodalSolve, Ported, Spring, deepest};
@@ -6,14 +6,14 @@ use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::{HalfKick, Singular};
 
 impl Nodal {
-    /// The forces that follow are sought at the end of a half kick on coordinates with these inverse masses;
-    /// `accelerations` without contact stand in [`Kick`](super::islands::Kick).
+    /// Starts a half-step impulse: the forces that follow are evaluated at its end, on coordinates with these inverse
+    /// masses; `accelerations` without contact are in [`Kick`](super::islands::Kick).
     pub(in crate::scene) fn begin_kick(&mut self, kick: &HalfKick<'_>, inverse_mass: &[f64]) {
         self.kick.set(kick, inverse_mass);
         self.kick.acts = true;
     }
 
-    /// Forces with dashpots and friction, from the elastic ones; the residual displacements of the nodes.
+    /// Computes forces with dashpots and friction from the elastic ones, and the residual displacements of the nodes.
     pub(super) fn dissipate<'a>(
         &mut self,
         start: usize,
@@ -156,7 +156,8 @@ impl Nodal {
         Ok(outward)
     }
 
-    /// The same for a few points without friction at the end of a kick, point by point; false where there are others.
+    /// Computes forces with dashpots point by point, for few points without friction at the end of an impulse; returns
+    /// false for other contacts.
     fn damp_points(
         &mut self,
         start: usize,
@@ -234,13 +235,15 @@ fn fill<'a>(
     }
 }
 
-/// What is added to node numbers of a gear for the direction along its profile, where friction asks and it is known.
+/// Returns the offset of node numbers of a gear for the direction along its profile, where friction needs it and it is
+/// available.
 pub(super) fn along_profile(gear: &SceneGear, island: &Island) -> Option<u32> {
     let field = gear.model.displacement().filter(|_| island.slides)?;
     field.along_profile()
 }
 
-/// Takes from the rates what the nodes follow, and tells what of the motion of ports they do, where rates answer.
+/// Subtracts the motion of following nodes from the rates, and computes their response to the motion of ports, where
+/// rates depend on forces.
 fn follow(
     solve: &mut NodalSolve,
     springs: &mut [Spring],

@@ -9,7 +9,7 @@ use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::At;
 
 impl Nodal {
-    /// Rates of gaps and sliding speeds before residual compliance, where dampers and friction ask for them.
+    /// Computes the rates of gaps and sliding speeds before residual compliance, where dampers and friction need them.
     pub(super) fn rates(
         &mut self,
         start: usize,
@@ -66,13 +66,13 @@ impl Nodal {
         }
     }
 
-    /// How the hubs of a mesh stand at the state of the evaluation.
+    /// Returns the poses of the hubs of a mesh at the state of the evaluation.
     fn standings(&self, mesh: &SceneMesh) -> [Option<&Standing>; 2] {
         mesh.gears.map(|g| self.standings[g].as_ref())
     }
 
-    /// Effective radii of a point along its direction, and the rate of its gap before residual compliance, by the
-    /// [velocities](Self::rates) of the nodes.
+    /// Returns the effective radii of a point along its direction, and the rate of its gap before residual compliance,
+    /// from the [velocities](Self::rates) of the nodes.
     fn rate_along(
         &self,
         gears: &[SceneGear],
@@ -85,8 +85,8 @@ impl Nodal {
         self.speed_along(gears, mesh, a, (along, 0), at, row)
     }
 
-    /// Effective radii of a point along a direction, and the speed of the slave over the master along it; nodes move
-    /// outwards (0) or along the profile (1).
+    /// Returns the effective radii of a point along a direction, and the speed of the slave relative to the master
+    /// along it, with the velocities of nodes outwards (0) or along the profile (1).
     fn speed_along(
         &self,
         gears: &[SceneGear],
@@ -121,7 +121,8 @@ impl Nodal {
         (effective_radii, speed)
     }
 
-    /// Slopes of the gap of a line by the displacements of the hubs, with the displacements of nodes of a gear.
+    /// Returns the slopes of the gap of a line by the displacements of the hubs, with the displacements of nodes of a
+    /// gear.
     fn of_line(
         &self,
         p: &NodalPoint,
@@ -133,7 +134,7 @@ impl Nodal {
         Some([of(0), of(1)])
     }
 
-    /// Appends the slopes of the gap of a line by the places of the nodes of gears that say where these are.
+    /// Appends the slopes of the gap of a line by the node positions of gears with deformed lines.
     fn deformed_rows(
         &self,
         p: &NodalPoint,
@@ -153,8 +154,8 @@ impl Nodal {
         }
     }
 
-    /// Power that dashpots and friction take [W]: that of the forces, less that of the elastic ones by themselves, which is
-    /// what the energy of the contact grows by. Directions are those of either deformed flank.
+    /// Returns the power of dashpots and friction [W]: that of the forces, less that of the elastic forces alone,
+    /// which is the rate of the contact energy. Directions are those of both deformed flanks.
     pub(in crate::scene) fn dissipated(
         &self,
         gears: &[SceneGear],
@@ -204,7 +205,7 @@ impl Nodal {
         power
     }
 
-    /// Forces on nodes, directions, effective base radii and rows of the active points from `start` on.
+    /// Computes forces on nodes, directions, effective base radii and rows of the active points from `start` on.
     pub(super) fn distribute(
         &mut self,
         start: usize,
@@ -298,9 +299,10 @@ impl Nodal {
     }
 }
 
-/// Effective radii of hubs of gears with a field for a direction of motion of the slave over the master, and, in `row`,
-/// the entries of the others and of the other directions of hubs, whose prescribed part of the speed is returned. With the direction comes the gap that a
-/// point fades out with, with the points how both hubs stand.
+/// Returns the effective radii of hubs of gears with a field for a direction of motion of the slave relative to the
+/// master. It writes to `row` the entries of the other gears and of the other directions of hubs, and returns the
+/// prescribed part of the speed. The direction comes with the gap in the tip taper of the point, the points with the
+/// poses of both hubs.
 pub(in crate::scene) fn rows_of(
     gears: &[SceneGear],
     mesh: &SceneMesh,

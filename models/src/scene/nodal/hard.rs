@@ -6,8 +6,8 @@ use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::At;
 
 impl Nodal {
-    /// Hard contact: one constraint per slave node whose averaged gap may close; the points that it averages become
-    /// active.
+    /// Solves the hard contact with one constraint per slave node whose averaged gap may close; the averaged points
+    /// become active.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn solve_hard(
         &mut self,

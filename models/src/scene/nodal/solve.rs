@@ -1,11 +1,11 @@
-//! Points that may touch, and the solve of an island.
+//! Selection of the points that may touch, and the solve of an island.
 
 use super::islands::{Nodal, NodalActive, Solved};
 use crate::contact::nodal::{Block, GapBound, HardSolve, NodalParty, Share, Spring, UNUSED};
 use crate::scene::members::{SceneGear, SceneMesh, parties};
 use gearbench_integrators::system::At;
 
-/// Hard contact: the solve, the constraints that are closed at first, and what they average.
+/// Hard contact: the solve, the initially closed constraints, and the shares of points in them.
 pub(super) type Constraints<'a> = (&'a mut HardSolve, (&'a [bool], &'a [Share]));
 
 impl Nodal {
@@ -43,7 +43,7 @@ impl Nodal {
         }
     }
 
-    /// Points of an island.
+    /// Finds the points of an island.
     fn find(
         &mut self,
         island: usize,
@@ -109,8 +109,8 @@ impl Nodal {
         self.solved[island] = solved;
     }
 
-    /// Solves for the active points from `start` on; returns by how much nodes rise outwards at most, both flanks
-    /// together.
+    /// Solves for the active points from `start` on; returns the largest outward displacement of the nodes, both
+    /// flanks together.
     pub(super) fn solve_active(
         &mut self,
         start: usize,

@@ -1,4 +1,4 @@
-//! What the links of shafts do in a scene.
+//! Links of shafts in a scene: forces, tangents, corrections and reports.
 
 use super::links::{Link, small};
 use crate::kinematics::Wrench;
@@ -9,7 +9,7 @@ use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, SecondOrderSystem, Singular};
 
 impl Scene {
-    /// Adds what elastic shafts exert.
+    /// Adds the forces of elastic shafts.
     #[inline]
     pub(in crate::scene) fn add_shafts(&self, at: At<'_>, f: &mut [f64]) {
         for link in self.shafts.springs() {
@@ -17,7 +17,7 @@ impl Scene {
         }
     }
 
-    /// Takes from forces what rigid shafts do not let act.
+    /// Projects forces to those compatible with rigid shafts.
     #[inline]
     pub(in crate::scene) fn hold_shafts(&mut self, at: At<'_>, f: &mut [f64]) {
         if !self.shafts.rigid().is_empty() {
@@ -25,7 +25,8 @@ impl Scene {
         }
     }
 
-    /// The same; leaves the forces along the rows in `work.shafts.forces`.
+    /// Projects forces to those compatible with rigid shafts and stores the forces along the rows in
+    /// `work.shafts.forces`.
     fn hold_rigid(&mut self, at: At<'_>, f: &mut [f64]) {
         let mut work = std::mem::take(&mut self.work.shafts);
         let n = f.len();
@@ -88,7 +89,7 @@ impl Scene {
         }
     }
 
-    /// The correction with all links.
+    /// Solves for the correction with all links.
     pub(in crate::scene) fn correct_with_shafts(
         &mut self,
         at: At<'_>,
@@ -110,8 +111,8 @@ impl Scene {
         self.correct_statics(at, c, x)
     }
 
-    /// The correction without mass from a dense matrix, `P^T A + s C C^T` where rigid shafts project by `P`: any `s` gives
-    /// the solution that they allow.
+    /// Solves for the correction without mass from a dense matrix, `P^T A + s C C^T` with the projection `P` of rigid
+    /// shafts: any `s` gives the admissible solution.
     fn correct_statics(&mut self, at: At<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
         let n = self.n;
         let (mut dq, mut dv, mut df) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -135,7 +136,7 @@ impl Scene {
         solve_in_place(&mut a, x)
     }
 
-    /// Adds the links to `x = B^-1 rhs` with a correction `B` that has all contacts, where these have a form of their own.
+    /// Adds the links to `x = B^-1 rhs` with a correction `B` that includes all contacts in a form of their own.
     fn correct_links_after(
         &mut self,
         at: At<'_>,
@@ -168,7 +169,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Diagonal of the equation of a link's force in a correction: a rigid one gives no way.
+    /// Returns the diagonal of the equation of a link's force in a correction: zero for a rigid link, which has no
+    /// compliance.
     pub(in crate::scene) fn unit_of_link(&self, link: usize) -> f64 {
         f64::from(u8::from(!self.shafts.links[link].is_rigid()))
     }
@@ -192,8 +194,8 @@ impl Scene {
         }
     }
 
-    /// What all links exert along their rows, into `work.shafts.acting`; `contacts` are the forces of contacts and loads, and
-    /// what gears on carriers have of their own.
+    /// Computes the forces of all links along their rows in `work.shafts.acting`; `contacts` are the forces of
+    /// contacts and loads, and the internal forces of gears on carriers.
     pub(in crate::scene) fn evaluate_links(&mut self, at: At<'_>, contacts: &[f64]) {
         let mut acting = std::mem::take(&mut self.work.shafts.acting);
         acting.clear();
@@ -223,7 +225,7 @@ impl Scene {
         self.work.shafts.acting = acting;
     }
 
-    /// Adds what the links exert on a member, forces on its coordinates and as a wrench.
+    /// Adds the forces of the links on a member, to its coordinates and as a wrench.
     pub(in crate::scene) fn add_links_on(&self, member: usize, f: &mut [f64], wrench: &mut Wrench) {
         for (link, force) in self.shafts.links.iter().zip(&self.work.shafts.acting) {
             if !link.members.contains(&member) {
@@ -245,26 +247,26 @@ impl Scene {
         }
     }
 
-    /// Torque with which the ground holds or drives a member of a planetary set [N m].
+    /// Returns the torque with which the ground fixes or drives a member of a planetary set [N m].
     pub(in crate::scene) fn torque_of_ground(&self, member: usize) -> f64 {
         let links = self.shafts.links.iter().zip(&self.work.shafts.acting);
         let own = links.filter(|(l, _)| l.ground.as_ref().is_some_and(|g| g.member == member));
         own.map(|(_, force)| force).sum()
     }
 
-    /// Power that what drives gears of planetary sets puts in, by the forces of the last [`Self::evaluate_links`] [W].
+    /// Returns the power of the drives of planetary sets, from the forces of the last [`Self::evaluate_links`] [W].
     pub(in crate::scene) fn power_of_grounds(&self, t: f64) -> f64 {
         let links = self.shafts.links.iter().zip(&self.work.shafts.acting);
         let power = links.filter_map(|(l, force)| Some(force * l.ground.as_ref()?.motion(t)[0]));
         power.sum()
     }
 
-    /// What all links exert along their rows, by the last [`Self::evaluate_links`].
+    /// Returns the forces of all links along their rows, from the last [`Self::evaluate_links`].
     pub(super) fn acting_links(&self) -> &[f64] {
         &self.work.shafts.acting
     }
 
-    /// How a link's force answers to its deformation in a correction; of a rigid one by its sign alone.
+    /// Returns the derivative of a link's force by its deformation in a correction; for a rigid link only the sign.
     fn answer(&self, link: &Link, at: At<'_>, c: Coeffs) -> f64 {
         if link.is_rigid() {
             return 1.0;
@@ -273,14 +275,14 @@ impl Scene {
         c.k * stiffness + c.d * damping
     }
 
-    /// Torques that stations exert on the next through the shaft [N m].
+    /// Computes the torques of stations on the next one through the shaft [N m].
     pub(in crate::scene) fn fill_shaft_torques(&self, channels: &mut [f64]) {
         for (channel, link) in channels.iter_mut().zip(&self.shafts.torques) {
             *channel = link.map_or(0.0, |i| self.work.shafts.acting[i]);
         }
     }
 
-    /// Coordinates that rigid shafts join are no oscillators, or none that swing.
+    /// Returns true if rigid shafts join coordinates that oscillate.
     pub(in crate::scene) fn rigid_shafts_swing(&self) -> bool {
         let swings = |g: &SceneGear, i: usize| {
             let of = g.model.linear().and_then(|l| l.oscillators());
@@ -293,14 +295,14 @@ impl Scene {
     }
 }
 
-/// Buffers.
+/// Buffers of the shafts.
 #[derive(Default)]
 pub(in crate::scene) struct ShaftWork {
-    /// Of rigid links: accelerations, columns, equations, forces.
+    /// Buffers of rigid links: accelerations, columns, equations, forces.
     x: Vec<f64>,
     z: Vec<f64>,
     small: Vec<f64>,
     forces: Vec<f64>,
-    /// What all links exert at the state that is reported.
+    /// Forces of all links at the state of the report.
     acting: Vec<f64>,
 }

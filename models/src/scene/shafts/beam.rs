@@ -18,10 +18,10 @@
 use crate::spec::{Section, SectionKind};
 use std::f64::consts::PI;
 
-/// Weights of the six directions of a hub, three translations, three rotations.
+/// Weights of the six directions of a hub: three translations, three rotations.
 pub(in crate::scene) type Six = [f64; 6];
 
-/// How a piece of a shaft deforms.
+/// Kinds of deformation of a piece of a shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::scene) enum Way {
     Torsion,
@@ -29,8 +29,8 @@ pub(in crate::scene) enum Way {
     Bending,
 }
 
-/// A mode of deformation of an element: how much of it the motion of either end makes, and its stiffness, infinite where it
-/// is rigid [N m/rad], [N/m].
+/// A mode of deformation of an element: the weights of the motions of both ends, and its stiffness, infinite for a
+/// rigid mode [N m/rad], [N/m].
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) struct Mode {
     pub way: Way,
@@ -38,12 +38,12 @@ pub(in crate::scene) struct Mode {
     pub stiffness: f64,
 }
 
-/// What half an element adds to the body at its end.
+/// Lumped mass and inertia of half an element at its end.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Lump {
-    /// [kg]
+    /// Lumped mass [kg].
     pub mass: f64,
-    /// About the axis and across it [kg m^2].
+    /// Moments of inertia about the axis and across it [kg m^2].
     pub polar: f64,
     pub across: f64,
 }
@@ -56,7 +56,7 @@ impl Lump {
     }
 }
 
-/// One at a direction.
+/// Returns weights with one at a direction.
 fn unit(direction: usize, value: f64) -> Six {
     let mut six = [0.0; 6];
     six[direction] = value;
@@ -71,10 +71,11 @@ fn difference(way: Way, direction: usize, stiffness: f64) -> Mode {
     }
 }
 
-/// Direction of the displacement, of the turn, and the sign of the slope that the turn is, in both planes of bending.
+/// Direction of the displacement, of the rotation, and the sign of the slope of the rotation, in both planes of
+/// bending.
 const PLANES: [(usize, usize, f64); 2] = [(0, 4, 1.0), (1, 3, -1.0)];
 
-/// The modes of an element of a length [m] that is a piece of a section.
+/// Returns the modes of an element of a length [m] that is a piece of a section.
 pub(super) fn elastic(section: &Section, length: f64) -> Vec<Mode> {
     match &section.kind {
         SectionKind::Coupling { stiffness } => {
@@ -112,7 +113,7 @@ pub(super) fn elastic(section: &Section, length: f64) -> Vec<Mode> {
     }
 }
 
-/// What a rigid piece of a length [m] allows none of.
+/// Returns the modes that a rigid piece of a length [m] excludes.
 pub(super) fn rigid(length: f64) -> Vec<Mode> {
     let mut modes = vec![
         difference(Way::Torsion, 5, f64::INFINITY),
@@ -127,7 +128,7 @@ pub(super) fn rigid(length: f64) -> Vec<Mode> {
     modes
 }
 
-/// Half of an element: mass, and rotary inertia of the cross-sections, lumped at its end.
+/// Returns half of an element lumped at its end: mass, and rotary inertia of the cross-sections.
 pub(super) fn lump(section: &Section, length: f64) -> Lump {
     match &section.kind {
         SectionKind::Coupling { .. } => Lump::default(),
@@ -146,7 +147,7 @@ pub(super) fn lump(section: &Section, length: f64) -> Lump {
     }
 }
 
-/// Area [m^2] and second moment [m^4] of a ring.
+/// Returns area [m^2] and second moment [m^4] of a ring.
 fn properties(outer: f64, inner: f64) -> (f64, f64) {
     (
         0.25 * PI * (outer * outer - inner * inner),

@@ -19,7 +19,7 @@ use gearbench_integrators::system::{At, Change, State};
 
 /// Length of the history of a guide in the discrete state.
 pub(in crate::scene) const CELLS: usize = 3;
-/// Speed at which a motion has turned, over the typical one.
+/// Speed, relative to the typical one, at which a motion counts as reversed.
 const TURNED: f64 = 1e-9;
 
 /// A guide of a member of a scene.
@@ -29,18 +29,18 @@ pub(in crate::scene) struct Guided {
     guide: Guide,
 }
 
-/// Friction of a link.
+/// Friction of a link with its history.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rub {
     pub law: DryFriction,
     /// Offset of its history in the discrete state.
     pub cell: usize,
-    /// Speed at which the motion has turned; set with the scales of the scene.
+    /// Speed at which the motion counts as reversed; set with the scales of the scene.
     pub turned: f64,
 }
 
 impl Guided {
-    /// Number of its event functions.
+    /// Returns the number of its event functions.
     pub(in crate::scene) fn events(&self) -> usize {
         let sticks = self.guide.friction.is_some_and(|law| law.sticks());
         usize::from(sticks)
@@ -48,25 +48,26 @@ impl Guided {
 }
 
 impl Rub {
-    /// What is reached at a place and speed.
+    /// Returns the fraction of the sliding force at a position and speed.
     pub fn part(&self, [x, v]: [f64; 2], discrete: &[f64]) -> Part {
         let start = [discrete[self.cell], discrete[self.cell + 1]];
         self.law.part(x, v, start)
     }
 
-    /// Takes what is reached at a place and speed.
+    /// Stores the fraction of the sliding force at a position and speed.
     fn remember(&self, motion: [f64; 2], discrete: &mut [f64]) {
         let reached = self.part(motion, discrete).z;
         discrete[self.cell..][..2].copy_from_slice(&[motion[0], reached]);
     }
 
-    /// Positive while the motion goes on in its direction.
+    /// Returns an event function that is positive while the motion keeps its direction.
     fn goes_on(&self, v: f64, discrete: &[f64]) -> f64 {
         discrete[self.cell + 2] * v + self.turned
     }
 }
 
-/// The guides of a scene where mounts leave hubs free; `gears` are its members, bodies of shafts behind the gears.
+/// Returns the guides of a scene where mounts leave hubs free; `gears` are its members, with bodies of shafts behind
+/// the gears.
 ///
 /// # Errors
 /// A number that cannot be, a planet, or a member whose rigid shaft is held or driven.
@@ -107,7 +108,8 @@ pub(in crate::scene) fn guides(
     Ok(found)
 }
 
-/// The link of a guide, whose history begins at a cell of the discrete state; `speed` is a typical one along lines of action.
+/// Returns the link of a guide, whose history begins at a cell of the discrete state; `speed` is a typical one along
+/// lines of action.
 pub(super) fn of_guide(guided: &Guided, gears: &[SceneGear], (cell, speed): (usize, f64)) -> Link {
     let Guided { member, guide } = guided;
     let radius = gears[*member].model.hub().effective_base_radius;
@@ -124,13 +126,14 @@ pub(super) fn of_guide(guided: &Guided, gears: &[SceneGear], (cell, speed): (usi
 }
 
 impl Scene {
-    /// Member that a guide holds to the ground, and the stiffness of the guide at a state, friction that sticks included.
+    /// Returns the member that a guide supports, and the stiffness of the guide at a state, including sticking
+    /// friction.
     pub(in crate::scene) fn guide_at(&self, link: &Link, at: At<'_>) -> Option<(usize, f64)> {
         let guides = link.shaft().is_none() && !link.is_rigid();
         guides.then(|| (link.members[0], link.slopes(&self.gears, at)[0]))
     }
 
-    /// Friction of guides begins unstrained.
+    /// Starts the friction of guides without deformation.
     pub(in crate::scene) fn begin_guides(&self, s: &mut State) {
         for (link, rub) in self.rubbing() {
             let way = if link.dot(&s.v) < 0.0 { -1.0 } else { 1.0 };
@@ -138,7 +141,7 @@ impl Scene {
         }
     }
 
-    /// Takes what friction of guides has reached at an accepted state.
+    /// Stores the friction of guides at an accepted state.
     pub(in crate::scene) fn remember_guides(&self, s: &mut State) {
         for (link, rub) in self.rubbing() {
             let motion = [link.dot(&s.q), link.dot(&s.v)];
@@ -146,7 +149,7 @@ impl Scene {
         }
     }
 
-    /// Event functions of guides: the motion turns.
+    /// Computes the event functions of guides: reversals of the motion.
     pub(in crate::scene) fn watch_guides(&self, at: At<'_>, out: &mut [f64]) {
         let turning = self.rubbing().filter(|(_, rub)| rub.law.sticks());
         for (out, (link, rub)) in out.iter_mut().zip(turning) {
@@ -154,7 +157,7 @@ impl Scene {
         }
     }
 
-    /// The motion of a guide has turned.
+    /// Updates the discrete state when the motion of a guide has reversed.
     pub(in crate::scene) fn turn_guide(&self, s: &mut State, which: usize) -> Change {
         let turning = self
             .rubbing()
@@ -172,7 +175,7 @@ impl Scene {
         springs.filter_map(|link| Some((link, link.rub.as_ref()?)))
     }
 
-    /// What the guide of a member exerts along its motion, by the last [`Self::evaluate_links`].
+    /// Returns the force of the guide of a member along its motion, from the last [`Self::evaluate_links`].
     pub(in crate::scene) fn force_of_guide(&self, member: usize) -> f64 {
         let links = self.shafts.springs().iter().zip(self.acting_links());
         let own = links.filter(|(l, _)| l.shaft().is_none() && l.members[0] == member);

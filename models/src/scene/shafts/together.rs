@@ -1,4 +1,4 @@
-//! What the members of a shaft have to have in common: names of their own, one axis, and where it is rigid one motion.
+//! Consistency of the members of a shaft: unique names, one axis, and one motion where the shaft is rigid.
 
 use crate::Vec3;
 use crate::error::BuildError;
@@ -6,7 +6,7 @@ use crate::spec::{
     Body, Carried, Freedom, GearSpec, LateralSpec, Mount, SceneSpec, ShaftSpec, Station, UPRIGHT,
 };
 
-/// How far gears of a shaft may stand off its axis [m], and the sine between axes.
+/// Largest distance of gears of a shaft from its axis [m], and the largest sine between axes.
 const OFF_AXIS: f64 = 1e-6;
 
 pub(super) fn check_names(spec: &SceneSpec) -> Result<(), BuildError> {
@@ -52,7 +52,7 @@ pub(super) fn check_names(spec: &SceneSpec) -> Result<(), BuildError> {
     Ok(())
 }
 
-/// Gears of a shaft with their places.
+/// Returns the gears of a shaft with their positions.
 pub(super) fn gears_of<'a>(
     spec: &'a SceneSpec,
     shaft: &'a ShaftSpec,
@@ -63,7 +63,7 @@ pub(super) fn gears_of<'a>(
     })
 }
 
-/// Axes of a shaft, a point on it, and the place of that point: those of its first gear.
+/// Returns the axes of a shaft, a point on it, and the position of that point: those of its first gear.
 pub(super) fn axis_of(
     spec: &SceneSpec,
     shaft: &ShaftSpec,
@@ -108,7 +108,7 @@ fn mounts<'a>(
     })
 }
 
-/// The mount that holds or drives a rigid shaft as a whole.
+/// Returns the mount that fixes or drives a rigid shaft as a whole.
 pub(super) fn rigid_mount(spec: &SceneSpec, shaft: &ShaftSpec) -> Option<Mount> {
     if !shaft.sections.is_empty() {
         return None;
@@ -117,7 +117,7 @@ pub(super) fn rigid_mount(spec: &SceneSpec, shaft: &ShaftSpec) -> Option<Mount> 
     mounts(spec, shaft).map(|m| m.1).find(held).cloned()
 }
 
-/// All that a rigid shaft carries turns alike, however one of them is held or driven.
+/// Gives all members of a rigid shaft the mount of the one that is fixed or driven.
 pub(super) fn share_mount(with: &mut SceneSpec, shaft: &ShaftSpec) -> Result<(), BuildError> {
     if !shaft.sections.is_empty() {
         return Ok(());

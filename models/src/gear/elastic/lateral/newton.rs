@@ -1,5 +1,4 @@
-//! Newton corrections of an elastic gear on a bearing, which counts as six further unknowns: with `E` from the coordinates of the hub
-//! to `h`, `P = T Phi`, and the bearing's own `B`,
+//! Newton corrections of an elastic gear on a bearing.
 //!
 //! ```text
 //! [ A_hh       -E^T       ] [x_h]   [ r_h          ]
@@ -12,7 +11,7 @@ use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 
 impl Elastic {
-    /// Solves with `c.m M + c.d D + c.k K` of a gear on a bearing, `hub_damping` on its turn.
+    /// Solves with `c.m M + c.d D + c.k K` of a gear on a bearing, with `hub_damping` on its rotation.
     pub(in super::super) fn correct_on_bearing(
         &self,
         at: At<'_>,
@@ -110,7 +109,7 @@ impl Elastic {
         Ok(())
     }
 
-    /// The rigid part of the mass matrix over the free directions of the hub, row-major, and their number.
+    /// Returns the rigid part of the mass matrix over the free directions of the hub, row-major, and their number.
     pub(in super::super) fn hub_mass(&self, at: At<'_>) -> ([f64; 36], usize) {
         let n = self.own;
         let mut out = [0.0; 36];

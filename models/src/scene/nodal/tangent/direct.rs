@@ -1,4 +1,4 @@
-//! Contacts without fields in the tangent: each its own few rows.
+//! Contacts without fields in the tangent, each with its few rows.
 
 use super::{Reduced, add_outer};
 use crate::kinematics::Row;
@@ -6,7 +6,7 @@ use crate::scene::active::{Active, Answer, Tangent};
 use gearbench_integrators::system::Coeffs;
 
 impl Reduced {
-    /// Adds `T` of a contact without fields, its friction included.
+    /// Adds `T` of a contact without fields, including friction.
     pub(in crate::scene) fn add_contact(
         &mut self,
         a: &Active,
@@ -31,7 +31,7 @@ impl Reduced {
         add_outer(t, n, &sliding, &sliding, c.d * a.friction.df_dv);
     }
 
-    /// Adds `T` of how a contact without fields answers to another one.
+    /// Adds `T` of the coupling of a contact without fields to another one.
     pub(in crate::scene) fn add_answer(
         &mut self,
         answer: &Answer,
