@@ -1,4 +1,4 @@
-//! What movable teeth cost beside rigid gears, side by side in one run: `cargo bench --bench model_cost`.
+//! Cost of movable teeth compared with rigid gears, in one run: `cargo bench --bench model_cost`.
 //!
 //! 1. The same method at the same step, by turns: wall time per run of `spur_impact`.
 //! 2. At an own error of 1 % (relative L2 of the force history against the model's own converged solution): the
@@ -74,7 +74,7 @@ fn best(scene: &mut Scene, end: f64) -> Option<Best> {
     best
 }
 
-/// Movable teeth beside rigid gears, method by method.
+/// Compares movable teeth with rigid gears, method by method.
 #[allow(clippy::print_stdout)]
 fn same_step(criterion: &mut Ratios, rigid: &mut Scene, teeth: &mut Scene, end: f64) {
     let plan = TimePlan::new(end, Resolution::Step(5e-7));

@@ -24,7 +24,7 @@ const OWN_ERROR: f64 = 1e-3;
 const ELASTIC_ERROR: f64 = 1e-2;
 const SAMPLES: usize = 4000;
 
-/// Force [N] and transmission error [m] on an even grid.
+/// Returns force [N] and transmission error [m] on an even grid.
 fn series(
     scene: &mut Scene,
     id: &str,
@@ -64,7 +64,7 @@ struct Found {
     work: Work,
 }
 
-/// The cheapest run within the error.
+/// Returns the cheapest run within the error.
 fn cheapest(scene: &mut Scene, end: f64) -> Option<Found> {
     let converged = series(scene, "dopri5", Resolution::Tolerance(1e-11), end).ok()?;
     let tolerances = (4..=10).map(|i| Resolution::Tolerance(10f64.powf(-0.5 * f64::from(i))));
@@ -97,7 +97,8 @@ fn cheapest(scene: &mut Scene, end: f64) -> Option<Found> {
     best
 }
 
-/// Elastic gears: wall over simulated time of the longest step within the error, by kind of contact.
+/// Returns the ratio of wall time to simulated time of elastic gears for the longest step within the error, by kind of
+/// contact.
 fn elastic(file: &SceneFile) -> Vec<(&'static str, Found)> {
     let kinds = [
         ("elastic, half-spaces", PointContact::half_space()),

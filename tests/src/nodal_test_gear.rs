@@ -21,7 +21,7 @@ use gearbench_models::geometry::Flanks;
 use gearbench_models::kinematics::{Locus, Placement, Point, Row};
 use gearbench_models::spec::Body;
 
-/// A gear of point masses.
+/// Row of a gear of point masses in the table of models.
 pub const NODAL: Model = Model {
     id: "nodal-test",
     title: "flank nodes as point masses on springs (test)",
@@ -37,12 +37,12 @@ pub const NODAL: Model = Model {
     build: build_nodal,
 };
 
-/// See [`NODAL`].
+/// A gear of point masses; see [`NODAL`].
 struct Nodal {
     hub: HubBody,
     placement: Placement,
     flanks: Flanks,
-    /// Undeformed nodes in the own frame.
+    /// Undeformed nodes in the gear frame.
     positions: Vec<Vec3>,
     body: f64,
     k: f64,
@@ -103,14 +103,14 @@ impl Nodal {
         self.hub.coordinates()
     }
 
-    /// Three entries of node `i`.
+    /// Returns the three entries of node `i`.
     fn node(&self, x: &[f64], i: usize) -> Vec3 {
         let at = self.first() + 3 * i;
         Vec3::new(x[at], x[at + 1], x[at + 2])
     }
 
-    /// Per node: index, place on the hub seen from the centre, its derivative by the angle, displacement from
-    /// there.
+    /// Returns for each node the index, the position on the hub from the centre, its derivative by the angle, and the
+    /// displacement from there.
     fn springs<'a>(&'a self, at: At<'a>) -> impl Iterator<Item = (usize, Vec3, Vec3, Vec3)> + 'a {
         let start = self.placement.pose(0.0);
         let now = self.placement.pose(self.hub.displacement(at.t, at.q));
@@ -121,7 +121,7 @@ impl Nodal {
         })
     }
 
-    /// What a smooth surface rises above the face at a point.
+    /// Returns the rise of a smooth surface above the face at a point.
     fn bulge(&self, at: At<'_>, p: &Point) -> Vec3 {
         let Locus::Quadrature { face, xi } = p.locus else {
             panic!("the point search gives points on faces")

@@ -14,18 +14,19 @@
 //! 2 + 2 cos(h Omega) - h^2 S F K_c F S,   S = sqrt(sinc(h Omega))
 //! ```
 //!
-//! loses definiteness (`z = -1`). For a free mass that is `4 = h^2 omega_c^2`. Beyond `pi` eigenvalues of both signs
-//! meet and resonate; steps there are beside the point of the method (see [`resonance`](crate::modal::resonance)).
+//! loses definiteness (`z = -1`). For a free mass the limit is `4 = h^2 omega_c^2`. Beyond `pi` eigenvalues of both
+//! signs coalesce and resonate; such steps are outside the intended range of the method (see
+//! [`resonance`](crate::modal::resonance)).
 //!
-//! **Dampers.** With `D` in the kicks and every state proportional to `(-1)^n`, velocities before and behind the
-//! implicit half kicks of an instant are `(1 + h D / 2) v- = -h/2 K q`, and `v` at the instant is zero: the limit is that
-//! without dampers ([`ModalSplit::remainder_after`](crate::ModalSplit::remainder_after), as for `C` in the central
-//! difference method with implicit damping, T. J. R. Hughes, *The Finite Element Method*, 1987, 9.1.2). A system that
-//! does not take them implicitly is kicked at the predicted velocity, whose amplification of `v' = -lambda v` is
-//! `[[1 - z/2, (1 - z)/2], [-z, -z]]`, `z = lambda h`, unstable from `z = 1` on: `d = 4` as for velocity Verlet.
+//! **Dampers.** With `D` in the impulses and every state proportional to `(-1)^n`, velocities before and after the
+//! implicit half impulses of an instant are `(1 + h D / 2) v- = -h/2 K q`, and `v` at the instant is zero: the limit
+//! is that without dampers ([`ModalSplit::remainder_after`](crate::ModalSplit::remainder_after), as for `C` in the
+//! central difference method with implicit damping, T. J. R. Hughes, *The Finite Element Method*, 1987, 9.1.2). For a
+//! system without implicit evaluation the impulse uses the predicted velocity, whose amplification of `v' = -lambda v`
+//! is `[[1 - z/2, (1 - z)/2], [-z, -z]]`, `z = lambda h`, unstable from `z = 1` on: `d = 4` as for velocity Verlet.
 //!
-//! Where the system gives what the kicks leave out as local compliance ([`ModalSplit::prepare`](crate::ModalSplit)),
-//! `K_c` depends on `h` through [`Kicks::quasi_static`].
+//! Where the system adds the compliance that the impulses leave out as local compliance
+//! ([`ModalSplit::prepare`](crate::ModalSplit)), `K_c` depends on `h` through [`Kicks::quasi_static`].
 
 use super::Flip;
 use crate::modal::propagator::quasi_static_of;

@@ -4,8 +4,8 @@
 //! M q'' + D q' + K q = 0,   M, D, K symmetric, M > 0, D, K >= 0
 //! ```
 //!
-//! stay bounded. Every method of the table declares what decides it ([`Stability`]); [`Stability::largest_step`] is the
-//! answer for one oscillator `q'' + 2 zeta omega q' + omega^2 q = 0`.
+//! stay bounded. Every method of the table declares the data that determine this ([`Stability`]);
+//! [`Stability::largest_step`] returns the limit for one oscillator `q'' + 2 zeta omega q' + omega^2 q = 0`.
 //!
 //! **Runge-Kutta methods** see the system in first order, `y' = A y`. With `lambda` an eigenvalue of `A` a step
 //! multiplies by `R(h lambda)`, `R(z) = 1 + z b^T (I - z A_tableau)^-1 1`, a polynomial for explicit ones

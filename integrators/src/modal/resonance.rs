@@ -1,10 +1,10 @@
 //! Steps that resonate with an oscillator, and the filter against them.
 //!
-//! The forces act once per step. Where `omega h` is near a multiple of pi an oscillator stands, after each step, where
-//! it stood before, but for its sign, and the kicks of a contact add up instead of cancelling: the energy of such a
-//! mode is not bounded by a modified one (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*,
-//! 2nd ed. 2006, XIII.1.5 and XIII.4; B. Garcia-Archilla, J. M. Sanz-Serna, R. D. Skeel, *SIAM J. Sci. Comput.* 20
-//! (1998) 930).
+//! The forces act once per step. Where `omega h` is near a multiple of pi an oscillator returns to its position after
+//! each step, except for the sign, and the impulses of a contact add up instead of cancelling: the energy of such a
+//! mode is not bounded by a modified one (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2nd ed.
+//! 2006, XIII.1.5 and XIII.4; B. Garcia-Archilla, J. M. Sanz-Serna, R. D. Skeel, *SIAM J. Sci. Comput.* 20 (1998)
+//! 930).
 //!
 //! A body with one elastic mode under a steady load, resting on a stop or bouncing on it, 40000 steps with
 //! `omega_c h = 0.13` (a contact of 24 steps) and 0.5 (six steps): the largest energy error over the energy of the
@@ -22,10 +22,10 @@
 //! | 0.5, bouncing, none | 0.2 | 0.2 | 0.2 | 0.2 | 3 | 1 | 0.1 | 3e3 | 5e4 | 30 | 4e-2 |
 //! | 0.5, bouncing, default | 0.2 | 0.2 | 0.2 | 4e-2 | 4e-2 | 4e-2 | 4e-2 | 4e-2 | 4e-2 | 0.2 | 4e-2 |
 //!
-//! Around even multiples of pi, where the kicks of a lasting force add up, nothing is left of a run; around odd ones
-//! a contact of few steps gains energy. The filter `phi = sinc(omega h)`, with kicks `phi r(phi q)`, is the symplectic
-//! and symmetric pair `psi = sinc phi` of that book (XIII.2.2). It weakens what it acts on: a mode that matters to the
-//! contact should not need it.
+//! Around even multiples of pi, where the impulses of a sustained force add up, a run is useless; around odd ones a
+//! contact of few steps gains energy. The filter `phi = sinc(omega h)`, with impulses `phi r(phi q)`, is the
+//! symplectic and symmetric pair `psi = sinc phi` of that book (XIII.2.2). It weakens the filtered modes: a mode that
+//! matters to the contact should not need it.
 
 use std::f64::consts::PI;
 

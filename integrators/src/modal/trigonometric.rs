@@ -16,19 +16,19 @@
 //! and away from the
 //! resonances `omega h = pi, 2 pi, ...` of oscillators that it excites ([`resonance`](super::resonance)).
 //!
-//! **What kicks leave out.** Kicks of a force that lasts move an oscillator by `h/(2 omega) cot(omega h/2)` per unit
-//! instead of `1/omega^2`: short by `h^2/12` for slow ones, by a third at the safe limit. At fixed steps the system is
-//! told ([`ModalSplit::prepare`]) and may give the remainder as local compliance. The scheme stays symplectic: such a
-//! compliance takes `h^2/24 |grad V|^2` from the potential `V` of the rest, which is the correction that lifts
-//! kick-drift-kick to order four up to a change of coordinates (M. Takahashi, M. Imada, *J. Phys. Soc. Jpn.* 53 (1984)
-//! 3765).
+//! **Quasi-static correction.** Impulses of a sustained force move an oscillator by `h/(2 omega) cot(omega h/2)` per
+//! unit instead of `1/omega^2`: too little by `h^2/12` for slow ones, by a third at the safe limit. At fixed steps the
+//! system receives the difference ([`ModalSplit::prepare`]) and may add it as local compliance. The scheme stays
+//! symplectic: such a compliance subtracts `h^2/24 |grad V|^2` from the potential `V` of the remainder, which is the
+//! correction that raises kick-drift-kick to order four up to a change of coordinates (M. Takahashi, M. Imada, *J.
+//! Phys. Soc. Jpn.* 53 (1984) 3765).
 //!
-//! **Loaded starts.** A system that starts in static equilibrium ([`ModalSplit::starts_balanced`]) would vibrate about the
-//! rest position of the kicks. At fixed steps the start is moved there: forces are those of the static equilibrium,
-//! oscillators are deflected as kicks of these forces leave them.
+//! **Loaded starts.** A system that starts in static equilibrium ([`ModalSplit::starts_balanced`]) would vibrate about
+//! the rest position under impulses. At fixed steps the start is moved there: forces are those of the static
+//! equilibrium, oscillators are deflected as impulses of these forces deflect them.
 //!
-//! **Flight.** Where the system tells that nothing will touch until some time, one closed-form step goes there,
-//! however long, and needs no evaluation. A plan's step or tolerance applies to what is left: contact and its
+//! **Flight.** Where the system guarantees that no contact closes until some time, one closed-form step goes there,
+//! however long, without an evaluation. The step or tolerance of a plan applies to the rest: contact and its
 //! neighbourhood. Fixed steps stay on their grid. Inside such a step the dense output is exact.
 //!
 //! **Linear contact.** Where the system knows its motion with contacts closed

@@ -1,21 +1,22 @@
 //! Energy ledger: work of loads, dissipated energy, and the unexplained energy of a run.
 //!
-//! `E(t) - E(0) = W_external - W_dissipated + J + residual`. Powers are integrated over each step by a rule of the order
-//! of the method: up to order two the trapezoidal rule on the states between steps, else three-point Gauss quadrature on
-//! the interpolant. A method that kicks at the ends of its steps (Verlet, trigonometric) takes from a linear damper the
-//! work `h c v^2` at the velocity between both halves of a kick, which is that of the state: there the trapezoidal rule is
-//! the method's own balance, and each state is evaluated once, which counts where contact takes a solve. Damped oscillators in
-//! closed form lose part of each half kick within the step, and have a velocity at the ends of steps even where they rest
-//! under a steady force. The method takes that velocity out of the rule
-//! ([`Dense::damping_beyond_trapezoid`](crate::method::Dense::damping_beyond_trapezoid)). `J` books the
-//! jumps of energy where a branch is switched. A step of flight is exact: what its energy loses beyond the work of loads is booked as
-//! dissipated. The residual is the integration error (and that of the quadrature), in joule.
+//! `E(t) - E(0) = W_external - W_dissipated + J + residual`. Powers are integrated over each step by a rule of the
+//! order of the method: up to order two the trapezoidal rule on the states between steps, otherwise three-point Gauss
+//! quadrature on the interpolant. A method with impulses at the ends of its steps (Verlet, trigonometric) dissipates
+//! in a linear damper the work `h c v^2` at the velocity between both halves of an impulse, which is that of the
+//! state: there the trapezoidal rule is the balance of the method itself, and each state is evaluated once, which
+//! saves time where contact takes a solve. Damped oscillators in closed form lose part of each half impulse within the
+//! step, and have a velocity at the ends of steps even where they rest under a steady force. The method removes that
+//! velocity from the rule ([`Dense::damping_beyond_trapezoid`](crate::method::Dense::damping_beyond_trapezoid)). `J`
+//! is the sum of the jumps of energy at transitions of the branch. A step of flight is exact: its loss of energy
+//! beyond the work of loads is booked as dissipated. The residual is the integration error (and that of the
+//! quadrature), in joule.
 //!
-//! **Growth** is judged by what vibrates: a gear that turns under load carries a thousand times the energy of its teeth,
-//! and nothing that these make up would show beside it. What no load paid for (the residual, and what switches brought
-//! in beyond what damping took) is held against the largest energy of vibration seen, that is strain, contact, and the motion
-//! of bodies against each other ([`Rotation`]), and what the contacts took up since the start: energy that passed through
-//! them, of which an integrator may lose or make a part.
+//! **Growth** is relative to the energy of vibration: a gear that rotates under load has a thousand times the energy
+//! of its teeth, so that errors of the vibration would be invisible relative to the total. The unexplained energy (the
+//! residual, and jumps at transitions beyond the dissipated energy) is divided by the largest energy of vibration,
+//! that is strain, contact, and the relative motion of bodies ([`Rotation`]), plus the energy that the contacts have
+//! stored since the start, of which an integrator may lose or generate a part.
 
 use crate::method::{AcceptedStep, Control, Sink};
 use crate::system::{At, Energy, Outputs, Power, SecondOrderSystem, State};

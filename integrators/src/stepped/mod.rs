@@ -12,18 +12,18 @@
 //! (Gustafsson 1991; exponents of Hairer, Norsett, Wanner, *Solving ODEs I*, II.4 and its DOPRI5); no
 //! growth right after a rejected step; after a restart the step starts from the system's characteristic time.
 //!
-//! **Fixed steps** lie on the grid `t0 + i h`. A breakpoint or an event cuts a step short and the next one ends on
-//! the grid again, whatever the rounding of sums. A method that knows how far nothing happens
-//! ([`OneStep::free_flight_end`]) goes there in one step, to the last point of the grid before it; that step says nothing about
-//! the next, and event functions that fall in it (which pairs of teeth face each other) are set afresh at its end.
+//! **Fixed steps** lie on the grid `t0 + i h`. A breakpoint or an event cuts a step short and the next one ends on the
+//! grid again, whatever the rounding of sums. A method with a bound of the next contact ([`OneStep::free_flight_end`])
+//! goes there in one step, to the last point of the grid before it. That step gives no information about the size of
+//! the next, and event functions that fall in it (which pairs of teeth face each other) are reset at its end.
 //!
-//! **Free flights.** Told to ([`Integrator::free_flight`]), the loop does the same for every other method along the closed
-//! form that the system itself knows ([`SecondOrderSystem::flight_path`]): no error but rounding, at a cost that does
-//! not grow with the length of the flight. What a method would make of the flight, its drift of energy and phase among
-//! it, is then not seen, so crosses free flights are off unless asked for: a comparison of methods shows what the
-//! methods do. Steps in contact are those of the method; errors that cancel over flight and contact together, as those
-//! of first order of semi-implicit Euler nearly do, cancel no more. A method that is exact for oscillators crosses linear
-//! contacts as well, from event to event ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)).
+//! **Free flights.** With [`Integrator::free_flight`] on, the loop does the same for every other method along the
+//! closed form of the system ([`SecondOrderSystem::flight_path`]): with rounding errors only, at a cost that does not
+//! grow with the length of the flight. The errors of the method in flight, such as its drift of energy and phase, are
+//! then absent, so that this is off by default: a comparison of methods shows the methods themselves. Steps in contact
+//! are those of the method; errors that cancel over flight and contact together, as those of first order of
+//! semi-implicit Euler nearly do, no longer cancel. A method that is exact for oscillators crosses linear contacts as
+//! well, from event to event ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)).
 
 mod advance;
 mod locate;

@@ -1,9 +1,9 @@
 //! Closed-form motion from event to event, where the system provides it for closed contacts
 //! ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)).
 //!
-//! A method that is exact for oscillators is so for linear contacts, too: it goes along the path of the system to the event
-//! at its end, at any step or tolerance, and switches there. In contact the path is told in steps that observers see its
-//! swinging in; a flight is one step. Where the system knows no such path the method steps.
+//! A method that is exact for oscillators is also exact for linear contacts: it follows the path of the system to the
+//! event at its end, at any step or tolerance, and switches there. In contact the path is passed to observers in steps
+//! that resolve its vibration; a flight is one step. Without such a path the method makes steps.
 
 use super::{Run, Stepped, first_not_finite, resolution_of_time};
 use crate::bounds::Bounds;

@@ -1,8 +1,9 @@
 //! The free flight of a gear: its motion under a steady load without contact.
 //!
-//! A gear in flight is a frame that moves as `theta_0 + theta' t + theta'' t^2 / 2` and oscillators about the rest that
-//! the load leaves: modes of an elastic gear, springs of movable teeth. Their energy about that rest never grows, so
-//! that it bounds for the whole flight how far flanks stand off those of a rigid gear that moves as the frame.
+//! A gear in flight is a frame that moves as `theta_0 + theta' t + theta'' t^2 / 2` and oscillators about their static
+//! deflection under the load: modes of an elastic gear, springs of movable teeth. Their energy about that deflection
+//! never grows, so that it bounds, for the whole flight, the distance of the flanks from those of a rigid gear that
+//! moves as the frame.
 
 /// Bounds of the motion of a gear in free flight, from an initial state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

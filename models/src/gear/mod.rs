@@ -6,7 +6,7 @@
 //! | `hub_body` | the data that every gear has: [`HubBody`] |
 //! | `capabilities` | what only some gears can do: flank surface, linear motion, teeth, size, coupled mass |
 //! | `body` | bodies of finite elements, for pictures |
-//! | `any` | what follows for any gear from what it hands out |
+//! | `capability_functions` | what follows for any gear from what it hands out |
 //! | [`parameters`] | parameters of models as structs that the models own |
 //! | [`properties`] | properties of a model that studies ask for before a gear is built |
 //! | `row` | a row of the table: what a model declares and is built from |

@@ -1,8 +1,8 @@
 //! The interface of gear models to contact and integrator.
 //!
 //! A gear has generalised coordinates (those of its mount first, then its own), a contact row, a mass and internal
-//! forces. What all gears share is the data of [`HubBody`]; what only some can do are small traits of their own
-//! ([`super::capabilities`]), which a gear hands out. A gear may take part in several meshes; the gears of a mesh may
+//! forces. The data that all gears share are in [`HubBody`]; optional capabilities are small traits
+//! ([`super::capabilities`]), which a gear returns. A gear may take part in several meshes; the gears of a mesh may
 //! have different models.
 
 use super::body::MeshedBody;

@@ -1,8 +1,8 @@
 //! Contact lines of a pair in its plane of action: their total length over a mesh cycle.
 //!
-//! A tooth that meets its mate at the path coordinate `s` in the middle of the common width meets it at
-//! `s + z tan(beta_b)` at the height `z` above it: a straight line, inclined by the base helix angle. Of the lines one base
-//! pitch apart, what lies on the path of contact counts:
+//! A tooth in contact at the path coordinate `s` in the middle of the common width is in contact at `s + z
+//! tan(beta_b)` at the height `z` above it: a straight line, inclined by the base helix angle. The parts of the lines,
+//! one base pitch apart, that lie on the path of contact add up:
 //!
 //! ```text
 //! L(s) = sum over k of |{z in [-b/2, b/2] : s_A <= s + k p_bt + z tan(beta_b) <= s_E}| / cos(beta_b)

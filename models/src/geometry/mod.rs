@@ -1,8 +1,8 @@
 //! Geometry of involute cylindrical gears, external and internal, and racks.
 //!
-//! Owns every length and angle that follows from what a user gives (teeth, module, pressure
-//! angle, profile shift, helix angle, width, rack factors, thinning, centre distance), and refuses
-//! what cannot be cut or cannot mesh with a [`GeometryError`] that names the cause and a way out.
+//! Owns every length and angle that follows from the parameters of the user (teeth, module, pressure angle, profile
+//! shift, helix angle, width, rack factors, thinning, centre distance), and refuses gears that cannot be cut or cannot
+//! mesh with a [`GeometryError`] that has the cause and a remedy.
 //!
 //! Conventions, stated here once:
 //!

@@ -1,9 +1,9 @@
 //! A measured flank: material removed on a grid over profile and width.
 //!
-//! Rows stand at equal steps of the length of roll, columns at equal steps over the width. Between them the surface is
-//! smooth: cubic in both directions, through the amounts, with the slopes of parabolas through three neighbours (Catmull and
-//! Rom, 1974; at the borders through the outer three). Parabolas are met exactly, smooth surfaces to the third power of the
-//! steps. Beyond the grid the amounts of its border hold.
+//! Rows are at equal steps of the length of roll, columns at equal steps over the width. Between them the surface is
+//! smooth: cubic in both directions, through the amounts, with the slopes of parabolas through three neighbours
+//! (Catmull and Rom, 1974; at the borders through the outer three). Parabolas are reproduced exactly, smooth surfaces
+//! to the third power of the steps. Beyond the grid the amounts are those of its border.
 
 use super::error::{GeometryError, finite, positive};
 use super::modification::FlankRange;

@@ -5,9 +5,10 @@
 //! stick-slip     F = -F_c z,    dz/dx = (1 - z sign(dx)) / l
 //! ```
 //!
-//! The first carries nothing at rest: what should stick creeps. The second (P. R. Dahl, *A solid friction model*, Aerospace
-//! Corp. TOR-0158, 1968) holds a force below `F_c` for ever, by a displacement of the size of `l`. It is a function of the
-//! way alone: from the part `z0` that was reached at the place `x0`, when the last step was accepted,
+//! The first form carries no static load: it creeps where friction should stick. The second (P. R. Dahl, *A solid
+//! friction model*, Aerospace Corp. TOR-0158, 1968) carries a force below `F_c` permanently, by a displacement of the
+//! order of `l`. It is a function of the displacement alone: from the fraction `z0` at the position `x0` of the last
+//! accepted step,
 //!
 //! ```text
 //! z = s + (z0 - s) exp(-|x - x0| / l),    s = sign(x - x0)

@@ -6,10 +6,10 @@
 //! stick-slip     T = -mu N z,    z' = (v - |v| z) / l
 //! ```
 //!
-//! The first carries nothing at rest, so that what should stick creeps; the second holds what sticks by an elastic
-//! displacement before it slides (P. R. Dahl, *A solid friction model*, Aerospace Corp. TOR-0158, 1968): `z` from -1 to 1
-//! is the part of the sliding force that is reached, with a slope of `1/l` at rest. Over a step of length `h` from `z0` at
-//! a steady speed
+//! The first form carries no static load, so that it creeps where friction should stick; the second carries static
+//! loads by an elastic displacement before it slides (P. R. Dahl, *A solid friction model*, Aerospace Corp. TOR-0158,
+//! 1968): `z` from -1 to 1 is the fraction of the sliding force, with a slope of `1/l` at rest. Over a step of length
+//! `h` from `z0` at a steady speed
 //!
 //! ```text
 //! z = s + (z0 - s) exp(-|v| h / l),    s = sign(v)

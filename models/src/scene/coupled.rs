@@ -72,7 +72,7 @@ impl Scene {
         self.work.along_path = found;
     }
 
-    /// Computes the tangents of the active contacts at a state into `work.tangents` and `work.answers`.
+    /// Computes the tangents of the active contacts at a state into `work.tangents` and `work.couplings`.
     pub(super) fn tangents_of_contacts(&mut self, at: At<'_>) -> Result<(), Singular> {
         let work = &mut self.work;
         work.tangents.clear();

@@ -1,7 +1,7 @@
 //! Deformed flanks of elastic gears at a state, for figures.
 //!
-//! A node of a reduced gear moves with the hub, and outward by `a = B q + r T - R F` (and along the profile where the gear
-//! knows that); nodes of finite elements say where they are.
+//! A node of a reduced gear moves with the hub, and outward by `a = B q + r T - R F` (and along the profile for gears
+//! that support it); finite elements return the positions of their nodes.
 
 use super::assembled::Scene;
 use crate::Vec3;

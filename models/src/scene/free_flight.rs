@@ -1,28 +1,28 @@
 //! Free flight of a scene: its duration, its motion, and the removal of vibration during it.
 //!
-//! **How long.** Under steady loads gears fly as their frames do ([`FreeFlight`]), `theta = theta_0 + theta' t +
-//! theta'' t^2 / 2`, and facing flanks of rigid gears are apart by at least `c + p . theta`
-//! ([`LineClearance`](crate::contact::LineClearance)). Flanks stand off these by `B q + r T` of elastic
-//! gears and by the displacements of movable teeth beside their frames, both bounded for the whole flight by the energy
-//! `E` that swings. No contact can be earlier than the first zero of the clearance less these bounds.
+//! **Duration.** Under steady loads gears in flight move as their frames do ([`FreeFlight`]), `theta = theta_0 +
+//! theta' t + theta'' t^2 / 2`, and the gap between facing flanks of rigid gears is at least `c + p . theta`
+//! ([`LineClearance`](crate::contact::LineClearance)). The flanks deviate from these by `B q + r T` of elastic gears
+//! and by the displacements of movable teeth relative to their frames, both bounded for the whole flight by the energy
+//! `E` of the vibration. No contact can be earlier than the first zero of the clearance less these bounds.
 //!
 //! **Where.** Frames and oscillators are known in closed form: a free flight over the flight, whatever swings in it,
 //! has no error but rounding. Viscous and ramped loads, unequal or overdamped teeth, gears whose modes are coupled by
 //! their spin, full finite elements, and elastic gears against movable teeth have no such form or no such bound: they
 //! are stepped through as before.
 //!
-//! **Vibration cut-off.** A gear whose oscillators carry less than a share `eps`
-//! ([`GearModel::vibration_cut_off`](crate::gear::model::GearModel::vibration_cut_off)) of the energy `E_0 = m u^2 / 2`
-//! of the impact to come is put to rest about the deflection of its loads; `u` is the speed at which the flanks of the
-//! frames will meet, `m` their reduced mass on the line of action. Momentum is kept, the energy taken, `E < eps E_0`,
-//! is a jump that the ledger books. Then flight lasts until the flanks meet. In contact all oscillators are awake, and
-//! they wake of themselves when loads change.
+//! **Vibration cut-off.** A gear whose oscillators have less than a share `eps`
+//! ([`GearModel::vibration_cut_off`](crate::gear::model::GearModel::vibration_cut_off)) of the energy `E_0 = m u^2 /
+//! 2` of the next impact is set to the deflection of its loads; `u` is the speed at which the flanks of the frames
+//! will touch, `m` their reduced mass on the line of action. The momentum is conserved; the removed energy, `E < eps
+//! E_0`, is a jump in the ledger. The flight then lasts until the flanks touch. In contact all oscillators are active,
+//! and changes of loads excite them again.
 //!
-//! *What it changes.* With and without the cut-off two motions differ by a vibration of energy `E`. In flight that
-//! moves no flank by more than `sqrt(2 c E)`. Through an impact the difference is driven by nothing: as long as the
-//! same contact with the linear law of stiffness `k` is closed, it is a motion of the undriven system, whose energy,
-//! `dN^2 / (2 k)` of the contact included, does not grow. So to first order (both motions touch at once, up to `sqrt(2
-//! c E) / u`), per impact and gear,
+//! *Effect.* With and without the cut-off two motions differ by a vibration of energy `E`. In flight it moves no flank
+//! by more than `sqrt(2 c E)`. Through an impact nothing drives the difference: as long as the same contact with the
+//! linear law of stiffness `k` is closed, it is a motion of the undriven system, whose energy, including `dN^2 / (2
+//! k)` of the contact, does not grow. So to first order (both motions touch at once, up to `sqrt(2 c E) / u`), per
+//! impact and gear,
 //!
 //! ```text
 //! |dN| <= sqrt(2 k E) <= sqrt(eps) u sqrt(k m),    |du| <= sqrt(2 E / m) <= sqrt(eps) u

@@ -8,10 +8,10 @@
 //! y'' = a_0 + (N_l - N_r)/m,    x_i = u_i + m p_i/J_i y,    u_i'' = T_i/J_i - m p_i/J_i a_0
 //! ```
 //!
-//! so that `y` is one damped oscillator under a constant load, flight or contact, and `u` a motion under constant loads.
-//! The next event is the first fall to zero of a force `N` that is closed, or of an open gap (of a force that rises, where
-//! a damper released flanks that still overlap): a root of a quadratic in flight, of `N_e + e^(-d t) (P cos w t + Q sin w
-//! t)` in contact, whose extremes are known, between two of which it is bracketed.
+//! so that `y` is one damped oscillator under a constant load, in flight or contact, and `u` a motion under constant
+//! loads. The next event is the first fall to zero of the force `N` of a closed contact, or of an open gap (or the
+//! rise of a force, after a damper released flanks that still overlap): a root of a quadratic in flight, and of `N_e +
+//! e^(-d t) (P cos w t + Q sin w t)` in contact, whose extremes are known and bracket it.
 //!
 //! **Where it holds**: one mesh, rigid gears, unmodified equal teeth, one stiffness for the whole mesh that does not vary
 //! along the path, a law linear in gap and gap rate, no friction, backlash, damping below critical; loads that are steady.

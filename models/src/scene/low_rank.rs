@@ -4,9 +4,9 @@
 //! A = A0 - U V,    x = x0 + Z y,    (D - V Z) y = V x0,    Z = A0^-1 U
 //! ```
 //!
-//! with a row of `V` and a column of `U` for each term, `D` one where the term is a force that answers to `x` and zero where it
-//! is one that lets nothing give way. A term has entries of its own members alone, so that two terms meet in `V Z`
-//! where they share one: of a train the equations form a band, and the cost of a correction grows with its length.
+//! with a row of `V` and a column of `U` for each term; `D` is one for a force that depends on `x` and zero for a
+//! rigid link. A term has entries of its own members alone, so that two terms couple in `V Z` only through a common
+//! member: for a train the equations form a band, and the cost of a correction grows with its length.
 
 use gearbench_integrators::dense_solve::{solve_banded, solve_in_place};
 use gearbench_integrators::system::Singular;

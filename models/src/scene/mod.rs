@@ -11,8 +11,8 @@
 //!
 //! Contacts of flank points have no event functions: a scene with such a mesh reports none and is never located.
 //!
-//! Discrete state layout: `[located, gears..., meshes...]`; a mesh holds its search's discrete state and then per
-//! contact slot `(mode, impact speed)`, mode 1 closed and 0 open; behind them what its friction remembers.
+//! Discrete state layout: `[located, gears..., meshes...]`; a mesh has the discrete state of its search, then `(mode,
+//! impact speed)` per contact slot, with mode 1 closed and 0 open, then the history of its friction.
 mod active;
 mod assembled;
 mod assembly;

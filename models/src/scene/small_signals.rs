@@ -4,8 +4,9 @@
 //! M x'' + D x' + K x = 0,    C x = 0
 //! ```
 //!
-//! with what rigid shafts and the ground of planetary sets hold as rows of `C`; where the strain energy `x^T K x / 2` of a
-//! displacement lies; and the stiffness of the scene as a mechanism, whose null space are its rigid motions.
+//! with the constraints of rigid shafts and of the ground of planetary sets as rows of `C`; the distribution of the
+//! strain energy `x^T K x / 2` of a displacement; and the stiffness of the scene as a mechanism, whose null space
+//! consists of the rigid motions.
 //!
 //! The mechanism is what stays whatever the loads: bodies, bearings as if without clearance, shafts, and each mesh as a
 //! spring between hubs, closed or not, along the line of action of the flanks that touch, or are nearest to touching. It

@@ -1,4 +1,4 @@
-//! What is done to histories: offset, moving average, window, even times, in this order.
+//! Processing of histories: offset, moving average, window, resampling, in this order.
 //!
 //! The moving average is that of the samples joined by lines over a window of time about each sample, which is narrower
 //! at both ends so that it stays centred: it moves no feature in time. It is taken of the reference alone; a run that is
@@ -6,7 +6,7 @@
 
 use super::Channel;
 
-/// What is done to histories.
+/// Processing of histories before a comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Processing {
     /// Added to all times [s].
@@ -24,11 +24,11 @@ pub struct Processing {
 /// Even times at most.
 const MOST: f64 = 1e7;
 
-/// What was expected, what was found, a way out.
+/// Expected content, actual content and remedy of a problem.
 type Trouble = (String, String, String);
 
 impl Processing {
-    /// Does it, and says so in lines; every history keeps `least` samples.
+    /// Applies the processing and describes it in lines; every history keeps at least `least` samples.
     pub(super) fn apply(
         &self,
         channels: &mut Vec<Channel>,

@@ -39,9 +39,9 @@ use std::borrow::Cow;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Reads a deck from a file, `.inp` or a mesh of Gmsh `.msh`, text or binary, told apart by what they begin with, both perhaps
-/// packed by gzip; includes count from the folder of the including file.
-/// Everything is converted to SI units, from those that are found ([`Deck::units_from`]).
+/// Reads a deck from a file: `.inp`, or a mesh of Gmsh `.msh`, text or binary, distinguished by their first bytes,
+/// both optionally compressed by gzip. Includes are relative to the folder of the including file. All data are
+/// converted to SI units, from those that are determined ([`Deck::units_from`]).
 pub fn read(path: impl AsRef<Path>) -> Result<Deck, DeckError> {
     read_in(path, None)
 }
@@ -53,8 +53,8 @@ pub fn read_in(path: impl AsRef<Path>, units: Option<Units>) -> Result<Deck, Dec
     read_bytes_in(&name, &bytes, units, &mut text_of)
 }
 
-/// Reads a deck from its text. `resolver` is asked for the text of included files, by their names joined with
-/// the folder of the including file's name.
+/// Reads a deck from its text. `resolver` returns the text of included files, by their names joined with the folder of
+/// the including file.
 pub fn read_str(name: &str, text: &str, resolver: &mut Resolver<'_>) -> Result<Deck, DeckError> {
     read_str_in(name, text, None, resolver)
 }
@@ -77,7 +77,7 @@ pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Deck, DeckError> {
     })
 }
 
-/// Reads what is no gzip. Titles of decks in other encodings than UTF-8 are no reason to decline.
+/// Reads bytes that are not compressed. Titles in encodings other than UTF-8 are accepted.
 fn read_bytes_in(
     name: &str,
     bytes: &[u8],
@@ -107,7 +107,7 @@ fn is_gzip(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0x1f, 0x8b])
 }
 
-/// Memory that a deck takes over the bytes of its text: the text itself, nodes, elements and their labels.
+/// Memory of a deck relative to the bytes of its text: the text itself, nodes, elements and their labels.
 const MEMORY_OVER_TEXT: f64 = 4.0;
 
 fn check_memory(bytes: usize) -> io::Result<()> {

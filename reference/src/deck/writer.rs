@@ -1,4 +1,4 @@
-//! Decks as CalculiX runs them and Abaqus reads them: one gear, or an impact of two.
+//! Writer of decks for CalculiX and Abaqus: one gear, or an impact of two.
 //!
 //! Output is a function of the input alone. Positions are printed in fixed notation with the shortest digits
 //! that give the same bits back (17 at most): [`read_str`](super::read_str) returns the mesh bit for bit.
@@ -46,12 +46,12 @@ pub enum WriteError {
     },
 }
 
-/// What a deck of one gear has besides the gear.
+/// Additional data of a deck of one gear.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GearDeck {
     /// Text under `*HEADING`.
     pub title: String,
-    /// Modes of a frequency step with the bore held; without it the deck has no step.
+    /// Number of modes of a frequency step with fixed bore; `None` writes no step.
     pub modes: Option<u32>,
 }
 

@@ -25,7 +25,7 @@ use nalgebra::Matrix6;
 
 type Vector6 = nalgebra::Vector6<f64>;
 
-/// `Y` and `B^T Y` for one set of weights.
+/// Solutions `Y` and `B^T Y` for one set of weights.
 #[derive(Debug)]
 struct Factor {
     key: [f64; 2],

@@ -1,7 +1,7 @@
 //! The full-order gear on a hub that moves in several directions, or about a tilted axis.
 //!
 //! Generalised coordinates are those of the hub, its own first, then the displacements `d` of the free nodes in space. With the
-//! frame at `x = c + s + R (X + u)` ([`super::stand`]), places `y = R (X + u)` and elastic forces `h = R K u`,
+//! frame at `x = c + s + R (X + u)` ([`super::frame_pose`]), places `y = R (X + u)` and elastic forces `h = R K u`,
 //!
 //! ```text
 //! M_ff d'' + M_fb x_b'' = -h + contact
@@ -37,7 +37,7 @@ struct Load {
     moment: Vec3,
 }
 
-/// The hub with the rigid body that stands for the nodes it holds.
+/// Returns the hub with the rigid body of the nodes tied to it.
 pub(super) fn hub_with(hub: Hub, held: &Held) -> Hub {
     let (directions, bearing) = match &hub.lateral {
         Some(l) => (l.directions.clone(), l.bearing),
@@ -60,7 +60,7 @@ fn vec3(x: &[f64], node: usize) -> Vec3 {
 }
 
 impl FullOrder {
-    /// What the hub holds, where it moves in several directions.
+    /// Returns the coupling of the tied nodes, where the hub moves in several directions.
     #[inline]
     pub(super) fn held(&self) -> Option<&Held> {
         self.body.held.as_ref()
@@ -111,7 +111,7 @@ impl FullOrder {
         }
     }
 
-    /// Row of what moves with the hub at `bulge` from the nodes of a face.
+    /// Returns the row of the part that moves with the hub, at `bulge` from the nodes of a face.
     pub(super) fn floating_row(&self, at: At<'_>, bulge: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
         if *bulge == Vec3::zeros() {
             return 0.0;
@@ -208,7 +208,7 @@ impl FullOrder {
         self.hub.add_lateral_tangent(at, [dq, dv], df);
     }
 
-    /// `y = M x`.
+    /// Multiplies by the mass matrix: `y = M x`.
     pub(super) fn floating_mass(&self, held: &Held, at: At<'_>, x: &[f64], y: &mut [f64]) {
         let stand = self.stand(at);
         let (hub, nodes) = x.split_at(self.own);
@@ -327,8 +327,8 @@ impl FullOrder {
         }
     }
 
-    /// The bearing in directions that it leaves; in the others what the elements pull at the nodes that are held, and the inertia
-    /// of these, without accelerations of the free directions.
+    /// Returns the reaction: the bearing forces in the free directions; in the others the elastic forces on the tied
+    /// nodes, and the inertia of these without accelerations of the free directions.
     pub(super) fn floating_reaction(&self, at: At<'_>) -> Wrench {
         let Some(lateral) = &self.hub.lateral else {
             return Wrench::default();

@@ -80,8 +80,8 @@ impl FullOrder {
         }
     }
 
-    /// What of a point lies above the face between its nodes [m]: the smooth flank's rise, which turns with the
-    /// frame; zero on a faceted flank.
+    /// Returns the offset of a point from the face between its nodes [m]: the rise of the smooth flank, which rotates
+    /// with the frame; zero on a faceted flank.
     pub(super) fn bulge(
         &self,
         at: At<'_>,

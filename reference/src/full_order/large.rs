@@ -1,5 +1,5 @@
-//! What only a gear of many coupled coordinates can do: solves with its mass matrix, and the condensed correction of a
-//! few of its coordinates.
+//! Capabilities of a gear with many coupled coordinates: solves with its mass matrix, and the condensed correction of
+//! a few of its coordinates.
 
 use super::FullOrder;
 use super::frame::unit_motion;

@@ -22,7 +22,7 @@ use gearbench_models::kinematics::{Pose, Row};
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 
-/// The lines of a gear; none where its contact asks for none.
+/// Lines of the flanks of a gear; empty where its contact does not use them.
 #[derive(Debug, Default)]
 pub struct Lines {
     flanks: Flanks,
@@ -32,12 +32,12 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Whether there are none.
+    /// Returns true if there are no lines.
     pub fn is_empty(&self) -> bool {
         self.sums.is_empty()
     }
 
-    /// Nodes of a line; no flank node is held, its surface has seen to that.
+    /// Returns the nodes of a line; the surface has checked that no flank node is tied to the hub.
     fn of(&self, line: u32) -> &[(u32, [f64; 3])] {
         self.sums.get(line as usize).map_or(&[], Vec::as_slice)
     }

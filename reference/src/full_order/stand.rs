@@ -1,4 +1,4 @@
-//! Where a hub of several directions stands: pose, axes of its directions, and how they turn with each other.
+//! Pose of a hub of several directions: frame, axes of its directions, and their rotations.
 //!
 //! Velocities are linear in the rates of the hub, `v = sum_d x_d' v_d` at a place `y` from its origin: `v_d = a_d` along an axis
 //! of the hub, `v_d = w_d x y` about one of the three axes of its rotations, `e_x`, `Rx e_y`, `Rx Ry e_z` in the axes of the
@@ -30,7 +30,7 @@ pub(super) struct Stand {
     pub motion: Motion,
 }
 
-/// Change of a stand along a change of its directions, or its rate.
+/// Change of a pose for a change of its directions, or its rate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turning {
     /// Turn of the whole.
@@ -42,7 +42,7 @@ pub(super) struct Turning {
 }
 
 impl Stand {
-    /// That of a hub at a state of its gear.
+    /// Returns the pose of a hub at a state of its gear.
     pub fn of(hub: &Hub, at: At<'_>) -> Self {
         let motion = hub.motion(at.t, at.q, at.v);
         let assembled = Matrix3::from_columns(&hub.axes);
@@ -68,7 +68,7 @@ impl Stand {
         }
     }
 
-    /// The floating frame.
+    /// Returns the floating frame.
     pub fn frame(&self) -> Frame {
         Frame::Posed {
             turn: self.turn,
@@ -105,7 +105,7 @@ impl Stand {
         [spin, second.into_iter().sum()]
     }
 
-    /// What a change of the six directions, or their rates, do to the stand.
+    /// Returns the change of the pose for a change of the six directions, or for their rates.
     pub fn along(&self, dx: &[f64; 6]) -> Turning {
         let mut turned = Vec3::zeros();
         let axes = [3, 4, 5].map(|d| {

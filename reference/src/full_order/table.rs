@@ -22,11 +22,11 @@ const PARAMETERS: [ParameterInfo; 12] = mesh_source::with_own(&[optional(
     "\"consistent\" (default) or \"lumped\", which explicit methods want",
 )]);
 
-/// Its parameters as a struct; the row of its table says what they mean.
+/// Parameters of the model; the row of its table describes them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FullOrderParameters {
-    /// Mass matrix; `None` is the consistent one.
+    /// Mass matrix; `None` selects the consistent one.
     pub mass: Option<MassKind>,
     /// Where the mesh comes from.
     #[serde(flatten)]
@@ -38,7 +38,7 @@ impl ModelParameters for FullOrderParameters {
     const KEYS: &'static [ParameterInfo] = &PARAMETERS;
 }
 
-/// Its row.
+/// Row of the model in the table.
 pub const ROW: Model = Model {
     id: MODEL,
     title: "full finite elements: every node moves, contact over the flank faces",

@@ -1,4 +1,4 @@
-//! The gear of a scene in a file: which of its bodies, what the scene says of it, and what does not agree.
+//! Selection of the gear of a scene in a file, and comparison of the file with the scene.
 //!
 //! The keys of the gear itself lead the search, as far as they say something of a mesh: number of teeth and bore radius. The
 //! mesh then has to be one of that gear: base radius (module, pressure angle, teeth), base helix, thickness at the base
@@ -21,7 +21,7 @@ use std::path::Path;
 pub struct Stored {
     /// The mesh in the gear's own frame.
     pub mesh: GearMesh,
-    /// What was recognised of it, where no sets name its flanks.
+    /// Result of the recognition, where no sets name the flanks.
     pub found: Option<Found>,
     /// How the file was read, a line each.
     pub notes: Vec<String>,
@@ -88,7 +88,7 @@ pub(super) fn stored(
     })
 }
 
-/// What the scene says of the body.
+/// Returns the specification of the body from the scene.
 fn known(reader: &Reader<'_>, given: &MeshParameters) -> Result<Known, BuildError> {
     let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
     let axis = given.axis.map(Vec3::from);

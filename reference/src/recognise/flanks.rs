@@ -13,7 +13,7 @@ use crate::vector::snapped;
 use gearbench_models::geometry::Side;
 use std::collections::HashSet;
 
-/// What may be missing within the radii that the user gives, over the tooth's height.
+/// Tolerance of missing flank within the radii given by the user, relative to the tooth height.
 const WIDE: f64 = 0.1;
 
 /// Nodes nearer than this part of the tooth's height to a given radius are within it.
@@ -22,9 +22,9 @@ const EDGE: f64 = 1e-4;
 /// The involute and the corner nodes that lie on it.
 pub(super) struct Flanks {
     fit: Involute,
-    /// Side of each face of the shell that stands across the circle.
+    /// Side of each face of the shell that is inclined to the circle.
     sides: Vec<(u32, Side)>,
-    /// Node and flank of what belongs to the flanks.
+    /// Node and flank of the members of the flanks.
     members: HashSet<(u32, u32, Side)>,
 }
 

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `skin` | faces at the surface, their normals, pieces that hang together |
 //! | `axis` | axis of rotation from end faces, hull, tip and bore |
-//! | `known` | what the user says of a body, held against what is found |
+//! | `specified_body` | what the user says of a body, held against what is found |
 //! | `teeth` | toothed shell, bore, number of teeth |
 //! | `flanks` | which faces are flanks |
 //! | [`rack`] | a rack: planes of flanks, pitch, back |
@@ -43,13 +43,13 @@ use teeth::Polar;
 /// Part of the tooth's height that is fitted first: above fillets, below most reliefs.
 const CORE: [f64; 2] = [0.45, 0.75];
 
-/// A face of a flank stands across the circle by more than this.
+/// Inclination to the circle above which a face belongs to a flank.
 const ACROSS: f64 = 0.3;
 
 /// Nodes nearer to the involute than this part of the tooth's height are on it: digits of decks.
 const FINE: f64 = 1e-5;
 
-/// What the tip's relief may take away, over the tooth's height.
+/// Largest part removed by a tip relief, relative to the tooth height.
 const RELIEF: f64 = 0.02;
 
 /// A flank: its faces, all of whose corners lie on the involute.
@@ -57,7 +57,7 @@ const RELIEF: f64 = 0.02;
 pub struct Patch {
     /// Tooth, from 0, counter-clockwise.
     pub tooth: u32,
-    /// Which flank.
+    /// Side of the flank.
     pub side: Side,
     /// Faces, by their place in the surface.
     pub faces: Vec<u32>,
@@ -84,11 +84,11 @@ pub struct Recognised {
     pub axis: Axis,
     /// The involute: angles from the first of [`Axis::across`], heights from the point of the axis.
     pub fit: Involute,
-    /// Tip cylinder.
+    /// Cylinder of the tips.
     pub tip: Cylinder,
     /// Root cylinder: the lowest node of each tooth space.
     pub root: Cylinder,
-    /// Bore.
+    /// Cylinder of the bore.
     pub bore: Cylinder,
     /// All nodes of the bore, mid-side nodes too.
     pub bore_nodes: Vec<u32>,
@@ -106,8 +106,8 @@ impl Recognised {
         crate::vector::turned(self.axis.seen(x), -self.fit.phase)
     }
 
-    /// By which part the base pitch may be off: its standard error, and what a slope of the profile within the residual
-    /// makes of it.
+    /// Returns the relative uncertainty of the base pitch: its standard error, and the effect of a slope of the
+    /// profile within the residual.
     pub fn uncertainty(&self) -> f64 {
         let run = self.fit.roll(self.active[1]) - self.fit.roll(self.active[0]);
         let slope = 2.0 * self.fit.residual[0] / run;
@@ -126,14 +126,14 @@ impl Recognised {
 /// A toothed body as its surface shows it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
-    /// A gear.
+    /// A recognised gear.
     Gear(Box<Recognised>),
-    /// A rack.
+    /// A recognised rack.
     Rack(Box<RecognisedRack>),
 }
 
 impl Found {
-    /// What was recognised of a gear.
+    /// Returns the gear, if it is one.
     pub fn gear(&self) -> Option<&Recognised> {
         match self {
             Found::Gear(gear) => Some(gear),
@@ -141,7 +141,7 @@ impl Found {
         }
     }
 
-    /// What was recognised of a rack.
+    /// Returns the rack, if it is one.
     pub fn rack(&self) -> Option<&RecognisedRack> {
         match self {
             Found::Gear(_) => None,
@@ -149,7 +149,7 @@ impl Found {
         }
     }
 
-    /// Nodes that the hub holds: of the bore, or of the back; mid-side nodes too.
+    /// Returns the nodes that are tied to the hub: of the bore, or of the back, including mid-side nodes.
     pub fn held(&self) -> &[u32] {
         match self {
             Found::Gear(gear) => &gear.bore_nodes,
@@ -301,7 +301,7 @@ pub(crate) fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::MAX, f64::MIN], |e, v| [e[0].min(v), e[1].max(v)])
 }
 
-/// The upper median of the finite ones among values.
+/// Returns the upper median of the finite values.
 pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
     values.sort_by(f64::total_cmp);

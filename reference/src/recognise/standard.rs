@@ -16,7 +16,7 @@ use super::involute::Involute;
 use gearbench_models::geometry::inv;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Normal pressure angles that are tried, the usual one first [deg].
+/// Normal pressure angles that are tried, the most common one first [deg].
 const ANGLES: [f64; 7] = [20.0, 14.5, 15.0, 17.5, 22.5, 25.0, 30.0];
 
 /// Modules of ISO 54, both series [mm].
@@ -26,15 +26,15 @@ const MODULES: [f64; 36] = [
     40.0, 45.0, 50.0,
 ];
 
-/// Whether a module [m] is one of ISO 54 within a part of it.
+/// Returns true if a module [m] is one of ISO 54 within a relative tolerance.
 pub fn is_standard(module: f64, near: f64) -> bool {
     MODULES
         .iter()
         .any(|m| (1e3 * module / m - 1.0).abs() < near)
 }
 
-/// Normal pressure angles [rad] at which a normal base pitch [m] has a module of ISO 54 within a part of it, the usual
-/// one first.
+/// Returns the normal pressure angles [rad] at which a normal base pitch [m] has a module of ISO 54 within a relative
+/// tolerance, the most common one first.
 pub fn angles(normal_base_pitch: f64, near: f64) -> impl Iterator<Item = f64> {
     ANGLES
         .into_iter()
@@ -42,7 +42,7 @@ pub fn angles(normal_base_pitch: f64, near: f64) -> impl Iterator<Item = f64> {
         .filter(move |a| is_standard(normal_base_pitch / (PI * a.cos()), near))
 }
 
-/// What the user knows of the tool.
+/// Specification of the tool by the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Given {
     /// Normal module [m].
@@ -60,18 +60,18 @@ pub struct Reading {
     pub pressure_angle: f64,
     /// Helix angle at the reference circle, right hand positive [rad].
     pub helix_angle: f64,
-    /// Profile shift coefficient.
+    /// Profile shift coefficient of the reading.
     pub profile_shift: f64,
-    /// Addendum factor.
+    /// Addendum factor of the reading.
     pub addendum: f64,
-    /// Dedendum factor.
+    /// Dedendum factor of the reading.
     pub dedendum: f64,
-    /// The module is one of ISO 54.
+    /// True if the module is one of ISO 54.
     pub standard: bool,
 }
 
-/// The tools that fit, the likeliest first: at least one. `radii` of tip and root [m]; `near` is the part by which the base
-/// pitch may be off.
+/// Returns the tools that fit, the most probable first: at least one. `radii` are those of tip and root [m]; `near` is
+/// the relative uncertainty of the base pitch.
 pub fn readings(fit: &Involute, radii: [f64; 2], near: f64, given: Given) -> Vec<Reading> {
     let normal = fit.base_pitch() * fit.base_helix_angle().cos();
     let at = |angle: f64| reading(fit, radii, near, angle);

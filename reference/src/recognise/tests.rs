@@ -1,4 +1,4 @@
-//! Gears found again from their surface: generated ones and those of stored decks, turned, moved and shuffled.
+//! Recognition of gears from their surface: generated ones and those of stored decks, rotated, moved and shuffled.
 
 use super::*;
 use crate::deck;
@@ -164,7 +164,7 @@ fn calculix_gears_are_found_without_their_sets() {
     }
 }
 
-/// What digits of a deck, reliefs and facets leave: five digits, and a tip relief of a hundredth of the module.
+/// Recognition is insensitive to nodes rounded to five digits, facets, and a tip relief of a hundredth of the module.
 #[test]
 fn rounded_nodes_and_relieved_tips_cost_little() {
     let params = gearbench_models::geometry::GearParams {
@@ -209,7 +209,7 @@ fn rounded_nodes_and_relieved_tips_cost_little() {
     );
 }
 
-/// What is no gear is refused with what was missing; a gear without a bore likewise.
+/// A body that is not a gear is refused with the missing part, as is a gear without a bore.
 #[test]
 fn other_bodies_are_refused() {
     let of = |mesh: &Mesh| {

@@ -34,15 +34,15 @@ use gearbench_models::gear::elastic::reduced::{LateralShapes, Residual};
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 
-/// Modes whose squared frequencies differ by less than this fraction are one: rounding and the tolerance of the
-/// search leave less.
+/// Relative difference of squared frequencies below which modes form a family: rounding and the tolerance of the
+/// search are smaller.
 const EQUAL: f64 = 1e-7;
 
 /// How far the lowest mode of a free gear may be from its rigid motion.
 const RIGID: f64 = 1e-6;
 
 impl Wanted {
-    /// The search for these modes and `rigid` further ones, of a body with so many `unknowns`.
+    /// Returns the search target for these modes and `rigid` further ones, for a body with a number of `unknowns`.
     fn target(self, rigid: usize, unknowns: usize) -> Target {
         match self {
             Wanted::Count(n) => Target::Count((n + rigid).min(unknowns)),
@@ -51,17 +51,17 @@ impl Wanted {
     }
 }
 
-/// What one mode leaves behind.
+/// Stored result of one mode.
 struct Shape {
     omega2: f64,
     /// Along the directions of all flank nodes.
     flanks: Vec<f64>,
     hub: f64,
-    /// `phi^T M e` over the nodes, without what is added at the hub.
+    /// Inertia coupling `phi^T M e` over the nodes, without the inertia added at the hub.
     momentum: f64,
     /// `phi^T M e_x` and `phi^T M e_y`, likewise.
     linear: [f64; 2],
-    /// In the directions beside the own one.
+    /// Motion of hub and gear in the out-of-plane directions.
     moved: Moved,
 }
 
@@ -218,7 +218,7 @@ pub fn of_sector(
     finish(nodes, mounting, body, shapes, (residual, integrals))
 }
 
-/// Memory of a number of a mode shape at the flank nodes: as it is found, as it is kept in the basis, and in a model [bytes].
+/// Memory of a number of a mode shape at the flank nodes: during the search, in the basis, and in a model [bytes].
 const SHAPE_BYTES: f64 = 24.0;
 
 /// Checks the memory of the shapes at the flank nodes of all teeth before modes are searched.
@@ -235,17 +235,17 @@ fn check_shapes(surface: &Surface, wanted: Wanted, unknowns: usize) -> Result<()
     Ok(limits::check(what, bytes, way_out)?)
 }
 
-/// What of a gear does not depend on its modes.
+/// Data of a gear that do not depend on its modes.
 struct Body {
     inertia: f64,
     unbalance: [f64; 2],
     unknowns: usize,
     near_field: Option<Vec<Vec<f64>>>,
-    /// Of a hub that is free beside its own motion, without modes.
+    /// Data of a hub with out-of-plane freedom, without modes.
     lateral: Option<LateralShapes>,
 }
 
-/// `M e_x`, one entry per node: the mass matrix is the same along all axes.
+/// Computes `M e_x`, one entry per node: the mass matrix is equal along all axes.
 fn nodal_masses(assembly: &Assembly) -> Vec<f64> {
     let n = assembly.lumped.len();
     let mut image = vec![0.0; 3 * n];

@@ -31,7 +31,7 @@ pub fn trouble() -> Option<&'static str> {
     TROUBLE.get().map(String::as_str)
 }
 
-/// Age at which what a broken run left half written goes.
+/// Age after which unfinished files of an interrupted run are deleted.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
 /// A folder of bases, or none.
@@ -44,7 +44,7 @@ pub struct Cache {
 /// A basis, and whether it had been computed before.
 #[derive(Clone, Debug)]
 pub struct Cached {
-    /// The basis.
+    /// Basis from the cache.
     pub basis: Arc<Basis>,
     /// It was read from the cache.
     pub hit: bool,
@@ -80,7 +80,7 @@ impl Cache {
         self.folder.as_deref()
     }
 
-    /// The basis of a request, from the cache or computed; `source` says in words where the mesh is from.
+    /// Returns the basis of a request, from the cache or computed; `source` describes the source of the mesh.
     pub fn basis<E>(
         &self,
         request: &Request<'_>,
@@ -163,7 +163,7 @@ impl Cache {
 
 static IN_USE: OnceLock<Cache> = OnceLock::new();
 
-/// Chooses the cache of this process; without it nothing is kept on disk. Only the first choice counts.
+/// Selects the cache of this process; without it nothing is stored on disk. Only the first selection has an effect.
 pub fn choose(cache: Cache) {
     let _ = IN_USE.set(cache);
 }

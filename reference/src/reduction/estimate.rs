@@ -1,4 +1,4 @@
-//! What a choice of modes costs in accuracy, before any scene is run: a model impact.
+//! Estimate of the accuracy of a selection of modes, before any scene is run: a model impact.
 //!
 //! The gear hits its mirror image, which is to say a wall, with one row of flank nodes (one node, where contact does
 //! not lie evenly over the width), along the normal:
@@ -19,7 +19,7 @@ use gearbench_models::geometry::Side;
 
 /// Rows of a flank that are hit.
 const ROWS: usize = 5;
-/// Compliance of the contact law over the static one of the mesh.
+/// Compliance of the contact law relative to the static one of the mesh.
 const LAW: f64 = 0.05;
 /// Steps per radian of the fastest motion of the contact.
 const STEPS_PER_RADIAN: f64 = 5.0;
@@ -94,7 +94,7 @@ impl<'a> Impacts<'a> {
         (sum / self.probes.len() as f64).sqrt()
     }
 
-    /// The fewest modes of a choice's ranking whose estimate meets a target.
+    /// Returns the smallest selection in the ranking whose estimate meets a target.
     pub fn fewest(&self, choice: &Choice, target: f64) -> Result<Vec<usize>, ReductionError> {
         let families: Vec<Family> = ranked(self.basis, choice);
         let first = |count: usize| -> Vec<usize> {

@@ -1,4 +1,4 @@
-//! Hubs that are free beside their own motion: what every basis must be, one tooth sector against the whole mesh.
+//! Hubs with out-of-plane freedom: properties of every basis, and one tooth sector compared with the whole mesh.
 
 use super::rigid::rigid_mass;
 use super::{Basis, Mounting, Wanted, basis, mounting_of};
@@ -29,8 +29,8 @@ fn lateral(b: &Basis) -> &LateralShapes {
     b.lateral.as_ref().unwrap()
 }
 
-/// Linear momentum, and angular momentum about the hub, of a mode by unit velocity of its coordinate, with what is added at the
-/// hub.
+/// Returns the linear momentum, and the angular momentum about the hub, of a mode per unit velocity of its coordinate,
+/// including the inertia added at the hub.
 fn momentum(b: &Basis, mounting: &Mounting, mode: usize) -> [f64; 6] {
     let (i, added) = (b.integrals.as_ref().unwrap(), mounting.added());
     let mut hub = lateral(b).hub[mode];
@@ -146,7 +146,8 @@ fn sector_and_whole_mesh_agree_and_no_mode_holds_momentum() {
     }
 }
 
-/// Moving the hub of the frame by a unit moves the mesh by the motion itself: the body's mass matrix is that of the elements.
+/// A unit displacement of the hub moves the mesh by the rigid motion: the mass matrix of the body is that of the
+/// elements.
 #[test]
 fn the_rigid_part_is_that_of_the_elements() {
     let rack = test_support::rack(3, 2e-3, |p| p.face_width = 4e-3);
@@ -176,7 +177,7 @@ fn the_rigid_part_is_that_of_the_elements() {
     }
 }
 
-/// A hub that is very heavy stands still; one that is held in a direction is the limit.
+/// A very heavy hub is at rest; a hub fixed in a direction is the limit.
 #[test]
 fn a_heavy_hub_is_a_held_one() {
     let gear = stub(9, 0.0);

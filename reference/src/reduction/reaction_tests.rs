@@ -1,4 +1,4 @@
-//! Mount reactions of the elastic gear against the rows of the finite elements at the nodes that the hub holds.
+//! Mount reactions of the elastic gear compared with the rows of the finite elements at the nodes tied to the hub.
 
 use super::choose::{self, ModalDamping};
 use super::surface::Surface;
@@ -31,7 +31,7 @@ fn bodies() -> [(GearMesh, Mounting, Mount, Option<Vec3>); 4] {
     ]
 }
 
-/// With all modes the mount exerts what stiffness and mass give at the held nodes, in motion as at rest.
+/// With all modes the mount reaction equals the stiffness and mass forces at the tied nodes, in motion as at rest.
 #[test]
 fn with_all_modes_reactions_are_those_of_the_held_nodes() {
     for (mesh, mounting, mount, slide) in bodies() {

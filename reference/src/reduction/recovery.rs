@@ -1,4 +1,4 @@
-//! The nodes behind a reduction, for pictures: what modes and forces on flanks do to the whole mesh.
+//! Full mesh behind a reduction, for figures: displacements of all nodes from modes and flank forces.
 //!
 //! A reduction keeps what happens at the flanks. Here the rest is found again from the mesh: shapes of the kept modes at all
 //! nodes, and the static displacement that the modes which were cut follow with,
@@ -46,7 +46,7 @@ pub(super) enum Whole {
     AtHand,
 }
 
-/// What the nodes of a reduced gear follow from.
+/// Data from which the nodal displacements of a reduced gear follow.
 #[derive(Debug)]
 pub(super) struct OfMesh {
     pub(super) mesh: GearMesh,
@@ -54,7 +54,7 @@ pub(super) struct OfMesh {
     pub(super) material: Material,
     pub(super) mounting: Mounting,
     pub(super) basis: Arc<Basis>,
-    /// Modes of the basis that are kept, ascending; those that made ones lie in.
+    /// Kept modes of the basis, ascending; fitted modes are combinations of these.
     pub(super) kept: Vec<usize>,
     /// Modes that are made of these.
     pub(super) made: Option<Made>,
@@ -77,7 +77,7 @@ pub(super) struct Found {
     lines: Option<Vec<Sum>>,
     tie: Tie,
     factor: Cholesky,
-    /// Rigid motions that are free: displacements, mass times these, their static response on the held hub.
+    /// Free rigid motions: displacements, mass times these, and their static response on the fixed hub.
     rigid: Vec<[Vec<f64>; 3]>,
     /// Inverse of the inertias of the rigid motions.
     inverse: Mat<f64>,

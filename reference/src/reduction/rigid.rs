@@ -26,7 +26,7 @@ use faer::{Mat, c64};
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::LateralShapes;
 
-/// What the hub and the whole gear do in a mode, in the six directions; zero where the hub is not free.
+/// Motion of the hub and momentum of the whole gear in a mode, in the six directions; zero where the hub is not free.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moved {
     /// Displacement of the hub.
@@ -83,7 +83,8 @@ pub(super) fn rigid_mass(body: &LateralShapes) -> [[f64; 6]; 6] {
     out
 }
 
-/// The rigid body of a gear with what is added at its hub, and no modes yet; the moments are those of the whole mesh.
+/// Returns the rigid body of a gear with the inertia added at its hub, without modes; the moments are those of the
+/// whole mesh.
 pub(super) fn body(moments: &Moments, mounting: &Mounting) -> LateralShapes {
     let mesh = moments.integrals();
     let added = mounting.added();
@@ -160,7 +161,7 @@ impl OfMesh {
             .collect()
     }
 
-    /// What a shape moves.
+    /// Returns the motion of hub and gear in a shape.
     pub fn moved(&self, full: &[f64], hub: &[f64]) -> Moved {
         let mut moved = Moved::default();
         let momenta = self.momenta(full, hub);
@@ -191,7 +192,7 @@ pub(super) struct CyclicMotion {
     /// The direction of its real part, and that of its imaginary part in harmonic 1.
     pub directions: [usize; 2],
     pub field: Vec<c64>,
-    /// What is added at the hub per sector.
+    /// Inertia added at the hub per sector.
     added: f64,
 }
 
@@ -239,7 +240,7 @@ pub(super) fn image(mass: &ScalarMatrix, u: &[c64]) -> Vec<c64> {
         .collect()
 }
 
-/// `a^H b`.
+/// Returns the scalar product `a^H b`.
 pub(super) fn hermitian<'a>(
     a: impl Iterator<Item = &'a c64>,
     b: impl Iterator<Item = &'a c64>,
@@ -251,10 +252,10 @@ pub(super) fn hermitian<'a>(
 /// Rigid motions of a gear made of copies of a sector, in the free directions.
 pub(super) struct OfSector {
     teeth: u32,
-    /// Those of harmonic 0, then those of harmonic 1.
+    /// Motions of harmonic 0, then those of harmonic 1.
     of_harmonic: [Vec<CyclicMotion>; 2],
     images: [Vec<Vec<c64>>; 2],
-    /// Entries of the nodes that the hub holds.
+    /// Entries of the nodes tied to the hub.
     bore: Vec<usize>,
 }
 
@@ -282,7 +283,7 @@ impl OfSector {
         }
     }
 
-    /// Motion of the hub in a shape of a harmonic: what its bore follows.
+    /// Returns the motion of the hub in a shape of a harmonic, from its bore.
     fn hub(&self, harmonic: usize, u: &[c64]) -> Mat<c64> {
         let motions = &self.of_harmonic[harmonic];
         let at = |x: &[c64]| -> Vec<c64> { self.bore.iter().map(|i| x[*i]).collect() };
@@ -294,7 +295,7 @@ impl OfSector {
         gram.partial_piv_lu().solve(right)
     }
 
-    /// Momenta `E^H M u` of a shape of a sector, with what is added at the hub.
+    /// Returns the momenta `E^H M u` of a shape of a sector, including the inertia added at the hub.
     fn momenta(&self, harmonic: usize, u: &[c64], hub: &Mat<c64>) -> Vec<c64> {
         let motions = self.of_harmonic[harmonic].iter();
         (motions.zip(&self.images[harmonic]).enumerate())
@@ -328,7 +329,7 @@ impl OfSector {
         }
     }
 
-    /// What a mode moves.
+    /// Returns the motion of hub and gear in a mode.
     pub fn moved(&self, found: &CyclicModes, mode: usize) -> Moved {
         let mut moved = Moved::default();
         let m = &found.modes[mode];

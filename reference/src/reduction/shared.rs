@@ -11,13 +11,13 @@ use std::collections::HashMap;
 use std::panic::resume_unwind;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// The largest basis so far and what it holds.
+/// Largest basis so far, with the selection of modes that it covers.
 type Slot = Arc<Mutex<Option<(Wanted, Arc<Basis>)>>>;
 
 static BASES: Mutex<Option<HashMap<Hash, Slot>>> = Mutex::new(None);
 
 impl Wanted {
-    /// Whether what was asked for `self` holds what `other` asks for.
+    /// Returns true if the modes selected by `self` include those of `other`.
     fn holds(self, other: Wanted, found: &Basis) -> bool {
         let highest = found.omega.last().copied().unwrap_or(0.0) / std::f64::consts::TAU;
         match (self, other) {
@@ -52,7 +52,7 @@ pub fn basis_of(request: &Request<'_>) -> Result<Arc<Basis>, ReductionError> {
     Ok(found)
 }
 
-/// Runs a job on threads that nothing else uses, while the caller does nothing but wait.
+/// Runs a job on dedicated threads, while the calling thread only waits.
 ///
 /// A thread of rayon that waits for a part of its work takes up other work meanwhile. With the slot of a basis locked
 /// that could be a gear that waits for the same slot, and both would wait for ever.
@@ -64,7 +64,7 @@ fn apart<R: Send>(job: impl FnOnce() -> R + Send) -> R {
     done.unwrap_or_else(|panic| resume_unwind(panic))
 }
 
-/// Number of modes of a basis that `wanted` asks for, whole families.
+/// Returns the number of modes of a basis that `wanted` selects, in whole families.
 pub fn lowest(basis: &Basis, wanted: Wanted) -> usize {
     let mut count = match wanted {
         Wanted::Count(n) => n.min(basis.omega.len()),

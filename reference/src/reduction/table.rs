@@ -60,7 +60,7 @@ pub(super) const PARAMETERS: [ParameterInfo; 22] = mesh_source::with_own(&[
     ),
 ]);
 
-/// Its row.
+/// Row of the model in the table.
 pub const ROW: Model = Model {
     id: MODEL,
     title: "reduced finite elements: a few modes and the static compliance of the others",
@@ -72,7 +72,7 @@ pub const ROW: Model = Model {
     build,
 };
 
-/// Most modes that are asked for.
+/// Largest number of requested modes.
 const MOST_MODES: usize = 5000;
 /// Step that the modes shall bear by default [s].
 const STEP: f64 = 1e-6;
@@ -105,12 +105,12 @@ fn even_over_width(context: &GearContext<'_>) -> bool {
     }
 }
 
-/// How many modes are asked for.
+/// Requested number of modes.
 struct Asked {
     count: Option<usize>,
-    /// [Hz].
+    /// Largest frequency [Hz].
     max_frequency: Option<f64>,
-    /// An error says how many.
+    /// True if a target for the error determines the number.
     target: bool,
 }
 
@@ -157,7 +157,7 @@ fn computed(
     Ok((basis, count, candidates, Some(mesh)))
 }
 
-/// The basis of a stored reduction, held against the gear and what is asked of it.
+/// Returns the basis of a stored reduction, compared with the gear and the request.
 fn stored(reader: &Reader<'_>, path: &str, asked: &Asked) -> Result<Found, BuildError> {
     let mut own = mesh_source::PARAMETERS.iter().map(|p| p.key);
     if let Some(key) = own.find(|k| reader.context.parameters.contains_key(*k)) {
@@ -207,7 +207,8 @@ fn stored(reader: &Reader<'_>, path: &str, asked: &Asked) -> Result<Found, Build
     }
 }
 
-/// The eigenmodes of a choice; with a target for the error of the force history, as few as reach it.
+/// Returns the selected eigenmodes; with a target for the error of the force history, the smallest number that meets
+/// it.
 fn kept_of(
     reader: &Reader<'_>,
     basis: &Basis,

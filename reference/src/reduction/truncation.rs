@@ -1,4 +1,4 @@
-//! What the kept modes carry is taken from the static compliance: the rest is the residual compliance
+//! Residual compliance: the static compliance without the part that the kept modes carry.
 //!
 //! ```text
 //! R = A - B Omega^-2 B^T,     r = a - B Omega^-2 h
@@ -24,13 +24,13 @@ pub struct Kept<'a> {
     pub omega: &'a [f64],
     /// Outward shapes at the flank nodes, `node * modes + mode` [1/sqrt(kg)].
     pub shapes: &'a [f64],
-    /// Turn (displacement) of a free hub in each mode; zeros for a held hub.
+    /// Rotation (displacement) of a free hub in each mode; zeros for a fixed hub.
     pub hub: &'a [f64],
     /// Rows of the teeth that the modes are made for; none where all teeth have the same of them.
     pub made_for: &'a [u32],
 }
 
-/// The static compliance without what the kept modes carry.
+/// Subtracts the part that the kept modes carry from the static compliance.
 pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, ReductionError> {
     let (nodes, modes) = (total.hub.len(), kept.omega.len());
     if kept.shapes.len() != nodes * modes || kept.hub.len() != modes {
@@ -115,14 +115,14 @@ fn subtract(c: &mut [f64], a: &[f64], b: &[f64], m: usize, modes: usize) {
     );
 }
 
-/// Largest compliance of a node of tooth 0 with itself.
+/// Returns the largest compliance of a node of tooth 0 with itself.
 fn largest(blocks: &[f64], z: usize, m: usize) -> f64 {
     debug_assert_eq!(blocks.len(), z * m * m);
     (0..m).map(|i| blocks[i * m + i]).fold(0.0, f64::max)
 }
 
-/// Whether all teeth keep the same: the compliance of each node with itself tells, for half a pair leaves nodal
-/// diameters where it stands.
+/// Checks that all teeth have equal modes, by the compliance of each node with itself: half a pair leaves nodal
+/// diameters.
 fn alike(s: &[f64], scale: f64, z: usize, m: usize, modes: usize) -> Result<(), ReductionError> {
     let own = |k: usize| -> f64 { s[k * modes..][..modes].iter().map(|x| x * x).sum() };
     for i in 0..m {
@@ -152,7 +152,7 @@ pub(super) fn symmetrise(c: &mut [f64], n: usize) {
     }
 }
 
-/// The same for the blocks of a cyclic gear: block `z - d` is block `d` transposed.
+/// Symmetrises the blocks of a cyclic gear: block `z - d` is block `d` transposed.
 pub(super) fn symmetrise_blocks(blocks: &mut [f64], z: usize, m: usize) {
     for d in 0..=z / 2 {
         let opposite = (z - d) % z;

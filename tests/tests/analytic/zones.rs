@@ -11,7 +11,7 @@ use gearbench_models::spec::{
 };
 use gearbench_tests::*;
 
-/// The pinion driven against a load on the wheel, from rest against each other.
+/// Returns a pinion driven against a load on the wheel, from contact at rest.
 fn driven(speed: f64, torque: f64) -> SceneSpec {
     let mut spec = case_a(0.0);
     let side = if speed > 0.0 { Side::Left } else { Side::Right };
@@ -29,7 +29,7 @@ fn damped(per_width: f64) -> ContactSpec {
     }
 }
 
-/// States before and after the run was switched or handed over.
+/// Sink that records the states before and after switches or hand-overs.
 #[derive(Default)]
 struct Switches(Vec<[State; 2]>);
 

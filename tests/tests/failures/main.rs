@@ -1,4 +1,4 @@
-//! Every class of failure driven on purpose, through the real scene wherever the shipped laws can produce it.
+//! Every class of failure, caused on purpose, through the real scene wherever the shipped laws can produce it.
 //!
 //! The table: `cargo test --release -p gearbench-tests --test failures -- --nocapture`.
 #![allow(clippy::print_stdout)]
@@ -20,12 +20,12 @@ use gearbench_tests::*;
 use std::sync::LazyLock;
 use wrong_laws::{Wrong, WrongScene};
 
-/// After the impact of case A, before the opposite flanks meet.
+/// End after the impact of case A, before the opposite flanks touch, and initial gap.
 const T_END: f64 = 1.5e-4;
 const GAP: f64 = 3.1e-6;
 const STIFFNESS: f64 = 1.54e10;
 
-/// How to run a scene.
+/// A scene with the settings of its run.
 #[derive(Clone)]
 struct Way {
     scene: SceneSpec,
@@ -90,7 +90,7 @@ impl Way {
         .unwrap_or_else(|e| panic!("{text}: {e}"))
     }
 
-    /// The same scene under a wrong law; of the record only what a verdict says.
+    /// Runs the same scene under a wrong law; the record has only the data of a verdict.
     fn run_wrong(&self, wrong: Wrong, text: &str, resolution: Resolution) -> Run {
         let scene = Scene::build(&self.scene, &self.modelling(), &models()).unwrap();
         let effective_radii = [0, 1].map(|i: usize| effective_radius(&self.scene.gears[i].body));
@@ -126,10 +126,10 @@ fn step(h: f64) -> Resolution {
     Resolution::Step(h)
 }
 
-/// A class of failure: what is expected, how it is driven, and the run.
+/// A class of failure: the expected status, its cause, and the run.
 struct Driven(Status, &'static str, Run);
 
-/// A pinion that a torque turns back half a micrometre after its flanks met, 55 us after the start.
+/// Returns a pinion whose motion a torque reverses half a micrometre after first contact, 55 us after the start.
 fn grazing() -> Way {
     let mut way = Way::rigid();
     way.scene.meshes[0].start.gap = 20e-6;
@@ -144,8 +144,8 @@ fn grazing() -> Way {
     way
 }
 
-/// Flanks that come together slowly, with a damper whose force is there at once: 0.07 s after the start the step that
-/// resolves the jump to this tolerance is smaller than what time resolves.
+/// Returns flanks that approach slowly, with a damper whose force jumps: 0.07 s after the start the step that resolves
+/// the jump to this tolerance is below the resolution of time.
 fn jump() -> Way {
     let mut way = Way::rigid();
     way.scene.gears[0].speed = 0.02;
@@ -156,7 +156,7 @@ fn jump() -> Way {
     way
 }
 
-/// Stiff restitution: in long steps Newton's method goes to and fro between contact and none.
+/// Returns stiff restitution: in long steps Newton's method alternates between contact and none.
 fn restitution() -> Way {
     let mut way = Way::rigid();
     way.contact.exponent = 1.5;
@@ -166,7 +166,7 @@ fn restitution() -> Way {
     way
 }
 
-/// The same with a common rotation.
+/// Returns the same scene with a common rotation.
 fn fast(mut way: Way) -> Way {
     let [a, b] = [0, 1].map(|i: usize| effective_radius(&way.scene.gears[i].body));
     way.scene.gears[0].speed += 300.0;
@@ -178,7 +178,7 @@ fn lasting(t_end: f64, way: Way) -> Way {
     Way { t_end, ..way }
 }
 
-/// All of them, run once.
+/// All classes of failure, run once.
 static DRIVEN: LazyLock<Vec<Driven>> = LazyLock::new(drive);
 
 fn drive() -> Vec<Driven> {
@@ -292,7 +292,7 @@ fn drive() -> Vec<Driven> {
     ]
 }
 
-/// Text without numbers that are none.
+/// Returns true if a text has no invalid numbers.
 fn is_finite_text(text: &str) -> bool {
     text.split(|c: char| !c.is_alphanumeric())
         .all(|word| !["nan", "inf", "infinity"].contains(&word.to_lowercase().as_str()))
@@ -325,7 +325,7 @@ fn every_class_is_driven_and_labelled() {
     }
 }
 
-/// The record of all of them, with its tables and its page, holds numbers only.
+/// The record of all failures, with its tables and its page, has valid numbers only.
 #[test]
 fn records_of_failures_hold_finite_numbers() {
     let mut runs: Vec<Run> = DRIVEN.iter().map(|d| d.2.clone()).collect();
@@ -369,8 +369,8 @@ fn records_of_failures_hold_finite_numbers() {
     assert!(files > 3, "{files} files");
 }
 
-/// Teeth that a step throws far beyond their gears: windows that follow them tooth by tooth would never arrive. Nothing
-/// watches the run.
+/// Teeth that a step moves far beyond their gears end a run: windows that follow them tooth by tooth would never
+/// arrive.
 #[test]
 fn movable_teeth_that_blow_up_come_to_an_end() {
     let way = Way::movable();
@@ -393,8 +393,8 @@ fn movable_teeth_that_blow_up_come_to_an_end() {
     }
 }
 
-/// Teeth that deflect by more than a tenth of the module are warned of, in the message of a run that is else fine: no
-/// contact law and no linear tooth holds there.
+/// A deflection of more than a tenth of the module gives a warning in the message of an otherwise successful run: no
+/// contact law and no linear tooth is valid there.
 #[test]
 fn deflections_beyond_a_tenth_of_the_module_are_warned_of() {
     for (speed, warned) in [(20.0, false), (1500.0, true)] {

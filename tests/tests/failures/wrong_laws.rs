@@ -1,4 +1,5 @@
-//! Laws that no shipped contact follows, around a real scene: for the failures that the shipped ones cannot produce.
+//! Contact laws that no shipped contact follows, around a real scene, for failures that the shipped ones cannot
+//! produce.
 
 use gearbench_integrators::system::Singular;
 use gearbench_integrators::{
@@ -6,14 +7,14 @@ use gearbench_integrators::{
 };
 use gearbench_models::scene::Scene;
 
-/// What is wrong.
+/// Kind of a wrong law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wrong {
-    /// Open flanks attract each other, with so many newton per metre of gap up to so many metres: `N = -k g`.
+    /// Open flanks attract each other, with a stiffness [N/m] up to a gap [m]: `N = -k g`.
     Glue { stiffness: f64, range: f64 },
-    /// A contact that has closed lets go at once, and closes again.
+    /// A contact that has closed opens at once, and closes again.
     Flips,
-    /// Flanks that overlap feel a force that is no number.
+    /// The force of overlapping flanks is not a number.
     NoNumber,
 }
 
@@ -21,7 +22,7 @@ pub enum Wrong {
 pub struct WrongScene {
     pub scene: Scene,
     pub wrong: Wrong,
-    /// Approach by unit turn of each hub [m], and the gap at the start [m].
+    /// Approach per unit rotation of each hub [m], and the gap at the start [m].
     pub effective_radii: [f64; 2],
     pub gap: f64,
     closed: Option<f64>,
@@ -42,7 +43,7 @@ impl WrongScene {
         self.gap - self.effective_radii[0] * at.q[0] - self.effective_radii[1] * at.q[1]
     }
 
-    /// Normal force of the glue [N], negative, and its potential [J].
+    /// Returns the normal force of the attraction [N], negative, and its potential [J].
     fn pull(&self, at: At<'_>) -> (f64, f64) {
         let Wrong::Glue { stiffness, range } = self.wrong else {
             return (0.0, 0.0);

@@ -1,10 +1,10 @@
 //! Dashpots and friction at points, in one solve with the residual compliance and, at the end of an impulse, with the
 //! velocities.
 //!
-//! A point pushes with its law at its gap and the rate of the gap, and rubs with the force of friction at its sliding
-//! speed, `N_p = n(g_p, r_p)`, `T_p = t(N_p, s_p)`. All three answer to the forces: the gap by the residual compliance
-//! `R`, and, where a method asks for the forces at the end of a half kick of length `tau`, rate and sliding speed by the
-//! inverse mass `Y`,
+//! The normal force of a point follows from its law at its gap and the rate of the gap, its friction from the sliding
+//! speed, `N_p = n(g_p, r_p)`, `T_p = t(N_p, s_p)`. All three arguments depend on the forces: the gap by the residual
+//! compliance `R`, and, where a method needs the forces at the end of a half impulse of length `tau`, rate and sliding
+//! speed by the inverse mass `Y`,
 //!
 //! ```text
 //! g = g0 + w . R F,   r = r* + tau w . Y F,   s = s* + tau z . Y F,   F = sum_p w_p N_p + z_p T_p
@@ -13,22 +13,23 @@
 //! over *ports*: the nodes of the gears, outwards (`w`) and along the profile (`z`), and behind them the hubs that are free
 //! to move, whose weights are the effective radii. `r*` and `s*` are the rates before the contact acts.
 //!
-//! **Rates follow.** As a gap closes the nodes that are held by residual compliance give way, and what is left for the
-//! dashpot is what the point itself is squeezed by. With the stiffness `K` of the points, quasi-statically,
+//! **Rates follow quasi-statically.** As a gap closes, the nodes on residual compliance are displaced, and the dashpot
+//! receives the rest of the rate, the compression of the point itself. With the stiffness `K` of the points,
 //!
 //! ```text
 //! r = D b,    D = (I + W^T R W K)^-1,    b = r* + tau W^T Y F
 //! ```
 //!
-//! with the rates `b` before residual compliance. Linearly `F = (I + K W^T R W)^-1 (K g0 + c D b)` loses `b . D^T c D b`,
-//! never less than nothing, which is what nodes with their masses lose as far as these are slow beside `c/K`. (With `b`
-//! in the place of `r` an impact loses twice as much as that of finite elements.) Sliding speeds follow nothing.
+//! with the rates `b` before residual compliance. Linearly `F = (I + K W^T R W)^-1 (K g0 + c D b)` dissipates `b . D^T
+//! c D b`, which is never negative. Nodes with masses dissipate the same as far as they are slow compared with `c/K`.
+//! (With `b` in place of `r` an impact loses twice as much as that of finite elements.) Sliding speeds have no such
+//! correction.
 //!
-//! The kicks at both sides of an instant then make the implicit midpoint
-//! rule for the dashpots, `v+ - v- = h M^-1 B^T N((v+ + v-)/2)`, and for friction alike: of second order, and stable
-//! whatever `c h / m`, so that friction holds what sticks without chatter however steep its regularisation is (E.
-//! Hairer, Ch. Lubich, G. Wanner, *Geometric Numerical Integration*, 2006, ch. II.1; for dampers in
-//! position-explicit methods T. J. R. Hughes, *The Finite Element Method*, 1987, sec. 9.1.2).
+//! The impulses on both sides of an instant are then the implicit midpoint rule for the dashpots, `v+ - v- = h M^-1
+//! B^T N((v+ + v-)/2)`, and for friction likewise: of second order, and stable whatever `c h / m`, so that sticking
+//! friction does not chatter however steep its regularisation is (E. Hairer, Ch. Lubich, G. Wanner, *Geometric
+//! Numerical Integration*, 2006, ch. II.1; for dampers in position-explicit methods T. J. R. Hughes, *The Finite
+//! Element Method*, 1987, sec. 9.1.2).
 //!
 //! Newton's method on `F`, with the slopes `k = -dn/dg`, `c = -dn/dr`, `f = dt/dN`, `d = -dt/ds` of the points at hand:
 //!

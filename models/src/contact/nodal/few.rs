@@ -14,8 +14,8 @@
 //! N_p = n_p(g_p, r_p),   g = g0 + C N,   r = D (r* + Y N),   D = (I + C K)^-1
 //! ```
 //!
-//! which is what [`DissipativeSolve`](super::DissipativeSolve) solves over the nodes: see there for `D` and `K`. Newton's
-//! method on either has as many unknowns as there are points. Where it begins depends on nothing but the points at hand.
+//! which [`DissipativeSolve`](super::DissipativeSolve) solves over the nodes; `D` and `K` are defined there. Newton's
+//! method on either has as many unknowns as there are points. Its start depends only on the present points.
 
 use super::compliance::Block;
 use super::descent::{Descent, norm_of};

@@ -8,8 +8,8 @@
 //! g = g_rigid - W_s a_s - W_m a_m,      a = B q + r T + u,      u = -R F,      F = sum_p W_p N_p
 //! ```
 //!
-//! `T` is what loads apply to the hub; a viscous load is left out of `r T`, or gaps would know speeds. All of this
-//! derives from one potential of displacements and modal coordinates,
+//! `T` is the applied load on the hub; a viscous load is left out of `r T`, because gaps would otherwise depend on
+//! speeds. All of this derives from one potential of displacements and modal coordinates,
 //!
 //! ```text
 //! Pi = min_u  u^T R^-1 u / 2 + sum_p phi(g_p)

@@ -109,7 +109,7 @@ impl NodalSolve {
         self.by_points.then_some(&mut self.few)
     }
 
-    /// Computes the residual displacements under the present forces of the points, after a [point-based](Self::few)
+    /// Computes the residual displacements under the present forces of the points, after a [point-based](Self::point_based)
     /// solve.
     pub fn displaced(&self, springs: &[Spring], u: &mut Vec<f64>) {
         self.few.displace(springs, self.compliance.n, u);

@@ -1,7 +1,7 @@
 //! Forces and event functions of tooth pairs between two rigid bodies that move in space.
 //!
-//! A contact presses on both bodies along one line: the forces of all pairs on gear b are one wrench, those on gear a its
-//! opposite, and gap rates are those of two points that move with the twist of gear b over gear a,
+//! A contact acts on both bodies along one line: the forces of all pairs on gear b are one wrench, those on gear a its
+//! opposite, and gap rates are those of two points that move with the twist of gear b relative to gear a,
 //!
 //! ```text
 //! F = sum N n,    M = sum (x - o) x N n,    dg/dt = n . (v + w x (x - o))

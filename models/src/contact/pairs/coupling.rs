@@ -1,15 +1,15 @@
 //! Elastic coupling of pairs on one line of action through the common body.
 //!
-//! A pair's stiffness `k(s)` is that of the pair alone; a force on another pair of the same slice, `r`, opens its gap by
-//! `c_pr N_r`, what tooth roots, rim and disc that both stand on give:
+//! The stiffness `k(s)` of a pair is that of the pair alone; a force on another pair of the same slice, `r`, opens its
+//! gap by `c_pr N_r`, the deflection of tooth roots, rim and disc that both share:
 //!
 //! ```text
 //! g_p = g0_p + sum over r != p of c_pr N_r(g_r),    N = k d^n
 //! V = sum W(g_p) + sum over p < r of c_pr N_p N_r,  F = -dV/dq
 //! ```
 //!
-//! with elastic forces, so that the forces are those of one potential; a damper sees the rate of `g0`. What the
-//! compliance changes by along the path, `N_p N_r c_pr'(s) / 2` for each of both pairs, joins the parametric term.
+//! with elastic forces, so that the forces are those of one potential; a damper receives the rate of `g0`. The change
+//! of the compliance along the path, `N_p N_r c_pr'(s) / 2` for each of both pairs, is added to the parametric term.
 
 use super::lines::LinesOfAction;
 use crate::contact::candidate::Candidate;

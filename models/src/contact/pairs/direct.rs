@@ -1,10 +1,10 @@
 //! Forces and event functions of tooth pairs as scalars, for gears whose teeth move by one coordinate each.
 //!
-//! On the line of action the effective radius arm of a flank is the same all along: a pair's contact row is one number per
-//! gear, its gap and gap rate follow from the displacements and speeds of two teeth. Which pairs there are, and by which
-//! coordinates their teeth move, is in the discrete state and changes once in a thousand steps: it is kept in a [`Roster`]
-//! until then. Nothing is searched, and neither points nor rows are made. Candidates say the same of the same pairs, with
-//! all that pictures, tangents and friction need.
+//! On the line of action the effective radius arm of a flank is constant: the contact row of a pair is one number per
+//! gear, and its gap and gap rate follow from the displacements and speeds of two teeth. The pairs, and the
+//! coordinates by which their teeth move, follow from the discrete state, which changes once in a thousand steps: they
+//! are stored in a [`Roster`] until then. There is no search, and neither points nor rows are computed. Candidates
+//! give the same forces of the same pairs, with the additional data for figures, tangents and friction.
 
 use super::coupling::{Group, MOST_ON_LINE};
 use super::lines::{Line, LinesOfAction, ZONE_EVENTS, all_open};

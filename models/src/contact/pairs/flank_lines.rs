@@ -1,8 +1,8 @@
 //! Contact of elastic gears along lines of their flanks: one pressure line per tooth pair and strip of the width.
 //!
-//! Where the flanks touch is told by the [lines of action](LinesOfAction), with the exact separation of involutes beyond
-//! the path and of modified flanks; how the teeth give way there, by [lines](crate::gear::elastic::lines) of their meshes
-//! about that place. The gap before residual compliance
+//! The [lines of action](LinesOfAction) determine where the flanks touch, with the exact separation of involutes
+//! beyond the path and of modified flanks. The [lines](crate::gear::elastic::lines) of the meshes around that position
+//! determine the deflection of the teeth. The gap before residual compliance is
 //!
 //! ```text
 //! g = g_rigid(theta_1, theta_2) - w_1 . a_1 - w_2 . a_2
@@ -16,10 +16,11 @@
 //! N (dg_rigid/dtheta_k - ds_k/dtheta_k w_k' . a_k) - dV/dF_0 dF_0/ds_k ds_k/dtheta_k
 //! ```
 //!
-//! with the slope of `a_k` by `theta_k` as well where the nodes say themselves where they are
-//! ([`DeformedLines`](crate::gear::DeformedLines)). Nothing of it knows the facets of a mesh: geometry under load is that of the exact flank. That a tilting flank moves the
-//! contact along the profile, by `R` times the tilt, is left out: 1 % of the approach where teeth are loaded to
-//! 800 N/mm. A tip edge counts as the end of the flank, with the curvature that it has there.
+//! with the slope of `a_k` by `theta_k` as well for gears with explicit node positions
+//! ([`DeformedLines`](crate::gear::DeformedLines)). The facets of a mesh have no effect: geometry under load is that
+//! of the exact flank. The motion of the contact along the profile by the tilt of a flank, `R` times the tilt, is
+//! neglected: 1 % of the approach where teeth are loaded to 800 N/mm. A tip edge counts as the end of the flank, with
+//! its curvature there.
 
 use super::lines::{Line, LinesOfAction, MeshedGears, side_index};
 use crate::Vec3;

@@ -15,9 +15,9 @@
 //! ds_a = r_a/L (e . v - sigma (L - s) w),    ds_b = r_b/L (e . v + sigma s w) + sigma tan(beta) v_z
 //! ```
 //!
-//! (F. L. Litvin, A. Fuentes, *Gear Geometry and Applied Theory*, 2nd ed. 2004, ch. 10: a change of the centre distance leaves
-//! involutes conjugate.) What the flanks stand off their involutes adds `e_k'(s_k) ds_k` to the change of the gap: force and
-//! moment, which are one force along another line.
+//! (F. L. Litvin, A. Fuentes, *Gear Geometry and Applied Theory*, 2nd ed. 2004, ch. 10: a change of the centre
+//! distance leaves involutes conjugate.) The separation of the flanks from their involutes adds `e_k'(s_k) ds_k` to
+//! the change of the gap: force and moment, which are one force along another line.
 
 use super::lines::{Line, LinesOfAction, MeshedGears, PairState};
 use super::spatial::Touch;

@@ -1,7 +1,7 @@
 //! Separation of a gear's flank from the involute of its mate, over the gear's own path coordinate.
 //!
-//! While the involutes touch on the line of action, the gap is `L - s_a - s_b`. Flanks that are modified, and tips that
-//! have run beyond the end of the path, stand off by the separation
+//! While the involutes touch on the line of action, the gap is `L - s_a - s_b`. Modified flanks, and tips beyond the
+//! end of the path, have the separation
 //!
 //! ```text
 //! e(s) = min over rho <= rho_tip of  d(rho) + s_m(P(rho, s)) + s - L

@@ -8,7 +8,7 @@
 //! l^2 kappa / 8
 //! ```
 //!
-//! in between, and by what the chord's own profile stands out of it.
+//! in between, and by the protrusion of the chord's own profile.
 
 use super::profile::{Vec2, outward};
 use crate::geometry::Side;

@@ -1,8 +1,8 @@
 //! Coarse phase of the point search: the pairs of flanks that may touch at a state.
 //!
-//! [`CoarseStep`] is the seam. What a step yields may be too much, never too little; the narrow phase is the same
-//! behind every step, and pairs come in one order, so that the forces of flanks that both steps find are the same to
-//! the last bit.
+//! [`CoarseStep`] is the interface. The result of a step may contain too many pairs, never too few. The narrow phase
+//! is the same for every step, and pairs are in one order, so that the forces of flanks that both steps find are equal
+//! to the last bit.
 //!
 //! - [`ToothIndices`] looks up sorted path coordinates. It asks that flanks follow the involutes of the toothing that
 //!   the scene names, so that one number tells where they are.

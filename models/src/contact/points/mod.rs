@@ -1,14 +1,14 @@
 //! Contact between flanks given as structured grids of nodes: points of one flank against the surface of the
 //! other.
 //!
-//! Each point stands for a reference area `A` of its flank; it is projected on the other gear's deformed
-//! flank, and the gap `g` along that flank's unit normal gives the force `N = p A <-g>` with the penalty `p`
-//! [Pa/m]. Deflected teeth touch off the line of action, so nothing here presumes it: path coordinates of the
-//! undeformed involutes only choose which flanks are looked at. Gears that bring no flanks get them from their
-//! geometry, rigid with each tooth, so any gear meets any other.
+//! Each point represents a reference area `A` of its flank; it is projected on the other gear's deformed flank, and
+//! the gap `g` along that flank's unit normal gives the force `N = p A <-g>` with the penalty `p` [Pa/m]. Deflected
+//! teeth touch off the line of action, so that it is not presumed: path coordinates of the undeformed involutes only
+//! select the flanks of the search. Gear models without flanks get them from their geometry, rigid with each tooth, so
+//! that any gear can mesh with any other.
 //!
-//! Same-named flanks touch: left flanks of one gear meet left flanks of the other, also of a rack, and of an internal gear by
-//! the sides that one sees from its roots.
+//! Flanks of one side touch: left flanks of one gear touch left flanks of the other, also of a rack, and of an
+//! internal gear by the sides as seen from the roots.
 //!
 //! Steps of the search, after the gear train module of P. Ziegler and P. Eberhard (2011): teeth about the line
 //! of centres, the flanks they face on both sides, points of these. Where tooth numbers do not tell the first two, boxes

@@ -1,9 +1,9 @@
 //! Flanks that are equal in every transverse plane: a profile in two dimensions, and projections on it.
 //!
-//! The profile is a chain of cubics `p(a) = c_0 + c_1 a + c_2 a^2 + c_3 a^3` from row to row, in the gear's own frame;
-//! facets are the linear case. The closest point solves `p' . (x - p) = 0`. What holds of
-//! [projections on surfaces](super::projection) holds here: beyond an edge the neighbour is asked, between two facets
-//! that both send a point to the other the closest point is their common edge.
+//! The profile is a chain of cubics `p(a) = c_0 + c_1 a + c_2 a^2 + c_3 a^3` from row to row, in the gear frame;
+//! facets are the linear case. The closest point solves `p' . (x - p) = 0`. As for [projections on
+//! surfaces](super::projection), beyond an edge the neighbouring face is searched, and between two facets that both
+//! refer a point to the other the closest point is their common edge.
 
 use super::chords::{Bulge, Chord, chords, on_curve};
 use super::projection::{BEYOND_TIP, NEAR_EDGE, OVERLAP, RIM};

@@ -1,9 +1,9 @@
 //! Point search in two dimensions, where all flanks move with their hubs and are equal in every transverse plane.
 //!
-//! A point and a flank meet in the transverse plane whatever their place over the width, so that one projection serves
-//! all points of a line over it. Everything stands in the gears' own frames from the start; an evaluation needs one
-//! pose of each gear against the other. Along a pair of flanks the gap grows from the point that faces the other flank
-//! best: rows are looked at from there on outwards, and no further than displacements can close the gap.
+//! A point and a flank have the same transverse positions whatever their position over the width, so that one
+//! projection serves all points of a line over it. All data are in the gear frames from the start; an evaluation needs
+//! one pose of each gear relative to the other. Along a pair of flanks the gap grows from the point of smallest gap:
+//! rows are searched outwards from there, until displacements can no longer close the gap.
 
 use super::flanked::Near;
 use super::mesh_flanks::MeshFlanks;

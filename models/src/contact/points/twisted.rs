@@ -7,9 +7,9 @@
 //! x(a, z) = S(z)^-1 p(a),      dx/dz = d:   tau (-y, x) of a gear, (0, sigma) of a rack
 //! ```
 //!
-//! so that one flank against the other is, seen from their sections, the pair of profiles of spur teeth in a pose that
-//! depends on `z`. A projection in the section, with the gap `g_t` along the normal `n_t` there, tells the closest point in
-//! space but for what is of second order in the gap: with `w = -n_t . d`
+//! so that one flank relative to the other is, in their sections, the pair of profiles of spur teeth in a pose that
+//! depends on `z`. A projection in the section, with the gap `g_t` along the normal `n_t` there, determines the
+//! closest point in space up to second order in the gap: with `w = -n_t . d`
 //!
 //! ```text
 //! cos^2 beta = 1/(1 + w^2),   g = g_t cos beta,   z' = z - g_t w cos^2 beta
@@ -24,8 +24,8 @@
 //!
 //! which is exact: what is of second order in the tilt is the distance alone.
 //!
-//! (F. L. Litvin, A. Fuentes, *Gear Geometry and Applied Theory*, 2nd ed. 2004, ch. 14, for helicoids). So sections say
-//! which points are wanted, and where the search in space begins; what is found in the end is that of the surfaces.
+//! (F. L. Litvin, A. Fuentes, *Gear Geometry and Applied Theory*, 2nd ed. 2004, ch. 14, for helicoids). Sections
+//! therefore select the points and the start of the search in space; the result is that of the surfaces.
 
 use super::flanked::Flanked;
 use super::mesh_flanks::MeshFlanks;
@@ -235,7 +235,7 @@ impl Twisted {
         }
     }
 
-    /// Computes the maps from the section of the slave `k` at each of its cells to those of the master; `seen` is the
+    /// Computes the maps from the section of the slave `k` at each of its cells to those of the master; `relative_frame` is the
     /// frame of the slave in that of the master.
     pub fn maps(&self, k: usize, seen: &Pose, out: &mut Vec<SectionMap>) {
         out.clear();

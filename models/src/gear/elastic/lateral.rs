@@ -1,9 +1,9 @@
 //! The elastic gear on a hub with out-of-plane freedom: motion of the hub by the modes, and forces of the bearing on
 //! the modes.
 //!
-//! The floating frame moves as a rigid body does ([`crate::kinematics::Lateral`]); the modes hold no momentum in the
-//! directions in which the hub is free. The hub stands off the frame by what the modes make of it, own axes turned with the
-//! gear,
+//! The floating frame moves as a rigid body does ([`crate::kinematics::Lateral`]); the modes have no momentum in
+//! the free directions of the hub. The displacement of the hub from the frame follows from the modes, with the gear
+//! frame rotating with the gear,
 //!
 //! ```text
 //! h = x + u,   u = T(theta) s,   s = sum_i Phi_i q_i,   h' = x' + T s' + theta' z x u,   T = diag(R_z, R_z)

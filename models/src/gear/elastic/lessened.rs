@@ -4,8 +4,8 @@
 //! R = A - T T^T,     T_ki = b_ki / omega_i
 //! ```
 //!
-//! `A` is kept by blocks, `T` by rows. Between the rows of the teeth that the modes are made for, which touch, `R` stands
-//! ready; between any others it is put together when it is asked for.
+//! `A` is stored by blocks, `T` by rows. Between the rows of the teeth for which the modes were fitted, which touch,
+//! `R` is stored; between any others it is computed when needed.
 
 use super::lines::{Sum, rows_of_sums};
 use super::reduced::FlankCompliance;

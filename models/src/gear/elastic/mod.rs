@@ -11,12 +11,12 @@
 //! a_k = sum_i b_ki q_i - sum_l R_kl F_l + r_k T
 //! ```
 //!
-//! `a_k` is how far flank node `k` stands outward of the rigid flank, `b_ki` the shape of mode `i` there, `F_k` the
-//! contact force that presses on the node, `h_i` how far mode `i` turns the hub, `R` and `r` the residual compliance
-//! between the flank nodes and towards the hub. Only displacements along the normals enter a gap: what slides
-//! along the flank changes it in second order, by `u_t^2 / (2 rho)`, a part in a thousand of the deflection of a
-//! steel tooth. Where flanks touch on half-spaces the nodes are [`lines`] over strips of the width. Gears that turn fast
-//! have the centrifugal and Coriolis terms of [`inertia`] as well.
+//! `a_k` is the outward displacement of flank node `k` from the rigid flank, `b_ki` the shape of mode `i` there, `F_k`
+//! the contact force on the node, `h_i` the rotation of the hub by mode `i`, `R` and `r` the residual compliance
+//! between the flank nodes and towards the hub. Only displacements along the normals enter a gap: displacements along
+//! the flank change it in second order, by `u_t^2 / (2 rho)`, a part in a thousand of the deflection of a steel tooth.
+//! For contact on half-spaces the nodes are [`lines`] over strips of the width. Gears at high speed have the
+//! centrifugal and Coriolis terms of [`inertia`] as well.
 
 mod body;
 mod free_flight;

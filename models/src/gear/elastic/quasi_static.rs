@@ -1,8 +1,9 @@
 //! Quasi-static correction: the compliance that a method with impulses leaves out of the modes is added to the
 //! residual compliance.
 //!
-//! A method that kicks the modes every `h` lets a force that lasts move mode `i` by `lag_i` less than
-//! `1/omega_i^2` ([`ModalSplit::prepare`](gearbench_integrators::ModalSplit::prepare)). The flank nodes get it back as
+//! Under a method with impulses on the modes every `h`, a sustained force moves mode `i` by `lag_i` less than
+//! `1/omega_i^2` ([`ModalSplit::prepare`](gearbench_integrators::ModalSplit::prepare)). The compliance of the flank
+//! nodes is increased by the difference,
 //!
 //! ```text
 //! R_h = R + B diag(quasi_static) B^T + l l^T lag_0 / J

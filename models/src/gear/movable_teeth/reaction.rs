@@ -7,8 +7,8 @@
 //! ```
 //!
 //! with the radial and tangential directions `e_i`, `t_i` of a tooth and the contact forces `F`. Equal teeth outside
-//! the windows are the mean, whose sum over a whole gear vanishes, and their free deviations `d`.
-//! The torque of a held mount is what the springs exert on the body.
+//! the windows are the mean, whose sum over a whole gear vanishes, and their free deviations `d`. The torque of a
+//! fixed mount is that of the springs on the body.
 
 use super::teeth::{Integrated, MovableTeeth};
 use crate::Vec3;

@@ -23,7 +23,7 @@
 //! |---|---|
 //! | `plan` | carriers of a scene from its settings; refusals |
 //! | `relative` | the relative state, and how forces in it act |
-//! | `seen` | what a scene does in it |
+//! | `carrier_frame` | what a scene does in it |
 //! | `correction` | Newton corrections |
 
 mod correction;

@@ -124,7 +124,7 @@ pub(in crate::scene) struct Solved {
     pub springs: Vec<Spring>,
     pub blocks: Vec<Block>,
     pub dissipative: DissipativeSolve,
-    /// Ports and [impulse](Nodal::kick) of the mobility in `dissipative`.
+    /// Ports and [impulse](Nodal::impulse) of the mobility in `dissipative`.
     pub(in crate::scene) mobile: (Vec<u32>, u64),
     /// Residual displacements of the nodes with dissipative forces [m].
     pub(in crate::scene) outward: Vec<f64>,

@@ -19,10 +19,10 @@
 //! |---|---|
 //! | `beam` | elements as modes of deformation |
 //! | `plan` | shafts as nodes and elements |
-//! | `together` | what members of a shaft have in common; refusals |
+//! | `consistency` | what members of a shaft have in common; refusals |
 //! | `links` | links from elements, their forces, energies and damping |
 //! | `guides` | links of one hub to the ground, with friction |
-//! | `acting` | links in a scene: forces, tangents, corrections, what is reported |
+//! | `link_forces` | links in a scene: forces, tangents, corrections, what is reported |
 
 mod acting;
 mod beam;

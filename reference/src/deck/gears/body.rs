@@ -18,18 +18,18 @@ pub(super) struct NamedFlank {
     pub(super) label: i64,
     pub(super) side: Side,
     pub(super) quads: Vec<Quad>,
-    /// The node set, if it is one, and how many corners of elements it has: all have to lie in the grid.
+    /// The node set, if it is one, and its number of element corners, all of which have to be in the grid.
     pub(super) members: Option<(Vec<u32>, usize)>,
 }
 
-/// A flank that was found: its grid, and the tooth by where it stands.
+/// A flank that was found: its grid, and the tooth at its position.
 pub(super) struct PlacedFlank {
     pub(super) tooth: u32,
     pub(super) side: Side,
     pub(super) grid: Grid,
 }
 
-/// What the placement of a body adds to its mesh.
+/// Pose and flanks that the recognition of a body adds to its mesh.
 pub(super) struct Placement {
     pub(super) shape: BodyShape,
     pub(super) teeth: u32,
@@ -85,7 +85,7 @@ impl Body {
         super::snapped(0.5 * (low + high), high - low)
     }
 
-    /// What the bore's nodes lie on, seen along z.
+    /// Returns the shape of the bore, seen along z.
     fn bore_shape(&self) -> circle::Shape {
         let bore = self.bore_corners().into_iter();
         let bore: Vec<Vec3> = bore.map(|n| self.positions[n as usize]).collect();
@@ -239,7 +239,7 @@ impl Body {
         Ok(gear)
     }
 
-    /// Declines a body that is no gear by its sets nor by its surface, or not the one that is said.
+    /// Declines a body that is not a gear by its sets nor by its surface, or not the specified one.
     fn unknown(&self, deck: &Deck, why: &Misfit) -> DeckError {
         if let Misfit::Against { .. } = why {
             return against(deck, &self.name, why);
@@ -257,7 +257,7 @@ impl Body {
     }
 }
 
-/// Declines a body that is not as it is said.
+/// Declines a body that disagrees with its specification.
 fn against(deck: &Deck, body: &str, why: &Misfit) -> DeckError {
     decline(
         deck,

@@ -11,8 +11,8 @@ use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
 use std::collections::BTreeMap;
 
-/// The mesh of a recognised body in its own frame; the hub holds `bore`. A flank whose faces are a structured grid of
-/// quadrilaterals touches at its nodes, any other at points tied to its faces.
+/// Returns the mesh of a recognised body in its own frame, with its `bore` tied to the hub. A flank whose faces are a
+/// structured grid of quadrilaterals has contact at its nodes, any other at points tied to its faces.
 pub(super) fn gear(body: Body, deck: &Deck, skin: &Skin<'_>, found: Found) -> DeckGear {
     let placed = Placed::of(&found);
     let own: Vec<Vec3> = (body.positions.iter())
@@ -106,7 +106,7 @@ pub(super) fn gear(body: Body, deck: &Deck, skin: &Skin<'_>, found: Found) -> De
     }
 }
 
-/// Where a recognised body stands, in the terms of [`DeckGear`].
+/// Pose of a recognised body in the terms of [`DeckGear`].
 struct Placed {
     shape: BodyShape,
     teeth: u32,
@@ -143,7 +143,7 @@ impl Placed {
     }
 }
 
-/// Flanks of which no face was found; the ends of a rack may have cut theirs off.
+/// Lists flanks without faces; the ends of a rack may have cut theirs off.
 fn absent(found: &Found, teeth: u32) -> Vec<String> {
     let flanks = found.flanks();
     let has = |tooth: u32, side: Side| flanks.iter().any(|p| (p.tooth, p.side) == (tooth, side));
@@ -164,7 +164,7 @@ fn absent(found: &Found, teeth: u32) -> Vec<String> {
         .collect()
 }
 
-/// The faces of a flank as a grid of nodes, if they are one.
+/// Returns the faces of a flank as a grid of nodes, if they form one.
 fn structured(
     deck: &Deck,
     skin: &Skin<'_>,

@@ -1,4 +1,4 @@
-//! Parts, their instances, and where those stand.
+//! Parts, their instances, and the poses of these.
 //!
 //! A part is read into a deck of its own; an instance is a copy of it with what the instance adds, moved by a
 //! translation and then a turn about the axis through two points (manual of Abaqus, *INSTANCE). Names of its sets
@@ -20,11 +20,11 @@ pub(super) struct Scope {
     name: String,
     outer: Deck,
     place: Place,
-    /// Of an instance, where it stands.
+    /// Pose of an instance.
     stands: Option<Standing>,
 }
 
-/// Where an instance stands: `x -> point + turn (x + shift - point)`.
+/// Pose of an instance: `x -> point + turn (x + shift - point)`.
 struct Standing {
     shift: Vec3,
     point: Vec3,
@@ -160,7 +160,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// No line, one with a translation, or a second with two points and an angle.
+    /// Reads the pose: no line, one with a translation, or a second with two points and an angle.
     fn standing(&mut self, k: &Keyword) -> Result<Standing, DeckError> {
         let mut stands = Standing {
             shift: Vec3::zeros(),
@@ -260,7 +260,7 @@ impl Reader<'_> {
         Some(place as u32 + 1)
     }
 
-    /// The instance that an option names; 0 without one.
+    /// Returns the instance of an option, or 0 without one.
     pub(super) fn named_instance(&self, k: &Keyword, name: Option<&str>) -> Result<u32, DeckError> {
         let Some(name) = name else {
             return Ok(0);

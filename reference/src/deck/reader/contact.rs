@@ -124,7 +124,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What an interaction says beyond a linear penalty: passed over, and remembered.
+    /// Stores further properties of an interaction beyond a linear penalty, which are ignored.
     pub(super) fn more_of_interaction(&mut self, k: &Keyword) -> Result<(), DeckError> {
         let interaction = self
             .interaction
@@ -173,7 +173,7 @@ impl Reader<'_> {
     }
 }
 
-/// The value of an option, if it has one.
+/// Returns the value of an option, if it has one.
 fn option<'k>(k: &'k Keyword, name: &str) -> Option<&'k str> {
     let option = k.options.iter().find(|o| o.key == name)?;
     option.value.as_deref()

@@ -1,4 +1,4 @@
-//! What can only be checked when the whole deck was read.
+//! Checks that are possible only after the whole deck was read.
 
 use super::{Reader, known};
 use crate::deck::data::{Deck, Target};

@@ -9,7 +9,7 @@ use crate::mesh::ElementKind;
 use gearbench_models::Vec3;
 use std::collections::HashSet;
 
-/// What a set is made of.
+/// Members of a set.
 #[derive(Clone, Copy)]
 enum Of {
     Nodes,
@@ -119,7 +119,7 @@ impl Reader<'_> {
         Ok((first..end).collect())
     }
 
-    /// The label of an element, which has to be a new one.
+    /// Returns the label of an element, which has to be a new one.
     pub(super) fn new_label(&self, k: &Keyword, data: &Data) -> Result<Label, DeckError> {
         let number = label(k, data, field(data, 0))?;
         match self.deck.any_element(number.into()) {
@@ -221,7 +221,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The name of a set, within an instance if one is given.
+    /// Returns the name of a set, qualified by an instance if one is given.
     pub(super) fn of_instance(&self, instance: u32, name: &str) -> String {
         let name = name.to_ascii_lowercase();
         match (instance as usize).checked_sub(1) {
@@ -365,12 +365,12 @@ impl Reader<'_> {
     }
 }
 
-/// A field of a data line; one left out is empty.
+/// Returns a field of a data line; a missing one is empty.
 pub(super) fn field(data: &Data, i: usize) -> &str {
     data.fields.get(i).map_or("", String::as_str)
 }
 
-/// A second definition.
+/// Returns the error of a second definition.
 pub(super) fn twice(k: &Keyword, what: &str, name: &str) -> DeckError {
     k.reference(
         format!("each {what} once"),

@@ -1,4 +1,4 @@
-//! A ring on hubs that move in several directions, about axes that stand anywhere.
+//! A ring on hubs that move in several directions, about axes in any direction.
 
 mod alike;
 
@@ -119,7 +119,7 @@ fn moved(gear: &FullOrder, moves: f64) -> (Vec<f64>, Vec<f64>) {
     bent(gear, moves, 1e-6)
 }
 
-/// The same with displacements of another size.
+/// Returns a state with displacements of another magnitude.
 fn bent(gear: &FullOrder, moves: f64, size: f64) -> (Vec<f64>, Vec<f64>) {
     let (n, own) = (gear.hub().len(), gear.own);
     let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
@@ -202,7 +202,7 @@ fn tangents_are_derivatives() {
     }
 }
 
-/// With bearings, drives and spin terms: what is gained is what is put in less what is lost.
+/// With bearings, drives and spin terms the energy changes by the supplied less the dissipated power.
 #[test]
 fn energy_changes_by_the_powers() {
     for (case, mut gear) in floating_cases().into_iter().enumerate() {
@@ -224,7 +224,7 @@ fn energy_changes_by_the_powers() {
     }
 }
 
-/// A free floating, spinning, vibrating body keeps both momenta; bearings change the linear one by what they exert.
+/// A free floating, spinning, vibrating body conserves both momenta; bearings change the linear one by their force.
 #[test]
 fn momentum_changes_by_what_acts() {
     for (case, mut gear) in floating_cases().into_iter().enumerate() {

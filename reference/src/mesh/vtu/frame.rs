@@ -5,8 +5,8 @@ use gearbench_models::Vec3;
 use gearbench_models::geometry::swept::Cells;
 use std::io::{self, Write};
 
-/// Writes bodies, one after the other, as one grid at a time of a run [s] with fields at all their nodes; arrays appended raw,
-/// so that files stay small.
+/// Writes bodies, one after the other, as one grid at a time of a run [s] with fields at all their nodes. Arrays are
+/// appended in binary form, so that files stay small.
 pub fn write_frame(
     out: &mut dyn Write,
     time: f64,

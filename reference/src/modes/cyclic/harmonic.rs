@@ -1,4 +1,4 @@
-//! The search for modes of one harmonic, which can be continued.
+//! Search for modes of one harmonic, which can be continued.
 
 use super::{Sector, Shared};
 use crate::modes::lanczos::{Lanczos, Target, is_small};
@@ -7,27 +7,28 @@ use crate::solve::{Cholesky, Scalar, Symbolic, negative_eigenvalues};
 use faer::{Mat, Par, c64};
 use std::sync::Arc;
 
-/// Vectors per step.
+/// Number of vectors per step.
 const BLOCK: usize = 4;
 
-/// Search of one harmonic.
+/// Search for modes of one harmonic.
 pub(super) struct Harmonic {
     /// Modes of the gear per mode of the harmonic.
     weight: usize,
     search: Search,
-    /// Squares of the frequencies found, ascending.
+    /// Squares of the computed angular frequencies, ascending.
     found: Vec<f64>,
 }
 
 enum Search {
     Real(Box<State<f64>>),
     Complex(Box<State<c64>>),
-    /// None of its modes is wanted: what the search came to.
+    /// None of its modes is needed; the result of the search so far.
     GivenUp(Box<Modes<c64>>),
 }
 
 impl Harmonic {
-    /// Assembles a harmonic of which about `guess` modes are wanted; `shared` is the analysis of those without hub motions.
+    /// Assembles a harmonic of which about `guess` modes are needed; `shared` is the analysis of those without hub
+    /// motions.
     pub fn new(
         sector: &Sector,
         harmonic: u32,
@@ -57,13 +58,13 @@ impl Harmonic {
         self.weight
     }
 
-    /// Squares of the frequencies found, ascending.
+    /// Returns the squares of the computed angular frequencies, ascending.
     pub fn found(&self) -> &[f64] {
         &self.found
     }
 
-    /// Finds the lowest so many, or all up to a bound and the next one unless that has happened; `keep` the factor for
-    /// later.
+    /// Computes the lowest modes, or all up to a bound and the next one unless that has been done; `keep` stores the
+    /// factor.
     pub fn find(&mut self, target: Target, keep: bool) -> Result<(), ModesError> {
         if let (Target::Above(omega2), Some(last)) = (target, self.found.last())
             && *last > omega2

@@ -1,4 +1,4 @@
-//! What is said of a gear: it leads where the search is free, and is held against what is found.
+//! Specification of a gear: it guides the search where that is ambiguous, and is compared with the result.
 
 use super::*;
 use crate::mesh::{self, ElementKind, GearMeshParams, Web};
@@ -13,7 +13,7 @@ fn held(of: Result<crate::recognise::Recognised, Misfit>) -> &'static str {
     }
 }
 
-/// A gear with a web has two cylinders that are seen from within: the bore and the rim's.
+/// A specified radius selects the bore of a gear with a web, which has two inner cylinders.
 #[test]
 fn a_radius_that_is_said_tells_the_bore() {
     let gear = test_support::gear(30, 4e-3, |p| p.bore_radius = 20e-3);
@@ -70,7 +70,7 @@ fn the_sense_of_an_axis_is_the_one_that_is_said() {
     assert_eq!(held(of([0.0, 0.0, 1.0], [2e-3, 0.0, 0.0])), "axis_point_m");
 }
 
-/// Radii that are said cut flanks off, and take in what a relief has taken away.
+/// Specified radii limit the flanks, and include parts that a relief has removed.
 #[test]
 fn radii_that_are_said_bound_the_flanks() {
     use gearbench_models::geometry::{Modifications, ReliefShape, TipRelief};

@@ -10,10 +10,10 @@ use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 use nalgebra::{SMatrix, SVector};
 
-/// Gatherings of faces of one normal that are looked at, the largest ones.
+/// Largest number of groups of faces with one normal that are evaluated.
 const MOST: usize = 40;
 
-/// Sine of the angle within which normals count as one.
+/// Sine of the angle within which normals coincide.
 const ALIKE: f64 = 1e-2;
 
 /// Cosine of the angle between left and right flanks: pressure angles of 5 to 45 degrees.
@@ -22,10 +22,10 @@ const BETWEEN: [f64; 2] = [-0.985, 0.0];
 /// How far a flank may be from its even place [pitches]; far more than any pitch error.
 const UNEVEN: f64 = 0.1;
 
-/// Planes nearer to each other than this part of the tooth's height are one.
+/// Distance of planes, relative to the tooth height, below which they coincide.
 const APART: f64 = 0.3;
 
-/// Faces of one outward normal.
+/// Faces with one outward normal.
 struct Gathering {
     normal: Vec3,
     area: f64,

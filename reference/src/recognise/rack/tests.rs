@@ -1,4 +1,4 @@
-//! Racks found again from their surface: generated ones and the stored one, turned, moved and shuffled.
+//! Recognition of racks from their surface: generated ones and the stored one, rotated, moved and shuffled.
 
 use super::*;
 use crate::deck::{self, BodyShape};
@@ -86,7 +86,7 @@ fn generated_racks_are_found_again() {
     }
 }
 
-/// What sets say and what is found of the stored rack is the same body in the same place.
+/// Recognition of the stored rack without its sets gives the same body at the same position.
 #[test]
 fn the_stored_rack_is_found_without_its_sets() {
     let whole = calculix("rack-pinion/R8b_d05.inp.gz");
@@ -189,7 +189,7 @@ fn points_stand_off_their_planes_as_told() {
     }
 }
 
-/// Digits of decks cost little, and what is no rack is refused with what was missing.
+/// Recognition is insensitive to rounding, and a body that is not a rack is refused with the missing part.
 #[test]
 fn rounded_racks_and_other_bodies() {
     let r = rack(6, 4e-3, |_| {});
@@ -206,7 +206,7 @@ fn rounded_racks_and_other_bodies() {
     assert!(why.contains("as a rack: no two families"), "{why}");
 }
 
-/// A width that is said decides its sense, and has to be the one that is found.
+/// A specified direction of the width decides its sense, and has to agree with the recognised one.
 #[test]
 fn what_is_said_of_a_rack_has_to_agree() {
     let r = rack(5, 3e-3, |_| {});

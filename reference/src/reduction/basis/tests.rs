@@ -1,4 +1,4 @@
-//! One tooth sector against the whole mesh, and what every basis must be.
+//! One tooth sector compared with the whole mesh, and properties of every basis.
 
 use super::*;
 use crate::mesh;
@@ -109,7 +109,7 @@ fn sector_and_whole_mesh_agree() {
     }
 }
 
-/// Modes hold no momentum with what is added at the hub, so `h_i = - (phi_i^T M e)_nodes / J_added`.
+/// Modes have no momentum including the inertia added at the hub, so `h_i = - (phi_i^T M e)_nodes / J_added`.
 #[test]
 fn free_modes_hold_no_momentum_and_the_rigid_one_is_gone() {
     let gear = Gear::new(params(10)).unwrap();

@@ -174,7 +174,7 @@ fn the_key_tells_all_apart_that_the_basis_depends_on() {
     }
 }
 
-/// Neither a comment in the sources nor another compiler gives a basis another name: what is hashed is all stated here.
+/// The hash does not depend on comments in the sources or on the compiler: its value is fixed for stated data.
 #[test]
 fn the_key_depends_on_nothing_else() {
     let node = |x: u32| Vec3::new(f64::from(x), 0.5, -0.25);
@@ -203,7 +203,7 @@ fn the_key_depends_on_nothing_else() {
     assert_eq!(key.to_string(), "f01846fd19c20a92b409e91dfebcc4ad");
 }
 
-/// [`ALGORITHM`] stands for numbers: who changes these raises it and renews them.
+/// [`ALGORITHM`] identifies these numbers: a change of the numbers has to raise it and to renew them.
 #[test]
 fn the_version_of_the_algorithm_belongs_to_its_numbers() {
     let mesh = small();

@@ -1,4 +1,4 @@
-//! Integrals against the kinetic energy of nodes, one sector against the whole mesh, and a disc that spins.
+//! Integrals compared with the kinetic energy of nodes, one sector with the whole mesh, and a spinning disc.
 
 use super::*;
 use crate::assembly::assemble;

@@ -1,4 +1,4 @@
-//! Stored reductions held against gears, and opened once.
+//! Stored reductions compared with gears, and opened once.
 
 use super::*;
 use crate::mesh;
@@ -19,7 +19,7 @@ fn gear(teeth: u32, change: impl Fn(&mut GearParams)) -> Gear {
     })
 }
 
-/// What is wrong with a stored gear of 18 teeth for another gear on some mount.
+/// Returns the misfit of a stored gear of 18 teeth with another gear on some mount.
 fn judged(
     body: Body,
     mount: Mount,
@@ -164,7 +164,7 @@ fn a_file_is_opened_once_until_it_changes() {
     assert!(open(&path).is_err());
 }
 
-/// What follows from mechanics alone is checked: reciprocity, modes within the compliance, size, mass.
+/// Reductions that violate mechanics are refused: reciprocity, modes within the compliance, size, mass.
 #[test]
 fn reductions_of_no_elastic_body_are_refused() {
     let (basis, meta) = reduced(8);

@@ -15,9 +15,9 @@ use std::collections::HashMap;
 
 /// Modes of the mesh whose squared frequencies are so near that of the basis are the same.
 const SAME: f64 = 1e-5;
-/// What they may be off the basis at the flanks.
+/// Largest relative difference from the basis at the flanks.
 const OFF: f64 = 1e-3;
-/// Nodes of a sector and of the whole gear that are so near are one [m].
+/// Distance below which nodes of a sector and of the whole gear coincide [m].
 const NEAR: f64 = 1e-8;
 
 impl OfMesh {
@@ -45,7 +45,7 @@ impl OfMesh {
         Ok((motions.len()..found.omega2.len()).map(shape).collect())
     }
 
-    /// The same by the sector of a gear whose teeth are all alike.
+    /// Computes the modes from the sector of a gear with equal teeth.
     pub(super) fn modes_by_sector(
         &self,
         whole: &GearMesh,
@@ -118,7 +118,7 @@ impl OfMesh {
             .collect()
     }
 
-    /// Shapes of the kept modes as the basis has them: those of one frequency mixed so that they are its own at the flanks.
+    /// Combines the kept modes as in the basis: those of one frequency are mixed so that they agree at the flanks.
     pub(super) fn like_basis(
         &self,
         found: &Found,
@@ -183,7 +183,8 @@ impl OfMesh {
         shape
     }
 
-    /// How a shape moves the hub in each of the rigid motions: by the held nodes, in the least squares.
+    /// Returns the motion of the hub in a shape for each of the rigid motions: by the tied nodes, in the least-squares
+    /// sense.
     fn hub_of(&self, found: &Found, shape: &[f64]) -> Vec<f64> {
         let held: Vec<usize> = (0..found.nodes.len())
             .filter(|n| found.tie.place[*n] == Tie::HELD)

@@ -1,4 +1,4 @@
-//! What is found behind the flanks is, at the flanks, what the gear computes with; and modes that are kept or cut carry the same
+//! Recovered displacements agree with those of the gear at the flanks, and kept or truncated modes have the same
 //! static displacement everywhere.
 
 #![allow(clippy::print_stdout)]
@@ -52,8 +52,8 @@ fn load(numbers: &[u32]) -> BodyLoad {
     }
 }
 
-/// Largest difference between displacements along the directions of flank nodes, found from the mesh and by the
-/// reduction, over the largest.
+/// Returns the largest difference between displacements along the directions of flank nodes from the mesh and from the
+/// reduction, relative to the largest.
 fn difference(of: &OfMesh, q: &[f64], load: &BodyLoad) -> f64 {
     let mut data = reduced(&of.basis, &of.kept, &ModalDamping::default(), of.residual).unwrap();
     if let Some(strips) = of.strips {

@@ -85,7 +85,7 @@ impl<W: Write> Writer<W> {
 /// Lengths that the axes of an array may have.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Axis {
-    /// This many.
+    /// An axis of this length.
     Is(usize),
     /// Any number, called by this name in messages.
     Any(&'static str),
@@ -95,7 +95,7 @@ pub(super) enum Axis {
 pub(super) struct Reader<'a> {
     archive: ZipSliceArchive<&'a [u8]>,
     entries: BTreeMap<String, (ZipArchiveEntryWayfinder, CompressionMethod)>,
-    /// Bytes of the arrays that were read so far, the archive's own ones included.
+    /// Bytes of the arrays read so far, including those of the archive itself.
     bytes: Cell<f64>,
 }
 
@@ -174,7 +174,7 @@ impl<'a> Reader<'a> {
         Ok((head, input))
     }
 
-    /// Reads an array whose type and shape are known; memory is taken as numbers come.
+    /// Reads an array of known type and shape; memory is allocated as numbers arrive.
     fn array<const N: usize, T>(
         &self,
         name: &str,
@@ -312,7 +312,7 @@ impl<'a> Reader<'a> {
         Ok(x)
     }
 
-    /// One number.
+    /// Reads a single number.
     pub(super) fn number(&self, name: &str) -> Result<f64, StoreError> {
         Ok(self.f64s(name, &[])?.1[0])
     }

@@ -1,4 +1,4 @@
-//! Which array holds what.
+//! Assignment of the data of a basis to arrays.
 
 use super::archive::{Axis, Reader, Writer};
 use super::error::{StoreError, value};
@@ -17,7 +17,7 @@ use gearbench_models::stiffness::Material;
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// Writes the arrays.
+/// Writes all arrays.
 pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
     let (nodes, rows, modes) = (b.normals.len(), b.directions(), b.omega.len());
     let grids = b.flanks.grids();
@@ -190,7 +190,7 @@ fn read_compliance(r: &Reader<'_>, rows: usize, teeth: usize) -> Result<Residual
     })
 }
 
-/// What line loads do to rows of nodes, flank by flank.
+/// Reads the displacements of rows of nodes under line loads, flank by flank.
 fn read_near_field(r: &Reader<'_>, flanks: &Flanks) -> Result<Vec<Vec<f64>>, StoreError> {
     let sizes = flanks.grids().iter().map(|g| g.rows.saturating_mul(g.rows));
     let all = sizes.clone().fold(0, usize::saturating_add);

@@ -1,4 +1,4 @@
-//! The arrays of a hub that is free beside its own motion. They are all there or all missing, as `lateral` in `meta` says.
+//! Arrays of a hub with out-of-plane freedom. All or none are present, as `lateral` in `meta` states.
 
 use super::archive::{Axis, Reader, Writer};
 use super::error::{StoreError, value};
@@ -23,7 +23,7 @@ pub(super) fn write<W: Write>(
     w.f64s(ADDED_TILTING, &[], std::iter::once(tilting))
 }
 
-/// The hub and what is added at it: mass, inertia about the axes beside the own one.
+/// Reads the hub and the mass and inertia added at it, about the axes other than the own one.
 pub(super) fn read(r: &Reader<'_>, modes: usize) -> Result<(LateralShapes, [f64; 2]), StoreError> {
     let free = r.i64s(LATERAL_FREE, Axis::Is(6))?;
     if let Some(f) = free.iter().find(|f| !(0..=1).contains(*f)) {

@@ -12,14 +12,14 @@ use std::io::{self, Read};
 pub(super) const F64: &str = "<f8";
 /// 8-byte integers, little endian.
 pub(super) const I64: &str = "<i8";
-/// Bytes.
+/// Type code of bytes.
 pub(super) const U8: &str = "|u1";
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// Longest head that is read: those of real arrays have some hundred bytes.
 const LONGEST: usize = 1 << 16;
 
-/// What the numbers are.
+/// Type and shape of the numbers of an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Head {
     /// Type as numpy writes it.
@@ -133,7 +133,7 @@ fn parse(text: &str) -> Option<Head> {
     })
 }
 
-/// Text in quotation marks at the start, and what follows.
+/// Splits a text in quotation marks at the start from the rest.
 fn quoted(text: &str) -> Option<(&str, &str)> {
     let mark = text.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
     text[1..].split_once(mark)

@@ -1,12 +1,13 @@
-//! The searches in the transverse plane and in twisted sections find what the search on surfaces finds, and their cost
-//! follows the contact.
+//! The searches in the transverse plane and in twisted sections find the same points as the search on surfaces, and
+//! their cost depends on the contact.
 
 use super::*;
 use gearbench_models::geometry::{Flanks, GearParams, Rack, RackParams};
 use gearbench_models::kinematics::Locus;
 use gearbench_models::spec::Body;
 
-/// Force of the points that the search on surfaces finds, with displacements taken from the field by hand.
+/// Returns the number and the force of the points that the search on surfaces finds, with displacements from the
+/// field.
 fn by_hand(scene: &Scene, s: &State) -> (usize, f64) {
     let (mut count, mut force) = (0, 0.0);
     for (mesh, c) in candidates(scene, s) {
@@ -139,7 +140,7 @@ fn both_searches_find_the_same() {
     }
 }
 
-/// Out of contact nothing is placed; in contact nodes and points near the contact alone.
+/// Out of contact no node is evaluated; in contact only nodes and points near the contact are.
 #[test]
 fn the_work_follows_the_contact() {
     let work = |rows: usize, gap: f64| {

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 const D: f64 = 0.05;
 
-/// Area, second moment, shear modulus, shear coefficient of a round steel bar.
+/// Returns area, second moment, shear modulus and shear coefficient of a round steel bar.
 fn properties(m: &Material) -> [f64; 4] {
     let nu = m.poisson;
     [
@@ -20,7 +20,7 @@ fn properties(m: &Material) -> [f64; 4] {
     ]
 }
 
-/// A body that moves as a [`LateralSpec`] says.
+/// Returns a body with the freedom of an [`LateralSpec`].
 fn sideways(place: f64, name: &str, directions: [Freedom; 6], bearing: Bearing) -> Station {
     let mut body = BodySpec::new(name, 0.0);
     body.lateral = Some(Box::new(LateralSpec {
@@ -93,8 +93,8 @@ fn a_cantilever_bends_exactly() {
     }
 }
 
-/// How far moment and shear at the far end of a free Timoshenko beam are from zero: the determinant of the transfer matrix
-/// of `w' = phi + V/(kappa G A)`, `phi' = M/(E I)`, `M' = -V - rho I w^2 phi`, `V' = -rho A w^2 w`.
+/// Returns the residual of moment and shear at the far end of a free Timoshenko beam: the determinant of the transfer
+/// matrix of `w' = phi + V/(kappa G A)`, `phi' = M/(E I)`, `M' = -V - rho I w^2 phi`, `V' = -rho A w^2 w`.
 fn free_end(omega: f64, length: f64) -> f64 {
     let m = Material::STEEL;
     let [area, second, g, kappa] = properties(&m);
@@ -123,7 +123,7 @@ fn free_end(omega: f64, length: f64) -> f64 {
     Matrix2::new(t[(2, 0)], t[(2, 1)], t[(3, 0)], t[(3, 1)]).determinant()
 }
 
-/// Natural frequencies of the free beam [Hz].
+/// Returns the natural frequencies of the free beam [Hz].
 fn exact_bending(length: f64, count: usize) -> Vec<f64> {
     let mut found = Vec::new();
     let step = 20.0 * TAU / 20.0;
@@ -263,7 +263,7 @@ fn a_free_beam_keeps_momentum_and_energy() {
     }
 }
 
-/// Corrections of many links on bearings.
+/// Corrections of many links on bearings invert tangents.
 #[test]
 fn corrections_of_beams_invert_tangents() {
     let mut stiffness = [[0.0; 6]; 6];

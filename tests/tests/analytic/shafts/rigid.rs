@@ -1,4 +1,4 @@
-//! Rigid shafts: what they carry moves as one body, for all models and methods.
+//! Rigid shafts: their members move as one body, for all models and methods.
 
 use super::*;
 use gearbench_integrators::{Events, Resolution};
@@ -7,7 +7,7 @@ use gearbench_models::spec::{Freedom, GearSpec, Load, Mount, Profile};
 
 const FLYWHEEL: f64 = 2e-3;
 
-/// The impact of case A with a flywheel on the pinion: on a rigid shaft, or added to its hub.
+/// Returns the impact of case A with a flywheel on the pinion: on a rigid shaft, or added to its hub.
 fn with_flywheel(on_shaft: bool) -> SceneSpec {
     let mut spec = case_of_body(1e-6);
     if on_shaft {
@@ -82,7 +82,7 @@ fn rigid_gears_on_a_rigid_shaft_differ_by_rounding() {
     }
 }
 
-/// Two stages with both gears in the middle on one rigid shaft.
+/// Returns two stages with both gears in the middle on one rigid shaft.
 pub fn two_stages() -> SceneSpec {
     let at = |mut g: GearSpec, x: f64, y: f64| {
         g.position = [x, y, 0.0];

@@ -6,7 +6,7 @@ use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs};
 use gearbench_models::spec::{ContactSpec, ModelSpec, Parameters, PointContact, Value};
 
-/// The made-up elastic gear with nodes over the width.
+/// Returns the artificial elastic gear with nodes over the width.
 pub fn toy() -> ModelSpec {
     let number = |key: &str, x: f64| (key.to_string(), Value::Number(x));
     ModelSpec {
@@ -30,7 +30,7 @@ pub fn on_points(damping: f64) -> ContactSpec {
     }
 }
 
-/// Pairs that press on each other on bearings, both axes tilted, and what they are.
+/// Returns pairs in loaded contact on bearings, with both axes tilted, with descriptions.
 fn pressed() -> Vec<(&'static str, Scene, State)> {
     let mut all = Vec::new();
     let teeth = || movable(5.3e8, 4.8e-3, 0.0);
@@ -79,7 +79,7 @@ fn force(scene: &mut Scene, at: At<'_>) -> Vec<f64> {
     f
 }
 
-/// Largest entry over what is typical of its coordinate's force.
+/// Returns the largest difference relative to the typical force of its coordinate.
 fn off(scene: &Scene, found: &[f64], expected: &[f64]) -> f64 {
     let (scale, _) = scales(scene);
     let weighted = |x: &[f64]| {
@@ -211,7 +211,7 @@ fn the_newton_correction_is_the_inverse_of_mass_and_tangent() {
     }
 }
 
-/// Reduced gears from coarse meshes.
+/// Returns reduced gears from coarse meshes.
 pub fn reduced() -> ModelSpec {
     let number = |key: &str, x: f64| (key.to_string(), Value::Number(x));
     ModelSpec {

@@ -1,4 +1,4 @@
-//! The flanks in space against the lines of action, their forces against energy and momentum.
+//! Flanks in space compared with the lines of action, and their forces with energy and momentum.
 
 use super::*;
 use gearbench_integrators::system::SecondOrderSystem;

@@ -1,9 +1,9 @@
-//! Against the same gear elsewhere, the gear of one direction, and its own points.
+//! Comparison with the same gear in another position, with the gear of one direction, and with its own points.
 
 use super::*;
 use gearbench_models::kinematics::{Hub, Locus, Point, Row, Tooth};
 
-/// The same gear on axes that are turned: forces on the hub stay, those on nodes turn.
+/// On rotated axes the forces on the hub are equal and those on nodes rotate.
 #[test]
 fn a_gear_does_not_know_where_its_axis_points() {
     let turn = Matrix3::from_columns(&some_axes());
@@ -116,7 +116,7 @@ fn a_hub_about_z_is_that_of_one_direction() {
     }
 }
 
-/// A point above its face moves as its row says.
+/// A point of a smooth flank moves as its row predicts.
 #[test]
 fn rows_are_slopes_of_points() {
     for gear in floating_cases() {

@@ -16,7 +16,7 @@ fn noise(seed: &mut u64) -> f64 {
     ((*seed >> 11) as f64 / (1_u64 << 52) as f64) - 1.0
 }
 
-/// A basis that fits together, of a few numbers without meaning.
+/// Returns a consistent basis of a few arbitrary numbers.
 pub(in crate::reduction) fn example(teeth: u32, modes: usize, cyclic: bool) -> (Basis, Meta) {
     let mut seed = 7;
     let mut next = || noise(&mut seed);
@@ -211,7 +211,7 @@ fn files_are_whole_or_not_there() {
     assert_eq!(fs::read_dir(folder).unwrap().count(), 1);
 }
 
-/// Whatever belongs to a mode goes with it: the file of some modes fits together.
+/// A selection of the modes of a basis is a consistent basis.
 #[test]
 fn some_modes_of_a_basis_make_a_basis() {
     let (basis, meta) = example(3, 6, true);
