@@ -45,7 +45,7 @@ struct Candidate {
 }
 
 /// Results by which a run is judged.
-struct Found {
+struct RunResult {
     work: Work,
     impulse: f64,
     closed: u64,
@@ -53,7 +53,7 @@ struct Found {
     residual: f64,
 }
 
-fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
+fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> RunResult {
     let scene = &mut candidate.scene;
     let mut ledger = Ledger::default();
     let mut impulse = Impulse {
@@ -66,7 +66,7 @@ fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
     ledger.close(scene, &state);
     let pinion = &scene.gears()[0];
     let momentum = pinion.model.hub_state(pinion.at(state.at())).momentum;
-    Found {
+    RunResult {
         work,
         impulse: impulse.sum,
         closed: impulse.closed,
@@ -92,7 +92,7 @@ fn compare(
             run(scene, method(text).as_mut(), plan, &mut NullSink).2
         })
     });
-    let relative = |of: &dyn Fn(&Found) -> f64| (of(&found[1]) / of(&found[0]) - 1.0).abs();
+    let relative = |of: &dyn Fn(&RunResult) -> f64| (of(&found[1]) / of(&found[0]) - 1.0).abs();
     let (impulse, speed) = (relative(&|f| f.impulse), relative(&|f| f.speed));
     let [a, b] = &found;
     let row = format!(

@@ -18,14 +18,14 @@ fn grid(end: f64) -> Vec<f64> {
     (0..=1000).map(|i| end * f64::from(i) / 1000.0).collect()
 }
 
-struct Best {
+struct CheapestRun {
     wall: f64,
     what: String,
     error: f64,
     forces: u64,
 }
 
-fn best(scene: &mut Scene, end: f64) -> Option<Best> {
+fn best(scene: &mut Scene, end: f64) -> Option<CheapestRun> {
     let grid = grid(end);
     let mut tight = gearbench_integrators::table::DOPRI5.build();
     let converged = record(
@@ -37,7 +37,7 @@ fn best(scene: &mut Scene, end: f64) -> Option<Best> {
     )
     .ok()?;
     let size: f64 = converged.iter().map(|f| f * f).sum();
-    let mut best: Option<Best> = None;
+    let mut best: Option<CheapestRun> = None;
     for row in METHODS {
         for resolution in sweep(row.info.stepping != Stepping::Fixed, 3e-5) {
             let mut method = row.build();
@@ -62,7 +62,7 @@ fn best(scene: &mut Scene, end: f64) -> Option<Best> {
             let (wall, work) = time(scene, method.as_mut(), resolution, end);
             if best.as_ref().is_none_or(|b| wall < b.wall) {
                 let what = format!("{}, {}", row.info.id, text(resolution));
-                best = Some(Best {
+                best = Some(CheapestRun {
                     wall,
                     what,
                     error,

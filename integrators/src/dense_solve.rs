@@ -3,7 +3,7 @@
 //! Gaussian elimination with partial pivoting, row-major, in place. Systems with more than a few tens of
 //! coordinates bring their own [`SecondOrderSystem::correct`].
 
-use crate::system::{At, Coeffs, SecondOrderSystem, Singular};
+use crate::system::{Coeffs, SecondOrderSystem, Singular, StateView};
 
 /// Solves `A x = b` in place: `a` is row-major `n x n` and is destroyed, `b` becomes `x`.
 pub fn solve_in_place(a: &mut [f64], b: &mut [f64]) -> Result<(), Singular> {
@@ -155,7 +155,7 @@ const ON_STACK: usize = 8;
 /// elimination. It allocates above eight coordinates.
 pub fn correct_by_columns<S: SecondOrderSystem + ?Sized>(
     sys: &mut S,
-    at: At<'_>,
+    at: StateView<'_>,
     c: Coeffs,
     rhs_to_x: &mut [f64],
 ) -> Result<(), Singular> {
@@ -179,7 +179,7 @@ pub fn correct_by_columns<S: SecondOrderSystem + ?Sized>(
 /// Forms the matrix in `a` and solves; `columns` is work space for five columns. Both have to be zero.
 fn by_columns<S: SecondOrderSystem + ?Sized>(
     sys: &mut S,
-    at: At<'_>,
+    at: StateView<'_>,
     c: Coeffs,
     a: &mut [f64],
     columns: &mut [f64],

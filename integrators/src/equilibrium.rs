@@ -18,7 +18,7 @@
 //! changes the path to the equilibrium, not the equilibrium. A body that keeps moving under the shift has no support.
 
 use crate::method::{Tolerance, Work};
-use crate::system::{At, Coeffs, SecondOrderSystem, Singular, State};
+use crate::system::{Coeffs, SecondOrderSystem, Singular, State, StateView};
 
 /// Tolerance and iteration limit of the static solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,7 +97,7 @@ fn force(
     f: &mut [f64],
     work: &mut Work,
 ) -> Result<(), EquilibriumError> {
-    let at = At {
+    let at = StateView {
         t: s.t,
         q,
         v: &s.v,

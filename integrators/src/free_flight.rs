@@ -147,12 +147,12 @@ impl Dense for FlightDense<'_> {
 /// Interval between queries for a closed-form path: none after a restart, else growing with each unsuccessful query,
 /// so that contact phases cost few queries.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Patience {
+pub(crate) struct QueryInterval {
     skip: u32,
     next: u32,
 }
 
-impl Patience {
+impl QueryInterval {
     /// Resets the interval, so that the next step makes a query.
     pub(crate) fn end(&mut self) {
         (self.skip, self.next) = (0, 1);
@@ -182,7 +182,7 @@ pub(crate) struct SegmentProbe {
     /// True for methods that are exact for oscillators, if events are located.
     pub(crate) on: bool,
     pub(crate) path: FlightPath,
-    pub(crate) patience: Patience,
+    pub(crate) query_interval: QueryInterval,
     /// True if a path ended here and the method has not restarted yet.
     pub(crate) left: bool,
 }
@@ -193,18 +193,18 @@ pub(crate) struct FlightProbe {
     /// True if free flights are used; false by default.
     pub(crate) on: bool,
     pub(crate) path: FlightPath,
-    pub(crate) patience: Patience,
+    pub(crate) query_interval: QueryInterval,
 }
 
 impl FlightProbe {
     /// Returns the end time of a free flight from `s` on, which is then in [`Self::path`], or `s.t` if there is none
     /// that lasts beyond `later`.
     pub(crate) fn end(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, later: f64) -> f64 {
-        if !self.on || !self.patience.over() {
+        if !self.on || !self.query_interval.over() {
             return s.t;
         }
         let until = sys.flight_path(s, later, &mut self.path);
-        self.patience.learn(until <= later);
+        self.query_interval.learn(until <= later);
         if until > later { until } else { s.t }
     }
 }

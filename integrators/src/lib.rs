@@ -48,7 +48,7 @@
 //!
 //! ```
 //! use gearbench_integrators::{
-//!     Layout, At, NullSink, Resolution, SecondOrderSystem, State, TimePlan, Work, method,
+//!     Layout, StateView, NullSink, Resolution, SecondOrderSystem, State, TimePlan, Work, method,
 //! };
 //!
 //! /// `m q'' = -k q` with `m = 2 kg`, `k = 2 N/m`.
@@ -62,19 +62,19 @@
 //!         q[0] = 1.0; // [m]
 //!         v[0] = 1.0; // [m/s]
 //!     }
-//!     fn characteristic_time(&self, _at: At<'_>) -> f64 {
+//!     fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
 //!         1.0 // sqrt(m / k) [s]
 //!     }
-//!     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+//!     fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
 //!         f[0] = -2.0 * at.q[0];
 //!     }
-//!     fn solve_mass(&mut self, _at: At<'_>, f_to_a: &mut [f64]) {
+//!     fn solve_mass(&mut self, _at: StateView<'_>, f_to_a: &mut [f64]) {
 //!         f_to_a[0] /= 2.0;
 //!     }
-//!     fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+//!     fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
 //!         y[0] = 2.0 * x[0];
 //!     }
-//!     fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+//!     fn tangent_times(&mut self, _at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
 //!         df[0] = -2.0 * dq[0];
 //!     }
 //! }
@@ -129,7 +129,7 @@ pub use scheme::Scheme;
 pub use spec::{MethodError, MethodSpec};
 pub use stepped::Stepped;
 pub use system::{
-    At, Change, Coeffs, Energy, Events, FreeFlight, HalfKick, Layout, ModalSplit, Outputs, Power,
-    Report, SecondOrderSystem, SprungMember, State, Touch,
+    Change, Coeffs, Energy, Events, FreeFlight, HalfStepImpulse, Layout, MemberContact, ModalSplit,
+    Outputs, Power, Report, SecondOrderSystem, SprungMember, State, StateView,
 };
 pub use table::{METHODS, Method, method};

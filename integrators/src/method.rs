@@ -5,7 +5,7 @@
 //! get the loop, step control and event location from [`crate::stepped::Stepped`].
 
 use crate::error::StepError;
-use crate::system::{At, Change, Coeffs, SecondOrderSystem, Singular, State};
+use crate::system::{Change, Coeffs, SecondOrderSystem, Singular, State, StateView};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -147,7 +147,7 @@ impl Work {
     pub(crate) fn correct(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular> {

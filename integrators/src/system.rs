@@ -4,7 +4,7 @@
 //!
 //! - `q`, `v` hold the free generalised coordinates and their rates only. A prescribed motion is a
 //!   function of time inside the system, not a coordinate.
-//! - [`SecondOrderSystem::force`] is pure in [`At`]: the same arguments give the same bits.
+//! - [`SecondOrderSystem::force`] is pure in [`StateView`]: the same arguments give the same bits.
 //! - **Event functions**: the system's current branch (which contacts are closed, which tooth pairs lie on the
 //!   path of contact) is held in the discrete state. Event function `i` is positive while its part of the branch is
 //!   valid; an integrator that locates events stops where an event function falls through zero and calls
@@ -12,7 +12,7 @@
 //!   state ([`Events::begin`] says which).
 //! - Only `begin`, `transition` and `commit` change the discrete state, and only between steps.
 
-mod without;
+mod default_capabilities;
 
 use crate::free_flight::FlightPath;
 
@@ -32,8 +32,8 @@ pub struct State {
 impl State {
     /// Borrows the state for the functions of a system.
     #[inline]
-    pub fn at(&self) -> At<'_> {
-        At {
+    pub fn at(&self) -> StateView<'_> {
+        StateView {
             t: self.t,
             q: &self.q,
             v: &self.v,
@@ -53,7 +53,7 @@ impl State {
 
 /// A borrowed state at which a force, a tangent or an output is evaluated.
 #[derive(Clone, Copy, Debug)]
-pub struct At<'a> {
+pub struct StateView<'a> {
     /// Time of the state [s].
     pub t: f64,
     /// Generalised coordinates [rad or m].
@@ -68,7 +68,7 @@ pub struct At<'a> {
 /// acceleration `a` at the end. A system with strongly velocity-dependent forces may evaluate them implicitly at that
 /// end.
 #[derive(Clone, Copy, Debug)]
-pub struct HalfKick<'a> {
+pub struct HalfStepImpulse<'a> {
     /// Half of the step size [s].
     pub time: f64,
     /// Velocities before the impulse.
@@ -81,7 +81,7 @@ pub struct HalfKick<'a> {
     pub filter: &'a [f64],
 }
 
-impl HalfKick<'_> {
+impl HalfStepImpulse<'_> {
     /// Returns the factor [s] between the acceleration of coordinate `i` and the change of its velocity.
     #[inline]
     pub fn weight(&self, i: usize) -> f64 {
@@ -176,7 +176,7 @@ pub struct Outputs {
 
 /// A contact between two members of a system, with its force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Touch {
+pub struct MemberContact {
     /// Index of the group of contacts, such as the index of a mesh.
     pub group: usize,
     /// Numbers of the two members: tooth numbers, which count on over the turns of a gear.
@@ -228,16 +228,16 @@ pub trait ModalSplit {
 
     /// Computes the remainder of the acceleration: contact, loads, everything except the oscillators. It is a pure
     /// function of `at`.
-    fn remainder(&mut self, at: At<'_>, a: &mut [f64]);
+    fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]);
 
     /// Computes the remainder at the end of an impulse, either at the predicted velocities of `at` or implicitly.
-    fn remainder_after(&mut self, at: At<'_>, _kick: &HalfKick<'_>, a: &mut [f64]) {
+    fn remainder_after(&mut self, at: StateView<'_>, _kick: &HalfStepImpulse<'_>, a: &mut [f64]) {
         self.remainder(at, a);
     }
 
     /// Computes the part of the remainder from steady loads without contact; returns the time until which it is
     /// constant.
-    fn steady(&mut self, at: At<'_>, a: &mut [f64]) -> f64;
+    fn steady(&mut self, at: StateView<'_>, a: &mut [f64]) -> f64;
 
     /// Returns a time until which the remainder equals that of [`Self::steady`] on a motion from `s` without contact,
     /// or `s.t` where a contact is closed or no bound is known.
@@ -257,27 +257,32 @@ pub trait SecondOrderSystem {
 
     /// Returns a time in which the force changes noticeably [s], for the first step of an adaptive method after a
     /// restart. It is infinite where no motion is fast.
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         f64::INFINITY
     }
 
     /// Computes the generalised forces `f(t, q, v; discrete)` without inertia. It is pure and bitwise repeatable.
-    fn force(&mut self, at: At<'_>, f: &mut [f64]);
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]);
 
     /// Computes the forces at the end of an impulse, either at the predicted velocities of `at` or implicitly.
-    fn force_after(&mut self, at: At<'_>, _kick: &HalfKick<'_>, f: &mut [f64]) {
+    fn force_after(&mut self, at: StateView<'_>, _kick: &HalfStepImpulse<'_>, f: &mut [f64]) {
         self.force(at, f);
     }
 
     /// Solves with the mass matrix in place: `f <- M^-1 f`.
-    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]);
+    fn solve_mass(&mut self, at: StateView<'_>, f_to_a: &mut [f64]);
 
     /// Multiplies by the mass matrix: `y = M x`.
-    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]);
+    fn apply_mass(&mut self, at: StateView<'_>, x: &[f64], y: &mut [f64]);
 
     /// Solves for the Newton correction `x = (c.m M + c.d D + c.k K)^-1 rhs`. The default forms the matrix column by
     /// column from [`Self::tangent_times`]; systems with structure override it.
-    fn correct(&mut self, at: At<'_>, c: Coeffs, rhs_to_x: &mut [f64]) -> Result<(), Singular> {
+    fn correct(
+        &mut self,
+        at: StateView<'_>,
+        c: Coeffs,
+        rhs_to_x: &mut [f64],
+    ) -> Result<(), Singular> {
         crate::dense_solve::correct_by_columns(self, at, c, rhs_to_x)
     }
 
@@ -288,7 +293,7 @@ pub trait SecondOrderSystem {
     }
 
     /// Applies the tangent to a direction: `df = (df/dq) dq + (df/dv) dv`.
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]);
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]);
 
     /// Returns the branches and breakpoints of the force, or `None` where the force is smooth for all times.
     fn events(&mut self) -> Option<&mut dyn Events> {
@@ -319,7 +324,7 @@ pub trait Events {
     fn begin(&mut self, _s: &mut State, _located: bool) {}
 
     /// Computes the event functions of the current branch; `out` has length [`Layout::event_functions`].
-    fn event_functions(&mut self, _at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, _at: StateView<'_>, out: &mut [f64]) {
         out.fill(1.0);
     }
 
@@ -355,7 +360,7 @@ pub trait FreeFlight {
 
     /// Returns the work [J] of steady loads and prescribed motions between two states of one flight where a closed
     /// form exists; `from` and `to` have the discrete state of the flight.
-    fn steady_work(&mut self, _from: At<'_>, _to: At<'_>) -> Option<f64> {
+    fn steady_work(&mut self, _from: StateView<'_>, _to: StateView<'_>) -> Option<f64> {
         None
     }
 }
@@ -380,21 +385,21 @@ pub trait Report {
     }
 
     /// Computes energies, powers and channels at a state.
-    fn output(&mut self, at: At<'_>, out: &mut Outputs);
+    fn output(&mut self, at: StateView<'_>, out: &mut Outputs);
 
     /// Computes the channels at a state without energies and powers, which may cost more than all channels.
-    fn sample(&mut self, at: At<'_>, out: &mut Outputs) {
+    fn sample(&mut self, at: StateView<'_>, out: &mut Outputs) {
         self.output(at, out);
     }
 
     /// Returns the work [J] of loads between the states at the ends of a step from the displacements of their points
     /// of action, instead of the integral of [`Power::loads`].
-    fn work_of_loads(&mut self, _from: At<'_>, _to: At<'_>) -> Option<f64> {
+    fn work_of_loads(&mut self, _from: StateView<'_>, _to: StateView<'_>) -> Option<f64> {
         None
     }
 
     /// Lists the closed contacts at the state of the last report, which is `at`, each pair of members once, in order.
-    fn touches(&mut self, _at: At<'_>, out: &mut Vec<Touch>) {
+    fn touches(&mut self, _at: StateView<'_>, out: &mut Vec<MemberContact>) {
         out.clear();
     }
 }

@@ -8,7 +8,7 @@ use crate::explicit::tsit45;
 use crate::explicit::velocity_verlet::{self, VelocityVerlet};
 use crate::implicit::diffsol_methods;
 use crate::implicit::generalised_alpha::{self, GeneralisedAlpha};
-use crate::linear_stability::{Flip, Kicks, Stability};
+use crate::linear_stability::{Flip, Impulses, Stability};
 use crate::method::{Integrator, MethodInfo, Parameter};
 use crate::modal::resonance::Filter;
 use crate::modal::trigonometric::{self, Trigonometric};
@@ -57,7 +57,7 @@ pub const METHODS: &[Method] = &[
         info: &trigonometric::INFO,
         make: |p| Box::new(Stepped::new(Trigonometric::new(filter_of(p[0])))),
         stability: |p| {
-            Stability::Kicks(Kicks {
+            Stability::Impulses(Impulses {
                 filter_from: filter_of(p[0]).from(),
             })
         },

@@ -98,7 +98,7 @@ pub(crate) fn cholesky_padded(a: &mut [f64], n: usize) -> Result<(), Singular> {
 
 /// Positions of the entries of a banded matrix in storage.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Places {
+pub(crate) struct EntryPositions {
     /// Index of the last column of each row.
     last: Vec<usize>,
     /// Index of the first row whose last column lies in a chunk or behind it, by chunk.
@@ -107,7 +107,7 @@ pub(crate) struct Places {
     stride: usize,
 }
 
-impl Places {
+impl EntryPositions {
     /// Returns the storage position of an entry of the upper triangle, or `None` outside the band.
     #[inline]
     pub fn of(&self, i: usize, j: usize) -> Option<usize> {
@@ -120,12 +120,12 @@ impl Places {
 /// from the chunk of column `k` on. The storage of a matrix that couples all columns is that of a [`padded`] one, that
 /// of a chain is a band.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Banded {
-    places: Places,
+pub(crate) struct BandedMatrix {
+    places: EntryPositions,
     entries: Vec<f64>,
 }
 
-impl Banded {
+impl BandedMatrix {
     /// Sets a matrix of zeros with `n` rows, wide enough for the given `pairs` of coupled columns, lower one first.
     pub fn reset(&mut self, n: usize, pairs: impl Iterator<Item = (usize, usize)>) {
         let p = &mut self.places;
@@ -162,13 +162,13 @@ impl Banded {
     }
 
     /// Returns the positions of the entries and the entries.
-    pub fn parts(&mut self) -> (&Places, &mut [f64]) {
+    pub fn parts(&mut self) -> (&EntryPositions, &mut [f64]) {
         (&self.places, &mut self.entries)
     }
 
     /// Computes the upper triangle `U` of `A = U^T U` in place.
     pub fn factorise(&mut self) -> Result<(), Singular> {
-        let Places {
+        let EntryPositions {
             last,
             first,
             stride,
@@ -330,7 +330,7 @@ mod tests {
     fn a_banded_factorisation_solves() {
         for (n, block) in [(1, 1), (9, 9), (40, 40), (40, 5), (61, 7), (64, 8)] {
             let reaches = |i: usize| ((i / block + 2) * block - 1).min(n - 1);
-            let mut banded = Banded::default();
+            let mut banded = BandedMatrix::default();
             banded.reset(n, (0..n).map(|i| (i, reaches(i))));
             let mut whole = vec![0.0; n * n];
             for i in 0..n {
@@ -351,7 +351,7 @@ mod tests {
                 assert!((b - x).abs() < 1e-12, "{n}, {block}: {b} {x}");
             }
         }
-        let mut indefinite = Banded::default();
+        let mut indefinite = BandedMatrix::default();
         indefinite.reset(2, [(0, 1)].into_iter());
         let (places, entries) = indefinite.parts();
         for (i, j, x) in [(0, 0, 1.0), (0, 1, 2.0), (1, 1, 1.0)] {

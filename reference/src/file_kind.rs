@@ -1,6 +1,7 @@
 //! Kinds of files that are common in this field, by their extensions, and their use in gearbench.
 //!
-//! Every input asks this one table before it reads a file, so that a file of another program is named for what it is.
+//! Every input consults this table before it reads a file, so that a message names the kind of a file of another
+//! program.
 
 use std::path::Path;
 

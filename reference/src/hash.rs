@@ -1,7 +1,7 @@
 //! Hash of the data that a reduction depends on: FNV-1a with 128 bits.
 //!
 //! `h <- (h xor byte) p` from `h_0`, with the constants of G. Fowler, L. C. Noll, K.-P. Vo and D. Eastlake (RFC 9923).
-//! It tells apart what differs by chance or by edit; it is no protection against forgery.
+//! It distinguishes data that differ by chance or by edits; it is no protection against forgery.
 
 use gearbench_models::Vec3;
 use std::fmt;

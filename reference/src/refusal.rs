@@ -4,7 +4,7 @@ use std::fmt;
 
 /// A refused file. The text reads `file:line: context: expected ..., found ...; way out`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused<K> {
+pub struct Refusal<K> {
     /// Kind of the problem.
     pub kind: K,
     /// File, as it was named.
@@ -21,7 +21,7 @@ pub struct Refused<K> {
     pub help: Box<str>,
 }
 
-impl<K> Refused<K> {
+impl<K> Refusal<K> {
     pub(crate) fn new(
         kind: K,
         context: impl Into<String>,
@@ -29,7 +29,7 @@ impl<K> Refused<K> {
         found: impl Into<String>,
         help: impl Into<String>,
     ) -> Self {
-        Refused {
+        Refusal {
             kind,
             file: "".into(),
             line: 0,
@@ -47,7 +47,7 @@ impl<K> Refused<K> {
     }
 }
 
-impl<K> fmt::Display for Refused<K> {
+impl<K> fmt::Display for Refusal<K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.file)?;
         if self.line > 0 {
@@ -64,4 +64,4 @@ impl<K> fmt::Display for Refused<K> {
     }
 }
 
-impl<K: fmt::Debug> std::error::Error for Refused<K> {}
+impl<K: fmt::Debug> std::error::Error for Refusal<K> {}

@@ -10,11 +10,13 @@ use gearbench_models::Vec3;
 use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
-use gearbench_models::gear::elastic::reduced::{FlankCompliance, LateralShapes, Reduced, Residual};
+use gearbench_models::gear::elastic::reduced::{
+    FlankCompliance, OutOfPlaneShapes, Reduced, Residual,
+};
 use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::geometry::Side;
-use gearbench_models::kinematics::Lateral;
+use gearbench_models::kinematics::OutOfPlane;
 use gearbench_models::spec::{Body, Freedom};
 use std::sync::Arc;
 
@@ -168,7 +170,7 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
 }
 
 /// Returns the shapes of a hub with out-of-plane freedom, with the body of the scene.
-fn lateral_shapes(lateral: &Lateral, modes: usize) -> LateralShapes {
+fn lateral_shapes(lateral: &OutOfPlane, modes: usize) -> OutOfPlaneShapes {
     let free = [0, 1, 2, 3, 4, 5].map(|d| lateral.directions[d] == Freedom::Free);
     let of_mode = |i: usize| {
         let at = |d: usize| {
@@ -181,7 +183,7 @@ fn lateral_shapes(lateral: &Lateral, modes: usize) -> LateralShapes {
         [0, 1, 2, 3, 4, 5].map(|d| if d < 3 { 0.05 } else { 2.0 } * at(d))
     };
     let inertia = &lateral.body.inertia;
-    LateralShapes {
+    OutOfPlaneShapes {
         free,
         hub: (0..modes).map(of_mode).collect(),
         mass: lateral.body.mass,

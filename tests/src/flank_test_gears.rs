@@ -1,7 +1,7 @@
 //! Grids of flank nodes from the geometry of a gear or a rack, and a rigid gear with these flanks, for tests of the
 //! contact of flank points.
 
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 use gearbench_models::Vec3;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::properties::Properties;
@@ -154,7 +154,7 @@ impl GearModel for RigidFlanks {
     }
     fn correct(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         x: &mut [f64],
@@ -171,7 +171,7 @@ impl GearModel for RigidFlanks {
 }
 
 impl FlankNodes for RigidFlanks {
-    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
+    fn positions(&self, at: StateView<'_>, nodes: &[u32], out: &mut [Vec3]) {
         let pose = self.placement.pose(self.hub().displacement_at(at));
         for (x, &i) in out.iter_mut().zip(nodes) {
             *x = pose.point(&self.positions[i as usize]);

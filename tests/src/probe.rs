@@ -1,34 +1,34 @@
 //! Access to scenes at a state for tests, random numbers and fitted slopes.
 
 use gearbench_integrators::{SecondOrderSystem, State};
-use gearbench_models::contact::{Candidate, Party, Wanted};
+use gearbench_models::contact::{Candidate, CandidateSelection, GearState};
 use gearbench_models::kinematics::Row;
 use gearbench_models::scene::Scene;
 
 /// Returns all candidates of a scene at a state, whatever their gap, with the index of their mesh.
 pub fn candidates(scene: &Scene, s: &State) -> Vec<(usize, Candidate)> {
-    wanted(scene, s, Wanted::Touching(f64::INFINITY))
+    wanted(scene, s, CandidateSelection::Touching(f64::INFINITY))
 }
 
 /// Returns the candidates in the discrete state of a run with event location.
 pub fn listed(scene: &Scene, s: &State) -> Vec<(usize, Candidate)> {
-    wanted(scene, s, Wanted::Listed)
+    wanted(scene, s, CandidateSelection::Listed)
 }
 
-fn wanted(scene: &Scene, s: &State, wanted: Wanted<'_>) -> Vec<(usize, Candidate)> {
+fn wanted(scene: &Scene, s: &State, wanted: CandidateSelection<'_>) -> Vec<(usize, Candidate)> {
     let mut all = Vec::new();
     for (m, mesh) in scene.meshes().iter().enumerate() {
-        let party = |i: usize| {
+        let gear_state = |i: usize| {
             let g = &scene.gears()[i];
-            Party {
+            GearState {
                 gear: g.model.as_ref(),
                 at: g.at(s.at()),
             }
         };
         let mut found = Vec::new();
         mesh.search.candidates(
-            party(mesh.gears[0]),
-            party(mesh.gears[1]),
+            gear_state(mesh.gears[0]),
+            gear_state(mesh.gears[1]),
             s.discrete.get(mesh.search_discrete()).unwrap_or(&[]),
             wanted,
             &mut found,

@@ -22,9 +22,9 @@ mod session;
 use crate::error::StepError;
 use crate::method::{Integrator, MethodInfo, Sink, TimePlan, Tolerance, Work};
 use crate::stepped::{first_step, step_exponent, tolerance_of};
-use crate::system::{At, Change, SecondOrderSystem, State};
+use crate::system::{Change, SecondOrderSystem, State, StateView};
 use diffsol::{NalgebraMat, OdeBuilder};
-use session::{Failed, Session};
+use session::{Session, SessionError};
 use std::cell::{Cell, RefCell};
 
 /// Relative tolerance of the solver: a few units of rounding of the coordinate itself.
@@ -91,7 +91,7 @@ impl Shared<'_> {
         let (dq, a) = dy.split_at_mut(n);
         dq.copy_from_slice(v);
         let discrete = self.discrete.borrow();
-        let at = At {
+        let at = StateView {
             t,
             q,
             v,
@@ -114,7 +114,7 @@ impl Shared<'_> {
         let (top, a) = out.split_at_mut(n);
         top.copy_from_slice(dv);
         let discrete = self.discrete.borrow();
-        let at = At {
+        let at = StateView {
             t,
             q,
             v,
@@ -125,7 +125,7 @@ impl Shared<'_> {
         sys.solve_mass(at, a);
     }
 
-    fn event_functions(&self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&self, at: StateView<'_>, out: &mut [f64]) {
         self.sys.borrow_mut().event_functions(at, out);
     }
 }
@@ -244,13 +244,13 @@ impl Diffsol {
                 Session::new(&shared, s, plan, sink, work, self.free_flights)
                     .run(&mut *kernel, &first)
             }
-            Err(e) => Err(Failed::Library(e)),
+            Err(e) => Err(SessionError::Library(e)),
         };
         work.force_evaluations += shared.evaluations.get();
         self.ran = result.is_ok();
         result.map_err(|e| match e {
-            Failed::Step(e) => e,
-            Failed::Library(e) => library(e, s.t),
+            SessionError::Step(e) => e,
+            SessionError::Library(e) => library(e, s.t),
         })
     }
 }

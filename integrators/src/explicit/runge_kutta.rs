@@ -9,7 +9,7 @@ use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
 use crate::linear_stability::Stability;
 use crate::method::{MethodInfo, OneStep, Stepping, Tolerance, Work};
-use crate::system::{At, SecondOrderSystem, State};
+use crate::system::{SecondOrderSystem, State, StateView};
 
 /// Declared properties of the classical Runge-Kutta method.
 pub static RK4: MethodInfo = MethodInfo {
@@ -204,7 +204,7 @@ impl RungeKutta {
         let (q, v) = (&mut self.q[..n], &mut self.v[..n]);
         let (q0, v0) = (&from.q[..n], &from.v[..n]);
         let mut derivative = |t: f64, q: &[f64], v: &[f64], a: &mut [f64]| {
-            let at = At {
+            let at = StateView {
                 t,
                 q,
                 v,

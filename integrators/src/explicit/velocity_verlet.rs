@@ -8,7 +8,7 @@
 use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
 use crate::method::{MethodInfo, OneStep, Stepping, Tolerance, Work};
-use crate::system::{At, HalfKick, SecondOrderSystem, State};
+use crate::system::{HalfStepImpulse, SecondOrderSystem, State, StateView};
 
 /// Declared properties of velocity Verlet.
 pub static INFO: MethodInfo = MethodInfo {
@@ -69,13 +69,13 @@ impl OneStep for VelocityVerlet {
             before[i] = v0[i] + half * a0[i];
         }
         to.t = from.t + h;
-        let at = At {
+        let at = StateView {
             t: to.t,
             q: &to.q,
             v: &self.v,
             discrete: &from.discrete,
         };
-        let kick = HalfKick {
+        let kick = HalfStepImpulse {
             time: half,
             before: &self.before,
             steady: &[],

@@ -24,7 +24,7 @@ use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
 use crate::linear_stability::{Flip, Stability};
 use crate::method::{MethodInfo, OneStep, Parameter, Stepping, Tolerance, Work};
-use crate::system::{At, Coeffs, SecondOrderSystem, State};
+use crate::system::{Coeffs, SecondOrderSystem, State, StateView};
 
 /// Declared properties of Newmark-beta.
 pub static NEWMARK: MethodInfo = MethodInfo {
@@ -182,8 +182,14 @@ impl GeneralisedAlpha {
     }
 
     /// Computes the residual `f - M a1` at the end of the step; the content of `b1` is overwritten.
-    fn lack(&mut self, sys: &mut dyn SecondOrderSystem, from: &State, to: &State, work: &mut Work) {
-        let at = At {
+    fn residual(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        from: &State,
+        to: &State,
+        work: &mut Work,
+    ) {
+        let at = StateView {
             t: to.t,
             q: &to.q,
             v: &to.v,
@@ -220,7 +226,7 @@ impl GeneralisedAlpha {
                 *a += from_to * d;
             }
             this.displace(from, h, to);
-            this.lack(sys, from, to, work);
+            this.residual(sys, from, to, work);
             work_of(&this.residual)
         };
         let (mut low, mut high) = ((0.0, start), (1.0, at(self, 1.0)));
@@ -298,8 +304,8 @@ impl OneStep for GeneralisedAlpha {
             if size <= NEWTON_TOLERANCE {
                 return Ok(0.0);
             }
-            self.lack(sys, from, to, work);
-            let at = At {
+            self.residual(sys, from, to, work);
+            let at = StateView {
                 t: to.t,
                 q: &to.q,
                 v: &to.v,

@@ -33,18 +33,18 @@
 //! the end of a kick is zero, so that `D` has the other dampers alone ([`Flip::predicts`]), and `2 / omega` is the limit
 //! without these.
 //!
-//! **The trigonometric method** is exact for oscillators and kicks them by the rest, see [`Kicks`].
+//! **The trigonometric method** is exact for oscillators and kicks them by the rest, see [`Impulses`].
 //!
 //! Newmark with beta >= 1/4, HHT-alpha and generalised-alpha with the parameters of their declared ranges are stable at
 //! every step on linear systems. Methods that run under a tolerance only choose their steps themselves.
 
-mod kicks;
+mod impulses;
 mod polynomial;
 
 #[cfg(test)]
 mod tests;
 
-pub use kicks::Kicks;
+pub use impulses::Impulses;
 pub use polynomial::{first_exit, modulus};
 
 /// Data that determine the stability of a method at fixed steps.
@@ -55,7 +55,7 @@ pub enum Stability {
     /// The limit is where `4 M - d h D - k h^2 K` becomes singular.
     Flip(Flip),
     /// Impulses of the remainder between exact oscillators.
-    Kicks(Kicks),
+    Impulses(Impulses),
     /// Every step is stable.
     Unconditional,
     /// The method has no fixed steps.
@@ -77,7 +77,7 @@ impl Flip {
     /// evaluates so do not belong to `D`.
     #[must_use]
     pub fn predicts(&self) -> bool {
-        self.d == Kicks::FLIP.d
+        self.d == Impulses::FLIP.d
     }
 
     /// Returns the largest stable step [s] of an oscillator: the positive root of `k x^2 + 2 d zeta x = 4` over
@@ -118,7 +118,7 @@ impl Stability {
                 Some(exits[0].min(exits[1]))
             }
             Stability::Flip(flip) => Some(flip.largest_step(omega, zeta)),
-            Stability::Kicks(_) => Some(Kicks::FLIP.largest_step(omega, zeta)),
+            Stability::Impulses(_) => Some(Impulses::FLIP.largest_step(omega, zeta)),
             Stability::Unconditional | Stability::Controlled => None,
         }
     }

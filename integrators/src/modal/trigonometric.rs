@@ -43,9 +43,9 @@ use super::propagator::{Tables, coefficients, quasi_static_of};
 use super::resonance::{Filter, safe_step};
 use crate::equilibrium::shift;
 use crate::error::StepError;
-use crate::free_flight::Patience;
+use crate::free_flight::QueryInterval;
 use crate::method::{MethodInfo, OneStep, Parameter, Resolution, Stepping, Tolerance, Work};
-use crate::system::{At, Coeffs, HalfKick, ModalSplit, SecondOrderSystem, State};
+use crate::system::{Coeffs, HalfStepImpulse, ModalSplit, SecondOrderSystem, State, StateView};
 use std::cell::RefCell;
 
 /// Declared properties of the trigonometric method.
@@ -70,7 +70,7 @@ pub static INFO: MethodInfo = MethodInfo {
 
 /// Acceleration of the remainder at one end of a step, from which the half impulse follows.
 #[derive(Clone, Debug, Default)]
-struct Kick {
+struct EndAcceleration {
     /// Acceleration without oscillators and steady loads, filtered.
     a: Vec<f64>,
     /// True if other forces than the steady loads act.
@@ -99,13 +99,13 @@ pub struct Trigonometric {
     inside: RefCell<Tables>,
     /// Index of the table of the last step.
     table: usize,
-    ends: [Kick; 2],
+    ends: [EndAcceleration; 2],
     /// Acceleration from steady loads, and the time until which they are steady.
     steady: Vec<f64>,
     steady_until: f64,
     /// Time until which no contact can close.
     free_until: f64,
-    patience: Patience,
+    query_interval: QueryInterval,
     /// Velocities at the end of a step before its last half impulse.
     predicted: Vec<f64>,
     /// Filtered coordinates and velocities for the evaluation of the remainder.
@@ -129,7 +129,7 @@ impl Trigonometric {
     fn evaluate(
         &mut self,
         split: &mut dyn ModalSplit,
-        at: At<'_>,
+        at: StateView<'_>,
         end: usize,
         table: Option<usize>,
         kicked: Option<(&[f64], f64)>,
@@ -148,7 +148,7 @@ impl Trigonometric {
         filtered(at.q, &mut self.q);
         filtered(at.v, &mut self.v);
         let seen = match drift {
-            Some(_) => At {
+            Some(_) => StateView {
                 q: &self.q,
                 v: &self.v,
                 ..at
@@ -158,7 +158,7 @@ impl Trigonometric {
         match kicked {
             Some((before, time)) => {
                 filtered(before, &mut self.before);
-                let half = HalfKick {
+                let half = HalfStepImpulse {
                     time,
                     before: drift.map_or(before, |_| &self.before),
                     steady: &self.steady,
@@ -339,7 +339,7 @@ impl OneStep for Trigonometric {
     }
 
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work) {
-        self.patience.end();
+        self.query_interval.end();
         self.free_until = s.t;
         let Some(split) = sys.modal() else { return };
         self.steady_until = split.steady(s.at(), &mut self.steady);
@@ -351,13 +351,13 @@ impl OneStep for Trigonometric {
     }
 
     fn free_flight_end(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, h: f64) -> f64 {
-        if self.ends[0].acts || !self.patience.over() || self.steady_until <= s.t + h {
+        if self.ends[0].acts || !self.query_interval.over() || self.steady_until <= s.t + h {
             return s.t;
         }
         let Some(split) = sys.modal() else { return s.t };
         self.free_until = split.free_until(s);
         let end = self.free_until.min(self.steady_until);
-        self.patience.learn(end <= s.t + h);
+        self.query_interval.learn(end <= s.t + h);
         end
     }
 
@@ -419,7 +419,7 @@ impl OneStep for Trigonometric {
                 *v += half * a;
             }
         }
-        let at = At {
+        let at = StateView {
             t: to.t,
             q: &to.q,
             v: &predicted,
@@ -454,7 +454,7 @@ impl OneStep for Trigonometric {
     fn advance(&mut self) {
         self.ends.swap(0, 1);
         if self.ends[0].acts {
-            self.patience.end();
+            self.query_interval.end();
         }
     }
 

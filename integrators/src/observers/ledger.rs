@@ -19,7 +19,7 @@
 //! stored since the start, of which an integrator may lose or generate a part.
 
 use crate::method::{AcceptedStep, Control, Sink};
-use crate::system::{At, Energy, Outputs, Power, SecondOrderSystem, State};
+use crate::system::{Energy, Outputs, Power, SecondOrderSystem, State, StateView};
 
 /// Gauss-Legendre nodes and weights on [0, 1].
 const GAUSS: [(f64, f64); 3] = [
@@ -165,7 +165,7 @@ impl Ledger {
         let (mut external, mut damped) = (0.0, false);
         for (theta, weight) in GAUSS {
             step.dense.eval(theta, &mut self.q, &mut self.v);
-            let at = At {
+            let at = StateView {
                 t: step.from.t + theta * h,
                 q: &self.q,
                 v: &self.v,
@@ -272,7 +272,7 @@ impl Sink for Ledger {
         }
         for (theta, weight) in GAUSS {
             step.dense.eval(theta, &mut self.q, &mut self.v);
-            let at = At {
+            let at = StateView {
                 t: step.from.t + theta * h,
                 q: &self.q,
                 v: &self.v,

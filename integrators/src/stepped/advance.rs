@@ -8,7 +8,7 @@ use crate::system::{SecondOrderSystem, State};
 
 /// Planned end of a step, and the kind of motion to it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Aim {
+pub(super) struct PlannedStep {
     /// End time of the step [s].
     pub(super) t_new: f64,
     /// End of the run or next breakpoint [s], whichever comes first.
@@ -23,13 +23,13 @@ pub(super) struct Aim {
 
 /// Outcome of a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Outcome {
+pub(super) enum StepOutcome {
     /// The error was too large: the next step is shorter.
     Rejected,
     /// The sink ended the run.
     Stopped,
     /// The state advanced, or switches at the start of the step.
-    Went {
+    Advanced {
         /// True if the step ends at an event.
         located: bool,
         /// True if time advanced by more than rounding.
@@ -45,7 +45,7 @@ impl<M: OneStep> Stepped<M> {
         sys: &mut dyn SecondOrderSystem,
         s: &State,
         r: &mut Run<'_>,
-    ) -> Aim {
+    ) -> PlannedStep {
         let stop = r.plan.t_end.min(r.breakpoint);
         let mut t_new = if r.fixed {
             while r.t_begin + (r.on_grid + 1) as f64 * r.h_next <= s.t + 1e-9 * r.h_next {
@@ -75,7 +75,7 @@ impl<M: OneStep> Stepped<M> {
         } else if !r.fixed && t_new > stop - r.h_next {
             t_new = 0.5 * (s.t + stop);
         }
-        Aim {
+        PlannedStep {
             t_new,
             stop,
             leaps,
@@ -89,11 +89,11 @@ impl<M: OneStep> Stepped<M> {
         &mut self,
         sys: &mut dyn SecondOrderSystem,
         s: &mut State,
-        aim: &Aim,
+        aim: &PlannedStep,
         r: &mut Run<'_>,
         sink: &mut dyn Sink,
         work: &mut Work,
-    ) -> Result<Outcome, StepError> {
+    ) -> Result<StepOutcome, StepError> {
         let mut outcome = (false, true);
         if aim.sliver {
             s.t = aim.stop;
@@ -107,7 +107,7 @@ impl<M: OneStep> Stepped<M> {
             let control = accept(sys, [s, &r.end], &dense, true, sink, work);
             std::mem::swap(s, &mut r.end);
             if control == Control::Stop {
-                return Ok(Outcome::Stopped);
+                return Ok(StepOutcome::Stopped);
             }
         } else {
             let h = aim.t_new - s.t;
@@ -116,7 +116,7 @@ impl<M: OneStep> Stepped<M> {
             if !r.fixed && (!err.is_finite() || err > 1.0) {
                 work.rejected += 1;
                 r.shorten(s.t, h, err)?;
-                return Ok(Outcome::Rejected);
+                return Ok(StepOutcome::Rejected);
             }
             check_finite(&r.end)?;
 
@@ -143,7 +143,7 @@ impl<M: OneStep> Stepped<M> {
                 progressed = to.t - s.t > 1e-12 * (r.plan.t_end - r.t_begin);
                 std::mem::swap(s, if located { &mut r.event } else { &mut r.end });
                 if control == Control::Stop {
-                    return Ok(Outcome::Stopped);
+                    return Ok(StepOutcome::Stopped);
                 }
             }
             if !(r.fixed || located || aim.leaps) {
@@ -152,7 +152,7 @@ impl<M: OneStep> Stepped<M> {
             outcome = (located, progressed);
         }
         let (located, progressed) = outcome;
-        Ok(Outcome::Went {
+        Ok(StepOutcome::Advanced {
             located,
             progressed,
         })

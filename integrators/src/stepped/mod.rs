@@ -39,8 +39,8 @@ use crate::method::{
     Dense, Integrator, MethodInfo, OneStep, Resolution, Sink, Stepping, TimePlan, Tolerance, Work,
 };
 use crate::system::{Change, SecondOrderSystem, State};
-use advance::Outcome;
-use segments::Segment;
+use advance::StepOutcome;
+use segments::SegmentOutcome;
 
 /// Number of events at one instant above which the run ends with [`StepError::Chatter`].
 pub(crate) const MAX_EVENTS_AT_ONCE: u32 = 200;
@@ -53,12 +53,12 @@ pub struct Stepped<M> {
     method: M,
     flight: FlightProbe,
     segments: SegmentProbe,
-    left: Option<Left>,
+    left: Option<PausedRun>,
 }
 
 /// Data of the loop at the end of a run, from which a further run continues.
 #[derive(Clone, Copy, Debug)]
-struct Left {
+struct PausedRun {
     t_begin: f64,
     h_next: f64,
     on_grid: u64,
@@ -304,8 +304,8 @@ impl<M: OneStep> Stepped<M> {
         if left.is_none() {
             self.method.begin(sys, plan.resolution)?;
             self.method.balance(sys, s, plan.resolution, work);
-            self.flight.patience.end();
-            self.segments.patience.end();
+            self.flight.query_interval.end();
+            self.segments.query_interval.end();
             self.segments.left = false;
             self.method.restart(sys, s, work);
         }
@@ -356,21 +356,21 @@ impl<M: OneStep> Stepped<M> {
         while s.t < plan.t_end {
             bounds.check(plan, s.t, work, &*sink)?;
             match self.segment(sys, s, &mut r, &mut bounds, sink, work)? {
-                Segment::Unknown => self.leave_segment(sys, s, &mut r, work),
-                Segment::Stopped => return Ok(()),
-                Segment::Went => continue,
+                SegmentOutcome::Unknown => self.leave_segment(sys, s, &mut r, work),
+                SegmentOutcome::Stopped => return Ok(()),
+                SegmentOutcome::Completed => continue,
             }
             let aim = self.aim(sys, s, &mut r);
             match self.advance(sys, s, &aim, &mut r, sink, work)? {
-                Outcome::Rejected => {}
-                Outcome::Stopped => return Ok(()),
-                Outcome::Went {
+                StepOutcome::Rejected => {}
+                StepOutcome::Stopped => return Ok(()),
+                StepOutcome::Advanced {
                     located,
                     progressed,
                 } => self.settle(sys, s, &aim, (located, progressed), &mut r, sink, work)?,
             }
         }
-        self.left = Some(Left {
+        self.left = Some(PausedRun {
             t_begin: r.t_begin,
             h_next: r.h_next,
             on_grid: r.on_grid,

@@ -14,13 +14,13 @@ use crate::system::{Change, SecondOrderSystem, State};
 
 /// Outcome of the query for a closed-form path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Segment {
+pub(super) enum SegmentOutcome {
     /// The system has no closed form at this state.
     Unknown,
     /// The sink ended the run.
     Stopped,
     /// The state is at the end of the path.
-    Went,
+    Completed,
 }
 
 impl<M: OneStep> Stepped<M> {
@@ -33,16 +33,16 @@ impl<M: OneStep> Stepped<M> {
         bounds: &mut Bounds,
         sink: &mut dyn Sink,
         work: &mut Work,
-    ) -> Result<Segment, StepError> {
-        if !self.segments.on || !self.segments.patience.over() {
-            return Ok(Segment::Unknown);
+    ) -> Result<SegmentOutcome, StepError> {
+        if !self.segments.on || !self.segments.query_interval.over() {
+            return Ok(SegmentOutcome::Unknown);
         }
         let path = &mut self.segments.path;
         let until = sys.linear_path(s, path);
         let resolved = s.t + resolution_of_time(s.t, r.plan);
-        self.segments.patience.learn(until <= resolved);
+        self.segments.query_interval.learn(until <= resolved);
         if until <= resolved {
-            return Ok(Segment::Unknown);
+            return Ok(SegmentOutcome::Unknown);
         }
         let stop = until.min(r.plan.t_end);
         let start = s.t;
@@ -78,7 +78,7 @@ impl<M: OneStep> Stepped<M> {
             let control = sink.accepted(sys, &step);
             std::mem::swap(s, &mut r.end);
             if control == Control::Stop {
-                return Ok(Segment::Stopped);
+                return Ok(SegmentOutcome::Stopped);
             }
             if part < parts {
                 change = sys.commit(s);
@@ -114,7 +114,7 @@ impl<M: OneStep> Stepped<M> {
         self.segments.left = true;
         let progressed = s.t - start > 1e-12 * (r.plan.t_end - r.t_begin);
         r.go_on(s, !progressed)?;
-        Ok(Segment::Went)
+        Ok(SegmentOutcome::Completed)
     }
 
     /// Restarts the method where a path of the system ended.

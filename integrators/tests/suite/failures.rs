@@ -11,8 +11,8 @@ use gearbench_integrators::method::Tolerance;
 use gearbench_integrators::modal::resonance::Filter;
 use gearbench_integrators::modal::trigonometric::Trigonometric;
 use gearbench_integrators::{
-    At, Change, Events, Layout, METHODS, ModalSplit, OneStep, Resolution, SecondOrderSystem, State,
-    StepError, Stepping, TimePlan, Work,
+    Change, Events, Layout, METHODS, ModalSplit, OneStep, Resolution, SecondOrderSystem, State,
+    StateView, StepError, Stepping, TimePlan, Work,
 };
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -26,19 +26,19 @@ struct Scalar {
 impl SecondOrderSystem for Scalar {
     unit_masses!(|_own| [1, 0, 0], modal: ModalSplit);
 
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         0.1
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f[0] = (self.force)(at.t, at.q[0]);
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = (self.tangent)(at.q[0]) * dq[0];
     }
 }
 
 split_off!(Scalar, |_own, _i| (0.7, 0.0));
-split_off!(Broken, |_own, _i| (1.0, 0.0));
+split_off!(PermanentEvent, |_own, _i| (1.0, 0.0));
 
 /// Returns a plan that suits the method.
 fn plan_for(m: &gearbench_integrators::Method, t_end: f64) -> TimePlan<'static> {
@@ -252,24 +252,24 @@ fn a_system_without_coordinates_runs_or_is_refused() {
 }
 
 /// System with an event function that no transition makes positive.
-struct Broken;
+struct PermanentEvent;
 
-impl SecondOrderSystem for Broken {
+impl SecondOrderSystem for PermanentEvent {
     unit_masses!(|_own| [1, 1, 1], modal: ModalSplit, events: Events);
 
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         0.1
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f[0] = -at.q[0];
     }
-    fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, _at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = -dq[0];
     }
 }
 
-impl Events for Broken {
-    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
+impl Events for PermanentEvent {
+    fn event_functions(&mut self, at: StateView<'_>, out: &mut [f64]) {
         out[0] = 0.6 - at.t;
     }
     fn transition(&mut self, s: &mut State, _event: usize) -> Change {
@@ -283,7 +283,7 @@ fn chatter_is_named_and_ends() {
     for m in METHODS {
         let mut s = state(&[1.0], &[0.0]);
         s.discrete = vec![0.0];
-        let (s, _, result) = run(m, &mut Broken, s, &plan_for(m, 1.0));
+        let (s, _, result) = run(m, &mut PermanentEvent, s, &plan_for(m, 1.0));
         let Err(StepError::Chatter { t, events }) = result else {
             panic!("{}: {result:?}", m.info.id)
         };

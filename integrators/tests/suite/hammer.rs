@@ -2,8 +2,8 @@
 
 use crate::problems::watch;
 use gearbench_integrators::{
-    AcceptedStep, At, Change, Control, Energy, Events, FlightPath, FreeFlight, Layout, Method,
-    ModalSplit, Outputs, Power, Report, SecondOrderSystem, Sink, State, TimePlan, Work,
+    AcceptedStep, Change, Control, Energy, Events, FlightPath, FreeFlight, Layout, Method,
+    ModalSplit, Outputs, Power, Report, SecondOrderSystem, Sink, State, StateView, TimePlan, Work,
 };
 
 /// Two gears with backlash that touch on one line of action, with a linear penalty and non-adhesive Kelvin-Voigt
@@ -73,7 +73,7 @@ impl Hammer {
         }
     }
 
-    fn relative(&self, at: At<'_>) -> (f64, f64) {
+    fn relative(&self, at: StateView<'_>) -> (f64, f64) {
         let r = self.radius;
         (
             r[0] * at.q[0] - r[1] * at.q[1],
@@ -82,7 +82,7 @@ impl Hammer {
     }
 
     /// Returns the force on the line of action, positive on the driving flank.
-    fn line_force(&self, at: At<'_>) -> f64 {
+    fn line_force(&self, at: StateView<'_>) -> f64 {
         let (s, u) = self.relative(at);
         let side = at.discrete[0];
         if side == 0.0 {
@@ -156,11 +156,11 @@ impl ModalSplit for Hammer {
         omega.fill(0.0);
         zeta.fill(0.0);
     }
-    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
         self.force(at, a);
         self.solve_mass(at, a);
     }
-    fn steady(&mut self, _at: At<'_>, a: &mut [f64]) -> f64 {
+    fn steady(&mut self, _at: StateView<'_>, a: &mut [f64]) -> f64 {
         a.fill(0.0);
         f64::INFINITY
     }
@@ -189,7 +189,7 @@ impl SecondOrderSystem for Hammer {
             q[i] = v[i] / self.omega();
         }
     }
-    fn characteristic_time(&self, at: At<'_>) -> f64 {
+    fn characteristic_time(&self, at: StateView<'_>) -> f64 {
         if at.discrete[0] == 0.0 {
             f64::INFINITY
         } else {
@@ -199,21 +199,21 @@ impl SecondOrderSystem for Hammer {
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         let n = self.line_force(at);
         f[0] = -self.radius[0] * n;
         f[1] = self.radius[1] * n;
     }
-    fn solve_mass(&mut self, _at: At<'_>, f: &mut [f64]) {
+    fn solve_mass(&mut self, _at: StateView<'_>, f: &mut [f64]) {
         f[0] /= self.inertia[0];
         f[1] /= self.inertia[1];
     }
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         y[0] = self.inertia[0] * x[0];
         y[1] = self.inertia[1] * x[1];
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
-        let (ds, du) = self.relative(At { q: dq, v: dv, ..at });
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+        let (ds, du) = self.relative(StateView { q: dq, v: dv, ..at });
         let closed = if at.discrete[0] == CLIPPED {
             self.line_force(at) != 0.0
         } else {
@@ -242,7 +242,7 @@ impl Events for Hammer {
     /// Computes the event functions per flank. A closed contact lasts while its force pushes. An open one lasts until
     /// the flank is reached, and after a release with damping, where the penetration is not yet zero, while the force
     /// would pull.
-    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, at: StateView<'_>, out: &mut [f64]) {
         let (s, u) = self.relative(at);
         let lag = self.damping / self.stiffness;
         for (out, side) in out.iter_mut().zip([1.0, -1.0]) {
@@ -279,7 +279,7 @@ impl FreeFlight for Hammer {
 }
 
 impl Report for Hammer {
-    fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+    fn output(&mut self, at: StateView<'_>, out: &mut Outputs) {
         self.looks += 1;
         let n = self.line_force(at);
         let (s, u) = self.relative(at);

@@ -198,13 +198,13 @@ fn the_cost_of_flight_does_not_grow_with_its_length() {
 /// mode, of mass one each, that bounces on a stop under a steady load, or rests on it and rocks; `omega_c h` of the
 /// contact is given.
 fn energy_error(omega_h: f64, contact_h: f64, pressed: bool, filter: u8) -> f64 {
-    struct Worst {
+    struct LargestError {
         modes: Modes,
         start: f64,
         scale: f64,
         error: f64,
     }
-    impl Sink for Worst {
+    impl Sink for LargestError {
         fn accepted(&mut self, _: &mut dyn SecondOrderSystem, s: &AcceptedStep<'_>) -> Control {
             let off = (self.modes.energy(s.to) - self.start).abs() / self.scale;
             self.error = self.error.max(off);
@@ -231,7 +231,7 @@ fn energy_error(omega_h: f64, contact_h: f64, pressed: bool, filter: u8) -> f64 
     } else {
         state(&[-0.5, 0.0], &[0.0, 0.0])
     };
-    let mut worst = Worst {
+    let mut worst = LargestError {
         start: modes.energy(&start),
         scale: if pressed {
             0.5 * speed * speed

@@ -3,7 +3,7 @@
 use crate::unit_masses;
 use gearbench_integrators::modal::propagator::coefficients;
 use gearbench_integrators::{
-    At, Energy, Layout, ModalSplit, Outputs, Power, Report, SecondOrderSystem, State,
+    Energy, Layout, ModalSplit, Outputs, Power, Report, SecondOrderSystem, State, StateView,
 };
 
 /// Independent oscillators under steady loads with a smooth nonlinear coupling and a stop.
@@ -84,13 +84,13 @@ impl ModalSplit for Modes {
         omega.copy_from_slice(&self.omega);
         zeta.copy_from_slice(&self.zeta);
     }
-    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
         let force = self.contact(at.q);
         for i in 0..a.len() {
             a[i] = self.load[i] + self.shape[i] * force;
         }
     }
-    fn steady(&mut self, _at: At<'_>, a: &mut [f64]) -> f64 {
+    fn steady(&mut self, _at: StateView<'_>, a: &mut [f64]) -> f64 {
         a.copy_from_slice(&self.load);
         f64::INFINITY
     }
@@ -119,7 +119,7 @@ impl ModalSplit for Modes {
 }
 
 impl Report for Modes {
-    fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+    fn output(&mut self, at: StateView<'_>, out: &mut Outputs) {
         let s = State {
             q: at.q.to_vec(),
             v: at.v.to_vec(),
@@ -140,17 +140,17 @@ impl Report for Modes {
 impl SecondOrderSystem for Modes {
     unit_masses!(|own| [own.omega.len(), 0, 0], modal: ModalSplit, report: Report);
 
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         0.1
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         let contact = self.contact(at.q);
         for i in 0..f.len() {
             let (w, z) = (self.omega[i], self.zeta[i]);
             f[i] = self.load[i] + self.shape[i] * contact - w * (w * at.q[i] + 2.0 * z * at.v[i]);
         }
     }
-    fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], _df: &mut [f64]) {
+    fn tangent_times(&mut self, _at: StateView<'_>, _dq: &[f64], _dv: &[f64], _df: &mut [f64]) {
         unreachable!("explicit methods only")
     }
 }

@@ -2,8 +2,8 @@
 
 pub use crate::hammer::*;
 use gearbench_integrators::{
-    At, Energy, Layout, METHODS, Method, ModalSplit, NullSink, Outputs, Report, Resolution,
-    SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan, Work, method,
+    Energy, Layout, METHODS, Method, ModalSplit, NullSink, Outputs, Report, Resolution,
+    SecondOrderSystem, Sink, State, StateView, StepError, Stepping, TimePlan, Work, method,
 };
 
 /// Runs a method of the table; the state is the one where it ended.
@@ -106,8 +106,8 @@ macro_rules! unit_masses {
             q.fill(1.0);
             v.fill(1.0);
         }
-        fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-        fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+        fn solve_mass(&mut self, _at: StateView<'_>, _f: &mut [f64]) {}
+        fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
             y.copy_from_slice(x);
         }
         $(fn $capability(&mut self) -> Option<&mut dyn $trait> {
@@ -128,7 +128,7 @@ macro_rules! split_off {
                     (omega[$i], zeta[$i]) = $oscillator;
                 }
             }
-            fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+            fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
                 self.force(at, a);
                 self.solve_mass(at, a);
                 let $own = &*self;
@@ -137,7 +137,7 @@ macro_rules! split_off {
                     a[$i] += w * (w * at.q[$i] + 2.0 * z * at.v[$i]);
                 }
             }
-            fn steady(&mut self, at: At<'_>, _a: &mut [f64]) -> f64 {
+            fn steady(&mut self, at: StateView<'_>, _a: &mut [f64]) -> f64 {
                 at.t
             }
             fn free_until(&mut self, s: &State) -> f64 {
@@ -204,30 +204,30 @@ impl SecondOrderSystem for Duffing {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         0.5
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         let [q, v, a] = Self::exact(at.t);
         let (there, here) = (Self::internal(&q, &v), Self::internal(at.q, at.v));
         for i in 0..2 {
             f[i] = Self::M[i][0] * a[0] + Self::M[i][1] * a[1] + there[i] - here[i];
         }
     }
-    fn solve_mass(&mut self, _at: At<'_>, f: &mut [f64]) {
+    fn solve_mass(&mut self, _at: StateView<'_>, f: &mut [f64]) {
         let [[a, b], [c, d]] = Self::M;
         let det = a * d - b * c;
         (f[0], f[1]) = ((d * f[0] - b * f[1]) / det, (a * f[1] - c * f[0]) / det);
     }
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         for i in 0..2 {
             y[i] = Self::M[i][0] * x[0] + Self::M[i][1] * x[1];
         }
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         let (q, v) = (at.q, at.v);
         let (d, vr) = (q[0] - q[1], v[0] - v[1]);
         let (dd, ddv) = (dq[0] - dq[1], dv[0] - dv[1]);
@@ -257,14 +257,14 @@ impl SecondOrderSystem for Oscillator {
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f[0] = -self.omega * self.omega * at.q[0];
     }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn solve_mass(&mut self, _at: StateView<'_>, _f: &mut [f64]) {}
+    fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         y.copy_from_slice(x);
     }
-    fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, _at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = -self.omega * self.omega * dq[0];
     }
     fn report(&mut self) -> Option<&mut dyn Report> {
@@ -273,7 +273,7 @@ impl SecondOrderSystem for Oscillator {
 }
 
 impl Report for Oscillator {
-    fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+    fn output(&mut self, at: StateView<'_>, out: &mut Outputs) {
         out.energy = Energy {
             kinetic: 0.5 * at.v[0] * at.v[0],
             strain: 0.5 * (self.omega * at.q[0]).powi(2),
@@ -320,13 +320,13 @@ impl SecondOrderSystem for Chain {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         0.3
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f.fill(0.0);
         for i in 1..f.len() {
             let (d, dv) = (at.q[i] - at.q[i - 1], at.v[i] - at.v[i - 1]);
@@ -335,17 +335,17 @@ impl SecondOrderSystem for Chain {
             f[i - 1] += s;
         }
     }
-    fn solve_mass(&mut self, _at: At<'_>, f: &mut [f64]) {
+    fn solve_mass(&mut self, _at: StateView<'_>, f: &mut [f64]) {
         for (f, m) in f.iter_mut().zip(&self.masses) {
             *f /= m;
         }
     }
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         for i in 0..x.len() {
             y[i] = self.masses[i] * x[i];
         }
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
         for i in 1..df.len() {
             let (d, v) = (at.q[i] - at.q[i - 1], at.v[i] - at.v[i - 1]);

@@ -16,7 +16,7 @@ pub struct Candidate {
     pub normal: Vec3,
     /// Taper factor of a flank point that leaves contact over a tip; the normal and the gap include it where the gap
     /// is closed.
-    pub fade: f64,
+    pub taper: f64,
     /// Change of the taper factor with the motion of either gear's point, to be added to the normal. The hub of the
     /// other gear receives the reaction at that point.
     pub aside: [Vec3; 2],

@@ -2,9 +2,9 @@
 //! any combination of gear models.
 
 use super::candidate::Candidate;
-use super::nodal::{GapBound, NodalParty, NodalPoints};
+use super::gear_state::{CandidateSelection, GearState};
+use super::nodal::{GapBound, NodalGearState, NodalPoints};
 use super::pairs::{FlankLines, LinesOfAction};
-use super::party::{Party, Wanted};
 use super::points::FlankPoints;
 use crate::Vec3;
 use crate::geometry::Side;
@@ -56,7 +56,7 @@ impl Search {
     #[inline]
     pub fn nodal_points(
         &self,
-        sides: [NodalParty<'_>; 2],
+        sides: [NodalGearState<'_>; 2],
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
@@ -71,15 +71,15 @@ impl Search {
     #[inline]
     pub fn candidates(
         &self,
-        a: Party<'_>,
-        b: Party<'_>,
+        a: GearState<'_>,
+        b: GearState<'_>,
         discrete: &[f64],
-        wanted: Wanted<'_>,
+        selection: CandidateSelection<'_>,
         out: &mut Vec<Candidate>,
     ) {
         match self {
-            Search::Pairs(pairs) => pairs.candidates(a, b, discrete, wanted, out),
-            Search::Points(points) => points.candidates(a, b, wanted, out),
+            Search::Pairs(pairs) => pairs.candidates(a, b, discrete, selection, out),
+            Search::Points(points) => points.candidates(a, b, selection, out),
             // Their gears have fields.
             Search::Lines(_) => {}
         }

@@ -3,13 +3,13 @@
 use crate::Vec3;
 use crate::error::Reason;
 use crate::geometry::swept::Cells;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use std::fmt;
 use std::sync::Arc;
 
 /// Positions of all nodes of a body at a state.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Displaced {
+pub struct DisplacedNodes {
     /// Positions after the rigid motion of the gear [m].
     pub rigid: Vec<Vec3>,
     /// Displacements of the nodes from these positions [m].
@@ -38,7 +38,7 @@ pub trait MeshedBody {
     ///
     /// # Errors
     /// Why they are not known, with a way out.
-    fn displaced(&self, at: At<'_>, load: &BodyLoad) -> Result<Displaced, Reason>;
+    fn displaced(&self, at: StateView<'_>, load: &BodyLoad) -> Result<DisplacedNodes, Reason>;
 }
 
 /// The full mesh behind a reduction: displacements of all nodes from modal coordinates and flank forces.

@@ -6,7 +6,7 @@ use crate::Vec3;
 use crate::geometry::{Flanks, Side};
 use crate::kinematics::{Row, Tooth};
 use gearbench_integrators::FlightPath;
-use gearbench_integrators::system::{At, Change, Coeffs, Singular};
+use gearbench_integrators::system::{Change, Coeffs, Singular, StateView};
 use std::sync::Arc;
 
 /// Flanks of a gear as grids of nodes.
@@ -32,17 +32,17 @@ pub trait DeformedLines {
 
     /// Returns the outward displacement of a line [m], and its slope by the displacement of the hub at fixed node
     /// positions.
-    fn outward(&self, at: At<'_>, line: u32) -> (f64, f64);
+    fn outward(&self, at: StateView<'_>, line: u32) -> (f64, f64);
 
     /// Appends the slopes of `sum w_i a_i` of the outward displacements of lines by the positions of their nodes to a
     /// row of this gear.
-    fn row(&self, at: At<'_>, lines: &[u32; 4], weights: &[f64; 4], row: &mut Row);
+    fn row(&self, at: StateView<'_>, lines: &[u32; 4], weights: &[f64; 4], row: &mut Row);
 }
 
 /// Positions of flank nodes in space.
 pub trait FlankNodes {
     /// Computes the positions in space [m] of some nodes; called for one flank at a time, once per evaluation.
-    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]);
+    fn positions(&self, at: StateView<'_>, nodes: &[u32], out: &mut [Vec3]);
 }
 
 /// Deflection and force of the spring of a tooth at a state.
@@ -58,10 +58,10 @@ pub struct ToothSpring {
 pub trait ToothCoordinates {
     /// Returns the angle of a tooth from its assembled position [rad] (displacement [m] for a rack), without the
     /// pitch.
-    fn displacement(&self, at: At<'_>, tooth: Tooth) -> f64;
+    fn displacement(&self, at: StateView<'_>, tooth: Tooth) -> f64;
 
     /// Computes [`Self::displacement`] of consecutive teeth from `first` on.
-    fn displacements(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
+    fn displacements(&self, at: StateView<'_>, first: Tooth, out: &mut [f64]) {
         for (index, displacement) in (first.index..).zip(out) {
             *displacement = self.displacement(at, Tooth { index, ..first });
         }
@@ -74,7 +74,7 @@ pub trait ToothCoordinates {
     }
 
     /// Returns the spring between a tooth and its body; `None` for a tooth without a spring.
-    fn spring(&self, _at: At<'_>, _tooth: Tooth) -> Option<ToothSpring> {
+    fn spring(&self, _at: StateView<'_>, _tooth: Tooth) -> Option<ToothSpring> {
         None
     }
 
@@ -123,7 +123,7 @@ pub trait LinearMotion {
 
     /// Adds the internal forces that are not in [`Self::oscillators`]: the inertia of the modal coordinates under a
     /// prescribed motion of the hub, and their coupling by a bearing.
-    fn add_other_forces(&self, _at: At<'_>, _f: &mut [f64]) {}
+    fn add_other_forces(&self, _at: StateView<'_>, _f: &mut [f64]) {}
 
     /// Sets the compliance per unit of acceleration [s^2] that a method leaves out of the [`Self::oscillators`] under
     /// quasi-static forces; gears with a residual compliance add the remainder to it. `None` for a method that leaves
@@ -131,11 +131,11 @@ pub trait LinearMotion {
     fn set_quasi_static_correction(&self, _missing: Option<&[f64]>) {}
 
     /// Returns the free flight from a state under a steady `load` on a free hub; `None` where there is no closed form.
-    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight>;
+    fn free_flight(&self, at: StateView<'_>, load: f64) -> Option<FreeFlight>;
 
     /// Adds that motion to a closed-form path, its coordinates from `first` on; called only where there is a
     /// [`Self::free_flight`].
-    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath);
+    fn add_to_path(&self, at: StateView<'_>, load: f64, first: usize, path: &mut FlightPath);
 
     /// Removes the vibration about the deflection of a steady `load`; the momentum is conserved. The slices are those
     /// of the gear. Returns false when the vibration was zero up to rounding.
@@ -152,7 +152,7 @@ pub trait LinearMotion {
 
     /// Returns the work of a steady `load` on a free hub, or of a prescribed motion on the modal coordinates, between
     /// two states of a flight [J].
-    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64;
+    fn steady_work(&self, from: StateView<'_>, to: StateView<'_>, load: f64) -> f64;
 }
 
 /// A gear with many coordinates of which a contact acts on few: the scene then condenses the Newton correction to
@@ -162,7 +162,7 @@ pub trait LargeGear {
     /// `g[i * n + j] = A^-1[c_i, c_j]`, symmetric; `g` has `n * n` values.
     fn condensed(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         coordinates: &[u32],
@@ -172,7 +172,7 @@ pub trait LargeGear {
     /// Adds the response of all coordinates to forces on some: `x += A^-1 E f`.
     fn add_response(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         touched: (&[u32], &[f64]),
@@ -186,8 +186,8 @@ pub trait LargeGear {
 /// A mass matrix that is not constant and diagonal.
 pub trait CoupledMass {
     /// Solves with the mass matrix in place: `f <- M^-1 f`.
-    fn solve(&self, at: At<'_>, f_to_a: &mut [f64]);
+    fn solve(&self, at: StateView<'_>, f_to_a: &mut [f64]);
 
     /// Multiplies by the mass matrix: `y = M x`.
-    fn apply(&self, at: At<'_>, x: &[f64], y: &mut [f64]);
+    fn apply(&self, at: StateView<'_>, x: &[f64], y: &mut [f64]);
 }

@@ -1,6 +1,6 @@
 //! The flank displacement operator: outward displacements of flank nodes from the rigid flank, for nodal contact.
 
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use std::sync::Arc;
 
 /// Outward displacements of flank nodes, linear in the gear's coordinates and in the forces on the nodes:
@@ -52,5 +52,5 @@ pub trait FlankDisplacement {
 
     /// Returns a bound of `|B q|` at any flank node [m]: `sqrt(c) sqrt(2 U)` with the largest modal compliance `c` of
     /// a node and the strain energy `U` (Cauchy and Schwarz).
-    fn bound(&self, at: At<'_>) -> f64;
+    fn bound(&self, at: StateView<'_>) -> f64;
 }

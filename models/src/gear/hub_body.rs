@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::kinematics::{Hub, Motion, Row, Wrench};
 use crate::spec::Freedom;
 use gearbench_integrators::FlightPath;
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 
 /// Typical magnitudes that convert a relative tolerance into absolute ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,20 +117,20 @@ impl HubBody {
 
     /// Returns the angle or displacement of the hub.
     #[inline]
-    pub fn displacement_at(&self, at: At<'_>) -> f64 {
+    pub fn displacement_at(&self, at: StateView<'_>) -> f64 {
         self.hub.displacement(at.t, at.q)
     }
 
     /// Returns the speed of the hub coordinate.
     #[inline]
-    pub fn speed_at(&self, at: At<'_>) -> f64 {
+    pub fn speed_at(&self, at: StateView<'_>) -> f64 {
         self.hub.speed(at.t, at.v)
     }
 
     /// Returns the speed of the hub at which loads act: that of its coordinate plus the contribution of own
     /// coordinates.
     #[inline]
-    pub fn load_speed(&self, at: At<'_>) -> f64 {
+    pub fn load_speed(&self, at: StateView<'_>) -> f64 {
         let speed = self.speed_at(at);
         if self.hub_shapes.is_empty() {
             return speed;
@@ -159,7 +159,7 @@ impl HubBody {
     /// Appends `d(x . n)/dq` of a point that moves with the hub; returns the part of `d(x . n)/dt` [m/s] from a
     /// prescribed motion.
     #[inline]
-    pub fn row(&self, at: At<'_>, x: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
+    pub fn row(&self, at: StateView<'_>, x: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
         self.hub.point_row(at.t, at.q, x, n, row)
     }
 
@@ -181,7 +181,7 @@ impl HubBody {
     }
 
     /// Adds the bearing forces and the gyroscopic terms of the body to the forces on the hub coordinates.
-    pub fn add_lateral_forces(&self, at: At<'_>, f: &mut [f64]) {
+    pub fn add_lateral_forces(&self, at: StateView<'_>, f: &mut [f64]) {
         let Some(lateral) = &self.hub.lateral else {
             return;
         };
@@ -193,7 +193,7 @@ impl HubBody {
     }
 
     /// Returns the energy of the bearing springs [J], and the power of the bearing dampers [W].
-    pub fn bearing_energy(&self, at: At<'_>) -> [f64; 2] {
+    pub fn bearing_energy(&self, at: StateView<'_>) -> [f64; 2] {
         match &self.hub.lateral {
             None => [0.0; 2],
             Some(l) => l.bearing_energy(&self.hub.motion(at.t, at.q, at.v)),
@@ -201,7 +201,7 @@ impl HubBody {
     }
 
     /// Returns [`Hub::reaction`] plus the bearing forces in the free directions.
-    pub fn reaction_at(&self, at: At<'_>, contact: &Wrench) -> Wrench {
+    pub fn reaction_at(&self, at: StateView<'_>, contact: &Wrench) -> Wrench {
         let mut reaction = self.hub.reaction(at.t, contact);
         let Some(lateral) = &self.hub.lateral else {
             return reaction;
@@ -220,7 +220,7 @@ impl HubBody {
     }
 
     /// Returns the kinetic energy of the free directions of a rigid body [J].
-    pub fn kinetic(&self, at: At<'_>) -> f64 {
+    pub fn kinetic(&self, at: StateView<'_>) -> f64 {
         let n = self.first();
         match &self.hub.lateral {
             Some(l) if l.spins => {
@@ -238,7 +238,7 @@ impl HubBody {
     }
 
     /// Multiplies by the mass matrix of a rigid body with spin terms: `y = M x`.
-    pub fn apply_mass(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+    pub fn apply_mass(&self, at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         let Some(lateral) = &self.hub.lateral else {
             return;
         };
@@ -253,7 +253,7 @@ impl HubBody {
     /// in place.
     pub fn correct(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         x: &mut [f64],
@@ -275,7 +275,12 @@ impl HubBody {
     }
 
     /// Solves with the block of the out-of-plane directions alone, for gears whose own motion has a separate block.
-    pub fn correct_lateral(&self, at: At<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
+    pub fn correct_lateral(
+        &self,
+        at: StateView<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
         let Some(lateral) = &self.hub.lateral else {
             return Ok(());
         };
@@ -286,7 +291,7 @@ impl HubBody {
     }
 
     /// Adds the change of [`Self::add_lateral_forces`] by central differences.
-    pub fn add_lateral_tangent(&self, at: At<'_>, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
+    pub fn add_lateral_tangent(&self, at: StateView<'_>, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
         let Some(lateral) = &self.hub.lateral else {
             return;
         };
@@ -302,7 +307,7 @@ impl HubBody {
     }
 
     /// Returns the change of the bearing forces on the hub coordinates, from a change of these and of their rates.
-    pub fn bearing_change(&self, at: At<'_>, [dq, dv]: [&[f64]; 2]) -> Vec<f64> {
+    pub fn bearing_change(&self, at: StateView<'_>, [dq, dv]: [&[f64]; 2]) -> Vec<f64> {
         let mut change = vec![0.0; dq.len()];
         if let Some(lateral) = &self.hub.lateral {
             let now = self.hub.motion(at.t, at.q, at.v);
@@ -318,7 +323,7 @@ impl HubBody {
     }
 
     /// Returns the power [W] that driven directions transfer to the free ones through spin terms.
-    pub fn driven_power(&self, at: At<'_>) -> f64 {
+    pub fn driven_power(&self, at: StateView<'_>) -> f64 {
         let Some(lateral) = self.hub.lateral.as_ref().filter(|l| l.spins) else {
             return 0.0;
         };
@@ -336,7 +341,7 @@ impl HubBody {
     }
 
     /// Returns motion and momentum of a body that moves as its hub does.
-    pub fn state(&self, at: At<'_>) -> HubState {
+    pub fn state(&self, at: StateView<'_>) -> HubState {
         let speed = self.speed_at(at);
         HubState {
             displacement: self.displacement_at(at),
@@ -346,7 +351,7 @@ impl HubBody {
     }
 
     /// Returns displacement, speed and acceleration of a frame that moves as the hub does under a steady `load`.
-    pub fn frame(&self, at: At<'_>, load: f64) -> [f64; 3] {
+    pub fn frame(&self, at: StateView<'_>, load: f64) -> [f64; 3] {
         [
             self.displacement_at(at),
             self.speed_at(at),
@@ -355,7 +360,7 @@ impl HubBody {
     }
 
     /// Adds the motion of the hub under a steady `load` to a closed-form path, if the hub is free.
-    pub fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
+    pub fn add_to_path(&self, at: StateView<'_>, load: f64, first: usize, path: &mut FlightPath) {
         if self.is_free() {
             let acceleration = self.hub.acceleration(at.t, load);
             path.oscillator(0.0, 0.0, [at.q[0], at.v[0]], acceleration);

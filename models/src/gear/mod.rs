@@ -13,9 +13,9 @@
 //! | [`table`] | the table of gear models: a new model is one line there |
 //! | [`rigid`], [`movable_teeth`], [`elastic`] | the models of this crate |
 
-mod any;
 mod body;
 pub mod capabilities;
+mod capability_functions;
 pub mod elastic;
 mod flank_displacement;
 mod free_flight;
@@ -28,12 +28,12 @@ pub mod rigid;
 mod row;
 pub mod table;
 
-pub use any::{add_response, condense_by, condensed, respond_by, work_on_hub};
-pub use body::{BodyLoad, Displaced, MeshedBody, Recovery};
+pub use body::{BodyLoad, DisplacedNodes, MeshedBody, Recovery};
 pub use capabilities::{
     CoupledMass, DeformedLines, FlankNodes, FlankSurface, LargeGear, LinearMotion, Oscillators,
     ToothCoordinates, ToothSpring,
 };
+pub use capability_functions::{add_response, condense_by, condensed, respond_by, work_on_hub};
 pub use flank_displacement::FlankDisplacement;
 pub use free_flight::FreeFlight;
 pub use hub_body::{HubBody, HubState, Magnitudes};

@@ -13,7 +13,7 @@ use super::hub_body::{HubBody, HubState};
 use crate::Vec3;
 use crate::kinematics::{Motion, Point, Row, Wrench};
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
+use gearbench_integrators::system::{Coeffs, Energy, Power, Singular, StateView};
 
 /// A gear model. `at` has the coordinates and the discrete state of this gear only. Every default is that of a rigid
 /// body on its hub, or is valid for any gear.
@@ -34,17 +34,17 @@ pub trait GearModel {
     }
 
     /// Appends `d(x_p . n)/dq` to a row of this gear; returns the part of `d(x_p . n)/dt` [m/s] from a driven mount.
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
+    fn row(&self, at: StateView<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         self.hub().row(at, &p.x, n, row)
     }
 
     /// Adds internal forces; called where there are own coordinates or a bearing.
-    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn forces(&mut self, at: StateView<'_>, f: &mut [f64]) {
         self.hub().add_lateral_forces(at, f);
     }
 
     /// Adds `(df/dq) dq + (df/dv) dv` of the internal forces; by default from central differences.
-    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         if self.hub().is_internal() {
             add_difference(self, at, [dq, dv], df);
         }
@@ -55,7 +55,7 @@ pub trait GearModel {
     /// solve, for gears of few coordinates.
     fn correct(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         rhs_to_x: &mut [f64],
@@ -64,7 +64,7 @@ pub trait GearModel {
     }
 
     /// Returns kinetic and strain energy [J].
-    fn energy(&self, at: At<'_>) -> Energy {
+    fn energy(&self, at: StateView<'_>) -> Energy {
         let hub = self.hub();
         Energy {
             kinetic: hub.kinetic(at),
@@ -75,7 +75,7 @@ pub trait GearModel {
 
     /// Returns the powers [W]: losses inside the gear, power of a stiffness that varies with position, and power of a
     /// prescribed motion on the own coordinates.
-    fn powers(&self, at: At<'_>) -> Power {
+    fn powers(&self, at: StateView<'_>) -> Power {
         let hub = self.hub();
         Power {
             dissipated: hub.bearing_energy(at)[1],
@@ -85,19 +85,19 @@ pub trait GearModel {
     }
 
     /// Returns hub motion and momentum of the whole gear.
-    fn hub_state(&self, at: At<'_>) -> HubState {
+    fn hub_state(&self, at: StateView<'_>) -> HubState {
         self.hub().state(at)
     }
 
     /// Returns position and velocity of the hub in its six directions.
-    fn hub_motion(&self, at: At<'_>) -> Motion {
+    fn hub_motion(&self, at: StateView<'_>) -> Motion {
         self.hub().motion(at.t, at.q, at.v)
     }
 
     /// Returns the force and moment of the mount on the gear: by Newton's law the rate of its momentum less the
     /// `contact` forces. `forces` are those of contacts and loads on its coordinates. The default is that of a body
     /// that moves as its hub does.
-    fn mount_reaction(&self, at: At<'_>, _forces: &[f64], contact: &Wrench) -> Wrench {
+    fn mount_reaction(&self, at: StateView<'_>, _forces: &[f64], contact: &Wrench) -> Wrench {
         self.hub().reaction_at(at, contact)
     }
 
@@ -143,7 +143,7 @@ const STEP: f64 = 6e-6;
 
 fn add_difference<G: GearModel + ?Sized>(
     gear: &mut G,
-    at: At<'_>,
+    at: StateView<'_>,
     [dq, dv]: [&[f64]; 2],
     df: &mut [f64],
 ) {
@@ -167,7 +167,7 @@ fn add_difference<G: GearModel + ?Sized>(
             moved(&mut q, at.q, dq);
             moved(&mut v, at.v, dv);
             f.fill(0.0);
-            gear.forces(At { q: &q, v: &v, ..at }, &mut f);
+            gear.forces(StateView { q: &q, v: &v, ..at }, &mut f);
             for (df, f) in df.iter_mut().zip(&f) {
                 *df += weight * f;
             }
@@ -177,7 +177,7 @@ fn add_difference<G: GearModel + ?Sized>(
 
 fn correct_dense<G: GearModel + ?Sized>(
     gear: &mut G,
-    at: At<'_>,
+    at: StateView<'_>,
     c: Coeffs,
     hub_damping: f64,
     x: &mut [f64],

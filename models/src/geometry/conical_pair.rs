@@ -25,7 +25,7 @@ use super::error::GeometryError;
 use super::frame::Frame;
 use super::gear::Gear;
 use super::meshing::{FORM_SLACK, SLACK, check_clearance, check_same_rack};
-use super::pair::{Mate, Pair, Second};
+use super::pair::{Mate, MateFlanks, Pair};
 use member::{Member, Nearest, common_face, index, nearest};
 
 /// Largest number of secant steps in the search for the nearest section.
@@ -344,7 +344,7 @@ impl Pair {
             s_end: ends[1].min(forms[1]),
             r_base: r_base[0],
             chi: one.half_angle_base(),
-            second: Second::Gear {
+            second: MateFlanks::Gear {
                 length,
                 r_base: r_base[1],
                 chi: two.half_angle_base(),

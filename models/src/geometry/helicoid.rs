@@ -54,7 +54,7 @@ pub struct InvoluteHelicoid {
 
 /// Distance of a point from a flank, with the corresponding point of the flank.
 #[derive(Clone, Copy, Debug)]
-pub struct Near {
+pub struct FlankDistance {
     /// Distance along the normal, outward positive [m].
     pub distance: f64,
     /// Gradient of the distance, in the axes of the gear.
@@ -209,7 +209,7 @@ impl InvoluteHelicoid {
     /// Returns the distance data of a point near the flank of a tooth at the angle `psi`; it is fastest if the base
     /// radius of the point is near the angle `around`.
     #[inline]
-    pub fn near(&self, psi: f64, p: &Vec3, around: &PlaneAngle) -> Near {
+    pub fn near(&self, psi: f64, p: &Vec3, around: &PlaneAngle) -> FlankDistance {
         let (sigma, rb) = (self.side.sign(), self.base_radius);
         let square = p.x * p.x + p.y * p.y;
         let beyond = square - rb * rb;
@@ -227,7 +227,7 @@ impl InvoluteHelicoid {
         let ahead = rb * (psi - base.angle + sigma * self.half_angle) + p.z * self.tan_helix;
         let along = wrapped_on(rb, ahead - sigma * roll);
         let (c, s) = (base.cos, base.sin);
-        Near {
+        FlankDistance {
             distance: -sigma * along * self.cos_helix,
             gradient: sigma
                 * self.cos_helix

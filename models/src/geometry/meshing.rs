@@ -8,7 +8,7 @@ use super::gear::Gear;
 use super::internal::Meshing;
 use super::internal_error::InternalError;
 use super::involute::inv;
-use super::pair::{Mate, Pair, Second};
+use super::pair::{Mate, MateFlanks, Pair};
 use super::quantity::Quantity;
 use super::rack::Rack;
 
@@ -270,7 +270,7 @@ impl Pair {
             s_end: s_end.min(length - two.roll_length_form()),
             r_base: r_base[0],
             chi: chi[0],
-            second: Second::Gear {
+            second: MateFlanks::Gear {
                 length,
                 r_base: r_base[1],
                 chi: chi[1],
@@ -338,7 +338,7 @@ impl Pair {
             s_end: s_end.min(s_rack_form),
             r_base,
             chi: gear.half_angle_base(),
-            second: Second::Rack {
+            second: MateFlanks::Rack {
                 half_thickness: rack.half_thickness_reference(),
             },
             pitch_radii: [r, f64::INFINITY],

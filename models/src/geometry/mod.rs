@@ -67,7 +67,7 @@ pub use error::GeometryError;
 pub use flanks::{FlankGrid, Flanks, Tips};
 pub use frame::Frame;
 pub use gear::Gear;
-pub use helicoid::{InvoluteHelicoid, Near, PlaneAngle};
+pub use helicoid::{FlankDistance, InvoluteHelicoid, PlaneAngle};
 pub use internal::Internal;
 pub use internal_error::InternalError;
 pub use involute::{inv, inv_inverse};

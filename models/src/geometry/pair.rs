@@ -68,7 +68,7 @@ pub struct Pair {
     pub(super) s_end: f64,
     pub(super) r_base: f64,
     pub(super) chi: f64,
-    pub(super) second: Second,
+    pub(super) second: MateFlanks,
     pub(super) pitch_radii: [f64; 2],
     pub(super) face_width: f64,
     pub(super) beta_b: f64,
@@ -78,7 +78,7 @@ pub struct Pair {
 
 /// Flanks of the mate.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Second {
+pub(super) enum MateFlanks {
     Gear {
         length: f64,
         r_base: f64,
@@ -111,8 +111,8 @@ impl Pair {
     /// negative for an internal gear.
     pub fn line_length(&self) -> f64 {
         match self.second {
-            Second::Gear { length, .. } => length,
-            Second::Rack { .. } => f64::INFINITY,
+            MateFlanks::Gear { length, .. } => length,
+            MateFlanks::Rack { .. } => f64::INFINITY,
         }
     }
 
@@ -140,8 +140,8 @@ impl Pair {
     /// Returns true if one of both gears is internal.
     pub fn is_internal(&self) -> bool {
         let second = match self.second {
-            Second::Gear { r_base, .. } => r_base,
-            Second::Rack { .. } => 0.0,
+            MateFlanks::Gear { r_base, .. } => r_base,
+            MateFlanks::Rack { .. } => 0.0,
         };
         self.r_base.min(second) < 0.0
     }
@@ -198,13 +198,13 @@ impl Pair {
     pub fn gap(&self, theta: f64, other: f64, side: Side) -> f64 {
         let s_1 = self.path_coordinate(theta, side);
         match self.second {
-            Second::Gear {
+            MateFlanks::Gear {
                 length,
                 r_base,
                 chi,
                 towards,
             } => length - s_1 - r_base * (side.sign() * (other - towards) + self.alpha_w + chi),
-            Second::Rack { half_thickness } => {
+            MateFlanks::Rack { half_thickness } => {
                 let (sin, cos) = self.alpha_w.sin_cos();
                 (side.sign() * other - half_thickness) * cos + self.distance * sin - s_1
             }
@@ -221,13 +221,13 @@ impl Pair {
     /// `gap` (m) from a flank of gear 1 at path coordinate `s` (m).
     pub fn mate_position(&self, s: f64, gap: f64, side: Side) -> f64 {
         match self.second {
-            Second::Gear {
+            MateFlanks::Gear {
                 length,
                 r_base,
                 chi,
                 towards,
             } => towards + side.sign() * ((length - s - gap) / r_base - self.alpha_w - chi),
-            Second::Rack { half_thickness } => {
+            MateFlanks::Rack { half_thickness } => {
                 let (sin, cos) = self.alpha_w.sin_cos();
                 side.sign() * ((s + gap - self.distance * sin) / cos + half_thickness)
             }

@@ -37,7 +37,7 @@ impl Cells {
 
 /// Surface of a toothed body in its own frame.
 #[derive(Clone, Debug, Default)]
-pub struct Swept {
+pub struct SweptSurface {
     /// Positions of the nodes [m].
     pub nodes: Vec<Vec3>,
     /// Tooth of each node, and its share in a motion of that tooth alone: 1 on the flanks, falling to 0 on the root.
@@ -61,9 +61,9 @@ fn layers(turn: f64) -> usize {
     ((turn.abs() / TURN).ceil() as usize).clamp(1, 32)
 }
 
-impl Swept {
+impl SweptSurface {
     /// Builds a gear with a number of points per flank and an open bore.
-    pub fn gear(gear: &Gear, points: usize) -> Swept {
+    pub fn gear(gear: &Gear, points: usize) -> SweptSurface {
         let width = gear.face_width();
         let per_height = gear.params().helix_angle.tan() / gear.r_reference();
         let sections = layers(per_height * width) + 1;
@@ -71,7 +71,7 @@ impl Swept {
         let teeth = gear.teeth() as usize;
         let middle = gear.tooth_outline(points);
         let per_tooth = middle.len() - 1;
-        let mut swept = Swept::default();
+        let mut swept = SweptSurface::default();
         for section in 0..sections {
             let z = height(section);
             let of_section = gear.at_height(z);
@@ -158,12 +158,12 @@ impl Swept {
     }
 
     /// Builds a rack with a number of points per flank.
-    pub fn rack(rack: &Rack, points: usize) -> Swept {
+    pub fn rack(rack: &Rack, points: usize) -> SweptSurface {
         let width = rack.face_width();
         let slope = -rack.params().helix_angle.tan();
         let sections = layers(slope * width / rack.pitch()) + 1;
         let outline = rack.outline(points);
-        let mut swept = Swept::default();
+        let mut swept = SweptSurface::default();
         for section in 0..sections {
             let z = width * (section as f64 / (sections - 1) as f64 - 0.5);
             for [x, y] in &outline {
@@ -210,7 +210,7 @@ mod tests {
 
     /// Checks that the surface is closed (every edge occurs once in each direction) and returns its volume by the
     /// divergence theorem, with faces as fans about their means.
-    fn volume(swept: &Swept) -> f64 {
+    fn volume(swept: &SweptSurface) -> f64 {
         let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
         let (mut sum, mut begin) = (0.0, 0);
         for &end in &swept.cells.ends {
@@ -262,7 +262,7 @@ mod tests {
             (conical, 2e-3),
         ] {
             let gear = Gear::new(params).unwrap();
-            let found = volume(&Swept::gear(&gear, 60));
+            let found = volume(&SweptSurface::gear(&gear, 60));
             let expected = gear.mass_properties(1.0).mass;
             assert!(
                 (found / expected - 1.0).abs() < bound,
@@ -277,7 +277,7 @@ mod tests {
             ..RackParams::default()
         })
         .unwrap();
-        let found = volume(&Swept::rack(&rack, 200));
+        let found = volume(&SweptSurface::rack(&rack, 200));
         assert!((found / rack.mass(1.0) - 1.0).abs() < 1e-4, "{found:e}");
     }
 }

@@ -46,7 +46,7 @@ impl BodyMass {
 
 /// Freedom of a hub in addition to its own rotation or translation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lateral {
+pub struct OutOfPlane {
     /// Freedom of three translations and three rotations; the entry of the hub's own motion is not used.
     pub directions: [Freedom; 6],
     /// Bearing of the hub.
@@ -68,7 +68,7 @@ pub struct Motion {
     pub prescribed: [f64; 6],
 }
 
-impl Lateral {
+impl OutOfPlane {
     /// Iterates over the free directions in the order of their coordinates; `own` is that of the hub's own motion.
     pub fn free(&self, own: usize) -> impl Iterator<Item = usize> + '_ {
         (0..6).filter(move |d| *d != own && self.directions[*d] == Freedom::Free)
@@ -86,7 +86,7 @@ impl Lateral {
         for (d, freedom) in self.directions.iter().enumerate() {
             match freedom {
                 _ if d == own => {}
-                Freedom::Held => {}
+                Freedom::Fixed => {}
                 Freedom::Free => {
                     motion.x[d] = q[next];
                     // Whoever asks for the place alone brings no rates.

@@ -1,7 +1,7 @@
 //! The hub that carries a gear: its position, its freedom, and the reaction of its mount.
 
 use super::HubFrame;
-use super::freedom::{self, Lateral, Motion};
+use super::freedom::{self, Motion, OutOfPlane};
 use super::row::Row;
 use crate::Vec3;
 use crate::spec::{Freedom, Mount, Profile};
@@ -20,7 +20,7 @@ pub struct Wrench {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Direction<'a> {
     /// The mount fixes the direction.
-    Held,
+    Fixed,
     /// The direction is a coordinate.
     Free,
     /// The speed is prescribed as a function of time.
@@ -42,7 +42,7 @@ pub struct Hub {
     /// of motion of a translating body.
     pub axes: [Vec3; 3],
     /// Out-of-plane freedom of the hub; `None` where the mount fixes all other directions.
-    pub lateral: Option<Arc<Lateral>>,
+    pub lateral: Option<Arc<OutOfPlane>>,
 }
 
 impl Hub {
@@ -120,18 +120,18 @@ impl Hub {
     /// Returns the constraints of the six directions: three translations along the axes of the hub, then three
     /// rotations about them.
     pub fn directions(&self) -> [Direction<'_>; 6] {
-        let mut directions = [const { Direction::Held }; 6];
+        let mut directions = [const { Direction::Fixed }; 6];
         if let Some(lateral) = &self.lateral {
             for (direction, freedom) in directions.iter_mut().zip(&lateral.directions) {
                 *direction = match freedom {
-                    Freedom::Held => Direction::Held,
+                    Freedom::Fixed => Direction::Fixed,
                     Freedom::Free => Direction::Free,
                     Freedom::Driven(speed) => Direction::Driven(speed),
                 };
             }
         }
         directions[self.moving()] = match &self.mount {
-            Mount::Fixed => Direction::Held,
+            Mount::Fixed => Direction::Fixed,
             Mount::Revolute | Mount::Prismatic => Direction::Free,
             Mount::Driven(speed) => Direction::Driven(speed),
         };
@@ -225,15 +225,15 @@ impl Hub {
     /// Returns the effective radius at the present position of the hub. See [`Self::effective_radius`].
     #[inline]
     pub fn effective_radius_at(&self, t: f64, q: &[f64], x: &Vec3, n: &Vec3) -> f64 {
-        self.effective_radius_on(self.standing(t, q).as_ref(), x, n)
+        self.effective_radius_on(self.hub_pose(t, q).as_ref(), x, n)
     }
 
     /// Appends `S^T [n; (x - c) x n]` with the free directions `S` to a row; returns the part of `d(x . n)/dt` [m/s]
     /// from driven directions.
     #[inline]
     pub fn point_row(&self, t: f64, q: &[f64], x: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
-        if let Some(standing) = self.standing(t, q) {
-            return self.lateral_row_on(t, &standing, (x, n), row, true);
+        if let Some(hub_pose) = self.hub_pose(t, q) {
+            return self.lateral_row_on(t, &hub_pose, (x, n), row, true);
         }
         let along = self.effective_radius(x, n);
         if self.is_free() {
@@ -292,8 +292,8 @@ impl Hub {
     }
 }
 
-mod standing;
+mod hub_pose;
 #[cfg(test)]
 mod tests;
 
-pub use standing::{BodyMotion, Standing};
+pub use hub_pose::{BodyMotion, HubPose};

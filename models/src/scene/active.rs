@@ -1,12 +1,12 @@
 //! Contacts on lines of action with a force, or possibly with one, and their rows.
 
-use super::members::{SceneGear, SceneMesh, parties};
+use super::members::{SceneGear, SceneMesh, gear_states};
 use crate::Vec3;
-use crate::contact::{Candidate, Party};
+use crate::contact::{Candidate, GearState};
 use crate::geometry::along_profile;
 use crate::kinematics::{Point, Row};
 use crate::law::{Friction, FrictionForce, Law, LawForce};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 /// A contact with a force, or possibly with one.
 #[derive(Clone, Copy, Debug)]
@@ -28,12 +28,12 @@ pub(super) struct Active {
     pub friction: FrictionForce,
     /// Sliding speed of gear b relative to gear a [m/s].
     pub sliding: f64,
-    pub prescribed: Prescribed,
+    pub prescribed: PrescribedSpeeds,
 }
 
 /// Speeds from prescribed motions of driven mounts [m/s].
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Prescribed {
+pub(super) struct PrescribedSpeeds {
     /// Speeds of the points of both gears along the normal.
     pub points: [f64; 2],
     /// Gap rate from prescribed motions.
@@ -45,7 +45,7 @@ pub(super) struct Prescribed {
 /// Returns the direction of sliding of a candidate, with the taper factor of a point that leaves contact over a tip,
 /// as in its normal.
 pub(super) fn sliding_of(c: &Candidate) -> Vec3 {
-    c.fade * along_profile(&c.normal)
+    c.taper * along_profile(&c.normal)
 }
 
 /// Returns the displacement of a contact along the line of action, from displacements of the parts of its row; flank
@@ -62,14 +62,14 @@ pub(super) fn moves(mesh: &SceneMesh, c: &Candidate, d: [f64; 2]) -> f64 {
 pub(super) fn fill_rows(
     gears: &[SceneGear],
     mesh: &SceneMesh,
-    [a, b]: [&Party<'_>; 2],
+    [a, b]: [&GearState<'_>; 2],
     c: &Candidate,
     rows: &mut [Row; 4],
-) -> Prescribed {
+) -> PrescribedSpeeds {
     let offset = |k: usize| gears[mesh.gears[k]].offset;
     let row = &mut rows[0];
     let points = gap_row(gears, mesh, [a, b], c, row);
-    let mut prescribed = Prescribed {
+    let mut prescribed = PrescribedSpeeds {
         points,
         gap: c.scale[1] * points[1] - c.scale[0] * points[0],
         sliding: 0.0,
@@ -108,18 +108,18 @@ pub(super) fn fill_rows(
 pub(super) fn gap_row(
     gears: &[SceneGear],
     mesh: &SceneMesh,
-    [a, b]: [&Party<'_>; 2],
+    [a, b]: [&GearState<'_>; 2],
     c: &Candidate,
     row: &mut Row,
 ) -> [f64; 2] {
     row.clear();
     row.target(gears[mesh.gears[0]].offset, -c.scale[0]);
     let of_a = (a.gear).row(a.at, &c.points[0], &(c.normal + c.aside[0]), row)
-        + fading_row(a, (&c.points[1].x, &c.aside[1]), row);
+        + taper_row(a, (&c.points[1].x, &c.aside[1]), row);
     row.mark_split();
     row.target(gears[mesh.gears[1]].offset, c.scale[1]);
     let of_b = (b.gear).row(b.at, &c.points[1], &(c.normal + c.aside[1]), row)
-        + fading_row(b, (&c.points[0].x, &c.aside[0]), row);
+        + taper_row(b, (&c.points[0].x, &c.aside[0]), row);
     [of_a, of_b]
 }
 
@@ -127,13 +127,13 @@ pub(super) fn gap_row(
 /// leaves contact over the tip of this one; returns the prescribed part. The hub's own motion does not change the
 /// height of the point.
 #[inline]
-fn fading_row(master: &Party<'_>, (x, aside): (&Vec3, &Vec3), row: &mut Row) -> f64 {
+fn taper_row(master: &GearState<'_>, (x, aside): (&Vec3, &Vec3), row: &mut Row) -> f64 {
     if *aside == Vec3::zeros() {
         return 0.0;
     }
     let (hub, at) = (&master.gear.hub().hub, master.at);
-    let standing = hub.standing(at.t, at.q);
-    standing.map_or(0.0, |s| {
+    let hub_pose = hub.hub_pose(at.t, at.q);
+    hub_pose.map_or(0.0, |s| {
         hub.lateral_row_on(at.t, &s, (x, aside), row, false)
     })
 }
@@ -143,7 +143,7 @@ fn fading_row(master: &Party<'_>, (x, aside): (&Vec3, &Vec3), row: &mut Row) -> 
 fn path_row(
     gears: &[SceneGear],
     mesh: &SceneMesh,
-    [a, b]: [&Party<'_>; 2],
+    [a, b]: [&GearState<'_>; 2],
     (points, [force, moment]): (&[Point; 2], [Vec3; 2]),
     row: &mut Row,
 ) {
@@ -151,12 +151,14 @@ fn path_row(
     let across = moment.cross(&Vec3::z());
     let across = across.try_normalize(0.0).unwrap_or(Vec3::x());
     let couple = moment.cross(&across);
-    for (k, sign, party) in [(0, -1.0, a), (1, 1.0, b)] {
+    for (k, sign, gear_state) in [(0, -1.0, a), (1, 1.0, b)] {
         row.target(gears[mesh.gears[k]].offset, sign);
         let mut beside = points[k];
         beside.x += across;
-        party.gear.row(party.at, &beside, &couple, row);
-        party.gear.row(party.at, &points[k], &(force - couple), row);
+        gear_state.gear.row(gear_state.at, &beside, &couple, row);
+        gear_state
+            .gear
+            .row(gear_state.at, &points[k], &(force - couple), row);
         if k == 0 {
             row.mark_split();
         }
@@ -167,10 +169,10 @@ pub(super) fn gap_rate(
     gears: &[SceneGear],
     mesh: &SceneMesh,
     c: &Candidate,
-    at: At<'_>,
+    at: StateView<'_>,
     row: &mut Row,
 ) -> f64 {
-    let (a, b) = parties(gears, mesh, at);
+    let (a, b) = gear_states(gears, mesh, at);
     let [of_a, of_b] = gap_row(gears, mesh, [&a, &b], c, row);
     row.dot(at.v) + c.scale[1] * of_b - c.scale[0] * of_a
 }
@@ -229,7 +231,7 @@ pub(super) struct Tangent {
 /// Coupling of two contacts: the change of the force of one with the elastic force of another, through their common
 /// body.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Answer {
+pub(super) struct ContactCoupling {
     /// Index of the contact whose force changes.
     pub of: usize,
     /// Index of the contact that causes the change.
@@ -282,7 +284,12 @@ pub(super) fn tangent(law: &Law, c: &Candidate, a: &Active, row: &Row, v: &[f64]
     }
 }
 
-pub(super) fn slide(friction: Option<Friction>, at: At<'_>, rows: &[Row; 4], active: &mut Active) {
+pub(super) fn slide(
+    friction: Option<Friction>,
+    at: StateView<'_>,
+    rows: &[Row; 4],
+    active: &mut Active,
+) {
     if let Some(friction) = friction {
         active.sliding = rows[1].dot(at.v) + active.prescribed.sliding;
         active.friction = friction.force(active.force.n, active.sliding);

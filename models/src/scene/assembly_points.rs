@@ -3,7 +3,7 @@
 use super::members::SceneGear;
 use crate::Vec3;
 use crate::contact::pairs::MeshGeometry;
-use crate::contact::points::{FlankPoints, Owner};
+use crate::contact::points::{FlankPoints, SearchGear};
 use crate::error::{BuildError, GearPart, MeshPart, Reason};
 use crate::law::{Damping, Law};
 use crate::spec::{ContactSpec, MeshSpec, Passes, PointContact, SceneSpec};
@@ -164,7 +164,7 @@ pub(super) fn flank_points(
     }
     let owner = |k: usize| {
         let i = mesh.gears[k];
-        Owner {
+        SearchGear {
             body: &spec.gears[i].body,
             gear: gears[i].model.as_ref(),
             phase: phases[i],

@@ -23,14 +23,14 @@ use crate::cholesky::{backward, cholesky, dot, forward};
 use crate::gear::{add_response, condensed};
 use crate::kinematics::Row;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 
 /// Mark of a coordinate that no row contains.
 const NONE: u32 = u32::MAX;
 
 /// Buffers of the condensed correction.
 #[derive(Default)]
-pub(super) struct Condensed {
+pub(super) struct CondensedCorrection {
     /// Index of each coordinate of the scene among the affected ones of its gear.
     mark: Vec<u32>,
     /// Affected coordinates of each gear, in its own numbering, and their first position in `S`.
@@ -58,13 +58,13 @@ fn gear_of(gears: &[SceneGear], coordinate: usize) -> usize {
     gears.partition_point(|g| g.range().end <= coordinate)
 }
 
-impl Condensed {
+impl CondensedCorrection {
     /// Adds contacts with their rows to `x0 = A0^-1 rhs`.
     pub(super) fn correct(
         &mut self,
         gears: &mut [SceneGear],
         (active, rows): (&[Active], &[[Row; 4]]),
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         x: &mut [f64],
     ) -> Result<(), Singular> {
@@ -317,10 +317,10 @@ mod tests {
     fn both_forms_solve_the_same_equation() {
         let sizes = [3usize, 2];
         let number = |i: usize| ((7 * i * i + 3 * i) as f64).sin();
-        let mut b = Condensed {
+        let mut b = CondensedCorrection {
             touched: vec![((0..3).collect(), 0), ((0..2).collect(), 3)],
             begins: vec![0],
-            ..Condensed::default()
+            ..CondensedCorrection::default()
         };
         for n in sizes {
             let m: Vec<f64> = (0..n * n).map(|i| number(i + n)).collect();

@@ -2,15 +2,15 @@
 
 use super::active::{Active, fill_rows, parts, slide, sliding_of};
 use super::assembled::Scene;
-use super::members::parties;
+use super::members::gear_states;
 use crate::Vec3;
-use crate::contact::Wanted;
+use crate::contact::CandidateSelection;
 use crate::contact::nodal::NodalPoint;
 use crate::contact::pairs::{LinePressure, LinesOfAction, all_open};
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use crate::law::FrictionForce;
-use gearbench_integrators::system::{At, SprungMember, Touch};
+use gearbench_integrators::system::{MemberContact, SprungMember, StateView};
 use std::collections::BTreeMap;
 
 /// Contact force at a point, for figures and reports.
@@ -55,7 +55,7 @@ pub enum ContactExtent {
 impl Scene {
     /// Fills `work.active` and its rows with the contacts at a state.
     #[inline]
-    pub(super) fn evaluate_contacts(&mut self, at: At<'_>) {
+    pub(super) fn evaluate_contacts(&mut self, at: StateView<'_>) {
         if self.fields {
             self.evaluate_with_fields(at);
             return;
@@ -72,7 +72,7 @@ impl Scene {
 
     /// Adds the forces of all contacts at a state; the contacts are stored only where the forces need that.
     #[inline]
-    pub(super) fn add_contacts(&mut self, at: At<'_>, f: &mut [f64]) {
+    pub(super) fn add_contacts(&mut self, at: StateView<'_>, f: &mut [f64]) {
         if self.fields {
             self.evaluate_with_fields(at);
         } else {
@@ -91,7 +91,7 @@ impl Scene {
 
     /// Appends the contacts of a mesh.
     #[inline(never)]
-    pub(super) fn evaluate_mesh(&mut self, at: At<'_>, m: usize, located: bool) {
+    pub(super) fn evaluate_mesh(&mut self, at: StateView<'_>, m: usize, located: bool) {
         let Scene {
             gears,
             meshes,
@@ -100,16 +100,16 @@ impl Scene {
         } = self;
         let mesh = &meshes[m];
         let friction = (mesh.friction.as_ref()).map(|f| (f, f.at(gears, mesh, at)));
-        let (a, b) = parties(gears, mesh, at);
+        let (a, b) = gear_states(gears, mesh, at);
         let first = work.candidates.len();
         let discrete = &at.discrete[mesh.search_discrete()];
-        let wanted = if located {
-            Wanted::Closed(&at.discrete[mesh.modes()])
+        let selection = if located {
+            CandidateSelection::Closed(&at.discrete[mesh.modes()])
         } else {
-            Wanted::Touching(0.0)
+            CandidateSelection::Touching(0.0)
         };
         mesh.search
-            .candidates(a, b, discrete, wanted, &mut work.candidates);
+            .candidates(a, b, discrete, selection, &mut work.candidates);
         for (k, c) in work.candidates.iter().enumerate().skip(first) {
             let i = work.active.len();
             if i == work.rows.len() {
@@ -180,8 +180,8 @@ impl Scene {
     }
 
     /// Returns the contact forces at a state, for figures and reports.
-    pub fn contact_forces(&mut self, at: At<'_>) -> Vec<ContactForce> {
-        let mut found = self.seen(at, Self::seen_forces);
+    pub fn contact_forces(&mut self, at: StateView<'_>) -> Vec<ContactForce> {
+        let mut found = self.with_carrier_state(at, Self::carrier_frame_forces);
         if !self.carriers.is_empty() {
             for contact in &mut found {
                 contact.x = self.carriers.place(contact.mesh, at, contact.x);
@@ -192,7 +192,7 @@ impl Scene {
     }
 
     /// Returns the contact forces in the carrier-frame state.
-    fn seen_forces(&mut self, at: At<'_>) -> Vec<ContactForce> {
+    fn carrier_frame_forces(&mut self, at: StateView<'_>) -> Vec<ContactForce> {
         self.evaluate_contacts(at);
         let nodal = self.work.nodal.active.iter().filter(|a| a.force.n > 0.0);
         let nodal = nodal.map(|a| {
@@ -257,7 +257,7 @@ impl Scene {
 
     /// Returns the generalised force of an active contact on the hub of one of its gears: torque about the axis [N m],
     /// or force along the motion of a rack [N].
-    pub(super) fn on_hub(&self, at: At<'_>, a: &Active, k: usize) -> f64 {
+    pub(super) fn on_hub(&self, at: StateView<'_>, a: &Active, k: usize) -> f64 {
         let mesh = &self.meshes[a.mesh];
         let c = &self.work.candidates[a.candidate];
         let sign = if k == 0 { -1.0 } else { 1.0 };
@@ -275,14 +275,14 @@ impl Scene {
     }
 
     /// Lists the closed contacts of the last evaluation by mesh and tooth pair, at the carrier-frame state.
-    pub(super) fn fill_touches(&self, at: At<'_>, out: &mut Vec<Touch>) {
+    pub(super) fn fill_touches(&self, at: StateView<'_>, out: &mut Vec<MemberContact>) {
         out.clear();
-        let mut sums: BTreeMap<(usize, [i64; 2]), (Vec3, Touch)> = BTreeMap::new();
+        let mut sums: BTreeMap<(usize, [i64; 2]), (Vec3, MemberContact)> = BTreeMap::new();
         let mut add = |group: usize, teeth: [Tooth; 2], points: [Vec3; 2], force: Vec3| {
             let members = teeth.map(|t| t.index);
             let (sum, touch) = sums.entry((group, members)).or_insert_with(|| {
                 let sprung = [0, 1].map(|k| self.sprung_tooth(at, group, k, teeth[k]));
-                let touch = Touch {
+                let touch = MemberContact {
                     group,
                     members,
                     force: 0.0,
@@ -313,7 +313,7 @@ impl Scene {
             let p = &self.work.nodal.found.points[a.point];
             add(p.mesh as usize, p.teeth, [p.x; 2], a.on_second(p));
         }
-        out.extend(sums.into_values().map(|(force, touch)| Touch {
+        out.extend(sums.into_values().map(|(force, touch)| MemberContact {
             force: force.norm(),
             ..touch
         }));
@@ -322,7 +322,7 @@ impl Scene {
     /// Returns a movable tooth without the contact force.
     fn sprung_tooth(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         mesh: usize,
         k: usize,
         tooth: Tooth,
@@ -338,7 +338,7 @@ impl Scene {
 
     /// Returns the radial and tangential direction of a gear at a point, perpendicular to its axis; for a rack out of
     /// its teeth and along its motion.
-    fn tooth_directions(&self, at: At<'_>, mesh: usize, k: usize, x: Vec3) -> [Vec3; 2] {
+    fn tooth_directions(&self, at: StateView<'_>, mesh: usize, k: usize, x: Vec3) -> [Vec3; 2] {
         let gear = &self.gears[self.meshes[mesh].gears[k]];
         let (hub, own) = (&gear.model.hub().hub, gear.at(at));
         let frame = hub.frame(own.t, own.q);
@@ -352,7 +352,7 @@ impl Scene {
     }
 
     /// Evaluates the contacts of a scene with displacement fields.
-    pub(super) fn evaluate_with_fields(&mut self, at: At<'_>) {
+    pub(super) fn evaluate_with_fields(&mut self, at: StateView<'_>) {
         self.work.reported.forget();
         self.work.active.clear();
         self.work.candidates.clear();

@@ -7,11 +7,11 @@
 //! dg = (I - C K)^-1 (dg0 + C dN|g),    dN = dN|g0 + K G dN|g0,    G = (I - C K)^-1 C
 //! ```
 
-use super::active::{Active, Answer, tangent};
+use super::active::{Active, ContactCoupling, tangent};
 use super::assembled::Scene;
 use crate::contact::pairs::MOST_ON_LINE as MOST;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Singular};
+use gearbench_integrators::system::{Singular, StateView};
 
 impl Scene {
     /// Returns the elastic force of an active contact, which acts on neighbouring pairs [N].
@@ -73,10 +73,10 @@ impl Scene {
     }
 
     /// Computes the tangents of the active contacts at a state into `work.tangents` and `work.couplings`.
-    pub(super) fn tangents_of_contacts(&mut self, at: At<'_>) -> Result<(), Singular> {
+    pub(super) fn tangents_of_contacts(&mut self, at: StateView<'_>) -> Result<(), Singular> {
         let work = &mut self.work;
         work.tangents.clear();
-        work.answers.clear();
+        work.couplings.clear();
         for (a, rows) in work.active.iter().zip(&work.rows) {
             let c = &work.candidates[a.candidate];
             let law = &self.meshes[a.mesh].law;
@@ -86,7 +86,7 @@ impl Scene {
         while first < self.work.active.len() {
             let n = self.on_line_from(first);
             if n > 1 {
-                self.answers_of_line(first, n)?;
+                self.couplings_of_line(first, n)?;
             }
             first += n;
         }
@@ -106,7 +106,7 @@ impl Scene {
     }
 
     /// Computes the couplings of the contacts of a line.
-    fn answers_of_line(&mut self, first: usize, n: usize) -> Result<(), Singular> {
+    fn couplings_of_line(&mut self, first: usize, n: usize) -> Result<(), Singular> {
         let Some(pairs) = self.meshes[self.work.active[first].mesh].search.pairs() else {
             return Ok(());
         };
@@ -156,7 +156,7 @@ impl Scene {
                     .map(|j| slopes[i * n + j] * (force[j] * h(i, l) + force[i] * h(j, l)))
                     .sum();
                 let along = if in_space { 0.0 } else { -0.25 * along };
-                work.answers.push(Answer {
+                work.couplings.push(ContactCoupling {
                     of: first + i,
                     to: first + l,
                     normal: a.force.dn_dg * by,

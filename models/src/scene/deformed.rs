@@ -7,7 +7,7 @@ use super::assembled::Scene;
 use crate::Vec3;
 use crate::gear::FlankDisplacement;
 use crate::geometry::{FlankGrid, Side};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 /// A section of a deformed flank.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,13 +28,13 @@ impl Scene {
     /// [m]; empty for gears without nodes, and for racks.
     pub fn deformed_flanks(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         gear: usize,
         teeth: &[u32],
         height: f64,
     ) -> Vec<DeformedFlank> {
-        let mut found = self.seen(at, |scene, seen| {
-            scene.seen_deformed(seen, gear, teeth, height)
+        let mut found = self.with_carrier_state(at, |scene, carrier_state| {
+            scene.carrier_frame_deformed(carrier_state, gear, teeth, height)
         });
         for flank in &mut found {
             let (places, displacements) = (&mut flank.with_hub, &mut flank.displacement);
@@ -44,9 +44,9 @@ impl Scene {
     }
 
     /// Returns the sections in the carrier-frame state.
-    fn seen_deformed(
+    fn carrier_frame_deformed(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         gear: usize,
         teeth: &[u32],
         height: f64,
@@ -126,7 +126,7 @@ impl Scene {
     fn outward(
         &self,
         field: &dyn FlankDisplacement,
-        at: At<'_>,
+        at: StateView<'_>,
         gear: usize,
         nodes: &[u32],
         further: u32,
@@ -142,7 +142,7 @@ impl Scene {
             *a += r * of.load;
         }
         let forces = of.nodes.iter().zip(&of.force);
-        let forces = forces.chain(of.along.iter().zip(&of.rub));
+        let forces = forces.chain(of.along.iter().zip(&of.friction_force));
         let pressed: Vec<(u32, f64)> = forces
             .filter(|(_, f)| **f != 0.0)
             .map(|(k, f)| (*k, *f))

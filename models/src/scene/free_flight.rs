@@ -34,7 +34,7 @@ use super::assembled::Scene;
 use crate::contact::LineClearance;
 use crate::gear::{FreeFlight, work_on_hub};
 use gearbench_integrators::FlightPath;
-use gearbench_integrators::system::{At, Events, State};
+use gearbench_integrators::system::{Events, State, StateView};
 
 /// Returns the first positive zero of `c + b t + a t^2 / 2` for `c > 0`, or infinity.
 fn first_zero(c: f64, b: f64, a: f64) -> f64 {
@@ -62,7 +62,7 @@ fn clearance(line: &LineClearance, frames: [&FreeFlight; 2]) -> [f64; 3] {
 impl Scene {
     /// Returns a time until which no contact closes and all loads are steady, or `at.t` where no bound is known. The
     /// flights of the gears remain in `self.flights` where the time is later.
-    pub(super) fn flight_until(&mut self, at: At<'_>) -> f64 {
+    pub(super) fn flight_until(&mut self, at: StateView<'_>) -> f64 {
         let open = |m: &super::SceneMesh| {
             let modes = at.discrete[m.modes()].chunks_exact(2);
             !m.clearances.is_empty() && modes.into_iter().all(|mode| mode[0] == 0.0)
@@ -112,7 +112,12 @@ impl Scene {
     }
 
     /// Computes [`SecondOrderSystem::flight_path`] of the scene.
-    pub(super) fn path_from(&mut self, at: At<'_>, later: f64, path: &mut FlightPath) -> f64 {
+    pub(super) fn path_from(
+        &mut self,
+        at: StateView<'_>,
+        later: f64,
+        path: &mut FlightPath,
+    ) -> f64 {
         let until = self.flight_until(at);
         if until > later {
             path.begin(at.t);
@@ -175,7 +180,7 @@ impl Scene {
     }
 
     /// Computes [`SecondOrderSystem::steady_work`] of the scene.
-    pub(super) fn work_of_flight(&self, from: At<'_>, to: At<'_>) -> Option<f64> {
+    pub(super) fn work_of_flight(&self, from: StateView<'_>, to: StateView<'_>) -> Option<f64> {
         let mut work = 0.0;
         for g in &self.gears {
             let load = g.steady_load(from.t)?;

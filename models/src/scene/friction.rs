@@ -9,7 +9,7 @@ use super::members::{SceneGear, SceneMesh};
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use crate::law::Friction;
-use gearbench_integrators::system::{At, State};
+use gearbench_integrators::system::{State, StateView};
 
 /// Number of cells over the width of a helical mesh.
 const OVER_WIDTH: usize = 16;
@@ -57,7 +57,7 @@ impl MeshFriction {
 
     /// Returns the law at a speed of the first hub, without the history of a position.
     #[inline]
-    pub(super) fn at(&self, gears: &[SceneGear], mesh: &SceneMesh, at: At<'_>) -> Friction {
+    pub(super) fn at(&self, gears: &[SceneGear], mesh: &SceneMesh, at: StateView<'_>) -> Friction {
         if self.law.film().is_none() {
             return self.law;
         }
@@ -67,7 +67,12 @@ impl MeshFriction {
 
     /// Returns the law at a position; `law` is the result of [`Self::at`].
     #[inline]
-    pub(super) fn here(&self, law: Friction, place: (Tooth, Side, f64), at: At<'_>) -> Friction {
+    pub(super) fn here(
+        &self,
+        law: Friction,
+        place: (Tooth, Side, f64),
+        at: StateView<'_>,
+    ) -> Friction {
         if !law.sticks() {
             return law;
         }

@@ -2,8 +2,8 @@
 
 use crate::Vec3;
 use crate::error::{BuildError, GearPart, Reason};
-use crate::kinematics::{BodyMass, Hub, Lateral};
-use crate::spec::{Body, Freedom, GearSpec, LateralSpec, Mount, SpinTerms, UPRIGHT};
+use crate::kinematics::{BodyMass, Hub, OutOfPlane};
+use crate::spec::{Body, Freedom, GearSpec, Mount, OutOfPlaneSpec, SpinTerms, UPRIGHT};
 use nalgebra::Matrix3;
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ pub fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
     }
     hub.lateral = match &g.lateral {
         Some(lateral) => {
-            let of = Across {
+            let of = LateralBody {
                 name: &g.name,
                 mount: &g.mount,
                 speed: g.speed,
@@ -82,7 +82,7 @@ pub(super) fn round_tensor(g: &GearSpec) -> Matrix3<f64> {
 }
 
 /// Specification of a body on a hub that may have out-of-plane freedom.
-pub(super) struct Across<'a> {
+pub(super) struct LateralBody<'a> {
     pub name: &'a str,
     pub mount: &'a Mount,
     pub speed: f64,
@@ -96,14 +96,14 @@ const SLOW: f64 = 1e-3;
 
 /// Returns the out-of-plane freedom of a hub and its body, or `None` where all directions are fixed.
 pub(super) fn lateral_of(
-    g: &Across<'_>,
-    lateral: &LateralSpec,
+    g: &LateralBody<'_>,
+    lateral: &OutOfPlaneSpec,
     hub: &mut Hub,
-) -> Result<Option<Lateral>, BuildError> {
+) -> Result<Option<OutOfPlane>, BuildError> {
     let error = |why: Reason| BuildError::gear(g.name, GearPart::Mount, why);
     let own = hub.moving();
     let mut directions = lateral.directions.clone();
-    directions[own] = Freedom::Held;
+    directions[own] = Freedom::Fixed;
     for (d, freedom) in directions.iter().enumerate() {
         if let Freedom::Driven(p) = freedom
             && let Some(problem) = p.problem()
@@ -113,7 +113,7 @@ pub(super) fn lateral_of(
             ));
         }
     }
-    if directions.iter().all(|d| *d == Freedom::Held) {
+    if directions.iter().all(|d| *d == Freedom::Fixed) {
         return Ok(None);
     }
     let b = &lateral.bearing;
@@ -202,7 +202,7 @@ pub(super) fn lateral_of(
     };
     let tilts = [3, 4]
         .into_iter()
-        .filter(|d| directions[*d] != Freedom::Held);
+        .filter(|d| directions[*d] != Freedom::Fixed);
     let slowest = tilts
         .map(|d| (b.stiffness[d][d] / inertia[(d - 3, d - 3)]).sqrt())
         .fold(f64::INFINITY, f64::min);
@@ -214,7 +214,7 @@ pub(super) fn lateral_of(
             own == 5 && (gyroscopic > SLOW * slowest || (!body.is_round() && fastest > 0.0))
         }
     };
-    Ok(Some(Lateral {
+    Ok(Some(OutOfPlane {
         directions,
         bearing: *b,
         body,

@@ -17,12 +17,12 @@
 //! along the path, a law linear in gap and gap rate, no friction, backlash, damping below critical; loads that are steady.
 
 use super::assembled::Scene;
-use super::direct::Follows;
+use super::direct::FlankMotion;
 use super::members::{SceneGear, SceneMesh};
 use crate::geometry::Side;
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::modal::propagator::coefficients;
-use gearbench_integrators::system::{At, Events};
+use gearbench_integrators::system::{Events, StateView};
 
 /// Step in which observers resolve a contact, in radians of its oscillation.
 const PHASE: f64 = 0.5;
@@ -54,7 +54,7 @@ impl OneSpring {
     pub(super) fn of(gears: &[SceneGear], meshes: &[SceneMesh]) -> Option<Self> {
         let [mesh] = meshes else { return None };
         let pairs = mesh.search.pairs()?;
-        let rigid = gears.len() == 2 && gears.iter().all(|g| g.follows == Follows::Hub);
+        let rigid = gears.len() == 2 && gears.iter().all(|g| g.follows == FlankMotion::Hub);
         let fits = rigid
             && mesh.arms.is_some()
             && pairs.is_one_constant_spring()
@@ -74,14 +74,14 @@ impl OneSpring {
 
 /// Damped oscillation about its static position, in which `alpha y + beta y'` is evaluated.
 #[derive(Clone, Copy, Debug)]
-struct Swing {
+struct DampedOscillation {
     omega: f64,
     zeta: f64,
     load: f64,
     start: [f64; 2],
 }
 
-impl Swing {
+impl DampedOscillation {
     fn at(&self, t: f64) -> [f64; 2] {
         let c = coefficients(self.omega, self.zeta, t);
         let [y, v] = self.start;
@@ -178,11 +178,11 @@ fn crosses(c: f64, b: f64, a: f64, downwards: bool) -> f64 {
 
 impl Scene {
     /// Computes [`FreeFlight::linear_path`](gearbench_integrators::FreeFlight::linear_path) of the scene.
-    pub(super) fn linear_path_from(&self, at: At<'_>, path: &mut FlightPath) -> f64 {
+    pub(super) fn linear_path_from(&self, at: StateView<'_>, path: &mut FlightPath) -> f64 {
         self.one_spring_path(at, path).unwrap_or(at.t)
     }
 
-    fn one_spring_path(&self, at: At<'_>, path: &mut FlightPath) -> Option<f64> {
+    fn one_spring_path(&self, at: StateView<'_>, path: &mut FlightPath) -> Option<f64> {
         let spring = self.one_spring.as_ref()?;
         let mesh = &self.meshes[0];
         let p = spring.per_displacement;
@@ -230,7 +230,7 @@ impl Scene {
             return None;
         }
         let omega = (loose * k * count).sqrt();
-        let swing = Swing {
+        let swing = DampedOscillation {
             omega,
             zeta: if count > 0.0 {
                 0.5 * loose * c / omega

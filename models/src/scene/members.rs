@@ -1,13 +1,13 @@
 //! Gears and meshes in a scene, with the positions of their coordinates and of their discrete state.
 
-use super::direct::Follows;
+use super::direct::FlankMotion;
 use super::friction::MeshFriction;
 use crate::Vec3;
-use crate::contact::{LineClearance, Party, Search};
+use crate::contact::{GearState, LineClearance, Search};
 use crate::gear::GearModel;
 use crate::law::{Law, UNTOUCHED, touch_speed};
 use crate::spec::{Load, Profile};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 /// A gear in the scene.
 pub struct SceneGear {
@@ -26,7 +26,7 @@ pub struct SceneGear {
     /// True if the gear has internal forces.
     pub(super) internal: bool,
     /// Motion that the flanks follow.
-    pub(super) follows: Follows,
+    pub(super) follows: FlankMotion,
     /// Number of cells of its discrete state, from the first on, that determine by which coordinates teeth move.
     pub(super) places: usize,
     /// Sum of the loads on its hub where they are constant and act on its first coordinate alone [N m or N].
@@ -45,7 +45,7 @@ impl SceneGear {
             n: 0,
             discrete: (0, 0),
             internal: true,
-            follows: Follows::Several,
+            follows: FlankMotion::Several,
             places: 0,
             constant_load: None,
         }
@@ -53,12 +53,12 @@ impl SceneGear {
 
     /// Returns the part of a state that belongs to the gear.
     #[inline(always)]
-    pub fn at<'a>(&self, at: At<'a>) -> At<'a> {
+    pub fn at<'a>(&self, at: StateView<'a>) -> StateView<'a> {
         let (own, cells) = (
             self.range(),
             self.discrete.0..self.discrete.0 + self.discrete.1,
         );
-        At {
+        StateView {
             t: at.t,
             q: &at.q[own.clone()],
             v: &at.v[own],
@@ -88,7 +88,7 @@ impl SceneGear {
 
     /// Adds the load on a free hub to the forces of the scene.
     #[inline]
-    pub(super) fn add_load(&self, at: At<'_>, f: &mut [f64]) {
+    pub(super) fn add_load(&self, at: StateView<'_>, f: &mut [f64]) {
         if self.loads.is_empty() {
             return;
         }
@@ -249,14 +249,14 @@ impl SceneMesh {
 }
 
 #[inline(always)]
-pub(super) fn parties<'a>(
+pub(super) fn gear_states<'a>(
     gears: &'a [SceneGear],
     mesh: &SceneMesh,
-    at: At<'a>,
-) -> (Party<'a>, Party<'a>) {
-    let party = |i: usize| Party {
+    at: StateView<'a>,
+) -> (GearState<'a>, GearState<'a>) {
+    let gear_state = |i: usize| GearState {
         gear: gears[i].model.as_ref(),
         at: gears[i].at(at),
     };
-    (party(mesh.gears[0]), party(mesh.gears[1]))
+    (gear_state(mesh.gears[0]), gear_state(mesh.gears[1]))
 }

@@ -197,7 +197,7 @@ const PARALLEL: f64 = 1e-12;
 /// Returns true if hubs of gears on parallel axes move without tilt.
 fn moves_in_plane(hubs: &[Hub; 2]) -> bool {
     let [a, b] = hubs;
-    let holds = |hub: &Hub, d: usize| hub.directions()[d] == Direction::Held;
+    let holds = |hub: &Hub, d: usize| hub.directions()[d] == Direction::Fixed;
     let upright = |hub: &Hub| hub.slide.is_none() && holds(hub, 3) && holds(hub, 4);
     let moves = hubs.iter().any(|hub| hub.lateral.is_some());
     moves && hubs.iter().all(upright) && a.axes[2].cross(&b.axes[2]).norm() <= PARALLEL

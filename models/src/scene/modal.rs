@@ -2,7 +2,9 @@
 
 use super::assembled::Scene;
 use crate::gear::LinearMotion;
-use gearbench_integrators::system::{At, Events, HalfKick, ModalSplit, SecondOrderSystem, State};
+use gearbench_integrators::system::{
+    Events, HalfStepImpulse, ModalSplit, SecondOrderSystem, State, StateView,
+};
 
 /// Reason why the coordinates of a scene are not independent oscillators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +83,7 @@ impl ModalSplit for Scene {
         self.balanced && s.t == start.t && s.q == start.q && s.v == start.v
     }
 
-    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
         a.fill(0.0);
         for g in &self.gears {
             g.add_load(at, a);
@@ -95,7 +97,7 @@ impl ModalSplit for Scene {
         self.solve_mass(at, a);
     }
 
-    fn remainder_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, a: &mut [f64]) {
+    fn remainder_after(&mut self, at: StateView<'_>, impulse: &HalfStepImpulse<'_>, a: &mut [f64]) {
         if !self.implicit_dissipation {
             return self.remainder(at, a);
         }
@@ -107,12 +109,12 @@ impl ModalSplit for Scene {
             }
         }
         self.add_shafts(at, a);
-        self.evaluate_after(at, kick, a);
+        self.evaluate_after(at, impulse, a);
         self.add_contact_forces(a);
         self.solve_mass(at, a);
     }
 
-    fn steady(&mut self, at: At<'_>, a: &mut [f64]) -> f64 {
+    fn steady(&mut self, at: StateView<'_>, a: &mut [f64]) -> f64 {
         a.fill(0.0);
         if !self.shafts.is_empty() {
             return at.t;

@@ -84,13 +84,13 @@ pub(super) fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f
         let [ia, ib] = mesh.gears;
         let (a, b) = (&spec.gears[ia], &spec.gears[ib]);
         let side = mesh.start.side;
-        let wanted = mesh.start.path_coordinate.unwrap_or(l.pitch_point);
-        if !(l.path[0]..=l.path[1]).contains(&wanted) {
+        let path_coordinate = mesh.start.path_coordinate.unwrap_or(l.pitch_point);
+        if !(l.path[0]..=l.path[1]).contains(&path_coordinate) {
             return Err(BuildError::mesh(
                 [&a.name, &b.name],
                 MeshPart::Start,
                 format!(
-                    "the start lies at {wanted:.6e} m, outside the path of contact {:.6e} to {:.6e} m",
+                    "the start lies at {path_coordinate:.6e} m, outside the path of contact {:.6e} to {:.6e} m",
                     l.path[0], l.path[1]
                 ),
             ));
@@ -113,18 +113,18 @@ pub(super) fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f
                     None => 0.5 * mesh.start.gap,
                     Some(_) => 0.0,
                 };
-                let s = wanted - of_first;
+                let s = path_coordinate - of_first;
                 phase[ia] = Some(phase_at(&va, side, s));
                 phase[ib] =
                     Some(phase_at(&vb, side, l.length - s - mesh.start.gap) - l.rack_offset);
             }
             (Some(p), None) => {
-                let s = nearest(&va, p, wanted);
+                let s = nearest(&va, p, path_coordinate);
                 phase[ib] =
                     Some(phase_at(&vb, side, l.length - s - mesh.start.gap) - l.rack_offset);
             }
             (None, Some(p)) => {
-                let s = nearest(&vb, p + l.rack_offset, l.length - wanted);
+                let s = nearest(&vb, p + l.rack_offset, l.length - path_coordinate);
                 phase[ia] = Some(phase_at(&va, side, l.length - s - mesh.start.gap));
             }
             (Some(_), Some(_)) => {}

@@ -14,11 +14,11 @@
 //! by how the stiffness of teeth changes along the path of contact, which is none of a train that runs.
 
 use super::assembled::Scene;
-use super::carriers::RelativeState;
+use super::carriers::CarrierFrameState;
 use super::contacts::ContactForce;
-use super::shafts::Way;
+use super::shafts::DeformationKind;
 use crate::geometry::Side;
-use gearbench_integrators::system::{At, SecondOrderSystem, State};
+use gearbench_integrators::system::{SecondOrderSystem, State, StateView};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ const TURN: f64 = 1e-6;
 
 /// Linearisation of a scene: mass, damping and stiffness matrix.
 #[derive(Clone, Debug)]
-pub struct Linearised {
+pub struct LinearisedScene {
     /// Mass matrix.
     pub mass: DMatrix<f64>,
     /// Damping matrix `-df/dv`.
@@ -89,9 +89,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 impl Scene {
     /// Linearises the scene about a state.
-    pub fn linearised(&mut self, at: At<'_>) -> Linearised {
+    pub fn linearised(&mut self, at: StateView<'_>) -> LinearisedScene {
         let none = vec![0.0; self.n];
-        Linearised {
+        LinearisedScene {
             mass: by_columns(self.n, |x, y| self.apply_mass(at, x, y)),
             damping: -by_columns(self.n, |x, y| self.tangent_times(at, &none, x, y)),
             stiffness: -by_columns(self.n, |x, y| self.tangent_times(at, x, &none, y)),
@@ -115,9 +115,9 @@ impl Scene {
 
     /// Returns the scene as a mechanism; the null space of its stiffness consists of the rigid motions. `mass` is the
     /// mass matrix.
-    pub fn mechanism(&mut self, at: At<'_>, mass: &DMatrix<f64>) -> Mechanism {
+    pub fn mechanism(&mut self, at: StateView<'_>, mass: &DMatrix<f64>) -> Mechanism {
         let none = vec![0.0; self.n];
-        let at = At { v: &none, ..at };
+        let at = StateView { v: &none, ..at };
         let mut stiffness = by_columns(self.n, |x, y| self.mechanism_times(at, x, &[], y));
         let own = (0..self.n).map(|i| stiffness[(i, i)] / mass[(i, i)]);
         let typical = Some(own.fold(0.0, f64::max)).filter(|x| *x > 0.0);
@@ -145,7 +145,7 @@ impl Scene {
             let along = members.zip(mesh.towards);
             let prescribed = along.filter(|(g, _)| !g.model.hub().is_free());
             let moved: f64 = prescribed
-                .map(|(g, way)| way * g.model.hub().speed(at.t, &[]))
+                .map(|(g, kind)| kind * g.model.hub().speed(at.t, &[]))
                 .sum();
             for &(i, r) in &spring.row {
                 driven[i] -= spring.stiffness * moved * r;
@@ -155,7 +155,7 @@ impl Scene {
     }
 
     /// Adds the rate of the forces of driven hubs on the own coordinates of their gears, as on movable teeth.
-    fn add_driven_bodies(&mut self, at: At<'_>, driven: &mut [f64]) {
+    fn add_driven_bodies(&mut self, at: StateView<'_>, driven: &mut [f64]) {
         for (i, g) in self.gears.iter_mut().enumerate() {
             let own = g.at(at);
             let rates = g.model.hub().motion(own.t, own.q, &[]).v;
@@ -166,7 +166,7 @@ impl Scene {
             let h = TURN / fastest;
             let mut ends = [own.t, own.t + h].map(|t| {
                 let mut f = vec![0.0; g.n];
-                g.model.forces(At { t, ..own }, &mut f);
+                g.model.forces(StateView { t, ..own }, &mut f);
                 f
             });
             let [from, to] = &mut ends;
@@ -177,7 +177,7 @@ impl Scene {
 
     /// Returns for each mesh the closing of its flanks by the free directions of both hubs, as coordinates and their
     /// weights. Signs are those of left flanks.
-    fn mesh_rows(&mut self, at: At<'_>) -> Vec<Vec<(usize, f64)>> {
+    fn mesh_rows(&mut self, at: StateView<'_>) -> Vec<Vec<(usize, f64)>> {
         let sides = self.acting_sides(at);
         let meshes = self.meshes.iter().zip(sides);
         meshes
@@ -204,7 +204,7 @@ impl Scene {
     }
 
     /// Returns the loaded flanks of each mesh, or otherwise those with the smallest gap at the assembled position.
-    pub fn acting_sides(&mut self, at: At<'_>) -> Vec<Side> {
+    pub fn acting_sides(&mut self, at: StateView<'_>) -> Vec<Side> {
         let mut forces = vec![[0.0; 2]; self.meshes.len()];
         for contact in self.contact_forces(at) {
             forces[contact.mesh][contact.side.index()] += contact.normal_force;
@@ -224,20 +224,26 @@ impl Scene {
     }
 
     /// Computes `y = K x` of the mechanism.
-    fn mechanism_times(&mut self, at: At<'_>, x: &[f64], meshes: &[MeshSpring], y: &mut [f64]) {
+    fn mechanism_times(
+        &mut self,
+        at: StateView<'_>,
+        x: &[f64],
+        meshes: &[MeshSpring],
+        y: &mut [f64],
+    ) {
         let n = self.n;
         let none = vec![0.0; n];
         y.fill(0.0);
         self.add_shaft_tangent(at, [x, &none], y);
         let along = self.relative_change(at, x);
-        let mut seen = RelativeState::default();
-        self.carriers.see(at, &mut seen);
+        let mut carrier_state = CarrierFrameState::default();
+        self.carriers.to_carrier_frame(at, &mut carrier_state);
         let mut f = vec![0.0; n];
         for (i, g) in self.gears.iter_mut().enumerate() {
             let range = g.range();
             let carried = self.carriers.carries(i);
-            let relative = At {
-                q: &seen.q,
+            let relative = StateView {
+                q: &carrier_state.q,
                 v: &none,
                 ..at
             };
@@ -260,13 +266,13 @@ impl Scene {
                 f[i] -= stiffness * moved * r;
             }
         }
-        seen.f = f;
-        self.carriers.pull_back(at, &seen, y);
+        carrier_state.f = f;
+        self.carriers.pull_back(at, &carrier_state, y);
         y.iter_mut().for_each(|y| *y = -*y);
     }
 
     /// Returns the change of the carrier-frame state for a displacement.
-    fn relative_change(&self, at: At<'_>, x: &[f64]) -> Vec<f64> {
+    fn relative_change(&self, at: StateView<'_>, x: &[f64]) -> Vec<f64> {
         let largest = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         if self.carriers.is_empty() || largest == 0.0 {
             return x.to_vec();
@@ -274,9 +280,10 @@ impl Scene {
         let h = TURN / largest;
         let [up, down] = [h, -h].map(|h| {
             let q: Vec<f64> = at.q.iter().zip(x).map(|(q, x)| q + h * x).collect();
-            let mut seen = RelativeState::default();
-            self.carriers.see(At { q: &q, ..at }, &mut seen);
-            seen.q
+            let mut carrier_state = CarrierFrameState::default();
+            self.carriers
+                .to_carrier_frame(StateView { q: &q, ..at }, &mut carrier_state);
+            carrier_state.q
         });
         let ends = up.iter().zip(&down);
         ends.map(|(up, down)| 0.5 * (up - down) / h).collect()
@@ -301,10 +308,10 @@ impl Scene {
                 );
             }
             let Some(shaft) = link.shaft() else { continue };
-            let place = match link.way {
-                Way::Torsion => StrainIn::Twist(shaft),
-                Way::Stretching => StrainIn::Stretch(shaft),
-                Way::Bending => StrainIn::Bend(shaft),
+            let place = match link.kind {
+                DeformationKind::Torsion => StrainIn::Twist(shaft),
+                DeformationKind::Stretching => StrainIn::Stretch(shaft),
+                DeformationKind::Bending => StrainIn::Bend(shaft),
             };
             add(place, 0.5 * link.stiffness * link.dot(x).powi(2));
         }
@@ -314,11 +321,11 @@ impl Scene {
             if !g.internal {
                 continue;
             }
-            let (seen, by) = match self.carriers.carries(i) {
+            let (carrier_state, by) = match self.carriers.carries(i) {
                 true => (relative.at(), &along[..]),
                 false => (at, x),
             };
-            let (own, range) = (g.at(seen), g.range());
+            let (own, range) = (g.at(carrier_state), g.range());
             let by = &by[range.clone()];
             let mut f = vec![0.0; g.n];
             g.model.tangent(own, by, &none[range], &mut f);

@@ -7,7 +7,8 @@
 //! | prismatic | displacement [m] | along a direction, as a rack |
 //! | driven | none | a prescribed speed, about the axis or along the slide |
 //!
-//! That is the hub's own motion; where it is free a [`Guide`] may hold it with a spring, a damper and friction. Its five other directions are held unless [`LateralSpec`] says otherwise.
+//! This is the hub's own motion; where it is free a [`Guide`] may support it with a spring, a damper and friction. Its
+//! five other directions are fixed unless an [`OutOfPlaneSpec`] frees them.
 
 use super::profile::Profile;
 use crate::Vec3;
@@ -43,7 +44,7 @@ pub struct Guide {
 pub enum Freedom {
     /// The mount fixes the direction.
     #[default]
-    Held,
+    Fixed,
     /// The direction is a coordinate.
     Free,
     /// The speed is prescribed as a function of time.
@@ -93,7 +94,7 @@ pub enum SpinTerms {
 
 /// Out-of-plane freedom of a hub, and the body that moves with it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LateralSpec {
+pub struct OutOfPlaneSpec {
     /// Freedom of three translations along the axes of the hub, and of three rotations about them.
     pub directions: [Freedom; 6],
     /// Springs and dampers to the ground.

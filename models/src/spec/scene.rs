@@ -1,9 +1,9 @@
 //! Specification of a scene: gears, meshes, contacts and shafts as plain data in SI units.
 
 use super::load::Load;
-use super::mount::{Guide, LateralSpec, Mount};
+use super::mount::{Guide, Mount, OutOfPlaneSpec};
 use super::points::PointContact;
-use super::shaft::{BodySpec, Carried, ShaftSpec, Station};
+use super::shaft::{BodySpec, ShaftSpec, Station, StationMember};
 use crate::Vec3;
 use crate::geometry::{Gear, Rack, Side, Tips};
 use crate::law::{Damping, Friction};
@@ -87,7 +87,7 @@ pub struct GearSpec {
     /// Support of the hub along its own motion where the mount leaves that free.
     pub guide: Option<Guide>,
     /// Out-of-plane freedom of the hub; `None` fixes all other directions.
-    pub lateral: Option<Box<LateralSpec>>,
+    pub lateral: Option<Box<OutOfPlaneSpec>>,
     /// Position of the middle of the face width on the axis; for a rack of its reference line, at zero displacement
     /// [m].
     pub position: [f64; 3],
@@ -192,7 +192,8 @@ impl SceneSpec {
     pub fn loads_at(&self, gear: usize) -> impl Iterator<Item = &Load> {
         let carries = move |s: &&ShaftSpec| {
             let stations = s.stations.iter();
-            let mut gears = stations.map(|s| matches!(s.carries, Carried::Gear(i) if i == gear));
+            let mut gears =
+                stations.map(|s| matches!(s.carries, StationMember::Gear(i) if i == gear));
             gears.any(|own| own)
         };
         let bodies = self
@@ -207,8 +208,8 @@ impl SceneSpec {
     /// Returns the name of the gear or body at a station.
     pub fn station_name<'a>(&'a self, station: &'a Station) -> &'a str {
         match &station.carries {
-            Carried::Gear(i) => &self.gears[*i].name,
-            Carried::Body(body) => &body.name,
+            StationMember::Gear(i) => &self.gears[*i].name,
+            StationMember::Body(body) => &body.name,
         }
     }
 

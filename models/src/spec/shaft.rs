@@ -1,7 +1,7 @@
 //! Shafts with several gears, and bodies without teeth on them.
 
 use super::load::Load;
-use super::mount::{Guide, LateralSpec, Mount};
+use super::mount::{Guide, Mount, OutOfPlaneSpec};
 use crate::error::{BuildError, Reason};
 use crate::stiffness::Material;
 
@@ -30,12 +30,12 @@ pub struct Station {
     /// Distance from the start of the shaft [m].
     pub place: f64,
     /// Member at the station.
-    pub carries: Carried,
+    pub carries: StationMember,
 }
 
 /// Member at a station of a shaft.
 #[derive(Clone, Debug)]
-pub enum Carried {
+pub enum StationMember {
     /// A gear of the scene, by index.
     Gear(usize),
     /// A body without teeth.
@@ -54,7 +54,7 @@ pub struct BodySpec {
     /// Support about its axis where the mount leaves that free.
     pub guide: Option<Guide>,
     /// Bearing, and mass and inertia tensor where the shaft bends; `None` uses those of the shaft.
-    pub lateral: Option<Box<LateralSpec>>,
+    pub lateral: Option<Box<OutOfPlaneSpec>>,
     /// Initial speed [rad/s].
     pub speed: f64,
     /// Torques about the axis.
@@ -130,8 +130,8 @@ impl ShaftSpec {
     /// Returns its bodies without teeth.
     pub fn bodies(&self) -> impl Iterator<Item = &BodySpec> {
         self.stations.iter().filter_map(|s| match &s.carries {
-            Carried::Body(body) => Some(body.as_ref()),
-            Carried::Gear(_) => None,
+            StationMember::Body(body) => Some(body.as_ref()),
+            StationMember::Gear(_) => None,
         })
     }
 

@@ -14,7 +14,7 @@
 
 use super::scene::{MeshSpec, SceneSpec};
 use super::signed_effective_radius;
-use super::{BodySpec, Carried, Load, Mount, effective_radius, initial_speed};
+use super::{BodySpec, Load, Mount, StationMember, effective_radius, initial_speed};
 use nalgebra::{DMatrix, DVector};
 
 /// Magnitude below which a coefficient is rounding: ratios of teeth are of order one.
@@ -296,8 +296,8 @@ impl<'s> Train<'s> {
             let mut members = Vec::new();
             for station in &shaft.stations {
                 members.push(match station.carries {
-                    Carried::Gear(gear) => gear,
-                    Carried::Body(_) => {
+                    StationMember::Gear(gear) => gear,
+                    StationMember::Body(_) => {
                         body += 1;
                         body - 1
                     }

@@ -1,10 +1,10 @@
 //! Stiffness of one tooth pair along the path of contact, and the material of the gears.
 //!
-//! Owns what turns two gears and their material into a curve `k(s)` (N/m) over the path coordinate `s`
-//! (see [`crate::geometry`]), for the whole face width and on the gap along the normal of the flanks: in a
-//! spur pair that is the line of action; in a helical one the gap is `cos(beta_b)` of the approach in the
-//! transverse plane, and so is the part of the force there, so that the mesh is `cos^2(beta_b) k` stiff in
-//! that plane. Elastic helical gears side with this (within 2 % up to 30 degrees). The compliances of a pair stand in series,
+//! Computes from two gears and their material a curve `k(s)` (N/m) over the path coordinate `s` (see
+//! [`crate::geometry`]), for the whole face width and for the gap along the normal of the flanks. In a spur pair that
+//! is the line of action; in a helical one the gap is `cos(beta_b)` of the approach in the transverse plane, and so is
+//! the part of the force there, so that the stiffness of the mesh in that plane is `cos^2(beta_b) k`. Elastic helical
+//! gears agree (within 2 % up to 30 degrees). The compliances of a pair are in series,
 //!
 //! ```text
 //! 1/k = 1/k_tooth1 + 1/k_body1 + 1/k_tooth2 + 1/k_body2 + 1/k_Hertz
@@ -15,18 +15,17 @@
 //! into slices by the caller, each with its share of the width of the transverse curve; only the ISO
 //! value contains `cos(beta)`.
 //!
-//! The pairs in contact bend the same two gear bodies: the approach of a pair is that of the series
-//! under its own force and, for the force of each neighbour, a compliance through the bodies that both
-//! stand on ([`StiffnessCurve::coupling`]; module `ring`). [`mesh_stiffness`] and [`load_shares`] solve
-//! for both. Only analytic compliances know the coupling. ISO 6336-1 gives a mean mesh stiffness
-//! `c_gamma_alpha = c' (0.75 epsilon_alpha + 0.25)`, which is less than the sum of its pairs: the curve
-//! through it ([`IsoVariation::IsoMean`]) has the coupling in its mean and no coupling of its own (the
-//! other two curves through c' leave it out). Tables are what their pairs carry beside each other.
+//! The pairs in contact deform the same two gear bodies: the approach of a pair is that of the series under its own
+//! force and, for the force of each neighbour, a compliance through the common bodies ([`StiffnessCurve::coupling`];
+//! module `ring`). [`mesh_stiffness`] and [`load_shares`] solve for both. Only analytic compliances include the
+//! coupling. ISO 6336-1 gives a mean mesh stiffness `c_gamma_alpha = c' (0.75 epsilon_alpha + 0.25)`, which is less
+//! than the sum of its pairs: the curve through it ([`IsoVariation::IsoMean`]) has the coupling in its mean and no
+//! coupling of its own (the other two curves through c' leave it out). Tables are stiffnesses of pairs in parallel.
 //!
-//! Rack teeth are treated like gear teeth with their own profile and a body held at its back. The fit of
-//! Sainsot and Velex does not exist for a rack and is left out (with a warning). Teeth of internal gears are treated likewise,
-//! on a rim that is held outside (in place of the fit of Sainsot and Velex, too, with a warning); ISO 6336-1 takes an internal
-//! gear for a rack.
+//! Rack teeth are treated like gear teeth with their own profile and a body supported at its back. The fit of Sainsot
+//! and Velex does not exist for a rack and is left out (with a warning). Teeth of internal gears are treated likewise,
+//! on a rim that is supported outside (in place of the fit of Sainsot and Velex, too, with a warning); ISO 6336-1
+//! treats an internal gear as a rack.
 //!
 //! | module | owns |
 //! |---|---|

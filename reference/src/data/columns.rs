@@ -1,6 +1,6 @@
 //! Assignment of columns to quantities: by the request of the user, otherwise by name.
 //!
-//! Without being told, a column is known by the names of gearbench's own files (`docs/data.md`) and by those of the keys
+//! By default a column is recognised by the names of gearbench's own files (`docs/data.md`) and by those of the keys
 //! of a scene: `t`, `force`, `speed_pinion`, each with its unit in brackets or as an ending.
 
 use super::table::{Row, Rows, TableError, shown};

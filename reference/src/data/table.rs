@@ -1,8 +1,8 @@
 //! Text of a CSV file: preamble, header line and rows.
 //!
-//! UTF-8 with or without a byte order mark, else Latin-1; commas, semicolons or tabs; lines that begin with `#` and empty
-//! lines are passed over wherever they stand; `sep=;` in the first line is what a spreadsheet writes. Cells may stand in
-//! double quotes, but not over several lines.
+//! Encodings are UTF-8 with or without a byte order mark, or Latin-1. Delimiters are commas, semicolons or tabs. Lines
+//! that begin with `#` and empty lines are ignored anywhere; spreadsheets write `sep=;` in the first line. Cells may
+//! be in double quotes, but not over several lines.
 
 use std::fmt;
 use std::ops::Range;

@@ -6,7 +6,7 @@
 )]
 
 use super::error::Place;
-use super::reader::Others;
+use super::reader::NonSolidElements;
 use super::units::Units;
 use crate::mesh::{ElementKind, Face, Mesh};
 use gearbench_models::Vec3;
@@ -48,7 +48,7 @@ pub struct ElementBlock {
 
 /// Property of a material beyond isotropic linear elasticity.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Beyond {
+pub struct NonlinearProperty {
     /// Keyword line of the property.
     pub keyword: String,
     /// Why it changes the body.
@@ -64,7 +64,7 @@ pub struct DeckMaterial {
     /// Density of the material [kg/m^3].
     pub density: Option<f64>,
     /// Property beyond linear elasticity; a body of such a material is declined.
-    pub beyond: Option<Beyond>,
+    pub beyond: Option<NonlinearProperty>,
     pub place: Place,
 }
 
@@ -212,7 +212,7 @@ pub struct Deck {
     /// Further notes on the reading for the user.
     pub notes: Vec<String>,
     /// Elements that are no solids, by their labels: while the deck is read, see `reader/others.rs`.
-    pub(crate) others: Others,
+    pub(crate) others: NonSolidElements,
     /// Positions of the nodes [m].
     pub nodes: Vec<Vec3>,
     /// Labels of the nodes.

@@ -1,6 +1,6 @@
 //! Why a deck is declined, and the lines that messages name.
 
-use crate::refusal::Refused;
+use crate::refusal::Refusal;
 
 /// Kind of the problem in a [`DeckError`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -24,7 +24,7 @@ pub enum DeckErrorKind {
 }
 
 /// A deck was declined.
-pub type DeckError = Refused<DeckErrorKind>;
+pub type DeckError = Refusal<DeckErrorKind>;
 
 /// A line of a deck.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -45,7 +45,7 @@ impl Place {
         found: impl Into<String>,
         help: impl Into<String>,
     ) -> DeckError {
-        Refused::new(kind, context, expected, found, help).at(&self.file, self.line)
+        Refusal::new(kind, context, expected, found, help).at(&self.file, self.line)
     }
 }
 

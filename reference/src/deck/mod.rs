@@ -7,10 +7,11 @@
 //! | [`check_gtm`] | what a deck lacks for the preprocessing of elastic gears |
 //! | [`write`](write()), [`write_impact`] | a gear, or two in contact, as a deck that CalculiX runs |
 //!
-//! What is read is what makes a body: solid elements, parts and their instances, sets, surfaces, isotropic materials;
-//! and what an impact of gears needs: rigid bores, linear penalty contact, initial velocities, static, dynamic and
-//! frequency steps. What changes no body is passed over and counted, what would change it is declined with its line
-//! ([`Deck::told`]). Syntax after the manuals of Abaqus (keywords) and CalculiX CrunchiX 2.20 (input deck format).
+//! The reader supports the parts of a deck that define a body (solid elements, parts and their instances, sets,
+//! surfaces, isotropic materials) and those of an impact of gears: rigid bores, linear penalty contact, initial
+//! velocities, static, dynamic and frequency steps. Keywords that do not change a body are ignored and counted; those
+//! that would are declined with their line ([`Deck::told`]). The syntax follows the manuals of Abaqus (keywords) and
+//! CalculiX CrunchiX 2.20 (input deck format).
 
 mod data;
 mod error;
@@ -23,8 +24,8 @@ mod units;
 mod writer;
 
 pub use data::{
-    Beyond, Boundary, ContactKind, ContactPair, Deck, DeckMaterial, ElementBlock, InitialVelocity,
-    Interaction, Label, Labels, Procedure, RigidBody, Section, Step, Target,
+    Boundary, ContactKind, ContactPair, Deck, DeckMaterial, ElementBlock, InitialVelocity,
+    Interaction, Label, Labels, NonlinearProperty, Procedure, RigidBody, Section, Step, Target,
 };
 pub use error::{DeckError, DeckErrorKind, Place};
 pub use gears::{BodyShape, DeckGear, gears, gears_known, gears_with};

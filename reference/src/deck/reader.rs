@@ -7,21 +7,21 @@
 //! | `passed` | keywords that change no body, and those that do |
 //! | `finish` | what can only be checked at the end of the deck |
 //!
-//! A keyword that is not known here is declined with its line: passing it over might read a different body than
-//! the deck describes. Those that are known to change no body are passed over and counted.
+//! An unknown keyword is declined with its line: without it the reader might build a different body than the deck
+//! describes. Known keywords that do not change a body are ignored and counted.
 
 mod assembly;
 mod contact;
 mod finish;
 mod model;
-mod others;
+mod non_solids;
 mod passed;
 mod properties;
 mod step;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use others::{MARK, Others};
+pub(crate) use non_solids::{MARK, NonSolidElements};
 
 use super::data::{Deck, Label, Step, Target};
 use super::error::{DeckError, DeckErrorKind, Place, quote};

@@ -1,9 +1,9 @@
 //! Units of a deck, determined from its material or its size, and the conversion to SI units.
 //!
-//! Decks say no units. `sqrt(E / rho)` is a speed, so that it tells lengths over times: of solids 500 to 15,000 m/s.
-//! The density then tells the mass: of solids 500 to 25,000 kg/m^3. Both ranges span less than the factors between
-//! the systems below, so at most one of them fits. With the modulus alone, or nothing but a size, it is a guess,
-//! and told as one.
+//! Decks do not state units. `sqrt(E / rho)` is a speed, so that it determines the ratio of length to time: for solids
+//! 500 to 15,000 m/s. The density then determines the mass: for solids 500 to 25,000 kg/m^3. Both ranges span less
+//! than the factors between the systems below, so that at most one of them fits. With the modulus alone, or only a
+//! size, the system is a guess, and reported as such.
 
 use super::data::{Deck, Target};
 use std::collections::HashSet;

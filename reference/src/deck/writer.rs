@@ -64,7 +64,7 @@ pub fn write(
     options: &GearDeck,
 ) -> Result<(), WriteError> {
     heading(out, &options.title)?;
-    let gear = Numbered {
+    let gear = NumberedGear {
         gear,
         suffix: "",
         first_node: 1,
@@ -83,14 +83,14 @@ pub fn write(
 }
 
 /// A gear with its labels and the number in its names.
-struct Numbered<'a> {
+struct NumberedGear<'a> {
     gear: &'a GearMesh,
     suffix: &'a str,
     first_node: u32,
     first_element: u32,
 }
 
-impl Numbered<'_> {
+impl NumberedGear<'_> {
     fn mesh(&self, out: &mut dyn Write, place: &dyn Fn(Vec3) -> Vec3) -> Result<(), WriteError> {
         let (mesh, suffix) = (&self.gear.mesh, self.suffix);
         writeln!(out, "*NODE, NSET=nall{suffix}")?;

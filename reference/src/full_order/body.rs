@@ -1,7 +1,7 @@
 //! Data of a full-order gear: its mesh in the assembled position, stiffness, mass, and the inertia that couples its
 //! nodes to the hub. All of them are constant in time.
 
-use super::held::{self, Held};
+use super::tied_nodes::{self, TiedNodes};
 use crate::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::element::ElementError;
@@ -53,14 +53,14 @@ pub struct Body {
     pub held_moment: Vec3,
     /// Coupling of the tied nodes, where the hub moves in several directions or about a tilted axis: the matrices are
     /// then those of the free nodes alone.
-    pub held: Option<Held>,
+    pub held: Option<TiedNodes>,
     /// Mass [kg] and inertia about the hub axes [kg m^2] added at such a hub.
     pub added: (f64, Vec3),
 }
 
 /// Mass and inertia added at a hub with several directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Added {
+pub struct AddedInertia {
     /// In its own motion [kg m^2], of a rack [kg].
     pub own: f64,
     /// Added mass [kg].
@@ -113,7 +113,7 @@ impl Body {
         placement: &Placement,
         hub: &Hub,
         mass: MassKind,
-        added: Added,
+        added: AddedInertia,
     ) -> Result<Body, ElementError> {
         let axes = &hub.axes;
         let pose = placement.pose(0.0);
@@ -126,12 +126,12 @@ impl Body {
             mesh,
             material,
             place,
-            (motion, &held::motions()),
+            (motion, &tied_nodes::motions()),
             hub.is_driven(),
             (mass, added.own),
         )?;
         let at_hub = (added.mass, Vec3::new(added.tilting, added.tilting, about));
-        let (reduced, held) = Held::split(&body.reduced, image_of_held, axes, at_hub);
+        let (reduced, held) = TiedNodes::split(&body.reduced, image_of_held, axes, at_hub);
         (body.reduced, body.held, body.added) = (reduced, Some(held), at_hub);
         Ok(body)
     }

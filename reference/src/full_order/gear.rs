@@ -23,7 +23,7 @@ use super::kinematics::{add3, dot3, node3};
 use super::lines::Lines;
 use crate::assembly::tie::{MassKind, Tie};
 use crate::vector::dot;
-use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
+use gearbench_integrators::system::{Coeffs, Energy, Power, Singular, StateView};
 use gearbench_models::Vec3;
 use gearbench_models::gear::{
     CoupledMass, DeformedLines, FlankSurface, GearModel, HubBody, HubState, LargeGear, MeshedBody,
@@ -156,7 +156,7 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
+    fn row(&self, at: StateView<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         let Some((corners, weights)) = self.corners(p) else {
             return 0.0;
         };
@@ -183,7 +183,7 @@ impl GearModel for FullOrder {
         prescribed
     }
 
-    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn forces(&mut self, at: StateView<'_>, f: &mut [f64]) {
         if let Some(held) = self.held() {
             return self.floating_forces(held, at, f);
         }
@@ -207,7 +207,7 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         if let Some(held) = self.held() {
             return self.floating_tangent(held, at, [dq, dv], df);
         }
@@ -263,7 +263,7 @@ impl GearModel for FullOrder {
 
     fn correct(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         rhs_to_x: &mut [f64],
@@ -271,7 +271,7 @@ impl GearModel for FullOrder {
         FullOrder::solve(self, at, (c, hub_damping), rhs_to_x)
     }
 
-    fn energy(&self, at: At<'_>) -> Energy {
+    fn energy(&self, at: StateView<'_>) -> Energy {
         if let Some(held) = self.held() {
             return self.floating_energy(held, at);
         }
@@ -291,7 +291,7 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn powers(&self, at: At<'_>) -> Power {
+    fn powers(&self, at: StateView<'_>) -> Power {
         if self.held().is_some() {
             return self.floating_powers(at);
         }
@@ -301,7 +301,7 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn hub_state(&self, at: At<'_>) -> HubState {
+    fn hub_state(&self, at: StateView<'_>) -> HubState {
         if self.held().is_some() {
             return self.floating_state(at);
         }
@@ -330,7 +330,7 @@ impl GearModel for FullOrder {
     /// Returns the reaction from the elastic forces on the nodes tied to the hub and the inertia of these. Where their
     /// mass is coupled to that of their neighbours (consistent mass, no drive), the neighbours are assumed to move
     /// rigidly in this: the share of one layer of elements in the acceleration of the rest is neglected.
-    fn mount_reaction(&self, at: At<'_>, _forces: &[f64], _contact: &Wrench) -> Wrench {
+    fn mount_reaction(&self, at: StateView<'_>, _forces: &[f64], _contact: &Wrench) -> Wrench {
         if self.held().is_some() {
             return self.floating_reaction(at);
         }
@@ -394,7 +394,7 @@ impl GearModel for FullOrder {
 
 impl FullOrder {
     /// Power that a prescribed motion puts into the nodes [W].
-    pub(super) fn driven_power(&self, at: At<'_>) -> f64 {
+    pub(super) fn driven_power(&self, at: StateView<'_>) -> f64 {
         if !matches!(self.hub.mount, Mount::Driven(_)) {
             return 0.0;
         }

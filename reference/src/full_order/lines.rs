@@ -13,7 +13,7 @@ use super::frame::unit_motion;
 use super::kinematics::dot3;
 use crate::mesh::GearMesh;
 use crate::reduction::{Surface, near_field_of_flanks};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use gearbench_models::error::Reason;
 use gearbench_models::gear::DeformedLines;
 use gearbench_models::gear::elastic::lines::{LinesOfFlanks, Strips};
@@ -87,7 +87,7 @@ impl DeformedLines for FullOrder {
         &self.lines.near_field
     }
 
-    fn outward(&self, at: At<'_>, line: u32) -> (f64, f64) {
+    fn outward(&self, at: StateView<'_>, line: u32) -> (f64, f64) {
         let (frame, d) = (self.frame(at), &at.q[self.own..]);
         let (mut outward, mut by_hub) = (0.0, 0.0);
         for (node, direction) in self.lines.of(line) {
@@ -101,7 +101,7 @@ impl DeformedLines for FullOrder {
         (outward, by_hub)
     }
 
-    fn row(&self, at: At<'_>, lines: &[u32; 4], weights: &[f64; 4], row: &mut Row) {
+    fn row(&self, at: StateView<'_>, lines: &[u32; 4], weights: &[f64; 4], row: &mut Row) {
         let frame = self.frame(at);
         for (&line, w) in lines.iter().zip(weights) {
             for (node, direction) in self.lines.of(line) {

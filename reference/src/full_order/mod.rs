@@ -15,13 +15,13 @@ mod border;
 mod correction;
 mod floating;
 mod frame;
+mod frame_pose;
 mod gear;
-mod held;
 mod kinematics;
 mod large;
 mod lines;
-mod stand;
 pub(crate) mod table;
+mod tied_nodes;
 
 #[cfg(test)]
 mod tests;

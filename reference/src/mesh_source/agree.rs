@@ -1,7 +1,7 @@
 //! Comparison of a recognised mesh with the gear of the scene.
 
 use crate::deck::{Deck, DeckGear};
-use crate::recognise::{Found, Recognised, RecognisedRack};
+use crate::recognise::{RecognisedBody, RecognisedGear, RecognisedRack};
 use gearbench_models::geometry::{Gear, Rack};
 use gearbench_models::spec::Body as Toothing;
 
@@ -52,8 +52,8 @@ impl Disagreement {
 /// between the flanks of the mesh, loads and mesh layout are those of the gear of the scene.
 pub(super) fn disagreement(gear: &DeckGear, body: &Toothing) -> Option<Disagreement> {
     match (gear.found.as_ref()?, body) {
-        (Found::Gear(found), Toothing::Gear(said)) => of_gear(found, said),
-        (Found::Rack(found), Toothing::Rack(said)) => of_rack(found, said),
+        (RecognisedBody::Gear(found), Toothing::Gear(said)) => of_gear(found, said),
+        (RecognisedBody::Rack(found), Toothing::Rack(said)) => of_rack(found, said),
         _ => None,
     }
 }
@@ -91,7 +91,7 @@ fn angle_off(angles: &[Pair]) -> Option<Disagreement> {
     })
 }
 
-fn of_gear(found: &Recognised, said: &Gear) -> Option<Disagreement> {
+fn of_gear(found: &RecognisedGear, said: &Gear) -> Option<Disagreement> {
     let fit = &found.fit;
     let thickness = 2.0 * said.r_base() * said.half_angle_base();
     let mut lengths = vec![

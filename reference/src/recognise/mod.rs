@@ -12,15 +12,15 @@
 //! | [`tied`] | grids of points on flanks whose faces are no grid |
 //! | [`standard`] | module, pressure angle and profile shift that these may stand for |
 //!
-//! Only corners of elements are measured: mid-side nodes may lie on chords. A flank is what lies on the fitted
-//! involute; what the tip has lost by relief or crowning still belongs to it, within a fiftieth of the tooth's height.
+//! Only corners of elements are used: mid-side nodes may lie on chords. A flank consists of the faces on the fitted
+//! involute; material removed from the tip by relief or crowning is tolerated within a fiftieth of the tooth height.
 
 mod axis;
 mod flanks;
 pub mod involute;
-mod known;
 pub mod rack;
 mod skin;
+mod specified_body;
 pub mod standard;
 mod teeth;
 #[cfg(test)]
@@ -30,10 +30,10 @@ pub mod tied;
 pub(crate) use axis::across;
 pub use axis::{Axis, Cylinder};
 pub use involute::{FlankPoint, Involute};
-pub use known::{Known, Misfit};
 pub use rack::RecognisedRack;
 pub use skin::{Facet, Skin};
-pub use standard::{Given, Reading};
+pub use specified_body::{Misfit, SpecifiedBody};
+pub use standard::{ToolCandidate, ToolSpec};
 
 use flanks::Flanks;
 use gearbench_models::Vec3;
@@ -79,7 +79,7 @@ impl Patch {
 
 /// A gear as its surface shows it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Recognised {
+pub struct RecognisedGear {
     /// Axis of rotation; its point lies in the middle of the flanks' width.
     pub axis: Axis,
     /// The involute: angles from the first of [`Axis::across`], heights from the point of the axis.
@@ -100,7 +100,7 @@ pub struct Recognised {
     pub flanks: Vec<Patch>,
 }
 
-impl Recognised {
+impl RecognisedGear {
     /// Position in the gear's own frame: axis z through the origin in the middle of the width, tooth 0 on +x.
     pub fn own(&self, x: &Vec3) -> Vec3 {
         crate::vector::turned(self.axis.seen(x), -self.fit.phase)
@@ -117,7 +117,7 @@ impl Recognised {
     }
 
     /// Tools that fit, the likeliest first.
-    pub fn readings(&self, given: Given) -> Vec<Reading> {
+    pub fn readings(&self, given: ToolSpec) -> Vec<ToolCandidate> {
         let radii = [self.tip.radius, self.root.radius];
         standard::readings(&self.fit, radii, self.uncertainty(), given)
     }
@@ -125,51 +125,51 @@ impl Recognised {
 
 /// A toothed body as its surface shows it.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Found {
+pub enum RecognisedBody {
     /// A recognised gear.
-    Gear(Box<Recognised>),
+    Gear(Box<RecognisedGear>),
     /// A recognised rack.
     Rack(Box<RecognisedRack>),
 }
 
-impl Found {
+impl RecognisedBody {
     /// Returns the gear, if it is one.
-    pub fn gear(&self) -> Option<&Recognised> {
+    pub fn gear(&self) -> Option<&RecognisedGear> {
         match self {
-            Found::Gear(gear) => Some(gear),
-            Found::Rack(_) => None,
+            RecognisedBody::Gear(gear) => Some(gear),
+            RecognisedBody::Rack(_) => None,
         }
     }
 
     /// Returns the rack, if it is one.
     pub fn rack(&self) -> Option<&RecognisedRack> {
         match self {
-            Found::Gear(_) => None,
-            Found::Rack(rack) => Some(rack),
+            RecognisedBody::Gear(_) => None,
+            RecognisedBody::Rack(rack) => Some(rack),
         }
     }
 
     /// Returns the nodes that are tied to the hub: of the bore, or of the back, including mid-side nodes.
     pub fn held(&self) -> &[u32] {
         match self {
-            Found::Gear(gear) => &gear.bore_nodes,
-            Found::Rack(rack) => &rack.back_nodes,
+            RecognisedBody::Gear(gear) => &gear.bore_nodes,
+            RecognisedBody::Rack(rack) => &rack.back_nodes,
         }
     }
 
     /// Flanks, tooth by tooth, left before right.
     pub fn flanks(&self) -> &[Patch] {
         match self {
-            Found::Gear(gear) => &gear.flanks,
-            Found::Rack(rack) => &rack.flanks,
+            RecognisedBody::Gear(gear) => &gear.flanks,
+            RecognisedBody::Rack(rack) => &rack.flanks,
         }
     }
 
     /// Axis of its own z axis.
     pub fn axis(&self) -> Axis {
         match self {
-            Found::Gear(gear) => gear.axis,
-            Found::Rack(rack) => Axis {
+            RecognisedBody::Gear(gear) => gear.axis,
+            RecognisedBody::Rack(rack) => Axis {
                 direction: rack.axes[2],
                 point: Vec3::zeros(),
             },
@@ -181,13 +181,13 @@ impl Found {
 ///
 /// # Errors
 /// What was looked for and not found, or what is not as it is said.
-pub fn body(skin: &Skin<'_>, known: &Known) -> Result<Found, Misfit> {
+pub fn body(skin: &Skin<'_>, known: &SpecifiedBody) -> Result<RecognisedBody, Misfit> {
     let gear = match recognise(skin, known) {
         Err(Misfit::Missing(why)) => why,
-        found => return found.map(|g| Found::Gear(Box::new(g))),
+        found => return found.map(|g| RecognisedBody::Gear(Box::new(g))),
     };
     match rack::recognise(skin, known) {
-        Ok(found) => Ok(Found::Rack(Box::new(found))),
+        Ok(found) => Ok(RecognisedBody::Rack(Box::new(found))),
         Err(Misfit::Missing(why)) => Err(Misfit::Missing(format!("{gear}; {why}"))),
         Err(against) => Err(against),
     }
@@ -197,7 +197,7 @@ pub fn body(skin: &Skin<'_>, known: &Known) -> Result<Found, Misfit> {
 ///
 /// # Errors
 /// What was looked for and not found, or what is not as it is said.
-pub fn recognise(skin: &Skin<'_>, known: &Known) -> Result<Recognised, Misfit> {
+pub fn recognise(skin: &Skin<'_>, known: &SpecifiedBody) -> Result<RecognisedGear, Misfit> {
     let corners = skin.corner_nodes();
     let mut refused = None;
     let said = known.unit_axis();
@@ -228,8 +228,8 @@ fn about(
     skin: &Skin<'_>,
     corners: &[u32],
     direction: Vec3,
-    known: &Known,
-) -> Result<Recognised, Refusal> {
+    known: &SpecifiedBody,
+) -> Result<RecognisedGear, Refusal> {
     let no = |far: u8, why: &str| (far, why.to_owned());
     let round = axis::along(skin, corners, direction).map(|(axis, _)| axis);
     let axis = round.or_else(|| known.point.map(|point| Axis { direction, point }));

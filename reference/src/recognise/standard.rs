@@ -44,7 +44,7 @@ pub fn angles(normal_base_pitch: f64, near: f64) -> impl Iterator<Item = f64> {
 
 /// Specification of the tool by the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Given {
+pub struct ToolSpec {
     /// Normal module [m].
     pub module: Option<f64>,
     /// Normal pressure angle [rad].
@@ -53,7 +53,7 @@ pub struct Given {
 
 /// A tool that the toothing may have been cut with.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
+pub struct ToolCandidate {
     /// Normal module [m].
     pub module: f64,
     /// Normal pressure angle [rad].
@@ -72,14 +72,14 @@ pub struct Reading {
 
 /// Returns the tools that fit, the most probable first: at least one. `radii` are those of tip and root [m]; `near` is
 /// the relative uncertainty of the base pitch.
-pub fn readings(fit: &Involute, radii: [f64; 2], near: f64, given: Given) -> Vec<Reading> {
+pub fn readings(fit: &Involute, radii: [f64; 2], near: f64, given: ToolSpec) -> Vec<ToolCandidate> {
     let normal = fit.base_pitch() * fit.base_helix_angle().cos();
     let at = |angle: f64| reading(fit, radii, near, angle);
     match (given.module, given.pressure_angle) {
         (_, Some(angle)) => vec![at(angle)],
         (Some(module), None) => vec![at((normal / (PI * module)).clamp(-1.0, 1.0).acos())],
         (None, None) => {
-            let found: Vec<Reading> = angles(normal, near).map(at).collect();
+            let found: Vec<ToolCandidate> = angles(normal, near).map(at).collect();
             match found.is_empty() {
                 true => vec![at(ANGLES[0].to_radians())],
                 false => found,
@@ -88,7 +88,7 @@ pub fn readings(fit: &Involute, radii: [f64; 2], near: f64, given: Given) -> Vec
     }
 }
 
-fn reading(fit: &Involute, [tip, root]: [f64; 2], near: f64, angle: f64) -> Reading {
+fn reading(fit: &Involute, [tip, root]: [f64; 2], near: f64, angle: f64) -> ToolCandidate {
     let helix_base = fit.base_helix_angle();
     let exact = fit.base_pitch() * helix_base.cos() / (PI * angle.cos());
     let helix = (helix_base.sin() / angle.cos()).clamp(-1.0, 1.0).asin();
@@ -96,7 +96,7 @@ fn reading(fit: &Involute, [tip, root]: [f64; 2], near: f64, angle: f64) -> Read
     let transverse = (angle.tan() / helix.cos()).atan();
     let thickness = 2.0 * r * (fit.half_angle - inv(transverse));
     let profile_shift = (thickness * helix.cos() / exact - FRAC_PI_2) / (2.0 * angle.tan());
-    Reading {
+    ToolCandidate {
         module: exact,
         pressure_angle: angle,
         helix_angle: helix,

@@ -11,7 +11,7 @@
 //! off it as the corners of its face do: chords leave no facets in the contact. `xi_p` is the foot of its perpendicular on the
 //! face.
 
-use super::{Facet, FlankPoint, Patch, Recognised, Skin};
+use super::{Facet, FlankPoint, Patch, RecognisedGear, Skin};
 use crate::mesh::TiedPoint;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
@@ -57,7 +57,7 @@ pub trait Unroll {
 }
 
 /// Along the profile counts the length of roll `l`, arcs are `l^2 / (2 r_b)`.
-impl Unroll for Recognised {
+impl Unroll for RecognisedGear {
     fn along(&self, x: &Vec3) -> f64 {
         self.fit.roll(x.xy().norm())
     }

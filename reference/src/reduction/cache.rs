@@ -2,11 +2,11 @@
 //!
 //! A program [chooses](choose) its cache; a library leaves no files behind unasked, and so do tests.
 //!
-//! A file is named by the hash of everything its basis depends on ([`Request::key`]), the version of the computation
-//! included: nothing is ever out of date, files are only no longer asked for. They lie in `$GEARBENCH_CACHE`, else in
-//! the folder `gearbench` where the platform keeps caches (`$XDG_CACHE_HOME` or `~/.cache`, `~/Library/Caches`,
-//! `%LOCALAPPDATA%`); `GEARBENCH_CACHE=off` switches the cache off. Beyond [`LIMIT`] the files that were not used for
-//! longest go. A cache that cannot be read or written costs time, never a result.
+//! The name of a file is the hash of all data on which its basis depends ([`Request::key`]), including the version of
+//! the computation: no file is ever out of date, it is only no longer used. Files are in `$GEARBENCH_CACHE`, otherwise
+//! in the folder `gearbench` of the platform's caches (`$XDG_CACHE_HOME` or `~/.cache`, `~/Library/Caches`,
+//! `%LOCALAPPDATA%`); `GEARBENCH_CACHE=off` switches the cache off. Beyond [`LIMIT`] the least recently used files are
+//! deleted. A cache that cannot be read or written costs time, never a result.
 
 use super::store::{self, Meta};
 use super::{Basis, Request};
@@ -43,7 +43,7 @@ pub struct Cache {
 
 /// A basis, and whether it had been computed before.
 #[derive(Clone, Debug)]
-pub struct Cached {
+pub struct CachedBasis {
     /// Basis from the cache.
     pub basis: Arc<Basis>,
     /// It was read from the cache.
@@ -86,9 +86,9 @@ impl Cache {
         request: &Request<'_>,
         source: &str,
         compute: impl FnOnce() -> Result<Basis, E>,
-    ) -> Result<Cached, E> {
+    ) -> Result<CachedBasis, E> {
         let Some(folder) = &self.folder else {
-            return Ok(Cached {
+            return Ok(CachedBasis {
                 basis: Arc::new(compute()?),
                 hit: false,
             });
@@ -101,7 +101,7 @@ impl Cache {
             // The time of the last use: what is used stays.
             let opened = fs::File::options().append(true).open(&path);
             let _ = opened.and_then(|f| f.set_modified(SystemTime::now()));
-            return Ok(Cached {
+            return Ok(CachedBasis {
                 basis: stored.basis,
                 hit: true,
             });
@@ -116,7 +116,7 @@ impl Cache {
                 let _ = TROUBLE.set(format!("{}: {e}", folder.display()));
             }
         }
-        Ok(Cached { basis, hit: false })
+        Ok(CachedBasis { basis, hit: false })
     }
 
     /// Removes the files that were not used for longest beyond the limit, the newest last of all.

@@ -1,10 +1,9 @@
 //! Selection of the modes of a model and of their damping (pass 2).
 //!
-//! Modes of a family are kept or truncated together: the two of a pair of equal frequency, without which teeth that are
-//! alike would yield differently. Larger families are not needed for that, and ranking pairs by the mean over all
-//! teeth keeps what one kind of shape makes over the harmonics together by itself where it is alike. Families are
-//! ranked by frequency, lowest first, or by flank compliance,
-//! largest first: the mean over the family of
+//! Modes of a family are kept or truncated together: the two of a pair of equal frequency, without which equal teeth
+//! would have different compliances. Larger families are not needed for that; the ranking of pairs by the mean over
+//! all teeth keeps similar shapes of all harmonics together. Families are ranked by frequency, lowest first, or by
+//! flank compliance, largest first: the mean over the family of
 //!
 //! ```text
 //! c_i = sum_k A_k b_ki^2 / (omega_i^2 sum_k A_k)
@@ -20,11 +19,11 @@
 mod lines;
 mod teeth;
 
-pub use teeth::{Made, in_mesh, made_for};
+pub use teeth::{FittedModes, in_mesh, made_for};
 
-use super::{Basis, Kept, ReductionError, without_modes};
+use super::{Basis, KeptModes, ReductionError, without_modes};
 use gearbench_models::contact::points::reference_areas;
-use gearbench_models::gear::elastic::reduced::{LateralShapes, Reduced};
+use gearbench_models::gear::elastic::reduced::{OutOfPlaneShapes, Reduced};
 use gearbench_models::spec::PointRule;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -227,7 +226,7 @@ impl ModalDamping {
     }
 }
 
-impl Made {
+impl FittedModes {
     /// These modes as the elastic gear takes them, as [`reduced`].
     pub fn reduced(
         &self,
@@ -279,7 +278,7 @@ fn with_kept(
     }
     let hub = pick(&basis.hub);
     let residual = if let Some(made_for) = residual {
-        let kept = Kept {
+        let kept = KeptModes {
             made_for,
             omega: &omega,
             shapes: &shapes,
@@ -333,9 +332,9 @@ impl Basis {
     }
 
     /// Returns the motion of a hub with out-of-plane freedom in some of its modes.
-    fn lateral_of(&self, kept: &[usize]) -> Option<Arc<LateralShapes>> {
+    fn lateral_of(&self, kept: &[usize]) -> Option<Arc<OutOfPlaneShapes>> {
         let lateral = self.lateral.as_ref()?;
-        Some(Arc::new(LateralShapes {
+        Some(Arc::new(OutOfPlaneShapes {
             hub: kept.iter().map(|&i| lateral.hub[i]).collect(),
             ..(**lateral).clone()
         }))
@@ -357,7 +356,7 @@ impl Basis {
         let rows = self.shapes.chunks_exact(modes.max(1));
         let lateral = self.lateral.as_ref().map(|lateral| {
             let hub = [0, 1, 2, 3, 4, 5].map(|d| each(&|i| lateral.hub[i][d]));
-            Arc::new(LateralShapes {
+            Arc::new(OutOfPlaneShapes {
                 hub: (0..count)
                     .map(|k| [0, 1, 2, 3, 4, 5].map(|d| hub[d][k]))
                     .collect(),

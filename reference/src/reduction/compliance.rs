@@ -53,7 +53,7 @@ use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 use gearbench_models::stiffness::Material;
 use rayon::prelude::*;
-use relief::Held;
+use relief::FixedHubCompliance;
 use std::sync::{Mutex, PoisonError};
 
 /// Right-hand sides at a time.
@@ -74,7 +74,7 @@ fn held_of_assembly(
     assembly: &Assembly,
     surface: &Surface,
     mounting: &Mounting,
-) -> Result<Held, ReductionError> {
+) -> Result<FixedHubCompliance, ReductionError> {
     let nodes = &gear.mesh.nodes;
     let n = surface.directions.len();
     check_whole(surface)?;
@@ -141,7 +141,7 @@ fn held_of_assembly(
         let u = response.col(q).iter();
         pulls[p].iter().zip(u).map(|(a, b)| a * b).sum()
     };
-    Ok(Held {
+    Ok(FixedHubCompliance {
         flanks: FlankCompliance::Full(compliance),
         motions: n,
         arms: arms(surface, &motions),
@@ -183,7 +183,7 @@ fn held_of_sector(
     material: &Material,
     surface: &Surface,
     mounting: &Mounting,
-) -> Result<Held, ReductionError> {
+) -> Result<FixedHubCompliance, ReductionError> {
     let teeth = sector.teeth as usize;
     if surface.nodes() == 0 || !surface.nodes().is_multiple_of(teeth.max(1)) {
         return Err(ReductionError::Mismatch(format!(
@@ -215,7 +215,7 @@ fn held_of_sector(
         }
     }
     symmetrise_blocks(&mut blocks, teeth, m);
-    Ok(Held {
+    Ok(FixedHubCompliance {
         flanks: FlankCompliance::Cyclic {
             teeth,
             per_tooth,
@@ -232,7 +232,7 @@ fn relief_of_sector(
     sector: &GearMesh,
     columns: &[Column],
     mounting: &Mounting,
-) -> Result<Held, ReductionError> {
+) -> Result<FixedHubCompliance, ReductionError> {
     let (teeth, m) = (sector.teeth as usize, columns.len());
     let directions: Vec<usize> = mounting.directions().collect();
     let directions = match directions.is_empty() {
@@ -284,7 +284,7 @@ fn relief_of_sector(
             }
         }
     }
-    Ok(Held {
+    Ok(FixedHubCompliance {
         flanks: FlankCompliance::Full(Vec::new()),
         motions: n,
         arms: Vec::new(),

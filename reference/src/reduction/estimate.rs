@@ -7,11 +7,11 @@
 //! m y'' = -F,   q_i'' + omega_i^2 q_i = -b_i F,   y + sum_i b_i q_i = (R + A / 20) F   while F > 0
 //! ```
 //!
-//! over the modes that are kept: `m = J / effective base radius^2` (a held gear moves as if it were free to), `A` the
-//! static compliance of the whole mesh there, `R` what the kept modes leave of it; a twentieth of `A` stands for the
-//! contact law. The reference keeps every mode of the basis. The estimate is the relative L2 difference of the force
-//! histories, root mean square over rows of a left and a right flank. Speed has no part in it: until contact ends the
-//! system is linear.
+//! over the kept modes, with `m = J / effective base radius^2` (a fixed gear is treated as free), the static
+//! compliance `A` of the whole mesh there, and the residual compliance `R`; a twentieth of `A` represents the contact
+//! law. The reference keeps every mode of the basis. The estimate is the relative L2 difference of the force
+//! histories, root mean square over rows of a left and a right flank. It does not depend on the speed: until contact
+//! ends the system is linear.
 
 use super::choose::{Choice, Family, ranked};
 use super::{Basis, ReductionError};

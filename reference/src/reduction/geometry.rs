@@ -8,7 +8,7 @@
 use super::Basis;
 use super::store::Motion;
 use crate::recognise::standard::{is_standard, readings};
-use crate::recognise::{self, FlankPoint, Given, Involute, Reading};
+use crate::recognise::{self, FlankPoint, Involute, ToolCandidate, ToolSpec};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
 use std::f64::consts::PI;
@@ -42,7 +42,7 @@ pub struct Toothing {
     /// The involute through the flank nodes of a gear.
     pub involute: Option<Involute>,
     /// Tools that it may have been cut with, the likeliest first; dedendum factors count to the lowest flank node.
-    pub readings: Vec<Reading>,
+    pub readings: Vec<ToolCandidate>,
 }
 
 impl Toothing {
@@ -91,7 +91,7 @@ impl Toothing {
                 involute = Involute::guess(teeth, base, twist).fitted_to_most(&points, FINE * tip);
                 // What a pinion-type cutter was is not told by the gear.
                 tools = (involute.as_ref().filter(|_| !inward)).map_or(Vec::new(), |fit| {
-                    readings(fit, [tip, low], NEAR, Given::default())
+                    readings(fit, [tip, low], NEAR, ToolSpec::default())
                 });
                 let base = involute.map_or(base, |fit| fit.base_radius);
                 match tools.first() {

@@ -38,12 +38,12 @@ mod error;
 mod estimate;
 mod geometry;
 mod integrals;
-#[cfg(test)]
-mod lateral_tests;
 mod mounting;
 mod near_field;
 mod of_gear;
 mod open;
+#[cfg(test)]
+mod out_of_plane_tests;
 mod parameters;
 #[cfg(test)]
 mod reaction_tests;
@@ -65,15 +65,15 @@ pub use geometry::Toothing;
 pub use mounting::{DIRECTIONS, Mounting, mount_text};
 pub(crate) use near_field::of_flanks as near_field_of_flanks;
 pub(crate) use of_gear::added_of;
-pub use of_gear::{OfGear, mounting_of, of_gear};
+pub use of_gear::{GearReductionInput, mounting_of, of_gear};
 pub use parameters::ElasticParameters;
 pub use request::Request;
 pub(crate) use surface::Surface;
-pub(crate) use truncation::{Kept, without_modes};
+pub(crate) use truncation::{KeptModes, without_modes};
 
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::inertia::Integrals;
-use gearbench_models::gear::elastic::reduced::{LateralShapes, Residual};
+use gearbench_models::gear::elastic::reduced::{OutOfPlaneShapes, Residual};
 use gearbench_models::geometry::Flanks;
 use std::sync::Arc;
 
@@ -122,12 +122,12 @@ pub struct Basis {
     /// freedom.
     pub added: [f64; 2],
     /// Data of a hub with out-of-plane freedom.
-    pub lateral: Option<Arc<LateralShapes>>,
+    pub lateral: Option<Arc<OutOfPlaneShapes>>,
 }
 
 /// Selection of the modes to compute, without rigid motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Wanted {
+pub enum ModeSelection {
     /// Number of the lowest modes (one more if the last is half of a pair).
     Count(usize),
     /// All up to this frequency [Hz].

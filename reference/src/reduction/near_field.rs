@@ -8,11 +8,11 @@
 //! B = (1 + nu)/(pi E),    C = (1 - 2 nu) (1 + nu)/(pi E)
 //! ```
 //!
-//! at the distance `r` and the angle `t` from the inward normal (K. L. Johnson, *Contact Mechanics* (1985), 2.2). On the
-//! surface of the half-space itself the displacement is `-A ln |x|`, which the elements have from a few rows on; the rows
-//! next to the load are theirs alone. With these, static compliance loses what is of the mesh alone and gains what is
-//! Hertz's: [`lines`](gearbench_models::gear::elastic::lines). Elements that are no such lattice answer themselves, cut out
-//! of the body: `body`.
+//! at the distance `r` and the angle `t` from the inward normal (K. L. Johnson, *Contact Mechanics* (1985), 2.2). On
+//! the surface of the half-space itself the displacement is `-A ln |x|`, which the elements reproduce from a few rows
+//! on; only the rows next to the load differ. With these, the part of the mesh is removed from the static compliance
+//! and the Hertzian part is added: [`lines`](gearbench_models::gear::elastic::lines). For elements that do not form
+//! such a lattice the patch is cut out of the body: `body`.
 
 mod body;
 

@@ -1,9 +1,9 @@
 //! Which reduction a gear of a scene needs: its mesh and its mount.
 
-use super::{Mounting, Request, Wanted};
+use super::{ModeSelection, Mounting, Request};
 use crate::mesh::GearMesh;
 use crate::mesh_source::{MeshParameters, Reader, Source};
-use crate::recognise::Found;
+use crate::recognise::RecognisedBody;
 use gearbench_models::Vec3;
 use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::table::GearContext;
@@ -12,7 +12,7 @@ use gearbench_models::stiffness::Material;
 
 /// The mesh of a gear, how its hub is mounted.
 #[derive(Clone, Debug)]
-pub struct OfGear {
+pub struct GearReductionInput {
     /// Mesh of the gear.
     pub mesh: GearMesh,
     /// True if the mesh is one sector of a gear with equal teeth.
@@ -22,14 +22,14 @@ pub struct OfGear {
     /// Friction loads its flanks.
     pub slides: bool,
     /// Result of the recognition of a mesh from a file.
-    pub found: Option<Found>,
+    pub found: Option<RecognisedBody>,
     /// How the mesh was read, a line each.
     pub notes: Vec<String>,
 }
 
-impl OfGear {
+impl GearReductionInput {
     /// Returns the request from which the basis is computed.
-    pub fn request(&self, material: Material, wanted: Wanted) -> Request<'_> {
+    pub fn request(&self, material: Material, wanted: ModeSelection) -> Request<'_> {
         Request {
             mesh: &self.mesh,
             sector: self.sector,
@@ -46,7 +46,7 @@ pub fn of_gear(
     model: &'static str,
     context: &GearContext<'_>,
     mesh: &MeshParameters,
-) -> Result<OfGear, BuildError> {
+) -> Result<GearReductionInput, BuildError> {
     let reader = Reader { model, context };
     let source = Source::read(&reader, mesh)?;
     let (found, notes) = match &source {
@@ -57,7 +57,7 @@ pub fn of_gear(
         Some(sector) => (sector, true),
         None => (source.whole(&reader)?, false),
     };
-    Ok(OfGear {
+    Ok(GearReductionInput {
         mesh,
         sector,
         mounting: mounting_of(context)?,

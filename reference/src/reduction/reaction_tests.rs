@@ -2,13 +2,13 @@
 
 use super::choose::{self, ModalDamping};
 use super::surface::Surface;
-use super::{Mounting, Wanted, basis};
+use super::{ModeSelection, Mounting, basis};
 use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Tie};
 use crate::mesh::{self, GearMesh};
 use crate::modes::{self, Options};
 use crate::test_support::{coarse, hub, noise, rack, stub};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::{FlankDisplacement, GearModel};
@@ -44,7 +44,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
         let all = tie.coordinates();
         let found = modes::lowest(&r, all, &Options::default()).unwrap();
         let rigid = usize::from(free);
-        let wanted = Wanted::Count(all - rigid);
+        let wanted = ModeSelection::Count(all - rigid);
         let basis = basis::of_mesh(&mesh, &Material::STEEL, &mounting, wanted, false).unwrap();
         let kept: Vec<usize> = (0..all - rigid).collect();
         let data = choose::reduced(&basis, &kept, &ModalDamping::default(), false).unwrap();
@@ -63,7 +63,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
             q[0] = 0.4;
         }
         let v = vec![0.0; n];
-        let at = At {
+        let at = StateView {
             t: 0.0,
             q: &q,
             v: &v,

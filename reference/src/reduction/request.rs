@@ -1,7 +1,7 @@
 //! All that a basis depends on.
 
 use super::store::SCHEMA;
-use super::{Basis, Mounting, ReductionError, Wanted, basis};
+use super::{Basis, ModeSelection, Mounting, ReductionError, basis};
 use crate::assembly::tie::HubMotion;
 use crate::hash::Hash;
 use crate::mesh::GearMesh;
@@ -23,7 +23,7 @@ pub struct Request<'a> {
     /// How the hub is mounted.
     pub mounting: Mounting,
     /// Selection of the modes to compute.
-    pub wanted: Wanted,
+    pub wanted: ModeSelection,
     /// Flank nodes also move along the profile, where friction loads them.
     pub along_profile: bool,
 }
@@ -74,11 +74,11 @@ impl Request<'_> {
         h.count(SCHEMA as usize);
         h.hash(self.body_hash());
         match self.wanted {
-            Wanted::Count(n) => {
+            ModeSelection::Count(n) => {
                 h.text("count");
                 h.count(n);
             }
-            Wanted::UpTo(f) => {
+            ModeSelection::UpTo(f) => {
                 h.text("up to");
                 h.number(f);
             }

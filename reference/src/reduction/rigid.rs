@@ -24,11 +24,11 @@ use crate::vector::dot;
 use faer::prelude::Solve;
 use faer::{Mat, c64};
 use gearbench_models::Vec3;
-use gearbench_models::gear::elastic::reduced::LateralShapes;
+use gearbench_models::gear::elastic::reduced::OutOfPlaneShapes;
 
 /// Motion of the hub and momentum of the whole gear in a mode, in the six directions; zero where the hub is not free.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Moved {
+pub(super) struct ModeMotion {
     /// Displacement of the hub.
     pub hub: [f64; 6],
     /// Momentum of the whole gear.
@@ -43,7 +43,7 @@ pub(super) struct RigidMass {
 
 impl RigidMass {
     /// Of the free directions of a gear.
-    pub fn of(body: &LateralShapes, mounting: &Mounting) -> Self {
+    pub fn of(body: &OutOfPlaneShapes, mounting: &Mounting) -> Self {
         let directions: Vec<usize> = mounting.directions().collect();
         let all = rigid_mass(body);
         let n = directions.len();
@@ -67,7 +67,7 @@ impl RigidMass {
 }
 
 /// The mass matrix of a rigid body in the six directions, about the origin.
-pub(super) fn rigid_mass(body: &LateralShapes) -> [[f64; 6]; 6] {
+pub(super) fn rigid_mass(body: &OutOfPlaneShapes) -> [[f64; 6]; 6] {
     let (m, c) = (body.mass, Vec3::from(body.centre));
     let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
     let mut out = [[0.0; 6]; 6];
@@ -85,7 +85,7 @@ pub(super) fn rigid_mass(body: &LateralShapes) -> [[f64; 6]; 6] {
 
 /// Returns the rigid body of a gear with the inertia added at its hub, without modes; the moments are those of the
 /// whole mesh.
-pub(super) fn body(moments: &Moments, mounting: &Mounting) -> LateralShapes {
+pub(super) fn body(moments: &Moments, mounting: &Mounting) -> OutOfPlaneShapes {
     let mesh = moments.integrals();
     let added = mounting.added();
     let mass = mesh.mass + mounting.added_mass;
@@ -99,7 +99,7 @@ pub(super) fn body(moments: &Moments, mounting: &Mounting) -> LateralShapes {
         };
         mesh.tensor[k] + own + mass * c[i] * c[j]
     });
-    LateralShapes {
+    OutOfPlaneShapes {
         free: mounting.lateral,
         hub: Vec::new(),
         mass,
@@ -110,10 +110,10 @@ pub(super) fn body(moments: &Moments, mounting: &Mounting) -> LateralShapes {
 
 /// A body made of equal sectors without the rounding of its sums: its centre of mass lies on the axis, and all lines across
 /// that are alike.
-pub(super) fn round(body: LateralShapes) -> LateralShapes {
+pub(super) fn round(body: OutOfPlaneShapes) -> OutOfPlaneShapes {
     let i = &body.inertia;
     let across = 0.5 * (i[0] + i[4]);
-    LateralShapes {
+    OutOfPlaneShapes {
         centre: [0.0, 0.0, body.centre[2]],
         inertia: [across, 0.0, 0.0, 0.0, across, 0.0, 0.0, 0.0, i[8]],
         ..body
@@ -121,7 +121,7 @@ pub(super) fn round(body: LateralShapes) -> LateralShapes {
 }
 
 /// Rigid motions of a whole mesh in the free directions.
-pub(super) struct OfMesh {
+pub(super) struct MeshRigidMotions {
     directions: Vec<usize>,
     added: Vec<f64>,
     fields: Vec<Vec<f64>>,
@@ -129,7 +129,7 @@ pub(super) struct OfMesh {
     inverse: Mat<f64>,
 }
 
-impl OfMesh {
+impl MeshRigidMotions {
     pub fn new(mounting: &Mounting, nodes: &[Vec3], mass: &ScalarMatrix) -> Self {
         let directions: Vec<usize> = mounting.directions().collect();
         let added = mounting.added_in_motions();
@@ -145,7 +145,7 @@ impl OfMesh {
         let rigid = Mat::from_fn(n, n, |i, j| {
             dot(&fields[i], &images[j]) + if i == j { added[i] } else { 0.0 }
         });
-        OfMesh {
+        MeshRigidMotions {
             inverse: rigid.partial_piv_lu().solve(Mat::<f64>::identity(n, n)),
             directions,
             added,
@@ -162,8 +162,8 @@ impl OfMesh {
     }
 
     /// Returns the motion of hub and gear in a shape.
-    pub fn moved(&self, full: &[f64], hub: &[f64]) -> Moved {
-        let mut moved = Moved::default();
+    pub fn moved(&self, full: &[f64], hub: &[f64]) -> ModeMotion {
+        let mut moved = ModeMotion::default();
         let momenta = self.momenta(full, hub);
         for ((d, h), p) in self.directions.iter().zip(hub).zip(momenta) {
             (moved.hub[*d], moved.momentum[*d]) = (*h, p);
@@ -250,7 +250,7 @@ pub(super) fn hermitian<'a>(
 }
 
 /// Rigid motions of a gear made of copies of a sector, in the free directions.
-pub(super) struct OfSector {
+pub(super) struct SectorRigidMotions {
     teeth: u32,
     /// Motions of harmonic 0, then those of harmonic 1.
     of_harmonic: [Vec<CyclicMotion>; 2],
@@ -259,7 +259,7 @@ pub(super) struct OfSector {
     bore: Vec<usize>,
 }
 
-impl OfSector {
+impl SectorRigidMotions {
     pub fn new(
         mounting: &Mounting,
         nodes: &[Vec3],
@@ -270,7 +270,7 @@ impl OfSector {
         let all = cyclic_motions(mounting, mounting.directions(), nodes, teeth);
         let (along, across): (Vec<_>, Vec<_>) = all.into_iter().partition(|m| m.harmonic == 0);
         let of_harmonic = [along, across];
-        OfSector {
+        SectorRigidMotions {
             teeth,
             images: of_harmonic.each_ref().map(|motions| {
                 let images = motions.iter().map(|m| image(mass, &m.field));
@@ -330,8 +330,8 @@ impl OfSector {
     }
 
     /// Returns the motion of hub and gear in a mode.
-    pub fn moved(&self, found: &CyclicModes, mode: usize) -> Moved {
-        let mut moved = Moved::default();
+    pub fn moved(&self, found: &CyclicModes, mode: usize) -> ModeMotion {
+        let mut moved = ModeMotion::default();
         let m = &found.modes[mode];
         let harmonic = m.harmonic as usize;
         let Some(motions) = self.of_harmonic.get(harmonic).filter(|m| !m.is_empty()) else {

@@ -1,10 +1,10 @@
 //! A turning gear stretches as a rotating ring on a rigid hub does.
 
 use super::choose::{self, ModalDamping};
-use super::{Mounting, Wanted, basis};
+use super::{ModeSelection, Mounting, basis};
 use crate::mesh::sector;
 use crate::test_support::{counted, gear, hub};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use gearbench_models::gear::elastic::{Elastic, SpinTerms};
 use gearbench_models::gear::{FlankDisplacement, GearModel};
 use gearbench_models::kinematics::Placement;
@@ -39,7 +39,8 @@ fn off_the_ring(teeth: u32) -> f64 {
     });
     let mesh = sector(&g, &counted(3, 24, 1)).unwrap();
     let mounting = Mounting::gear(false, 0.0);
-    let basis = basis::of_sector(&mesh, &steel, &mounting, Wanted::Count(1500), false).unwrap();
+    let basis =
+        basis::of_sector(&mesh, &steel, &mounting, ModeSelection::Count(1500), false).unwrap();
     let all: Vec<usize> = (0..basis.omega.len()).collect();
     let data = choose::reduced(&basis, &all, &ModalDamping::default(), false).unwrap();
     let speed = 1e3;
@@ -53,7 +54,7 @@ fn off_the_ring(teeth: u32) -> f64 {
     let (mut q, v) = (vec![0.0; n], vec![0.0; n]);
     for _ in 0..4 {
         let mut f = vec![0.0; n];
-        let at = At {
+        let at = StateView {
             t: 0.0,
             q: &q,
             v: &v,

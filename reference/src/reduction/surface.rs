@@ -26,7 +26,7 @@ pub struct Surface {
     /// of the mesh on are tied points.
     pub mesh_nodes: Vec<u32>,
     /// Nodes to which tied points are tied.
-    tied: Tied,
+    tied: TiedPoints,
     /// Directions in which nodes move, own frame: the outward unit normals of the smooth undeformed flanks.
     pub directions: Vec<Vec3>,
     /// Each normal is followed by the direction along the profile; `mesh_nodes` come twice then.
@@ -37,14 +37,14 @@ pub struct Surface {
 
 /// Points of flanks that follow several nodes: their numbers go on after those of the nodes.
 #[derive(Clone, Debug, PartialEq)]
-struct Tied {
+struct TiedPoints {
     nodes: usize,
     points: Vec<TiedPoint>,
 }
 
-impl Tied {
+impl TiedPoints {
     fn of(gear: &GearMesh) -> Self {
-        Tied {
+        TiedPoints {
             nodes: gear.mesh.nodes.len(),
             points: gear.tied.clone(),
         }
@@ -79,7 +79,7 @@ impl Surface {
         for &node in &gear.bore {
             held[node as usize] = true;
         }
-        let tied = Tied::of(gear);
+        let tied = TiedPoints::of(gear);
         let holds = |node: u32| match tied.get(node) {
             Some(point) => {
                 let nodes = point.0.iter().filter(|(_, w)| w.abs() > TOUCHES);

@@ -11,7 +11,7 @@ use super::error::ReductionError;
 use crate::vector::dot;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
-use gearbench_models::gear::elastic::lessened::Lessened;
+use gearbench_models::gear::elastic::deflated::Deflated;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 
 /// Teeth may differ by this fraction of the largest compliance of a node and still count as alike.
@@ -19,7 +19,7 @@ const ALIKE: f64 = 1e-6;
 
 /// Kept modes at the flank nodes and the hub.
 #[derive(Clone, Copy, Debug)]
-pub struct Kept<'a> {
+pub struct KeptModes<'a> {
     /// Angular frequencies [rad/s].
     pub omega: &'a [f64],
     /// Outward shapes at the flank nodes, `node * modes + mode` [1/sqrt(kg)].
@@ -31,7 +31,7 @@ pub struct Kept<'a> {
 }
 
 /// Subtracts the part that the kept modes carry from the static compliance.
-pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, ReductionError> {
+pub fn without_modes(total: &Residual, kept: KeptModes<'_>) -> Result<Residual, ReductionError> {
     let (nodes, modes) = (total.hub.len(), kept.omega.len());
     if kept.shapes.len() != nodes * modes || kept.hub.len() != modes {
         return Err(ReductionError::Mismatch(format!(
@@ -68,8 +68,8 @@ pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, Reduc
         && !kept.made_for.is_empty()
         && modes > 0
     {
-        let less = Lessened::new(rest.flanks, modes, s, kept.made_for);
-        rest.flanks = FlankCompliance::Lessened(Box::new(less));
+        let less = Deflated::new(rest.flanks, modes, s, kept.made_for);
+        rest.flanks = FlankCompliance::Deflated(Box::new(less));
         return Ok(rest);
     }
     match &mut rest.flanks {
@@ -90,7 +90,7 @@ pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, Reduc
             }
             symmetrise_blocks(blocks, z, m);
         }
-        FlankCompliance::Lessened(_) => {
+        FlankCompliance::Deflated(_) => {
             return Err(ReductionError::Mismatch(
                 "modes are taken from the compliance of a whole mesh, but some were taken before"
                     .into(),

@@ -3,7 +3,7 @@
 use gearbench_models::geometry::{Gear, Side};
 use gearbench_models::stiffness::Material;
 use gearbench_reference::mesh::{self, GearMeshParams, Tooth};
-use gearbench_reference::reduction::{Basis, Mounting, Request, Wanted};
+use gearbench_reference::reduction::{Basis, ModeSelection, Mounting, Request};
 use std::f64::consts::PI;
 
 /// Elements along the flank; all other counts follow.
@@ -43,7 +43,7 @@ impl Elements<'_> {
             sector: true,
             material,
             mounting: Mounting::gear(false, 0.0),
-            wanted: Wanted::Count(0),
+            wanted: ModeSelection::Count(0),
         }
         .compute()
         .unwrap();

@@ -6,7 +6,7 @@ use gearbench_integrators::{Coeffs, Events, Resolution, SecondOrderSystem, State
 use gearbench_models::law::{DryFriction, FrictionForm};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    BodySpec, Carried, Guide, Load, Mount, Profile, SceneSpec, ShaftSpec, Station,
+    BodySpec, Guide, Load, Mount, Profile, SceneSpec, ShaftSpec, Station, StationMember,
 };
 use gearbench_tests::*;
 
@@ -207,11 +207,11 @@ fn tangents_and_corrections_know_guides() {
         stations: vec![
             Station {
                 place: 0.0,
-                carries: Carried::Body(Box::new(body)),
+                carries: StationMember::Body(Box::new(body)),
             },
             Station {
                 place: 0.1,
-                carries: Carried::Gear(0),
+                carries: StationMember::Gear(0),
             },
         ],
         sections: vec![gearbench_models::spec::Section {

@@ -53,9 +53,9 @@ fn damped(per_width: f64, damping: Damping) -> ContactSpec {
 
 /// Sink that records the ends of steps.
 #[derive(Default)]
-struct Kept(Vec<State>);
+struct StateSink(Vec<State>);
 
-impl Sink for Kept {
+impl Sink for StateSink {
     fn accepted(&mut self, _sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         self.0.push(step.to.clone());
         Control::Continue
@@ -118,7 +118,7 @@ fn forces_without_candidates_are_those_of_the_candidates() {
     ];
     for (name, spec, models, contact) in cases {
         let mut scene = build(&spec, &models, &contact);
-        let mut kept = Kept::default();
+        let mut kept = StateSink::default();
         let plan = TimePlan::new(2e-3, Resolution::Tolerance(1e-5));
         let begin = scene.initial();
         watched(&mut scene, begin, "dopri5", &plan, &mut kept);

@@ -15,14 +15,14 @@ use gearbench_tests::*;
 use std::f64::consts::TAU;
 
 /// Sink that detects a loss of contact after a given time.
-struct Parted {
+struct SeparationSink {
     from: f64,
     force: usize,
     parted: bool,
     out: Outputs,
 }
 
-impl Sink for Parted {
+impl Sink for SeparationSink {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         if step.to.t < self.from {
             return Control::Continue;
@@ -104,7 +104,7 @@ fn onset(
                 *v = speed;
             }
         });
-        let mut sink = Parted {
+        let mut sink = SeparationSink {
             from: settle / frequency,
             force: named(scene, "force:0"),
             parted: false,

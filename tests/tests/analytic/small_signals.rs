@@ -6,8 +6,8 @@ use gearbench::studies::modes::{Wanted, vibrations};
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    Bearing, Carried, ContactSpec, Freedom, LateralSpec, Load, ModelSpec, Modelling, Mount,
-    Profile, SceneSpec, effective_radius,
+    Bearing, ContactSpec, Freedom, Load, ModelSpec, Modelling, Mount, OutOfPlaneSpec, Profile,
+    SceneSpec, StationMember, effective_radius,
 };
 use gearbench_models::stiffness::Material;
 use gearbench_reports::modes::{About, ModelModes};
@@ -161,11 +161,11 @@ fn bearings_carry_what_meshes_press() {
     (bearing.stiffness[0][0], bearing.stiffness[1][1]) = (k, k);
     let mut directions: [Freedom; 6] = Default::default();
     (directions[0], directions[1]) = (Freedom::Free, Freedom::Free);
-    spec.gears[1].lateral = Some(Box::new(LateralSpec {
+    spec.gears[1].lateral = Some(Box::new(OutOfPlaneSpec {
         directions,
         bearing,
         mass: Some(2.0),
-        ..LateralSpec::default()
+        ..OutOfPlaneSpec::default()
     }));
     let tight = vibrations_of(&spec, &rigid(), &contact(2e10));
     let lowest = swinging(&tight);
@@ -293,7 +293,7 @@ fn planets_swing_in_pairs() {
             g.inertia = Some(if g.name == "sun" { 4e-4 } else { 2.5e-4 });
         }
         spec.gears[0].loads = torque(50.0);
-        if let Carried::Body(carrier) = &mut spec.shafts[0].stations[0].carries {
+        if let StationMember::Body(carrier) = &mut spec.shafts[0].stations[0].carries {
             carrier.speed = 0.0;
             if held {
                 carrier.mount = Mount::Fixed;

@@ -207,7 +207,7 @@ fn engaged_teeth(scene: &Scene, s: &State) -> usize {
         if let Some(i) = i {
             q[i] = own.q[i] + 1e-4;
         }
-        let at = gearbench_integrators::At { q: &q, ..own };
+        let at = gearbench_integrators::StateView { q: &q, ..own };
         gear.model.energy(at).strain
     };
     let rest = strain(None);

@@ -242,7 +242,7 @@ fn forces_of_finite_elements_are_the_gradient_of_their_energy() {
             let mut scene =
                 Scene::build(&spec, &modelling, MODELS).unwrap_or_else(|e| panic!("{e}"));
             let s = scene.initial();
-            let fades = |c: &gearbench_models::contact::Candidate| c.fade < 1.0 && c.gap < 0.0;
+            let fades = |c: &gearbench_models::contact::Candidate| c.taper < 1.0 && c.gap < 0.0;
             leaving += candidates(&scene, &s)
                 .iter()
                 .filter(|(_, c)| fades(c))

@@ -2,7 +2,7 @@
 //! H_v of H. Ohlendorf (Dissertation, TU Munich 1958; ISO/TR 14179-2); friction does not chatter.
 
 use gearbench_integrators::observers::ledger::Ledger;
-use gearbench_integrators::system::{At, Coeffs};
+use gearbench_integrators::system::{Coeffs, StateView};
 use gearbench_integrators::{
     AcceptedStep, Control, Events, Outputs, Report, Resolution, SecondOrderSystem, Sink, TimePlan,
 };
@@ -86,7 +86,7 @@ fn quasi_static(spec: &SceneSpec, model: &ModelSpec, friction: Friction) -> f64 
         for _ in 0..60 {
             let q = [0.5 * (open + pressed)];
             let mut f = [0.0];
-            let at = At { q: &q, ..s.at() };
+            let at = StateView { q: &q, ..s.at() };
             scene.force(at, &mut f);
             if f[0] > 0.0 {
                 open = q[0]
@@ -109,7 +109,7 @@ struct Losses {
     /// Number of sign changes of the friction of a pair of teeth.
     flips: u32,
     /// Friction force by the teeth of a pair.
-    rub: HashMap<[i64; 2], f64>,
+    friction_force: HashMap<[i64; 2], f64>,
     /// A second copy of the scene for evaluations.
     probe: Scene,
 }
@@ -130,13 +130,16 @@ impl Sink for Watch {
             l.ended = now;
         }
         let forces = l.probe.contact_forces(step.to.at());
-        let mut rub = HashMap::<_, f64>::new();
+        let mut friction_force = HashMap::<_, f64>::new();
         for c in &forces {
-            *rub.entry(c.teeth.map(|t| t.index)).or_default() += c.friction;
+            *friction_force.entry(c.teeth.map(|t| t.index)).or_default() += c.friction;
         }
-        for (teeth, rub) in rub {
-            let before = l.rub.insert(teeth, rub).unwrap_or(0.0);
-            l.flips += u32::from(rub * before < 0.0 && step.to.t >= l.after);
+        for (teeth, friction_force) in friction_force {
+            let before = l
+                .friction_force
+                .insert(teeth, friction_force)
+                .unwrap_or(0.0);
+            l.flips += u32::from(friction_force * before < 0.0 && step.to.t >= l.after);
         }
         control
     }
@@ -152,7 +155,7 @@ fn watch([mut scene, probe]: [Scene; 2], step: f64, cycles: [f64; 2]) -> Watch {
             begun: None,
             ended: (0.0, 0.0),
             flips: 0,
-            rub: HashMap::new(),
+            friction_force: HashMap::new(),
             probe,
         },
     };

@@ -24,9 +24,9 @@ use gearbench_tests::{Impulse, slope, watched};
 type Case = (SceneFile, ExternalReference);
 
 /// Parameters of the elastic model that replace those of the scene.
-type Other<'a> = &'a [(&'a str, Value)];
+type ParameterOverrides<'a> = &'a [(&'a str, Value)];
 
-fn change(modelling: &mut Modelling, other: Other<'_>) {
+fn change(modelling: &mut Modelling, other: ParameterOverrides<'_>) {
     for gear in &mut modelling.gears {
         for (key, value) in other {
             gear.parameters.insert((*key).into(), value.clone());
@@ -37,7 +37,7 @@ fn change(modelling: &mut Modelling, other: Other<'_>) {
 fn run(
     (scene, external): &Case,
     label: &str,
-    other: Other<'_>,
+    other: ParameterOverrides<'_>,
     method: Option<(&str, f64)>,
 ) -> Run {
     let mut plan = Plan {

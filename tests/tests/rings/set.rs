@@ -46,13 +46,13 @@ fn on_fixed_axes(part: f64) -> SceneSpec {
 }
 
 /// A set in equilibrium.
-struct Balanced {
+struct SetEquilibrium {
     /// Force of each tooth pair [N], by mesh and tooth of its first gear.
     pairs: BTreeMap<(usize, i64), f64>,
     unknowns: usize,
 }
 
-impl Balanced {
+impl SetEquilibrium {
     fn of(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec) -> Self {
         let mut scene = built(spec, model, contact);
         let mut s = scene.initial();
@@ -62,7 +62,7 @@ impl Balanced {
             let sum = sums.entry((c.mesh, c.teeth[0].index));
             *sum.or_insert(Vec3::zeros()) += c.force;
         }
-        Balanced {
+        SetEquilibrium {
             pairs: sums.into_iter().map(|(pair, f)| (pair, f.norm())).collect(),
             unknowns: s.q.len(),
         }
@@ -85,8 +85,8 @@ fn through_a_cycle(name: &str, contact: &ContactSpec, positions: u32) {
     for i in 0..positions {
         let part = (f64::from(i) + 0.5) / f64::from(positions) - 0.5;
         let spec = on_fixed_axes(part);
-        let found = Balanced::of(&spec, &elastic(elements, 40.0), contact);
-        let fe = Balanced::of(&spec, &meshed("fe", elements, &[]), contact);
+        let found = SetEquilibrium::of(&spec, &elastic(elements, 40.0), contact);
+        let fe = SetEquilibrium::of(&spec, &meshed("fe", elements, &[]), contact);
         let (meshes, of_fe) = (found.of_meshes(), fe.of_meshes());
         let most = of_fe.iter().fold(0.0_f64, |m, f| m.max(*f));
         for (a, b) in meshes.iter().zip(&of_fe) {

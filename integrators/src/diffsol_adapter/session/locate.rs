@@ -1,6 +1,6 @@
 //! Location of events in the last step of a solver, on its interpolant.
 
-use super::{Failed, Session};
+use super::{Session, SessionError};
 use crate::diffsol_adapter::kernel::{Kernel, copy, read};
 use crate::events::dips::SHORT;
 use crate::events::{Root, Watch};
@@ -12,7 +12,7 @@ impl Session<'_, '_> {
         &mut self,
         kernel: &dyn Kernel,
         find: impl FnOnce(&mut Watch, [f64; 2], &mut dyn FnMut(f64, &mut [f64])) -> T,
-    ) -> Result<T, Failed> {
+    ) -> Result<T, SessionError> {
         let (s, to, y, watch) = (&*self.s, &mut self.to, self.y.get_mut(), &mut self.watch);
         let shared = self.shared;
         let h = to.t - s.t;
@@ -32,7 +32,7 @@ impl Session<'_, '_> {
     }
 
     /// Returns true if event functions fell and rose again in the last step.
-    pub(super) fn dipped(&mut self, kernel: &dyn Kernel) -> Result<bool, Failed> {
+    pub(super) fn dipped(&mut self, kernel: &dyn Kernel) -> Result<bool, SessionError> {
         let end = self.to.t;
         let dipped = self.on_step(kernel, |watch, [h, time], look| {
             h > SHORT * time && watch.any_dipped(look)
@@ -44,7 +44,7 @@ impl Session<'_, '_> {
 
     /// Finds the first event in the last step and stores its state in `to`. Returns false when it lies at the start of
     /// the step.
-    pub(super) fn locate(&mut self, kernel: &dyn Kernel) -> Result<bool, Failed> {
+    pub(super) fn locate(&mut self, kernel: &dyn Kernel) -> Result<bool, SessionError> {
         self.on_step(kernel, |watch, [h, time], look| {
             loop {
                 let Root::Inside(theta) = watch.first_root(1e-15, &mut *look) else {

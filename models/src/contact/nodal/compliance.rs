@@ -38,13 +38,13 @@ pub(super) struct Compliance {
     factor: Vec<f64>,
     line: Vec<f64>,
     /// The previous nodes, and the position of the inverse of each unchanged block among them.
-    before: Before,
+    before: PreviousNodes,
     kept: Vec<Option<usize>>,
 }
 
 /// Compliance and inverse of the previous nodes.
 #[derive(Clone, Debug, Default)]
-struct Before {
+struct PreviousNodes {
     blocks: Vec<Block>,
     numbers: Vec<u32>,
     matrix: Vec<f64>,
@@ -52,7 +52,7 @@ struct Before {
     regular: bool,
 }
 
-impl Before {
+impl PreviousNodes {
     /// Moves the content of a compliance here and leaves it empty.
     fn take_from(&mut self, c: &mut Compliance) {
         std::mem::swap(&mut self.blocks, &mut c.blocks);

@@ -50,7 +50,7 @@ const MOST_ITERATIONS: usize = 100;
 
 /// Direction of a point over the ports of both gears: four nodes and one hub each.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct OverPorts {
+pub struct PortDirection {
     /// Indices of the ports; entries without weight are arbitrary.
     pub ports: [u32; 10],
     /// Weights of the ports: those of nodes as in the gap, those of hubs the negative effective radius.
@@ -59,11 +59,11 @@ pub struct OverPorts {
 
 /// A point with its directions over the ports.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Ported {
+pub struct PortPoint {
     /// Direction along the normal.
-    pub normal: OverPorts,
+    pub normal: PortDirection,
     /// Direction along the profile, without weights if there is no friction.
-    pub sliding: OverPorts,
+    pub sliding: PortDirection,
 }
 
 /// Compliance and mobility of the ports under forces on them.
@@ -127,7 +127,7 @@ pub struct DissipativeSolve {
     /// Ports, to be set before a solve.
     pub ports: Ports,
     /// Directions of the points over the ports, in the order of the springs.
-    pub points: Vec<Ported>,
+    pub points: Vec<PortPoint>,
     force: Vec<f64>,
     gaps: Vec<f64>,
     rates: Vec<f64>,
@@ -158,7 +158,7 @@ fn apply(blocks: &[Block], matrix: &[f64], x: &[f64], y: &mut Vec<f64>) {
     }
 }
 
-impl OverPorts {
+impl PortDirection {
     fn along(&self, y: &[f64]) -> f64 {
         let ports = self.ports.iter().zip(&self.weights);
         ports.map(|(&i, w)| w * y[i as usize]).sum()
@@ -248,8 +248,8 @@ impl DissipativeSolve {
             p.normal.add(s.force.n, &mut self.line);
             if let Some(friction) = &s.friction {
                 let slip = s.slip + p.sliding.along(&self.slips);
-                s.rub = friction.force(s.force.n, slip);
-                p.sliding.add(s.rub.f, &mut self.line);
+                s.friction_force = friction.force(s.force.n, slip);
+                p.sliding.add(s.friction_force.f, &mut self.line);
             }
         }
         norm_of(&self.line)
@@ -264,7 +264,7 @@ impl DissipativeSolve {
             self.matrix[i * n + i] = 1.0;
         }
         for (i, s) in springs.iter().enumerate() {
-            let Ported { normal, sliding } = self.points[i];
+            let PortPoint { normal, sliding } = self.points[i];
             let slopes = [-s.force.dn_dg, -s.force.dn_dgdot];
             if slopes != [0.0; 2] {
                 if slopes[1] == 0.0 || self.ports.answer.is_empty() {
@@ -274,19 +274,19 @@ impl DissipativeSolve {
                     self.follow(&normal, slopes[1]);
                 }
                 self.add_outer(&normal, 1.0);
-                if s.rub.df_dn != 0.0 {
-                    self.add_outer(&sliding, s.rub.df_dn);
+                if s.friction_force.df_dn != 0.0 {
+                    self.add_outer(&sliding, s.friction_force.df_dn);
                 }
             }
-            if s.rub.df_dv != 0.0 && !self.ports.mobility.is_empty() {
-                self.respond(&sliding, [0.0, -s.rub.df_dv]);
+            if s.friction_force.df_dv != 0.0 && !self.ports.mobility.is_empty() {
+                self.respond(&sliding, [0.0, -s.friction_force.df_dv]);
                 self.add_outer(&sliding, 1.0);
             }
         }
     }
 
     /// Computes `line = k R w + c tau Y w` in the blocks that `touched` lists; both matrices are symmetric.
-    fn respond(&mut self, of: &OverPorts, [k, c]: [f64; 2]) {
+    fn respond(&mut self, of: &PortDirection, [k, c]: [f64; 2]) {
         let p = &self.ports;
         self.line.clear();
         self.line.resize(p.n, 0.0);
@@ -322,7 +322,7 @@ impl DissipativeSolve {
     }
 
     /// Adds `c (w . (I - T) tau Y)` over all ports to `line`.
-    fn follow(&mut self, of: &OverPorts, c: f64) {
+    fn follow(&mut self, of: &PortDirection, c: f64) {
         let p = &self.ports;
         for (&i, &w) in of.ports.iter().zip(&of.weights) {
             if w != 0.0 {
@@ -337,7 +337,7 @@ impl DissipativeSolve {
     }
 
     /// Adds the outer product `factor w line^T` to the matrix.
-    fn add_outer(&mut self, of: &OverPorts, factor: f64) {
+    fn add_outer(&mut self, of: &PortDirection, factor: f64) {
         for (&i, &w) in of.ports.iter().zip(&of.weights) {
             if w == 0.0 {
                 continue;
@@ -371,7 +371,8 @@ impl DissipativeSolve {
         self.step.resize(self.ports.n, 0.0);
         for ((s, p), [n, t]) in springs.iter().zip(&self.points).zip(&*changes) {
             p.normal.add(*n, &mut self.step);
-            p.sliding.add(*t + s.rub.df_dn * n, &mut self.step);
+            p.sliding
+                .add(*t + s.friction_force.df_dn * n, &mut self.step);
         }
         self.factor.solve(&mut self.step);
         let Ports {
@@ -380,7 +381,7 @@ impl DissipativeSolve {
         apply(blocks, compliance, &self.step, &mut self.gaps);
         for ((s, p), [n, t]) in springs.iter().zip(&self.points).zip(changes) {
             *n += s.force.dn_dg * p.normal.along(&self.gaps);
-            *t += s.rub.df_dn * *n;
+            *t += s.friction_force.df_dn * *n;
         }
     }
 }

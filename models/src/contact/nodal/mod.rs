@@ -36,18 +36,18 @@
 mod compliance;
 mod descent;
 mod dissipative;
-mod few;
 mod hard;
 mod nodes;
+mod point_based;
 mod points;
 mod solve;
 mod spring;
 
 pub use compliance::Block;
-pub use dissipative::{DissipativeSolve, OverPorts, Ported, Ports};
-pub use few::FewPoints;
+pub use dissipative::{DissipativeSolve, PortDirection, PortPoint, Ports};
 pub use hard::{HardSolve, Share};
 pub use nodes::{GearNodes, weighted};
-pub use points::{GapBound, LineTerms, NodalParty, NodalPoint, NodalPoints};
+pub use point_based::PointBasedSolve;
+pub use points::{GapBound, LineTerms, NodalGearState, NodalPoint, NodalPoints};
 pub use solve::NodalSolve;
 pub use spring::{Spring, UNUSED, deepest};

@@ -2,7 +2,7 @@
 
 use super::spring::UNUSED;
 use crate::gear::FlankDisplacement;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 /// Flank nodes of a gear near contact, with their displacements and forces. Buffers are reused.
 #[derive(Clone, Debug, Default)]
@@ -18,7 +18,7 @@ pub struct GearNodes {
     /// Force into the tooth [N].
     pub force: Vec<f64>,
     /// Friction force against the direction along the profile [N].
-    pub rub: Vec<f64>,
+    pub friction_force: Vec<f64>,
     /// Index of the node in the solve; [`UNUSED`] for nodes without solved points.
     pub index: Vec<u32>,
     /// Load `T` on the hub [N m or N].
@@ -52,7 +52,7 @@ impl GearNodes {
         self.displacement.clear();
         self.residual.clear();
         self.force.clear();
-        self.rub.clear();
+        self.friction_force.clear();
         self.index.clear();
         self.load = load;
         self.bound = None;
@@ -65,14 +65,19 @@ impl GearNodes {
 
     /// Returns a bound of the displacements of flank nodes before residual compliance [m].
     #[inline]
-    pub fn bound(&mut self, field: &dyn FlankDisplacement, at: At<'_>) -> f64 {
+    pub fn bound(&mut self, field: &dyn FlankDisplacement, at: StateView<'_>) -> f64 {
         *self.bound.get_or_insert_with(|| {
             field.bound(at) + (field.largest_hub_compliance() * self.load).abs()
         })
     }
 
     /// Registers consecutive nodes that are not registered yet, and returns the slot of the first.
-    pub fn meet_new(&mut self, field: &dyn FlankDisplacement, at: At<'_>, nodes: &[u32]) -> u32 {
+    pub fn meet_new(
+        &mut self,
+        field: &dyn FlankDisplacement,
+        at: StateView<'_>,
+        nodes: &[u32],
+    ) -> u32 {
         let first = self.nodes.len();
         let all = first + nodes.len();
         self.nodes.extend_from_slice(nodes);
@@ -94,7 +99,7 @@ impl GearNodes {
         }
         self.residual.resize(all, 0.0);
         self.force.resize(all, 0.0);
-        self.rub.resize(all, 0.0);
+        self.friction_force.resize(all, 0.0);
         self.index.resize(all, UNUSED);
         if let Some(&most) = nodes.iter().max()
             && most as usize >= self.last.len()
@@ -110,7 +115,7 @@ impl GearNodes {
     pub fn meet<const N: usize>(
         &mut self,
         field: &dyn FlankDisplacement,
-        at: At<'_>,
+        at: StateView<'_>,
         nodes: &[u32; N],
     ) -> [u32; N] {
         // Those that are new are met together.

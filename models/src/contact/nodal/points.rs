@@ -2,27 +2,27 @@
 
 use super::nodes::{GearNodes, weighted};
 use crate::Vec3;
-use crate::contact::party::Party;
+use crate::contact::gear_state::GearState;
 use crate::gear::FlankDisplacement;
 use crate::geometry::Side;
 use crate::kinematics::{Point, Tooth};
 
 /// A gear of a mesh in the search for nodal points.
-pub struct NodalParty<'a> {
+pub struct NodalGearState<'a> {
     /// The gear and its state.
-    pub party: Party<'a>,
+    pub gear_state: GearState<'a>,
     /// Flank displacement field, for a gear that has one.
     pub field: Option<&'a dyn FlankDisplacement>,
     /// Active nodes of the gear; empty without a field.
     pub nodes: &'a mut GearNodes,
 }
 
-impl NodalParty<'_> {
+impl NodalGearState<'_> {
     /// Returns a bound of the displacements of the flank nodes before residual compliance [m].
     #[inline]
     pub fn bound(&mut self) -> f64 {
         self.field
-            .map_or(0.0, |field| self.nodes.bound(field, self.party.at))
+            .map_or(0.0, |field| self.nodes.bound(field, self.gear_state.at))
     }
 }
 
@@ -141,7 +141,7 @@ pub struct NodalPoint {
     /// Factor of the damper per area of the law [m^2].
     pub share: f64,
     /// Relative gradient `grad m / m` of the taper factor by the position of the point [1/m]; zero without taper.
-    pub fading: Vec3,
+    pub taper_gradient: Vec3,
 }
 
 impl NodalPoint {
@@ -178,12 +178,12 @@ impl NodalPoint {
     #[inline]
     pub fn direction(&self, a: [f64; 4], gap: f64) -> Vec3 {
         let [s, t] = self.slope(a);
-        self.normal - s * self.sensitivity[0] - t * self.sensitivity[1] + gap * self.fading
+        self.normal - s * self.sensitivity[0] - t * self.sensitivity[1] + gap * self.taper_gradient
     }
 
     /// Multiplies the gap and its derivatives by a taper factor `m` with the given gradient by the position: `m g`
     /// replaces `g`, and `d = m (n - w_a e_a - w_b e_b) + g grad m`.
-    pub fn fade(&mut self, factor: f64, gradient: Vec3) {
+    pub fn taper(&mut self, factor: f64, gradient: Vec3) {
         self.gap0 *= factor;
         self.normal *= factor;
         for x in self.weights.as_flattened_mut() {
@@ -192,6 +192,6 @@ impl NodalPoint {
         for e in &mut self.sensitivity {
             *e *= factor;
         }
-        self.fading = gradient / factor;
+        self.taper_gradient = gradient / factor;
     }
 }

@@ -9,7 +9,7 @@
 //!
 //! and the closed points are found by iteration: a point is closed where its gap is negative. The inverse of `R` is
 //! kept while the nodes stay the same. Points of any other law that are fewer than nodes are solved for
-//! [by their gaps](FewPoints). Where `R` is all but singular, `R = C C^T`, `u = C y` and
+//! [by their gaps](PointBasedSolve). Where `R` is all but singular, `R = C C^T`, `u = C y` and
 //! `(I + C^T S C) y = -C^T f0` take its place. Other laws take Newton's method on `y` with a line search on the norm of
 //! the gradient `y + C^T F`.
 //!
@@ -20,9 +20,9 @@
 //! decide on that set the search for it begins afresh.
 
 use super::compliance::{Block, Compliance};
-use super::few::FewPoints;
-use super::spring::{Gathered, Spring, add_points, deepest, elastic_at};
-use crate::cholesky::{Banded, backward, cholesky, dot, forward, padded};
+use super::point_based::PointBasedSolve;
+use super::spring::{CachedDisplacements, Spring, add_points, deepest, elastic_at};
+use crate::cholesky::{BandedMatrix, backward, cholesky, dot, forward, padded};
 use gearbench_integrators::system::Singular;
 
 /// Number of changes of the set of closed points after which Newton's method with a line search is used.
@@ -43,14 +43,14 @@ pub struct NodalSolve {
     /// Matrix `I + C^T S C` and its factor.
     small: Vec<f64>,
     /// Matrix `R^-1 + S` and its factor.
-    regular: Banded,
+    regular: BandedMatrix,
     closed: Vec<bool>,
     y: Vec<f64>,
     trial: Vec<f64>,
     nodal: Vec<f64>,
     /// Residual displacements [m].
     u: Vec<f64>,
-    few: FewPoints,
+    point_based: PointBasedSolve,
     /// True if the last solve was point-based.
     by_points: bool,
 }
@@ -105,14 +105,14 @@ impl NodalSolve {
     }
 
     /// Returns the point-based solve, if the last solve was one.
-    pub fn few(&mut self) -> Option<&mut FewPoints> {
-        self.by_points.then_some(&mut self.few)
+    pub fn point_based(&mut self) -> Option<&mut PointBasedSolve> {
+        self.by_points.then_some(&mut self.point_based)
     }
 
     /// Computes the residual displacements under the present forces of the points, after a [point-based](Self::point_based)
     /// solve.
     pub fn displaced(&self, springs: &[Spring], u: &mut Vec<f64>) {
-        self.few.displace(springs, self.compliance.n, u);
+        self.point_based.displace(springs, self.compliance.n, u);
     }
 
     fn find(&mut self, springs: &mut [Spring]) -> Result<(), Singular> {
@@ -120,16 +120,19 @@ impl NodalSolve {
         self.by_points = false;
         if !linear && springs.len() < self.compliance.n {
             let compliance = (&*self.compliance.blocks, &*self.compliance.matrix);
-            self.by_points = self.few.press(springs, compliance, self.compliance.n)?;
+            self.by_points = self
+                .point_based
+                .press(springs, compliance, self.compliance.n)?;
             if self.by_points {
-                self.few.displace(springs, self.compliance.n, &mut self.u);
+                self.point_based
+                    .displace(springs, self.compliance.n, &mut self.u);
                 return Ok(());
             }
         }
         if linear {
             for attempt in 0..2 {
                 self.closed.clear();
-                let mut here = Gathered::default();
+                let mut here = CachedDisplacements::default();
                 for s in springs.iter() {
                     let gap = s.gap0 - here.along(s, &self.u);
                     self.closed.push(gap < 0.0);
@@ -159,7 +162,7 @@ impl NodalSolve {
             };
             self.closed = closed;
             solved?;
-            let mut here = Gathered::default();
+            let mut here = CachedDisplacements::default();
             let mut settled = true;
             for (s, closed) in springs.iter_mut().zip(&mut self.closed) {
                 s.gap = s.gap0 - here.along(s, &self.u);

@@ -29,7 +29,7 @@ pub struct Spring {
     /// Result: normal force and derivatives; zero for an open point.
     pub force: LawForce,
     /// Result: friction on the slave, along the profile.
-    pub rub: FrictionForce,
+    pub friction_force: FrictionForce,
     /// Result: gap [m] and normal force [N] of the elastic law alone.
     pub elastic: (f64, f64),
     /// Result: stiffness of the elastic law at that gap [N/m].
@@ -55,7 +55,7 @@ impl Spring {
             law,
             gap: gap0,
             force: LawForce::default(),
-            rub: FrictionForce::default(),
+            friction_force: FrictionForce::default(),
             elastic: (gap0, 0.0),
             elastic_stiffness: 0.0,
         }
@@ -109,13 +109,13 @@ pub fn deepest(springs: &[Spring]) -> f64 {
 
 /// Displacements at the nodes of a point, cached for its neighbours on the same faces.
 #[derive(Default)]
-pub(super) struct Gathered {
+pub(super) struct CachedDisplacements {
     nodes: [u32; 8],
     u: [f64; 8],
     filled: bool,
 }
 
-impl Gathered {
+impl CachedDisplacements {
     /// Returns the weighted displacement `w . u` of a point.
     #[inline]
     pub(super) fn along(&mut self, s: &Spring, u: &[f64]) -> f64 {

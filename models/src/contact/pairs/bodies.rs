@@ -11,9 +11,9 @@
 //! same forces of the same pairs with all that pictures, tangents and friction need.
 
 use super::lines::{Line, LinesOfAction, MeshedGears, PairState, ZONE_EVENTS, all_open};
-use super::spatial::Touch;
+use super::spatial::NearestPoints;
 use crate::Vec3;
-use crate::contact::party::Party;
+use crate::contact::gear_state::GearState;
 use crate::law::{Law, OPEN, touch_speed};
 
 /// Velocity and angular velocity of gear b relative to gear a.
@@ -30,7 +30,7 @@ pub(crate) struct Twist {
 /// A mesh of rigid bodies at a state with event location.
 pub(crate) struct MeshedBodies<'a> {
     pub(crate) law: &'a Law,
-    pub(crate) gears: [Party<'a>; 2],
+    pub(crate) gears: [GearState<'a>; 2],
     pub(crate) twist: Twist,
     /// Discrete state of the search.
     pub(crate) discrete: &'a [f64],
@@ -39,8 +39,8 @@ pub(crate) struct MeshedBodies<'a> {
 }
 
 /// A tooth pair whose force is evaluated.
-struct Pressed {
-    touch: Touch,
+struct LoadedPair {
+    touch: NearestPoints,
     rate: f64,
     /// Impact speed [m/s] of the damping law.
     speed: f64,
@@ -49,7 +49,13 @@ struct Pressed {
 }
 
 impl LinesOfAction {
-    fn contact(&self, mesh: &MeshedBodies<'_>, line: &Line, slot: usize, p: &PairState) -> Pressed {
+    fn contact(
+        &self,
+        mesh: &MeshedBodies<'_>,
+        line: &Line,
+        slot: usize,
+        p: &PairState,
+    ) -> LoadedPair {
         let touch = p
             .touch
             .unwrap_or_else(|| unreachable!("flanks in space touch at a point"));
@@ -61,7 +67,7 @@ impl LinesOfAction {
         let rate = (touch.normal).dot(&(velocity + spin.cross(&(touch.x - origin))));
         let (k, k_s) = self.stiffness.eval(self.middle(p.s));
         let weight = self.slices[line.slice].weight;
-        Pressed {
+        LoadedPair {
             touch,
             rate,
             speed: touch_speed(mesh.modes[2 * slot + 1], rate),

@@ -107,7 +107,8 @@ impl LinesOfAction {
         if g.n < 2 || !self.compliances(l, g, &mut c) {
             return;
         }
-        let settled = self.elastic.exponent() == 1.0 && settle_few(g, &c) || self.iterate(g, &c);
+        let settled =
+            self.elastic.exponent() == 1.0 && settle_two_loaded(g, &c) || self.iterate(g, &c);
         if !settled {
             // A stalled solve must not pass for a force.
             g.gap = [f64::NAN; MOST];
@@ -209,7 +210,7 @@ impl Group {
 /// Solves for the gaps of pairs with a linear law of which at most two are loaded, without a matrix: `g_1 + c k_2 g_2 =
 /// g0_1`, `c k_1 g_1 + g_2 = g0_2`. It iterates until the loaded pairs are those that were assumed. Returns false,
 /// without a change, where more are loaded.
-fn settle_few(g: &mut Group, c: &[f64; MOST * MOST]) -> bool {
+fn settle_two_loaded(g: &mut Group, c: &[f64; MOST * MOST]) -> bool {
     let n = g.n;
     let gap0 = g.gap;
     let mut gap = gap0;

@@ -3,7 +3,7 @@
 //! On the line of action the effective radius arm of a flank is constant: the contact row of a pair is one number per
 //! gear, and its gap and gap rate follow from the displacements and speeds of two teeth. The pairs, and the
 //! coordinates by which their teeth move, follow from the discrete state, which changes once in a thousand steps: they
-//! are stored in a [`Roster`] until then. There is no search, and neither points nor rows are computed. Candidates
+//! are stored in a [`PairList`] until then. There is no search, and neither points nor rows are computed. Candidates
 //! give the same forces of the same pairs, with the additional data for figures, tangents and friction.
 
 use super::coupling::{Group, MOST_ON_LINE};
@@ -22,7 +22,7 @@ fn both<T>(of: impl Fn(usize) -> T) -> [T; 2] {
 
 /// A tooth pair in the list of a mesh.
 #[derive(Clone, Copy, Debug)]
-struct Listed {
+struct ListedPair {
     pair: i64,
     slot: usize,
     /// Tooth number of the first gear.
@@ -33,15 +33,15 @@ struct Listed {
 
 /// List of the pairs of a mesh for a discrete state, with one pair before and behind those of each line.
 #[derive(Debug, Default)]
-pub(crate) struct Roster {
+pub(crate) struct PairList {
     /// Discrete state of the list.
     key: Vec<f64>,
-    listed: Vec<Listed>,
+    listed: Vec<ListedPair>,
     /// End of each line in [`Self::listed`].
     ends: Vec<usize>,
 }
 
-impl Roster {
+impl PairList {
     /// Returns true if the list belongs to a discrete state, given in parts.
     #[inline(always)]
     fn is_of(&self, parts: [&[f64]; 3]) -> bool {
@@ -92,14 +92,14 @@ impl Mesh<'_> {
 
     /// Returns the [impact speed](touch_speed) of a contact [m/s].
     #[inline(always)]
-    fn impact_speed(&self, p: &Pressed) -> f64 {
+    fn impact_speed(&self, p: &LoadedPair) -> f64 {
         touch_speed(self.modes[2 * p.slot + 1], p.rate)
     }
 }
 
 /// A tooth pair whose force is evaluated.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pressed {
+pub(crate) struct LoadedPair {
     slot: usize,
     tooth: i64,
     coordinates: [usize; 2],
@@ -118,7 +118,7 @@ pub(crate) struct Pressed {
     elastic: f64,
 }
 
-impl Pressed {
+impl LoadedPair {
     #[inline(always)]
     fn add_to(&self, f: &mut [f64]) {
         for k in 0..2 {
@@ -131,7 +131,7 @@ impl Pressed {
 
 /// Computes the force of a closed pair, with the parametric term of its stiffness along the path.
 #[inline(always)]
-fn press(law: &Law, mesh: &Mesh<'_>, p: &mut Pressed) {
+fn press(law: &Law, mesh: &Mesh<'_>, p: &mut LoadedPair) {
     let n = law
         .branch(mesh.modes[2 * p.slot])
         .smooth(p.gap, p.rate, mesh.impact_speed(p), p.stiffness)
@@ -145,7 +145,7 @@ fn press(law: &Law, mesh: &Mesh<'_>, p: &mut Pressed) {
 
 /// Returns the event function of a pair [m].
 #[inline(always)]
-fn watched(law: &Law, mesh: &Mesh<'_>, p: &Pressed) -> f64 {
+fn watched(law: &Law, mesh: &Mesh<'_>, p: &LoadedPair) -> f64 {
     let v0 = mesh.impact_speed(p);
     let mode = mesh.modes[2 * p.slot];
     if mode == 0.0 {
@@ -169,11 +169,11 @@ impl LinesOfAction {
     pub(crate) fn list(
         &self,
         mesh: &Mesh<'_>,
-        roster: &mut Roster,
+        pair_list: &mut PairList,
         coordinate: impl Fn(usize, Tooth) -> usize,
     ) {
-        if self.whole_mesh || !roster.is_of(mesh.discrete) {
-            self.list_afresh(mesh, roster, &coordinate);
+        if self.whole_mesh || !pair_list.is_of(mesh.discrete) {
+            self.list_afresh(mesh, pair_list, &coordinate);
         }
     }
 
@@ -181,19 +181,19 @@ impl LinesOfAction {
     fn list_afresh(
         &self,
         mesh: &Mesh<'_>,
-        roster: &mut Roster,
+        pair_list: &mut PairList,
         coordinate: &dyn Fn(usize, Tooth) -> usize,
     ) {
-        roster.key.clear();
+        pair_list.key.clear();
         for part in mesh.discrete {
-            roster.key.extend_from_slice(part);
+            pair_list.key.extend_from_slice(part);
         }
-        roster.listed.clear();
-        roster.ends.clear();
+        pair_list.listed.clear();
+        pair_list.ends.clear();
         for (l, line) in self.lines.iter().enumerate() {
             let listed = |pair: i64| {
                 let teeth = self.teeth(line.side, pair);
-                Listed {
+                ListedPair {
                     pair,
                     slot: self.slot(l, pair),
                     tooth: teeth[0].index,
@@ -209,20 +209,22 @@ impl LinesOfAction {
                 (own[0] as i64, own[1] as i64)
             };
             // Neither end is missing where a run that blows up has crossed both.
-            roster.listed.extend((lo - 1..=lo.max(hi + 1)).map(listed));
-            roster.ends.push(roster.listed.len());
+            pair_list
+                .listed
+                .extend((lo - 1..=lo.max(hi + 1)).map(listed));
+            pair_list.ends.push(pair_list.listed.len());
         }
     }
 
     /// Returns the pairs of a line, with one before and one behind them.
     #[inline(always)]
-    fn of_line<'r>(&self, roster: &'r Roster, l: usize) -> &'r [Listed] {
-        let first = if l == 0 { 0 } else { roster.ends[l - 1] };
-        &roster.listed[first..roster.ends[l]]
+    fn of_line<'r>(&self, pair_list: &'r PairList, l: usize) -> &'r [ListedPair] {
+        let first = if l == 0 { 0 } else { pair_list.ends[l - 1] };
+        &pair_list.listed[first..pair_list.ends[l]]
     }
 
     #[inline(always)]
-    fn path(&self, line: &Line, of: &Listed, mesh: &Mesh<'_>) -> [f64; 2] {
+    fn path(&self, line: &Line, of: &ListedPair, mesh: &Mesh<'_>) -> [f64; 2] {
         both(|k| {
             let x = mesh.displacement(k, of.coordinates[k]);
             line.map[k].s(x, of.pair)
@@ -244,8 +246,8 @@ impl LinesOfAction {
     pub(crate) fn add_forces(
         &self,
         mesh: &Mesh<'_>,
-        roster: &Roster,
-        found: &mut Vec<Pressed>,
+        pair_list: &PairList,
+        found: &mut Vec<LoadedPair>,
         f: &mut [f64],
     ) {
         for l in 0..self.lines.len() {
@@ -254,7 +256,7 @@ impl LinesOfAction {
             }
             let line = &self.lines[l];
             let law = mesh.law.shared(self.slices[line.slice].weight);
-            let of_line = self.of_line(roster, l);
+            let of_line = self.of_line(pair_list, l);
             let closed = of_line[1..of_line.len() - 1].iter();
             let closed = closed.filter(|of| mesh.modes[2 * of.slot] != 0.0);
             if !self.couples() {
@@ -287,14 +289,14 @@ impl LinesOfAction {
     pub(crate) fn watch_listed(
         &self,
         mesh: &Mesh<'_>,
-        roster: &Roster,
-        found: &mut Vec<Pressed>,
+        pair_list: &PairList,
+        found: &mut Vec<LoadedPair>,
         zones: &mut [f64],
         slots: &mut [f64],
     ) {
         let dissipates = mesh.law.is_dissipative();
         for (l, line) in self.lines.iter().enumerate() {
-            let of_line = self.of_line(roster, l);
+            let of_line = self.of_line(pair_list, l);
             let n = of_line.len();
             let place = |i: usize| self.middle(self.path(line, &of_line[i], mesh));
             if !self.whole_mesh {
@@ -330,7 +332,7 @@ impl LinesOfAction {
 
     /// Returns a pair without its force.
     #[inline(always)]
-    fn pressed(&self, l: usize, of: &Listed, path: [f64; 2], mesh: &Mesh<'_>) -> Pressed {
+    fn pressed(&self, l: usize, of: &ListedPair, path: [f64; 2], mesh: &Mesh<'_>) -> LoadedPair {
         let gap_and_scale = self.gap_and_scale(&self.lines[l], of.pair, path);
         self.pressed_at(l, of, path, gap_and_scale, mesh)
     }
@@ -340,11 +342,11 @@ impl LinesOfAction {
     fn pressed_at(
         &self,
         l: usize,
-        of: &Listed,
+        of: &ListedPair,
         path: [f64; 2],
         (gap, scale): (f64, [f64; 2]),
         mesh: &Mesh<'_>,
-    ) -> Pressed {
+    ) -> LoadedPair {
         let line = &self.lines[l];
         let [a, b] = mesh.arms[l];
         let row = [-scale[0] * a, scale[1] * b];
@@ -352,7 +354,7 @@ impl LinesOfAction {
         let s = self.middle(path);
         let (k, k_s) = self.stiffness.eval(s);
         let weight = self.slices[line.slice].weight;
-        Pressed {
+        LoadedPair {
             slot: of.slot,
             tooth: of.tooth,
             coordinates: of.coordinates,
@@ -370,7 +372,7 @@ impl LinesOfAction {
 
     /// Adds the elastic effect of neighbouring forces to the gaps of pairs of a line.
     #[inline(always)]
-    fn couple_pressed(&self, l: usize, found: &mut [Pressed], closed: impl Fn(usize) -> bool) {
+    fn couple_pressed(&self, l: usize, found: &mut [LoadedPair], closed: impl Fn(usize) -> bool) {
         if found.len() < 2 || !self.couples() {
             return;
         }
@@ -386,7 +388,7 @@ impl LinesOfAction {
 
     /// Adds the change of the compliance between the pairs of a line along the path to their forces.
     #[inline(always)]
-    fn press_along(&self, l: usize, found: &mut [Pressed]) {
+    fn press_along(&self, l: usize, found: &mut [LoadedPair]) {
         if found.len() < 2 {
             return;
         }

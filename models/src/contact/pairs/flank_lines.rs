@@ -25,7 +25,7 @@
 use super::lines::{Line, LinesOfAction, MeshedGears, side_index};
 use crate::Vec3;
 use crate::contact::nodal::{
-    GapBound, GearNodes, LineTerms, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
+    GapBound, GearNodes, LineTerms, NodalGearState, NodalPoint, NodalPoints, UNUSED, weighted,
 };
 use crate::error::Reason;
 use crate::gear::elastic::lines::spread;
@@ -75,7 +75,7 @@ struct LineFlank {
 }
 
 /// Position of a contact on a flank, with its derivatives by the displacement of the gear.
-struct Place {
+struct FlankPosition {
     lines: [u32; 4],
     weights: [f64; 4],
     slopes: [f64; 4],
@@ -151,7 +151,7 @@ impl LineGear {
 
     /// Returns the position of a height on a flank, with the slope of the height by the displacement.
     #[inline]
-    fn place(&self, flank: usize, strip: usize, (height, slope): (f64, f64)) -> Place {
+    fn place(&self, flank: usize, strip: usize, (height, slope): (f64, f64)) -> FlankPosition {
         let f = &self.flanks[flank];
         let lines = f.heights.len();
         let element = (f.heights.partition_point(|h| *h <= height)).clamp(1, lines - 1) - 1;
@@ -172,7 +172,7 @@ impl LineGear {
             p += spread.weights[i] * of_row;
             by_place += spread.slopes[i] * of_row;
         }
-        Place {
+        FlankPosition {
             lines: std::array::from_fn(|i| f.nodes[(spread.first + i) * self.strips + strip]),
             weights: spread.weights,
             slopes: spread.slopes.map(|x| x * moves),
@@ -231,19 +231,19 @@ impl FlankLines {
     /// Appends the lines with a gap within the bound before residual compliance, and registers their nodes.
     pub fn nodal_points(
         &self,
-        mut sides: [NodalParty<'_>; 2],
+        mut sides: [NodalGearState<'_>; 2],
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         let deformed = sides
             .iter()
-            .any(|s| s.party.gear.deformed_lines().is_some());
+            .any(|s| s.gear_state.gear.deformed_lines().is_some());
         let limit = if deformed {
             f64::INFINITY
         } else {
             sides[0].bound() + sides[1].bound()
         };
-        let gears = &MeshedGears::new(&sides[0].party, &sides[1].party);
+        let gears = &MeshedGears::new(&sides[0].gear_state, &sides[1].gear_state);
         for (l, line) in self.pairs.lines.iter().enumerate() {
             if self.pairs.clearly_open(line, gears, limit) {
                 continue;
@@ -262,7 +262,7 @@ impl FlankLines {
         &self,
         line: &Line,
         p: &super::lines::PairState,
-        sides: &mut [NodalParty<'_>; 2],
+        sides: &mut [NodalGearState<'_>; 2],
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
@@ -301,8 +301,8 @@ impl FlankLines {
                 }
             };
             let Some(gear) = &self.gears[k] else { continue };
-            let NodalParty {
-                party,
+            let NodalGearState {
+                gear_state,
                 field,
                 nodes,
             } = &mut sides[k];
@@ -312,11 +312,11 @@ impl FlankLines {
             let place = gear.place(flank, line.slice, height);
             weights[k] = place.weights;
             if let Some(field) = *field {
-                slots[k] = nodes.meet(field, party.at, &place.lines);
+                slots[k] = nodes.meet(field, gear_state.at, &place.lines);
                 gap0 -= weighted(&weights[k], &GearNodes::at(&nodes.displacement, &slots[k]));
                 terms.slopes[k] = place.slopes;
-            } else if let Some(lines) = party.gear.deformed_lines() {
-                let outward = place.lines.map(|line| lines.outward(party.at, line));
+            } else if let Some(lines) = gear_state.gear.deformed_lines() {
+                let outward = place.lines.map(|line| lines.outward(gear_state.at, line));
                 let (a, by_hub) = (outward.map(|x| x.0), outward.map(|x| x.1));
                 gap0 -= weighted(&weights[k], &a);
                 let of_nodes = weighted(&weights[k], &by_hub);
@@ -356,7 +356,7 @@ impl FlankLines {
             gap0,
             stiffness: weight * self.width * ln_force.exp(),
             share: weight,
-            fading: Vec3::zeros(),
+            taper_gradient: Vec3::zeros(),
         });
     }
 }

@@ -1,15 +1,15 @@
 //! The lines of action of a mesh as data, and the kinematics of its gears.
 
 use super::separation::Separation;
-use super::spatial::{MeshPose, Spatial, Touch};
+use super::spatial::{MeshPose, NearestPoints, Spatial};
 use crate::Vec3;
-use crate::contact::party::Party;
+use crate::contact::gear_state::GearState;
 use crate::gear::{GearModel, ToothCoordinates};
 use crate::geometry::{Gear, RollMap, Side};
 use crate::kinematics::{HubFrame, MeshView, Tooth};
 use crate::law::Law;
 use crate::stiffness::StiffnessCurve;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use std::cell::OnceCell;
 
 /// A slice of the face width.
@@ -125,8 +125,8 @@ impl PathMap {
 }
 
 /// Kinematics of a gear at a state, for the lines of action.
-pub(super) struct Mover<'a> {
-    pub(super) at: At<'a>,
+pub(super) struct GearKinematics<'a> {
+    pub(super) at: StateView<'a>,
     pub(super) displacements: Displacements<'a>,
     gear: &'a dyn GearModel,
     frame: OnceCell<(HubFrame, f64)>,
@@ -141,15 +141,15 @@ pub(super) enum Displacements<'a> {
     OfTeeth(&'a dyn ToothCoordinates),
 }
 
-impl<'a> Mover<'a> {
+impl<'a> GearKinematics<'a> {
     #[inline]
-    pub(super) fn new(party: &Party<'a>) -> Self {
-        let Party { gear, at } = *party;
+    pub(super) fn new(gear_state: &GearState<'a>) -> Self {
+        let GearState { gear, at } = *gear_state;
         let displacements = match gear.teeth() {
             Some(teeth) => Displacements::OfTeeth(teeth),
             None => Displacements::OfHub(gear.hub().displacement_at(at)),
         };
-        Mover {
+        GearKinematics {
             at,
             displacements,
             gear,
@@ -169,7 +169,7 @@ impl<'a> Mover<'a> {
 
 /// Both gears of a mesh at a state.
 pub(super) struct MeshedGears<'a> {
-    pub(super) of: [Mover<'a>; 2],
+    pub(super) of: [GearKinematics<'a>; 2],
     /// True if nearest points include the derivative of the path coordinate.
     pub(super) with_paths: bool,
     pose: OnceCell<MeshPose>,
@@ -177,9 +177,9 @@ pub(super) struct MeshedGears<'a> {
 
 impl<'a> MeshedGears<'a> {
     #[inline]
-    pub(super) fn new(a: &Party<'a>, b: &Party<'a>) -> Self {
+    pub(super) fn new(a: &GearState<'a>, b: &GearState<'a>) -> Self {
         MeshedGears {
-            of: [Mover::new(a), Mover::new(b)],
+            of: [GearKinematics::new(a), GearKinematics::new(b)],
             with_paths: true,
             pose: OnceCell::new(),
         }
@@ -187,7 +187,7 @@ impl<'a> MeshedGears<'a> {
 
     /// Creates the gears of a mesh of which only gaps and gap rates are needed.
     #[inline]
-    pub(super) fn for_gaps(a: &Party<'a>, b: &Party<'a>) -> Self {
+    pub(super) fn for_gaps(a: &GearState<'a>, b: &GearState<'a>) -> Self {
         MeshedGears {
             with_paths: false,
             ..Self::new(a, b)
@@ -211,7 +211,7 @@ pub(super) struct PairState {
     pub(super) scale: [f64; 2],
     pub(super) curvature: [f64; 2],
     /// Nearest points of the flanks, in space.
-    pub(super) touch: Option<Touch>,
+    pub(super) touch: Option<NearestPoints>,
 }
 
 pub(super) const ZONE_EVENTS: usize = 4;

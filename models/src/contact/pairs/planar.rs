@@ -20,7 +20,7 @@
 //! the change of the gap: force and moment, which are one force along another line.
 
 use super::lines::{Line, LinesOfAction, MeshedGears, PairState};
-use super::spatial::Touch;
+use super::spatial::NearestPoints;
 use crate::Vec3;
 use crate::geometry::Side;
 
@@ -85,7 +85,7 @@ impl LinesOfAction {
         // The force acts where it has that moment too.
         let across = axis.cross(&normal);
         let beside = couple / across.norm_squared() * across;
-        p.touch = Some(Touch {
+        p.touch = Some(NearestPoints {
             gap: p.gap,
             x: place - beside,
             normal,

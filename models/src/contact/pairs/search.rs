@@ -3,7 +3,7 @@
 use super::lines::{LinesOfAction, MeshedGears, ZONE_EVENTS, all_open};
 use crate::Vec3;
 use crate::contact::candidate::Candidate;
-use crate::contact::party::{Party, Wanted, ZoneChange};
+use crate::contact::gear_state::{CandidateSelection, GearState, ZoneChange};
 use crate::geometry::Side;
 
 impl LinesOfAction {
@@ -27,7 +27,7 @@ impl LinesOfAction {
     }
 
     /// Sets the discrete state from a state.
-    pub fn begin(&self, a: Party<'_>, b: Party<'_>, discrete: &mut [f64]) {
+    pub fn begin(&self, a: GearState<'_>, b: GearState<'_>, discrete: &mut [f64]) {
         let gears = &MeshedGears::new(&a, &b);
         for (line, m) in self.lines.iter().zip(discrete.chunks_exact_mut(2)) {
             let (lo, hi) = self.zone_now(line, gears);
@@ -39,28 +39,32 @@ impl LinesOfAction {
     /// Appends candidates.
     pub fn candidates(
         &self,
-        a: Party<'_>,
-        b: Party<'_>,
+        a: GearState<'_>,
+        b: GearState<'_>,
         discrete: &[f64],
-        wanted: Wanted<'_>,
+        selection: CandidateSelection<'_>,
         out: &mut Vec<Candidate>,
     ) {
         let gears = &MeshedGears::new(&a, &b);
         let first = out.len();
         for (l, line) in self.lines.iter().enumerate() {
-            let skip = match wanted {
-                Wanted::Closed(modes) => all_open(&modes[2 * l * self.pairs..][..2 * self.pairs]),
-                Wanted::Touching(reach) => self.clearly_open(line, gears, reach),
-                Wanted::Listed | Wanted::Watched(_) => false,
+            let skip = match selection {
+                CandidateSelection::Closed(modes) => {
+                    all_open(&modes[2 * l * self.pairs..][..2 * self.pairs])
+                }
+                CandidateSelection::Touching(reach) => self.clearly_open(line, gears, reach),
+                CandidateSelection::Listed | CandidateSelection::Watched(_) => false,
             };
             if skip {
                 continue;
             }
-            self.collect(l, gears, discrete, wanted, out);
+            self.collect(l, gears, discrete, selection, out);
         }
-        self.couple(&mut out[first..], |slot| match wanted {
-            Wanted::Closed(modes) | Wanted::Watched(modes) => Some(modes[2 * slot] != 0.0),
-            Wanted::Listed | Wanted::Touching(_) => None,
+        self.couple(&mut out[first..], |slot| match selection {
+            CandidateSelection::Closed(modes) | CandidateSelection::Watched(modes) => {
+                Some(modes[2 * slot] != 0.0)
+            }
+            CandidateSelection::Listed | CandidateSelection::Touching(_) => None,
         });
     }
 
@@ -68,8 +72,8 @@ impl LinesOfAction {
     /// `gaps` are not changed.
     pub fn watch(
         &self,
-        a: Party<'_>,
-        b: Party<'_>,
+        a: GearState<'_>,
+        b: GearState<'_>,
         discrete: &[f64],
         event_functions: &mut [f64],
         gaps: &mut [f64],
@@ -91,8 +95,8 @@ impl LinesOfAction {
     /// Computes the event functions of the zone alone, without the gaps of [`Self::watch`].
     pub fn watch_zones(
         &self,
-        a: Party<'_>,
-        b: Party<'_>,
+        a: GearState<'_>,
+        b: GearState<'_>,
         discrete: &[f64],
         event_functions: &mut [f64],
     ) {

@@ -35,7 +35,7 @@ use crate::Vec3;
 use crate::geometry::{Frame, PlaneAngle, Side};
 use crate::kinematics::HubFrame;
 pub use flanks::{FlankForm, Helicoid, Plane};
-use section::{Place, Section};
+use section::{Section, SectionPoint};
 use std::cell::Cell;
 
 /// Gap relative to the base pitch above which one evaluation is enough, because no contact is possible.
@@ -49,7 +49,7 @@ const KEPT: usize = 4;
 
 /// Nearest points of the flanks of a slice.
 #[derive(Clone, Copy, Debug)]
-pub struct Touch {
+pub struct NearestPoints {
     /// Gap [m]; for distant pairs a lower bound without the removed material.
     pub gap: f64,
     /// Contact point [m].
@@ -195,7 +195,13 @@ impl Spatial {
     /// Returns the point of a section nearest to the mate, for unmodified flanks continued beyond their tips, or a
     /// point that is [`FAR`] from it; `guess` is an approximate length of roll.
     #[inline]
-    fn nearest(&self, section: &Section<'_>, pair: i64, pose: &MeshPose, guess: f64) -> Place {
+    fn nearest(
+        &self,
+        section: &Section<'_>,
+        pair: i64,
+        pose: &MeshPose,
+        guess: f64,
+    ) -> SectionPoint {
         let least = LEAST_ROLL * self.base_pitch;
         let found = &pose.found[side_index(section.side)];
         let of_pair = &found[pair.rem_euclid(KEPT as i64) as usize];
@@ -215,10 +221,10 @@ impl Spatial {
     fn touch(
         &self,
         section: &Section<'_>,
-        mut place: Place,
+        mut place: SectionPoint,
         pose: &MeshPose,
         with_path: bool,
-    ) -> Touch {
+    ) -> NearestPoints {
         let (i, j) = (self.sliced, 1 - self.sliced);
         let (own, mate, side, z) = (section.own, section.mate, section.side, section.z);
         let least = LEAST_ROLL * self.base_pitch;
@@ -240,7 +246,7 @@ impl Spatial {
         };
         // The outward normal of the sliced gear points from a to b where that is a.
         let sign = if j == 1 { -1.0 } else { 1.0 };
-        let touch = |gap: f64, x: &Vec3, outward: &Vec3| Touch {
+        let touch = |gap: f64, x: &Vec3, outward: &Vec3| NearestPoints {
             gap,
             x: pose.mate.point(x),
             normal: pose.mate.turn(&(sign * outward)),
@@ -265,7 +271,7 @@ impl Spatial {
     }
 
     /// Returns the derivative of the path coordinate by the motion of gear b relative to gear a.
-    fn path(&self, section: &Section<'_>, pose: &MeshPose, place: &Place) -> [Vec3; 2] {
+    fn path(&self, section: &Section<'_>, pose: &MeshPose, place: &SectionPoint) -> [Vec3; 2] {
         let (i, j) = (self.sliced, 1 - self.sliced);
         let (side, near, base) = (section.side, &place.near, &place.direction);
         let sigma = side.sign();

@@ -1,8 +1,10 @@
 //! Consecutive pairs along the lines of action: teeth, path coordinates, gaps and candidates.
 
-use super::lines::{Displacements, Line, LinesOfAction, MeshedGears, Mover, PairState, side_index};
+use super::lines::{
+    Displacements, GearKinematics, Line, LinesOfAction, MeshedGears, PairState, side_index,
+};
 use crate::contact::candidate::Candidate;
-use crate::contact::party::Wanted;
+use crate::contact::gear_state::CandidateSelection;
 use crate::geometry::Side;
 use crate::kinematics::{Locus, Point, Tooth};
 
@@ -37,7 +39,7 @@ impl LinesOfAction {
 
     /// Returns the path coordinate of the flank of gear `k` in a pair [m].
     #[inline(always)]
-    fn path_coordinate(&self, line: &Line, k: usize, gear: &Mover<'_>, pair: i64) -> f64 {
+    fn path_coordinate(&self, line: &Line, k: usize, gear: &GearKinematics<'_>, pair: i64) -> f64 {
         let displacement = match gear.displacements {
             Displacements::OfHub(displacement) => displacement,
             Displacements::OfTeeth(teeth) => {
@@ -53,7 +55,7 @@ impl LinesOfAction {
         &self,
         line: &Line,
         k: usize,
-        gear: &Mover<'_>,
+        gear: &GearKinematics<'_>,
         first: i64,
         out: &mut [f64],
     ) {
@@ -257,7 +259,7 @@ impl LinesOfAction {
         let (k, k_s) = self.stiffness.eval(s);
         Candidate {
             aside: [crate::Vec3::zeros(); 2],
-            fade: 1.0,
+            taper: 1.0,
             slot,
             points,
             normal,
@@ -278,20 +280,20 @@ impl LinesOfAction {
         l: usize,
         gears: &MeshedGears<'_>,
         discrete: &[f64],
-        wanted: Wanted<'_>,
+        selection: CandidateSelection<'_>,
         out: &mut Vec<Candidate>,
     ) {
         let line = &self.lines[l];
-        let listed = !matches!(wanted, Wanted::Touching(_));
+        let listed = !matches!(selection, CandidateSelection::Touching(_));
         let range = self.pairs_of(l, gears, discrete, listed);
         self.each_pair(l, range, gears, |slot, pair, s| {
-            if let Wanted::Closed(modes) = wanted
+            if let CandidateSelection::Closed(modes) = selection
                 && modes[2 * slot] == 0.0
             {
                 return;
             }
             let p = self.pair(line, gears, pair, s);
-            if let Wanted::Touching(reach) = wanted
+            if let CandidateSelection::Touching(reach) = selection
                 && p.gap > reach
             {
                 return;

@@ -1,7 +1,7 @@
 //! Corners of the faces of twisted flanks, with the displacements of their nodes.
 
 use super::surface::Shape;
-use crate::contact::nodal::{GearNodes, NodalParty, UNUSED};
+use crate::contact::nodal::{GearNodes, NodalGearState, UNUSED};
 use crate::geometry::Flanks;
 
 /// Corners of a face as nodes of its gear, with their displacements.
@@ -15,7 +15,7 @@ pub(super) struct Corners {
 impl Corners {
     /// Registers the corners of a face; they are empty without a field.
     #[inline]
-    pub fn of(side: &mut NodalParty<'_>, shape: &Shape, row: usize, column: usize) -> Self {
+    pub fn of(side: &mut NodalGearState<'_>, shape: &Shape, row: usize, column: usize) -> Self {
         let Some(field) = side.field else {
             return Corners {
                 face: (row, column),
@@ -24,7 +24,7 @@ impl Corners {
             };
         };
         let nodes = shape.corners(row, column);
-        let slots = side.nodes.meet(field, side.party.at, &nodes);
+        let slots = side.nodes.meet(field, side.gear_state.at, &nodes);
         Corners {
             face: (row, column),
             slots,

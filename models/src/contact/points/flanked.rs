@@ -6,11 +6,11 @@
 
 use super::generated;
 use super::involute::{deviation_bound, off_involute, outermost, path_at_zero};
-use super::owner::Owner;
 use super::projection::MOST_PAST;
 use super::rule::Rule;
+use super::search_gear::SearchGear;
 use super::surface::Shape;
-use crate::contact::party::Party;
+use crate::contact::gear_state::GearState;
 use crate::error::Reason;
 use crate::geometry::{Flanks, Side, Tips};
 use crate::kinematics::{Placement, Pose};
@@ -32,7 +32,7 @@ struct Entry {
 
 /// A gear with its flanks, for the point search.
 #[derive(Clone, Debug)]
-pub(super) struct Flanked {
+pub(super) struct FlankedGear {
     /// True if the gear model has flanks of its own, whose node positions it computes.
     pub own: bool,
     pub rack: bool,
@@ -66,7 +66,7 @@ pub(super) struct Flanked {
 
 /// A flank that may touch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Near {
+pub(super) struct NearbyFlank {
     pub shape: usize,
     /// Tooth number, counted on over turns.
     pub tooth: i64,
@@ -78,8 +78,8 @@ fn side_index(side: Side) -> usize {
     usize::from(side == Side::Right)
 }
 
-impl Flanked {
-    pub fn new(o: Owner<'_>, kind: SurfaceKind, rule: &Rule) -> Result<Self, Reason> {
+impl FlankedGear {
+    pub fn new(o: SearchGear<'_>, kind: SurfaceKind, rule: &Rule) -> Result<Self, Reason> {
         let (rack, tips) = (matches!(o.body, Body::Rack(_)), o.body.tips());
         let own = o.gear.flanks().is_some();
         let grids = match o.gear.flanks() {
@@ -149,7 +149,7 @@ impl Flanked {
         for list in &mut sorted {
             list.sort_by(|a, b| a.s.total_cmp(&b.s));
         }
-        Ok(Flanked {
+        Ok(FlankedGear {
             own,
             rack,
             tips,
@@ -179,9 +179,9 @@ impl Flanked {
 
     /// Returns the frame of the gear after a displacement [rad or m] from the assembled position.
     #[inline]
-    pub fn pose(&self, party: &Party<'_>, displacement: f64) -> Pose {
-        let at = party.at;
-        (self.placement).pose_at(party.gear.hub(), at.t, at.q, displacement)
+    pub fn pose(&self, gear_state: &GearState<'_>, displacement: f64) -> Pose {
+        let at = gear_state.at;
+        (self.placement).pose_at(gear_state.gear.hub(), at.t, at.q, displacement)
     }
 
     /// Returns the largest path coordinate of the flanks of a side at a displacement, modulo the base pitch; `None`
@@ -214,14 +214,14 @@ impl Flanked {
         side: Side,
         displacement: f64,
         [low, high]: [f64; 2],
-        mut f: impl FnMut(Near),
+        mut f: impl FnMut(NearbyFlank),
     ) {
         let list = &self.sorted[side_index(side)];
         let shift = side.sign() * self.per_displacement * displacement;
         if self.rack {
             let first = list.partition_point(|e| e.s + shift < low);
             for e in list[first..].iter().take_while(|e| e.s + shift <= high) {
-                f(Near {
+                f(NearbyFlank {
                     shape: e.shape,
                     tooth: e.tooth,
                     s: e.s + shift,
@@ -248,7 +248,7 @@ impl Flanked {
             }
             let s = low + past;
             let turns = ((s - shift - e.s) / self.turn).round() as i64;
-            f(Near {
+            f(NearbyFlank {
                 shape: e.shape,
                 tooth: e.tooth
                     + (side.sign() * self.per_displacement.signum()) as i64 * self.teeth * turns,
@@ -259,7 +259,7 @@ impl Flanked {
 
     /// Calls `f` for all flanks of a side in the order of their path coordinates, those of a gear within half a turn
     /// of `s`.
-    pub fn each_about(&self, side: Side, displacement: f64, s: f64, f: impl FnMut(Near)) {
+    pub fn each_about(&self, side: Side, displacement: f64, s: f64, f: impl FnMut(NearbyFlank)) {
         self.each_near(
             side,
             displacement,

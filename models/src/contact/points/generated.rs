@@ -79,10 +79,10 @@ fn gear(g: &Gear) -> Vec<FlankGrid> {
         return conical(g, size);
     }
     for tooth in 0..g.teeth() {
-        for seen in Side::BOTH {
-            let side = g.side_from_root(seen);
+        for relative_frame in Side::BOTH {
+            let side = g.side_from_root(relative_frame);
             let first = (all.len() * size[0] * size[1]) as u32;
-            all.push(grid(tooth, seen, first, size, |t, zeta| {
+            all.push(grid(tooth, relative_frame, first, size, |t, zeta| {
                 let z = 0.5 * g.face_width() * zeta;
                 let s = low + t * (high - low);
                 let r = rb.hypot(s);

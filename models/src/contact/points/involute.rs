@@ -1,6 +1,6 @@
 //! Position of a flank on the path coordinate, and its deviation from the involute at that position.
 
-use super::owner::Owner;
+use super::search_gear::SearchGear;
 use super::surface::Shape;
 use crate::Vec3;
 use crate::geometry::{FlankGrid, Side, inv};
@@ -47,7 +47,7 @@ pub(super) fn outermost(body: &Body, view: &MeshView, g: &FlankGrid) -> f64 {
 
 /// Returns the spread on the path coordinate [m] of the involutes through the nodes of a flank; infinite for a flank
 /// without a node above the form circle.
-pub(super) fn off_involute(o: &Owner<'_>, g: &FlankGrid) -> f64 {
+pub(super) fn off_involute(o: &SearchGear<'_>, g: &FlankGrid) -> f64 {
     let base = o.view.base_radius.map(f64::abs);
     let per_place = base.unwrap_or_else(|| o.view.working_pressure_angle.cos());
     let mut places = (g.positions.iter()).filter_map(|x| place_of(o.body, &o.view, g.side, x));
@@ -99,7 +99,7 @@ fn place_of(body: &Body, view: &MeshView, side: Side, x: &Vec3) -> Option<f64> {
 
 /// Returns the largest outward deviation, on the path coordinate [m], of a flank surface from the involute through its
 /// outermost node. The surface is continued beyond the tip by `past` of its last face.
-pub(super) fn deviation_bound(o: &Owner<'_>, shape: &Shape, outermost: f64, past: f64) -> f64 {
+pub(super) fn deviation_bound(o: &SearchGear<'_>, shape: &Shape, outermost: f64, past: f64) -> f64 {
     let sign = shape.side.sign();
     let per_place = match o.view.base_radius {
         Some(rb) => sign * rb,
@@ -137,7 +137,7 @@ pub(super) fn deviation_bound(o: &Owner<'_>, shape: &Shape, outermost: f64, past
 }
 
 /// Returns the path coordinate [m] of a flank at zero displacement and its tooth, from its [`outermost`] position.
-pub(super) fn path_at_zero(o: &Owner<'_>, side: Side, outermost: f64) -> (f64, i64) {
+pub(super) fn path_at_zero(o: &SearchGear<'_>, side: Side, outermost: f64) -> (f64, i64) {
     let (sign, v) = (side.sign(), &o.view);
     let tooth = |centre: f64| (centre / v.pitch).round() as i64;
     match v.base_radius {

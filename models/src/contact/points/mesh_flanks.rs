@@ -1,14 +1,14 @@
 //! Flanks of a mesh, and the limits of the point search.
 
-use super::flanked::{Flanked, Near};
-use super::owner::Owner;
-use super::projection::Fade;
+use super::flanked::{FlankedGear, NearbyFlank};
+use super::poses::{Layout, MeshPoses};
+use super::projection::TipTaper;
 use super::rule::Rule;
-use super::stand::{Layout, Stand};
+use super::search_gear::SearchGear;
 use crate::contact::clearance::Clearance;
+use crate::contact::gear_state::GearState;
 use crate::contact::nodal::NodalPoint;
 use crate::contact::pairs::MeshGeometry;
-use crate::contact::party::Party;
 use crate::error::Reason;
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
@@ -23,7 +23,7 @@ const BEFORE_AND_AFTER: f64 = 0.5;
 /// Flanks of both gears of a mesh, with penalties and limits of the search.
 #[derive(Debug)]
 pub(super) struct MeshFlanks {
-    pub gears: [Flanked; 2],
+    pub gears: [FlankedGear; 2],
     pub rule: Rule,
     /// Penalty for the points of each gear [Pa/m]; 0 for a gear whose points are not used.
     pub penalty: [f64; 2],
@@ -43,7 +43,7 @@ pub(super) struct MeshFlanks {
 
 impl MeshFlanks {
     pub fn new(
-        owners: [Owner<'_>; 2],
+        search_gears: [SearchGear<'_>; 2],
         geometry: &MeshGeometry,
         settings: &PointContact,
     ) -> Result<Self, (Option<usize>, Reason)> {
@@ -51,8 +51,9 @@ impl MeshFlanks {
             return Err((None, problem));
         }
         let rule = Rule::new(settings.rule);
-        let flanked =
-            |k: usize| Flanked::new(owners[k], settings.surface, &rule).map_err(|e| (Some(k), e));
+        let flanked = |k: usize| {
+            FlankedGear::new(search_gears[k], settings.surface, &rule).map_err(|e| (Some(k), e))
+        };
         let gears = [flanked(0)?, flanked(1)?];
         let p = settings.penalty;
         let penalty = match settings.passes {
@@ -62,17 +63,17 @@ impl MeshFlanks {
             Passes::Auto if settings.hard => [0.0, p],
             Passes::Auto | Passes::Both => [0.5 * p, 0.5 * p],
         };
-        let layout = Layout::of(&owners, geometry, &gears);
+        let layout = Layout::of(&search_gears, geometry, &gears);
         let width = gears[0].face_width.min(gears[1].face_width);
         // Flanks of both sides of a conical gear have helix angles of their own.
-        let steepest = |o: &Owner<'_>| match o.body {
+        let steepest = |o: &SearchGear<'_>| match o.body {
             Body::Gear(g) if g.is_conical() => Side::BOTH
                 .map(|side| g.flank(side).tan_helix.abs())
                 .into_iter()
                 .fold(0.0, f64::max),
             _ => geometry.base_helix.tan().abs(),
         };
-        let steepest = steepest(&owners[0]).max(steepest(&owners[1]));
+        let steepest = steepest(&search_gears[0]).max(steepest(&search_gears[1]));
         let beside = BEFORE_AND_AFTER * geometry.base_pitch + 0.5 * width * steepest;
         let reach = settings.reach.unwrap_or(REACH * geometry.base_pitch);
         Ok(MeshFlanks {
@@ -99,7 +100,7 @@ impl MeshFlanks {
         gap / self.helix_cos
     }
 
-    pub fn tooth(&self, k: usize, near: &Near) -> Tooth {
+    pub fn tooth(&self, k: usize, near: &NearbyFlank) -> Tooth {
         Tooth {
             index: near.tooth,
             mesh: self.gears[k].mesh,
@@ -108,10 +109,10 @@ impl MeshFlanks {
 
     /// Returns the poses of both gears at a state.
     #[inline]
-    pub fn stand(&self, parties: [&Party<'_>; 2]) -> Stand {
-        let displacements = parties.map(|p| p.gear.hub().displacement(p.at.t, p.at.q));
-        let poses = [0, 1].map(|k| self.gears[k].pose(parties[k], displacements[k]));
-        Stand {
+    pub fn poses(&self, gear_states: [&GearState<'_>; 2]) -> MeshPoses {
+        let displacements = gear_states.map(|p| p.gear.hub().displacement(p.at.t, p.at.q));
+        let poses = [0, 1].map(|k| self.gears[k].pose(gear_states[k], displacements[k]));
+        MeshPoses {
             beside: self.layout.map_or(0.0, |layout| layout.beside(&poses)),
             displacements,
             poses,
@@ -137,12 +138,12 @@ impl MeshFlanks {
     /// Applies the tip taper to a point that leaves contact over the tip: to its area for averages of gaps, otherwise
     /// to its gap.
     #[inline]
-    pub fn fade(&self, point: &mut NodalPoint, fade: &Fade) {
-        if !fade.acts() {
+    pub fn taper(&self, point: &mut NodalPoint, taper: &TipTaper) {
+        if !taper.acts() {
         } else if self.hard {
-            point.stiffness *= fade.area();
+            point.stiffness *= taper.area();
         } else {
-            point.fade(fade.factor, fade.gradient);
+            point.taper(taper.factor, taper.gradient);
         }
     }
 

@@ -15,32 +15,32 @@
 //! about the flanks do (`coarse`).
 
 mod chords;
-mod coarse;
+mod coarse_phase;
 mod cone;
 mod corners;
 mod flanked;
 mod generated;
 mod involute;
 mod mesh_flanks;
-mod narrow;
-mod owner;
+mod narrow_phase;
 mod patch;
+mod poses;
 mod profile;
 mod projection;
 mod quadrature;
 mod rule;
 mod search;
+mod search_gear;
 mod sections;
 mod spline;
 mod spur;
 mod spur_face;
-mod stand;
 mod surface;
 mod twisted;
 mod twisted_pair;
 
-pub use owner::Owner;
 pub use search::FlankPoints;
+pub use search_gear::SearchGear;
 
 use crate::Vec3;
 use crate::geometry::{Flanks, Tips};

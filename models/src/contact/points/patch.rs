@@ -6,7 +6,7 @@
 //! X(a, b) = sum_{i<=3} a^i (p_i + b q_i) + b^2 (r_2 + a s_2) + b^3 (r_3 + a s_3)
 //! ```
 
-use super::surface::{Shape, Spot};
+use super::surface::{Shape, SurfacePoint};
 use crate::Vec3;
 use crate::kinematics::Pose;
 
@@ -57,7 +57,7 @@ impl Patch {
 
     /// Computes position, tangents and second derivatives.
     #[inline]
-    pub fn eval(&self, a: f64, b: f64) -> Spot {
+    pub fn eval(&self, a: f64, b: f64) -> SurfacePoint {
         let Patch { p, q, r, s } = self;
         let t = [
             p[0] + b * q[0],
@@ -67,7 +67,7 @@ impl Patch {
         ];
         let (r2, r3) = (r[0] + a * s[0], r[1] + a * s[1]);
         let square = b * b;
-        Spot {
+        SurfacePoint {
             x: t[0] + a * (t[1] + a * (t[2] + a * t[3])) + square * (r2 + b * r3),
             along: t[1] + a * (2.0 * t[2] + (3.0 * a) * t[3]) + square * (s[0] + b * s[1]),
             across: q[0] + a * (q[1] + a * (q[2] + a * q[3])) + b * (2.0 * r2 + (3.0 * b) * r3),

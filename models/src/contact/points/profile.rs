@@ -45,7 +45,7 @@ pub(super) struct Profile {
 
 /// Projection of a point on a profile.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Foot {
+pub(super) struct ProfileProjection {
     pub row: usize,
     /// Position on the face, 0 to 1 within it.
     pub a: f64,
@@ -214,13 +214,13 @@ impl Profile {
     /// Finds the closest point of the curve of a face, continued beyond its ends, until a Newton step is smaller than
     /// `close`.
     #[inline]
-    fn on_face(&self, x: &Vec2, row: usize, mut a: f64, close: f64) -> Foot {
+    fn on_face(&self, x: &Vec2, row: usize, mut a: f64, close: f64) -> ProfileProjection {
         let [c0, c1, c2, c3] = &self.curves[row];
         if self.faceted {
             let per = c1.dot(c1).recip();
             a = (c1.dot(&(x - c0)) * per).clamp(-2.0, 3.0);
             let normal = self.chords[row].normal;
-            return Foot {
+            return ProfileProjection {
                 row,
                 a,
                 normal,
@@ -243,7 +243,7 @@ impl Profile {
                 let tangent = tangent + step * bend;
                 let n = outward(self.side, &tangent);
                 let normal = n / n.norm();
-                return Foot {
+                return ProfileProjection {
                     row,
                     a: a + step,
                     normal,
@@ -256,7 +256,7 @@ impl Profile {
     }
 
     /// Returns the edge between two faces as the closest point; the normal is the direction of the distance.
-    fn on_edge(&self, x: &Vec2, feet: [Foot; 2]) -> Foot {
+    fn on_edge(&self, x: &Vec2, feet: [ProfileProjection; 2]) -> ProfileProjection {
         let foot = feet[0];
         let a = foot.a.clamp(0.0, 1.0);
         let r = x - self.place(foot.row, a);
@@ -267,7 +267,7 @@ impl Profile {
         } else {
             mean / mean.norm()
         };
-        Foot {
+        ProfileProjection {
             a,
             normal,
             gap: normal.dot(&r),
@@ -279,21 +279,26 @@ impl Profile {
     /// Finds the closest point, starting from a position on a face; `None` beyond the ends, at the tip by more than a
     /// face.
     #[inline]
-    pub fn project(&self, x: &Vec2, row: usize, a: f64) -> Option<Foot> {
+    pub fn project(&self, x: &Vec2, row: usize, a: f64) -> Option<ProfileProjection> {
         self.projection(x, (row, a), CLOSE)
     }
 
     /// Finds the closest point approximately, with an error of the cube of [`NEARLY`] in the gap relative to the
     /// length of a face and of its square in the position.
     #[inline]
-    pub fn project_nearly(&self, x: &Vec2, row: usize, a: f64) -> Option<Foot> {
+    pub fn project_nearly(&self, x: &Vec2, row: usize, a: f64) -> Option<ProfileProjection> {
         self.projection(x, (row, a), NEARLY)
     }
 
     #[inline]
-    fn projection(&self, x: &Vec2, (row, a): (usize, f64), close: f64) -> Option<Foot> {
+    fn projection(
+        &self,
+        x: &Vec2,
+        (row, a): (usize, f64),
+        close: f64,
+    ) -> Option<ProfileProjection> {
         let mut foot = self.on_face(x, row, a, close);
-        let mut last: Option<Foot> = None;
+        let mut last: Option<ProfileProjection> = None;
         for _ in 0..self.faces() {
             let row = if foot.a > 1.0 + OVERLAP && foot.row + 1 < self.faces() {
                 foot.row + 1
@@ -321,7 +326,7 @@ impl Profile {
 
     /// Returns the nearer of the closest points on both facets, for a point near an edge inside a convex flank.
     #[inline]
-    fn nearer(&self, x: &Vec2, foot: Foot) -> Foot {
+    fn nearer(&self, x: &Vec2, foot: ProfileProjection) -> ProfileProjection {
         if foot.gap >= 0.0 || !self.faceted {
             return foot;
         }

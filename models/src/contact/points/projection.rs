@@ -9,20 +9,20 @@
 //! continued: the area it stands for still lies partly on the flank.
 
 use super::patch::Patch;
-use super::surface::{Shape, Spot};
+use super::surface::{Shape, SurfacePoint};
 use crate::Vec3;
 use crate::kinematics::Pose;
 
 /// Projection of a point on a flank.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Hit {
+pub(super) struct Projection {
     pub row: usize,
     pub column: usize,
     /// Position on the face, 0 to 1 within it.
     pub a: f64,
     pub b: f64,
     /// Closest point [m] with its derivatives; the second derivatives are those before the last correction.
-    pub spot: Spot,
+    pub spot: SurfacePoint,
     /// Unit normal of the flank, out of the tooth.
     pub normal: Vec3,
     /// Distance along the normal [m], positive outside.
@@ -31,7 +31,7 @@ pub(super) struct Hit {
     pub edge: Option<Edge>,
 }
 
-impl Hit {
+impl Projection {
     /// Returns the derivative of the position by a displacement of the point `x` relative to the flank [1/m].
     #[inline]
     pub fn sensitivity(&self, x: &Vec3) -> [Vec3; 2] {
@@ -65,7 +65,7 @@ pub(super) enum Edge {
 
 /// A flank in its deformed state.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Deformed<'a> {
+pub(super) struct DeformedSurface<'a> {
     pub shape: &'a Shape,
     pub x: &'a [Vec3],
     pub pose: &'a Pose,
@@ -81,7 +81,7 @@ pub(super) const RIM: f64 = 0.01;
 /// Largest fraction of the last face by which a point beyond the tip still counts.
 pub(super) const MOST_PAST: f64 = 0.5;
 /// Fraction of the last face up to which projections beyond the tip are returned. The height of a point decides when
-/// it has left ([`Fade`]). The projection of a point with a deep overlap, as before residual compliance, lies further
+/// it has left ([`TipTaper`]). The projection of a point with a deep overlap, as before residual compliance, lies further
 /// out than its height, so that this bound must never be the stricter one.
 pub(super) const BEYOND_TIP: f64 = 1.0;
 /// Distance from an edge, as a fraction of a face, within which both faces are searched, so that the gap over facets
@@ -95,7 +95,7 @@ const ITERATIONS: usize = 20;
 
 /// Start of a projection: a face and a position on it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Begin {
+pub(super) struct ProjectionStart {
     pub row: usize,
     pub column: usize,
     pub place: [f64; 2],
@@ -103,15 +103,15 @@ pub(super) struct Begin {
 
 /// Tip taper of a point: the factor of its gap, and the gradient of the factor by the position of the point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fade {
+pub(super) struct TipTaper {
     pub factor: f64,
     /// Gradient of the factor [1/m].
     pub gradient: Vec3,
 }
 
-impl Fade {
+impl TipTaper {
     /// Taper of a point whose whole length is on the flank.
-    pub const NONE: Fade = Fade {
+    pub const NONE: TipTaper = TipTaper {
         factor: 1.0,
         gradient: Vec3::new(0.0, 0.0, 0.0),
     };
@@ -134,16 +134,16 @@ impl Fade {
     /// height because that of a point on the slave answers to the motion of the slave alone: no motion of the master
     /// about its axis changes it.
     #[inline]
-    pub fn new((a, gradient): (f64, Vec3), past: f64) -> Option<Fade> {
+    pub fn new((a, gradient): (f64, Vec3), past: f64) -> Option<TipTaper> {
         let t = 0.5 + 0.5 * (1.0 - a) / past;
         if t >= 1.0 {
-            return Some(Fade::NONE);
+            return Some(TipTaper::NONE);
         }
         if t <= 0.0 {
             return None;
         }
         let root = (3.0 - 2.0 * t).sqrt();
-        Some(Fade {
+        Some(TipTaper {
             factor: t * root,
             gradient: -1.5 * (1.0 - t) / (root * past) * gradient,
         })
@@ -168,10 +168,10 @@ fn beyond(t: f64) -> isize {
     isize::from(t > 1.0 + OVERLAP) - isize::from(t < -OVERLAP)
 }
 
-impl Deformed<'_> {
+impl DeformedSurface<'_> {
     /// Returns a face as a function of the position on it.
     #[inline]
-    fn face(&self, row: usize, column: usize) -> impl Fn(f64, f64) -> Spot {
+    fn face(&self, row: usize, column: usize) -> impl Fn(f64, f64) -> SurfacePoint {
         let patch = (self.patches).map(|p| &p[row * (self.shape.columns - 1) + column]);
         let face = match patch {
             Some(patch) => Err(patch),
@@ -185,14 +185,14 @@ impl Deformed<'_> {
 
     /// Returns the unit normal out of the tooth.
     #[inline]
-    fn normal(&self, spot: &Spot) -> Vec3 {
+    fn normal(&self, spot: &SurfacePoint) -> Vec3 {
         let n = spot.across.cross(&spot.along);
         self.shape.side.sign() * n / n.norm()
     }
 
     /// Finds the closest point of the surface of a face, continued beyond its edges.
     #[inline]
-    fn on_face(&self, x: &Vec3, row: usize, column: usize, [mut a, mut b]: [f64; 2]) -> Hit {
+    fn on_face(&self, x: &Vec3, row: usize, column: usize, [mut a, mut b]: [f64; 2]) -> Projection {
         let face = self.face(row, column);
         let mut spot = face(a, b);
         for _ in 0..ITERATIONS {
@@ -219,7 +219,7 @@ impl Deformed<'_> {
             spot = face(a, b);
         }
         let normal = self.normal(&spot);
-        Hit {
+        Projection {
             row,
             column,
             a,
@@ -234,7 +234,7 @@ impl Deformed<'_> {
     /// Finds the closest point of the edge between the rows below and above node row `edge`, or, with `turned`,
     /// between the columns on both sides of node column `edge`; the normal is the direction of the distance.
     #[inline(never)]
-    fn on_edge(&self, x: &Vec3, hits: [Hit; 2], turned: bool) -> Hit {
+    fn on_edge(&self, x: &Vec3, hits: [Projection; 2], turned: bool) -> Projection {
         let hit = hits[0];
         let face = self.face(hit.row, hit.column);
         let (mut a, mut b) = (hit.a.clamp(0.0, 1.0), hit.b.clamp(0.0, 1.0));
@@ -263,7 +263,7 @@ impl Deformed<'_> {
         } else {
             mean / mean.norm()
         };
-        Hit {
+        Projection {
             a,
             b,
             spot,
@@ -275,10 +275,10 @@ impl Deformed<'_> {
     }
 
     /// Finds the closest point of the flank; `None` beyond its outer edges, at the tip by more than a face.
-    pub fn project(&self, x: &Vec3, begin: Begin) -> Option<Hit> {
+    pub fn project(&self, x: &Vec3, begin: ProjectionStart) -> Option<Projection> {
         let (rows, columns) = (self.shape.rows - 1, self.shape.columns - 1);
         let mut hit = self.on_face(x, begin.row, begin.column, begin.place);
-        let mut last: Option<Hit> = None;
+        let mut last: Option<Projection> = None;
         for _ in 0..rows + columns {
             let row = hit
                 .row
@@ -314,14 +314,14 @@ impl Deformed<'_> {
 
     /// Removes projections beyond the outer edges.
     #[inline]
-    fn inside(&self, hit: Hit) -> Option<Hit> {
+    fn inside(&self, hit: Projection) -> Option<Projection> {
         let along = (-RIM..=1.0 + BEYOND_TIP).contains(&hit.a);
         (along && (-RIM..=1.0 + RIM).contains(&hit.b)).then_some(hit)
     }
 
     /// Returns the nearer of the closest points on both facets, for a point near an edge inside a convex flank.
     #[inline]
-    fn nearer(&self, x: &Vec3, hit: Hit) -> Hit {
+    fn nearer(&self, x: &Vec3, hit: Projection) -> Projection {
         if hit.gap >= 0.0 || !self.shape.is_faceted() {
             return hit;
         }

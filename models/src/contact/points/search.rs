@@ -1,20 +1,20 @@
 //! The point search: candidates of a mesh at a state.
 
-use super::coarse::{CoarseStep, FlankBoxes, ToothIndices};
+use super::coarse_phase::{CoarseStep, FlankBoxes, ToothIndices};
 use super::mesh_flanks::MeshFlanks;
-use super::narrow::{Found, Scratch};
-use super::owner::Owner;
+use super::narrow_phase::{ProjectedPoint, Scratch};
+use super::search_gear::SearchGear;
 use super::spur::{Spur, SpurScratch};
-use super::twisted::Twisted;
+use super::twisted::TwistedFlanks;
 use super::twisted_pair::TwistedScratch;
 use crate::Vec3;
 use crate::contact::candidate::Candidate;
 use crate::contact::clearance::Clearance;
+use crate::contact::gear_state::{CandidateSelection, GearState, SearchWork};
 use crate::contact::nodal::{
-    GapBound, GearNodes, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
+    GapBound, GearNodes, NodalGearState, NodalPoint, NodalPoints, UNUSED, weighted,
 };
 use crate::contact::pairs::MeshGeometry;
-use crate::contact::party::{Party, SearchWork, Wanted};
 use crate::error::Reason;
 use crate::gear::FlankDisplacement;
 use crate::geometry::{Flanks, Side};
@@ -34,7 +34,7 @@ pub struct FlankPoints {
     /// Search in the transverse plane, where the flanks allow it.
     spur: Option<Spur>,
     /// Search in twisted sections, where the flanks allow only that.
-    twisted: Option<Twisted>,
+    twisted: Option<TwistedFlanks>,
     scratch: RefCell<Scratch>,
     spur_scratch: RefCell<SpurScratch>,
     twisted_scratch: RefCell<TwistedScratch>,
@@ -46,12 +46,12 @@ impl FlankPoints {
     /// # Errors
     /// What is wrong with the settings or with the flanks of a gear (0 or 1), and a way out.
     pub fn new(
-        owners: [Owner<'_>; 2],
+        search_gears: [SearchGear<'_>; 2],
         geometry: &MeshGeometry,
         settings: &PointContact,
         lines: [Option<[Vec3; 2]>; 2],
     ) -> Result<Self, (Option<usize>, Reason)> {
-        let flanks = MeshFlanks::new(owners, geometry, settings)?;
+        let flanks = MeshFlanks::new(search_gears, geometry, settings)?;
         let gears = &flanks.gears;
         let by_indices = match settings.coarse {
             CoarseSearch::Auto => gears.iter().all(|g| g.involute),
@@ -68,7 +68,7 @@ impl FlankPoints {
             .then(|| Spur::new(gears, &flanks.rule))
             .flatten();
         let twisted = (by_indices && spur.is_none())
-            .then(|| Twisted::new(gears, &flanks.rule, geometry.base_pitch, parallel))
+            .then(|| TwistedFlanks::new(gears, &flanks.rule, geometry.base_pitch, parallel))
             .flatten();
         Ok(FlankPoints {
             coarse,
@@ -85,19 +85,19 @@ impl FlankPoints {
     /// Appends candidates.
     pub fn candidates(
         &self,
-        a: Party<'_>,
-        b: Party<'_>,
-        wanted: Wanted<'_>,
+        a: GearState<'_>,
+        b: GearState<'_>,
+        selection: CandidateSelection<'_>,
         out: &mut Vec<Candidate>,
     ) {
-        let limit = match wanted {
-            Wanted::Closed(_) => 0.0,
-            Wanted::Listed | Wanted::Watched(_) => self.flanks.reach,
-            Wanted::Touching(gap) => gap.min(self.flanks.reach),
+        let limit = match selection {
+            CandidateSelection::Closed(_) => 0.0,
+            CandidateSelection::Listed | CandidateSelection::Watched(_) => self.flanks.reach,
+            CandidateSelection::Touching(gap) => gap.min(self.flanks.reach),
         };
-        let parties = [&a, &b];
+        let gear_states = [&a, &b];
         let mut scratch = self.scratch.borrow_mut();
-        (self.flanks).each_point(&*self.coarse, parties, limit, &mut scratch, |found| {
+        (self.flanks).each_point(&*self.coarse, gear_states, limit, &mut scratch, |found| {
             out.push(self.candidate(found));
         });
     }
@@ -106,15 +106,17 @@ impl FlankPoints {
     /// a gap within `gap_bound` before residual compliance, and registers their nodes.
     pub fn nodal_points(
         &self,
-        mut sides: [NodalParty<'_>; 2],
+        mut sides: [NodalGearState<'_>; 2],
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
-        let stand = self.flanks.stand([&sides[0].party, &sides[1].party]);
+        let poses = self
+            .flanks
+            .poses([&sides[0].gear_state, &sides[1].gear_state]);
         let apart = self
             .flanks
-            .clearance(stand.displacements)
-            .map_or(f64::NEG_INFINITY, |c| c.after([0.0; 2]) - stand.beside);
+            .clearance(poses.displacements)
+            .map_or(f64::NEG_INFINITY, |c| c.after([0.0; 2]) - poses.beside);
         if apart > self.flanks.reach {
             self.scratch.borrow_mut().work = SearchWork::default();
             return;
@@ -134,23 +136,23 @@ impl FlankPoints {
         }
         if let Some(spur) = &self.spur {
             let buffers = &mut self.spur_scratch.borrow_mut();
-            let work = spur.points(&self.flanks, sides, &stand, limit, buffers, gap_bound, out);
+            let work = spur.points(&self.flanks, sides, &poses, limit, buffers, gap_bound, out);
             self.scratch.borrow_mut().work = work;
             return;
         }
         if let Some(twisted) = &self.twisted {
             let buffers = &mut self.twisted_scratch.borrow_mut();
-            let work = twisted.points(&self.flanks, sides, &stand, limit, buffers, gap_bound, out);
+            let work = twisted.points(&self.flanks, sides, &poses, limit, buffers, gap_bound, out);
             self.scratch.borrow_mut().work = work;
             return;
         }
         let [a, b] = sides;
-        let parties = [a.party, b.party];
+        let gear_states = [a.gear_state, b.gear_state];
         let mut nodes = [(a.field, a.nodes), (b.field, b.nodes)];
-        let parts = parties.each_ref();
+        let parts = gear_states.each_ref();
         let mut scratch = self.scratch.borrow_mut();
         (self.flanks).each_point(&*self.coarse, parts, limit, &mut scratch, |found| {
-            self.nodal_point(found, &parties, &mut nodes, gap_bound, out);
+            self.nodal_point(found, &gear_states, &mut nodes, gap_bound, out);
         });
     }
 
@@ -172,13 +174,13 @@ impl FlankPoints {
     }
 
     #[inline]
-    fn candidate(&self, found: &Found<'_>) -> Candidate {
-        let Found {
+    fn candidate(&self, found: &ProjectedPoint<'_>) -> Candidate {
+        let ProjectedPoint {
             k,
             flanks: [slave, _],
             point: p,
             hit,
-            fade,
+            taper,
             ..
         } = found;
         // The flank's normal points from the master to the slave, the candidate's from the first gear to
@@ -190,8 +192,8 @@ impl FlankPoints {
         let mut factor = 1.0;
         if hit.gap < 0.0 {
             // d(m g) = m n . (dx - dX) + g grad m . dx
-            factor = fade.factor;
-            aside[*k] = sign * hit.gap * fade.gradient;
+            factor = taper.factor;
+            aside[*k] = sign * hit.gap * taper.gradient;
         }
         let normal = sign * factor * hit.normal;
         Candidate {
@@ -200,7 +202,7 @@ impl FlankPoints {
             points,
             normal,
             aside,
-            fade: fade.factor,
+            taper: taper.factor,
             scale: [1.0, 1.0],
             curvature: [0.0; 2],
             gap: factor * hit.gap,
@@ -214,19 +216,19 @@ impl FlankPoints {
     /// Returns a point with the nodes of its faces, for gears with a field.
     fn nodal_point(
         &self,
-        found: &Found<'_>,
-        parties: &[Party<'_>; 2],
+        found: &ProjectedPoint<'_>,
+        gear_states: &[GearState<'_>; 2],
         nodes: &mut [(Option<&dyn FlankDisplacement>, &mut GearNodes); 2],
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
-        let Found {
+        let ProjectedPoint {
             k,
             flanks: [slave, master],
             point: p,
             x,
             hit,
-            fade,
+            taper,
             ..
         } = found;
         let (k, m) = (*k, 1 - k);
@@ -241,7 +243,7 @@ impl FlankPoints {
             if let Some(field) = field {
                 let corners = shape.corners(row, column);
                 weights[gear] = Flanks::weights([2.0 * a - 1.0, 2.0 * b - 1.0]);
-                slots[gear] = nodes.meet(*field, parties[gear].at, &corners);
+                slots[gear] = nodes.meet(*field, gear_states[gear].at, &corners);
                 let a = GearNodes::at(&nodes.displacement, &slots[gear]);
                 gap0 -= weighted(&weights[gear], &a);
             }
@@ -271,9 +273,9 @@ impl FlankPoints {
             gap0,
             stiffness: self.flanks.penalty[k] * p.area,
             share: self.flanks.share(k, p.area),
-            fading: Vec3::zeros(),
+            taper_gradient: Vec3::zeros(),
         };
-        self.flanks.fade(&mut point, fade);
+        self.flanks.taper(&mut point, taper);
         out.points.push(point);
     }
 }

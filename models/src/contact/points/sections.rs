@@ -1,6 +1,6 @@
 //! Flanks of both gears as profiles in the transverse plane, and the positions over the width of their points.
 
-use super::flanked::Flanked;
+use super::flanked::FlankedGear;
 use super::profile::{Profile, Vec2};
 use super::projection::RIM;
 use super::rule::Rule;
@@ -35,18 +35,18 @@ pub(super) struct Cell {
 
 /// Rigid transformation in the transverse plane from the frame of one gear to that of another.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turn {
+pub(super) struct PlaneTransform {
     pub(super) cos: f64,
     pub(super) sin: f64,
     pub(super) shift: Vec2,
 }
 
-impl Turn {
+impl PlaneTransform {
     /// Returns the transformation between frames with parallel axes and origins at one height.
     pub(super) fn between(from: &Pose, to: &Pose) -> Self {
         let d = from.origin - to.origin;
         let [x, y, _] = &to.axes;
-        Turn {
+        PlaneTransform {
             cos: from.axes[0].dot(x),
             sin: from.axes[0].dot(y),
             shift: Vec2::new(x.dot(&d), y.dot(&d)),
@@ -55,8 +55,8 @@ impl Turn {
 
     /// Composes this transformation after another.
     #[inline]
-    pub(super) fn after(&self, first: &Turn) -> Turn {
-        Turn {
+    pub(super) fn after(&self, first: &PlaneTransform) -> PlaneTransform {
+        PlaneTransform {
             cos: self.cos * first.cos - self.sin * first.sin,
             sin: self.sin * first.cos + self.cos * first.sin,
             shift: self.point(&first.shift),
@@ -64,9 +64,9 @@ impl Turn {
     }
 
     #[inline]
-    pub(super) fn inverse(&self) -> Turn {
+    pub(super) fn inverse(&self) -> PlaneTransform {
         let s = &self.shift;
-        Turn {
+        PlaneTransform {
             cos: self.cos,
             sin: -self.sin,
             shift: -Vec2::new(
@@ -87,8 +87,8 @@ impl Turn {
 
 impl Spur {
     /// Returns the profiles of both gears, where their flanks allow it.
-    pub fn new(gears: &[Flanked; 2], rule: &Rule) -> Option<Self> {
-        let profiles = |g: &Flanked| -> Option<Vec<Profile>> {
+    pub fn new(gears: &[FlankedGear; 2], rule: &Rule) -> Option<Self> {
+        let profiles = |g: &FlankedGear| -> Option<Vec<Profile>> {
             let first = &g.shapes[0];
             let alike = |s: &Shape| s.z == first.z && s.z.is_sorted_by(|a, b| a < b);
             (g.rigid && g.shapes.iter().all(alike))

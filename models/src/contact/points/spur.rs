@@ -5,14 +5,14 @@
 //! one pose of each gear relative to the other. Along a pair of flanks the gap grows from the point of smallest gap:
 //! rows are searched outwards from there, until displacements can no longer close the gap.
 
-use super::flanked::Near;
+use super::flanked::NearbyFlank;
 use super::mesh_flanks::MeshFlanks;
+use super::poses::MeshPoses;
 use super::profile::Vec2;
-use super::sections::Turn;
-use super::spur_face::{Held, Pair};
-use super::stand::Stand;
-use crate::contact::nodal::{GapBound, NodalParty, NodalPoints, UNUSED};
-use crate::contact::party::SearchWork;
+use super::sections::PlaneTransform;
+use super::spur_face::{FacePointSearch, Pair};
+use crate::contact::gear_state::SearchWork;
+use crate::contact::nodal::{GapBound, NodalGearState, NodalPoints, UNUSED};
 use crate::geometry::Side;
 
 pub(super) use super::sections::Spur;
@@ -20,8 +20,8 @@ pub(super) use super::sections::Spur;
 /// Buffers of the search, reused between evaluations.
 #[derive(Debug, Default)]
 pub(super) struct SpurScratch {
-    first: Vec<Near>,
-    pairs: Vec<Facing>,
+    first: Vec<NearbyFlank>,
+    pairs: Vec<OppositeFlanks>,
     /// Slot of the first node of each row, per gear; [`UNUSED`] for rows that are not registered.
     rows: [Vec<u32>; 2],
     /// Lower bound of the gap of each row of the slave [m], and the face of the master for which it was computed.
@@ -34,8 +34,8 @@ impl Spur {
     pub fn points(
         &self,
         of: &MeshFlanks,
-        mut sides: [NodalParty<'_>; 2],
-        stand: &Stand,
+        mut sides: [NodalGearState<'_>; 2],
+        poses: &MeshPoses,
         limit: f64,
         buffers: &mut SpurScratch,
         gap_bound: &mut GapBound,
@@ -43,12 +43,12 @@ impl Spur {
     ) -> SearchWork {
         let mut work = SearchWork::default();
         let SpurScratch { first, pairs, .. } = buffers;
-        facing(of, stand, limit, first, pairs);
+        facing(of, poses, limit, first, pairs);
         if !buffers.pairs.is_empty() {
-            let poses = stand.poses;
+            let poses = poses.poses;
             let turns = [
-                Turn::between(&poses[0], &poses[1]),
-                Turn::between(&poses[1], &poses[0]),
+                PlaneTransform::between(&poses[0], &poses[1]),
+                PlaneTransform::between(&poses[1], &poses[0]),
             ];
             let pairs = std::mem::take(&mut buffers.pairs);
             for (_, a, b, side) in &pairs {
@@ -73,20 +73,20 @@ impl Spur {
 }
 
 /// Pair of flanks: their distance along the path, the flanks, and their side.
-pub(super) type Facing = (f64, Near, Near, Side);
+pub(super) type OppositeFlanks = (f64, NearbyFlank, NearbyFlank, Side);
 
 /// Returns the opposite flanks within the limit, the nearest pair first.
 pub(super) fn facing(
     of: &MeshFlanks,
-    stand: &Stand,
+    poses: &MeshPoses,
     limit: f64,
-    first: &mut Vec<Near>,
-    pairs: &mut Vec<Facing>,
+    first: &mut Vec<NearbyFlank>,
+    pairs: &mut Vec<OppositeFlanks>,
 ) {
     pairs.clear();
     let limit =
-        of.along(limit) + of.gears[0].deviation_bound + of.gears[1].deviation_bound + stand.beside;
-    let by = &stand.displacements;
+        of.along(limit) + of.gears[0].deviation_bound + of.gears[1].deviation_bound + poses.beside;
+    let by = &poses.displacements;
     for side in Side::BOTH {
         first.clear();
         of.gears[0].each_near(side, by[0], of.zone, |near| first.push(near));
@@ -105,7 +105,7 @@ impl Pair<'_> {
     /// Finds the points of both passes, with either gear as slave.
     fn points(
         &self,
-        sides: &mut [NodalParty<'_>; 2],
+        sides: &mut [NodalGearState<'_>; 2],
         buffers: &mut SpurScratch,
         work: &mut SearchWork,
         gap_bound: &mut GapBound,
@@ -139,7 +139,7 @@ impl Pair<'_> {
         &self,
         k: usize,
         start: &Vec2,
-        sides: &mut [NodalParty<'_>; 2],
+        sides: &mut [NodalGearState<'_>; 2],
         buffers: &mut SpurScratch,
         work: &mut SearchWork,
         gap_bound: &mut GapBound,
@@ -205,7 +205,7 @@ impl Pair<'_> {
         };
         self.meet(k, low..=high, of_slave, slave_rows);
         self.meet(m, range.0..=range.1 + 1, of_master, master_rows);
-        let mut face = Held {
+        let mut face = FacePointSearch {
             pair: self,
             k,
             of_slave,

@@ -304,7 +304,7 @@ pub(super) struct Face<'a> {
 
 /// A point of a face with its derivatives by `a` and `b`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
+pub(super) struct SurfacePoint {
     pub x: Vec3,
     pub along: Vec3,
     pub across: Vec3,
@@ -315,8 +315,8 @@ pub(super) struct Spot {
 impl Face<'_> {
     /// Computes position, tangents and second derivatives.
     #[inline]
-    pub fn eval(&self, shape: &Shape, a: f64, b: f64) -> Spot {
-        let mut spot = Spot {
+    pub fn eval(&self, shape: &Shape, a: f64, b: f64) -> SurfacePoint {
+        let mut spot = SurfacePoint {
             x: self.origin + a * self.along + b * (self.across + a * self.twist),
             along: self.along + b * self.twist,
             across: self.across + a * self.twist,

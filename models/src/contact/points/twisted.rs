@@ -27,12 +27,12 @@
 //! (F. L. Litvin, A. Fuentes, *Gear Geometry and Applied Theory*, 2nd ed. 2004, ch. 14, for helicoids). Sections
 //! therefore select the points and the start of the search in space; the result is that of the surfaces.
 
-use super::flanked::Flanked;
+use super::flanked::FlankedGear;
 use super::mesh_flanks::MeshFlanks;
 use super::patch::Patch;
 use super::profile::{NEARLY, Profile, Vec2};
 use super::rule::Rule;
-use super::sections::{Cell, Turn, cells};
+use super::sections::{Cell, PlaneTransform, cells};
 use super::surface::Shape;
 use crate::Vec3;
 use crate::geometry::Tips;
@@ -52,7 +52,7 @@ const SECOND_ORDER: f64 = 0.02;
 
 /// Flanks of both gears as twisted profiles.
 #[derive(Clone, Debug)]
-pub(super) struct Twisted {
+pub(super) struct TwistedFlanks {
     pub profiles: [Vec<Profile>; 2],
     /// Faces of each flank as polynomials.
     pub patches: [Vec<Vec<Patch>>; 2],
@@ -75,21 +75,21 @@ pub(super) struct Twisted {
 pub(super) struct TwistedCell {
     pub cell: Cell,
     /// Transformation from the section of the slave to its frame, and from the frame of the master to its section.
-    from_slave: Turn,
-    to_master: Turn,
+    from_slave: PlaneTransform,
+    to_master: PlaneTransform,
 }
 
 /// Map from a section of the slave to those of the master.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SectionMap {
     /// Transformation for parallel axes; an approximation for others.
-    pub turn: Turn,
-    tilted: Option<Tilted>,
+    pub turn: PlaneTransform,
+    tilted: Option<TiltTerms>,
 }
 
 /// Additional terms for tilted axes.
 #[derive(Clone, Copy, Debug)]
-struct Tilted {
+struct TiltTerms {
     /// Map to the section of the master at the height of the slave's axis, as rows.
     rows: [Vec2; 2],
     shift: Vec2,
@@ -125,7 +125,7 @@ pub(super) struct Twist {
 
 impl Twist {
     /// Computes the twist of the flanks of a gear, from the ends of one flank in the middle of the profile.
-    fn of(gear: &Flanked) -> Self {
+    fn of(gear: &FlankedGear) -> Self {
         let shape = &gear.shapes[0];
         let row = shape.rows / 2 * shape.columns;
         let [a, b] = [0, shape.columns - 1].map(|c| shape.positions[row + c]);
@@ -142,10 +142,10 @@ impl Twist {
     }
 
     /// Returns the transformation from the section at a height to the gear frame.
-    fn section(&self, z: f64) -> Turn {
+    fn section(&self, z: f64) -> PlaneTransform {
         let by = self.rate * z;
         let (angle, shift) = if self.rack { (0.0, by) } else { (by, 0.0) };
-        Turn {
+        PlaneTransform {
             cos: angle.cos(),
             sin: angle.sin(),
             shift: Vec2::new(0.0, shift),
@@ -163,11 +163,16 @@ impl Twist {
     }
 }
 
-impl Twisted {
+impl TwistedFlanks {
     /// Returns the twisted profiles of both gears, where their flanks allow it.
-    pub fn new(gears: &[Flanked; 2], rule: &Rule, base_pitch: f64, parallel: bool) -> Option<Self> {
+    pub fn new(
+        gears: &[FlankedGear; 2],
+        rule: &Rule,
+        base_pitch: f64,
+        parallel: bool,
+    ) -> Option<Self> {
         let rising = |s: &Shape| s.z.is_sorted_by(|a, b| a < b);
-        let may_be = |g: &Flanked| g.rigid && !g.conical && g.shapes.iter().all(rising);
+        let may_be = |g: &FlankedGear| g.rigid && !g.conical && g.shapes.iter().all(rising);
         if !gears.iter().all(may_be) {
             return None;
         }
@@ -197,7 +202,7 @@ impl Twisted {
             with_turns.collect()
         };
         // Columns of all flanks of a gear stand at the same heights.
-        let alike = |g: &Flanked| g.shapes.iter().all(|s| s.z == g.shapes[0].z);
+        let alike = |g: &FlankedGear| g.shapes.iter().all(|s| s.z == g.shapes[0].z);
         let patches =
             [0, 1].map(|k| -> Vec<Vec<Patch>> { gears[k].shapes.iter().map(Patch::all).collect() });
         let points = [0, 1].map(|k| {
@@ -206,7 +211,7 @@ impl Twisted {
                 .map(|(shape, patches)| points(shape, patches, rule))
                 .collect()
         });
-        gears.iter().all(alike).then(|| Twisted {
+        gears.iter().all(alike).then(|| TwistedFlanks {
             profiles,
             patches,
             points,
@@ -220,11 +225,11 @@ impl Twisted {
     }
 
     /// Returns the frame of the slave `k` in that of the master.
-    pub fn seen(&self, slave: &Pose, master: &Pose) -> Pose {
+    pub fn relative_frame(&self, slave: &Pose, master: &Pose) -> Pose {
         if !self.parallel {
             return slave.seen_from(master);
         }
-        let turn = Turn::between(slave, master);
+        let turn = PlaneTransform::between(slave, master);
         Pose {
             axes: [
                 Vec3::new(turn.cos, turn.sin, 0.0),
@@ -237,13 +242,13 @@ impl Twisted {
 
     /// Computes the maps from the section of the slave `k` at each of its cells to those of the master; `relative_frame` is the
     /// frame of the slave in that of the master.
-    pub fn maps(&self, k: usize, seen: &Pose, out: &mut Vec<SectionMap>) {
+    pub fn maps(&self, k: usize, relative_frame: &Pose, out: &mut Vec<SectionMap>) {
         out.clear();
-        let [x, y, z] = &seen.axes;
-        let turn = Turn {
+        let [x, y, z] = &relative_frame.axes;
+        let turn = PlaneTransform {
             cos: x.x,
             sin: x.y,
-            shift: seen.origin.xy(),
+            shift: relative_frame.origin.xy(),
         };
         let twist = self.twists[1 - k];
         out.extend(self.cells[k].iter().map(|c| {
@@ -257,7 +262,7 @@ impl Twisted {
             let from = &c.from_slave;
             let first = from.cos * x + from.sin * y;
             let second = from.cos * y - from.sin * x;
-            let origin = seen.origin + from.shift.x * x + from.shift.y * y + c.cell.z * z;
+            let origin = relative_frame.origin + from.shift.x * x + from.shift.y * y + c.cell.z * z;
             let slope = Vec2::new(first.z, second.z);
             let to = twist.section(origin.z).inverse();
             let turned =
@@ -266,12 +271,12 @@ impl Twisted {
             let shift = to.point(&origin.xy());
             let length = a.norm();
             SectionMap {
-                turn: Turn {
+                turn: PlaneTransform {
                     cos: a.x / length,
                     sin: a.y / length,
                     shift,
                 },
-                tilted: Some(Tilted {
+                tilted: Some(TiltTerms {
                     rows: [Vec2::new(a.x, b.x), Vec2::new(a.y, b.y)],
                     shift,
                     slope,
@@ -294,7 +299,7 @@ impl Twisted {
         [first, second]: [&Profile; 2],
         k: usize,
         (of, s): (&MeshFlanks, f64),
-        turn: &Turn,
+        turn: &PlaneTransform,
     ) -> Vec2 {
         let back = turn.inverse();
         let [to_second, to_first] = if k == 0 { [turn, &back] } else { [&back, turn] };
@@ -315,9 +320,11 @@ impl Twisted {
     }
 
     /// Returns the height over the middle of the master of a point in a section of the slave.
-    pub fn height(seen: &Pose, cell: &TwistedCell, x: &Vec2) -> f64 {
+    pub fn height(relative_frame: &Pose, cell: &TwistedCell, x: &Vec2) -> f64 {
         let own = cell.from_slave.point(x);
-        seen.point(&Vec3::new(own.x, own.y, cell.cell.z)).z
+        relative_frame
+            .point(&Vec3::new(own.x, own.y, cell.cell.z))
+            .z
     }
 
     /// Returns a bound of the error of sections for a gap [m] and displacements [m].

@@ -1,7 +1,7 @@
 //! Data of an elastic gear.
 
 use super::inertia::SpinTerms;
-use super::lateral::{self, HubShapes};
+use super::out_of_plane::{self, HubShapes};
 use super::reduced::{FlankCompliance, Reduced};
 use crate::Vec3;
 use crate::error::Reason;
@@ -99,7 +99,7 @@ impl Elastic {
         hub.inertia = data.inertia;
         let mut shapes = None;
         if let Some(lateral) = &hub.lateral {
-            let lateral = lateral::on_hub(lateral, data.lateral.as_ref(), &placement)?;
+            let lateral = out_of_plane::on_hub(lateral, data.lateral.as_ref(), &placement)?;
             let own = hub.moving();
             let of_modes = data.lateral.iter().flat_map(|l| &l.hub).zip(&data.hub);
             let with_own = of_modes.map(|(phi, turn)| {

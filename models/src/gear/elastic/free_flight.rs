@@ -15,7 +15,7 @@ use crate::gear::capabilities::{LinearMotion, Oscillators};
 use crate::gear::free_flight::FreeFlight;
 use crate::gear::model::GearModel;
 use gearbench_integrators::FlightPath;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 impl Elastic {
     /// Sets the ratio to the energy of the next impact below which the modes are set to their static deflection in
@@ -45,7 +45,7 @@ impl Elastic {
     }
 
     /// Returns twice the energy of the oscillation about the static deflection, and twice that of the deflection.
-    fn energies(&self, at: At<'_>, load: f64) -> [f64; 2] {
+    fn energies(&self, at: StateView<'_>, load: f64) -> [f64; 2] {
         let (mut swinging, mut resting) = (0.0, 0.0);
         let state = at.q[self.own..].iter().zip(&at.v[self.own..]);
         for ((w, (q, v)), g) in
@@ -85,7 +85,7 @@ impl LinearMotion for Elastic {
         self.spinning().is_some()
     }
 
-    fn add_other_forces(&self, at: At<'_>, f: &mut [f64]) {
+    fn add_other_forces(&self, at: StateView<'_>, f: &mut [f64]) {
         self.add_modal_inertia(at.t, f);
         self.add_bearing(at, false, f);
     }
@@ -94,7 +94,7 @@ impl LinearMotion for Elastic {
         self.correct_by(missing);
     }
 
-    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
+    fn free_flight(&self, at: StateView<'_>, load: f64) -> Option<FreeFlight> {
         // How far flanks are apart is linear in one displacement alone.
         if self.spinning().is_some() || self.hub.lateral.is_some() {
             return None;
@@ -109,7 +109,7 @@ impl LinearMotion for Elastic {
         })
     }
 
-    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
+    fn add_to_path(&self, at: StateView<'_>, load: f64, first: usize, path: &mut FlightPath) {
         self.hub.add_to_path(at, load, first, path);
         for (i, g) in (self.own..).zip(self.modal_loads(at.t, load)) {
             path.oscillator(self.omega[i], self.zeta[i], [at.q[i], at.v[i]], g);
@@ -125,7 +125,7 @@ impl LinearMotion for Elastic {
         v: &mut [f64],
         _discrete: &mut [f64],
     ) -> bool {
-        let at = At {
+        let at = StateView {
             t,
             q: &*q,
             v: &*v,
@@ -143,7 +143,7 @@ impl LinearMotion for Elastic {
     }
 
     /// Returns the work of a prescribed acceleration on the modes, in addition to that of loads.
-    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+    fn steady_work(&self, from: StateView<'_>, to: StateView<'_>, load: f64) -> f64 {
         if self.turns() {
             return load * (self.hub_state(to).displacement - self.hub_state(from).displacement);
         }

@@ -313,8 +313,8 @@ fn over(of_rows: &FlankCompliance, sums: &[Sum]) -> FlankCompliance {
                     .collect(),
             }
         }
-        FlankCompliance::Lessened(c) => {
-            FlankCompliance::Lessened(Box::new(c.over(sums, |whole| over(whole, sums))))
+        FlankCompliance::Deflated(c) => {
+            FlankCompliance::Deflated(Box::new(c.over(sums, |whole| over(whole, sums))))
         }
     }
 }

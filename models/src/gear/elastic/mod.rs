@@ -19,14 +19,14 @@
 //! centrifugal and Coriolis terms of [`inertia`] as well.
 
 mod body;
+pub mod deflated;
+mod displaced_mesh;
 mod free_flight;
 mod gear;
 pub mod inertia;
 mod kernels;
-mod lateral;
-pub mod lessened;
 pub mod lines;
-mod picture;
+mod out_of_plane;
 mod quasi_static;
 pub mod reduced;
 mod spin;

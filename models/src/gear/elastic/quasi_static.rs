@@ -97,7 +97,7 @@ impl Elastic {
                     }
                 }
             }
-            FlankCompliance::Lessened(c) => c.give(&rows, width),
+            FlankCompliance::Deflated(c) => c.give(&rows, width),
         }
         correction.flanks = Some(flanks);
         correction.missing.clear();

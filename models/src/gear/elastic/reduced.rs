@@ -13,8 +13,8 @@
 //!   coordinates in sqrt(kg) m.
 //! - A hub that moves turns counter-clockwise (a rack travels along its slide) for positive angle, torque and shape.
 
+use super::deflated::Deflated;
 use super::inertia::Integrals;
-use super::lessened::Lessened;
 use crate::Vec3;
 use crate::geometry::Flanks;
 use std::sync::Arc;
@@ -56,12 +56,12 @@ pub struct Reduced {
     /// Inertia integrals of the kept modes, for gears at high speed.
     pub integrals: Option<Integrals>,
     /// Data of a hub with out-of-plane freedom.
-    pub lateral: Option<Arc<LateralShapes>>,
+    pub lateral: Option<Arc<OutOfPlaneShapes>>,
 }
 
 /// Motion of a hub with out-of-plane freedom by the modes, and rigid-body inertia of the gear.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LateralShapes {
+pub struct OutOfPlaneShapes {
     /// Free out-of-plane directions: translations along x, y, z of the gear frame, rotations about them.
     pub free: [bool; 6],
     /// Translation [m] and rotation [rad] of the hub relative to the frame per unit coordinate of each mode, in the
@@ -103,7 +103,7 @@ pub enum FlankCompliance {
         blocks: Vec<f64>,
     },
     /// Compliance of a cyclic gear without that of modes fitted to some of its teeth.
-    Lessened(Box<Lessened>),
+    Deflated(Box<Deflated>),
 }
 
 impl FlankCompliance {
@@ -121,7 +121,7 @@ impl FlankCompliance {
                 let apart = (i / m + teeth - j / m) % teeth;
                 blocks[(apart * m + i % m) * m + j % m]
             }
-            FlankCompliance::Lessened(c) => c.between(i as u32, j as u32),
+            FlankCompliance::Deflated(c) => c.between(i as u32, j as u32),
         }
     }
 
@@ -158,7 +158,7 @@ impl FlankCompliance {
                     }
                 }
             }
-            FlankCompliance::Lessened(c) => {
+            FlankCompliance::Deflated(c) => {
                 for (row, &i) in rows {
                     for (x, &j) in row.iter_mut().zip(nodes) {
                         *x = c.between(i, j);
@@ -184,7 +184,7 @@ impl FlankCompliance {
                 }
                 (blocks, teeth * per_tooth * per_tooth)
             }
-            FlankCompliance::Lessened(c) => return c.problem(rows),
+            FlankCompliance::Deflated(c) => return c.problem(rows),
         };
         if c.len() != expected {
             return Some(format!("{} compliances, expected {expected}", c.len()));

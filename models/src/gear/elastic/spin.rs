@@ -13,7 +13,7 @@ use crate::cholesky::dot;
 use crate::error::Reason;
 use crate::spec::Mount;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Singular};
+use gearbench_integrators::system::{Singular, StateView};
 
 impl Elastic {
     /// Sets the inertia terms of the rotating frame; the default is [`SpinTerms::Auto`].
@@ -73,7 +73,7 @@ impl Elastic {
     pub(super) fn add_spin_force(
         &self,
         i: &Integrals,
-        at: At<'_>,
+        at: StateView<'_>,
         acceleration: f64,
         f: &mut [f64],
     ) {
@@ -100,7 +100,7 @@ impl Elastic {
     pub(super) fn add_spin_tangent(
         &self,
         i: &Integrals,
-        at: At<'_>,
+        at: StateView<'_>,
         acceleration: f64,
         [dq, dv]: [&[f64]; 2],
         df: &mut [f64],
@@ -152,7 +152,7 @@ impl Elastic {
     }
 
     /// Solves with the mass matrix, `f <- M^-1 f`, for a gear that is free to rotate or to move out of the plane.
-    pub(super) fn solve_mass(&self, at: At<'_>, f: &mut [f64]) -> Result<(), Singular> {
+    pub(super) fn solve_mass(&self, at: StateView<'_>, f: &mut [f64]) -> Result<(), Singular> {
         let (mut hub, n) = self.hub_mass(at);
         let (on_hub, modes) = f.split_at_mut(n);
         let mut room = self.spin.room.borrow_mut();
@@ -175,7 +175,7 @@ impl Elastic {
     }
 
     /// Multiplies by the mass matrix, `y = M x`, for a gear that is free to rotate or to move out of the plane.
-    pub(super) fn apply_mass(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+    pub(super) fn apply_mass(&self, at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         let (hub, n) = self.hub_mass(at);
         for (y, row) in y.iter_mut().zip(hub.chunks_exact(n.max(1))).take(n) {
             *y = dot(row, &x[..n]);
@@ -196,7 +196,7 @@ impl Elastic {
     pub(super) fn spin_accelerations(
         &self,
         i: &Integrals,
-        at: At<'_>,
+        at: StateView<'_>,
         forces: &[f64],
         prescribed: f64,
     ) -> Vec<f64> {
@@ -216,7 +216,13 @@ impl Elastic {
 
     /// Returns the rate of [`Self::spin_momentum`] for a gear with a fixed or driven hub, from the accelerations `a`
     /// of its modes.
-    pub(super) fn spin_torque(&self, i: &Integrals, at: At<'_>, prescribed: f64, a: &[f64]) -> f64 {
+    pub(super) fn spin_torque(
+        &self,
+        i: &Integrals,
+        at: StateView<'_>,
+        prescribed: f64,
+        a: &[f64],
+    ) -> f64 {
         let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
         let mut room = self.spin.room.borrow_mut();
         let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
@@ -226,7 +232,7 @@ impl Elastic {
     }
 
     /// Returns the contribution of the deformation to the momentum about the axis, `theta' (2 a.q + q.G q) + q.C q'`.
-    pub(super) fn spin_momentum(&self, i: &Integrals, at: At<'_>) -> f64 {
+    pub(super) fn spin_momentum(&self, i: &Integrals, at: StateView<'_>) -> f64 {
         let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
         let mut room = self.spin.room.borrow_mut();
         let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
@@ -235,7 +241,7 @@ impl Elastic {
     }
 
     /// Returns the contribution of the deformation to the kinetic energy of a free gear.
-    pub(super) fn spin_energy(&self, i: &Integrals, at: At<'_>) -> f64 {
+    pub(super) fn spin_energy(&self, i: &Integrals, at: StateView<'_>) -> f64 {
         let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
         let mut room = self.spin.room.borrow_mut();
         let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
@@ -245,7 +251,7 @@ impl Elastic {
 
     /// Returns the power of a prescribed motion on the modes beyond the coupling without rotation; Coriolis forces do
     /// no work.
-    pub(super) fn spin_power(&self, i: &Integrals, at: At<'_>, acceleration: f64) -> f64 {
+    pub(super) fn spin_power(&self, i: &Integrals, at: StateView<'_>, acceleration: f64) -> f64 {
         let speed = self.hub.speed(at.t, at.v);
         let mut room = self.spin.room.borrow_mut();
         let (q, v) = (&at.q[self.own..], &at.v[self.own..]);

@@ -15,7 +15,7 @@ use super::teeth::MovableTeeth;
 use crate::gear::capabilities::LinearMotion;
 use crate::gear::free_flight::FreeFlight;
 use gearbench_integrators::FlightPath;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 /// Decomposition of the gear into a frame and oscillators.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,7 @@ fn doubled(omega: f64, x: f64, v: f64) -> f64 {
 impl MovableTeeth {
     /// Returns the decomposition, or `None` for unequal or overdamped teeth, and while a tooth has the stiffness of
     /// its contact.
-    fn parts(&self, at: At<'_>, load: f64) -> Option<Parts> {
+    fn parts(&self, at: StateView<'_>, load: f64) -> Option<Parts> {
         let p = &self.springs;
         let slots = self.engaged_cell(0)..self.head();
         let engaged = p.radius.is_some() && at.discrete[slots].iter().any(|x| *x != 0.0);
@@ -123,7 +123,7 @@ impl MovableTeeth {
 
     /// Returns the deviation of coordinate `first() + i` from the mean, and its rate; zero where it is within the
     /// rounding of angles.
-    fn deviation(&self, at: At<'_>, parts: &Parts, i: usize) -> [f64; 2] {
+    fn deviation(&self, at: StateView<'_>, parts: &Parts, i: usize) -> [f64; 2] {
         let i = self.first() + i;
         let [d, v] = [at.q[i] - parts.mean[0], at.v[i] - parts.mean[1]];
         let rounding = 4.0 * f64::EPSILON * at.q[i].abs();
@@ -134,7 +134,7 @@ impl MovableTeeth {
 }
 
 impl LinearMotion for MovableTeeth {
-    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
+    fn free_flight(&self, at: StateView<'_>, load: f64) -> Option<FreeFlight> {
         let parts = self.parts(at, load)?;
         let resting = parts.resting();
         let stretched = doubled(parts.omega, parts.stretch[0] - resting, parts.stretch[1]);
@@ -164,7 +164,7 @@ impl LinearMotion for MovableTeeth {
         })
     }
 
-    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
+    fn add_to_path(&self, at: StateView<'_>, load: f64, first: usize, path: &mut FlightPath) {
         let Some(parts) = self.parts(at, load) else {
             return;
         };
@@ -198,7 +198,7 @@ impl LinearMotion for MovableTeeth {
         v: &mut [f64],
         discrete: &mut [f64],
     ) -> bool {
-        let at = At {
+        let at = StateView {
             t,
             q: &*q,
             v: &*v,
@@ -236,7 +236,7 @@ impl LinearMotion for MovableTeeth {
     }
 
     /// Returns the work on the gear; on a prescribed hub the springs receive `sum m S''` from it.
-    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+    fn steady_work(&self, from: StateView<'_>, to: StateView<'_>, load: f64) -> f64 {
         if self.hub.is_free() {
             return load
                 * (self.hub.displacement(to.t, to.q) - self.hub.displacement(from.t, from.q));

@@ -1,7 +1,7 @@
 //! Parameters of the movable-teeth model, and the construction of a gear.
 
 use super::springs::{RadiusStiffness, ToothSprings};
-use super::teeth::{Integrated, MovableTeeth};
+use super::teeth::{MovableTeeth, ToothSelection};
 use crate::error::BuildError;
 use crate::gear::hub_body::HubBody;
 use crate::gear::model::GearModel;
@@ -327,7 +327,7 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         body,
         springs,
         all_wanted: given.integrate == Some(Integrate::All),
-        integrated: Integrated::All,
+        integrated: ToothSelection::All,
         views: context.meshes.to_vec(),
         slots: 0,
         constant: Vec::new(),

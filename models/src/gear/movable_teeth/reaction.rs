@@ -10,14 +10,14 @@
 //! the windows are the mean, whose sum over a whole gear vanishes, and their free deviations `d`. The torque of a
 //! fixed mount is that of the springs on the body.
 
-use super::teeth::{Integrated, MovableTeeth};
+use super::teeth::{MovableTeeth, ToothSelection};
 use crate::Vec3;
 use crate::kinematics::Wrench;
 use crate::spec::Mount;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 impl MovableTeeth {
-    pub(super) fn reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
+    pub(super) fn reaction(&self, at: StateView<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
         let mut reaction = self.hub.reaction_at(at, contact);
         let first = self.first();
         let (phi, speed) = (
@@ -68,7 +68,7 @@ impl MovableTeeth {
             rate.y += mass * effective_radius * (a * cos - v2 * sin);
         };
         let windows = match &self.integrated {
-            Integrated::All => {
+            ToothSelection::All => {
                 for i in 0..own {
                     let angle = assembled + i as f64 * pitch + at.q[first + i];
                     let v = at.v[first + i];
@@ -77,7 +77,7 @@ impl MovableTeeth {
                 reaction.force += rate;
                 return reaction;
             }
-            Integrated::Windows(windows) => windows,
+            ToothSelection::Windows(windows) => windows,
         };
         let (mean, mean_v, mean_a) = (at.q[first], at.v[first], acceleration(0));
         for (mesh, w) in windows.iter().enumerate() {

@@ -5,7 +5,7 @@ use super::springs::{RadiusStiffness, ToothSprings};
 use crate::gear::hub_body::HubBody;
 use crate::geometry::Side;
 use crate::kinematics::{MeshView, Tooth};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 /// Fraction of a pitch beyond a whole pitch up to which teeth still belong to their present window.
 pub(super) const HYSTERESIS: f64 = 0.05;
@@ -32,7 +32,7 @@ impl Window {
 
 /// Selection of the teeth with individual coordinates.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Integrated {
+pub(super) enum ToothSelection {
     /// All teeth have coordinates.
     All,
     /// Windows around the meshes have coordinates; the mean represents all other teeth.
@@ -48,7 +48,7 @@ pub struct MovableTeeth {
     pub(super) body: f64,
     pub(super) springs: ToothSprings,
     pub(super) all_wanted: bool,
-    pub(super) integrated: Integrated,
+    pub(super) integrated: ToothSelection,
     pub(super) views: Vec<MeshView>,
     /// Number of teeth in windows.
     pub(super) slots: usize,
@@ -83,7 +83,7 @@ impl MovableTeeth {
     /// flank in contact of each slot.
     #[inline]
     pub(super) fn head(&self) -> usize {
-        let slots = if self.integrated == Integrated::All {
+        let slots = if self.integrated == ToothSelection::All {
             self.teeth
         } else {
             self.slots
@@ -102,7 +102,7 @@ impl MovableTeeth {
     #[inline]
     pub(super) fn count(&self, i: usize) -> f64 {
         match &self.integrated {
-            Integrated::Windows(_) if i == 0 => (self.teeth - self.slots) as f64,
+            ToothSelection::Windows(_) if i == 0 => (self.teeth - self.slots) as f64,
             _ => 1.0,
         }
     }
@@ -111,8 +111,8 @@ impl MovableTeeth {
     #[inline]
     pub(super) fn slot(&self, i: usize) -> Option<usize> {
         match &self.integrated {
-            Integrated::All => Some(i),
-            Integrated::Windows(_) => i.checked_sub(1),
+            ToothSelection::All => Some(i),
+            ToothSelection::Windows(_) => i.checked_sub(1),
         }
     }
 
@@ -127,10 +127,10 @@ impl MovableTeeth {
     #[inline]
     pub(super) fn own_coordinate(&self, discrete: &[f64], tooth: Tooth) -> Option<usize> {
         match &self.integrated {
-            Integrated::All => {
+            ToothSelection::All => {
                 Some(self.first() + (tooth.index as i32).rem_euclid(self.teeth as i32) as usize)
             }
-            Integrated::Windows(windows) => {
+            ToothSelection::Windows(windows) => {
                 let w = &windows[tooth.mesh as usize];
                 let centre = discrete[tooth.mesh as usize] as i64;
                 ((tooth.index - centre).abs() <= w.half)
@@ -142,7 +142,7 @@ impl MovableTeeth {
     /// Returns the spring of coordinate `first() + i` at angle `s`: count, stiffness and its derivative by the angle,
     /// damping, tooth inertia, all about the hub (times `r_d^2`).
     #[inline]
-    pub(super) fn spring(&self, at: At<'_>, i: usize, s: f64) -> Spring {
+    pub(super) fn spring(&self, at: StateView<'_>, i: usize, s: f64) -> Spring {
         match self.constant.get(i) {
             Some(spring) => *spring,
             None => self.varying_spring(at, i, s),
@@ -153,7 +153,7 @@ impl MovableTeeth {
     #[inline]
     pub(super) fn each_spring<'a>(
         &'a self,
-        at: At<'a>,
+        at: StateView<'a>,
     ) -> impl Iterator<Item = (usize, f64, f64, Spring)> + 'a {
         let own = self.first()..at.q.len();
         let state = at.q[own.clone()].iter().zip(&at.v[own]);
@@ -161,7 +161,7 @@ impl MovableTeeth {
         springs.map(move |(i, (&s, &v))| (i, s, v, self.spring(at, i, s)))
     }
 
-    fn varying_spring(&self, at: At<'_>, i: usize, s: f64) -> Spring {
+    fn varying_spring(&self, at: StateView<'_>, i: usize, s: f64) -> Spring {
         let n = self.count(i);
         let slot = self.slot(i);
         let p = &self.springs;
@@ -187,7 +187,7 @@ impl MovableTeeth {
     fn note_constants(&mut self) {
         self.constant.clear();
         if self.springs.radius.is_none() {
-            let at = At {
+            let at = StateView {
                 t: 0.0,
                 q: &[],
                 v: &[],
@@ -202,7 +202,7 @@ impl MovableTeeth {
     /// Returns `k(r)` of a tooth in contact and its derivatives by the angle `S`.
     fn stiffness_in_contact(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         table: &RadiusStiffness,
         slot: usize,
         engaged: f64,
@@ -232,8 +232,8 @@ impl MovableTeeth {
     pub(super) fn tooth_of_slot(&self, discrete: &[f64], mesh: usize, slot: usize) -> i64 {
         let centre = discrete[mesh] as i64;
         let (local, len) = match &self.integrated {
-            Integrated::All => (slot as i64, self.teeth as i64),
-            Integrated::Windows(w) => ((slot - w[mesh].slot) as i64, w[mesh].len()),
+            ToothSelection::All => (slot as i64, self.teeth as i64),
+            ToothSelection::Windows(w) => ((slot - w[mesh].slot) as i64, w[mesh].len()),
         };
         let first = centre - len / 2;
         first + (local - first).rem_euclid(len)
@@ -265,7 +265,7 @@ impl MovableTeeth {
 
     /// Selects the windows, or all teeth where windows do not fit.
     fn arrange(&mut self) {
-        self.integrated = Integrated::All;
+        self.integrated = ToothSelection::All;
         self.slots = 0;
         if self.all_wanted || !self.springs.uniform || self.views.is_empty() {
             return;
@@ -291,7 +291,7 @@ impl MovableTeeth {
         });
         if apart && slot + 2 <= self.teeth {
             self.slots = slot;
-            self.integrated = Integrated::Windows(windows);
+            self.integrated = ToothSelection::Windows(windows);
         }
     }
 
@@ -299,8 +299,8 @@ impl MovableTeeth {
     pub(super) fn lay_out(&mut self) {
         self.arrange();
         self.hub.own = match &self.integrated {
-            Integrated::All => self.teeth,
-            Integrated::Windows(_) => 1 + self.slots,
+            ToothSelection::All => self.teeth,
+            ToothSelection::Windows(_) => 1 + self.slots,
         };
         self.hub.discrete = self.head() + self.deviations().cells();
         self.note_constants();

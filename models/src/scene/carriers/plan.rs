@@ -4,7 +4,9 @@ use crate::Vec3;
 use crate::error::{BuildError, GearPart, Reason};
 use crate::gear::table::Model;
 use crate::scene::members::SceneGear;
-use crate::spec::{Body, BodySpec, Carried, Freedom, GearSpec, Mount, SceneSpec, initial_speed};
+use crate::spec::{
+    Body, BodySpec, Freedom, GearSpec, Mount, SceneSpec, StationMember, initial_speed,
+};
 use std::borrow::Cow;
 
 /// Largest distance of gears of a set from the axis of their carrier [m], and the largest sine between axes.
@@ -19,7 +21,7 @@ pub(in crate::scene) struct Ground {
 
 /// A planetary set: a carrier and its gears.
 #[derive(Clone, Debug)]
-pub(super) struct Set {
+pub(super) struct PlanetarySet {
     /// Index of the carrier among the members of the scene.
     pub body: usize,
     /// Gears, and whether they are on the carrier.
@@ -28,8 +30,8 @@ pub(super) struct Set {
 
 /// All planetary sets of a scene.
 #[derive(Clone, Debug, Default)]
-pub(in crate::scene) struct Sets {
-    pub(super) all: Vec<Set>,
+pub(in crate::scene) struct PlanetarySets {
+    pub(super) all: Vec<PlanetarySet>,
     /// Set of each mesh.
     pub(super) of_mesh: Vec<Option<usize>>,
     pub ground: Vec<Ground>,
@@ -51,10 +53,10 @@ fn carriers(spec: &SceneSpec) -> impl Iterator<Item = (usize, &BodySpec)> {
 /// A set that is none.
 pub(in crate::scene) fn grounded(
     spec: &SceneSpec,
-) -> Result<(Cow<'_, SceneSpec>, Sets), BuildError> {
-    let mut sets = Sets {
+) -> Result<(Cow<'_, SceneSpec>, PlanetarySets), BuildError> {
+    let mut sets = PlanetarySets {
         of_mesh: vec![None; spec.meshes.len()],
-        ..Sets::default()
+        ..PlanetarySets::default()
     };
     if carriers(spec).next().is_none() {
         return Ok((Cow::Borrowed(spec), sets));
@@ -148,7 +150,7 @@ pub(in crate::scene) fn grounded(
                 });
             }
         }
-        sets.all.push(Set {
+        sets.all.push(PlanetarySet {
             body: member,
             gears,
         });
@@ -157,7 +159,7 @@ pub(in crate::scene) fn grounded(
     Ok((Cow::Owned(with), sets))
 }
 
-impl Sets {
+impl PlanetarySets {
     /// Returns true for a scene without carriers.
     pub fn is_empty(&self) -> bool {
         self.all.is_empty()
@@ -261,8 +263,8 @@ fn set_free(mount: &mut Mount, speed: &mut f64) -> Option<Mount> {
 fn bodies_mut(spec: &mut SceneSpec) -> impl Iterator<Item = &mut BodySpec> {
     let stations = spec.shafts.iter_mut().flat_map(|s| &mut s.stations);
     stations.filter_map(|s| match &mut s.carries {
-        Carried::Body(body) => Some(body.as_mut()),
-        Carried::Gear(_) => None,
+        StationMember::Body(body) => Some(body.as_mut()),
+        StationMember::Gear(_) => None,
     })
 }
 
@@ -277,7 +279,7 @@ fn of_body(body: &BodySpec, why: impl Into<Reason>) -> BuildError {
 /// Returns true if the position of the gear on the carrier is fixed.
 fn is_pinned(gear: &GearSpec) -> bool {
     let directions = gear.lateral.iter().flat_map(|l| &l.directions[..2]);
-    directions.into_iter().all(|d| *d == Freedom::Held)
+    directions.into_iter().all(|d| *d == Freedom::Fixed)
 }
 
 fn mass_of(gear: &GearSpec) -> f64 {
@@ -341,7 +343,7 @@ fn check<'a>(
 }
 
 /// Checks that a gear has one carrier in all its meshes.
-fn shared(spec: &SceneSpec, sets: &Sets) -> Result<(), BuildError> {
+fn shared(spec: &SceneSpec, sets: &PlanetarySets) -> Result<(), BuildError> {
     for (i, gear) in spec.gears.iter().enumerate() {
         let mut of = (spec.meshes.iter().zip(&sets.of_mesh))
             .filter(|(mesh, _)| mesh.gears.contains(&i))

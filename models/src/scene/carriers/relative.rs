@@ -1,10 +1,10 @@
 //! The carrier-frame state of a scene.
 
-use super::plan::Sets;
+use super::plan::PlanetarySets;
 use crate::Vec3;
 use crate::kinematics::HubFrame;
 use crate::scene::members::SceneGear;
-use gearbench_integrators::system::{At, State};
+use gearbench_integrators::system::{State, StateView};
 use std::ops::Range;
 
 /// A carrier, and the gears that are described in its frame.
@@ -35,7 +35,7 @@ pub(super) struct Member {
 
 /// Buffers of a carrier-frame state.
 #[derive(Default)]
-pub(in crate::scene) struct RelativeState {
+pub(in crate::scene) struct CarrierFrameState {
     pub q: Vec<f64>,
     pub v: Vec<f64>,
     pub f: Vec<f64>,
@@ -53,7 +53,7 @@ pub(in crate::scene) struct Carriers {
 
 impl Carriers {
     /// Creates the carriers of a plan between gears with known coordinates.
-    pub fn new(sets: &Sets, gears: &[SceneGear]) -> Self {
+    pub fn new(sets: &PlanetarySets, gears: &[SceneGear]) -> Self {
         let mut carried = vec![false; gears.len()];
         let all = sets.all.iter().map(|set| {
             let body = &gears[set.body];
@@ -131,7 +131,7 @@ impl Carriers {
 
     /// Computes the accelerations of gears on carriers that rotate at constant speed, `theta_c'' = 0`: `u'' = -theta_c'^2
     /// (P + u - u_c)`.
-    pub fn centripetal(&self, at: At<'_>, a: &mut [f64]) {
+    pub fn centripetal(&self, at: StateView<'_>, a: &mut [f64]) {
         a.fill(0.0);
         for carrier in &self.all {
             let square = at.v[carrier.turn].powi(2);
@@ -146,7 +146,7 @@ impl Carriers {
     }
 
     /// Transforms a state to the carrier frame.
-    pub fn see(&self, at: At<'_>, to: &mut RelativeState) {
+    pub fn to_carrier_frame(&self, at: StateView<'_>, to: &mut CarrierFrameState) {
         to.q.clear();
         to.q.extend_from_slice(at.q);
         to.v.clear();
@@ -179,7 +179,7 @@ impl Carriers {
     }
 
     /// Adds carrier-frame forces to those of the coordinates: `f += J^T f~`.
-    pub fn pull_back(&self, at: At<'_>, relative: &RelativeState, f: &mut [f64]) {
+    pub fn pull_back(&self, at: StateView<'_>, relative: &CarrierFrameState, f: &mut [f64]) {
         let from = &relative.f;
         f.iter_mut().zip(from).for_each(|(f, r)| *f += r);
         for carrier in &self.all {
@@ -216,7 +216,7 @@ impl Carriers {
 
     /// Returns the motion in space, rotated back with the carrier, of the gears of a set per unit of one of the
     /// carrier's coordinates while they are at rest in the carrier frame.
-    pub fn motion_of(&self, coordinate: usize, seen: At<'_>, n: usize) -> Vec<f64> {
+    pub fn motion_of(&self, coordinate: usize, carrier_state: StateView<'_>, n: usize) -> Vec<f64> {
         let mut b = vec![0.0; n];
         for carrier in &self.all {
             let turns = carrier.turn == coordinate;
@@ -226,8 +226,11 @@ impl Carriers {
                     m.turns.iter().cloned().flatten().for_each(|i| b[i] = 1.0);
                 }
                 if let Some([ix, iy]) = m.across {
-                    let place = [m.place[0] + seen.q[ix], m.place[1] + seen.q[iy]];
-                    let (sin, cos) = carrier.angle(seen);
+                    let place = [
+                        m.place[0] + carrier_state.q[ix],
+                        m.place[1] + carrier_state.q[iy],
+                    ];
+                    let (sin, cos) = carrier.angle(carrier_state);
                     (b[ix], b[iy]) = match along {
                         _ if turns => (-place[1], place[0]),
                         Some(0) => (cos, -sin),
@@ -244,16 +247,16 @@ impl Carriers {
     }
 
     /// Rotates the parts of a vector across the axes from space to the carrier frame.
-    pub fn turn_back(&self, at: At<'_>, x: &mut [f64]) {
+    pub fn turn_back(&self, at: StateView<'_>, x: &mut [f64]) {
         self.turn_across(at, x, -1.0);
     }
 
     /// Rotates the parts of a vector across the axes from the carrier frame to space.
-    pub fn turn_forth(&self, at: At<'_>, x: &mut [f64]) {
+    pub fn turn_forth(&self, at: StateView<'_>, x: &mut [f64]) {
         self.turn_across(at, x, 1.0);
     }
 
-    fn turn_across(&self, at: At<'_>, x: &mut [f64], sign: f64) {
+    fn turn_across(&self, at: StateView<'_>, x: &mut [f64], sign: f64) {
         for carrier in &self.all {
             let (sin, cos) = (sign * at.q[carrier.turn]).sin_cos();
             for [ix, iy] in carrier.members.iter().filter_map(|m| m.across) {
@@ -269,7 +272,7 @@ impl Carriers {
     }
 
     /// Transforms a direction from the frame of a mesh to space.
-    pub fn direction(&self, mesh: usize, at: At<'_>, x: Vec3) -> Vec3 {
+    pub fn direction(&self, mesh: usize, at: StateView<'_>, x: Vec3) -> Vec3 {
         match self.carrier_of(mesh) {
             Some(carrier) => carrier.turned(at.q[carrier.turn], &x),
             None => x,
@@ -277,7 +280,7 @@ impl Carriers {
     }
 
     /// Transforms a direction from the frame of a gear to space; with `sign` -1 in the inverse direction.
-    pub fn direction_at(&self, gear: usize, at: At<'_>, x: Vec3, sign: f64) -> Vec3 {
+    pub fn direction_at(&self, gear: usize, at: StateView<'_>, x: Vec3, sign: f64) -> Vec3 {
         match self.of_gear(gear) {
             Some(carrier) => carrier.turned(sign * at.q[carrier.turn], &x),
             None => x,
@@ -290,7 +293,7 @@ impl Carriers {
     }
 
     /// Transforms a position from the frame of a mesh to space [m].
-    pub fn place(&self, mesh: usize, at: At<'_>, x: Vec3) -> Vec3 {
+    pub fn place(&self, mesh: usize, at: StateView<'_>, x: Vec3) -> Vec3 {
         match self.carrier_of(mesh) {
             Some(carrier) => {
                 let turned = carrier.turned(at.q[carrier.turn], &(x - carrier.centre));
@@ -301,7 +304,7 @@ impl Carriers {
     }
 
     /// Transforms positions [m] and displacements of a gear on a carrier to space.
-    pub fn lift(&self, gear: usize, at: At<'_>, [places, displacements]: [&mut [Vec3]; 2]) {
+    pub fn lift(&self, gear: usize, at: StateView<'_>, [places, displacements]: [&mut [Vec3]; 2]) {
         let Some(carrier) = self.of_gear(gear) else {
             return;
         };
@@ -315,7 +318,7 @@ impl Carriers {
     }
 
     /// Transforms the frame of a hub from the carrier frame to space.
-    pub fn frame(&self, gear: usize, at: At<'_>, frame: HubFrame) -> HubFrame {
+    pub fn frame(&self, gear: usize, at: StateView<'_>, frame: HubFrame) -> HubFrame {
         let Some(carrier) = self.of_gear(gear) else {
             return frame;
         };
@@ -336,12 +339,12 @@ impl Carrier {
 
     /// Returns sine and cosine of the rotation of the carrier; its own coordinates are equal in the carrier-frame
     /// state.
-    fn angle(&self, at: At<'_>) -> (f64, f64) {
+    fn angle(&self, at: StateView<'_>) -> (f64, f64) {
         at.q[self.turn].sin_cos()
     }
 
     /// Returns the present position of the carrier axis [m].
-    fn moved(&self, at: At<'_>) -> Vec3 {
+    fn moved(&self, at: StateView<'_>) -> Vec3 {
         let by = self.shift.iter().zip(&self.axes);
         let by = by.filter_map(|(i, axis)| i.map(|i| at.q[i] * axis));
         by.fold(self.centre, |sum, by| sum + by)

@@ -4,9 +4,9 @@ use super::islands::{Nodal, NodalActive};
 use crate::Vec3;
 use crate::contact::nodal::{GearNodes, NodalPoint, NodalPoints, UNUSED, weighted};
 use crate::geometry::along_profile;
-use crate::kinematics::{Row, Standing};
+use crate::kinematics::{HubPose, Row};
 use crate::scene::members::{SceneGear, SceneMesh};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 impl Nodal {
     /// Computes the rates of gaps and sliding speeds before residual compliance, where dampers and friction need them.
@@ -15,7 +15,7 @@ impl Nodal {
         start: usize,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
-        at: At<'_>,
+        at: StateView<'_>,
     ) {
         let points = &self.found.points;
         let of = |a: &NodalActive| &meshes[points[a.point].mesh as usize];
@@ -50,7 +50,7 @@ impl Nodal {
                 &p.slots[master],
             );
             a.direction = p.direction(of_master, p.gap0);
-            a.faded = p.gap0;
+            a.tapered_gap = p.gap0;
             a.of_line = self.of_line(p, mesh, |g, slots| {
                 GearNodes::at(&self.gears[g].displacement, slots)
             });
@@ -67,8 +67,8 @@ impl Nodal {
     }
 
     /// Returns the poses of the hubs of a mesh at the state of the evaluation.
-    fn standings(&self, mesh: &SceneMesh) -> [Option<&Standing>; 2] {
-        mesh.gears.map(|g| self.standings[g].as_ref())
+    fn hub_poses(&self, mesh: &SceneMesh) -> [Option<&HubPose>; 2] {
+        mesh.gears.map(|g| self.hub_poses[g].as_ref())
     }
 
     /// Returns the effective radii of a point along its direction, and the rate of its gap before residual compliance,
@@ -78,10 +78,10 @@ impl Nodal {
         gears: &[SceneGear],
         mesh: &SceneMesh,
         a: &NodalActive,
-        at: At<'_>,
+        at: StateView<'_>,
         row: &mut Row,
     ) -> ([f64; 2], f64) {
-        let along = (a.direction, a.faded);
+        let along = (a.direction, a.tapered_gap);
         self.speed_along(gears, mesh, a, (along, 0), at, row)
     }
 
@@ -93,7 +93,7 @@ impl Nodal {
         mesh: &SceneMesh,
         a: &NodalActive,
         (along, of_nodes): ((Vec3, f64), usize),
-        at: At<'_>,
+        at: StateView<'_>,
         row: &mut Row,
     ) -> ([f64; 2], f64) {
         let p = &self.found.points[a.point];
@@ -104,7 +104,7 @@ impl Nodal {
                 (of_line, row.dot(at.v))
             }
             None => {
-                let stand = self.standings(mesh);
+                let stand = self.hub_poses(mesh);
                 let (radii, drift) = rows_of(gears, mesh, p, along, (&self.found, stand), at, row);
                 (radii, drift + row.dot(at.v))
             }
@@ -140,7 +140,7 @@ impl Nodal {
         p: &NodalPoint,
         gears: &[SceneGear],
         mesh: &SceneMesh,
-        at: At<'_>,
+        at: StateView<'_>,
         row: &mut Row,
     ) {
         let Some(line) = p.line else { return };
@@ -160,7 +160,7 @@ impl Nodal {
         &self,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
-        at: At<'_>,
+        at: StateView<'_>,
     ) -> f64 {
         let mut row = Row::default();
         let mut power = 0.0;
@@ -195,7 +195,7 @@ impl Nodal {
                 let of_master = under_elastic(mesh.gears[master], &p.slots[master]);
                 let elastic = NodalActive {
                     direction: p.direction(of_master, gap),
-                    faded: gap,
+                    tapered_gap: gap,
                     of_line: self.of_line(p, mesh, under_elastic),
                     ..*a
                 };
@@ -211,7 +211,7 @@ impl Nodal {
         start: usize,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
-        at: At<'_>,
+        at: StateView<'_>,
     ) {
         for a in &self.active[start..] {
             if a.force.n == 0.0 {
@@ -223,7 +223,7 @@ impl Nodal {
                 for (&slot, w) in p.slots[k].iter().zip(p.weights[k]) {
                     if slot != UNUSED {
                         nodes.force[slot as usize] += w * a.force.n;
-                        nodes.rub[slot as usize] += w * a.sliding.force.f;
+                        nodes.friction_force[slot as usize] += w * a.sliding.force.f;
                     }
                 }
             }
@@ -243,7 +243,7 @@ impl Nodal {
                 self.deformed_rows(p, gears, mesh, at, row);
             }
             self.rows[i] = rows;
-            let stand = mesh.gears.map(|g| self.standings[g].as_ref());
+            let stand = mesh.gears.map(|g| self.hub_poses[g].as_ref());
             let a = &mut self.active[i];
             let [row, sliding] = &mut self.rows[i];
             if a.force.n == 0.0 {
@@ -252,8 +252,8 @@ impl Nodal {
             let [_, master] = p.sides();
             let of_master = self.gears[mesh.gears[master]].total(&p.slots[master]);
             a.direction = p.direction(of_master, a.gap);
-            a.faded = a.gap;
-            let along = (a.direction, a.faded);
+            a.tapered_gap = a.gap;
+            let along = (a.direction, a.tapered_gap);
             a.of_line = of_line;
             a.effective_radii = match (of_line, p.line) {
                 (Some(radii), Some(line)) => {
@@ -293,7 +293,7 @@ impl Nodal {
             }
             if let Some(field) = g.model.displacement() {
                 field.apply_nodal_forces(&nodes.nodes, &nodes.force, &mut f[range.clone()]);
-                field.apply_nodal_forces(&nodes.along, &nodes.rub, &mut f[range]);
+                field.apply_nodal_forces(&nodes.along, &nodes.friction_force, &mut f[range]);
             }
         }
     }
@@ -307,9 +307,9 @@ pub(in crate::scene) fn rows_of(
     gears: &[SceneGear],
     mesh: &SceneMesh,
     p: &NodalPoint,
-    (direction, faded): (Vec3, f64),
-    (found, standings): (&NodalPoints, [Option<&Standing>; 2]),
-    at: At<'_>,
+    (direction, tapered_gap): (Vec3, f64),
+    (found, hub_poses): (&NodalPoints, [Option<&HubPose>; 2]),
+    at: StateView<'_>,
     row: &mut Row,
 ) -> ([f64; 2], f64) {
     let (mut effective_radii, mut drift) = ([0.0; 2], 0.0);
@@ -319,17 +319,17 @@ pub(in crate::scene) fn rows_of(
         let g = &gears[mesh.gears[k]];
         let sign = if k == slave { 1.0 } else { -1.0 };
         // What fades a point out answers to the slave alone; radial, it does not turn the master.
-        let aside = if k == slave { 0.0 } else { faded };
+        let aside = if k == slave { 0.0 } else { tapered_gap };
         match p.partner {
             Some(partner) if g.model.displacement().is_none() => {
                 let (own, point) = (g.at(at), &found.partners[partner as usize]);
                 row.target(g.offset, sign);
-                let direction = direction - aside * p.fading;
+                let direction = direction - aside * p.taper_gradient;
                 drift += sign * g.model.row(own, point, &direction, row);
             }
             _ => {
                 let (hub, own) = (&g.model.hub().hub, g.at(at));
-                let stand = standings[k];
+                let stand = hub_poses[k];
                 effective_radii[k] = sign * hub.effective_radius_on(stand, &p.x, &direction);
                 if let Some(stand) = stand {
                     row.target(g.offset, sign);

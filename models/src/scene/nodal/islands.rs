@@ -6,10 +6,10 @@ use crate::contact::nodal::{
     Share, Spring,
 };
 use crate::gear::HubBody;
-use crate::kinematics::{Row, Standing};
+use crate::kinematics::{HubPose, Row};
 use crate::law::{FrictionForce, LawForce};
 use crate::scene::members::{SceneGear, SceneMesh};
-use gearbench_integrators::system::{At, HalfKick};
+use gearbench_integrators::system::{HalfStepImpulse, StateView};
 
 /// A contact point with a force, or possibly with one.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,7 @@ pub(in crate::scene) struct NodalActive {
     /// Direction of the force on the slave, not exactly of unit length.
     pub direction: Vec3,
     /// Gap for which the direction was computed [m].
-    pub faded: f64,
+    pub tapered_gap: f64,
     /// Slopes of the gap of a [line](crate::contact::nodal::LineTerms) by the displacements of the hubs, which do not
     /// follow from its direction.
     pub of_line: Option<[f64; 2]>,
@@ -55,7 +55,7 @@ impl NodalActive {
         NodalActive {
             point,
             direction: p.normal,
-            faded: 0.0,
+            tapered_gap: 0.0,
             of_line: None,
             effective_radii: [0.0; 2],
             gap: p.gap0,
@@ -82,7 +82,7 @@ impl NodalActive {
     pub fn on_hub(
         &self,
         (p, lines): (&NodalPoint, &[LineTerms]),
-        (hub, at): (&HubBody, At<'_>),
+        (hub, at): (&HubBody, StateView<'_>),
         k: usize,
     ) -> f64 {
         if let (Some(_), Some(line)) = (self.of_line, p.line) {
@@ -115,7 +115,7 @@ pub(in crate::scene) struct Island {
 
 /// Result of the solve of an island, for its tangent.
 #[derive(Clone, Debug, Default)]
-pub(in crate::scene) struct Solved {
+pub(in crate::scene) struct IslandSolution {
     /// Range of its points.
     pub points: std::ops::Range<usize>,
     pub solve: NodalSolve,
@@ -150,14 +150,14 @@ pub(in crate::scene) struct Nodal {
     /// Active nodes of each gear of the scene.
     pub gears: Vec<GearNodes>,
     /// Poses of the hubs of the gears.
-    pub standings: Vec<Option<Standing>>,
+    pub hub_poses: Vec<Option<HubPose>>,
     /// Torque (force along the motion) of the points on hubs of gears that are rigid except for a field.
     pub torque: Vec<f64>,
     pub active: Vec<NodalActive>,
     /// Rows of each active point: entries of gears without a field, along the normal and along the profile.
     pub rows: Vec<[Row; 2]>,
     /// Result of each island.
-    pub solved: Vec<Solved>,
+    pub solved: Vec<IslandSolution>,
     /// Points of all islands.
     pub found: NodalPoints,
     pub(in crate::scene) numbers: Vec<u32>,
@@ -168,13 +168,13 @@ pub(in crate::scene) struct Nodal {
     pub(in crate::scene) averages: Averages,
     /// Velocities of nodes, outwards and along the profile.
     pub(in crate::scene) velocities: Vec<[Vec<f64>; 2]>,
-    pub(in crate::scene) kick: Kick,
+    pub(in crate::scene) impulse: Impulse,
     pub failed: bool,
 }
 
 /// Half-step impulse at whose end forces are evaluated.
 #[derive(Default)]
-pub(in crate::scene) struct Kick {
+pub(in crate::scene) struct Impulse {
     /// True during an impulse.
     pub acts: bool,
     /// Time over mass of each coordinate in the last impulse [s/kg].
@@ -188,17 +188,17 @@ pub(in crate::scene) struct Kick {
     buffer: Vec<f64>,
 }
 
-impl Kick {
+impl Impulse {
     /// Starts a half-step impulse on coordinates with given inverse masses.
-    pub fn set(&mut self, kick: &HalfKick<'_>, inverse_mass: &[f64]) {
+    pub fn set(&mut self, impulse: &HalfStepImpulse<'_>, inverse_mass: &[f64]) {
         self.buffer.clear();
         let weights = inverse_mass.iter().enumerate();
-        (self.buffer).extend(weights.map(|(i, m)| kick.weight(i) * m));
+        (self.buffer).extend(weights.map(|(i, m)| impulse.weight(i) * m));
         if self.buffer != self.weights {
             self.stamp += 1;
             std::mem::swap(&mut self.buffer, &mut self.weights);
         }
-        kick.end(&self.accelerations, &mut self.velocities);
+        impulse.end(&self.accelerations, &mut self.velocities);
     }
 }
 
@@ -266,13 +266,13 @@ impl Nodal {
             velocities: vec![[vec![], vec![]]; gears.len()],
             solved: islands
                 .iter()
-                .map(|i| Solved {
+                .map(|i| IslandSolution {
                     hard: i
                         .meshes
                         .iter()
                         .any(|m| meshes[*m].hard)
                         .then(HardSolve::default),
-                    ..Solved::default()
+                    ..IslandSolution::default()
                 })
                 .collect(),
             islands,

@@ -23,7 +23,7 @@
 
 mod direct;
 
-use super::islands::{Nodal, Solved};
+use super::islands::{IslandSolution, Nodal};
 use crate::contact::nodal::{Spring, UNUSED};
 use crate::kinematics::Row;
 use crate::scene::members::{SceneGear, SceneMesh};
@@ -59,7 +59,7 @@ impl Rows {
 
 /// Buffers of the tangent.
 #[derive(Default)]
-pub(in crate::scene) struct Reduced {
+pub(in crate::scene) struct ReducedTangent {
     /// Index in `y` of each coordinate of the scene.
     pub(in crate::scene) mark: Vec<u32>,
     /// Affected coordinates of each gear in its own numbering, the start of these in `y`, and the start of its nodes.
@@ -90,7 +90,7 @@ pub(in crate::scene) struct Reduced {
     pub(in crate::scene) followed: Vec<f64>,
 }
 
-impl Reduced {
+impl ReducedTangent {
     /// Numbers the coordinates and nodes of the contacts.
     pub(in crate::scene) fn collect(
         &mut self,
@@ -312,7 +312,7 @@ impl Reduced {
     /// Adds `T` of the points of an island with friction.
     fn respond_sliding(
         &mut self,
-        s: &mut Solved,
+        s: &mut IslandSolution,
         c: Coeffs,
         response: &mut [f64],
     ) -> Result<(), Singular> {
@@ -328,7 +328,7 @@ impl Reduced {
             let spring = &s.springs[k];
             let by = [
                 c.k * spring.force.dn_dg + c.d * spring.force.dn_dgdot,
-                c.d * spring.rub.df_dv,
+                c.d * spring.friction_force.df_dv,
             ];
             for (d, rows) in self.rows.iter().enumerate() {
                 for &(j, value) in rows.row(i) {
@@ -357,7 +357,7 @@ impl Reduced {
 
     /// Computes the quasi-static motion of the nodes of an island in the rates of its points, `(D - I) V`, in
     /// `followed`, column by column.
-    fn follow(&mut self, s: &mut Solved) -> Result<(), Singular> {
+    fn follow(&mut self, s: &mut IslandSolution) -> Result<(), Singular> {
         s.solve.linearise_holding(&s.springs)?;
         self.followed.clear();
         self.followed.resize(self.size * s.springs.len(), 0.0);

@@ -19,11 +19,11 @@ use crate::spec::{Section, SectionKind};
 use std::f64::consts::PI;
 
 /// Weights of the six directions of a hub: three translations, three rotations.
-pub(in crate::scene) type Six = [f64; 6];
+pub(in crate::scene) type SixDirections = [f64; 6];
 
 /// Kinds of deformation of a piece of a shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::scene) enum Way {
+pub(in crate::scene) enum DeformationKind {
     Torsion,
     Stretching,
     Bending,
@@ -33,14 +33,14 @@ pub(in crate::scene) enum Way {
 /// rigid mode [N m/rad], [N/m].
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) struct Mode {
-    pub way: Way,
-    pub ends: [Six; 2],
+    pub kind: DeformationKind,
+    pub ends: [SixDirections; 2],
     pub stiffness: f64,
 }
 
 /// Lumped mass and inertia of half an element at its end.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Lump {
+pub(super) struct LumpedMass {
     /// Lumped mass [kg].
     pub mass: f64,
     /// Moments of inertia about the axis and across it [kg m^2].
@@ -48,8 +48,8 @@ pub(super) struct Lump {
     pub across: f64,
 }
 
-impl Lump {
-    pub fn add(&mut self, other: &Lump) {
+impl LumpedMass {
+    pub fn add(&mut self, other: &LumpedMass) {
         self.mass += other.mass;
         self.polar += other.polar;
         self.across += other.across;
@@ -57,15 +57,15 @@ impl Lump {
 }
 
 /// Returns weights with one at a direction.
-fn unit(direction: usize, value: f64) -> Six {
+fn unit(direction: usize, value: f64) -> SixDirections {
     let mut six = [0.0; 6];
     six[direction] = value;
     six
 }
 
-fn difference(way: Way, direction: usize, stiffness: f64) -> Mode {
+fn difference(kind: DeformationKind, direction: usize, stiffness: f64) -> Mode {
     Mode {
-        way,
+        kind,
         ends: [unit(direction, -1.0), unit(direction, 1.0)],
         stiffness,
     }
@@ -80,7 +80,7 @@ pub(super) fn elastic(section: &Section, length: f64) -> Vec<Mode> {
     match &section.kind {
         SectionKind::Coupling { stiffness } => {
             let k = stiffness * section.length / length;
-            vec![difference(Way::Torsion, 5, k)]
+            vec![difference(DeformationKind::Torsion, 5, k)]
         }
         SectionKind::Round {
             diameters: [outer, inner],
@@ -94,16 +94,20 @@ pub(super) fn elastic(section: &Section, length: f64) -> Vec<Mode> {
                 / ((7.0 + 6.0 * nu) * (1.0 + m2).powi(2) + (20.0 + 12.0 * nu) * m2);
             let phi = 12.0 * e * second / (kappa * g * area * length * length);
             let mut modes = vec![
-                difference(Way::Torsion, 5, 2.0 * g * second / length),
-                difference(Way::Stretching, 2, e * area / length),
+                difference(DeformationKind::Torsion, 5, 2.0 * g * second / length),
+                difference(DeformationKind::Stretching, 2, e * area / length),
             ];
             for (across, turn, sign) in PLANES {
-                modes.push(difference(Way::Bending, turn, e * second / length));
+                modes.push(difference(
+                    DeformationKind::Bending,
+                    turn,
+                    e * second / length,
+                ));
                 let mut ends = [unit(turn, 0.5), unit(turn, 0.5)];
                 ends[0][across] = sign / length;
                 ends[1][across] = -sign / length;
                 modes.push(Mode {
-                    way: Way::Bending,
+                    kind: DeformationKind::Bending,
                     ends,
                     stiffness: 12.0 * e * second / (length * (1.0 + phi)),
                 });
@@ -116,12 +120,12 @@ pub(super) fn elastic(section: &Section, length: f64) -> Vec<Mode> {
 /// Returns the modes that a rigid piece of a length [m] excludes.
 pub(super) fn rigid(length: f64) -> Vec<Mode> {
     let mut modes = vec![
-        difference(Way::Torsion, 5, f64::INFINITY),
-        difference(Way::Stretching, 2, f64::INFINITY),
+        difference(DeformationKind::Torsion, 5, f64::INFINITY),
+        difference(DeformationKind::Stretching, 2, f64::INFINITY),
     ];
     for (across, turn, sign) in PLANES {
-        modes.push(difference(Way::Bending, turn, f64::INFINITY));
-        let mut shift = difference(Way::Bending, across, f64::INFINITY);
+        modes.push(difference(DeformationKind::Bending, turn, f64::INFINITY));
+        let mut shift = difference(DeformationKind::Bending, across, f64::INFINITY);
         shift.ends[0][turn] = -sign * length;
         modes.push(shift);
     }
@@ -129,16 +133,16 @@ pub(super) fn rigid(length: f64) -> Vec<Mode> {
 }
 
 /// Returns half of an element lumped at its end: mass, and rotary inertia of the cross-sections.
-pub(super) fn lump(section: &Section, length: f64) -> Lump {
+pub(super) fn lump(section: &Section, length: f64) -> LumpedMass {
     match &section.kind {
-        SectionKind::Coupling { .. } => Lump::default(),
+        SectionKind::Coupling { .. } => LumpedMass::default(),
         SectionKind::Round {
             diameters: [outer, inner],
             material,
         } => {
             let (area, second) = properties(*outer, *inner);
             let half = 0.5 * length * material.density;
-            Lump {
+            LumpedMass {
                 mass: half * area,
                 polar: 2.0 * half * second,
                 across: half * second,

@@ -5,9 +5,10 @@
 //! F = -k x - c x' - F_c z(x; x_0, z_0)
 //! ```
 //!
-//! The place `x_0` and the part `z_0` of the sliding force at the last accepted state are part of the discrete state, and so is
-//! the direction of the motion: friction is a function of the way as long as it does not turn, so that turns are events where
-//! events are located. A turn is told by the speed, a hair beyond zero, so that what rests does not turn by rounding.
+//! The position `x_0` and the fraction `z_0` of the sliding force at the last accepted state are part of the discrete
+//! state, and so is the direction of the motion: friction is a function of the displacement as long as the direction
+//! does not change, so that reversals are events where events are located. A reversal is detected by a speed slightly
+//! beyond zero, so that rounding does not reverse a body at rest.
 
 use super::links::{Link, to_ground};
 use crate::error::{BuildError, GearPart};
@@ -15,7 +16,7 @@ use crate::law::{DryFriction, Part};
 use crate::scene::assembled::Scene;
 use crate::scene::members::SceneGear;
 use crate::spec::{Guide, Mount, SceneSpec};
-use gearbench_integrators::system::{At, Change, State};
+use gearbench_integrators::system::{Change, State, StateView};
 
 /// Length of the history of a guide in the discrete state.
 pub(in crate::scene) const CELLS: usize = 3;
@@ -31,7 +32,7 @@ pub(in crate::scene) struct Guided {
 
 /// Friction of a link with its history.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rub {
+pub(super) struct GuideFriction {
     pub law: DryFriction,
     /// Offset of its history in the discrete state.
     pub cell: usize,
@@ -47,7 +48,7 @@ impl Guided {
     }
 }
 
-impl Rub {
+impl GuideFriction {
     /// Returns the fraction of the sliding force at a position and speed.
     pub fn part(&self, [x, v]: [f64; 2], discrete: &[f64]) -> Part {
         let start = [discrete[self.cell], discrete[self.cell + 1]];
@@ -116,7 +117,7 @@ pub(super) fn of_guide(guided: &Guided, gears: &[SceneGear], (cell, speed): (usi
     Link {
         stiffness: guide.stiffness,
         damping: guide.damping,
-        rub: guide.friction.map(|law| Rub {
+        guide_friction: guide.friction.map(|law| GuideFriction {
             law,
             cell,
             turned: TURNED * speed / radius,
@@ -128,51 +129,61 @@ pub(super) fn of_guide(guided: &Guided, gears: &[SceneGear], (cell, speed): (usi
 impl Scene {
     /// Returns the member that a guide supports, and the stiffness of the guide at a state, including sticking
     /// friction.
-    pub(in crate::scene) fn guide_at(&self, link: &Link, at: At<'_>) -> Option<(usize, f64)> {
+    pub(in crate::scene) fn guide_at(
+        &self,
+        link: &Link,
+        at: StateView<'_>,
+    ) -> Option<(usize, f64)> {
         let guides = link.shaft().is_none() && !link.is_rigid();
         guides.then(|| (link.members[0], link.slopes(&self.gears, at)[0]))
     }
 
     /// Starts the friction of guides without deformation.
     pub(in crate::scene) fn begin_guides(&self, s: &mut State) {
-        for (link, rub) in self.rubbing() {
-            let way = if link.dot(&s.v) < 0.0 { -1.0 } else { 1.0 };
-            s.discrete[rub.cell..][..CELLS].copy_from_slice(&[link.dot(&s.q), 0.0, way]);
+        for (link, guide_friction) in self.frictional_guides() {
+            let kind = if link.dot(&s.v) < 0.0 { -1.0 } else { 1.0 };
+            s.discrete[guide_friction.cell..][..CELLS].copy_from_slice(&[
+                link.dot(&s.q),
+                0.0,
+                kind,
+            ]);
         }
     }
 
     /// Stores the friction of guides at an accepted state.
     pub(in crate::scene) fn remember_guides(&self, s: &mut State) {
-        for (link, rub) in self.rubbing() {
+        for (link, guide_friction) in self.frictional_guides() {
             let motion = [link.dot(&s.q), link.dot(&s.v)];
-            rub.remember(motion, &mut s.discrete);
+            guide_friction.remember(motion, &mut s.discrete);
         }
     }
 
     /// Computes the event functions of guides: reversals of the motion.
-    pub(in crate::scene) fn watch_guides(&self, at: At<'_>, out: &mut [f64]) {
-        let turning = self.rubbing().filter(|(_, rub)| rub.law.sticks());
-        for (out, (link, rub)) in out.iter_mut().zip(turning) {
-            *out = rub.goes_on(link.dot(at.v), at.discrete);
+    pub(in crate::scene) fn watch_guides(&self, at: StateView<'_>, out: &mut [f64]) {
+        let turning = self
+            .frictional_guides()
+            .filter(|(_, guide_friction)| guide_friction.law.sticks());
+        for (out, (link, guide_friction)) in out.iter_mut().zip(turning) {
+            *out = guide_friction.goes_on(link.dot(at.v), at.discrete);
         }
     }
 
     /// Updates the discrete state when the motion of a guide has reversed.
     pub(in crate::scene) fn turn_guide(&self, s: &mut State, which: usize) -> Change {
         let turning = self
-            .rubbing()
-            .filter(|(_, rub)| rub.law.sticks())
+            .frictional_guides()
+            .filter(|(_, guide_friction)| guide_friction.law.sticks())
             .nth(which);
-        if let Some((link, rub)) = turning {
-            rub.remember([link.dot(&s.q), link.dot(&s.v)], &mut s.discrete);
-            s.discrete[rub.cell + 2] *= -1.0;
+        if let Some((link, guide_friction)) = turning {
+            guide_friction.remember([link.dot(&s.q), link.dot(&s.v)], &mut s.discrete);
+            s.discrete[guide_friction.cell + 2] *= -1.0;
         }
         Change::Restart
     }
 
-    fn rubbing(&self) -> impl Iterator<Item = (&Link, &Rub)> {
+    fn frictional_guides(&self) -> impl Iterator<Item = (&Link, &GuideFriction)> {
         let springs = self.shafts.springs().iter();
-        springs.filter_map(|link| Some((link, link.rub.as_ref()?)))
+        springs.filter_map(|link| Some((link, link.guide_friction.as_ref()?)))
     }
 
     /// Returns the force of the guide of a member along its motion, from the last [`Self::evaluate_links`].

@@ -1,13 +1,13 @@
 //! Links from the elements of shafts, with their deformation and forces.
 
-use super::beam::Way;
-use super::guides::{CELLS, Rub, of_guide};
+use super::beam::DeformationKind;
+use super::guides::{CELLS, GuideFriction, of_guide};
 use super::plan::{Element, Plan};
 use crate::kinematics::Direction;
 use crate::scene::carriers::Ground;
 use crate::scene::members::SceneGear;
 use crate::spec::ShaftDamping;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Weight relative to the largest below which an entry is rounding of axes that are rotated against each other.
@@ -28,7 +28,7 @@ pub(super) struct Share {
 /// A mode of deformation of a piece of a shaft between two members.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Link {
-    pub way: Way,
+    pub kind: DeformationKind,
     /// Coordinates of the scene and their weights.
     pub row: Vec<(usize, f64)>,
     /// Driven directions of the members.
@@ -44,7 +44,7 @@ pub(in crate::scene) struct Link {
     /// Ground of a rigid link, with its motion.
     pub(super) ground: Option<Ground>,
     /// Friction of a guide.
-    pub(super) rub: Option<Rub>,
+    pub(super) guide_friction: Option<GuideFriction>,
 }
 
 impl Link {
@@ -70,7 +70,7 @@ impl Link {
     }
 
     /// Returns the part of the rate of deformation from driven hubs.
-    pub fn drift(&self, gears: &[SceneGear], at: At<'_>) -> f64 {
+    pub fn drift(&self, gears: &[SceneGear], at: StateView<'_>) -> f64 {
         let of = |s: &Share| {
             let own = gears[s.member].at(at);
             let motion = gears[s.member].model.hub().motion(own.t, own.q, own.v);
@@ -80,7 +80,7 @@ impl Link {
     }
 
     /// Returns the deformation and its rate.
-    pub fn deformation(&self, gears: &[SceneGear], at: At<'_>) -> [f64; 2] {
+    pub fn deformation(&self, gears: &[SceneGear], at: StateView<'_>) -> [f64; 2] {
         let (mut d, mut rate) = (self.dot(at.q), self.dot(at.v));
         for s in &self.driven {
             let own = gears[s.member].at(at);
@@ -97,24 +97,26 @@ impl Link {
     }
 
     /// Returns the force of an elastic link along its row.
-    pub fn force(&self, gears: &[SceneGear], at: At<'_>) -> f64 {
+    pub fn force(&self, gears: &[SceneGear], at: StateView<'_>) -> f64 {
         let motion = self.deformation(gears, at);
         -(self.stiffness * motion[0] + self.damping * motion[1]) - self.friction(motion, at)
     }
 
     /// Returns the friction force at a deformation and its rate.
-    pub fn friction(&self, motion: [f64; 2], at: At<'_>) -> f64 {
-        let of = |rub: &Rub| rub.law.force() * rub.part(motion, at.discrete).z;
-        self.rub.as_ref().map_or(0.0, of)
+    pub fn friction(&self, motion: [f64; 2], at: StateView<'_>) -> f64 {
+        let of = |guide_friction: &GuideFriction| {
+            guide_friction.law.force() * guide_friction.part(motion, at.discrete).z
+        };
+        self.guide_friction.as_ref().map_or(0.0, of)
     }
 
     /// Returns the slopes of the restoring force of an elastic link by its deformation and its rate.
-    pub fn slopes(&self, gears: &[SceneGear], at: At<'_>) -> [f64; 2] {
-        let Some(rub) = &self.rub else {
+    pub fn slopes(&self, gears: &[SceneGear], at: StateView<'_>) -> [f64; 2] {
+        let Some(guide_friction) = &self.guide_friction else {
             return [self.stiffness, self.damping];
         };
-        let part = rub.part(self.deformation(gears, at), at.discrete);
-        let force = rub.law.force();
+        let part = guide_friction.part(self.deformation(gears, at), at.discrete);
+        let force = guide_friction.law.force();
         [
             self.stiffness + force * part.by_place,
             self.damping + force * part.by_speed,
@@ -155,7 +157,9 @@ impl Shafts {
         for element in &plan.elements {
             let links = of_element(element, gears);
             if element.begins {
-                let torsion = links.iter().position(|l| l.way == Way::Torsion);
+                let torsion = links
+                    .iter()
+                    .position(|l| l.kind == DeformationKind::Torsion);
                 of_spans.push(torsion.map(|k| all.len() + k));
             }
             all.extend(links);
@@ -164,9 +168,13 @@ impl Shafts {
         let guides = plan.guides.iter().enumerate();
         all.extend(guides.map(|(i, g)| of_guide(g, gears, (cell + CELLS * i, speed))));
         for (shaft, damping) in plan.damping.iter().enumerate() {
-            for way in [Way::Torsion, Way::Stretching, Way::Bending] {
+            for kind in [
+                DeformationKind::Torsion,
+                DeformationKind::Stretching,
+                DeformationKind::Bending,
+            ] {
                 let mut own: Vec<&mut Link> = (all.iter_mut())
-                    .filter(|l| l.shaft == Some(shaft) && l.way == way && !l.is_rigid())
+                    .filter(|l| l.shaft == Some(shaft) && l.kind == kind && !l.is_rigid())
                     .collect();
                 let time = match damping {
                     ShaftDamping::None => 0.0,
@@ -205,7 +213,9 @@ impl Shafts {
         }
         let fastest = |l: &Link| {
             let yielding: f64 = l.row.iter().map(|&(i, w)| w * w / mass[i]).sum();
-            let [by_place, by_speed] = l.rub.map_or([0.0; 2], |rub| rub.law.steepest());
+            let [by_place, by_speed] = l
+                .guide_friction
+                .map_or([0.0; 2], |guide_friction| guide_friction.law.steepest());
             ((l.stiffness + by_place) * yielding)
                 .sqrt()
                 .max(by_speed * yielding)
@@ -213,7 +223,9 @@ impl Shafts {
         Shafts {
             elastic,
             torques: of_spans.iter().map(|s| s.and_then(|i| places[i])).collect(),
-            damped: links.iter().any(|l| l.damping > 0.0 || l.rub.is_some()),
+            damped: links
+                .iter()
+                .any(|l| l.damping > 0.0 || l.guide_friction.is_some()),
             characteristic_time: (links[..elastic].iter())
                 .map(|l| fastest(l).recip())
                 .fold(f64::INFINITY, f64::min),
@@ -275,7 +287,7 @@ fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
     let mut links = Vec::new();
     for mode in &element.modes {
         let mut link = Link {
-            way: mode.way,
+            kind: mode.kind,
             row: Vec::new(),
             driven: Vec::new(),
             shares: Vec::new(),
@@ -284,7 +296,7 @@ fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
             damping: 0.0,
             shaft: Some(element.shaft),
             ground: None,
-            rub: None,
+            guide_friction: None,
         };
         for (end, &member) in mode.ends.iter().zip(&element.members) {
             let gear = &gears[member];
@@ -308,7 +320,7 @@ fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
                 };
                 link.shares.push(share);
                 match what {
-                    Direction::Held => {}
+                    Direction::Fixed => {}
                     Direction::Driven(_) => link.driven.push(share),
                     Direction::Free => {
                         let own = free.iter().position(|d| *d == direction).unwrap_or(0);
@@ -338,7 +350,7 @@ pub(super) fn to_ground(member: usize, gears: &[SceneGear]) -> Link {
     let shapes = hub.hub_shapes.iter().enumerate();
     let shapes = shapes.map(|(i, h)| (first + i, *h));
     Link {
-        way: Way::Torsion,
+        kind: DeformationKind::Torsion,
         row: std::iter::once((gear.offset, 1.0)).chain(shapes).collect(),
         driven: Vec::new(),
         shares: vec![Share {
@@ -351,7 +363,7 @@ pub(super) fn to_ground(member: usize, gears: &[SceneGear]) -> Link {
         damping: 0.0,
         shaft: None,
         ground: None,
-        rub: None,
+        guide_friction: None,
     }
 }
 

@@ -4,19 +4,19 @@
 //! Gears keep their places in the scene. Bodies without teeth follow them, those with names first, then the nodes within
 //! sections; all of these are rigid bodies on hubs of their own.
 
-use super::beam::{self, Lump, Mode};
+use super::beam::{self, LumpedMass, Mode};
+use super::consistency::{axis_of, check_names, gears_of, rigid_mount, share_mount};
 use super::guides::Guided;
-use super::together::{axis_of, check_names, gears_of, rigid_mount, share_mount};
 use crate::Vec3;
 use crate::error::{BuildError, GearPart};
 use crate::gear::rigid::{self, Rigid};
 use crate::gear::table::Model;
 use crate::kinematics::Hub;
-use crate::scene::hubs::{Across, lateral_of, round_tensor};
+use crate::scene::hubs::{LateralBody, lateral_of, round_tensor};
 use crate::scene::members::SceneGear;
 use crate::spec::{
-    BodySpec, Carried, Freedom, GearSpec, LateralSpec, Load, SceneSpec, Section, ShaftDamping,
-    ShaftSpec, effective_radius, initial_speed,
+    BodySpec, Freedom, GearSpec, Load, OutOfPlaneSpec, SceneSpec, Section, ShaftDamping, ShaftSpec,
+    StationMember, effective_radius, initial_speed,
 };
 use std::borrow::Cow;
 
@@ -72,7 +72,7 @@ pub(in crate::scene) struct Plan {
 struct Node {
     place: f64,
     station: Option<usize>,
-    lump: Lump,
+    lump: LumpedMass,
     /// Index among the members of the scene.
     member: usize,
 }
@@ -136,19 +136,19 @@ impl Plan {
             let bends = bends(spec, shaft);
             let radius = (shaft.stations.iter())
                 .find_map(|s| match s.carries {
-                    Carried::Gear(i) => Some(effective_radius(&spec.gears[i].body)),
-                    Carried::Body(_) => None,
+                    StationMember::Gear(i) => Some(effective_radius(&spec.gears[i].body)),
+                    StationMember::Body(_) => None,
                 })
                 .unwrap_or(1.0);
             for node in &nodes {
                 let station = node.station.map(|s| &shaft.stations[s].carries);
-                if let Some(Carried::Gear(i)) = station {
+                if let Some(StationMember::Gear(i)) = station {
                     add_to_gear(&mut with.gears[*i], &node.lump);
                     continue;
                 }
                 let own = BodySpec::new(&format!("{} {}", shaft.name, node.member), 0.0);
                 let mut body = match station {
-                    Some(Carried::Body(body)) => body.as_ref().clone(),
+                    Some(StationMember::Body(body)) => body.as_ref().clone(),
                     _ => BodySpec {
                         speed: shaft_speed(spec, shaft),
                         ..own
@@ -226,14 +226,14 @@ fn nodes(shaft: &ShaftSpec, named: &mut usize, unnamed: &mut usize) -> Vec<Node>
             *count - 1
         };
         let member = match station.map(|s| &shaft.stations[s].carries) {
-            Some(Carried::Gear(i)) => *i,
-            Some(Carried::Body(_)) => next(named),
+            Some(StationMember::Gear(i)) => *i,
+            Some(StationMember::Body(_)) => next(named),
             None => next(unnamed),
         };
         nodes.push(Node {
             place,
             station,
-            lump: Lump::default(),
+            lump: LumpedMass::default(),
             member,
         });
     }
@@ -267,14 +267,14 @@ fn bends(spec: &SceneSpec, shaft: &ShaftSpec) -> bool {
 /// Returns the initial speed of the shaft: that of the first rotating member.
 fn shaft_speed(spec: &SceneSpec, shaft: &ShaftSpec) -> f64 {
     let speeds = shaft.stations.iter().map(|s| match &s.carries {
-        Carried::Gear(i) => initial_speed(&spec.gears[*i].mount, spec.gears[*i].speed),
-        Carried::Body(body) => initial_speed(&body.mount, body.speed),
+        StationMember::Gear(i) => initial_speed(&spec.gears[*i].mount, spec.gears[*i].speed),
+        StationMember::Body(body) => initial_speed(&body.mount, body.speed),
     });
     speeds.into_iter().find(|s| *s != 0.0).unwrap_or(0.0)
 }
 
 /// Adds the lumped inertia of the shaft to a gear.
-fn add_to_gear(gear: &mut GearSpec, lump: &Lump) {
+fn add_to_gear(gear: &mut GearSpec, lump: &LumpedMass) {
     let tensor = round_tensor(gear);
     gear.added_inertia += lump.polar;
     if let Some(lateral) = &mut gear.lateral {
@@ -307,9 +307,9 @@ fn shaft_body(
     hub.axes = *axes;
     if bends {
         let free = || {
-            Box::new(LateralSpec {
+            Box::new(OutOfPlaneSpec {
                 directions: [const { Freedom::Free }; 6],
-                ..LateralSpec::default()
+                ..OutOfPlaneSpec::default()
             })
         };
         let mut lateral = body.lateral.clone().unwrap_or_else(free);
@@ -321,7 +321,7 @@ fn shaft_body(
             .unwrap_or(nalgebra::Matrix3::from_diagonal(&own));
         lateral.added_mass += node.lump.mass;
         lateral.inertia = Some(own + nalgebra::Matrix3::from_diagonal(&ring));
-        let of = Across {
+        let of = LateralBody {
             name: &body.name,
             mount: &body.mount,
             speed: body.speed,

@@ -1,11 +1,11 @@
 //! A connected body of a deck, and the mesh of a gear that it becomes.
 
 use super::patch::{Grid, Quad};
-use super::{BodyShape, DeckGear, circle, decline, found, rack, spur};
+use super::{BodyShape, DeckGear, circle, decline, rack, recognised_body, spur};
 use crate::deck::data::Deck;
 use crate::deck::error::DeckError;
 use crate::mesh::{Block, GearMesh, Mesh, flank_set};
-use crate::recognise::{self, Axis, Known, Misfit, Skin};
+use crate::recognise::{self, Axis, Misfit, Skin, SpecifiedBody};
 use crate::vector::turned;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
@@ -93,7 +93,11 @@ impl Body {
     }
 
     /// The mesh in its own frame. What no set names is recognised: the bore or the back, the flanks, an axis that is not z.
-    pub(super) fn into_gear(mut self, deck: &Deck, known: &Known) -> Result<DeckGear, DeckError> {
+    pub(super) fn into_gear(
+        mut self,
+        deck: &Deck,
+        known: &SpecifiedBody,
+    ) -> Result<DeckGear, DeckError> {
         let mut axis = Axis {
             direction: Vec3::z(),
             point: Vec3::zeros(),
@@ -113,7 +117,7 @@ impl Body {
                         self.bore = found.held().to_vec();
                     }
                     if self.flanks.is_empty() {
-                        return Ok(found::gear(self, deck, &skin, found));
+                        return Ok(recognised_body::gear(self, deck, &skin, found));
                     }
                     // Sets name flanks: they are taken as they are, in the frame where the axis is z.
                     axis.direction = found.axis().direction;

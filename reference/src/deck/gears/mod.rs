@@ -4,7 +4,7 @@
 //!   on it: nodes on a circle about z make a gear, nodes in a plane parallel to z a rack.
 //! - What no set names is recognised from the surface ([`crate::recognise`]): the axis, whatever its direction, the bore,
 //!   the flanks, the back of a rack. Flanks whose faces are no structured grid touch at points tied to them. What the user
-//!   says of the body ([`Known`]) leads, and what is found has to agree with it.
+//!   says of the body ([`SpecifiedBody`]) leads, and what is found has to agree with it.
 //! - Flanks are the node sets `flank_3l` or `flank1_3l` (gear 1, tooth 3, left), or surfaces of these names with
 //!   an `s` in front. Their grids are found from the faces, whatever the labels. Teeth are numbered by where they
 //!   stand, counter-clockwise from the tooth called 1; sides have to be called what they are.
@@ -15,17 +15,17 @@
 mod bodies;
 mod body;
 mod circle;
-mod found;
 mod groups;
 mod names;
 mod patch;
 mod rack;
+mod recognised_body;
 mod spur;
 
 use super::data::Deck;
 use super::error::{DeckError, DeckErrorKind};
 use crate::mesh::{Face, GearMesh, Mesh};
-use crate::recognise::{Found, Known, across};
+use crate::recognise::{RecognisedBody, SpecifiedBody, across};
 use crate::vector::{snapped, turned};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
@@ -70,7 +70,7 @@ pub struct DeckGear {
     /// Index of the rigid body of the deck that is tied to the bore.
     pub rigid_body: Option<usize>,
     /// Result of the recognition, where no sets name the flanks.
-    pub found: Option<Found>,
+    pub found: Option<RecognisedBody>,
     /// Flanks that cannot touch though the body should have them, a sentence each.
     pub missing: Vec<String>,
 }
@@ -156,7 +156,7 @@ pub fn gears(deck: &Deck) -> Result<Vec<DeckGear>, DeckError> {
 
 /// Returns the gears of a deck as [`gears`]; missing values of a material are those of `other`.
 pub fn gears_with(deck: &Deck, other: Option<Material>) -> Result<Vec<DeckGear>, DeckError> {
-    gears_known(deck, other, &Known::default())?
+    gears_known(deck, other, &SpecifiedBody::default())?
         .into_iter()
         .collect()
 }
@@ -169,7 +169,7 @@ pub fn gears_with(deck: &Deck, other: Option<Material>) -> Result<Vec<DeckGear>,
 pub fn gears_known(
     deck: &Deck,
     other: Option<Material>,
-    known: &Known,
+    known: &SpecifiedBody,
 ) -> Result<Vec<Result<DeckGear, DeckError>>, DeckError> {
     let bodies = bodies::split(deck, other)?;
     if bodies.is_empty() {

@@ -103,7 +103,7 @@ pub(super) fn centreline(left: &[[f64; 2]], right: &[[f64; 2]]) -> Option<f64> {
 }
 
 /// A flank with its tooth and side, determined by its position.
-pub(super) struct Stand {
+pub(super) struct PositionedFlank {
     /// Pitches from the base tooth.
     pub(super) steps: i64,
     /// Tooth in the name of its set.
@@ -123,7 +123,7 @@ pub(super) fn stands(
     point: &dyn Fn(u32) -> [f64; 3],
     offset: &dyn Fn(f64) -> f64,
     left: f64,
-) -> Result<Vec<Stand>, DeckError> {
+) -> Result<Vec<PositionedFlank>, DeckError> {
     let mut found = Vec::with_capacity(body.flanks.len());
     for flank in &body.flanks {
         let z = |n: u32| point(n)[2];
@@ -159,7 +159,7 @@ pub(super) fn stands(
                 "swap l and r in the names of the sets",
             ));
         }
-        found.push(Stand {
+        found.push(PositionedFlank {
             steps: steps as i64,
             label: flank.label,
             side,

@@ -5,7 +5,7 @@
 //! get that of the instance in front, as `pinion-1.bore`; labels count within each instance.
 
 use super::model::field;
-use super::others::MARK;
+use super::non_solids::MARK;
 use super::{Reader, at_most, known, named, number_or_zero, options};
 use crate::deck::data::{Deck, Label};
 use crate::deck::error::{DeckError, DeckErrorKind, Place, quote};
@@ -21,17 +21,17 @@ pub(super) struct Scope {
     outer: Deck,
     place: Place,
     /// Pose of an instance.
-    stands: Option<Standing>,
+    stands: Option<InstancePose>,
 }
 
 /// Pose of an instance: `x -> point + turn (x + shift - point)`.
-struct Standing {
+struct InstancePose {
     shift: Vec3,
     point: Vec3,
     turn: Rotation3<f64>,
 }
 
-impl Standing {
+impl InstancePose {
     fn of(&self, x: &Vec3) -> Vec3 {
         self.point + self.turn * (x + self.shift - self.point)
     }
@@ -91,7 +91,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn open(&mut self, name: String, k: &Keyword, inner: Deck, stands: Option<Standing>) {
+    fn open(&mut self, name: String, k: &Keyword, inner: Deck, stands: Option<InstancePose>) {
         let outer = std::mem::replace(&mut self.deck, inner);
         self.scope = Some(Scope {
             name,
@@ -161,8 +161,8 @@ impl Reader<'_> {
     }
 
     /// Reads the pose: no line, one with a translation, or a second with two points and an angle.
-    fn standing(&mut self, k: &Keyword) -> Result<Standing, DeckError> {
-        let mut stands = Standing {
+    fn standing(&mut self, k: &Keyword) -> Result<InstancePose, DeckError> {
+        let mut stands = InstancePose {
             shift: Vec3::zeros(),
             point: Vec3::zeros(),
             turn: Rotation3::identity(),
@@ -277,7 +277,7 @@ impl Reader<'_> {
 
 impl Deck {
     /// Adds an instance, with its name in front of those of its sets.
-    fn join(&mut self, name: &str, from: Deck, stands: &Standing) {
+    fn join(&mut self, name: &str, from: Deck, stands: &InstancePose) {
         self.instances.push(name.to_owned());
         let instance = self.instances.len() as u32;
         let first_node = self.nodes.len() as u32;

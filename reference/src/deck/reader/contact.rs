@@ -1,7 +1,7 @@
 //! Surfaces, interactions and contact pairs.
 
 use super::model::{field, twice};
-use super::others::MARK;
+use super::non_solids::MARK;
 use super::{Reader, known, named, number};
 use crate::deck::data::{ContactKind, ContactPair, Interaction};
 use crate::deck::error::{DeckError, quote};

@@ -2,7 +2,7 @@
 
 use super::Reader;
 use super::options;
-use crate::deck::data::{Beyond, Procedure};
+use crate::deck::data::{NonlinearProperty, Procedure};
 use crate::deck::error::{DeckError, quote};
 use crate::deck::lexer::Keyword;
 
@@ -143,7 +143,7 @@ impl Reader<'_> {
 
     /// Marks a material beyond linear isotropic elasticity: its bodies are declined.
     pub(super) fn beyond(&mut self, k: &Keyword, reason: &str) -> Result<(), DeckError> {
-        let beyond = Beyond {
+        let beyond = NonlinearProperty {
             keyword: k.text.clone(),
             reason: reason.to_owned(),
             place: k.place.clone(),

@@ -1,6 +1,6 @@
 //! Deck of an impact: two gears with rigid bores, contact of tooth pairs, initial speeds, one implicit step.
 
-use super::{Numbered, WriteError, heading, materials, number};
+use super::{NumberedGear, WriteError, heading, materials, number};
 use crate::deck::gears::{BodyShape, DeckGear, placed};
 use crate::mesh::{GearMesh, letter};
 use crate::recognise::across;
@@ -88,13 +88,13 @@ pub fn write_impact(out: &mut dyn Write, impact: &Impact<'_>) -> Result<(), Writ
     let [one, two] = &impact.gears;
     let counts = [one, two].map(|g| g.mesh.mesh.nodes.len() as u32);
     let numbered = [
-        Numbered {
+        NumberedGear {
             gear: one.mesh,
             suffix: "1",
             first_node: 1,
             first_element: 1,
         },
-        Numbered {
+        NumberedGear {
             gear: two.mesh,
             suffix: "2",
             first_node: 1 + counts[0],

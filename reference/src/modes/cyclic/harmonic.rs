@@ -1,6 +1,6 @@
 //! Search for modes of one harmonic, which can be continued.
 
-use super::{Sector, Shared};
+use super::{Sector, SharedAnalysis};
 use crate::modes::lanczos::{Lanczos, Target, is_small};
 use crate::modes::{Modes, ModesError, Options, Symmetric, default_shift, dense};
 use crate::solve::{Cholesky, Scalar, Symbolic, negative_eigenvalues};
@@ -33,7 +33,7 @@ impl Harmonic {
         sector: &Sector,
         harmonic: u32,
         guess: usize,
-        shared: &Shared,
+        shared: &SharedAnalysis,
         options: &Options,
     ) -> Result<Self, ModesError> {
         let single = harmonic == 0 || 2 * harmonic == sector.teeth();
@@ -124,7 +124,7 @@ impl Harmonic {
 struct State<T: Scalar> {
     stiffness: Symmetric<T>,
     mass: Arc<Symmetric<T>>,
-    symbolic: Shared,
+    symbolic: SharedAnalysis,
     shift: f64,
     factor: Option<Cholesky<T>>,
     engine: Engine<T>,
@@ -135,7 +135,7 @@ fn factor<T: Scalar>(
     stiffness: &Symmetric<T>,
     shift: f64,
     mass: &Symmetric<T>,
-    symbolic: &Shared,
+    symbolic: &SharedAnalysis,
 ) -> Result<Cholesky<T>, ModesError> {
     let shifted = stiffness.minus(shift, mass);
     let factor = Cholesky::with_symbolic(shifted.as_ref(), symbolic.clone(), Some(Par::Seq))?;
@@ -153,7 +153,7 @@ impl<T: Scalar> State<T> {
         sector: &Sector,
         harmonic: u32,
         guess: usize,
-        shared: &Shared,
+        shared: &SharedAnalysis,
         options: &Options,
     ) -> Result<Self, ModesError> {
         let pair = sector.matrices::<T>(harmonic);

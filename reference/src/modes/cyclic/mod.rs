@@ -287,4 +287,4 @@ fn last_wanted(states: &[Harmonic], count: usize, otherwise: f64) -> f64 {
 }
 
 /// Analysis shared by the harmonics.
-type Shared = Arc<Symbolic>;
+type SharedAnalysis = Arc<Symbolic>;

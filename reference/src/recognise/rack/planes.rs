@@ -2,8 +2,8 @@
 
 use super::{RecognisedRack, flanks, sense};
 use crate::recognise::axis::Axis;
-use crate::recognise::known::{Known, Misfit};
 use crate::recognise::skin::Skin;
+use crate::recognise::specified_body::{Misfit, SpecifiedBody};
 use crate::recognise::{FINE, extent, median};
 use crate::vector::snapped;
 use gearbench_models::Vec3;
@@ -80,7 +80,7 @@ fn middle(skin: &Skin<'_>, face: u32) -> Vec3 {
 ///
 /// # Errors
 /// What was looked for and not found, or what is not as it is said.
-pub fn recognise(skin: &Skin<'_>, known: &Known) -> Result<RecognisedRack, Misfit> {
+pub fn recognise(skin: &Skin<'_>, known: &SpecifiedBody) -> Result<RecognisedRack, Misfit> {
     let all = gatherings(skin);
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for i in 0..all.len() {
@@ -126,7 +126,7 @@ fn frame(
     skin: &Skin<'_>,
     all: &[Gathering],
     flanks: [&Gathering; 2],
-    known: &Known,
+    known: &SpecifiedBody,
 ) -> Option<([Vec3; 3], Vec<u32>)> {
     let bisector = -(flanks[0].normal + flanks[1].normal).normalize();
     let back = all
@@ -230,7 +230,7 @@ fn of_pair(
     skin: &Skin<'_>,
     all: &[Gathering],
     flanks: [&Gathering; 2],
-    known: &Known,
+    known: &SpecifiedBody,
 ) -> Result<RecognisedRack, Refusal> {
     let no = |far: u8, why: String| (far, why);
     let (axes, back) = frame(skin, all, flanks, known)

@@ -2,7 +2,7 @@
 
 use super::Shape;
 use crate::modes::cyclic::{CyclicModes, Part};
-use crate::reduction::rigid::Moved;
+use crate::reduction::rigid::ModeMotion;
 use crate::reduction::surface::Surface;
 use crate::vector::dot;
 
@@ -85,6 +85,6 @@ pub(super) fn cyclic_shape(
         hub,
         momentum,
         linear: [0.0; 2],
-        moved: Moved::default(),
+        moved: ModeMotion::default(),
     }
 }

@@ -70,7 +70,7 @@ pub fn in_mesh(context: &GearContext<'_>) -> Vec<u32> {
 
 /// Modes made for some teeth.
 #[derive(Clone, Debug)]
-pub struct Made {
+pub struct FittedModes {
     /// The basis with them in place of its own.
     pub basis: Basis,
     /// Rows of these teeth, ascending.
@@ -80,7 +80,11 @@ pub struct Made {
 }
 
 /// As many modes as a choice allows within the span of its candidates, made for some teeth.
-pub fn made_for(basis: &Basis, teeth: &[u32], choice: &Choice) -> Result<Made, ReductionError> {
+pub fn made_for(
+    basis: &Basis,
+    teeth: &[u32],
+    choice: &Choice,
+) -> Result<FittedModes, ReductionError> {
     let modes = basis.omega.len();
     let of_candidates = basis.omega.iter().take(choice.candidates);
     let candidates = of_candidates.take_while(|w| **w <= choice.highest).count();
@@ -99,7 +103,7 @@ pub fn made_for(basis: &Basis, teeth: &[u32], choice: &Choice) -> Result<Made, R
     if loads.is_empty() || count == 0 {
         let basis = basis.in_span(&[], Vec::new());
         let span = Vec::new();
-        return Ok(Made { basis, rows, span });
+        return Ok(FittedModes { basis, rows, span });
     }
     let kinds = gram(basis, &loads, candidates);
     let kinds = with_hub(basis, kinds, omega);
@@ -135,7 +139,7 @@ pub fn made_for(basis: &Basis, teeth: &[u32], choice: &Choice) -> Result<Made, R
     }
     let basis = basis.in_span(&v, found);
     let span = v;
-    Ok(Made { basis, rows, span })
+    Ok(FittedModes { basis, rows, span })
 }
 
 fn multiply(out: faer::MatMut<'_, f64>, a: faer::MatRef<'_, f64>, b: faer::MatRef<'_, f64>) {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::mesh;
-use crate::reduction::{Mounting, Wanted, basis};
+use crate::reduction::{ModeSelection, Mounting, basis};
 use crate::test_support::{self, coarse};
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
 use gearbench_models::stiffness::Material;
@@ -9,7 +9,7 @@ use gearbench_models::stiffness::Material;
 fn rack() -> Basis {
     let rack = test_support::rack(3, 2e-3, |p| p.face_width = 4e-3);
     let mesh = mesh::rack(&rack, &coarse(2, 1)).unwrap();
-    let wanted = Wanted::Count(usize::MAX / 2);
+    let wanted = ModeSelection::Count(usize::MAX / 2);
     basis::of_mesh(
         &mesh,
         &Material::STEEL,
@@ -31,7 +31,7 @@ fn gear() -> Basis {
         &sector,
         &Material::STEEL,
         &mounting,
-        Wanted::Count(120),
+        ModeSelection::Count(120),
         false,
     )
     .unwrap()

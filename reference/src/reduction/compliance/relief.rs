@@ -6,7 +6,7 @@ use faer::prelude::Solve;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 
 /// Compliance with fixed hub, and the data of inertia relief.
-pub(super) struct Held {
+pub(super) struct FixedHubCompliance {
     /// `X` between the flank nodes, in the layout of the result.
     pub flanks: FlankCompliance,
     /// Number of hub motions, `n`: the free ones, or the fixed one of a fixed hub.
@@ -21,14 +21,14 @@ pub(super) struct Held {
     pub inertia: Vec<f64>,
 }
 
-impl Held {
+impl FixedHubCompliance {
     /// The compliance on a mount.
     pub fn mounted(self, mounting: &Mounting) -> Residual {
         let rows = self.arms.len() / self.motions;
         if mounting.is_lateral() {
             return self.mounted_lateral(mounting);
         }
-        let Held {
+        let FixedHubCompliance {
             mut flanks,
             arms,
             inertial,
@@ -47,7 +47,7 @@ impl Held {
         let gamma = hub[0] / (inertia * inertia);
         // Teeth that are alike move alike.
         let alike = match &flanks {
-            FlankCompliance::Full(_) | FlankCompliance::Lessened(_) => rows,
+            FlankCompliance::Full(_) | FlankCompliance::Deflated(_) => rows,
             FlankCompliance::Cyclic { per_tooth, .. } => *per_tooth,
         };
         add_relief(&mut flanks, rows, |k, l| {
@@ -133,7 +133,7 @@ fn add_relief(flanks: &mut FlankCompliance, rows: usize, relief: impl Fn(usize, 
                 *c += relief(i / m, i % m);
             }
         }
-        FlankCompliance::Lessened(_) => {
+        FlankCompliance::Deflated(_) => {
             unreachable!("nothing is taken from a compliance before it is mounted")
         }
     }

@@ -174,11 +174,11 @@ struct Part {
     place: HashMap<u32, u32>,
     /// Nodes on the faces at which it was cut out.
     cut: Vec<u32>,
-    free: Vec<Free>,
+    free: Vec<FreeFace>,
 }
 
 /// A face at which the body ends.
-struct Free {
+struct FreeFace {
     facet: Facet,
     /// It is an end face of the teeth.
     end: bool,
@@ -245,7 +245,7 @@ impl Part {
             let (_, [a, b]) = point(&facet, &mesh.nodes, [1.0 / 3.0; 2]);
             let normal = b.cross(&a);
             let end = normal.z.abs() > END * normal.norm();
-            free.push(Free { facet, end });
+            free.push(FreeFace { facet, end });
         }
         cut.sort_unstable();
         cut.dedup();

@@ -4,7 +4,7 @@ use super::*;
 use crate::mesh;
 use crate::reduction::geometry::tests::bare;
 use crate::reduction::store::Meta;
-use crate::reduction::{Basis, Mounting, Request, Wanted};
+use crate::reduction::{Basis, ModeSelection, Mounting, Request};
 use crate::test_support::{self, counted};
 use gearbench_models::gear::elastic::inertia::Integrals;
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
@@ -36,7 +36,7 @@ fn judged(
         sector: false,
         material: Material::STEEL,
         mounting: Mounting::gear(true, 0.0),
-        wanted: Wanted::Count(0),
+        wanted: ModeSelection::Count(0),
     };
     let stored = Stored {
         meta: Meta::new(&request, "a test"),
@@ -142,7 +142,7 @@ fn reduced(modes: usize) -> (Basis, Meta) {
         sector: false,
         material: Material::STEEL,
         mounting: Mounting::gear(true, 0.0),
-        wanted: Wanted::Count(modes),
+        wanted: ModeSelection::Count(modes),
     };
     (request.compute().unwrap(), Meta::new(&request, "a test"))
 }
@@ -171,7 +171,7 @@ fn reductions_of_no_elastic_body_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let blocks = |b: &mut Basis, change: &dyn Fn(&mut [f64])| match &mut b.compliance.flanks {
         FlankCompliance::Full(c) | FlankCompliance::Cyclic { blocks: c, .. } => change(c),
-        FlankCompliance::Lessened(_) => {}
+        FlankCompliance::Deflated(_) => {}
     };
     let integrals = |b: &mut Basis, change: &dyn Fn(&mut Integrals)| {
         change(Arc::make_mut(b.integrals.as_mut().unwrap()));

@@ -1,7 +1,7 @@
 //! The container: a zip archive with one `.npy` file per array.
 
 use super::error::{StoreError, StoreErrorKind, refused, unusable};
-use super::npy::{self, Head, shape_text};
+use super::npy::{self, ArrayHeader, shape_text};
 use crate::limits;
 use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
 use std::cell::Cell;
@@ -153,7 +153,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Opens an array: its head, and its numbers one after the other.
-    fn open<'r>(&'r self, name: &str) -> Result<(Head, Box<dyn Read + 'r>), StoreError> {
+    fn open<'r>(&'r self, name: &str) -> Result<(ArrayHeader, Box<dyn Read + 'r>), StoreError> {
         let &(place, method) = self.entries.get(name).ok_or_else(|| self.missing(name))?;
         let damaged = |found: String| damaged(name, found);
         let entry = self

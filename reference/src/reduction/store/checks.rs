@@ -155,7 +155,7 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
                 )
             })
         }
-        FlankCompliance::Lessened(_) => Some("all of it".to_owned()),
+        FlankCompliance::Deflated(_) => Some("all of it".to_owned()),
     };
     if let Some(expected) = c {
         return Some(unusable(
@@ -167,7 +167,7 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
     }
     let blocks = match &b.compliance.flanks {
         FlankCompliance::Full(c) | FlankCompliance::Cyclic { blocks: c, .. } => c.as_slice(),
-        FlankCompliance::Lessened(_) => &[],
+        FlankCompliance::Deflated(_) => &[],
     };
     let finite: [(&str, &[f64]); 11] = [
         (OMEGA, &b.omega),

@@ -1,6 +1,6 @@
 //! Why a stored reduction is refused.
 
-use crate::refusal::Refused;
+use crate::refusal::Refusal;
 
 /// Kind of the problem in a [`StoreError`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -24,7 +24,7 @@ pub enum StoreErrorKind {
 }
 
 /// A stored reduction was refused; the context is the array in question.
-pub type StoreError = Refused<StoreErrorKind>;
+pub type StoreError = Refusal<StoreErrorKind>;
 
 /// Remedy for a file that cannot be read.
 pub(super) const MAKE_AGAIN: &str = "make it again with `gearbench reduce`";
@@ -41,7 +41,7 @@ pub(super) fn refused(
         true => String::new(),
         false => format!("`{array}`"),
     };
-    Refused::new(kind, context, expected, found, help)
+    Refusal::new(kind, context, expected, found, help)
 }
 
 /// A file that cannot be read or written.

@@ -8,7 +8,7 @@ use super::names::{
     NEAR_FIELD, NODES, NORMALS, OMEGA, PARTICIPATION, POISSON, ROWS, SHAPES, SIDE, TOOTH,
     UNBALANCE, YOUNG, sign,
 };
-use super::{Meta, Motion, Stored, checks, inertia, lateral};
+use super::{Meta, Motion, Stored, checks, inertia, out_of_plane};
 use crate::reduction::Basis;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
@@ -47,7 +47,7 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
             per_tooth,
             blocks,
         } => (vec![*teeth, *per_tooth, *per_tooth], blocks),
-        FlankCompliance::Lessened(_) => {
+        FlankCompliance::Deflated(_) => {
             return Err(io::Error::other(
                 "a basis holds the compliance of the whole mesh, but modes were taken from this one",
             ));
@@ -73,7 +73,7 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
         inertia::write(&mut w, integrals)?;
     }
     if let Some(l) = &b.lateral {
-        lateral::write(&mut w, l, b.added)?;
+        out_of_plane::write(&mut w, l, b.added)?;
     }
     w.finish()
 }
@@ -104,7 +104,7 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
     };
     let (lateral, added) = match entries.flag(meta::LATERAL) {
         Some(true) => {
-            let (lateral, added) = lateral::read(r, modes)?;
+            let (lateral, added) = out_of_plane::read(r, modes)?;
             (Some(Arc::new(lateral)), added)
         }
         _ => (None, [0.0; 2]),

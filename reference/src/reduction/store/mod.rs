@@ -4,25 +4,25 @@
 //! Numbers are 8 bytes wide, little endian, the last axis fastest, and come back bit by bit. Newer versions are
 //! refused; arrays that this version does not know are passed over.
 //!
-//! What is read is not trusted: shapes are compared with each other before memory is taken, checksums are compared,
-//! and numbers that cannot be right are refused with the array they stand in ([`StoreError`]).
+//! Files are not trusted: shapes are compared with each other before memory is allocated, checksums are compared, and
+//! invalid numbers are refused with the name of their array ([`StoreError`]).
 
 mod archive;
 mod checks;
 mod error;
 mod fields;
 mod inertia;
-mod lateral;
 mod meta;
 mod names;
 mod npy;
+mod out_of_plane;
 mod physics;
 #[cfg(test)]
 pub(super) mod tests;
 
 pub use error::{StoreError, StoreErrorKind};
 
-use super::{Basis, Request, Wanted};
+use super::{Basis, ModeSelection, Request};
 use crate::assembly::tie::HubMotion;
 use crate::hash::Hash;
 use crate::{files, limits};
@@ -102,8 +102,8 @@ impl Meta {
             nodes: mesh.nodes.len(),
             elements: mesh.element_count(),
             asked: match request.wanted {
-                Wanted::Count(n) => format!("{n} modes"),
-                Wanted::UpTo(f) => format!("modes up to {f} Hz"),
+                ModeSelection::Count(n) => format!("{n} modes"),
+                ModeSelection::UpTo(f) => format!("modes up to {f} Hz"),
             },
         }
     }

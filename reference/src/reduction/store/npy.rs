@@ -21,7 +21,7 @@ const LONGEST: usize = 1 << 16;
 
 /// Type and shape of the numbers of an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Head {
+pub(super) struct ArrayHeader {
     /// Type as numpy writes it.
     pub(super) descr: String,
     /// The first axis runs fastest.
@@ -56,7 +56,7 @@ pub(super) fn head(descr: &str, shape: &[usize]) -> Vec<u8> {
 }
 
 /// Reads a head, versions 1 to 3.
-pub(super) fn read_head(input: &mut dyn Read) -> Result<Head, String> {
+pub(super) fn read_head(input: &mut dyn Read) -> Result<ArrayHeader, String> {
     let short = |e: io::Error| match e.kind() {
         io::ErrorKind::UnexpectedEof => "an end within its head".to_owned(),
         _ => e.to_string(),
@@ -92,7 +92,7 @@ pub(super) fn read_head(input: &mut dyn Read) -> Result<Head, String> {
 }
 
 /// Reads the dictionary of a head.
-fn parse(text: &str) -> Option<Head> {
+fn parse(text: &str) -> Option<ArrayHeader> {
     let mut rest = text.trim().strip_prefix('{')?.strip_suffix('}')?;
     let (mut descr, mut fortran, mut shape) = (None, None, None);
     loop {
@@ -126,7 +126,7 @@ fn parse(text: &str) -> Option<Head> {
             _ => return None,
         };
     }
-    Some(Head {
+    Some(ArrayHeader {
         descr: descr?,
         fortran: fortran?,
         shape: shape?,

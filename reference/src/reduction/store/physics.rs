@@ -67,7 +67,7 @@ fn asymmetry(b: &Basis) -> Option<StoreError> {
                 unequal(i, j, there, blocks[(opposite * m + j) * m + i])
             })
         }),
-        FlankCompliance::Lessened(_) => None,
+        FlankCompliance::Deflated(_) => None,
     }
 }
 

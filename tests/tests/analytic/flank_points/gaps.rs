@@ -264,14 +264,14 @@ fn the_cost_follows_the_active_flanks() {
         };
         let (scene, _, s) = rigid_pair(&spec, [21, 7], points);
         let mesh = &scene.meshes()[0];
-        let party = |k: usize| Party {
+        let gear_state = |k: usize| GearState {
             gear: scene.gears()[k].model.as_ref(),
             at: scene.gears()[k].at(s.at()),
         };
         let mut found = Vec::new();
-        let wanted = Wanted::Touching(0.0);
+        let wanted = CandidateSelection::Touching(0.0);
         mesh.search
-            .candidates(party(0), party(1), &[], wanted, &mut found);
+            .candidates(gear_state(0), gear_state(1), &[], wanted, &mut found);
         let work = mesh.search.points().unwrap().work();
         assert!(!found.is_empty());
         assert!(work.flanks <= 12, "{work:?}");

@@ -8,7 +8,7 @@ mod rows;
 
 use gearbench_integrators::system::Coeffs;
 use gearbench_integrators::{Outputs, SecondOrderSystem, State};
-use gearbench_models::contact::{Candidate, Party, Wanted};
+use gearbench_models::contact::{Candidate, CandidateSelection, GearState};
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side, inv};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;

@@ -87,10 +87,10 @@ fn rows_of_points_that_leave() {
                     *q += 1e-7 * numbers.draw();
                 }
             }
-            let fading = |c: &Candidate| c.fade < 1.0 && c.gap < 0.0;
+            let taper_gradient = |c: &Candidate| c.taper < 1.0 && c.gap < 0.0;
             leaving += candidates(&scene, &s)
                 .iter()
-                .filter(|(_, c)| fading(c))
+                .filter(|(_, c)| taper_gradient(c))
                 .count();
             worst = worst.max(worst_row(&scene, &s).0);
         }

@@ -11,7 +11,7 @@ mod potential;
 mod search;
 mod tangents;
 
-use gearbench_integrators::system::{At, HalfKick, ModalSplit};
+use gearbench_integrators::system::{HalfStepImpulse, ModalSplit, StateView};
 use gearbench_integrators::{Outputs, Report, SecondOrderSystem, State};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
@@ -76,7 +76,7 @@ fn loaded(gap: f64, speed: f64) -> SceneSpec {
 /// its end, relative to the largest.
 fn off_at_the_end_of_a_kick(scene: &mut Scene, s: &State, filter: &[f64]) -> f64 {
     let n = s.q.len();
-    let kick = HalfKick {
+    let kick = HalfStepImpulse {
         time: 5e-7,
         before: &s.v,
         steady: &[],
@@ -87,7 +87,7 @@ fn off_at_the_end_of_a_kick(scene: &mut Scene, s: &State, filter: &[f64]) -> f64
     let mut v = Vec::new();
     kick.end(&a, &mut v);
     let mut at_end = vec![0.0; n];
-    scene.remainder(At { v: &v, ..s.at() }, &mut at_end);
+    scene.remainder(StateView { v: &v, ..s.at() }, &mut at_end);
     let largest = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let worst = (a.iter().zip(&at_end)).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()));
     worst / largest

@@ -11,7 +11,7 @@ use gearbench_models::spec::Body;
 fn by_hand(scene: &Scene, s: &State) -> (usize, f64) {
     let (mut count, mut force) = (0, 0.0);
     for (mesh, c) in candidates(scene, s) {
-        let mut gap = if c.gap < 0.0 { c.gap } else { c.fade * c.gap };
+        let mut gap = if c.gap < 0.0 { c.gap } else { c.taper * c.gap };
         for (k, &g) in scene.meshes()[mesh].gears.iter().enumerate() {
             let gear = &scene.gears()[g];
             let (Some(field), Locus::Quadrature { face, xi }) =
@@ -23,7 +23,7 @@ fn by_hand(scene: &Scene, s: &State) -> (usize, f64) {
             let mut a = [0.0; 4];
             let range = gear.range();
             field.displacements(&s.q[range], &flanks.corners(face), &mut a);
-            gap -= c.fade
+            gap -= c.taper
                 * (a.iter().zip(Flanks::weights(xi)))
                     .map(|(a, w)| a * w)
                     .sum::<f64>();

@@ -10,7 +10,7 @@ use super::{across, carrier_of};
 use crate::shafts::{body, frequencies, shaft};
 use gearbench_models::geometry::{Gear, GearParams, Internal};
 use gearbench_models::spec::{
-    Body, Carried, ContactSpec, GearSpec, Load, Mount, Profile, SceneSpec, effective_radius,
+    Body, ContactSpec, GearSpec, Load, Mount, Profile, SceneSpec, StationMember, effective_radius,
 };
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use gearbench_tests::*;
@@ -133,7 +133,7 @@ fn scene_of(set: &Set, planets: usize) -> (SceneSpec, Vec<ContactSpec>) {
         g.lateral = Some(lateral);
     }
     let mut carrier = body(0.0, "carrier", of(0, distance));
-    if let Carried::Body(body) = &mut carrier.carries {
+    if let StationMember::Body(body) = &mut carrier.carries {
         body.planets = (1..=planets).collect();
         let mut lateral = of_carrier;
         lateral.bearing.stiffness[5][5] = set.turn[0] * distance * distance;
@@ -251,7 +251,7 @@ fn kahramans_planetary_train() {
         g.lateral = Some(lateral);
     }
     let mut carrier = body(0.0, "carrier", 0.0);
-    if let Carried::Body(body) = &mut carrier.carries {
+    if let StationMember::Body(body) = &mut carrier.carries {
         body.planets = vec![1, 2, 3];
     }
     // The carrier moves flanks by its radius times the cosine of the pressure angle.

@@ -5,11 +5,11 @@ mod frequencies;
 mod sharing;
 
 use crate::shafts::{body, shaft};
-use gearbench_integrators::{At, Outputs, Report, Resolution, SecondOrderSystem, State};
+use gearbench_integrators::{Outputs, Report, Resolution, SecondOrderSystem, State, StateView};
 use gearbench_models::geometry::Side;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Bearing, Carried, Freedom, LateralSpec, ModelSpec, Modelling, Mount, SceneSpec,
+    Bearing, Freedom, ModelSpec, Modelling, Mount, OutOfPlaneSpec, SceneSpec, StationMember,
 };
 use gearbench_tests::*;
 use std::f64::consts::TAU;
@@ -22,10 +22,10 @@ const CARRIER: usize = 4;
 const DISTANCE: f64 = 0.0801;
 
 /// Returns freedom across the axis, on a spring.
-pub(super) fn across(stiffness: f64, damping: f64) -> Option<Box<LateralSpec>> {
-    let mut lateral = LateralSpec {
+pub(super) fn across(stiffness: f64, damping: f64) -> Option<Box<OutOfPlaneSpec>> {
+    let mut lateral = OutOfPlaneSpec {
         bearing: Bearing::default(),
-        ..LateralSpec::default()
+        ..OutOfPlaneSpec::default()
     };
     for d in 0..2 {
         lateral.directions[d] = Freedom::Free;
@@ -45,7 +45,7 @@ pub fn set(gap: f64) -> SceneSpec {
         planet
     };
     let mut carrier = body(0.0, "carrier", 2e-3);
-    if let Carried::Body(body) = &mut carrier.carries {
+    if let StationMember::Body(body) = &mut carrier.carries {
         body.planets = PLANETS.to_vec();
         body.speed = 3.0;
     }
@@ -65,7 +65,7 @@ fn loose(gap: f64, [of_sun, of_pins, of_carrier]: [f64; 3]) -> SceneSpec {
     for p in PLANETS {
         spec.gears[p].lateral = across(of_pins, 0.0);
     }
-    if let Carried::Body(body) = &mut spec.shafts[0].stations[0].carries {
+    if let StationMember::Body(body) = &mut spec.shafts[0].stations[0].carries {
         body.lateral = across(of_carrier, 0.0);
         body.lateral.as_mut().unwrap().mass = Some(0.8);
     }
@@ -74,8 +74,8 @@ fn loose(gap: f64, [of_sun, of_pins, of_carrier]: [f64; 3]) -> SceneSpec {
 
 pub(super) fn carrier_of(spec: &mut SceneSpec) -> &mut gearbench_models::spec::BodySpec {
     match &mut spec.shafts[0].stations[0].carries {
-        Carried::Body(body) => body,
-        Carried::Gear(_) => unreachable!("a carrier stands there"),
+        StationMember::Body(body) => body,
+        StationMember::Gear(_) => unreachable!("a carrier stands there"),
     }
 }
 
@@ -124,7 +124,7 @@ fn momenta(scene: &mut Scene, s: &State) -> [f64; 3] {
     sum
 }
 
-fn energy(scene: &mut Scene, at: At<'_>) -> [f64; 2] {
+fn energy(scene: &mut Scene, at: StateView<'_>) -> [f64; 2] {
     let mut out = Outputs::default();
     scene.output(at, &mut out);
     [out.energy.kinetic, out.energy.strain + out.energy.contact]

@@ -9,7 +9,7 @@
 
 use super::half_space::half_space;
 use super::*;
-use elements::{Fine, toothing};
+use elements::{ElementFineness, toothing};
 use gearbench_models::contact::pairs::LinePressure;
 use gearbench_models::geometry::{Deviations, FlankDeviations, Gear, GivenDeviations};
 use gearbench_models::scene::ContactForce;
@@ -109,7 +109,7 @@ fn a_tooth_pair_over_its_load() {
     for load in [50e3, 200e3, 800e3] {
         let found = coarse.under_force(s, width * load).unwrap();
         let lines = found.pressure.unwrap();
-        let fine = Fine {
+        let fine = ElementFineness {
             s,
             reach: 1.5 * lines.half_width,
             flank: 96,
@@ -153,7 +153,7 @@ fn strips_of_crowned_and_of_straight_teeth() {
         let found = coarse.under_force(s, width * load).unwrap();
         let of_lines = over_width(&coarse.contacts(), STRIPS, width);
         let lines = found.pressure.unwrap();
-        let fine = Fine {
+        let fine = ElementFineness {
             s,
             reach: 1.5 * lines.half_width,
             flank: 72,
@@ -204,7 +204,7 @@ fn free_ends_of_the_width() {
         let load = 200e3;
         let found = coarse.under_force(s, width * load).unwrap();
         let lines = found.pressure.unwrap();
-        let fine = Fine {
+        let fine = ElementFineness {
             s,
             reach: 1.5 * lines.half_width,
             flank: 72,
@@ -254,7 +254,7 @@ fn a_pair_at_its_tip_edge() {
         let half_width = 0.13e-3;
         let s = (tip * tip - 2.0 * rb * part * half_width).sqrt() - 8e-6;
         let found = coarse.under_force(s, width * load).unwrap();
-        let fine = Fine {
+        let fine = ElementFineness {
             s,
             reach: 1.5 * half_width,
             flank: 96,

@@ -3,7 +3,7 @@
 use super::*;
 use gearbench_integrators::{Outputs, Report, Resolution, TimePlan};
 use gearbench_models::Vec3;
-use gearbench_models::spec::{Bearing, Freedom, LateralSpec, Mount};
+use gearbench_models::spec::{Bearing, Freedom, Mount, OutOfPlaneSpec};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::PI;
 
@@ -20,22 +20,22 @@ fn properties(m: &Material) -> [f64; 4] {
     ]
 }
 
-/// Returns a body with the freedom of an [`LateralSpec`].
+/// Returns a body with the freedom of an [`OutOfPlaneSpec`].
 fn sideways(place: f64, name: &str, directions: [Freedom; 6], bearing: Bearing) -> Station {
     let mut body = BodySpec::new(name, 0.0);
-    body.lateral = Some(Box::new(LateralSpec {
+    body.lateral = Some(Box::new(OutOfPlaneSpec {
         directions,
         bearing,
-        ..LateralSpec::default()
+        ..OutOfPlaneSpec::default()
     }));
     Station {
         place,
-        carries: Carried::Body(Box::new(body)),
+        carries: StationMember::Body(Box::new(body)),
     }
 }
 
 const FREE: [Freedom; 6] = [const { Freedom::Free }; 6];
-const HELD: [Freedom; 6] = [const { Freedom::Held }; 6];
+const HELD: [Freedom; 6] = [const { Freedom::Fixed }; 6];
 
 fn free_beam(length: f64, divisions: usize) -> SceneSpec {
     let stations = vec![sideways(0.0, "end", FREE, Bearing::default())];
@@ -51,7 +51,7 @@ fn a_cantilever_bends_exactly() {
     let [area, second, g, kappa] = properties(&m);
     for n in [1, 3, 8] {
         let mut wall = sideways(0.0, "wall", HELD, Bearing::default());
-        if let Carried::Body(body) = &mut wall.carries {
+        if let StationMember::Body(body) = &mut wall.carries {
             body.mount = Mount::Fixed;
         }
         let stations = vec![wall, sideways(length, "tip", FREE, Bearing::default())];
@@ -192,7 +192,7 @@ fn a_beam_on_bearings_whirls_at_its_frequency() {
     let [area, second, g, kappa] = properties(&m);
     let mut held = FREE;
     for d in [0, 1, 2] {
-        held[d] = Freedom::Held;
+        held[d] = Freedom::Fixed;
     }
     // With k = pi / L: rho^2 I/(kappa G) w^4 - (rho A + k^2 rho I (1 + E/(kappa G))) w^2 + E I k^4 = 0.
     let k2 = (PI / length).powi(2);

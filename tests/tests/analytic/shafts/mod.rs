@@ -9,7 +9,7 @@ mod torsion;
 use gearbench_integrators::{Coeffs, SecondOrderSystem, State};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    BodySpec, Carried, Modelling, SceneSpec, Section, SectionKind, ShaftSpec, Station,
+    BodySpec, Modelling, SceneSpec, Section, SectionKind, ShaftSpec, Station, StationMember,
 };
 use gearbench_models::stiffness::Material;
 use gearbench_tests::*;
@@ -20,7 +20,7 @@ use std::f64::consts::TAU;
 pub fn body(place: f64, name: &str, inertia: f64) -> Station {
     Station {
         place,
-        carries: Carried::Body(Box::new(BodySpec::new(name, inertia))),
+        carries: StationMember::Body(Box::new(BodySpec::new(name, inertia))),
     }
 }
 
@@ -28,7 +28,7 @@ pub fn body(place: f64, name: &str, inertia: f64) -> Station {
 pub fn on(place: f64, gear: usize) -> Station {
     Station {
         place,
-        carries: Carried::Gear(gear),
+        carries: StationMember::Gear(gear),
     }
 }
 

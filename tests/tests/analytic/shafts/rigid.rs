@@ -12,7 +12,7 @@ fn with_flywheel(on_shaft: bool) -> SceneSpec {
     let mut spec = case_of_body(1e-6);
     if on_shaft {
         let mut flywheel = body(0.1, "flywheel", FLYWHEEL);
-        if let Carried::Body(b) = &mut flywheel.carries {
+        if let StationMember::Body(b) = &mut flywheel.carries {
             b.speed = spec.gears[0].speed;
         }
         spec.shafts = vec![shaft("rigid", vec![on(0.0, 0), flywheel], vec![])];
@@ -197,9 +197,9 @@ fn shafts_that_cannot_be_are_refused() {
         &["section 1", "is not positive"],
     );
     let mut pushed = body(0.2, "b", 1.0);
-    if let Carried::Body(b) = &mut pushed.carries {
+    if let StationMember::Body(b) = &mut pushed.carries {
         b.speed = 20.0;
-        let mut lateral = Box::new(gearbench_models::spec::LateralSpec::default());
+        let mut lateral = Box::new(gearbench_models::spec::OutOfPlaneSpec::default());
         lateral.directions[0] = Freedom::Driven(Profile::Constant(1e-3));
         b.lateral = Some(lateral);
     }

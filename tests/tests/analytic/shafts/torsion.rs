@@ -15,7 +15,7 @@ pub fn driveline(damping: ShaftDamping) -> SceneSpec {
     load.loads = vec![Load::Viscous(0.3)];
     let station = |place: f64, body: BodySpec| Station {
         place,
-        carries: Carried::Body(Box::new(body)),
+        carries: StationMember::Body(Box::new(body)),
     };
     spec.shafts = vec![
         ShaftSpec {
@@ -175,7 +175,7 @@ fn torques_and_powers_of_a_driven_shaft() {
     });
     let drive = Station {
         place: 0.0,
-        carries: Carried::Body(Box::new(drive)),
+        carries: StationMember::Body(Box::new(drive)),
     };
     let sections = vec![coupling(0.1, 1e4), coupling(0.1, 2e4)];
     let stations = vec![drive, body(0.1, "disc", 1e-3), body(0.2, "end", 2e-3)];
@@ -212,7 +212,7 @@ fn a_held_driveline_carries_its_torque() {
     for model in models() {
         let both = [usual(&model), usual(&model)];
         let mut spec = driveline(ShaftDamping::None);
-        if let Carried::Body(load) = &mut spec.shafts[1].stations[1].carries {
+        if let StationMember::Body(load) = &mut spec.shafts[1].stations[1].carries {
             load.mount = Mount::Fixed;
             load.loads.clear();
         }

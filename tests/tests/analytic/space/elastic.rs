@@ -3,7 +3,7 @@
 use super::*;
 use gearbench_integrators::SecondOrderSystem;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Coeffs};
+use gearbench_integrators::system::{Coeffs, StateView};
 use gearbench_models::spec::{ContactSpec, ModelSpec, Parameters, PointContact, Value};
 
 /// Returns the artificial elastic gear with nodes over the width.
@@ -73,7 +73,7 @@ fn pressed() -> Vec<(&'static str, Scene, State)> {
     all
 }
 
-fn force(scene: &mut Scene, at: At<'_>) -> Vec<f64> {
+fn force(scene: &mut Scene, at: StateView<'_>) -> Vec<f64> {
     let mut f = vec![0.0; at.q.len()];
     scene.force(at, &mut f);
     f
@@ -97,7 +97,7 @@ fn forces_in_space_derive_from_one_potential() {
             continue;
         }
         let still = vec![0.0; s.v.len()];
-        let at = At {
+        let at = StateView {
             v: &still,
             ..s.at()
         };
@@ -110,7 +110,7 @@ fn forces_in_space_derive_from_one_potential() {
                 let mut q = s.q.clone();
                 q[i] += by;
                 let mut out = Outputs::default();
-                scene.output(At { q: &q, ..at }, &mut out);
+                scene.output(StateView { q: &q, ..at }, &mut out);
                 out.energy.strain + out.energy.contact
             };
             slopes[i] = (energy(-h) - energy(h)) / (2.0 * h);
@@ -147,7 +147,7 @@ fn tangents_in_space_are_slopes_of_the_forces() {
                     let v: Vec<f64> = s.v.iter().zip(&dv).map(|(v, d)| v + by * d).collect();
                     force(
                         &mut scene,
-                        At {
+                        StateView {
                             q: &q,
                             v: &v,
                             ..s.at()

@@ -18,21 +18,21 @@ use gearbench_models::geometry::{
 use gearbench_models::kinematics::Hub;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Bearing, Body, Freedom, LateralSpec, SceneSpec, SpinTerms, effective_radius, turned_to,
+    Bearing, Body, Freedom, OutOfPlaneSpec, SceneSpec, SpinTerms, effective_radius, turned_to,
 };
 use gearbench_tests::*;
 
 /// Returns freedom in all directions on stiff bearings.
-pub fn on_bearings() -> Option<Box<LateralSpec>> {
+pub fn on_bearings() -> Option<Box<OutOfPlaneSpec>> {
     let mut bearing = Bearing::default();
     for d in 0..5 {
         bearing.stiffness[d][d] = if d < 3 { 2e8 } else { 5e4 };
         bearing.damping[d][d] = if d < 3 { 200.0 } else { 0.05 };
     }
-    Some(Box::new(LateralSpec {
+    Some(Box::new(OutOfPlaneSpec {
         directions: [const { Freedom::Free }; 6],
         bearing,
-        ..LateralSpec::default()
+        ..OutOfPlaneSpec::default()
     }))
 }
 
@@ -112,7 +112,7 @@ pub fn rolled(scene: &Scene, spec: &SceneSpec, roll: f64, press: f64) -> State {
 }
 
 /// Returns freedom in all directions, without springs or dampers.
-pub fn afloat() -> Option<Box<LateralSpec>> {
+pub fn afloat() -> Option<Box<OutOfPlaneSpec>> {
     let mut lateral = on_bearings();
     if let Some(l) = &mut lateral {
         l.bearing = Bearing::default();

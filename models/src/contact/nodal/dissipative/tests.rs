@@ -22,7 +22,7 @@ fn forces_hold_at_the_end_of_the_kick() {
             },
             points: (0..4)
                 .map(|i| {
-                    let mut p = Ported::default();
+                    let mut p = PortPoint::default();
                     p.normal.ports[1] = 1;
                     (p.normal.weights[0], p.normal.weights[1]) = (1.0, 0.5 + 0.1 * i as f64);
                     p
@@ -64,9 +64,9 @@ fn gears_that_hardly_vibrate_have_forces() {
     const NODES: usize = 12;
     for exponent in 0..20 {
         let rate = -0.1 * 0.1_f64.powi(exponent);
-        let points: Vec<Ported> = (0..30)
+        let points: Vec<PortPoint> = (0..30)
             .map(|i| {
-                let mut p = Ported::default();
+                let mut p = PortPoint::default();
                 for k in 0..4 {
                     p.normal.ports[k] = ((i + k) % NODES) as u32;
                     p.normal.weights[k] = [0.31, 0.27, 0.23, 0.19][k];

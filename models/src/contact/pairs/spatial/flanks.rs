@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::contact::pairs::lines::side_index;
-use crate::geometry::{Gear, InvoluteHelicoid, Near, PlaneAngle, Rack, Side};
+use crate::geometry::{FlankDistance, Gear, InvoluteHelicoid, PlaneAngle, Rack, Side};
 
 /// Half-length over which kinks of modifications are rounded, relative to the length of roll at the tip and to the
 /// face width.
@@ -141,12 +141,12 @@ impl Plane {
         )
     }
 
-    pub(super) fn near(&self, side: Side, psi: f64, p: &Vec3) -> Near {
+    pub(super) fn near(&self, side: Side, psi: f64, p: &Vec3) -> FlankDistance {
         let sigma = side.sign();
         let off = p.x - psi - p.z * self.tan_helix;
         let distance = -sigma * off - self.half_thickness + p.y * self.tan_pressure;
         let gradient = Vec3::new(-sigma, self.tan_pressure, sigma * self.tan_helix);
-        Near {
+        FlankDistance {
             distance: self.cos * distance,
             gradient: self.cos * gradient,
             roll: p.y,

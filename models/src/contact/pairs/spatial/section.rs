@@ -2,7 +2,7 @@
 
 use super::flanks::{FlankForm, Helicoid};
 use crate::Vec3;
-use crate::geometry::{Frame, InvoluteHelicoid, Near, PlaneAngle, Side};
+use crate::geometry::{FlankDistance, Frame, InvoluteHelicoid, PlaneAngle, Side};
 use std::cell::Cell;
 
 /// Largest number of corrections of the length of roll.
@@ -44,7 +44,7 @@ pub(super) struct Section<'a> {
 
 /// Point on a section.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct SectionPoint {
     /// Length of roll [m].
     pub(super) roll: f64,
     /// Angle of the base radius about the hub of the gear, its direction, and the direction a quarter of a turn ahead.
@@ -54,7 +54,7 @@ pub(super) struct Place {
     /// Position [m].
     pub(super) x: Vec3,
     /// Distance from the mate.
-    pub(super) near: Near,
+    pub(super) near: FlankDistance,
 }
 
 /// Derivatives of the gap along a section by the length of roll.
@@ -75,7 +75,7 @@ impl Section<'_> {
     /// Computes the point of a base radius and a length of roll; `around` is an angle near which the base radius of
     /// the mate lies.
     #[inline]
-    fn place(&self, base: PlaneAngle, roll: f64, around: &PlaneAngle) -> Place {
+    fn place(&self, base: PlaneAngle, roll: f64, around: &PlaneAngle) -> SectionPoint {
         self.evaluated.set(self.evaluated.get() + 1);
         let [x, y, _] = &self.hub.axes;
         let direction = base.cos * x + base.sin * y;
@@ -86,7 +86,7 @@ impl Section<'_> {
             FlankForm::Involute(h) => h.flank(self.side).near(self.of_mate.1, &x, around),
             FlankForm::Plane(p) => p.near(self.side, self.of_mate.1, &x),
         };
-        Place {
+        SectionPoint {
             roll,
             base,
             direction,
@@ -97,14 +97,14 @@ impl Section<'_> {
     }
 
     /// Returns the point at a length of roll [m].
-    pub(super) fn at_roll(&self, roll: f64) -> Place {
+    pub(super) fn at_roll(&self, roll: f64) -> SectionPoint {
         let base = self.flank.base(self.tooth.1, roll, self.z);
         self.place(base, roll, &PlaneAngle::new(0.0))
     }
 
     /// Returns the point with a base radius, or with the smallest length of roll.
     #[inline]
-    pub(super) fn along(&self, base: PlaneAngle, least: f64, around: &PlaneAngle) -> Place {
+    pub(super) fn along(&self, base: PlaneAngle, least: f64, around: &PlaneAngle) -> SectionPoint {
         let roll = self.flank.roll(self.tooth.1, base.angle, self.z);
         if roll < least {
             return self.place(self.rolled(&base, least - roll), least, around);
@@ -119,13 +119,13 @@ impl Section<'_> {
     }
 
     /// Returns the point with another length of roll.
-    fn moved(&self, from: &Place, roll: f64) -> Place {
+    fn moved(&self, from: &SectionPoint, roll: f64) -> SectionPoint {
         let base = self.rolled(&from.base, roll - from.roll);
         self.place(base, roll, &from.near.base)
     }
 
     /// Moves a point outside a range of lengths of roll to the nearer end of the range.
-    pub(super) fn keep_within(&self, place: &mut Place, [low, high]: [f64; 2]) {
+    pub(super) fn keep_within(&self, place: &mut SectionPoint, [low, high]: [f64; 2]) {
         let roll = place.roll.clamp(low, high);
         if roll != place.roll {
             *place = self.moved(place, roll);
@@ -134,7 +134,7 @@ impl Section<'_> {
 
     /// Returns the point with a length of roll that is longer by a small `step` [m], to first order.
     #[inline]
-    fn stepped(&self, place: &mut Place, (step, low): (f64, f64), slopes: &Slopes) {
+    fn stepped(&self, place: &mut SectionPoint, (step, low): (f64, f64), slopes: &Slopes) {
         let sigma = self.side.sign();
         let dx = place.roll * self.per_base * step * place.direction;
         let near = &mut place.near;
@@ -169,7 +169,7 @@ impl Section<'_> {
 
     /// Returns the slopes of unmodified flanks.
     #[inline]
-    pub(super) fn slopes(&self, place: &Place, low: f64) -> Slopes {
+    pub(super) fn slopes(&self, place: &SectionPoint, low: f64) -> Slopes {
         let near = &place.near;
         let per_roll = place.roll * self.per_base;
         let slope = per_roll * place.direction.dot(&near.gradient);
@@ -200,7 +200,7 @@ impl Section<'_> {
     }
 
     /// Adds the material removed from the mate to the distance; returns the slopes of modified flanks.
-    pub(super) fn remove(&self, place: &mut Place, low: f64) -> Slopes {
+    pub(super) fn remove(&self, place: &mut SectionPoint, low: f64) -> Slopes {
         let mut smooth = self.own.is_smooth(self.side, place.roll, self.z);
         let per_roll = place.roll * self.per_base;
         let (mut removed, mut bent) = ([0.0; 2], 0.0);
@@ -262,7 +262,7 @@ impl Section<'_> {
     /// The mate's distance is that of a helicoid outside its base cylinder, where the place stays as long as
     /// `rho_2^2 > 2 (rho_2 + r_b2) u`.
     #[inline]
-    pub(super) fn lower_bound(&self, place: &Place) -> Option<f64> {
+    pub(super) fn lower_bound(&self, place: &SectionPoint) -> Option<f64> {
         let near = &place.near;
         let slope = place.direction.dot(&near.gradient);
         let across = -self.side.sign() * place.tangent.dot(&near.gradient);
@@ -295,7 +295,13 @@ impl Section<'_> {
     /// `exact`. Unmodified flanks that are known to be `far` from each other [m] keep their point, with a lower bound
     /// of their distance.
     #[inline]
-    pub(super) fn least(&self, place: &mut Place, [low, high]: [f64; 2], far: f64, exact: bool) {
+    pub(super) fn least(
+        &self,
+        place: &mut SectionPoint,
+        [low, high]: [f64; 2],
+        far: f64,
+        exact: bool,
+    ) {
         let (mut from, mut to) = (low, high);
         for correction in 0..MAX_CORRECTIONS {
             let slopes = match exact {
@@ -346,7 +352,7 @@ impl Section<'_> {
 
     /// Returns the tip edge of the mate in the plane of the section, near a point: its distance from the flank, its
     /// position, and the derivative of the distance.
-    pub(super) fn edge_of_mate(&self, place: &Place) -> (f64, Vec3, Vec3) {
+    pub(super) fn edge_of_mate(&self, place: &SectionPoint) -> (f64, Vec3, Vec3) {
         let (side, hub, axis) = (self.side, self.hub, self.hub.axes[2]);
         let mut height = place.x.z;
         let (mut edge, mut tangent) = (place.x, axis);

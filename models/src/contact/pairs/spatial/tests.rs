@@ -66,7 +66,7 @@ fn hub(x: f64, tilt: [f64; 2]) -> HubFrame {
 }
 
 /// Finds the nearest point of a section by bisection.
-fn bisected(section: &Section<'_>, [low, high]: [f64; 2], exact: bool) -> Place {
+fn bisected(section: &Section<'_>, [low, high]: [f64; 2], exact: bool) -> SectionPoint {
     let (mut from, mut to) = (low, high);
     loop {
         let roll = 0.5 * (from + to);
@@ -180,9 +180,9 @@ fn nearest_points_are_those_of_bisection() {
 }
 
 /// Generator of repeatable uniform numbers in [-1, 1) (xorshift64*).
-struct Draws(u64);
+struct RandomNumbers(u64);
 
-impl Draws {
+impl RandomNumbers {
     fn next(&mut self) -> f64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
@@ -256,7 +256,7 @@ fn arrangements() -> Vec<(&'static str, Spatial, HubFrame, [f64; 2])> {
 
 /// Returns the smallest distance in descent direction from a point, in small steps and by bisection; `None` where the
 /// descent reaches the base cylinder of the mate.
-fn descended(section: &Section<'_>, from: &Place, least: f64) -> Option<f64> {
+fn descended(section: &Section<'_>, from: &SectionPoint, least: f64) -> Option<f64> {
     let step = 1e-4 * section.flank.base_radius;
     let downhill = -section.slopes(from, least).gap.signum() * step;
     let (mut roll, mut distance) = (from.roll, from.near.distance);
@@ -277,7 +277,7 @@ fn descended(section: &Section<'_>, from: &Place, least: f64) -> Option<f64> {
 /// Distant flanks are at least as far as their bounds, whatever the tilts, offsets and guesses.
 #[test]
 fn far_flanks_are_as_far_as_their_bounds() {
-    let mut draws = Draws(7);
+    let mut draws = RandomNumbers(7);
     for (name, spatial, at, angles) in arrangements() {
         let least = LEAST_ROLL * spatial.base_pitch;
         let (mut bounded, mut left_out, mut closest, mut missed) = (0, 0, f64::INFINITY, 0);

@@ -85,8 +85,8 @@ fn gear(mount: Mount, terms: SpinTerms) -> Elastic {
         .unwrap()
 }
 
-fn at<'a>(t: f64, q: &'a [f64], v: &'a [f64]) -> At<'a> {
-    At {
+fn at<'a>(t: f64, q: &'a [f64], v: &'a [f64]) -> StateView<'a> {
+    StateView {
         t,
         q,
         v,

@@ -61,7 +61,7 @@ fn a_hub_about_z_is_that_of_one_direction() {
             let hub: Hub = hub(mount, slide);
             let placement = Placement::new(&hub, 0.3);
             let own = if slide.is_some() { 0.02 } else { 1e-5 };
-            let added = Added {
+            let added = AddedInertia {
                 own,
                 mass: 0.02,
                 tilting: 6e-6,
@@ -125,10 +125,10 @@ fn rows_are_slopes_of_points() {
         let node = gear.body().free[7];
         // Above its node by what turns with the frame.
         let above = Vec3::new(1e-4, 2e-4, -3e-4);
-        let place = |at: At<'_>| {
+        let place = |at: StateView<'_>| {
             let mut x = [Vec3::zeros()];
             gear.positions(at, &[node], &mut x);
-            x[0] + gear.stand(at).turn * above
+            x[0] + gear.frame_pose(at).turn * above
         };
         let mut row = Row::default();
         row.clear();

@@ -25,7 +25,7 @@ const CUT_TOLERANCE: f64 = 1e-6;
 type Block = [f64; 9];
 
 /// Parts of a block: without phase, with `exp(i mu)`, with `exp(-i mu)`.
-type Phased = [Block; 3];
+type PhaseBlocks = [Block; 3];
 
 /// One tooth sector of a gear, ready for any harmonic.
 #[derive(Clone, Debug)]
@@ -37,8 +37,8 @@ pub struct Sector {
     free: usize,
     /// Pairs of free nodes, the column's first: lower triangle of nodes.
     pairs: Vec<(u32, u32)>,
-    stiffness: Vec<Phased>,
-    mass: Vec<Phased>,
+    stiffness: Vec<PhaseBlocks>,
+    mass: Vec<PhaseBlocks>,
     motions: Vec<Motion>,
 }
 
@@ -285,7 +285,7 @@ impl Sector {
         let (sin, cos) = self.phase(harmonic).sin_cos();
         let hub = self.hub_rows(harmonic);
         let (pattern, sources) = self.pattern(&hub);
-        let values = |of: &[Phased], which: usize| -> Vec<T> {
+        let values = |of: &[PhaseBlocks], which: usize| -> Vec<T> {
             let value = |source: &Source| match *source {
                 Source::Pair(pair, i) => {
                     let [a, b, c] = of[pair].map(|part| part[i]);

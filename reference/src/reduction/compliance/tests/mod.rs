@@ -8,7 +8,7 @@ use crate::assembly::tie::Reduced;
 use crate::mesh::{GearMeshParams, Tooth, gear, rack, sector};
 use crate::modes::{self, Options, cyclic};
 use crate::reduction::choose::{self, Choice, Criterion};
-use crate::reduction::{Kept, Wanted, basis, without_modes};
+use crate::reduction::{KeptModes, ModeSelection, basis, without_modes};
 use crate::test_support::{self, coarse, largest, stub, tied};
 use faer::Side;
 use gearbench_models::geometry::Gear;
@@ -268,7 +268,7 @@ fn declines_what_does_not_belong_together() {
     loose.bore.clear();
     assert!(text(of_mesh(&loose, &a, &held)).contains("not positive definite"));
     let total = of_mesh(&whole, &a, &held).unwrap();
-    let kept = Kept {
+    let kept = KeptModes {
         omega: &[0.0],
         shapes: &vec![0.0; a.nodes()],
         hub: &[0.0],
@@ -278,7 +278,7 @@ fn declines_what_does_not_belong_together() {
     assert!(
         text(without_modes(
             &total,
-            Kept {
+            KeptModes {
                 shapes: &[],
                 ..kept
             }
@@ -386,7 +386,7 @@ fn few_modes_leave_little_of_the_compliance_of_a_hub() {
     for (what, mounting) in [("light", none), ("0.1 kg", none.with_added(0.1, 1e-5))] {
         let total = held_of_sector(&mesh, &STEEL, &surface, &mounting).unwrap();
         let total = total.hub_compliance(&mounting);
-        let wanted = Wanted::Count(400);
+        let wanted = ModeSelection::Count(400);
         let basis = basis::of_sector(&mesh, &STEEL, &mounting, wanted, false).unwrap();
         let hub = &basis.lateral.as_ref().unwrap().hub;
         let kept = choose::choose(

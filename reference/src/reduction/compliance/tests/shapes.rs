@@ -42,8 +42,8 @@ impl Shapes {
         s
     }
 
-    pub(super) fn kept(&self) -> Kept<'_> {
-        Kept {
+    pub(super) fn kept(&self) -> KeptModes<'_> {
+        KeptModes {
             omega: &self.omega,
             shapes: &self.shapes,
             hub: &self.hub,

@@ -4,7 +4,7 @@ use super::super::of_lattices;
 use super::*;
 use crate::deck;
 use crate::mesh::{ElementKind, GearMeshParams, Tooth};
-use crate::reduction::{Basis, Mounting, Request, Wanted};
+use crate::reduction::{Basis, ModeSelection, Mounting, Request};
 use crate::test_support::bare;
 use gearbench_models::gear::elastic::lines::{LinesOfFlanks, Strips, spread};
 use gearbench_models::geometry::{Gear, GearParams};
@@ -112,7 +112,7 @@ fn the_support_behind_half_spaces_does_not_depend_on_the_elements() {
             sector,
             material: Material::STEEL,
             mounting: Mounting::gear(false, 0.0),
-            wanted: Wanted::Count(1),
+            wanted: ModeSelection::Count(1),
         };
         support(&request.compute().unwrap(), &radii)
     };

@@ -7,7 +7,7 @@ use super::*;
 use crate::hash::Hash;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::inertia::Integrals;
-use gearbench_models::gear::elastic::reduced::{FlankCompliance, LateralShapes, Residual};
+use gearbench_models::gear::elastic::reduced::{FlankCompliance, OutOfPlaneShapes, Residual};
 use gearbench_models::geometry::{FlankGrid, Flanks, Side};
 
 /// Numbers without a pattern in (-1, 1).
@@ -77,7 +77,7 @@ pub(in crate::reduction) fn example(teeth: u32, modes: usize, cyclic: bool) -> (
         // One kind of gear with them, one without.
         added: if cyclic { [0.1, 2e-5] } else { [0.0; 2] },
         lateral: cyclic.then(|| {
-            Arc::new(LateralShapes {
+            Arc::new(OutOfPlaneShapes {
                 free: [true, true, false, true, true, false],
                 hub: some(6 * modes).as_chunks().0.to_vec(),
                 mass: 0.4,
@@ -160,7 +160,7 @@ pub(in crate::reduction) fn all_bits(b: &Basis) -> Vec<u64> {
             all.extend([*teeth as u64, *per_tooth as u64]);
             all.extend(bits(blocks));
         }
-        FlankCompliance::Lessened(_) => panic!("a basis holds the whole compliance"),
+        FlankCompliance::Deflated(_) => panic!("a basis holds the whole compliance"),
     }
     all
 }

@@ -95,7 +95,7 @@ pub fn toothing(body: &Body) -> &Gear {
 
 /// Fineness of the finite elements: `flank` of them along the teeth that touch at the path coordinate `s`, of equal
 /// length within `reach` of it [m], `layers` under the flank, `width` over the width of each gear.
-pub struct Fine {
+pub struct ElementFineness {
     pub s: f64,
     pub reach: f64,
     pub flank: usize,
@@ -105,7 +105,7 @@ pub struct Fine {
     pub penalty: f64,
 }
 
-impl Fine {
+impl ElementFineness {
     pub fn pair(&self, spec: &SceneSpec) -> LoadedPair {
         let length = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap().length;
         let gears = [self.s, length - self.s].into_iter().enumerate();

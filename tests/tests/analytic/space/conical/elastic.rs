@@ -72,7 +72,7 @@ fn gaps_of_meshed_cones_are_distances_from_their_helicoids() {
             s.q[scene.gears()[1].range().start] -= turn * ratio(&spec);
             for (_, c) in candidates(&scene, &s) {
                 // Gaps that fade over a tip are no distances.
-                if c.fade < 1.0 || c.gap.abs() > 5e-5 {
+                if c.taper < 1.0 || c.gap.abs() > 5e-5 {
                     continue;
                 }
                 // A point of either gear lies on its own flank and off that of the other.

@@ -7,7 +7,7 @@ mod tooth_contact;
 use super::*;
 use gearbench_models::geometry::{Frame, Gear};
 use gearbench_models::spec::mesh_layout;
-use tooth_contact::{Contact, Enveloped, touch};
+use tooth_contact::{Contact, EnvelopedFlank, touch};
 
 /// Angle between the axes [rad].
 const SHAFT_ANGLE: f64 = 10.0 * std::f64::consts::PI / 180.0;
@@ -76,7 +76,7 @@ fn follows(scene: &Scene, spec: &SceneSpec, side: Side, turn: f64) -> f64 {
         s.q[second] = at_start + by;
         let found = candidates(scene, &s);
         // What fades over a tip tells no distance.
-        let whole = found.iter().filter(|(_, c)| c.fade >= 1.0);
+        let whole = found.iter().filter(|(_, c)| c.taper >= 1.0);
         let of_side = whole.filter(|(_, c)| is_of(scene, c, side));
         let gap = of_side.map(|(_, c)| c.gap).fold(f64::INFINITY, f64::min);
         by += side.sign() * gap / (rb * cos);
@@ -110,7 +110,7 @@ fn analysed(scene: &Scene, spec: &SceneSpec, side: Side, turn: f64) -> f64 {
         let [x, y, _] = frames[k].axes;
         y.dot(&to).atan2(x.dot(&to))
     });
-    let flanks = gears.map(|g| Enveloped::new(g, side));
+    let flanks = gears.map(|g| EnvelopedFlank::new(g, side));
     let flanks = [&flanks[0], &flanks[1]];
     // The teeth that are nearest to the mate; the angles of the first teeth are all that is taken from the scene.
     let pitch = gears.map(Gear::pitch_angle);

@@ -11,7 +11,7 @@ use gearbench_models::geometry::{Frame, Gear, Side};
 use nalgebra::{Rotation3, SMatrix, SVector};
 
 /// An enveloped flank with its removed material.
-pub struct Enveloped {
+pub struct EnvelopedFlank {
     normal: Vec3,
     through: Vec3,
     radius: f64,
@@ -21,7 +21,7 @@ pub struct Enveloped {
     profile: (f64, [f64; 2], f64, f64),
 }
 
-impl Enveloped {
+impl EnvelopedFlank {
     pub fn new(gear: &Gear, side: Side) -> Self {
         let p = gear.params();
         let sigma = side.sign();
@@ -30,7 +30,7 @@ impl Enveloped {
         let askew = Rotation3::from_axis_angle(&Vec3::x_axis(), -p.helix_angle);
         let radius = 0.5 * f64::from(p.teeth) * p.module / p.helix_angle.cos();
         let half = 0.25 * std::f64::consts::PI * p.module / p.helix_angle.cos() - 0.5 * p.thinning;
-        Enveloped {
+        EnvelopedFlank {
             normal: tilted * askew * Vec3::new(sin, sigma * cos, 0.0),
             through: Vec3::new(radius + p.profile_shift * p.module, sigma * half, 0.0),
             radius,
@@ -104,7 +104,7 @@ pub struct Contact {
 
 /// Finds the angle of the second tooth at which the flanks touch, from a nearby start; the residual has to vanish.
 pub fn touch(
-    flanks: [&Enveloped; 2],
+    flanks: [&EnvelopedFlank; 2],
     frames: [&Frame; 2],
     psi: f64,
     start: Contact,

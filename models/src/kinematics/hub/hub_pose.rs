@@ -12,7 +12,7 @@ use crate::spec::Freedom;
 
 /// Pose of a hub with out-of-plane directions.
 #[derive(Clone, Copy, Debug)]
-pub struct Standing {
+pub struct HubPose {
     motion: Motion,
     frame: HubFrame,
     /// Axes of the three rotations, in the axes of the mount.
@@ -63,10 +63,10 @@ impl Hub {
     }
 
     /// Returns the pose of the hub, or `None` where it only rotates or translates.
-    pub fn standing(&self, t: f64, q: &[f64]) -> Option<Standing> {
+    pub fn hub_pose(&self, t: f64, q: &[f64]) -> Option<HubPose> {
         self.lateral.as_ref()?;
         let motion = self.motion(t, q, &[]);
-        Some(Standing {
+        Some(HubPose {
             frame: self.frame_of(&motion.x),
             rotations: freedom::rotation_axes(&motion.x),
             motion,
@@ -75,8 +75,8 @@ impl Hub {
 
     /// Returns [`Self::effective_radius_at`] for a known pose of the hub.
     #[inline]
-    pub fn effective_radius_on(&self, standing: Option<&Standing>, x: &Vec3, n: &Vec3) -> f64 {
-        let Some(Standing { frame, .. }) = standing else {
+    pub fn effective_radius_on(&self, hub_pose: Option<&HubPose>, x: &Vec3, n: &Vec3) -> f64 {
+        let Some(HubPose { frame, .. }) = hub_pose else {
             return self.effective_radius(x, n);
         };
         match self.slide {
@@ -90,7 +90,7 @@ impl Hub {
     pub fn lateral_row_on(
         &self,
         t: f64,
-        standing: &Standing,
+        hub_pose: &HubPose,
         (x, n): (&Vec3, &Vec3),
         row: &mut Row,
         with_own: bool,
@@ -107,18 +107,18 @@ impl Hub {
                 self.axes[2].dot(y),
             )
         };
-        let r = x - standing.frame.origin;
+        let r = x - hub_pose.frame.origin;
         let (force, moment) = (local(n), local(&r.cross(n)));
         let component = |d: usize| match d {
             0..3 => force[d],
-            _ => standing.rotations[d - 3].dot(&moment),
+            _ => hub_pose.rotations[d - 3].dot(&moment),
         };
         let first = usize::from(self.is_free());
         row.push_span(first, lateral.free(own).map(component));
         let mut prescribed = 0.0;
         for (d, freedom) in lateral.directions.iter().enumerate() {
             if d != own && matches!(freedom, Freedom::Driven(_)) {
-                prescribed += component(d) * standing.motion.v[d];
+                prescribed += component(d) * hub_pose.motion.v[d];
             }
         }
         if with_own {

@@ -1,9 +1,9 @@
 //! Specification of a body by the user, and reasons of refusals.
 //!
-//! What is said leads the search: a direction is looked along first, a point takes the place of the hull's middle where
-//! the hull is no circle, a bore is the cylinder whose radius is nearest. What is found then has to agree: the geometry
-//! has more digits than the user, so that it decides within the tolerances below, and beyond them the body is refused with
-//! both figures.
+//! The specification guides the search: a direction is tried first, a point replaces the middle of the hull where the
+//! hull is no circle, a bore is the cylinder whose radius is nearest. The result then has to agree: the geometry is
+//! more precise than the user, so that it decides within the tolerances below, and beyond them the body is refused
+//! with both figures.
 
 use super::axis::Axis;
 use gearbench_models::Vec3;
@@ -21,7 +21,7 @@ const ENDS: f64 = 0.3;
 
 /// Specification of a body by the user.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Known {
+pub struct SpecifiedBody {
     /// Number of teeth, if specified.
     pub teeth: Option<u32>,
     /// Direction of the axis of rotation, with the sense of its own z axis; of a rack that of its width. Of any length but
@@ -75,7 +75,7 @@ fn place(x: &Vec3) -> String {
     format!("({x:.4}, {y:.4}, {z:.4}) mm")
 }
 
-impl Known {
+impl SpecifiedBody {
     /// Returns the unit vector of the specified axis.
     pub fn unit_axis(&self) -> Option<Vec3> {
         self.axis.and_then(|a| a.try_normalize(0.0))

@@ -3,7 +3,8 @@
 use crate::Vec3;
 use crate::error::BuildError;
 use crate::spec::{
-    Body, Carried, Freedom, GearSpec, LateralSpec, Mount, SceneSpec, ShaftSpec, Station, UPRIGHT,
+    Body, Freedom, GearSpec, Mount, OutOfPlaneSpec, SceneSpec, ShaftSpec, Station, StationMember,
+    UPRIGHT,
 };
 
 /// Largest distance of gears of a shaft from its axis [m], and the largest sine between axes.
@@ -18,7 +19,7 @@ pub(super) fn check_names(spec: &SceneSpec) -> Result<(), BuildError> {
         }
         for station in &shaft.stations {
             match &station.carries {
-                Carried::Body(body) if seen.contains(&body.name.as_str()) => {
+                StationMember::Body(body) if seen.contains(&body.name.as_str()) => {
                     return Err(shaft.refuse((
                         format!(
                             "the name `{}` is taken by a gear or another body",
@@ -27,8 +28,8 @@ pub(super) fn check_names(spec: &SceneSpec) -> Result<(), BuildError> {
                         "rename one",
                     )));
                 }
-                Carried::Body(body) => seen.push(&body.name),
-                Carried::Gear(i) => {
+                StationMember::Body(body) => seen.push(&body.name),
+                StationMember::Gear(i) => {
                     let Some(other) = carried.get_mut(*i) else {
                         return Err(shaft.refuse(format!("there is no gear number {i}")));
                     };
@@ -58,8 +59,8 @@ pub(super) fn gears_of<'a>(
     shaft: &'a ShaftSpec,
 ) -> impl Iterator<Item = (&'a GearSpec, f64)> {
     shaft.stations.iter().filter_map(|s| match s.carries {
-        Carried::Gear(i) => Some((&spec.gears[i], s.place)),
-        Carried::Body(_) => None,
+        StationMember::Gear(i) => Some((&spec.gears[i], s.place)),
+        StationMember::Body(_) => None,
     })
 }
 
@@ -71,8 +72,8 @@ pub(super) fn axis_of(
     let Some((first, place)) = gears_of(spec, shaft).next() else {
         // A carrier stands on the axis of the gears that its planets mesh with.
         let carries = |s: &Station| match &s.carries {
-            Carried::Body(body) => Some((spec.centre_of(body)?, s.place)),
-            Carried::Gear(_) => None,
+            StationMember::Body(body) => Some((spec.centre_of(body)?, s.place)),
+            StationMember::Gear(_) => None,
         };
         let carrier = shaft.stations.iter().find_map(carries);
         let of = |(g, place): (&GearSpec, f64)| (g.axes, Vec3::from(g.position), place);
@@ -100,11 +101,11 @@ fn mounts<'a>(
     shaft: &'a ShaftSpec,
 ) -> impl Iterator<Item = (&'a str, &'a Mount, f64)> {
     shaft.stations.iter().map(|s| match &s.carries {
-        Carried::Gear(i) => {
+        StationMember::Gear(i) => {
             let g = &spec.gears[*i];
             (g.name.as_str(), &g.mount, g.speed)
         }
-        Carried::Body(b) => (b.name.as_str(), &b.mount, b.speed),
+        StationMember::Body(b) => (b.name.as_str(), &b.mount, b.speed),
     })
 }
 
@@ -122,7 +123,7 @@ pub(super) fn share_mount(with: &mut SceneSpec, shaft: &ShaftSpec) -> Result<(),
     if !shaft.sections.is_empty() {
         return Ok(());
     }
-    let moved = |l: &Option<Box<LateralSpec>>| {
+    let moved = |l: &Option<Box<OutOfPlaneSpec>>| {
         let directions = l.iter().flat_map(|l| &l.directions);
         directions
             .into_iter()
@@ -166,7 +167,7 @@ pub(super) fn share_mount(with: &mut SceneSpec, shaft: &ShaftSpec) -> Result<(),
         )));
     }
     for station in &shaft.stations {
-        if let Carried::Gear(i) = station.carries {
+        if let StationMember::Gear(i) = station.carries {
             with.gears[i].mount = shared.clone();
         }
     }

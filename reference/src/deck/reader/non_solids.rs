@@ -1,7 +1,7 @@
 //! Elements that are no solids: lines and surfaces beside them, as Gmsh writes them.
 //!
-//! Without a section of their own they have neither stiffness nor mass: they are passed over, and their sets become
-//! node sets, for that is what they are there for. With one they are declined where the section stands.
+//! Without a section of their own they have neither stiffness nor mass: they are ignored, and their sets become node
+//! sets, which is their purpose. With one they are declined at the section.
 
 use super::Reader;
 use crate::deck::data::{Deck, Label};
@@ -16,7 +16,7 @@ pub(crate) const MARK: u32 = 1 << 31;
 
 /// Elements that are no solids.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Others {
+pub(crate) struct NonSolidElements {
     /// Nodes of elements that are not solids.
     pub(super) elements: IndexMap<Label, Vec<u32>>,
     /// How many there are of each type.

@@ -16,7 +16,7 @@ const FAR: u32 = u32::MAX;
 
 /// Deflated compliance `R = A - T T^T` of a cyclic gear; see the module for its terms.
 #[derive(Clone, Debug)]
-pub struct Lessened {
+pub struct Deflated {
     whole: FlankCompliance,
     modes: usize,
     /// Matrix `T`, a row of `modes` entries for each row of the flanks.
@@ -29,7 +29,7 @@ pub struct Lessened {
     block: Vec<f64>,
 }
 
-impl Lessened {
+impl Deflated {
     /// Subtracts the compliance of the rows `taken` from `whole`; `near` has the rows of the selected teeth,
     /// ascending.
     pub fn new(whole: FlankCompliance, modes: usize, taken: Vec<f64>, near: &[u32]) -> Self {
@@ -38,7 +38,7 @@ impl Lessened {
         for (place, row) in near.iter().enumerate() {
             places[*row as usize] = place as u32;
         }
-        let mut made = Lessened {
+        let mut made = Deflated {
             whole,
             modes,
             taken,
@@ -106,7 +106,7 @@ impl Lessened {
             .filter(|s| is_near(&sums[*s as usize]))
             .collect();
         let taken = rows_of_sums(&self.taken, self.modes, sums);
-        Lessened::new(whole(&self.whole), self.modes, taken, &near)
+        Deflated::new(whole(&self.whole), self.modes, taken, &near)
     }
 
     /// Returns a description of the problem if numbers are not finite or do not match the number of `rows`.

@@ -1,35 +1,35 @@
 //! Evaluation of a scene in the carrier frame: forces, events, frames of hubs.
 
-use super::relative::RelativeState;
+use super::relative::CarrierFrameState;
 use crate::kinematics::HubFrame;
 use crate::scene::assembled::Scene;
-use gearbench_integrators::system::{At, SecondOrderSystem, State};
+use gearbench_integrators::system::{SecondOrderSystem, State, StateView};
 
 impl Scene {
     /// Calls `act` with the state for contacts: the carrier-frame state where there are carriers, otherwise the state
     /// itself.
-    pub(in crate::scene) fn seen<R>(
+    pub(in crate::scene) fn with_carrier_state<R>(
         &mut self,
-        at: At<'_>,
-        act: impl FnOnce(&mut Self, At<'_>) -> R,
+        at: StateView<'_>,
+        act: impl FnOnce(&mut Self, StateView<'_>) -> R,
     ) -> R {
         if self.carriers.is_empty() {
             return act(self, at);
         }
         let mut relative = std::mem::take(&mut self.work.relative);
-        self.carriers.see(at, &mut relative);
-        let seen = At {
+        self.carriers.to_carrier_frame(at, &mut relative);
+        let carrier_state = StateView {
             q: &relative.q,
             v: &relative.v,
             ..at
         };
-        let result = act(self, seen);
+        let result = act(self, carrier_state);
         self.work.relative = relative;
         result
     }
 
     /// Calls `act` with a carrier-frame state whose discrete part may change.
-    pub(in crate::scene) fn seen_state<R>(
+    pub(in crate::scene) fn with_mut_carrier_state<R>(
         &mut self,
         s: &mut State,
         act: impl FnOnce(&mut Self, &mut State) -> R,
@@ -37,16 +37,16 @@ impl Scene {
         if self.carriers.is_empty() {
             return act(self, s);
         }
-        let mut relative = RelativeState::default();
-        self.carriers.see(s.at(), &mut relative);
-        let mut seen = State {
+        let mut relative = CarrierFrameState::default();
+        self.carriers.to_carrier_frame(s.at(), &mut relative);
+        let mut carrier_state = State {
             t: s.t,
             q: relative.q,
             v: relative.v,
             discrete: std::mem::take(&mut s.discrete),
         };
-        let result = act(self, &mut seen);
-        s.discrete = seen.discrete;
+        let result = act(self, &mut carrier_state);
+        s.discrete = carrier_state.discrete;
         result
     }
 
@@ -54,40 +54,44 @@ impl Scene {
     #[inline]
     pub(in crate::scene) fn relative_forces(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         f: &mut [f64],
-        act: impl FnOnce(&mut Self, At<'_>, &mut [f64]),
+        act: impl FnOnce(&mut Self, StateView<'_>, &mut [f64]),
     ) {
         if self.carriers.is_empty() {
             return act(self, at, f);
         }
         let mut relative = std::mem::take(&mut self.work.relative);
-        self.carriers.see(at, &mut relative);
-        let RelativeState { q, v, f: own } = &mut relative;
+        self.carriers.to_carrier_frame(at, &mut relative);
+        let CarrierFrameState { q, v, f: own } = &mut relative;
         own.clear();
         own.resize(f.len(), 0.0);
-        act(self, At { q, v, ..at }, own);
+        act(self, StateView { q, v, ..at }, own);
         self.carriers.pull_back(at, &relative, f);
         self.work.relative = relative;
     }
 
     /// Adds the forces of contacts, and the internal forces of gears on carriers.
     #[inline]
-    pub(in crate::scene) fn add_relative_forces(&mut self, at: At<'_>, f: &mut [f64]) {
-        self.relative_forces(at, f, |scene, seen, f| {
-            scene.add_carried_forces(seen, f);
-            scene.add_contacts(seen, f);
+    pub(in crate::scene) fn add_relative_forces(&mut self, at: StateView<'_>, f: &mut [f64]) {
+        self.relative_forces(at, f, |scene, carrier_state, f| {
+            scene.add_carried_forces(carrier_state, f);
+            scene.add_contacts(carrier_state, f);
         });
     }
 
     /// Adds internal forces of gears on carriers, in the carrier frame.
-    pub(in crate::scene) fn add_carried_forces(&mut self, seen: At<'_>, f: &mut [f64]) {
+    pub(in crate::scene) fn add_carried_forces(
+        &mut self,
+        carrier_state: StateView<'_>,
+        f: &mut [f64],
+    ) {
         if self.carriers.is_empty() {
             return;
         }
         for (i, g) in self.gears.iter_mut().enumerate() {
             if self.carriers.carries(i) && g.internal {
-                let (own, range) = (g.at(seen), g.range());
+                let (own, range) = (g.at(carrier_state), g.range());
                 g.model.forces(own, &mut f[range]);
             }
         }
@@ -99,7 +103,7 @@ impl Scene {
     }
 
     /// Adds the centrifugal forces of gears that rotate with their carriers at the present speeds.
-    pub fn add_centrifugal(&mut self, at: At<'_>, f: &mut [f64]) {
+    pub fn add_centrifugal(&mut self, at: StateView<'_>, f: &mut [f64]) {
         if self.carriers.is_empty() {
             return;
         }
@@ -127,9 +131,9 @@ impl Scene {
 
     /// Returns the carrier-frame state.
     pub fn relative_state(&self, s: &State) -> State {
-        let mut relative = RelativeState::default();
-        self.carriers.see(s.at(), &mut relative);
-        let RelativeState { q, v, .. } = relative;
+        let mut relative = CarrierFrameState::default();
+        self.carriers.to_carrier_frame(s.at(), &mut relative);
+        let CarrierFrameState { q, v, .. } = relative;
         State {
             q,
             v,
@@ -139,10 +143,10 @@ impl Scene {
     }
 
     /// Returns the axes of a hub, not rotated with the gear, and its origin in space [m].
-    pub fn hub_frame(&mut self, gear: usize, at: At<'_>) -> HubFrame {
-        let frame = self.seen(at, |scene, seen| {
+    pub fn hub_frame(&mut self, gear: usize, at: StateView<'_>) -> HubFrame {
+        let frame = self.with_carrier_state(at, |scene, carrier_state| {
             let g = &scene.gears[gear];
-            let own = g.at(seen);
+            let own = g.at(carrier_state);
             g.model.hub().hub.frame(own.t, own.q)
         });
         self.carriers.frame(gear, at, frame)

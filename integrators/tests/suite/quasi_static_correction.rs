@@ -3,10 +3,10 @@
 
 use crate::problems::*;
 use crate::unit_masses;
-use gearbench_integrators::{At, Layout, ModalSplit, SecondOrderSystem, State};
+use gearbench_integrators::{Layout, ModalSplit, SecondOrderSystem, State, StateView};
 
 /// Oscillators with a two-sided spring at one point, in series with a local compliance.
-struct Pressed {
+struct SpringLoadedOscillators {
     omega: Vec<f64>,
     /// Shape of the oscillators at the point.
     shape: Vec<f64>,
@@ -19,10 +19,10 @@ struct Pressed {
     quasi_static: Vec<f64>,
 }
 
-impl Pressed {
+impl SpringLoadedOscillators {
     /// Builds a free body with modes, the fastest of which is about as fast as the contact.
     fn body(gives: bool) -> Self {
-        Pressed {
+        SpringLoadedOscillators {
             omega: vec![0.0, 1.4],
             shape: vec![1.0, 0.8],
             load: vec![0.0; 2],
@@ -84,7 +84,7 @@ impl Pressed {
     }
 }
 
-impl ModalSplit for Pressed {
+impl ModalSplit for SpringLoadedOscillators {
     fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
         omega.copy_from_slice(&self.omega);
         zeta.fill(0.0);
@@ -94,13 +94,13 @@ impl ModalSplit for Pressed {
             self.quasi_static.copy_from_slice(quasi_static);
         }
     }
-    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
         let force = self.press(at.q);
         for i in 0..a.len() {
             a[i] = self.load[i] - self.shape[i] * force;
         }
     }
-    fn steady(&mut self, _at: At<'_>, a: &mut [f64]) -> f64 {
+    fn steady(&mut self, _at: StateView<'_>, a: &mut [f64]) -> f64 {
         a.copy_from_slice(&self.load);
         f64::INFINITY
     }
@@ -109,16 +109,16 @@ impl ModalSplit for Pressed {
     }
 }
 
-impl SecondOrderSystem for Pressed {
+impl SecondOrderSystem for SpringLoadedOscillators {
     unit_masses!(|own| [own.omega.len(), 0, 0], modal: ModalSplit);
 
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         self.remainder(at, f);
         for i in 0..f.len() {
             f[i] -= self.omega[i] * self.omega[i] * at.q[i];
         }
     }
-    fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], _df: &mut [f64]) {
+    fn tangent_times(&mut self, _at: StateView<'_>, _dq: &[f64], _dv: &[f64], _df: &mut [f64]) {
         unreachable!("an explicit method only")
     }
 }
@@ -128,7 +128,7 @@ impl SecondOrderSystem for Pressed {
 fn a_contact_with_the_quasi_static_correction_has_order_four() {
     let lengths = [0.8, 0.4, 0.2, 0.1];
     for (gives, declared) in [(false, 2.0), (true, 4.0)] {
-        let mut body = Pressed::body(gives);
+        let mut body = SpringLoadedOscillators::body(gives);
         let exact = body.frequencies();
         let mut errors = [[0.0; 4]; 2];
         for (i, h) in lengths.into_iter().enumerate() {
@@ -155,10 +155,10 @@ fn a_load_at_rest_presses_alike_at_every_step() {
     let mut errors = [0.0_f64; 2];
     for gives in [false, true] {
         for h in [0.05, 0.5, 1.0] {
-            let mut body = Pressed {
+            let mut body = SpringLoadedOscillators {
                 omega: vec![0.7, 1.9],
                 load: vec![0.3, 0.0],
-                ..Pressed::body(gives)
+                ..SpringLoadedOscillators::body(gives)
             };
             // One step tells the quasi-static correction.
             body.gives = true;

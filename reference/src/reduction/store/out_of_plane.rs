@@ -5,12 +5,12 @@ use super::error::{StoreError, value};
 use super::names::{
     ADDED_MASS, ADDED_TILTING, BODY_CENTRE, BODY_INERTIA, BODY_MASS, LATERAL_FREE, LATERAL_HUB,
 };
-use gearbench_models::gear::elastic::reduced::LateralShapes;
+use gearbench_models::gear::elastic::reduced::OutOfPlaneShapes;
 use std::io::{self, Write};
 
 pub(super) fn write<W: Write>(
     w: &mut Writer<W>,
-    l: &LateralShapes,
+    l: &OutOfPlaneShapes,
     [mass, tilting]: [f64; 2],
 ) -> io::Result<()> {
     w.i64s(LATERAL_FREE, &[6], l.free.iter().map(|f| i64::from(*f)))?;
@@ -24,7 +24,10 @@ pub(super) fn write<W: Write>(
 }
 
 /// Reads the hub and the mass and inertia added at it, about the axes other than the own one.
-pub(super) fn read(r: &Reader<'_>, modes: usize) -> Result<(LateralShapes, [f64; 2]), StoreError> {
+pub(super) fn read(
+    r: &Reader<'_>,
+    modes: usize,
+) -> Result<(OutOfPlaneShapes, [f64; 2]), StoreError> {
     let free = r.i64s(LATERAL_FREE, Axis::Is(6))?;
     if let Some(f) = free.iter().find(|f| !(0..=1).contains(*f)) {
         return Err(value(LATERAL_FREE, "1 (free) or 0 (held)", f.to_string()));
@@ -32,7 +35,7 @@ pub(super) fn read(r: &Reader<'_>, modes: usize) -> Result<(LateralShapes, [f64;
     let hub = r.f64s(LATERAL_HUB, &[Axis::Is(modes), Axis::Is(6)])?.1;
     let centre = r.f64s(BODY_CENTRE, &[Axis::Is(3)])?.1;
     let inertia = r.f64s(BODY_INERTIA, &[Axis::Is(3), Axis::Is(3)])?.1;
-    let lateral = LateralShapes {
+    let lateral = OutOfPlaneShapes {
         free: std::array::from_fn(|d| free[d] == 1),
         hub: hub.as_chunks().0.to_vec(),
         mass: r.number(BODY_MASS)?,

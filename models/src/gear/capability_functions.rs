@@ -5,10 +5,10 @@ use super::flank_displacement::FlankDisplacement;
 use super::model::GearModel;
 use crate::geometry::Flanks;
 use crate::kinematics::Tooth;
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 
 /// Returns the work of a steady `load` on the hub of a gear between two states [J].
-pub fn work_on_hub(gear: &dyn GearModel, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+pub fn work_on_hub(gear: &dyn GearModel, from: StateView<'_>, to: StateView<'_>, load: f64) -> f64 {
     if !gear.hub().is_free() || load == 0.0 {
         return 0.0;
     }
@@ -18,7 +18,7 @@ pub fn work_on_hub(gear: &dyn GearModel, from: At<'_>, to: At<'_>, load: f64) ->
 /// Computes [`LargeGear::condensed`](super::LargeGear::condensed) for any gear, with one solve per coordinate.
 pub fn condensed(
     gear: &mut dyn GearModel,
-    at: At<'_>,
+    at: StateView<'_>,
     c: Coeffs,
     hub_damping: f64,
     coordinates: &[u32],
@@ -36,7 +36,7 @@ pub fn condensed(
 /// Computes [`LargeGear::add_response`](super::LargeGear::add_response) for any gear, with one solve.
 pub fn add_response(
     gear: &mut dyn GearModel,
-    at: At<'_>,
+    at: StateView<'_>,
     c: Coeffs,
     hub_damping: f64,
     touched: (&[u32], &[f64]),
@@ -97,7 +97,7 @@ impl dyn GearModel + '_ {
     }
 
     /// Returns the angle or displacement of a tooth from its assembled position.
-    pub fn tooth_displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
+    pub fn tooth_displacement(&self, at: StateView<'_>, tooth: Tooth) -> f64 {
         match self.teeth() {
             Some(teeth) => teeth.displacement(at, tooth),
             None => self.hub().displacement_at(at),

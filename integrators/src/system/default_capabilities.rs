@@ -1,7 +1,7 @@
 //! Defaults for systems without a capability: no event function falls, there is no free flight, and nothing is
 //! reported.
 
-use super::{At, Change, FlightPath, Outputs, SecondOrderSystem, State};
+use super::{Change, FlightPath, Outputs, SecondOrderSystem, State, StateView};
 
 impl dyn SecondOrderSystem + '_ {
     /// Calls [`Events::begin`](super::Events::begin), if the system has events.
@@ -12,7 +12,7 @@ impl dyn SecondOrderSystem + '_ {
     }
 
     /// Calls [`Events::event_functions`](super::Events::event_functions), or writes +1 for a system without events.
-    pub fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
+    pub fn event_functions(&mut self, at: StateView<'_>, out: &mut [f64]) {
         match self.events() {
             Some(events) => events.event_functions(at, out),
             None => out.fill(1.0),
@@ -50,12 +50,12 @@ impl dyn SecondOrderSystem + '_ {
 
     /// Calls [`FreeFlight::steady_work`](super::FreeFlight::steady_work), or returns `None` for a system without free
     /// flights.
-    pub fn steady_work(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {
+    pub fn steady_work(&mut self, from: StateView<'_>, to: StateView<'_>) -> Option<f64> {
         self.free_flight()?.steady_work(from, to)
     }
 
     /// Calls [`Report::work_of_loads`](super::Report::work_of_loads), or returns `None` for a system without reports.
-    pub fn work_of_loads(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {
+    pub fn work_of_loads(&mut self, from: StateView<'_>, to: StateView<'_>) -> Option<f64> {
         self.report()?.work_of_loads(from, to)
     }
 
@@ -75,14 +75,14 @@ impl dyn SecondOrderSystem + '_ {
     }
 
     /// Calls [`Report::sample`](super::Report::sample), if the system has reports.
-    pub fn sample(&mut self, at: At<'_>, out: &mut Outputs) {
+    pub fn sample(&mut self, at: StateView<'_>, out: &mut Outputs) {
         if let Some(report) = self.report() {
             report.sample(at, out);
         }
     }
 
     /// Calls [`Report::output`](super::Report::output), if the system has reports.
-    pub fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+    pub fn output(&mut self, at: StateView<'_>, out: &mut Outputs) {
         if let Some(report) = self.report() {
             report.output(at, out);
         }

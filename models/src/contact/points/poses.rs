@@ -1,7 +1,7 @@
 //! Poses of both gears of a mesh: their frames in space, and their distance from the layout of the mesh.
 
-use super::flanked::Flanked;
-use super::owner::Owner;
+use super::flanked::FlankedGear;
+use super::search_gear::SearchGear;
 use crate::Vec3;
 use crate::contact::pairs::MeshGeometry;
 use crate::kinematics::Pose;
@@ -11,7 +11,7 @@ const PARALLEL: f64 = 1e-12;
 
 /// Poses and displacements of both gears at a state.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stand {
+pub(super) struct MeshPoses {
     /// Displacements of the hubs along their own motion [rad or m].
     pub displacements: [f64; 2],
     /// Gear frames in space.
@@ -20,7 +20,7 @@ pub(super) struct Stand {
     pub beside: f64,
 }
 
-impl Stand {
+impl MeshPoses {
     pub fn is_finite(&self) -> bool {
         self.displacements.iter().all(|x| x.is_finite()) && self.beside.is_finite()
     }
@@ -44,18 +44,18 @@ impl Layout {
     /// Returns the layout of gears that do not merely rotate about parallel fixed axes with their middles at one
     /// height, otherwise `None`.
     pub fn of(
-        owners: &[Owner<'_>; 2],
+        search_gears: &[SearchGear<'_>; 2],
         geometry: &MeshGeometry,
-        gears: &[Flanked; 2],
+        gears: &[FlankedGear; 2],
     ) -> Option<Self> {
-        let [a, b] = [0, 1].map(|k| &owners[k].gear.hub().hub);
+        let [a, b] = [0, 1].map(|k| &search_gears[k].gear.hub().hub);
         let apart = b.centre - a.centre;
         let held = a.lateral.is_none() && b.lateral.is_none();
         let parallel = a.axes[2].cross(&b.axes[2]).norm() < PARALLEL;
         if held && parallel && a.axes[2].dot(&apart).abs() < PARALLEL * apart.norm() {
             return None;
         }
-        let furthest = |g: &Flanked| {
+        let furthest = |g: &FlankedGear| {
             let nodes = g.shapes.iter().flat_map(|s| &s.positions);
             nodes.fold(0.0_f64, |most, x| most.max(x.norm()))
         };

@@ -37,7 +37,7 @@ const MOST_ITERATIONS: usize = 50;
 
 /// Point-based solves with their buffers.
 #[derive(Clone, Debug, Default)]
-pub struct FewPoints {
+pub struct PointBasedSolve {
     /// Products `R w_r` of each point.
     columns: Vec<f64>,
     /// Columns of the mobility.
@@ -48,7 +48,7 @@ pub struct FewPoints {
     pub mobility: Vec<f64>,
     /// Gaps [m], later forces [N].
     gaps: Vec<f64>,
-    lack: Vec<f64>,
+    residual: Vec<f64>,
     matrix: Vec<f64>,
     step: Vec<f64>,
     descent: Descent,
@@ -103,7 +103,7 @@ fn add_product(a: &[f64], x: impl Iterator<Item = f64> + Clone, y: &mut [f64]) {
     }
 }
 
-impl FewPoints {
+impl PointBasedSolve {
     /// Solves for gaps and elastic forces of the points with the compliance of `n` nodes; returns false where Newton's
     /// method does not converge.
     pub(super) fn press(
@@ -131,7 +131,7 @@ impl FewPoints {
                 return Ok(true);
             }
             self.step.clear();
-            self.step.extend_from_slice(&self.lack);
+            self.step.extend_from_slice(&self.residual);
             self.linearise(springs, |s| -s.force.dn_dg)?;
             self.factor.solve(&mut self.step);
             let before = norm;
@@ -162,16 +162,16 @@ impl FewPoints {
 
     /// Computes the elastic forces at the gaps, the residual of the gaps, and its norm.
     fn yield_to(&mut self, springs: &mut [Spring]) -> f64 {
-        self.lack.clear();
+        self.residual.clear();
         for (s, gap) in springs.iter_mut().zip(&self.gaps) {
             s.gap = *gap;
             s.force = elastic_at(s, *gap);
-            self.lack.push(s.gap0 - gap);
+            self.residual.push(s.gap0 - gap);
         }
         let forces = springs.iter().map(|s| s.force.n);
-        add_product(&self.compliance, forces, &mut self.lack);
-        self.lack.iter_mut().for_each(|x| *x = -*x);
-        norm_of(&self.lack)
+        add_product(&self.compliance, forces, &mut self.residual);
+        self.residual.iter_mut().for_each(|x| *x = -*x);
+        norm_of(&self.residual)
     }
 
     /// Computes the factor of `I + C K`.
@@ -254,7 +254,7 @@ impl FewPoints {
             }
             self.factor.set(&mut self.matrix, points)?;
             self.step.clear();
-            self.step.extend_from_slice(&self.lack);
+            self.step.extend_from_slice(&self.residual);
             self.factor.solve(&mut self.step);
             let mut length = 1.0;
             self.move_gaps(length);
@@ -271,15 +271,15 @@ impl FewPoints {
     /// Computes gaps and forces of the points under the forces in `gaps`, and the residual of the forces and its norm.
     fn push(&mut self, springs: &mut [Spring]) -> f64 {
         let (points, forces) = (springs.len(), &self.gaps);
-        self.lack.clear();
+        self.residual.clear();
         let rows = self.compliance.chunks_exact(points);
         for (i, (c, y)) in rows.zip(self.mobility.chunks_exact(points)).enumerate() {
             let sum = |row: &[f64]| -> f64 { row.iter().zip(forces).map(|(a, f)| a * f).sum() };
             let s = &mut springs[i];
             s.gap = s.gap0 + sum(c);
             s.force = s.law.at_point(s.gap, s.rate + sum(y), s.stiffness);
-            self.lack.push(s.force.n - forces[i]);
+            self.residual.push(s.force.n - forces[i]);
         }
-        norm_of(&self.lack)
+        norm_of(&self.residual)
     }
 }

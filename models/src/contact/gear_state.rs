@@ -1,20 +1,20 @@
 //! Kinematic state of one gear for the contact search, and the selection and counters of a search.
 
 use crate::gear::GearModel;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 /// A gear model with its part of the state.
 #[derive(Clone, Copy)]
-pub struct Party<'a> {
+pub struct GearState<'a> {
     /// The gear model.
     pub gear: &'a dyn GearModel,
     /// Coordinates, velocities and discrete state of the gear.
-    pub at: At<'a>,
+    pub at: StateView<'a>,
 }
 
 /// Selection of the candidates that a search returns.
 #[derive(Clone, Copy, Debug)]
-pub enum Wanted<'a> {
+pub enum CandidateSelection<'a> {
     /// Pairs in the discrete state of the search whose slot is closed; per slot `(mode, impact speed)`.
     Closed(&'a [f64]),
     /// All pairs in the discrete state of the search, open or closed according to their gaps.

@@ -21,7 +21,7 @@ pub(super) fn motions() -> [HubMotion; 6] {
 
 /// Matrices that couple the tied nodes to the others.
 #[derive(Clone, Debug)]
-pub struct Held {
+pub struct TiedNodes {
     /// Per coordinate of the others that has any: `K_fb e_p` and `M_fb e_p`.
     pub coupling: Vec<(u32, [[f64; 6]; 2])>,
     /// Stiffness matrix `e_p^T K_bb e_q`.
@@ -32,7 +32,7 @@ pub struct Held {
     pub body: BodyMass,
 }
 
-impl Held {
+impl TiedNodes {
     /// Splits matrices over the coordinates of the other nodes and the six motions into those of the nodes alone and the rest;
     /// a mass [kg] and inertias about its `axes` [kg m^2] are `added` at the hub.
     pub fn split(
@@ -40,7 +40,7 @@ impl Held {
         mass: Vec<(u32, f64, Vec3)>,
         axes: &[Vec3; 3],
         added: (f64, Vec3),
-    ) -> (Reduced, Held) {
+    ) -> (Reduced, TiedNodes) {
         let n = all.mass.ncols() - 6;
         let is_hub: Vec<bool> = (0..n + 6).map(|i| i >= n).collect();
         let mut coupling = vec![[[0.0; 6]; 2]; n];
@@ -62,7 +62,7 @@ impl Held {
             }
         }
         let some = |c: &[[f64; 6]; 2]| c.iter().flatten().any(|x| *x != 0.0);
-        let held = Held {
+        let held = TiedNodes {
             coupling: (0..).zip(coupling).filter(|(_, c)| some(c)).collect(),
             stiffness: own[0],
             mass,

@@ -18,9 +18,9 @@
 //! cargo test --release -p gearbench-tests --test analytic coarse -- --ignored --nocapture
 //! ```
 
-use super::flanked::{Flanked, Near};
+use super::flanked::{FlankedGear, NearbyFlank};
 use super::mesh_flanks::MeshFlanks;
-use super::stand::Stand;
+use super::poses::MeshPoses;
 use super::surface::Shape;
 use crate::Vec3;
 use crate::geometry::Side;
@@ -34,15 +34,15 @@ use std::fmt::Debug;
 #[derive(Debug, Default)]
 pub(super) struct CoarseScratch {
     /// Result: left flanks, then right ones, each by the path coordinates of the first and the second gear.
-    pub pairs: Vec<[Near; 2]>,
-    near: [Vec<Near>; 2],
+    pub pairs: Vec<[NearbyFlank; 2]>,
+    near: [Vec<NearbyFlank>; 2],
     found: Vec<[usize; 2]>,
 }
 
 /// A method that finds the pairs of flanks that may touch.
 pub(super) trait CoarseStep: Debug + Send {
     /// Appends the pairs of a side to `scratch.pairs`, where both gears have finite poses.
-    fn pairs(&self, of: &MeshFlanks, side: Side, stand: &Stand, scratch: &mut CoarseScratch);
+    fn pairs(&self, of: &MeshFlanks, side: Side, poses: &MeshPoses, scratch: &mut CoarseScratch);
 }
 
 /// Coarse phase by path coordinates: flanks near the line of centres, and the flanks opposite to them.
@@ -50,12 +50,12 @@ pub(super) trait CoarseStep: Debug + Send {
 pub(super) struct ToothIndices;
 
 impl CoarseStep for ToothIndices {
-    fn pairs(&self, of: &MeshFlanks, side: Side, stand: &Stand, scratch: &mut CoarseScratch) {
+    fn pairs(&self, of: &MeshFlanks, side: Side, poses: &MeshPoses, scratch: &mut CoarseScratch) {
         let CoarseScratch { pairs, near, .. } = scratch;
         near[0].clear();
-        let by = &stand.displacements;
+        let by = &poses.displacements;
         of.gears[0].each_near(side, by[0], of.zone, |first| near[0].push(first));
-        let reach = of.reach_along() + stand.beside;
+        let reach = of.reach_along() + poses.beside;
         for first in &near[0] {
             let facing = of.length - first.s;
             let range = [facing - reach, facing + 0.5 * of.base_pitch];
@@ -98,8 +98,8 @@ struct Flank {
 
 impl FlankBoxes {
     /// Builds the trees; `reach` [m] is the largest gap of returned points, and the largest displacement of each gear.
-    pub fn new(gears: &[Flanked; 2], reach: f64, base_pitch: f64) -> Self {
-        let tree = |g: &Flanked, side: Side| {
+    pub fn new(gears: &[FlankedGear; 2], reach: f64, base_pitch: f64) -> Self {
+        let tree = |g: &FlankedGear, side: Side| {
             let of_side = (0..g.shapes.len()).filter(|&i| g.shapes[i].side == side);
             let flanks: Vec<Flank> = of_side.map(|i| Flank::new(g, i)).collect();
             let boxes: Vec<Aabb> = (flanks.iter())
@@ -127,7 +127,7 @@ fn beyond_the_nodes(shape: &Shape) -> f64 {
 }
 
 impl Flank {
-    fn new(g: &Flanked, shape: usize) -> Self {
+    fn new(g: &FlankedGear, shape: usize) -> Self {
         let nodes = g.grids.grids()[shape].positions.clone();
         let s = &g.shapes[shape];
         let at = |row: usize, column: usize| nodes[row * s.columns + column];
@@ -185,9 +185,9 @@ fn in_space(pose: &Pose) -> math::Pose {
 }
 
 impl CoarseStep for FlankBoxes {
-    fn pairs(&self, of: &MeshFlanks, side: Side, stand: &Stand, scratch: &mut CoarseScratch) {
+    fn pairs(&self, of: &MeshFlanks, side: Side, poses: &MeshPoses, scratch: &mut CoarseScratch) {
         let CoarseScratch { pairs, near, found } = scratch;
-        let [first, second] = [0, 1].map(|k| in_space(&stand.poses[k]));
+        let [first, second] = [0, 1].map(|k| in_space(&poses.poses[k]));
         // From the second gear's frame to the first's, and back.
         let pose = first.inverse() * second;
         let back = pose.inverse();
@@ -206,7 +206,7 @@ impl CoarseStep for FlankBoxes {
         let middle = 0.5 * (of.zone[0] + of.zone[1]);
         for (k, about) in [middle, of.length - middle].into_iter().enumerate() {
             near[k].clear();
-            of.gears[k].each_about(side, stand.displacements[k], about, |flank| {
+            of.gears[k].each_about(side, poses.displacements[k], about, |flank| {
                 near[k].push(flank)
             });
         }

@@ -26,14 +26,14 @@
 //! is `[[1 - z/2, (1 - z)/2], [-z, -z]]`, `z = lambda h`, unstable from `z = 1` on: `d = 4` as for velocity Verlet.
 //!
 //! Where the system adds the compliance that the impulses leave out as local compliance
-//! ([`ModalSplit::prepare`](crate::ModalSplit)), `K_c` depends on `h` through [`Kicks::quasi_static`].
+//! ([`ModalSplit::prepare`](crate::ModalSplit)), `K_c` depends on `h` through [`Impulses::quasi_static`].
 
 use super::Flip;
 use crate::modal::propagator::quasi_static_of;
 
 /// Impulses of the remainder between exact oscillators, with a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kicks {
+pub struct Impulses {
     /// Phase `omega h` [rad] above which oscillators are filtered.
     pub filter_from: f64,
 }
@@ -42,7 +42,7 @@ fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.sin() / x }
 }
 
-impl Kicks {
+impl Impulses {
     /// Stability limit of a free mass on a remainder with dampers that are evaluated at the predicted velocity.
     /// Dampers that the system evaluates implicitly do not affect it.
     pub const FLIP: Flip = Flip { d: 4.0, k: 1.0 };

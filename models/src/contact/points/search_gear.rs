@@ -6,7 +6,7 @@ use crate::spec::Body;
 
 /// A gear as the input of a point search: body, model, phase and view.
 #[derive(Clone, Copy)]
-pub struct Owner<'a> {
+pub struct SearchGear<'a> {
     /// Body with the toothing of the gear.
     pub body: &'a Body,
     /// The gear model, whose flanks are used if it has any.

@@ -6,7 +6,7 @@ use crate::recognise::tests::plain;
 use crate::recognise::{Skin, recognise};
 use crate::test_support;
 
-fn held(of: Result<crate::recognise::Recognised, Misfit>) -> &'static str {
+fn held(of: Result<crate::recognise::RecognisedGear, Misfit>) -> &'static str {
     match of {
         Err(Misfit::Against { key, .. }) => key,
         other => panic!("{other:?}"),
@@ -32,9 +32,9 @@ fn a_radius_that_is_said_tells_the_bore() {
     let own = mesh::gear(&gear, &params).unwrap();
     let skin = Skin::of(&own.mesh.nodes, &own.mesh.blocks);
     let of = |bore_radius| {
-        let known = Known {
+        let known = SpecifiedBody {
             bore_radius,
-            ..Known::default()
+            ..SpecifiedBody::default()
         };
         recognise(&skin, &known).unwrap().bore.radius
     };
@@ -52,10 +52,10 @@ fn the_sense_of_an_axis_is_the_one_that_is_said() {
     let own = mesh::gear(&gear, &plain(ElementKind::C3D8)).unwrap();
     let skin = Skin::of(&own.mesh.nodes, &own.mesh.blocks);
     let of = |axis: [f64; 3], point: [f64; 3]| {
-        let known = Known {
+        let known = SpecifiedBody {
             axis: Some(axis.into()),
             point: Some(point.into()),
-            ..Known::default()
+            ..SpecifiedBody::default()
         };
         recognise(&skin, &known)
     };
@@ -89,9 +89,9 @@ fn radii_that_are_said_bound_the_flanks() {
     let own = mesh::gear(&gear, &plain(ElementKind::C3D8)).unwrap();
     let skin = Skin::of(&own.mesh.nodes, &own.mesh.blocks);
     let faces = |flanks| {
-        let known = Known {
+        let known = SpecifiedBody {
             flanks,
-            ..Known::default()
+            ..SpecifiedBody::default()
         };
         let found = recognise(&skin, &known)?;
         let faces: usize = found.flanks.iter().map(|p| p.faces.len()).sum();

@@ -6,12 +6,14 @@ use crate::scene::assembled::Scene;
 use crate::scene::low_rank::LowRank;
 use crate::scene::members::SceneGear;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Coeffs, Energy, Power, SecondOrderSystem, Singular};
+use gearbench_integrators::system::{
+    Coeffs, Energy, Power, SecondOrderSystem, Singular, StateView,
+};
 
 impl Scene {
     /// Adds the forces of elastic shafts.
     #[inline]
-    pub(in crate::scene) fn add_shafts(&self, at: At<'_>, f: &mut [f64]) {
+    pub(in crate::scene) fn add_shafts(&self, at: StateView<'_>, f: &mut [f64]) {
         for link in self.shafts.springs() {
             link.add_to(link.force(&self.gears, at), f);
         }
@@ -19,7 +21,7 @@ impl Scene {
 
     /// Projects forces to those compatible with rigid shafts.
     #[inline]
-    pub(in crate::scene) fn hold_shafts(&mut self, at: At<'_>, f: &mut [f64]) {
+    pub(in crate::scene) fn hold_shafts(&mut self, at: StateView<'_>, f: &mut [f64]) {
         if !self.shafts.rigid().is_empty() {
             self.hold_rigid(at, f);
         }
@@ -27,7 +29,7 @@ impl Scene {
 
     /// Projects forces to those compatible with rigid shafts and stores the forces along the rows in
     /// `work.shafts.forces`.
-    fn hold_rigid(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn hold_rigid(&mut self, at: StateView<'_>, f: &mut [f64]) {
         let mut work = std::mem::take(&mut self.work.shafts);
         let n = f.len();
         work.x.clear();
@@ -64,7 +66,7 @@ impl Scene {
     /// Adds the tangent of elastic shafts.
     pub(in crate::scene) fn add_shaft_tangent(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         [dq, dv]: [&[f64]; 2],
         df: &mut [f64],
     ) {
@@ -75,9 +77,14 @@ impl Scene {
     }
 
     /// Adds the terms of the links to those of contacts in a Newton correction.
-    pub(in crate::scene) fn terms_of_shafts(&self, at: At<'_>, c: Coeffs, terms: &mut LowRank) {
+    pub(in crate::scene) fn terms_of_shafts(
+        &self,
+        at: StateView<'_>,
+        c: Coeffs,
+        terms: &mut LowRank,
+    ) {
         for (i, link) in self.shafts.links.iter().enumerate() {
-            link.add_to(-self.answer(link, at, c), &mut terms.row);
+            link.add_to(-self.link_response(link, at, c), &mut terms.row);
             link.add_to(1.0, &mut terms.column);
             let [one, other] = link.members;
             let second = Some(one.max(other)).filter(|m| *m != one.min(other));
@@ -92,7 +99,7 @@ impl Scene {
     /// Solves for the correction with all links.
     pub(in crate::scene) fn correct_with_shafts(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         x: &mut [f64],
     ) -> Result<(), Singular> {
@@ -113,7 +120,12 @@ impl Scene {
 
     /// Solves for the correction without mass from a dense matrix, `P^T A + s C C^T` with the projection `P` of rigid
     /// shafts: any `s` gives the admissible solution.
-    fn correct_statics(&mut self, at: At<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
+    fn correct_statics(
+        &mut self,
+        at: StateView<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
         let n = self.n;
         let (mut dq, mut dv, mut df) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut a = vec![0.0; n * n];
@@ -139,7 +151,7 @@ impl Scene {
     /// Adds the links to `x = B^-1 rhs` with a correction `B` that includes all contacts in a form of their own.
     fn correct_links_after(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         x: &mut [f64],
     ) -> Result<(), Singular> {
@@ -148,7 +160,7 @@ impl Scene {
         let (mut v, mut z) = (vec![0.0; n * count], vec![0.0; n * count]);
         let lines = v.chunks_exact_mut(n).zip(z.chunks_exact_mut(n));
         for (link, (row, column)) in self.shafts.links.iter().zip(lines) {
-            link.add_to(-self.answer(link, at, c), row);
+            link.add_to(-self.link_response(link, at, c), row);
             link.add_to(1.0, column);
         }
         for column in z.chunks_exact_mut(n) {
@@ -178,7 +190,7 @@ impl Scene {
     /// Adds energy and powers of elastic shafts.
     pub(in crate::scene) fn add_shaft_books(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         energy: &mut Energy,
         power: &mut Power,
     ) {
@@ -196,7 +208,7 @@ impl Scene {
 
     /// Computes the forces of all links along their rows in `work.shafts.acting`; `contacts` are the forces of
     /// contacts and loads, and the internal forces of gears on carriers.
-    pub(in crate::scene) fn evaluate_links(&mut self, at: At<'_>, contacts: &[f64]) {
+    pub(in crate::scene) fn evaluate_links(&mut self, at: StateView<'_>, contacts: &[f64]) {
         let mut acting = std::mem::take(&mut self.work.shafts.acting);
         acting.clear();
         acting.extend(
@@ -213,8 +225,8 @@ impl Scene {
                     g.model.forces(own, &mut f[range]);
                 }
             }
-            self.relative_forces(at, &mut f, |scene, seen, f| {
-                scene.add_carried_forces(seen, f)
+            self.relative_forces(at, &mut f, |scene, carrier_state, f| {
+                scene.add_carried_forces(carrier_state, f)
             });
             for (link, force) in self.shafts.springs().iter().zip(&acting) {
                 link.add_to(*force, &mut f);
@@ -267,7 +279,7 @@ impl Scene {
     }
 
     /// Returns the derivative of a link's force by its deformation in a correction; for a rigid link only the sign.
-    fn answer(&self, link: &Link, at: At<'_>, c: Coeffs) -> f64 {
+    fn link_response(&self, link: &Link, at: StateView<'_>, c: Coeffs) -> f64 {
         if link.is_rigid() {
             return 1.0;
         }
