@@ -1,4 +1,4 @@
-//! What adaptivity inside a run saves and what it changes: `cargo bench --bench adaptivity [-- --store FILE]`.
+//! Savings and errors of adaptivity inside a run: `cargo bench --bench adaptivity [-- --store FILE]`.
 //!
 //! `hammer` of rigid gears, movable teeth and elastic gears, each method with flights stepped through and crossed in
 //! one step of the closed form (`free_flight`), then with teeth and modes put to rest in flight (`vibration_cut_off`):
@@ -16,13 +16,13 @@ use serde_json::{Value, json};
 use support::ratio::{Ratios, by_turns, ratios};
 use support::scenes::{built, file, method, run, store};
 
-/// Impulse of the contact force by the trapezoid rule over accepted steps.
+/// Sink for the impulse of the contact force by the trapezoidal rule over accepted steps.
 #[derive(Default)]
 struct Impulse {
     force: usize,
     last: f64,
     sum: f64,
-    /// Steps that begin or end in contact.
+    /// Number of steps that begin or end in contact.
     closed: u64,
     out: Outputs,
 }
@@ -38,14 +38,14 @@ impl Sink for Impulse {
     }
 }
 
-/// A scene with a method, and whether its gears may lose their vibration.
+/// A scene with a method, and whether its vibration may be removed.
 struct Candidate {
     scene: Scene,
     method: String,
 }
 
-/// What a run is judged by.
-struct Found {
+/// Results by which a run is judged.
+struct RunResult {
     work: Work,
     impulse: f64,
     closed: u64,
@@ -53,7 +53,7 @@ struct Found {
     residual: f64,
 }
 
-fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
+fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> RunResult {
     let scene = &mut candidate.scene;
     let mut ledger = Ledger::default();
     let mut impulse = Impulse {
@@ -66,7 +66,7 @@ fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
     ledger.close(scene, &state);
     let pinion = &scene.gears()[0];
     let momentum = pinion.model.hub_state(pinion.at(state.at())).momentum;
-    Found {
+    RunResult {
         work,
         impulse: impulse.sum,
         closed: impulse.closed,
@@ -75,7 +75,7 @@ fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
     }
 }
 
-/// A row of the table, and the same in figures.
+/// Prints a row of the table and returns its figures.
 fn compare(
     criterion: &mut Ratios,
     what: &str,
@@ -92,7 +92,7 @@ fn compare(
             run(scene, method(text).as_mut(), plan, &mut NullSink).2
         })
     });
-    let relative = |of: &dyn Fn(&Found) -> f64| (of(&found[1]) / of(&found[0]) - 1.0).abs();
+    let relative = |of: &dyn Fn(&RunResult) -> f64| (of(&found[1]) / of(&found[0]) - 1.0).abs();
     let (impulse, speed) = (relative(&|f| f.impulse), relative(&|f| f.speed));
     let [a, b] = &found;
     let row = format!(

@@ -1,4 +1,4 @@
-//! Work against precision of the rigid model beside SciPy, on the identical impact and hammering problems.
+//! Work and precision of the rigid model compared with SciPy, on the identical impact and hammering problems.
 //!
 //! ```sh
 //! python3 benchmarks/scripts/scipy_floor.py scipy.csv     # some minutes; pip install numpy scipy

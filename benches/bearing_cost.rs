@@ -30,7 +30,7 @@ fn scene(bearings: bool) -> (Scene, f64) {
     (built(&file, "rigid", &[]), file.duration)
 }
 
-/// Processor time of a step [s], and the work of a run.
+/// Returns the processor time of a step [s], and the work of a run.
 fn timed((scene, end): &mut (Scene, f64)) -> (f64, Work) {
     let mut method = gearbench_integrators::table::DOPRI5.build();
     let plan = TimePlan::new(*end, Resolution::Tolerance(1e-6));

@@ -30,7 +30,7 @@ fn body() -> Gear {
     Gear::new(params).expect("a standard gear")
 }
 
-/// Meshes of growing fineness; about 105,000 unknowns of the whole gear at 3.
+/// Returns meshes of growing fineness; about 105,000 unknowns of the whole gear at 3.
 fn mesh(fineness: usize) -> GearMeshParams {
     GearMeshParams {
         kind: ElementKind::C3D8,
@@ -58,7 +58,7 @@ fn sum(reports: &[Report]) -> Report {
     })
 }
 
-/// Largest memory of the process so far [MB], where the system tells.
+/// Returns the largest memory of the process so far [MB], where the system reports it.
 fn peak_memory() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
@@ -66,7 +66,7 @@ fn peak_memory() -> f64 {
     kilobytes.map_or(f64::NAN, |k| k / 1e3)
 }
 
-/// Processor time of the process so far [s], where the system tells: other loads do not count in it.
+/// Returns the processor time of the process so far [s], where the system reports it; other loads do not count in it.
 fn processor_s() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let after_name = stat.rsplit(')').next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What the elastic model costs: `cargo bench --bench elastic_cost [-- --calculix-cpu-s SECONDS --store FILE]`.
+//! Cost of the elastic model: `cargo bench --bench elastic_cost [-- --calculix-cpu-s SECONDS --store FILE]`.
 //!
 //! 1. One impact (`spur_impact`, reductions made before): elastic with residual compliance beside full finite
 //!    elements on the same mesh, the better of explicit and implicit, and beside CalculiX. The time of CalculiX is the
@@ -22,7 +22,7 @@ use support::scenes::{after, built, file, method, run, store};
 const REPEATS: usize = 15;
 const COMMAND: &str = "cargo bench --bench elastic_cost -- --calculix-cpu-s SECONDS --store FILE";
 
-/// Least wall time [s] of so many runs, set up apart.
+/// Returns the smallest wall time [s] of a number of runs, without set-up.
 fn timed(scene: &mut Scene, text: &str, h: f64, end: f64, repeats: usize) -> (f64, Work) {
     let plan = TimePlan::new(end, Resolution::Step(h));
     let mut work = Work::default();
@@ -34,7 +34,8 @@ fn timed(scene: &mut Scene, text: &str, h: f64, end: f64, repeats: usize) -> (f6
     (times.fold(f64::INFINITY, f64::min), work)
 }
 
-/// The trigonometric method on two scenes by turns, a microsecond a step: criterion tells the ratio of times by weight.
+/// Runs the trigonometric method on two scenes in alternation, at a microsecond a step; criterion reports the ratio of
+/// times by weight.
 fn pair(id: &str, pair: &mut [(Scene, f64); 2], weight: fn(&Work) -> f64) -> ([f64; 2], [Work; 2]) {
     let mut works = [Work::default(); 2];
     let times = by_turns(&mut ratios(2.0), "elastic", id, || {

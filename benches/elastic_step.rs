@@ -1,4 +1,4 @@
-//! What a step of the elastic model costs beside what bounds it: `cargo bench --bench elastic_step`.
+//! Cost of a step of the elastic model compared with its lower bound: `cargo bench --bench elastic_step`.
 //!
 //! Case A fine, one impact, steps of a microsecond. The states of the impact are taken from a run; all evaluations
 //! then take turns on the same states, so that ratios are those of one machine in one mood. The kernel does nothing but
@@ -21,7 +21,7 @@ use support::scenes::{changed, file, run};
 
 const STEP: f64 = 1e-6;
 
-/// The scene of the finite elements with elastic gears in their place.
+/// Returns the scene of the finite elements with elastic gears in their place.
 fn scene(modes: f64, surface: &str) -> (Scene, f64) {
     let file = file("spur_impact");
     let scene = changed(&file, "fe", |modelling| {
@@ -43,7 +43,7 @@ fn scene(modes: f64, surface: &str) -> (Scene, f64) {
     (scene, file.duration)
 }
 
-/// Keeps the states of a run.
+/// Sink that records the states of a run.
 struct States(Vec<State>);
 
 impl Sink for States {
@@ -53,7 +53,7 @@ impl Sink for States {
     }
 }
 
-/// States of the impact in contact and apart.
+/// Returns states of the impact with and without contact.
 fn states(scene: &mut Scene, end: f64) -> [Vec<State>; 2] {
     let mut method = gearbench_integrators::table::TRIGONOMETRIC.build();
     let mut sink = States(vec![]);
@@ -72,7 +72,7 @@ fn states(scene: &mut Scene, end: f64) -> [Vec<State>; 2] {
     [contact, apart]
 }
 
-/// Time of the evaluations at all states, per state.
+/// Returns the time of the evaluations at all states, per state.
 fn evaluations(scene: &mut Scene, states: &[State]) -> f64 {
     let mut a = vec![0.0; scene.layout().n];
     let time = seconds(|| {
@@ -83,13 +83,13 @@ fn evaluations(scene: &mut Scene, states: &[State]) -> f64 {
     time / states.len() as f64
 }
 
-/// The work of the kernel at all states.
+/// Work of the kernel at all states.
 struct Kernel {
-    /// Nodes that carry force, by state and gear.
+    /// Loaded nodes, by state and gear.
     nodes: Vec<[Vec<u32>; 2]>,
-    /// Unknowns of the solve at each state.
+    /// Number of unknowns of the solve at each state.
     unknowns: Vec<usize>,
-    /// A matrix of every size.
+    /// Matrices of every size.
     matrices: Vec<DMatrix<f64>>,
 }
 
@@ -122,7 +122,7 @@ impl Kernel {
         all as f64 / self.nodes.len() as f64
     }
 
-    /// Time per state.
+    /// Returns the time per state.
     fn time(&self, scene: &Scene, states: &[State]) -> f64 {
         let mut f = vec![0.0; states[0].q.len()];
         let (mut a, mut r) = ([0.0; 256], vec![0.0; 256 * 256]);

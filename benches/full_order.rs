@@ -1,4 +1,4 @@
-//! What a step of the full-order model costs beside what bounds it: `cargo bench --bench full_order`.
+//! Cost of a step of the full-order model compared with its lower bound: `cargo bench --bench full_order`.
 //!
 //! Case A fine, both gears, one impact. An explicit step cannot cost less than the product of both stiffness
 //! matrices with a vector; an implicit one not less than two solves with both factors (the step without
@@ -20,7 +20,7 @@ use std::time::Instant;
 use support::ratio::{Ratios, by_turns, median, ratios, seconds};
 use support::scenes::{built, file, method, run};
 
-/// `m + k` on the pattern of both (that of the stiffness holds the mass's).
+/// Returns `m + k` on the pattern of both (that of the stiffness includes that of the mass).
 fn newton(r: &Reduced, k: f64) -> SparseColMat<usize, f64> {
     let mut sum = r.stiffness.clone();
     for x in sum.val_mut() {
@@ -36,7 +36,7 @@ fn newton(r: &Reduced, k: f64) -> SparseColMat<usize, f64> {
     sum
 }
 
-/// Times of steps, and of the work that bounds them, by turns.
+/// Times of steps, and of the work that bounds them, in alternation.
 struct Clock<'b> {
     bound: &'b mut dyn FnMut(),
     last: Instant,
@@ -53,7 +53,8 @@ impl Sink for Clock<'_> {
     }
 }
 
-/// Median times of a step and of its bound, the work of a run through the impact, and the number of coordinates.
+/// Returns median times of a step and of its bound, the work of a run through the impact, and the number of
+/// coordinates.
 fn compare(
     criterion: &mut Ratios,
     label: &str,

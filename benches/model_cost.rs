@@ -1,4 +1,4 @@
-//! What movable teeth cost beside rigid gears, side by side in one run: `cargo bench --bench model_cost`.
+//! Cost of movable teeth compared with rigid gears, in one run: `cargo bench --bench model_cost`.
 //!
 //! 1. The same method at the same step, by turns: wall time per run of `spur_impact`.
 //! 2. At an own error of 1 % (relative L2 of the force history against the model's own converged solution): the
@@ -18,14 +18,14 @@ fn grid(end: f64) -> Vec<f64> {
     (0..=1000).map(|i| end * f64::from(i) / 1000.0).collect()
 }
 
-struct Best {
+struct CheapestRun {
     wall: f64,
     what: String,
     error: f64,
     forces: u64,
 }
 
-fn best(scene: &mut Scene, end: f64) -> Option<Best> {
+fn best(scene: &mut Scene, end: f64) -> Option<CheapestRun> {
     let grid = grid(end);
     let mut tight = gearbench_integrators::table::DOPRI5.build();
     let converged = record(
@@ -37,7 +37,7 @@ fn best(scene: &mut Scene, end: f64) -> Option<Best> {
     )
     .ok()?;
     let size: f64 = converged.iter().map(|f| f * f).sum();
-    let mut best: Option<Best> = None;
+    let mut best: Option<CheapestRun> = None;
     for row in METHODS {
         for resolution in sweep(row.info.stepping != Stepping::Fixed, 3e-5) {
             let mut method = row.build();
@@ -62,7 +62,7 @@ fn best(scene: &mut Scene, end: f64) -> Option<Best> {
             let (wall, work) = time(scene, method.as_mut(), resolution, end);
             if best.as_ref().is_none_or(|b| wall < b.wall) {
                 let what = format!("{}, {}", row.info.id, text(resolution));
-                best = Some(Best {
+                best = Some(CheapestRun {
                     wall,
                     what,
                     error,
@@ -74,7 +74,7 @@ fn best(scene: &mut Scene, end: f64) -> Option<Best> {
     best
 }
 
-/// Movable teeth beside rigid gears, method by method.
+/// Compares movable teeth with rigid gears, method by method.
 #[allow(clippy::print_stdout)]
 fn same_step(criterion: &mut Ratios, rigid: &mut Scene, teeth: &mut Scene, end: f64) {
     let plan = TimePlan::new(end, Resolution::Step(5e-7));

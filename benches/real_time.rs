@@ -24,7 +24,7 @@ const OWN_ERROR: f64 = 1e-3;
 const ELASTIC_ERROR: f64 = 1e-2;
 const SAMPLES: usize = 4000;
 
-/// Force [N] and transmission error [m] on an even grid.
+/// Returns force [N] and transmission error [m] on an even grid.
 fn series(
     scene: &mut Scene,
     id: &str,
@@ -56,7 +56,7 @@ fn relative(a: &[f64], b: &[f64]) -> f64 {
     (differ / b.iter().map(|b| b * b).sum::<f64>()).sqrt()
 }
 
-struct Found {
+struct RunResult {
     id: &'static str,
     resolution: Resolution,
     errors: [f64; 2],
@@ -64,8 +64,8 @@ struct Found {
     work: Work,
 }
 
-/// The cheapest run within the error.
-fn cheapest(scene: &mut Scene, end: f64) -> Option<Found> {
+/// Returns the cheapest run within the error.
+fn cheapest(scene: &mut Scene, end: f64) -> Option<RunResult> {
     let converged = series(scene, "dopri5", Resolution::Tolerance(1e-11), end).ok()?;
     let tolerances = (4..=10).map(|i| Resolution::Tolerance(10f64.powf(-0.5 * f64::from(i))));
     let rk4 = [6e-6, 4e-6, 3e-6, 2e-6].map(|h| ("rk4", Resolution::Step(h)));
@@ -74,7 +74,7 @@ fn cheapest(scene: &mut Scene, end: f64) -> Option<Found> {
         .flat_map(|r| [("dopri5", r), ("tsit45", r)])
         .chain(rk4)
         .chain(verlet);
-    let mut best: Option<Found> = None;
+    let mut best: Option<RunResult> = None;
     for (id, resolution) in candidates {
         let Ok(found) = series(scene, id, resolution, end) else {
             continue;
@@ -85,7 +85,7 @@ fn cheapest(scene: &mut Scene, end: f64) -> Option<Found> {
         }
         let (wall, work) = time(scene, method(id).as_mut(), resolution, end);
         if best.as_ref().is_none_or(|b| wall < b.wall) {
-            best = Some(Found {
+            best = Some(RunResult {
                 id,
                 resolution,
                 errors,
@@ -97,8 +97,9 @@ fn cheapest(scene: &mut Scene, end: f64) -> Option<Found> {
     best
 }
 
-/// Elastic gears: wall over simulated time of the longest step within the error, by kind of contact.
-fn elastic(file: &SceneFile) -> Vec<(&'static str, Found)> {
+/// Returns the ratio of wall time to simulated time of elastic gears for the longest step within the error, by kind of
+/// contact.
+fn elastic(file: &SceneFile) -> Vec<(&'static str, RunResult)> {
     let kinds = [
         ("elastic, half-spaces", PointContact::half_space()),
         (
@@ -130,7 +131,7 @@ fn elastic(file: &SceneFile) -> Vec<(&'static str, Found)> {
                 return None;
             }
             let (wall, work) = time(&mut scene, method(id).as_mut(), resolution, file.duration);
-            Some(Found {
+            Some(RunResult {
                 id,
                 resolution,
                 errors,
@@ -174,7 +175,7 @@ fn main() {
         "loaded_mesh, {end} s, own error of force and transmission error at most {OWN_ERROR}: cheapest run"
     );
     let elastic = elastic(&file);
-    let mut rows: Vec<(&str, &Found, f64)> = Vec::new();
+    let mut rows: Vec<(&str, &RunResult, f64)> = Vec::new();
     rows.extend((labels.iter().zip(both).zip(walls)).map(|((label, f), wall)| (*label, f, wall)));
     rows.extend(elastic.iter().map(|(label, f)| (*label, f, f.wall)));
     let mut figures = Vec::new();

@@ -1,4 +1,4 @@
-//! What a product `y = K x` costs beside reading its bytes once: `cargo bench --bench sparse_product`.
+//! Cost of a product `y = K x` compared with one read of its bytes: `cargo bench --bench sparse_product`.
 //!
 //! The bound is the time of one pass over an array of as many bytes as the matrix stores, in the same run:
 //! a sum (reads only), by turns with the product. Beside it: assembly, and the product with
@@ -17,7 +17,7 @@ use gearbench_reference::mesh::{ElementKind, Mesh};
 use std::hint::black_box;
 use support::ratio::{Ratios, by_turns, median, ratios, seconds};
 
-/// A box of `cells` eight-node elements of 1 mm.
+/// Returns a box of `cells` eight-node elements of 1 mm.
 fn brick(cells: [u32; 3]) -> Mesh {
     let at = |x, y, z| (x * (cells[1] + 1) + y) * (cells[2] + 1) + z;
     let mut nodes = Vec::new();
@@ -46,7 +46,7 @@ fn brick(cells: [u32; 3]) -> Mesh {
     Mesh::new(ElementKind::C3D8, nodes, connectivity)
 }
 
-/// One pass over an array.
+/// Reads an array once and returns its sum.
 fn sum(x: &[f64]) -> f64 {
     let (chunks, rest) = x.as_chunks::<32>();
     let mut lanes = [0.0; 32];
@@ -58,7 +58,7 @@ fn sum(x: &[f64]) -> f64 {
     lanes.iter().sum::<f64>() + rest.iter().sum::<f64>()
 }
 
-/// A row of the table.
+/// Measures and formats a row of the table.
 fn report(criterion: &mut Ratios, name: &str, mesh: &Mesh) -> String {
     let (mut times, mut last) = (Vec::new(), None);
     for _ in 0..5 {

@@ -1,4 +1,4 @@
-//! How cost grows with the length of a train: `cargo bench --bench train_growth [-- MODEL,..]`.
+//! Growth of cost with the length of a train: `cargo bench --bench train_growth [-- MODEL,..]`.
 //!
 //! Trains of n = 1 to 64 meshes (n + 1 equal gears in a row, every one an idler but the ends) under a torque, all of them
 //! by turns. Printed are the time at work per simulated second, the work behind it, memory, and the exponent that a power of
@@ -16,7 +16,7 @@ use support::scenes::{built, method, run};
 
 const MESHES: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 
-/// Exponent at most.
+/// Largest accepted exponent.
 const BAR: f64 = 1.1;
 
 /// Model, method, resolution, simulated time [s].
@@ -44,8 +44,8 @@ const RUNS: [(&str, &str, Resolution, f64); 6] = [
     ("elastic", "trigonometric", Resolution::Step(1e-6), 4e-4),
 ];
 
-/// A train: its first gear drives, the last one bears the torque. Flanks are pressed at the start about as much as under
-/// it: meshes that wait for their load with flanks that just touch open and close all the time.
+/// Returns a train: its first gear drives, the last one carries the torque. Flanks overlap at the start about as much
+/// as under it, because meshes whose flanks just touch open and close repeatedly before the load reaches them.
 fn text(meshes: usize) -> String {
     let mut text = String::from(
         "schema = 1\nname = \"train\"\ntitle = \"A train\"\nduration_s = 2e-3\n\
@@ -92,7 +92,7 @@ fn train(meshes: usize, label: &str) -> Scene {
     built(&file, label, &[])
 }
 
-/// Slope of a line through so many points, by least squares.
+/// Fits the slope of a line through the points by least squares.
 fn slope(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let mean = points
@@ -105,7 +105,7 @@ fn slope(points: &[(f64, f64)]) -> f64 {
     xy / xx
 }
 
-/// The most memory that this process held [MB], where the system tells it.
+/// Returns the largest memory of this process [MB], where the system reports it.
 fn memory() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;

@@ -1,4 +1,5 @@
-//! Steps of helical gears beside those of the same mesh without helix angle, on bearings, and of full finite elements.
+//! Steps of helical gears compared with those of the same mesh without helix angle, on bearings, and with full finite
+//! elements.
 
 use super::ratio::{Ratios, by_turns};
 use super::scenes::{built, run};
@@ -9,10 +10,11 @@ use gearbench_models::scene::Scene;
 
 const STEP: f64 = 1e-6;
 
-/// Time of the impact that a turn of full finite elements takes [s], and the step of their explicit method.
+/// Duration of the impact that is run with full finite elements in one turn [s], and the step of their explicit
+/// method.
 const FULL: (f64, f64) = (4e-7, 2e-8);
 
-/// What the gears do.
+/// Motion of the gears.
 #[derive(Clone, Copy, Debug)]
 pub enum Motion {
     /// The pinion strikes the wheel at rest.
@@ -25,7 +27,7 @@ pub enum Motion {
 const BEARING: &str =
     "bearing = { stiffness = [5.0e8, 5.0e8, 2.0e8, 2.0e5, 2.0e5, 0.0] }\nspin_terms = \"off\"";
 
-/// The scene at a helix angle [deg], on bearings or on hubs that only turn.
+/// Returns the scene at a helix angle [deg], on bearings or on hubs that only rotate.
 pub fn scene(helix: f64, motion: Motion, label: &str, bearings: bool) -> (Scene, f64) {
     let (torque, wheel) = match motion {
         Motion::Impact => (0.0, 0.0),
@@ -47,7 +49,7 @@ pub fn scene(helix: f64, motion: Motion, label: &str, bearings: bool) -> (Scene,
     (built(&file, label, &[]), file.duration)
 }
 
-/// What an evaluation looks at, on average over the steps of a run.
+/// Counters of an evaluation, on average over the steps of a run.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
     steps: usize,
@@ -60,7 +62,7 @@ struct Counts {
     nodes: usize,
 }
 
-/// States of a run.
+/// Sink that records the states of a run.
 struct States(Vec<State>);
 
 impl Sink for States {
@@ -96,7 +98,7 @@ fn counts(scene: &mut Scene, end: f64) -> Counts {
     c
 }
 
-/// Time of a step [s] of a helical mesh and of the same mesh without helix angle, by turns.
+/// Compares the time of a step [s] of a helical mesh with that of the same mesh without helix angle, in alternation.
 #[allow(clippy::print_stdout)]
 pub fn compare(criterion: &mut Ratios, helix: f64, motion: Motion, label: &str) {
     let scenes = [helix, 0.0].map(|helix| scene(helix, motion, label, false));
@@ -109,7 +111,7 @@ pub fn compare(criterion: &mut Ratios, helix: f64, motion: Motion, label: &str) 
     );
 }
 
-/// The same of a mesh on bearings and on hubs that only turn.
+/// Compares the time of a step of a mesh on bearings with that on hubs that only rotate.
 pub fn bearings(criterion: &mut Ratios, helix: f64, motion: Motion, label: &str) {
     let scenes = [true, false].map(|bearings| scene(helix, motion, label, bearings));
     let id = format!("{label}, {helix} degrees, {motion:?}");
@@ -121,8 +123,8 @@ pub fn bearings(criterion: &mut Ratios, helix: f64, motion: Motion, label: &str)
     );
 }
 
-/// Wall time of full finite elements per simulated time beside that of elastic gears: the same gears, mesh, contact and
-/// impact. The explicit method takes the first steps of the impact, the elastic gears all of it.
+/// Compares the wall time of full finite elements per simulated time with that of elastic gears: the same gears, mesh,
+/// contact and impact. The explicit method runs the first steps of the impact, the elastic gears all of it.
 #[allow(clippy::print_stdout)]
 pub fn against_full(criterion: &mut Ratios, helix: f64) {
     let (mut full, _) = scene(helix, Motion::Impact, "fe-lumped", false);

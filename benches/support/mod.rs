@@ -1,4 +1,4 @@
-//! What the benches share: ratios by criterion, scenes, sweeps over resolutions, the two-gear problems.
+//! Support of the benches: ratios by criterion, scenes, sweeps over resolutions, the two-gear problems.
 #![allow(dead_code)]
 
 pub mod helical;

@@ -17,7 +17,7 @@ const STIFFNESS: f64 = 5.72e9 * WIDTH;
 const RATIO: f64 = 0.05;
 const BACKLASH: f64 = 1e-4;
 
-/// One of the two-degree-of-freedom problems that `scripts/scipy_floor.py` solves.
+/// Problems with two degrees of freedom that `scripts/scipy_floor.py` solves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Problem {
     /// One impact, 1 ms.
@@ -33,7 +33,7 @@ struct Data {
 }
 
 impl Problem {
-    /// Name in tables.
+    /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Problem::Impact => "impact",
@@ -56,12 +56,12 @@ impl Problem {
         }
     }
 
-    /// End time [s].
+    /// Returns the end time [s].
     pub fn end(self) -> f64 {
         self.data().end
     }
 
-    /// The problem as a gearbench scene: one spring for the mesh, Kelvin-Voigt damping, backlash.
+    /// Builds the problem as a gearbench scene: one spring for the mesh, Kelvin-Voigt damping, backlash.
     pub fn scene(self) -> Scene {
         let data = self.data();
         let gear = |teeth| {
@@ -135,7 +135,7 @@ impl Problem {
         Scene::build(&spec, &modelling, MODELS).unwrap()
     }
 
-    /// Pinion speed on a grid: free flights and damped half oscillations, one after the other.
+    /// Computes the pinion speed on a grid: free flights and damped half oscillations, one after the other.
     pub fn exact(self, grid: &[f64]) -> Vec<f64> {
         let data = self.data();
         let base = [20.0, 30.0].map(|z: f64| 0.5 * MODULE * z * 20f64.to_radians().cos());

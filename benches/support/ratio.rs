@@ -9,7 +9,7 @@ use criterion::measurement::{Measurement, ValueFormatter};
 use criterion::{Criterion, SamplingMode, Throughput};
 use std::time::{Duration, Instant};
 
-/// Criterion with the ratio of two times in place of a time.
+/// Criterion with ratios of two times instead of times.
 pub type Ratios = Criterion<Ratio>;
 
 /// A measurement whose value is a ratio.
@@ -20,7 +20,7 @@ impl Measurement for Ratio {
     type Value = f64;
 
     fn start(&self) {}
-    /// No ratio comes of one time: benches hand theirs over ([`by_turns`]).
+    /// Returns NaN: a ratio does not follow from one time; benches pass theirs to [`by_turns`].
     fn end(&self, (): ()) -> f64 {
         f64::NAN
     }
@@ -50,7 +50,7 @@ impl ValueFormatter for Ratio {
     }
 }
 
-/// Criterion for ratios: ten samples, together as long as given where a turn is short.
+/// Configures criterion for ratios: ten samples, together as long as given where a turn is short.
 pub fn ratios(seconds: f64) -> Ratios {
     Criterion::default()
         .with_measurement(Ratio)
@@ -59,15 +59,15 @@ pub fn ratios(seconds: f64) -> Ratios {
         .measurement_time(Duration::from_secs_f64(seconds))
 }
 
-/// Wall time of some work [s].
+/// Returns the wall time of some work [s].
 pub fn seconds<T>(work: impl FnOnce() -> T) -> f64 {
     let begin = Instant::now();
     std::hint::black_box(work());
     begin.elapsed().as_secs_f64()
 }
 
-/// Time [s] that this thread was at work, where the system tells it, so that neighbours on the machine do not count; wall time
-/// elsewhere. For work of one thread.
+/// Returns the processor time [s] of this thread for some work, where the system reports it, so that other loads on
+/// the machine do not count; otherwise wall time. For work of one thread.
 pub fn busy_seconds<T>(work: impl FnOnce() -> T) -> f64 {
     let busy = || -> Option<f64> {
         let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
@@ -82,7 +82,7 @@ pub fn busy_seconds<T>(work: impl FnOnce() -> T) -> f64 {
     }
 }
 
-/// The least times [s] of two sides, of which a turn gives both times; criterion tells their ratio `[0] / [1]`.
+/// Measures the smallest times [s] of two sides in alternation; criterion reports their ratio `[0] / [1]`.
 pub fn by_turns(
     criterion: &mut Ratios,
     group: &str,
@@ -108,7 +108,7 @@ pub fn by_turns(
     least
 }
 
-/// The median of some times.
+/// Returns the median of some times.
 pub fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]

@@ -8,12 +8,12 @@ use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, Value};
 use serde_json::json;
 
-/// A shipped scene, or one at a path from the root of the repository.
+/// Loads a shipped scene, or one at a path from the root of the repository.
 pub fn file(name: &str) -> SceneFile {
     scene_file::load(name).unwrap_or_else(|e| panic!("{e:?}"))
 }
 
-/// A model of a scene with another modelling than it ships with.
+/// Builds a model of a scene with modified modelling.
 pub fn changed(file: &SceneFile, label: &str, change: impl FnOnce(&mut Modelling)) -> Scene {
     let choice = file
         .model(label)
@@ -24,7 +24,7 @@ pub fn changed(file: &SceneFile, label: &str, change: impl FnOnce(&mut Modelling
     Scene::build(&spec, &modelling, gearbench::models::models()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A model of a scene with parameters of its gears set.
+/// Builds a model of a scene with given parameters of its gears.
 pub fn built(file: &SceneFile, label: &str, parameters: &[(&str, f64)]) -> Scene {
     changed(file, label, |modelling| {
         for gear in &mut modelling.gears {
@@ -36,7 +36,7 @@ pub fn built(file: &SceneFile, label: &str, parameters: &[(&str, f64)]) -> Scene
     })
 }
 
-/// One run from the beginning: last state, work, and wall time [s] of the integration alone.
+/// Makes one run from the beginning: returns the last state, the work, and the wall time [s] of the integration alone.
 pub fn run(
     scene: &mut Scene,
     method: &mut dyn Integrator,
@@ -51,12 +51,12 @@ pub fn run(
     (state, work, wall)
 }
 
-/// A method by its text.
+/// Builds a method from its text.
 pub fn method(text: &str) -> Box<dyn Integrator> {
     gearbench_integrators::method(text).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A resolution for tables.
+/// Formats a resolution for tables.
 pub fn resolution(resolution: Resolution) -> String {
     match resolution {
         Resolution::Step(h) => format!("h {h:.1e} s"),
@@ -64,7 +64,7 @@ pub fn resolution(resolution: Resolution) -> String {
     }
 }
 
-/// What follows a word of the command line.
+/// Returns the argument that follows a word of the command line.
 pub fn after(word: &str) -> Option<String> {
     std::env::args().skip_while(|w| w != word).nth(1)
 }

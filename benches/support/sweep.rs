@@ -6,7 +6,7 @@ use gearbench_integrators::{Integrator, NullSink, Resolution, StepError, TimePla
 use gearbench_models::scene::{Channel, Scene};
 use std::time::Instant;
 
-/// A channel of a recorded run on a grid.
+/// Records a channel of a run on a grid.
 pub fn record(
     scene: &mut Scene,
     method: &mut dyn Integrator,
@@ -22,7 +22,7 @@ pub fn record(
     Ok(recorder.column(index))
 }
 
-/// Wall time of one integration [s] without output: median of at least seven, for at least 20 ms in all.
+/// Returns the wall time of one integration [s] without output: median of at least seven, for at least 20 ms in all.
 pub fn time(
     scene: &mut Scene,
     method: &mut dyn Integrator,
@@ -43,7 +43,7 @@ pub fn time(
     (median(walls), work)
 }
 
-/// Resolutions over which a method is swept: tolerances, or steps that start at `coarsest` [s].
+/// Returns the resolutions over which a method is swept: tolerances, or steps that start at `coarsest` [s].
 pub fn sweep(adaptive: bool, coarsest: f64) -> Vec<Resolution> {
     if adaptive {
         (2..=20)

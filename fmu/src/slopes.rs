@@ -8,7 +8,7 @@
 use crate::instance::{Done, Instance, Kind, fail};
 use gearbench::fmu::interface::Role;
 use gearbench_integrators::system::Report;
-use gearbench_integrators::{At, Outputs, SecondOrderSystem, State};
+use gearbench_integrators::{Outputs, SecondOrderSystem, State, StateView};
 use gearbench_models::scene::Scene;
 
 /// Part of the characteristic time.
@@ -22,7 +22,7 @@ fn later(scene: &mut Scene, s: &State, h: f64) -> State {
     let mut rate = |c: f64, q: &[f64], v: &[f64]| {
         let t = s.t + c * h;
         let discrete = &s.discrete;
-        let at = At { t, q, v, discrete };
+        let at = StateView { t, q, v, discrete };
         let mut a = vec![0.0; n];
         scene.force(at, &mut a);
         scene.solve_mass(at, &mut a);

@@ -14,27 +14,29 @@ use std::fmt;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-/// Steps between two looks at the clock at most; a look costs about as much as a step of two coordinates.
+/// Largest number of steps between two readings of the clock; one reading costs about as much as a step of two
+/// coordinates.
 const CLOCK_STRIDE: u64 = 64;
-/// Steps that take longer [s] are each looked at.
+/// Duration of a step [s] above which the clock is read after every step.
 const LONG_STEPS: Duration = Duration::from_millis(1);
-/// Part of the limit, and time [s], after which the pace counts.
+/// Fraction of the limit, and time [s], after which the duration of the run is extrapolated.
 const PACE_AFTER: (f64, f64) = (0.1, 1.0);
-/// So many times the limit a run may be estimated to take: the pace changes between flight and contact.
+/// Ratio of the extrapolated duration to the limit above which a run is stopped. The pace changes between flight and
+/// contact, hence a margin.
 const PACE_BEYOND: f64 = 2.0;
 
-/// A bound of a run.
+/// A bound of a run that was reached, or that the run would exceed at its present pace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
-    /// Number of attempted steps.
+    /// Largest number of attempted steps.
     Steps(u64),
-    /// Processor time [s].
+    /// Limit of the processor time [s].
     Time(f64),
-    /// Processor time [s], and the time that the whole run would have taken at its pace so far [s].
+    /// Limit of the processor time [s], which the run would exceed at its present pace.
     Pace {
-        /// The bound.
+        /// Limit of the processor time [s].
         limit: f64,
-        /// The estimate.
+        /// Estimated processor time of the whole run [s].
         estimate: f64,
     },
 }
@@ -52,12 +54,11 @@ impl fmt::Display for Bound {
     }
 }
 
-/// Readings of the clocks at one instant.
 #[derive(Clone, Copy, Debug)]
 struct Reading {
     wall: Instant,
     processor: Option<Duration>,
-    /// Wall time that the observers of the run have taken.
+    /// Wall time that the observers of the run have used so far.
     observed: Duration,
 }
 
@@ -70,7 +71,8 @@ impl Reading {
         }
     }
 
-    /// Processor time of the integration since an earlier reading [s]; wall time where the system reports no other.
+    /// Returns the processor time of the integration since an earlier reading [s], or the wall time where the system
+    /// reports no processor time.
     fn since(&self, begin: &Reading) -> f64 {
         let wall = (self.wall - begin.wall).as_secs_f64();
         let observed = self.observed.saturating_sub(begin.observed).as_secs_f64();
@@ -82,22 +84,23 @@ impl Reading {
     }
 }
 
-/// The part of a processor time [s] that is not of observers, which took `observed` of a wall time [s].
+/// Returns the share of a processor time [s] that belongs to the integration, if observers used `observed` of the wall
+/// time [s].
 #[must_use]
 pub fn integration_time(processor: f64, observed: f64, wall: f64) -> f64 {
     let share = if wall > 0.0 { observed / wall } else { 0.0 };
     processor * (1.0 - share.clamp(0.0, 1.0))
 }
 
-/// Counts attempted steps against a plan.
+/// Counts attempted steps and compares the use of time with the bounds of a plan.
 #[derive(Debug)]
 pub(crate) struct Bounds {
     tries: u64,
-    /// The attempt at which the clock is looked at next, and the attempts between two looks.
+    /// Number of the attempt at which the clock is read next, and the number of attempts between two readings.
     next_look: u64,
     stride: u64,
     looked: Instant,
-    /// The clocks at the first look, and the simulated time there [s].
+    /// Clocks at the first reading, and the simulated time of that reading [s].
     begin: Option<(Reading, f64)>,
 }
 
@@ -114,7 +117,7 @@ impl Default for Bounds {
 }
 
 impl Bounds {
-    /// Call before each attempt.
+    /// Checks the bounds of a plan; to be called before each attempted step.
     #[inline]
     pub(crate) fn check(
         &mut self,
@@ -140,7 +143,6 @@ impl Bounds {
         bound.map_or(Ok(()), |bound| Err(StepError::Timeout { t, steps, bound }))
     }
 
-    /// Reads the clocks.
     #[cold]
     fn look(&mut self, limit: Duration, t_end: f64, t: f64, observed: Duration) -> Option<Bound> {
         let now = Reading::now(observed);
@@ -161,7 +163,7 @@ impl Bounds {
         (known && estimate > PACE_BEYOND * limit).then_some(Bound::Pace { limit, estimate })
     }
 
-    /// Counts attempts that a library made on its own.
+    /// Adds attempted steps that a solver library made on its own.
     pub(crate) fn add(&mut self, tries: u64) {
         self.tries += tries;
     }

@@ -3,15 +3,15 @@
 
 use std::time::Duration;
 
-/// Processor time that the calling thread has taken so far; `None` where the operating system does not report it.
+/// Returns the processor time of the calling thread so far, or `None` where the operating system does not report it.
 #[cfg(unix)]
 #[must_use]
 pub fn processor_time() -> Option<Duration> {
     duration(rustix::time::ClockId::ThreadCPUTime)
 }
 
-/// Processor time that all threads of this process have taken so far, set-up on several threads included; `None` where
-/// the operating system does not report it.
+/// Returns the processor time of all threads of this process so far, including set-up on several threads, or `None`
+/// where the operating system does not report it.
 #[cfg(unix)]
 #[must_use]
 pub fn processor_time_of_all_threads() -> Option<Duration> {
@@ -25,14 +25,14 @@ fn duration(clock: rustix::time::ClockId) -> Option<Duration> {
     Some(Duration::new(seconds, u32::try_from(spent.tv_nsec).ok()?))
 }
 
-/// Not reported on this system.
+/// Returns `None`: this operating system does not report processor time.
 #[cfg(not(unix))]
 #[must_use]
 pub fn processor_time() -> Option<Duration> {
     None
 }
 
-/// Not reported on this system.
+/// Returns `None`: this operating system does not report processor time.
 #[cfg(not(unix))]
 #[must_use]
 pub fn processor_time_of_all_threads() -> Option<Duration> {

@@ -3,7 +3,7 @@
 //! Gaussian elimination with partial pivoting, row-major, in place. Systems with more than a few tens of
 //! coordinates bring their own [`SecondOrderSystem::correct`].
 
-use crate::system::{At, Coeffs, SecondOrderSystem, Singular};
+use crate::system::{Coeffs, SecondOrderSystem, Singular, StateView};
 
 /// Solves `A x = b` in place: `a` is row-major `n x n` and is destroyed, `b` becomes `x`.
 pub fn solve_in_place(a: &mut [f64], b: &mut [f64]) -> Result<(), Singular> {
@@ -12,7 +12,8 @@ pub fn solve_in_place(a: &mut [f64], b: &mut [f64]) -> Result<(), Singular> {
     Ok(())
 }
 
-/// The same for a matrix whose entries further than `reach` from the diagonal are zero: `n reach^2` operations.
+/// Solves `A x = b` in place where entries farther than `reach` from the diagonal are zero, in `n reach^2` operations.
+/// See [`solve_in_place`] for a full matrix.
 pub fn solve_banded(a: &mut [f64], b: &mut [f64], reach: usize) -> Result<(), Singular> {
     let n = b.len();
     debug_assert_eq!(a.len(), n * n);
@@ -58,16 +59,16 @@ pub fn solve_banded(a: &mut [f64], b: &mut [f64], reach: usize) -> Result<(), Si
     Ok(())
 }
 
-/// A matrix that many right-hand sides are solved with.
+/// LU factors of a dense matrix, for many right-hand sides.
 #[derive(Clone, Debug, Default)]
 pub struct Lu {
     a: Vec<f64>,
-    /// Row that each pivot was taken from.
+    /// Row that was exchanged with each pivot row.
     pivots: Vec<usize>,
 }
 
 impl Lu {
-    /// Takes and factorises a row-major `n x n` matrix; the caller gets the buffer of the last one for it.
+    /// Factorises a row-major `n x n` matrix; the caller receives the previous buffer in exchange.
     ///
     /// # Errors
     /// [`Singular`].
@@ -77,7 +78,7 @@ impl Lu {
         eliminate(&mut self.a, n, |_, p| self.pivots.push(p))
     }
 
-    /// `b <- A^-1 b`.
+    /// Solves `A x = b` in place: `b <- A^-1 b`.
     pub fn solve(&self, b: &mut [f64]) {
         for (k, &p) in self.pivots.iter().enumerate() {
             b.swap(k, p);
@@ -86,8 +87,8 @@ impl Lu {
     }
 }
 
-/// `P A = L U` in place, `L` below the diagonal with units on it; rows are swapped by pairs, of which `swapped` is told
-/// one per column.
+/// Factorises `P A = L U` in place, with a unit diagonal in `L`. `swapped` is called once per column with the pair of
+/// rows that are exchanged.
 fn eliminate(
     a: &mut [f64],
     n: usize,
@@ -126,7 +127,6 @@ fn eliminate(
     Ok(())
 }
 
-/// `b <- U^-1 L^-1 b`.
 fn substitute(a: &[f64], b: &mut [f64]) {
     let n = b.len();
     for i in 1..n {
@@ -148,14 +148,14 @@ fn substitute(a: &[f64], b: &mut [f64]) {
     }
 }
 
-/// Coordinates up to which the Newton matrix is formed on the stack.
+/// Largest number of coordinates for which the Newton matrix is stored on the stack.
 const ON_STACK: usize = 8;
 
-/// Newton correction from the matrix formed column by column: `n` tangent products and a dense
-/// elimination. Allocates above eight coordinates.
+/// Solves for a Newton correction with a matrix that is formed column by column: `n` tangent products and a dense
+/// elimination. It allocates above eight coordinates.
 pub fn correct_by_columns<S: SecondOrderSystem + ?Sized>(
     sys: &mut S,
-    at: At<'_>,
+    at: StateView<'_>,
     c: Coeffs,
     rhs_to_x: &mut [f64],
 ) -> Result<(), Singular> {
@@ -176,10 +176,10 @@ pub fn correct_by_columns<S: SecondOrderSystem + ?Sized>(
     }
 }
 
-/// `a` has room for the matrix and `columns` for five columns, both zero.
+/// Forms the matrix in `a` and solves; `columns` is work space for five columns. Both have to be zero.
 fn by_columns<S: SecondOrderSystem + ?Sized>(
     sys: &mut S,
-    at: At<'_>,
+    at: StateView<'_>,
     c: Coeffs,
     a: &mut [f64],
     columns: &mut [f64],

@@ -1,29 +1,31 @@
-//! Static equilibrium: `f(t, q, v = 0) = 0` at a fixed time, by Newton's method on the system's own tangent.
+//! Static equilibrium: `f(t, q, v = 0) = 0` at a fixed time, by Newton's method with the analytic tangent of the
+//! system.
 //!
 //! ```text
 //! K dx = f,   q <- q + alpha dx,   K = -df/dq
 //! ```
 //!
-//! The step `alpha` is sought on the work of the residual along the correction, `dx . f(q + alpha dx)`: it has one
-//! unit whatever the coordinates are, and with elastic forces it is the slope of the potential, so a contact that
-//! closes inside a step shows as a change of sign (M. A. Crisfield, *Nonlinear Finite Element Analysis of Solids
-//! and Structures*, vol. 1, ch. 9). Contacts are clipped ([`SecondOrderSystem::begin`] with `located = false`); the
-//! force is then piecewise smooth and Newton ends in as many steps as the set of closed contacts changes.
+//! The line search for the step `alpha` uses the work of the residual along the correction, `dx . f(q + alpha dx)`. It
+//! has one unit whatever the coordinates are, and with elastic forces it is the slope of the potential, so that a
+//! contact that closes inside a step appears as a change of sign (M. A. Crisfield, *Nonlinear Finite Element Analysis
+//! of Solids and Structures*, vol. 1, ch. 9). Contacts are clipped ([`SecondOrderSystem::begin`] with
+//! `located = false`). The force is then piecewise smooth, and the number of Newton steps is about the number of
+//! changes of the set of closed contacts.
 //!
-//! **Bodies that only a contact holds** have a singular block of their own even where the whole is held, and a
-//! system that corrects block by block then says [`Singular`]. Their matrix is shifted by a little mass,
-//! `K + mu M`, with `mu` a small part of the Rayleigh quotient of the motion that the residual starts; the shift
-//! changes the path to the equilibrium, not the equilibrium. What stays in motion under it is held by nothing.
+//! **Bodies that only a contact supports** have a singular block of the matrix even where the whole system is
+//! supported. A system that corrects block by block then returns [`Singular`]. Its matrix is shifted by a small mass,
+//! `K + mu M`, with `mu` a small fraction of the Rayleigh quotient of the motion that the residual starts. The shift
+//! changes the path to the equilibrium, not the equilibrium. A body that keeps moving under the shift has no support.
 
 use crate::method::{Tolerance, Work};
-use crate::system::{At, Coeffs, SecondOrderSystem, Singular, State};
+use crate::system::{Coeffs, SecondOrderSystem, Singular, State, StateView};
 
-/// How exactly to solve, and for how long.
+/// Tolerance and iteration limit of the static solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EquilibriumOptions {
-    /// Largest last correction, as a part of [`SecondOrderSystem::scales`].
+    /// Largest last correction, as a fraction of [`SecondOrderSystem::scales`].
     pub tolerance: f64,
-    /// Newton iterations before the solve is given up.
+    /// Largest number of Newton iterations.
     pub max_iterations: u32,
 }
 
@@ -36,7 +38,7 @@ impl Default for EquilibriumOptions {
     }
 }
 
-/// Why there is no equilibrium to report.
+/// Reason why the static solve failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EquilibriumError {
     /// Newton's method did not converge.
@@ -44,43 +46,44 @@ pub enum EquilibriumError {
         "no equilibrium at t = {t:.6e} s: scaled correction {residual:.3e} after {iterations} Newton iterations; start nearer to it, or load in smaller parts"
     )]
     NewtonDiverged {
-        /// Time [s].
+        /// Time of the equilibrium [s].
         t: f64,
-        /// Last scaled correction.
+        /// Last correction, relative to the scales of the system.
         residual: f64,
-        /// Iterations done.
+        /// Number of Newton iterations.
         iterations: u32,
     },
-    /// A body is held neither by its mount nor by a closed contact.
+    /// A body is supported neither by its mount nor by a closed contact.
     #[error(
         "nothing holds the bodies at t = {t:.6e} s: fix or drive a gear, or start with the loaded flanks in contact"
     )]
     SingularTangent {
-        /// Time [s].
+        /// Time of the equilibrium [s].
         t: f64,
     },
     /// A force or a coordinate became infinite or not a number.
     #[error("coordinate {dof} is not finite at t = {t:.6e} s: the static solve blew up")]
     NonFinite {
-        /// Time [s].
+        /// Time of the equilibrium [s].
         t: f64,
         /// Index of the coordinate.
         dof: usize,
     },
 }
 
-/// The shift of a body held by contact alone, over the Rayleigh quotient of its motion.
+/// Shift of a body supported by contact alone, relative to the Rayleigh quotient of its motion.
 const SHIFT: f64 = 1e-6;
-/// Iterations under a shift that may pass without the correction getting smaller; then the shift does, so often and
-/// by this factor.
+/// Number of iterations under a shift during which the correction may fail to decrease. After that the shift is
+/// reduced by this factor, at most `RELAXATIONS` times.
 const PATIENCE: u32 = 4;
 const RELAXATIONS: u32 = 3;
 const RELAXATION: f64 = 1e-3;
-/// The step is searched for when the work of the residual falls by less than this factor.
+/// A line search starts when the work of the residual decreases by less than this factor.
 const SLACK: f64 = 0.8;
-/// Evaluations of one line search.
+/// Largest number of force evaluations of one line search.
 const LINE_SEARCH: u32 = 24;
-/// A correction that no longer falls counts as converged up to this multiple of the tolerance: rounding.
+/// Multiple of the tolerance up to which a correction that no longer decreases counts as converged, because of
+/// rounding.
 const STALLED: f64 = 1e3;
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -94,7 +97,7 @@ fn force(
     f: &mut [f64],
     work: &mut Work,
 ) -> Result<(), EquilibriumError> {
-    let at = At {
+    let at = StateView {
         t: s.t,
         q,
         v: &s.v,
@@ -108,7 +111,7 @@ fn force(
     }
 }
 
-/// The shift for a system that says [`Singular`]: a part of `d K d / d M d` with `d = M^-1 f`.
+/// Returns the shift for a system whose matrix is [`Singular`]: a fraction of `d K d / d M d` with `d = M^-1 f`.
 pub(crate) fn shift(
     sys: &mut dyn SecondOrderSystem,
     s: &State,
@@ -128,7 +131,10 @@ pub(crate) fn shift(
     }
 }
 
-/// Moves the coordinates of `s` to static equilibrium at its time; velocities become zero.
+/// Moves the coordinates of `s` to static equilibrium at its time and sets the velocities to zero.
+///
+/// The search starts at `s.q`. If only a contact supports a gear, that contact has to be closed there. Prescribed
+/// mounts keep their position at `s.t`. The discrete state of `s` is prepared for clipped contacts.
 ///
 /// The search starts at `s.q`: where only a contact holds a gear, that contact has to be closed there. Prescribed
 /// mounts stand where they are at `s.t`. The discrete state of `s` is prepared for clipped contacts.
@@ -207,7 +213,7 @@ pub fn equilibrium(
     })
 }
 
-/// Moves `s.q` along `dx` and leaves the residual there in `f`.
+/// Moves `s.q` along `dx` and stores the residual of the new position in `f`.
 fn line_search(
     sys: &mut dyn SecondOrderSystem,
     s: &mut State,

@@ -1,4 +1,4 @@
-//! Where event functions fall through zero inside a step.
+//! Location of the zero crossings of event functions inside a step.
 //!
 //! An event function is falling when it is not positive at the end of the step and lower than at its start. So a
 //! event function that starts at its root (it was switched there, and rounding may have left it a hair below) may
@@ -8,11 +8,11 @@
 
 pub(crate) mod dips;
 
-/// Points of a step that are looked at when an event function starts at its root, where two ends do not tell an event
-/// function that falls at once from one that rises and falls again.
+/// Fractions of a step at which an event function that starts at its root is sampled. The two ends of the step cannot
+/// tell a function that falls at once from one that rises first and then falls.
 const PROBES: [f64; 6] = [1e-3, 1.0 / 64.0, 0.125, 0.25, 0.5, 0.75];
 
-/// Where the first event of a step lies.
+/// Position of the first event of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Root {
     /// At the start of the step: the event function was at its root and falls from there.
@@ -21,14 +21,14 @@ pub(crate) enum Root {
     Inside(f64),
 }
 
-/// Event functions at both ends of a step and which of them fell.
+/// Event functions at both ends of a step, and the list of those that fell through zero.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Watch {
     /// Event functions at the start of the step.
     pub(crate) before: Vec<f64>,
     /// Event functions at its end.
     pub(crate) after: Vec<f64>,
-    /// Event functions at a point looked at last.
+    /// Event functions at the last sampled point.
     pub(crate) here: Vec<f64>,
     /// Event functions that fell, by index; after [`Watch::select`] the ones to switch.
     pub(crate) falling: Vec<usize>,
@@ -68,8 +68,8 @@ impl Watch {
         !self.falling.is_empty()
     }
 
-    /// The lowest of the falling event functions in `here`, each over its drop: positive before the first event, not
-    /// after it, and about the distance to it as a fraction of the step.
+    /// Returns the lowest of the falling event functions in `here`, each divided by its drop. It is positive before
+    /// the first event, not positive after it, and approximates the distance to it as a fraction of the step.
     pub(crate) fn lowest_here(&self) -> f64 {
         self.lowest(&self.here)
     }
@@ -80,8 +80,8 @@ impl Watch {
             .fold(f64::INFINITY, |m, &i| m.min(g[i] * self.per_drop[i]))
     }
 
-    /// The first root on an interpolant, to `tolerance` (a fraction of the step). `events_at` evaluates all
-    /// event functions at a fraction of the step. May drop event functions from `falling` that fall later.
+    /// Finds the first root on an interpolant, to `tolerance` (a fraction of the step). `events_at` evaluates all
+    /// event functions at a fraction of the step. Event functions that fall later may be removed from `falling`.
     pub(crate) fn first_root(
         &mut self,
         tolerance: f64,
@@ -149,21 +149,22 @@ impl Watch {
         Root::Inside(x)
     }
 
-    /// Keeps in `falling` the event functions that are at their root in `here`: equal tooth pairs touch together.
+    /// Reduces `falling` to the event functions that are at their root in `here`, because equal tooth pairs come into
+    /// contact at the same time.
     pub(crate) fn select(&mut self) {
         let floor = self.lowest_here().max(0.0);
         let (g, per_drop) = (&self.here, &self.per_drop);
         self.falling.retain(|&i| g[i] * per_drop[i] <= floor + 1e-9);
     }
 
-    /// The step was taken without an event: its end is the next start.
+    /// Makes the end of a step without event the start of the next step.
     #[inline]
     pub(crate) fn advance(&mut self) {
         std::mem::swap(&mut self.before, &mut self.after);
     }
 }
 
-/// A bracket of a root between a positive value at `lo` and one that is not at `hi`.
+/// An interval that contains a root: the value is positive at `lo` and not positive at `hi`.
 #[derive(Clone, Copy, Debug)]
 struct Bracket {
     lo: f64,
@@ -190,7 +191,7 @@ impl Bracket {
         self.hi - self.lo
     }
 
-    /// The next point to look at.
+    /// Returns the next abscissa of the root search.
     fn propose(&self) -> f64 {
         let x = (self.lo * self.f_hi - self.hi * self.f_lo) / (self.f_hi - self.f_lo);
         if self.stalled >= 4 || !(x >= self.lo && x <= self.hi) {
@@ -229,7 +230,7 @@ impl Bracket {
 mod tests {
     use super::*;
 
-    /// Event functions given as functions of the fraction of a step.
+    /// Builds event functions from functions of the fraction of a step.
     fn watch(g: &[&dyn Fn(f64) -> f64]) -> Watch {
         let mut w = Watch::new(g.len());
         for (i, g) in g.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The motion of a system on which nothing but steady loads acts, in closed form.
+//! Closed-form motion of a system under steady loads, without contact or with linear contacts.
 //!
 //! Coordinates are sums of independent *oscillators* under constant loads:
 //!
@@ -19,23 +19,23 @@ use crate::method::Dense;
 use crate::modal::propagator::coefficients;
 use crate::system::{SecondOrderSystem, State};
 
-/// Questions for a free flight that are left out after vain ones, at most.
+/// Largest number of steps for which the query for a free flight is skipped after unsuccessful queries.
 const MOST_SKIPPED: u32 = 8;
 
-/// One oscillator under a constant load and what it moves.
+/// One oscillator under a constant load, and the coordinates that it moves.
 #[derive(Clone, Copy, Debug)]
 struct Oscillator {
     omega: f64,
     zeta: f64,
-    /// Place and speed at the start.
+    /// Displacement and velocity at the start.
     start: [f64; 2],
     load: f64,
-    /// End of its terms in [`FlightPath::terms`].
+    /// End of the terms of this oscillator in [`FlightPath::terms`].
     terms: usize,
 }
 
 impl Oscillator {
-    /// Place and speed after a time [s].
+    /// Returns displacement and velocity after a time [s].
     #[inline]
     fn at(&self, t: f64) -> [f64; 2] {
         let [x, v] = self.start;
@@ -51,41 +51,41 @@ impl Oscillator {
     }
 }
 
-/// A motion in closed form from a time on. Buffers stay from one to the next.
+/// A motion in closed form from a start time on. Buffers are reused from one path to the next.
 #[derive(Clone, Debug, Default)]
 pub struct FlightPath {
     start: f64,
     oscillators: Vec<Oscillator>,
-    /// Coordinate and weight.
+    /// Coordinate index and weight of each contribution of an oscillator.
     terms: Vec<(u32, f64)>,
-    /// The longest step [s] in which observers see what swings, where something touches on the way.
+    /// Longest step [s] that resolves the vibration for observers; `Some` for a path with closed contacts.
     presses: Option<f64>,
-    /// Event functions that reach zero at its end.
+    /// Indices of the event functions that reach zero at the end of the path.
     switches: Vec<usize>,
 }
 
 impl FlightPath {
-    /// Something touches on the way; observers see it swing in steps of at most so long [s].
+    /// Marks the path as one with closed contacts, which observers resolve in steps of at most `longest` [s].
     pub fn press(&mut self, longest: f64) {
         self.presses = Some(longest);
     }
 
-    /// An event function reaches zero at its end.
+    /// Adds an event function that reaches zero at the end of the path.
     pub fn switch_at_end(&mut self, event: usize) {
         self.switches.push(event);
     }
 
-    /// The longest step [s] where something touches on the way.
+    /// Returns the longest step [s] that observers need on a path with closed contacts, or `None` for a free flight.
     pub(crate) fn pressed(&self) -> Option<f64> {
         self.presses
     }
 
-    /// Event functions that reach zero at its end.
+    /// Returns the indices of the event functions that reach zero at the end of the path.
     pub(crate) fn switches(&self) -> &[usize] {
         &self.switches
     }
 
-    /// Starts afresh at a time [s], with nothing that moves.
+    /// Clears the path and sets its start time [s].
     pub fn begin(&mut self, t: f64) {
         self.start = t;
         self.oscillators.clear();
@@ -94,8 +94,8 @@ impl FlightPath {
         self.switches.clear();
     }
 
-    /// Adds `x'' + 2 zeta omega x' + omega^2 x = load` from `start = [x, x']`; `zeta` lies in [0, 1).
-    /// [`Self::moves`] says what it moves.
+    /// Adds an oscillator `x'' + 2 zeta omega x' + omega^2 x = load` with the initial values `start = [x, x']`; `zeta`
+    /// lies in [0, 1). [`Self::moves`] sets the coordinates that it contributes to.
     pub fn oscillator(&mut self, omega: f64, zeta: f64, start: [f64; 2], load: f64) {
         self.oscillators.push(Oscillator {
             omega,
@@ -106,7 +106,7 @@ impl FlightPath {
         });
     }
 
-    /// The oscillator added last moves a coordinate with a weight.
+    /// Adds the oscillator that was added last to a coordinate, with a weight.
     pub fn moves(&mut self, coordinate: usize, weight: f64) {
         self.terms.push((coordinate as u32, weight));
         if let Some(oscillator) = self.oscillators.last_mut() {
@@ -114,7 +114,7 @@ impl FlightPath {
         }
     }
 
-    /// Coordinates and velocities at a time [s].
+    /// Computes coordinates and velocities at a time [s].
     pub fn at(&self, t: f64, q: &mut [f64], v: &mut [f64]) {
         q.fill(0.0);
         v.fill(0.0);
@@ -130,7 +130,7 @@ impl FlightPath {
     }
 }
 
-/// A free flight over one step: its dense output.
+/// Dense output of a step along a closed-form path.
 pub(crate) struct FlightDense<'a> {
     pub(crate) path: &'a FlightPath,
     pub(crate) from: f64,
@@ -144,28 +144,28 @@ impl Dense for FlightDense<'_> {
     }
 }
 
-/// When to ask a system for a free flight: after each restart at once, else with growing patience, so that contact
-/// pays for few vain questions.
+/// Interval between queries for a closed-form path: none after a restart, else growing with each unsuccessful query,
+/// so that contact phases cost few queries.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Patience {
+pub(crate) struct QueryInterval {
     skip: u32,
     next: u32,
 }
 
-impl Patience {
-    /// The next question is asked at once.
+impl QueryInterval {
+    /// Resets the interval, so that the next step makes a query.
     pub(crate) fn end(&mut self) {
         (self.skip, self.next) = (0, 1);
     }
 
-    /// Whether to ask now.
+    /// Counts one step and returns true if it makes a query.
     pub(crate) fn over(&mut self) -> bool {
         let over = self.skip == 0;
         self.skip = self.skip.saturating_sub(1);
         over
     }
 
-    /// The question was vain or not.
+    /// Lengthens the interval after an unsuccessful query and resets it after a successful one.
     pub(crate) fn learn(&mut self, vain: bool) {
         if vain {
             self.skip = self.next;
@@ -176,34 +176,35 @@ impl Patience {
     }
 }
 
-/// What a loop knows of the motion of its system in closed form from event to event.
+/// State of the queries for closed-form motion between events, with contacts open or closed.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SegmentProbe {
-    /// For methods that are exact for oscillators, where events are located.
+    /// True for methods that are exact for oscillators, if events are located.
     pub(crate) on: bool,
     pub(crate) path: FlightPath,
-    pub(crate) patience: Patience,
-    /// A path ended here, and the method has not started afresh yet.
+    pub(crate) query_interval: QueryInterval,
+    /// True if a path ended here and the method has not restarted yet.
     pub(crate) left: bool,
 }
 
-/// What a loop knows of the free flights of its system.
+/// State of the queries for free flights.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FlightProbe {
-    /// Off by default.
+    /// True if free flights are used; false by default.
     pub(crate) on: bool,
     pub(crate) path: FlightPath,
-    pub(crate) patience: Patience,
+    pub(crate) query_interval: QueryInterval,
 }
 
 impl FlightProbe {
-    /// A time until which [`Self::path`] holds from `s` on, if it is later than a time; `s.t` where it is not.
+    /// Returns the end time of a free flight from `s` on, which is then in [`Self::path`], or `s.t` if there is none
+    /// that lasts beyond `later`.
     pub(crate) fn end(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, later: f64) -> f64 {
-        if !self.on || !self.patience.over() {
+        if !self.on || !self.query_interval.over() {
             return s.t;
         }
         let until = sys.flight_path(s, later, &mut self.path);
-        self.patience.learn(until <= later);
+        self.query_interval.learn(until <= later);
         if until > later { until } else { s.t }
     }
 }
@@ -212,7 +213,8 @@ impl FlightProbe {
 mod tests {
     use super::*;
 
-    /// Two masses on a spring, pulled: the centre of mass accelerates, the stretch swings about that of the load.
+    /// Two masses on a spring under a pull: the centre of mass accelerates uniformly and the elongation oscillates
+    /// about its static value.
     #[test]
     fn oscillators_add_up_to_the_motion_of_coupled_masses() {
         let (m, k, pull) = ([2.0, 3.0], 7.0, 1.5);

@@ -6,14 +6,14 @@
 //! q' = v,    M(t, q) v' = f(t, q, v; discrete)
 //! ```
 //!
-//! ([`SecondOrderSystem`]), in SI units. It knows nothing of gears. What has history (contact modes, impact
-//! speeds, tooth slots) lives in [`State::discrete`] and changes only between steps, so that inside a step
+//! ([`SecondOrderSystem`]), in SI units; the crate has no knowledge of gears. Quantities with a history (contact
+//! modes, impact speeds, tooth slots) are in [`State::discrete`] and change only between steps, so that inside a step
 //! the force is one smooth function and a method keeps its declared order through contact events.
 //!
-//! **Events.** The system tells by *event functions* how long its branch is valid: event function `i` is positive until
+//! **Events.** *Event functions* of the system bound the validity of its branch: event function `i` is positive until
 //! its part of the branch ends. The loop finds where an event function falls through zero, ends the step there, calls
-//! [`Events::transition`] and starts the method afresh. With [`TimePlan::events`] off the system clips its force
-//! instead, and orders above one are lost at damped contacts.
+//! [`Events::transition`] and restarts the method. With [`TimePlan::events`] off the system clips its force instead,
+//! and orders above one are lost at damped contacts.
 //!
 //! **Steps.** A method declares in [`MethodInfo`] whether it runs at a fixed step, under a tolerance, or
 //! both ([`Resolution`]). A tolerance `rtol` bounds the estimated error of each step by `rtol` times the
@@ -21,10 +21,10 @@
 //! many turns while deflections stay small. Declared are also the order and the slope of the error over
 //! the tolerance; the tests of this crate hold every row of [`METHODS`] to both.
 //!
-//! **Results** go step by step to a [`Sink`] with dense output; integrators print nothing. A run that fails
-//! says when and how much ([`StepError`]) and leaves the last accepted state.
+//! **Results** are passed step by step to a [`Sink`] with dense output; integrators print nothing. A run that fails
+//! returns the time and the magnitude of the failure ([`StepError`]) and the last accepted state.
 //!
-//! | room | owns |
+//! | module | owns |
 //! |---|---|
 //! | [`system`] | the system seam: state, force, mass, tangent, event functions |
 //! | [`method`] | the method seam: [`Integrator`], [`OneStep`], plans, work counters, errors |
@@ -48,7 +48,7 @@
 //!
 //! ```
 //! use gearbench_integrators::{
-//!     At, Layout, NullSink, Resolution, SecondOrderSystem, State, TimePlan, Work, method,
+//!     Layout, StateView, NullSink, Resolution, SecondOrderSystem, State, TimePlan, Work, method,
 //! };
 //!
 //! /// `m q'' = -k q` with `m = 2 kg`, `k = 2 N/m`.
@@ -62,19 +62,19 @@
 //!         q[0] = 1.0; // [m]
 //!         v[0] = 1.0; // [m/s]
 //!     }
-//!     fn characteristic_time(&self, _at: At<'_>) -> f64 {
+//!     fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
 //!         1.0 // sqrt(m / k) [s]
 //!     }
-//!     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+//!     fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
 //!         f[0] = -2.0 * at.q[0];
 //!     }
-//!     fn solve_mass(&mut self, _at: At<'_>, f_to_a: &mut [f64]) {
+//!     fn solve_mass(&mut self, _at: StateView<'_>, f_to_a: &mut [f64]) {
 //!         f_to_a[0] /= 2.0;
 //!     }
-//!     fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+//!     fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
 //!         y[0] = 2.0 * x[0];
 //!     }
-//!     fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+//!     fn tangent_times(&mut self, _at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
 //!         df[0] = -2.0 * dq[0];
 //!     }
 //! }
@@ -129,7 +129,7 @@ pub use scheme::Scheme;
 pub use spec::{MethodError, MethodSpec};
 pub use stepped::Stepped;
 pub use system::{
-    At, Change, Coeffs, Energy, Events, FreeFlight, HalfKick, Layout, ModalSplit, Outputs, Power,
-    Report, SecondOrderSystem, SprungMember, State, Touch,
+    Change, Coeffs, Energy, Events, FreeFlight, HalfStepImpulse, Layout, MemberContact, ModalSplit,
+    Outputs, Power, Report, SecondOrderSystem, SprungMember, State, StateView,
 };
 pub use table::{METHODS, Method, method};

@@ -1,22 +1,22 @@
-//! The method seam: what an integrator declares, how it is driven, what it counts.
+//! The interface of integration methods: their properties, the plan of a run and the counters of work.
 //!
 //! The method owns the loop and pushes accepted steps to a [`Sink`]: solvers of libraries borrow their
 //! problem, so a pull-style `step()` would be self-referential. One-step methods implement [`OneStep`] and
 //! get the loop, step control and event location from [`crate::stepped::Stepped`].
 
 use crate::error::StepError;
-use crate::system::{At, Change, Coeffs, SecondOrderSystem, Singular, State};
+use crate::system::{Change, Coeffs, SecondOrderSystem, Singular, State, StateView};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// Whether a method runs at fixed steps, under a tolerance, or both.
+/// Kinds of step selection that a method supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stepping {
-    /// Fixed steps only.
+    /// The method runs at fixed steps only.
     Fixed,
-    /// Tolerance only.
+    /// The method runs under a tolerance only.
     Adaptive,
-    /// Either.
+    /// The method runs at fixed steps or under a tolerance.
     Both,
 }
 
@@ -25,53 +25,55 @@ pub enum Stepping {
 pub struct Parameter {
     /// Name as written in `id(name=value)`.
     pub name: &'static str,
-    /// Default value.
+    /// Default value of the parameter.
     pub default: f64,
     /// Smallest and largest admissible value.
     pub range: (f64, f64),
-    /// What it does.
+    /// Description of the effect of the parameter, for help texts.
     pub meaning: &'static str,
 }
 
-/// What a method declares of itself; tests read it and hold the method to it.
+/// Declared properties of a method. The conformance tests compare the method with each of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodInfo {
-    /// Name on the command line and in records.
+    /// Identifier on the command line and in records.
     pub id: &'static str,
-    /// Name in text.
+    /// Name for reports.
     pub name: &'static str,
     /// Order of convergence on smooth problems; the highest one of a method of variable order.
     pub order: u32,
-    /// Solves equations in each step.
+    /// True if the method solves equations in each step.
     pub implicit: bool,
-    /// Fixed steps, tolerance, or both.
+    /// Supported kinds of step selection.
     pub stepping: Stepping,
     /// Slope of log(error) over log(rtol) under a tolerance; 0 when the method has none.
     pub tolerance_slope: f64,
-    /// Loses energy on a linear undamped oscillator at finite step. A method that does not may still gain
-    /// some (Tsitouras) or let it swing (symplectic methods).
+    /// True if the method loses energy on a linear undamped oscillator at finite step. A method without such losses
+    /// may still gain some energy (Tsitouras) or let it oscillate (symplectic methods).
     pub dissipative: bool,
-    /// Runs systems with a [`SecondOrderSystem::modal`] split only, and is exact for their oscillators.
+    /// True if the method runs systems with a [`SecondOrderSystem::modal`] split only, and is exact for their
+    /// oscillators.
     pub linear_part: bool,
-    /// Keeps dense matrices of the first-order form, twice as large as the coordinates: memory grows with the square.
+    /// True if the method stores dense matrices of the first-order form, of twice the number of coordinates: memory
+    /// grows with its square.
     pub dense_matrices: bool,
-    /// Parameters.
+    /// Parameters of the method.
     pub parameters: &'static [Parameter],
-    /// Where the method comes from.
+    /// Publication that the method comes from.
     pub citation: &'static str,
 }
 
-/// How finely to step.
+/// Fixed step or tolerance of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Resolution {
     /// Fixed step [s].
     Step(f64),
-    /// Relative tolerance; the absolute one is this times [`SecondOrderSystem::scales`].
+    /// Relative tolerance; the absolute tolerance is this value times [`SecondOrderSystem::scales`].
     Tolerance(f64),
 }
 
 impl Resolution {
-    /// The fixed step [s].
+    /// Returns the fixed step [s], or `None` for a tolerance.
     pub fn step(self) -> Option<f64> {
         match self {
             Resolution::Step(h) => Some(h),
@@ -79,7 +81,7 @@ impl Resolution {
         }
     }
 
-    /// The relative tolerance.
+    /// Returns the relative tolerance, or `None` for a fixed step.
     pub fn tolerance(self) -> Option<f64> {
         match self {
             Resolution::Step(_) => None,
@@ -88,26 +90,26 @@ impl Resolution {
     }
 }
 
-/// What to integrate and within which bounds.
+/// End time, resolution and bounds of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct TimePlan<'a> {
     /// End time [s].
     pub t_end: f64,
-    /// Step or tolerance.
+    /// Fixed step or relative tolerance.
     pub resolution: Resolution,
-    /// Locate contact events and restart there.
+    /// True if contact events are located and the method restarts there.
     pub events: bool,
     /// Largest number of steps, rejected ones included.
     pub max_steps: u64,
-    /// Bound on the processor time of the integration, that of observers ([`Sink::spent`]) excluded. A run whose pace
-    /// would take it far beyond is stopped early.
+    /// Bound on the processor time of the integration, without the time of observers ([`Sink::spent`]). A run whose
+    /// pace would exceed it by far is stopped early.
     pub time_limit: Option<Duration>,
-    /// Set from outside to stop the run.
+    /// Flag that is set from outside to stop the run.
     pub cancel: Option<&'a AtomicBool>,
 }
 
 impl TimePlan<'_> {
-    /// A plan to `t_end` with event location and no bounds.
+    /// Creates a plan to `t_end` with event location and no bounds.
     pub fn new(t_end: f64, resolution: Resolution) -> Self {
         TimePlan {
             t_end,
@@ -120,32 +122,32 @@ impl TimePlan<'_> {
     }
 }
 
-/// Counted work of a run.
+/// Counters of the work of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: u64,
-    /// Steps rejected by the error estimate or repeated to hit an event.
+    /// Number of steps rejected by the error estimate or repeated to hit an event.
     pub rejected: u64,
-    /// Force evaluations (those of the observers are not counted).
+    /// Number of force evaluations, without those of observers.
     pub force_evaluations: u64,
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub newton_iterations: u64,
-    /// Factorisations of the Newton matrix.
+    /// Number of factorisations of the Newton matrix.
     pub factorisations: u64,
-    /// Events located.
+    /// Number of located events.
     pub events: u64,
-    /// Restarts of the method.
+    /// Number of restarts of the method.
     pub restarts: u64,
 }
 
 impl Work {
-    /// Asks a system for a Newton correction and counts the factorisations that took: those it says it made, or
-    /// one where it keeps no factors.
+    /// Computes a Newton correction and counts its factorisations: those that the system reports, or one where it
+    /// stores no factors.
     pub(crate) fn correct(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular> {
@@ -159,18 +161,20 @@ impl Work {
     }
 }
 
-/// The solution inside an accepted step.
+/// Dense output: the solution inside an accepted step.
 pub trait Dense {
-    /// Coordinates and velocities at `theta` in [0, 1] of the step.
+    /// Computes coordinates and velocities at the fraction `theta` in [0, 1] of the step.
     fn eval(&self, theta: f64, q: &mut [f64], v: &mut [f64]);
 
-    /// Order of the method, the highest one where it varies: integrals over the step need be no more exact.
+    /// Returns the order of the method, or its highest order where it varies. Integrals over the step need no higher
+    /// accuracy.
     fn order(&self) -> u32 {
         u32::MAX
     }
 
-    /// Energy per unit mass [m^2/s^2] of each coordinate that linear dampers took in the step beyond the trapezoidal rule
-    /// on their powers at its ends. False where the method has no better figure than that rule.
+    /// Computes the energy per unit mass [m^2/s^2] of each coordinate that linear dampers dissipated in the step
+    /// beyond the trapezoidal rule on the powers at its ends. Returns false where the method has no better value than
+    /// that rule.
     fn damping_beyond_trapezoid(&self, _beyond: &mut [f64]) -> bool {
         false
     }
@@ -178,45 +182,45 @@ pub trait Dense {
 
 /// An accepted step, before events switch or commit the discrete state.
 pub struct AcceptedStep<'a> {
-    /// State at the start of the step; its discrete state held through the step.
+    /// State at the start of the step; its discrete state is valid through the step.
     pub from: &'a State,
     /// State at its end, with the discrete state of the step.
     pub to: &'a State,
-    /// The solution in between.
+    /// Solution inside the step.
     pub dense: &'a dyn Dense,
-    /// Nothing touched on the way and all loads were steady: the solution in between is exact.
+    /// True for a step without contact under steady loads, for which the dense output is exact.
     pub flight: bool,
 }
 
-/// What the sink wants next.
+/// Decision of a sink after an accepted step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Control {
-    /// Go on.
+    /// The run continues.
     Continue,
-    /// End the run here without an error.
+    /// The run ends here without an error.
     Stop,
 }
 
-/// Receives accepted steps. Observers record; integrators print nothing.
+/// Receiver of accepted steps, such as a recorder or an energy ledger.
 pub trait Sink {
-    /// A step was accepted.
+    /// Receives an accepted step and decides whether the run continues.
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control;
 
-    /// The state was switched or handed over at one instant, from `before` to `after`.
+    /// Receives the state before and after a change of branch or a hand-over at one instant.
     fn restarted(&mut self, _sys: &mut dyn SecondOrderSystem, _before: &State, _after: &State) {}
 
-    /// False lets the loop skip copies that only observers need.
+    /// Returns false if the sink does not need [`Self::restarted`], so that the loop can skip copies of the state.
     fn wants_restarts(&self) -> bool {
         true
     }
 
-    /// Wall time that the observer itself has taken so far. No bound of a run counts it.
+    /// Returns the wall time that the sink itself has used so far. No bound of a run counts it.
     fn spent(&self) -> Duration {
         Duration::ZERO
     }
 }
 
-/// Ignores everything: for timing.
+/// A sink that ignores all steps, for timing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NullSink;
 
@@ -232,17 +236,17 @@ impl Sink for NullSink {
 
 /// A method that can integrate a system over a plan.
 pub trait Integrator {
-    /// What the method declares.
+    /// Returns the declared properties of the method.
     fn info(&self) -> &'static MethodInfo;
 
-    /// Crosses flights in one step of the system's own closed form ([`SecondOrderSystem::flight_path`]), or steps
-    /// through them; false where the method cannot do what is asked.
+    /// Switches closed-form free flights ([`SecondOrderSystem::flight_path`]) on or off; returns false where the
+    /// method cannot do so.
     fn free_flight(&mut self, on: bool) -> bool {
         !on
     }
 
-    /// Integrates from `s` to the end of the plan; `s` ends at the last accepted state, `work` counts also
-    /// when the run fails.
+    /// Integrates from `s` to the end of the plan. `s` ends at the last accepted state; `work` is also counted when
+    /// the run fails.
     fn run(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -252,10 +256,10 @@ pub trait Integrator {
         work: &mut Work,
     ) -> Result<(), StepError>;
 
-    /// Goes on from the state in which the last run of this method ended, as if that had not ended there: discrete state,
-    /// grid of fixed steps and what the method remembers are kept, so that a run in pieces is the run as a whole.
-    /// [`Change::Restart`] where forces jumped in between: the method then starts afresh, as at a breakpoint. A method that
-    /// has not run begins a run.
+    /// Continues from the state in which the last run of this method ended. Discrete state, grid of fixed steps and
+    /// internal data of the method are kept, so that a run in pieces equals the whole run. With [`Change::Restart`]
+    /// the method restarts as at a breakpoint, for forces that jumped in between. A method that has not run yet begins
+    /// a run.
     fn resume(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -266,16 +270,16 @@ pub trait Integrator {
         work: &mut Work,
     ) -> Result<(), StepError>;
 
-    /// A copy with all that the method remembers: beside a copy of the state it is what a run is set back to.
+    /// Returns a copy with all internal data: together with a copy of the state it restores a run.
     fn duplicate(&self) -> Box<dyn Integrator>;
 }
 
-/// A one-step method. `from` is never changed by a step, so a step may be repeated with another size.
+/// A one-step method. A step never changes `from`, so that it may be repeated with another size.
 pub trait OneStep {
-    /// What the method declares.
+    /// Returns the declared properties of the method.
     fn info(&self) -> &'static MethodInfo;
 
-    /// Called once at the start of a run: refuses systems that the method cannot run.
+    /// Prepares a run and refuses systems that the method cannot run; called once per run.
     fn begin(
         &mut self,
         _sys: &mut dyn SecondOrderSystem,
@@ -284,8 +288,8 @@ pub trait OneStep {
         Ok(())
     }
 
-    /// Moves the static equilibrium that a system starts in to the state that steps of the method leave at rest, where the two
-    /// differ. Called once, after [`Self::begin`].
+    /// Moves the static equilibrium that a system starts in to the state that steps of the method leave at rest, where
+    /// the two differ. It is called once, after [`Self::begin`].
     fn balance(
         &mut self,
         _sys: &mut dyn SecondOrderSystem,
@@ -295,11 +299,11 @@ pub trait OneStep {
     ) {
     }
 
-    /// Sizes buffers and evaluates what the first step needs; called again after every restart.
+    /// Sizes buffers and evaluates the data of the first step; called at the start and after every restart.
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work);
 
-    /// One step of size `h` [s]. `to` has the right lengths and the discrete state of `from`. Returns the error
-    /// estimate scaled by `tolerance` (accepted when <= 1), or 0 for methods without one.
+    /// Makes one step of size `h` [s]. `to` has the right lengths and the discrete state of `from`. Returns the error
+    /// estimate relative to `tolerance` (accepted when <= 1), or 0 for methods without one.
     fn step(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -310,45 +314,45 @@ pub trait OneStep {
         work: &mut Work,
     ) -> Result<f64, StepError>;
 
-    /// A time up to which the method goes from `s` in one step, whatever step `h` is asked for, because nothing
-    /// touches until then; at most `s.t + h` where it does not.
+    /// Returns the time up to which one step from `s` is exact because no contact closes before, whatever the size
+    /// `h`; at most `s.t + h` where there is none.
     fn free_flight_end(&mut self, _sys: &mut dyn SecondOrderSystem, s: &State, _h: f64) -> f64 {
         s.t
     }
 
-    /// The step of at most this size that the method likes best under a tolerance.
+    /// Returns the step of at most `h` [s] that suits the method best under a tolerance.
     fn preferred_step(&self, h: f64) -> f64 {
         h
     }
 
-    /// The last step was accepted and nothing changed: move cached end values to the start.
+    /// Moves cached end values to the start after an accepted step without a change of branch.
     fn advance(&mut self);
 
-    /// The solution inside the last step; the default is the cubic Hermite interpolant of `q` from both
-    /// ends and its derivative.
+    /// Interpolates the solution inside the last step; the default is the cubic Hermite interpolant of `q` from both
+    /// ends, and its derivative.
     fn interpolate(&self, from: &State, to: &State, theta: f64, q: &mut [f64], v: &mut [f64]) {
         crate::interpolation::hermite(from, to, theta, q, v);
     }
 
-    /// [`Dense::damping_beyond_trapezoid`] of the last step.
+    /// See [`Dense::damping_beyond_trapezoid`], for the last step.
     fn damping_beyond_trapezoid(&self, _from: &State, _to: &State, _beyond: &mut [f64]) -> bool {
         false
     }
 }
 
-/// Tolerances per coordinate.
+/// Relative tolerance and scales of each coordinate.
 #[derive(Clone, Debug, Default)]
 pub struct Tolerance {
-    /// Relative tolerance, 0 for fixed steps.
+    /// Relative tolerance; 0 for fixed steps.
     pub rtol: f64,
-    /// Magnitudes of coordinates.
+    /// Typical magnitudes of the coordinates.
     pub q: Vec<f64>,
-    /// Magnitudes of velocities.
+    /// Typical magnitudes of the velocities.
     pub v: Vec<f64>,
 }
 
 impl Tolerance {
-    /// Reads the system's scales.
+    /// Reads the scales of a system for a relative tolerance.
     pub fn of(sys: &dyn SecondOrderSystem, rtol: f64) -> Self {
         let n = sys.layout().n;
         let mut tol = Tolerance {

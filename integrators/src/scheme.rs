@@ -1,24 +1,24 @@
-//! A method at a step or under a tolerance, and how people write it: `trigonometric@1us`, `dopri5@1e-6`, lists between
-//! commas. Nothing else parses that.
+//! A method with its step or tolerance, and its text form: `trigonometric@1us`, `dopri5@1e-6`, and lists separated by
+//! commas. This module has the only parser of that form.
 
 use crate::method::{Resolution, Stepping};
 use crate::spec::{MethodError, MethodSpec};
 use std::str::FromStr;
 
-/// A method at a step or under a tolerance.
+/// A method with its fixed step or tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scheme {
     /// Method and parameters.
     pub method: MethodSpec,
-    /// Step or tolerance.
+    /// Fixed step or tolerance.
     pub resolution: Resolution,
 }
 
 impl Scheme {
-    /// A list between commas, as on a command line: `id`, `id(name=value)`, each optionally followed by `@` and a step
-    /// with its unit (`500ns`, `1us`, `2e-7s`) or a bare number, which is a step in seconds for methods of fixed steps
-    /// and a tolerance for adaptive ones. Without `@` the resolution of that method among the known ones is taken, or
-    /// that of its nearest kin.
+    /// Parses a list separated by commas, as on a command line: `id` or `id(name=value)`, each optionally followed by
+    /// `@` and a step with its unit (`500ns`, `1us`, `2e-7s`) or a bare number. The number is a step in seconds for
+    /// methods with fixed steps and a tolerance for adaptive ones. Without `@` the resolution of that method among
+    /// `known` applies, or that of the most closely related method.
     pub fn list(text: &str, known: &[Scheme]) -> Result<Vec<Scheme>, MethodError> {
         let asked = SchemeRequest::list(text)?;
         if asked.is_empty() {
@@ -27,7 +27,7 @@ impl Scheme {
         Ok(asked.iter().map(|a| a.or_known(known)).collect())
     }
 
-    /// Method with its step or tolerance, for a reader.
+    /// Formats method and step or tolerance for readers.
     pub fn described(&self) -> String {
         match self.resolution {
             Resolution::Step(h) => format!("{}, step {h:.0e} s", self.method),
@@ -36,22 +36,23 @@ impl Scheme {
     }
 }
 
-/// A method, and the step or tolerance that somebody asked for with it.
+/// A method, and optionally a requested step or tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SchemeRequest {
     /// Method and parameters.
     pub method: MethodSpec,
-    /// What stands after the `@`.
+    /// Step or tolerance after the `@`, if any.
     pub resolution: Option<Resolution>,
 }
 
 impl SchemeRequest {
-    /// A list between commas; see [`Scheme::list`].
+    /// Parses a list separated by commas; see [`Scheme::list`].
     pub fn list(text: &str) -> Result<Vec<SchemeRequest>, MethodError> {
         split_outside_brackets(text).map(str::parse).collect()
     }
 
-    /// With the resolution of that method among the known ones, or of its nearest kin, where none was asked for.
+    /// Completes a missing resolution with that of the same method among `known`, or of the most closely related
+    /// method.
     pub fn or_known(&self, known: &[Scheme]) -> Scheme {
         let Self { method, resolution } = *self;
         let fixed = method.info().stepping == Stepping::Fixed;
@@ -115,7 +116,7 @@ impl FromStr for SchemeRequest {
     }
 }
 
-/// A time with its unit: `500ns`, `1us`, `0.5 ms`, `2e-7s` [s].
+/// Parses a time with its unit, such as `500ns`, `1us`, `0.5 ms` or `2e-7s`, and returns it in seconds.
 pub fn seconds(text: &str) -> Option<f64> {
     const UNITS: [(&str, f64); 6] = [
         ("ns", 1e-9),
@@ -131,7 +132,7 @@ pub fn seconds(text: &str) -> Option<f64> {
     })
 }
 
-/// Splits at commas that are not inside brackets.
+/// Splits a text at the commas outside brackets.
 fn split_outside_brackets(text: &str) -> impl Iterator<Item = &str> {
     let mut depth = 0i32;
     let parts = text.split(move |c| {

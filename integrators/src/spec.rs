@@ -1,5 +1,5 @@
-//! Methods as data: which one, with which parameters, and how people write them: `rk4`, `newmark(beta=0.3)`. Nothing
-//! else parses that.
+//! Methods as data: identifier and parameters, and their text form `rk4` or `newmark(beta=0.3)`. This module has the
+//! only parser of that form.
 
 use crate::linear_stability::Stability;
 use crate::method::{Integrator, MethodInfo, Resolution};
@@ -9,44 +9,44 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
 
-/// Parameters of its own that a method has at most.
+/// Largest number of parameters of a method.
 pub(crate) const MOST_PARAMETERS: usize = 2;
 
-/// A method of the table with its parameters. As text `id` or `id(name=value, ...)`, with the parameters that were
-/// given, in declared order.
+/// A method of the table with its parameters. The text form is `id` or `id(name=value, ...)`, with the given
+/// parameters in declared order.
 #[derive(Clone, Copy)]
 pub struct MethodSpec {
     row: &'static Method,
-    /// Given values of its own parameters, in declared order.
+    /// Given values of the parameters of the method, in declared order.
     given: [Option<f64>; MOST_PARAMETERS],
-    /// Given value of [`FREE_FLIGHT`].
+    /// Given value of [`FREE_FLIGHT`], if any.
     free_flight: Option<bool>,
 }
 
-/// What is wrong with a method, a step or a tolerance that somebody asked for.
+/// Reason why a requested method, step or tolerance is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MethodError {
-    /// The table has no such row.
+    /// The table has no method with this identifier.
     #[error("there is no integrator `{0}`; there are {known}", known = ids().join(", "))]
     Unknown(String),
-    /// A list names no method at all.
+    /// The list has no method.
     #[error("no integrator named; there are {}", ids().join(", "))]
     Empty,
-    /// A parameter is unknown, outside its range or badly written.
+    /// A parameter is unknown, out of range or malformed.
     #[error("{0}")]
     Parameter(String),
-    /// A step or tolerance is badly written or does not go with the method.
+    /// A step or tolerance is malformed or does not suit the method.
     #[error("{0}")]
     Resolution(String),
 }
 
-/// Ids of all methods, in the order of the table.
+/// Returns the identifiers of all methods, in the order of the table.
 pub fn ids() -> Vec<&'static str> {
     METHODS.iter().map(|m| m.info.id).collect()
 }
 
 impl MethodSpec {
-    /// A row of the table with its default parameters.
+    /// Returns a method of the table with its default parameters.
     pub const fn of(row: &'static Method) -> Self {
         Self {
             row,
@@ -55,7 +55,7 @@ impl MethodSpec {
         }
     }
 
-    /// The only parameter of the method at a value, for constants: what is wrong does not compile.
+    /// Sets the only parameter of a method in a constant expression; an invalid value does not compile.
     #[must_use]
     pub const fn with_value(mut self, value: f64) -> Self {
         let parameters = self.row.info.parameters;
@@ -66,7 +66,7 @@ impl MethodSpec {
         self
     }
 
-    /// The same method with a parameter at another value: one of its own, or [`FREE_FLIGHT`].
+    /// Sets a parameter by name: one of the method, or [`FREE_FLIGHT`].
     pub fn with(mut self, name: &str, value: f64) -> Result<Self, MethodError> {
         let info = self.row.info;
         let wrong = |why: String| Err(MethodError::Parameter(why));
@@ -113,17 +113,17 @@ impl MethodSpec {
         Ok(self)
     }
 
-    /// What the table knows of the method.
+    /// Returns the declared properties of the method.
     pub const fn info(&self) -> &'static MethodInfo {
         self.row.info
     }
 
-    /// Its id, without parameters.
+    /// Returns the identifier of the method, without parameters.
     pub const fn id(&self) -> &'static str {
         self.row.info.id
     }
 
-    /// The value of one of its own parameters, given or default; `None` where it has no such parameter.
+    /// Returns the value of a parameter of the method, given or default; `None` if there is no such parameter.
     pub fn parameter(&self, name: &str) -> Option<f64> {
         let i = self.info().parameters.iter().position(|p| p.name == name)?;
         Some(self.values()[i])
@@ -135,7 +135,7 @@ impl MethodSpec {
             .collect()
     }
 
-    /// The method, ready to run.
+    /// Builds an integrator that is ready to run.
     pub fn build(&self) -> Box<dyn Integrator> {
         let mut built = (self.row.make)(&self.values());
         if let Some(on) = self.free_flight {
@@ -144,12 +144,12 @@ impl MethodSpec {
         built
     }
 
-    /// What decides its stability.
+    /// Returns the data that determine the stability of the method at fixed steps.
     pub fn stability(&self) -> Stability {
         (self.row.stability)(&self.values())
     }
 
-    /// The method at a step or under a tolerance.
+    /// Combines the method with a step or tolerance.
     pub const fn at(self, resolution: Resolution) -> Scheme {
         Scheme {
             method: self,
@@ -157,12 +157,12 @@ impl MethodSpec {
         }
     }
 
-    /// The method at a fixed step [s].
+    /// Combines the method with a fixed step [s].
     pub const fn at_step(self, h: f64) -> Scheme {
         self.at(Resolution::Step(h))
     }
 
-    /// The method under a tolerance.
+    /// Combines the method with a relative tolerance.
     pub const fn at_tolerance(self, rtol: f64) -> Scheme {
         self.at(Resolution::Tolerance(rtol))
     }

@@ -1,5 +1,5 @@
-//! The table of methods. A new method is one file and one line in [`METHODS`]; the command line, the
-//! conformance tests and the studies iterate it.
+//! The table of methods. A new method is one file and one line in [`METHODS`]; the command line, the conformance tests
+//! and the studies use the table.
 
 use crate::diffsol_adapter::{Diffsol, Solver};
 use crate::explicit::runge_kutta::{self, RungeKutta};
@@ -8,22 +8,22 @@ use crate::explicit::tsit45;
 use crate::explicit::velocity_verlet::{self, VelocityVerlet};
 use crate::implicit::diffsol_methods;
 use crate::implicit::generalised_alpha::{self, GeneralisedAlpha};
-use crate::linear_stability::{Flip, Kicks, Stability};
+use crate::linear_stability::{Flip, Impulses, Stability};
 use crate::method::{Integrator, MethodInfo, Parameter};
 use crate::modal::resonance::Filter;
 use crate::modal::trigonometric::{self, Trigonometric};
 use crate::spec::{MethodError, MethodSpec};
 use crate::stepped::Stepped;
 
-/// A row: what the method declares and how it is made from its parameters (in declared order).
+/// A row of the table: properties of a method and its constructor from parameters in declared order.
 pub struct Method {
-    /// Declared facts.
+    /// Declared properties of the method.
     pub info: &'static MethodInfo,
     pub(crate) make: fn(&[f64]) -> Box<dyn Integrator>,
     pub(crate) stability: fn(&[f64]) -> Stability,
 }
 
-/// The parameter that all methods take beside their own.
+/// The parameter that all methods share.
 pub static FREE_FLIGHT: Parameter = Parameter {
     name: "free_flight",
     default: 0.0,
@@ -31,7 +31,7 @@ pub static FREE_FLIGHT: Parameter = Parameter {
     meaning: "1: flights, where nothing touches under steady loads, are crossed in one step of the system's own closed form, exact up to rounding; 0: they are stepped through. The trigonometric method always crosses them",
 };
 
-/// All methods.
+/// All methods, in the order of lists and reports.
 pub const METHODS: &[Method] = &[
     Method {
         info: &semi_implicit_euler::INFO,
@@ -57,7 +57,7 @@ pub const METHODS: &[Method] = &[
         info: &trigonometric::INFO,
         make: |p| Box::new(Stepped::new(Trigonometric::new(filter_of(p[0])))),
         stability: |p| {
-            Stability::Kicks(Kicks {
+            Stability::Impulses(Impulses {
                 filter_from: filter_of(p[0]).from(),
             })
         },
@@ -100,14 +100,14 @@ pub const METHODS: &[Method] = &[
 ];
 
 impl Method {
-    /// The method with its default parameters.
+    /// Builds the method with its default parameters.
     pub fn build(&self) -> Box<dyn Integrator> {
         let defaults: Vec<f64> = self.info.parameters.iter().map(|p| p.default).collect();
         (self.make)(&defaults)
     }
 }
 
-/// The row of an id, for the constants below: a name that is not in the table does not compile.
+/// Returns the row of an identifier in a constant expression; an unknown identifier does not compile.
 const fn row(id: &str) -> MethodSpec {
     let id = id.as_bytes();
     let mut i = 0;
@@ -124,21 +124,21 @@ const fn row(id: &str) -> MethodSpec {
     }
 }
 
-/// First order, explicit, symplectic.
+/// Semi-implicit Euler method: first order, explicit, symplectic.
 pub const SEMI_IMPLICIT_EULER: MethodSpec = row("semi-implicit-euler");
-/// Second order, explicit, symplectic.
+/// Velocity Verlet method: second order, explicit, symplectic.
 pub const VELOCITY_VERLET: MethodSpec = row("velocity-verlet");
-/// Fourth order, explicit, fixed steps.
+/// Classical Runge-Kutta method: fourth order, explicit, at fixed steps.
 pub const RK4: MethodSpec = row("rk4");
-/// Fifth order, explicit, under a tolerance.
+/// Dormand-Prince method: fifth order, explicit, at fixed steps or under a tolerance.
 pub const DOPRI5: MethodSpec = row("dopri5");
-/// Exact for the oscillators of a modal split.
+/// Trigonometric method: exact for the oscillators of a modal split.
 pub const TRIGONOMETRIC: MethodSpec = row("trigonometric");
-/// The trapezoidal rule of structural dynamics.
+/// Newmark method: the trapezoidal rule of structural dynamics.
 pub const NEWMARK: MethodSpec = row("newmark");
-/// Newmark with damping of high frequencies.
+/// HHT-alpha method: Newmark with damping of high frequencies.
 pub const HHT_ALPHA: MethodSpec = row("hht-alpha");
-/// Second order, implicit, with a set damping at infinite frequency.
+/// Generalised-alpha method: second order, implicit, with a given spectral radius at infinite frequency.
 pub const GENERALISED_ALPHA: MethodSpec = row("generalised-alpha");
 
 fn filter_of(parameter: f64) -> Filter {
@@ -149,7 +149,7 @@ fn filter_of(parameter: f64) -> Filter {
     }
 }
 
-/// Finds a method by `id` or `id(name=value, ...)` and builds it; the error says what is known.
+/// Builds the method of the text `id` or `id(name=value, ...)`; the error lists the known methods.
 pub fn method(text: &str) -> Result<Box<dyn Integrator>, MethodError> {
     Ok(text.parse::<MethodSpec>()?.build())
 }

@@ -1,4 +1,5 @@
-//! A gear model of one's own in one file and one line: a toothed rim on an elastic web, one elastic mode.
+//! A user-defined gear model in one file and one line of the table: a toothed rim on an elastic web, with one elastic
+//! mode.
 //!
 //! ```text
 //! J_r psi'' = sum_c N_c w_c - k (psi - phi) - d (psi' - phi')
@@ -8,7 +9,7 @@
 //! The teeth turn with the rim, by `psi`; the hub by `phi`, where its mount leaves it free. The table that a scene is
 //! built from is a slice: `table.push(elastic_web::MODEL)` is all that another model takes.
 
-use gearbench_integrators::system::{At, Energy, Power};
+use gearbench_integrators::system::{Energy, Power, StateView};
 use gearbench_models::Vec3;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::properties::Properties;
@@ -17,7 +18,7 @@ use gearbench_models::gear::{GearModel, HubBody, HubState, ToothCoordinates};
 use gearbench_models::kinematics::{Point, Row, Tooth, Wrench};
 use gearbench_models::spec::Value;
 
-/// The row that a table of models needs: this is the one line.
+/// Row of the model in a table of models.
 pub const MODEL: Model = Model {
     id: "elastic-web",
     title: "rim on an elastic web, one mode (example)",
@@ -30,7 +31,7 @@ pub const MODEL: Model = Model {
     build,
 };
 
-/// A rim and a hub joined by a spring and a damper; all about the axis (along the slide of a rack).
+/// Rim and hub joined by a spring and a damper; all quantities are about the axis (along the motion of a rack).
 struct ElasticWeb {
     hub: HubBody,
     rim: f64,
@@ -66,8 +67,8 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
 }
 
 impl ElasticWeb {
-    /// Stretch of the web, its rate and its torque on the hub.
-    fn stretch(&self, at: At<'_>) -> [f64; 3] {
+    /// Returns the twist of the web, its rate and its torque on the hub.
+    fn stretch(&self, at: StateView<'_>) -> [f64; 3] {
         let rim = self.hub.first();
         let x = at.q[rim] - self.hub.displacement_at(at);
         let v = at.v[rim] - self.hub.speed_at(at);
@@ -76,7 +77,7 @@ impl ElasticWeb {
 }
 
 impl ToothCoordinates for ElasticWeb {
-    fn displacement(&self, at: At<'_>, _tooth: Tooth) -> f64 {
+    fn displacement(&self, at: StateView<'_>, _tooth: Tooth) -> f64 {
         at.q[self.hub.first()]
     }
 }
@@ -98,18 +99,18 @@ impl GearModel for ElasticWeb {
         v.fill(speed);
     }
 
-    fn row(&self, _at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
+    fn row(&self, _at: StateView<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         row.push(self.hub.first(), self.hub.effective_radius(&p.x, n));
         0.0
     }
 
-    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn forces(&mut self, at: StateView<'_>, f: &mut [f64]) {
         let [_, _, torque] = self.stretch(at);
         f[self.hub.first()] -= torque;
         self.hub.add_load(torque, f);
     }
 
-    fn energy(&self, at: At<'_>) -> Energy {
+    fn energy(&self, at: StateView<'_>) -> Energy {
         let parts = self.hub.masses.iter().zip(at.v);
         Energy {
             kinetic: parts.map(|(m, v)| 0.5 * m * v * v).sum(),
@@ -118,7 +119,7 @@ impl GearModel for ElasticWeb {
         }
     }
 
-    fn powers(&self, at: At<'_>) -> Power {
+    fn powers(&self, at: StateView<'_>) -> Power {
         let [_, v, torque] = self.stretch(at);
         let held = if self.hub.first() > 0 { 0.0 } else { 1.0 };
         Power {
@@ -128,13 +129,13 @@ impl GearModel for ElasticWeb {
         }
     }
 
-    fn hub_state(&self, at: At<'_>) -> HubState {
+    fn hub_state(&self, at: StateView<'_>) -> HubState {
         let mut state = self.hub.state(at);
         state.momentum += self.rim * self.stretch(at)[1];
         state
     }
 
-    fn mount_reaction(&self, at: At<'_>, _forces: &[f64], contact: &Wrench) -> Wrench {
+    fn mount_reaction(&self, at: StateView<'_>, _forces: &[f64], contact: &Wrench) -> Wrench {
         let mut reaction = self.hub.reaction(at.t, contact);
         if self.hub.first() == 0 {
             let body = self.hub.inertia - self.rim;

@@ -2,7 +2,7 @@
 
 use gearbench_integrators::system::Singular;
 
-/// Four sums at once: a single one would wait for each addition.
+/// Computes a scalar product with four partial sums, because a single sum would wait for each addition.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (fours_a, rest_a) = a.as_chunks::<4>();
@@ -16,7 +16,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// Lower triangle `L` of `A = L L^T` in place; only the lower triangle of `a` is read.
+/// Computes the lower triangle `L` of `A = L L^T` in place; only the lower triangle of `a` is read.
 pub(crate) fn cholesky(a: &mut [f64], n: usize) -> Result<(), Singular> {
     for i in 0..n {
         let (above, from_i) = a.split_at_mut(i * n);
@@ -33,7 +33,7 @@ pub(crate) fn cholesky(a: &mut [f64], n: usize) -> Result<(), Singular> {
     Ok(())
 }
 
-/// `x <- L^-1 x`.
+/// Solves `L x = b` in place: `x <- L^-1 x`.
 pub(crate) fn forward(l: &[f64], x: &mut [f64]) {
     let n = x.len();
     for i in 0..n {
@@ -42,7 +42,7 @@ pub(crate) fn forward(l: &[f64], x: &mut [f64]) {
     }
 }
 
-/// `x <- L^-T x`.
+/// Solves `L^T x = b` in place: `x <- L^-T x`.
 pub(crate) fn backward(l: &[f64], x: &mut [f64]) {
     let n = x.len();
     for i in (0..n).rev() {
@@ -55,16 +55,16 @@ pub(crate) fn backward(l: &[f64], x: &mut [f64]) {
     }
 }
 
-/// Length of a chunk of a padded row.
+/// Number of entries of a chunk of a padded row.
 const WIDE: usize = 8;
 
-/// Length of the rows of a padded matrix with `n` columns.
+/// Returns the row length of a padded matrix with `n` columns.
 pub(crate) fn padded(n: usize) -> usize {
     n.next_multiple_of(WIDE)
 }
 
-/// Upper triangle `U` of `A = U^T U` in place, rows [`padded`]; only the upper triangle of `a` is read, what stands below
-/// is lost.
+/// Computes the upper triangle `U` of `A = U^T U` in place, with rows [`padded`]. Only the upper triangle of `a` is
+/// read; the content below the diagonal is lost.
 pub(crate) fn cholesky_padded(a: &mut [f64], n: usize) -> Result<(), Singular> {
     let stride = padded(n);
     for k in 0..n {
@@ -96,19 +96,19 @@ pub(crate) fn cholesky_padded(a: &mut [f64], n: usize) -> Result<(), Singular> {
     Ok(())
 }
 
-/// Where the entries of a banded matrix stand.
+/// Positions of the entries of a banded matrix in storage.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Places {
-    /// Last column of each row.
+pub(crate) struct EntryPositions {
+    /// Index of the last column of each row.
     last: Vec<usize>,
-    /// First row whose last column lies in a chunk or behind it.
+    /// Index of the first row whose last column lies in a chunk or behind it, by chunk.
     first: Vec<usize>,
-    /// Length of a row.
+    /// Length of a row in storage.
     stride: usize,
 }
 
-impl Places {
-    /// The place of an entry, if it is one of the upper triangle within reach.
+impl EntryPositions {
+    /// Returns the storage position of an entry of the upper triangle, or `None` outside the band.
     #[inline]
     pub fn of(&self, i: usize, j: usize) -> Option<usize> {
         let begin = i / WIDE * WIDE;
@@ -116,17 +116,17 @@ impl Places {
     }
 }
 
-/// A symmetric matrix whose rows reach from the diagonal to some column, no row less far than the one above it: its upper
-/// triangle, row `k` from the chunk of column `k` on. A matrix that couples all columns takes what a [`padded`] one does; that
-/// of a chain a band.
+/// A symmetric matrix with a variable band width, no row ending before the row above it: its upper triangle, row `k`
+/// from the chunk of column `k` on. The storage of a matrix that couples all columns is that of a [`padded`] one, that
+/// of a chain is a band.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Banded {
-    places: Places,
+pub(crate) struct BandedMatrix {
+    places: EntryPositions,
     entries: Vec<f64>,
 }
 
-impl Banded {
-    /// A matrix of zeros with `n` rows that reach as far as `pairs` of columns, lower one first, couple them.
+impl BandedMatrix {
+    /// Sets a matrix of zeros with `n` rows, wide enough for the given `pairs` of coupled columns, lower one first.
     pub fn reset(&mut self, n: usize, pairs: impl Iterator<Item = (usize, usize)>) {
         let p = &mut self.places;
         p.last.clear();
@@ -161,14 +161,14 @@ impl Banded {
         self.entries.resize(n * p.stride, 0.0);
     }
 
-    /// Where the entries stand, and they.
-    pub fn parts(&mut self) -> (&Places, &mut [f64]) {
+    /// Returns the positions of the entries and the entries.
+    pub fn parts(&mut self) -> (&EntryPositions, &mut [f64]) {
         (&self.places, &mut self.entries)
     }
 
-    /// Upper triangle `U` of `A = U^T U` in place.
+    /// Computes the upper triangle `U` of `A = U^T U` in place.
     pub fn factorise(&mut self) -> Result<(), Singular> {
-        let Places {
+        let EntryPositions {
             last,
             first,
             stride,
@@ -207,7 +207,7 @@ impl Banded {
         Ok(())
     }
 
-    /// `x <- (U^T U)^-1 x` of a matrix that was factorised.
+    /// Solves with a factorised matrix in place: `x <- (U^T U)^-1 x`.
     pub fn solve(&self, x: &mut [f64]) {
         let p = &self.places;
         let row = |k: usize| &self.entries[k * p.stride + k % WIDE..][..p.last[k] - k + 1];
@@ -226,7 +226,7 @@ impl Banded {
     }
 }
 
-/// `y += x row` over the chunks from 0 to that of entry `last`.
+/// Adds a multiple of a row, `y += x row`, over the chunks from 0 to that of entry `last`.
 #[inline]
 fn add_row(x: f64, row: &[f64], last: usize, y: &mut [f64]) {
     let (row, _) = row.as_chunks::<WIDE>();
@@ -238,8 +238,8 @@ fn add_row(x: f64, row: &[f64], last: usize, y: &mut [f64]) {
     }
 }
 
-/// The inverse of `A = U^T U` from a factor of [`cholesky_padded`], rows [`padded`], appended to `out`; `work` is a
-/// buffer.
+/// Appends the inverse of `A = U^T U` from a factor of [`cholesky_padded`], with rows [`padded`], to `out`; `work` is
+/// a buffer.
 pub(crate) fn append_inverse(u: &[f64], n: usize, work: &mut Vec<f64>, out: &mut Vec<f64>) {
     let stride = padded(n);
     // W = U^-T, row by row: W_k = (e_k - sum_{p<k} U_pk W_p) / U_kk.
@@ -324,12 +324,13 @@ mod tests {
         assert_eq!(cholesky_padded(&mut indefinite, 2), Err(Singular));
     }
 
-    /// Chains of blocks of which each couples to the next, and one that couples all.
+    /// A banded factorisation solves for chains of blocks coupled to their neighbours, and for a block that couples
+    /// all.
     #[test]
     fn a_banded_factorisation_solves() {
         for (n, block) in [(1, 1), (9, 9), (40, 40), (40, 5), (61, 7), (64, 8)] {
             let reaches = |i: usize| ((i / block + 2) * block - 1).min(n - 1);
-            let mut banded = Banded::default();
+            let mut banded = BandedMatrix::default();
             banded.reset(n, (0..n).map(|i| (i, reaches(i))));
             let mut whole = vec![0.0; n * n];
             for i in 0..n {
@@ -350,7 +351,7 @@ mod tests {
                 assert!((b - x).abs() < 1e-12, "{n}, {block}: {b} {x}");
             }
         }
-        let mut indefinite = Banded::default();
+        let mut indefinite = BandedMatrix::default();
         indefinite.reset(2, [(0, 1)].into_iter());
         let (places, entries) = indefinite.parts();
         for (i, j, x) in [(0, 0, 1.0), (0, 1, 2.0), (1, 1, 1.0)] {

@@ -1,14 +1,14 @@
-//! Why something cannot be built: what it is about, the cause and a way out, each apart, so that whoever shows it
-//! can place it without reading its words.
+//! Reasons why a scene cannot be built: the subject, the cause and the remedy, in separate fields, so that a user
+//! interface can place the message.
 
 use std::fmt;
 
-/// A cause and a way out, in words.
+/// Cause of an error and its remedy, as text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reason {
-    /// What is wrong.
+    /// Text of the cause.
     pub cause: String,
-    /// A way out; empty when the cause says it all.
+    /// Text of the remedy; empty when the cause implies it.
     pub help: String,
 }
 
@@ -43,7 +43,7 @@ impl<C: Into<String>, H: Into<String>> From<(C, H)> for Reason {
     }
 }
 
-/// Errors that hold numbers and give them words by `reason()`: text and conversion follow from that.
+/// Implements text and conversion of errors that store numbers, from their `reason()`.
 macro_rules! reasoned {
     ($error:ty) => {
         impl std::fmt::Display for $error {
@@ -63,75 +63,75 @@ macro_rules! reasoned {
 }
 pub(crate) use reasoned;
 
-/// What of a gear is meant.
+/// Part of a gear that an error refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GearPart {
-    /// The gear as such.
+    /// The gear as a whole.
     Whole,
-    /// Its inertia or mass.
+    /// The inertia or mass of the gear.
     Inertia,
-    /// One of its loads.
+    /// One of the loads of the gear.
     Load,
-    /// Its mount or prescribed motion.
+    /// The mount or prescribed motion of the gear.
     Mount,
-    /// The model that it takes.
+    /// The gear model.
     Model,
 }
 
-/// What of a mesh is meant.
+/// Part of a mesh that an error refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshPart {
-    /// Where its gears stand to each other.
+    /// The relative position of the gears.
     Layout,
-    /// Where it starts.
+    /// The initial position in the backlash.
     Start,
-    /// Stiffness of its tooth pairs.
+    /// The stiffness of the tooth pairs.
     Stiffness,
-    /// Exponent of its normal law.
+    /// The exponent of the normal law.
     Exponent,
-    /// Damping of its normal law.
+    /// The damping of the normal law.
     Damping,
-    /// Friction.
+    /// The friction law.
     Friction,
-    /// Slices over the face width.
+    /// The slices over the face width.
     Slices,
-    /// Its contact as a whole.
+    /// The contact as a whole.
     Contact,
 }
 
-/// What an error is about. Names of gears are unique in a scene.
+/// Subject of an error. Names of gears are unique in a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// The scene as a whole.
     Scene,
-    /// A gear.
+    /// A gear, or a part of it.
     Gear {
-        /// Its name.
+        /// Name of the gear.
         name: String,
-        /// What of it.
+        /// Part of the gear.
         part: GearPart,
     },
-    /// A mesh.
+    /// A mesh, or a part of it.
     Mesh {
-        /// Names of its gears.
+        /// Names of the two gears.
         gears: [String; 2],
-        /// What of it.
+        /// Part of the mesh.
         part: MeshPart,
     },
-    /// A shaft.
+    /// A shaft of the scene.
     Shaft {
-        /// Its name.
+        /// Name of the shaft.
         name: String,
     },
     /// A parameter of a gear model.
     Parameter {
-        /// Name of the gear that takes the model, where it is known.
+        /// Name of the gear with the model, where it is known.
         gear: Option<String>,
-        /// Id of the model.
+        /// Identifier of the model.
         model: String,
-        /// Its key.
+        /// Key of the parameter.
         key: String,
-        /// It is not given, but has to be.
+        /// True if the parameter is required and missing.
         missing: bool,
     },
 }
@@ -155,69 +155,69 @@ impl fmt::Display for Subject {
     }
 }
 
-/// Who is at fault where a scene cannot be assembled.
+/// Origin of an error: the scene, or a limit of one model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// A value of the scene is wrong for every model, or is none that its key takes.
+    /// A value of the scene is invalid for every model, or its key does not accept it.
     Value,
-    /// The scene is sound, but this model cannot run it; other models may.
+    /// The scene is valid, but this model cannot run it; other models may.
     Model,
 }
 
-/// Why a scene cannot be assembled.
+/// Error of the assembly of a scene: subject, reason and origin.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{subject}: {reason}")]
 pub struct BuildError {
-    /// What the error is about; apart, so that results stay small.
+    /// Subject of the error, boxed so that results stay small.
     pub subject: Box<Subject>,
-    /// What is wrong and a way out.
+    /// Cause and remedy.
     pub reason: Reason,
-    /// Whether the scene or the model is at fault.
+    /// Origin of the error: the scene or the model.
     pub fault: Fault,
 }
 
 impl BuildError {
-    /// The same error as a limit of the model: a study refuses the model and runs the others.
+    /// Marks the error as a limit of the model: a study refuses the model and runs the others.
     #[must_use]
     pub fn of_model(mut self) -> Self {
         self.fault = Fault::Model;
         self
     }
 
-    /// An error about the scene as a whole.
+    /// Creates an error about the scene as a whole.
     pub fn scene(why: impl Into<Reason>) -> Self {
         Self::about(Subject::Scene, why)
     }
 
-    /// An error about a gear.
+    /// Creates an error about a gear.
     pub fn gear(name: &str, part: GearPart, why: impl Into<Reason>) -> Self {
         let name = name.into();
         Self::about(Subject::Gear { name, part }, why)
     }
 
-    /// An error about a mesh, by the names of its gears.
+    /// Creates an error about a mesh, from the names of its gears.
     pub fn mesh(gears: [&str; 2], part: MeshPart, why: impl Into<Reason>) -> Self {
         let gears = gears.map(str::to_owned);
         Self::about(Subject::Mesh { gears, part }, why)
     }
 
-    /// An error about a shaft.
+    /// Creates an error about a shaft.
     pub fn shaft(name: &str, why: impl Into<Reason>) -> Self {
         let name = name.into();
         Self::about(Subject::Shaft { name }, why)
     }
 
-    /// An error about a model's parameter.
+    /// Creates an error about a parameter of a model.
     pub fn parameter(model: &str, key: &str, why: impl Into<Reason>) -> Self {
         Self::of_parameter(model, key, false, why)
     }
 
-    /// A parameter has to be given; `help` says where to find it.
+    /// Creates an error about a missing parameter; `help` describes where to find its value.
     pub fn missing(model: &str, key: &str, help: &str) -> Self {
         Self::of_parameter(model, key, true, ("is missing", help))
     }
 
-    /// The same, of a parameter that a gear takes.
+    /// Adds the name of the gear to an error about a parameter.
     #[must_use]
     pub fn of_gear(mut self, name: &str) -> Self {
         if let Subject::Parameter { gear, .. } = &mut *self.subject {
@@ -226,7 +226,7 @@ impl BuildError {
         self
     }
 
-    /// Something is not given that has to be.
+    /// Returns true for the error of a missing parameter.
     pub fn is_missing(&self) -> bool {
         matches!(*self.subject, Subject::Parameter { missing: true, .. })
     }

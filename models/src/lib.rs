@@ -34,5 +34,5 @@ pub mod scene;
 pub mod spec;
 pub mod stiffness;
 
-/// Position or direction in space [m or -].
+/// Position [m] or direction [-] in space.
 pub type Vec3 = nalgebra::Vector3<f64>;

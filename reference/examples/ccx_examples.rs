@@ -1,4 +1,4 @@
-//! Reads the example decks of CalculiX, and holds frequencies against the results that are stored with them.
+//! Reads the example decks of CalculiX, and compares frequencies with the results that are stored with them.
 //!
 //!     apt-get install calculix-ccx-test
 //!     cargo run --release -p gearbench-reference --example ccx_examples -- \
@@ -139,8 +139,8 @@ fn row(path: &Path) -> Result<Vec<String>, Box<dyn Error>> {
     Ok(row)
 }
 
-/// Whether all elements of a deck are solids with sections of linear isotropic materials, and nothing but elements
-/// holds the nodes together; otherwise the keyword that says so.
+/// Returns an error with the keyword unless all elements of a deck are solids with sections of linear isotropic
+/// materials, joined by their nodes alone.
 fn judged(text: &str) -> Result<(), String> {
     let beyond = "PLASTIC HYPERELASTIC HYPERFOAM CREEP CYCLICHARDENING DEFORMATIONPLASTICITY USERMATERIAL \
         MODELCHANGE CHANGEMATERIAL CHANGEPLASTIC CHANGESOLIDSECTION EQUATION MPC TIE CYCLICSYMMETRYMODEL \

@@ -73,7 +73,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// How an input is answered, without what it says itself: digits, and names in quotes.
+/// Returns the response to an input without text that the input itself contains: digits, and names in quotes.
 fn answer(target: &str, input: &[u8]) -> String {
     let plain = |words: &str| -> String {
         let outside = words.split('`').step_by(2);

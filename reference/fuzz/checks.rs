@@ -1,12 +1,13 @@
-//! What has to hold whatever the bytes are, for the fuzz targets, `examples/fuzz_readers.rs` and `tests/corpora.rs`.
+//! Invariants of the readers for arbitrary bytes, for the fuzz targets, `examples/fuzz_readers.rs` and
+//! `tests/corpora.rs`.
 
 use gearbench_reference::data::{
     GearSubject, MeshSubject, Processing, Request, Subjects, Turning, decode, read,
 };
 use gearbench_reference::{deck, mesh};
 
-/// A deck is read or declined, its gears are found or declined, and nothing panics, hangs or takes memory out of
-/// proportion. Includes come from the same bytes.
+/// Checks that a deck is read or declined, its gears are found or declined, and nothing panics, hangs or uses memory
+/// out of proportion. Includes come from the same bytes.
 pub fn deck(data: &[u8]) {
     let text = String::from_utf8_lossy(data);
     // `part` includes the second half, everything else is missing.
@@ -44,7 +45,7 @@ pub fn deck(data: &[u8]) {
     }
 }
 
-/// A mesh of Gmsh, text or binary, is read or declined, and what is read hangs together.
+/// Checks that a mesh of Gmsh, text or binary, is read or declined, and that a mesh that is read is consistent.
 pub fn msh(data: &[u8]) {
     // What does not begin as such a mesh is a deck: that is the other target's.
     let whole;
@@ -65,7 +66,8 @@ pub fn msh(data: &[u8]) {
     }
 }
 
-/// A table is read or refused with a place in its text, and what is read ascends in time and is finite.
+/// Checks that a table is read or refused with a position in its text, and that a table that is read is finite and
+/// ascending in time.
 pub fn table(data: &[u8]) {
     let Ok((text, _)) = decode(data) else { return };
     let gear = |name: &str, slides| GearSubject {

@@ -1,13 +1,14 @@
-//! Kinds of files that are met in this field, by the endings of their names, and what gearbench can do with each.
+//! Kinds of files that are common in this field, by their extensions, and their use in gearbench.
 //!
-//! Every input asks this one table before it reads a file, so that a file of another program is named for what it is.
+//! Every input consults this table before it reads a file, so that a message names the kind of a file of another
+//! program.
 
 use std::path::Path;
 
-/// What a file is read as.
+/// Input that a file can be read as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
-    /// A scene.
+    /// A scene file.
     Scene,
     /// The mesh of a gear.
     Mesh,
@@ -22,11 +23,11 @@ pub enum Input {
 pub struct FileKind {
     /// Endings of names, lower case, without the point.
     pub endings: &'static [&'static str],
-    /// What such a file is, with its article.
+    /// Name of the kind, with its article.
     pub name: &'static str,
-    /// What gearbench reads it as.
+    /// Inputs that gearbench reads it as.
     pub read_as: &'static [Input],
-    /// What can be done with it.
+    /// Advice for the use of such a file.
     pub way_out: &'static str,
 }
 
@@ -37,7 +38,7 @@ macro_rules! converted {
     };
 }
 
-/// All kinds.
+/// All kinds of files.
 pub const KINDS: &[FileKind] = &[
     FileKind {
         endings: &["toml"],
@@ -177,13 +178,13 @@ pub fn of(path: impl AsRef<Path>) -> Option<&'static FileKind> {
     KINDS.iter().find(|kind| kind.endings.iter().any(ends))
 }
 
-/// The kind of a file that is known and cannot be read as `input`.
+/// Returns the kind of a known file that cannot be read as `input`.
 pub fn foreign(path: impl AsRef<Path>, input: Input) -> Option<&'static FileKind> {
     of(path).filter(|kind| !kind.read_as.contains(&input))
 }
 
 impl FileKind {
-    /// What can be done with a file of this kind, with its own name in the place of the one in the table.
+    /// Returns the advice for a file of this kind, with the name of the file in place of the one in the table.
     pub fn way_out_of(&self, path: impl AsRef<Path>) -> String {
         let path = path.as_ref();
         let name = path.display().to_string();

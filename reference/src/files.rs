@@ -40,7 +40,7 @@ fn too_large(bytes: u64, most: u64) -> io::Error {
     )
 }
 
-/// Reads a regular file of at most so many bytes, also where its size is not known beforehand.
+/// Reads a regular file of at most `most` bytes, also where its size is not known beforehand.
 ///
 /// # Errors
 /// Those of [`check`], and what the system says.

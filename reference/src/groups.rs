@@ -1,16 +1,17 @@
 //! Numbers in groups that grow together.
 
-/// Groups of the numbers below a count: each stands alone at first (union and find with path halving).
+/// Partition of the numbers below a count into groups, initially of one number each (union and find with path
+/// halving).
 #[derive(Clone, Debug)]
 pub(crate) struct Groups(Vec<u32>);
 
 impl Groups {
-    /// Each number alone.
+    /// Creates `n` groups of one number each.
     pub(crate) fn new(n: usize) -> Self {
         Groups((0..n as u32).collect())
     }
 
-    /// The number that leads the group of this one: its smallest.
+    /// Returns the representative of the group of a number: its smallest member.
     pub(crate) fn find(&mut self, mut i: u32) -> u32 {
         while self.0[i as usize] != i {
             self.0[i as usize] = self.0[self.0[i as usize] as usize];

@@ -1,7 +1,7 @@
-//! Hash of what a reduction depends on: FNV-1a with 128 bits.
+//! Hash of the data that a reduction depends on: FNV-1a with 128 bits.
 //!
 //! `h <- (h xor byte) p` from `h_0`, with the constants of G. Fowler, L. C. Noll, K.-P. Vo and D. Eastlake (RFC 9923).
-//! It tells apart what differs by chance or by edit; it is no protection against forgery.
+//! It distinguishes data that differ by chance or by edits; it is no protection against forgery.
 
 use gearbench_models::Vec3;
 use std::fmt;
@@ -13,7 +13,7 @@ pub struct Hash(u128);
 const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
 
 impl Hash {
-    /// Hash of nothing.
+    /// Hash of an empty input.
     pub const START: Hash = Hash(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
 
     /// Goes on with bytes.
@@ -23,7 +23,7 @@ impl Hash {
         }
     }
 
-    /// Goes on with a text; its length tells it from what follows.
+    /// Adds a text; its length separates it from the following input.
     pub fn text(&mut self, text: &str) {
         self.count(text.len());
         self.bytes(text.as_bytes());

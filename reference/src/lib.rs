@@ -14,7 +14,7 @@
 //! | [`stored`] | references of other programs, embedded in this one: what they carry, and how they are read |
 //! | `vector` | sums and turns of vectors that several modules need |
 //! | [`recognise`] | a gear from its surface alone: axis, bore, teeth, flanks, involute |
-//! | [`Refused`] | why a file is refused, a deck or a stored reduction |
+//! | [`Refusal`] | why a file is refused, a deck or a stored reduction |
 //! | [`files`] | regular files of a bounded size |
 //! | [`hash`] | the hash that names stored results |
 //! | [`file_kind`] | files of this field by the endings of their names, and what can be done with each |
@@ -47,7 +47,7 @@ mod test_support;
 mod vector;
 
 pub use mesh_source::MeshParameters;
-pub use refusal::Refused;
+pub use refusal::Refusal;
 pub use stored::{ExternalReference, REFERENCES, StoredReference, reference};
 
 use gearbench_models::gear::table::Model;

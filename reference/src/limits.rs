@@ -4,7 +4,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The limit when nobody sets one [bytes].
+/// Default limit of memory [bytes].
 pub const DEFAULT: f64 = 2e9;
 
 static LIMIT: AtomicU64 = AtomicU64::new(0);
@@ -24,7 +24,7 @@ pub fn memory() -> f64 {
     }
 }
 
-/// Counts bytes that stay taken, such as the histories of finished runs: estimates are compared with what is left.
+/// Counts bytes that remain allocated, such as the histories of finished runs: estimates are compared with the rest.
 pub fn reserve(bytes: u64) {
     RESERVED.fetch_add(bytes, Ordering::Relaxed);
 }
@@ -42,13 +42,13 @@ pub fn release(bytes: u64) {
     "{what} would take about {needed} of memory, where {allowed} are allowed: {way_out}, or raise the limit with --memory"
 )]
 pub struct TooMuchMemory {
-    /// What.
+    /// Name of the data that need the memory.
     pub what: String,
-    /// Estimate in words.
+    /// Estimated memory as text.
     pub needed: String,
-    /// Limit in words.
+    /// Limit of memory as text.
     pub allowed: String,
-    /// What would take less.
+    /// Changes that reduce the memory.
     pub way_out: String,
 }
 

@@ -32,7 +32,7 @@ pub const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo
     }
 }
 
-/// Parameters that say where a mesh comes from.
+/// Parameters of the source of a mesh.
 pub const PARAMETERS: [ParameterInfo; 11] = [
     optional(
         "mesh",
@@ -80,7 +80,7 @@ pub const PARAMETERS: [ParameterInfo; 11] = [
     ),
 ];
 
-/// The parameters of a mesh and `own` ones of a model: `N` are those of both.
+/// Joins the parameters of a mesh with those of a model, `own`; `N` is their total number.
 pub const fn with_own<const N: usize>(own: &[ParameterInfo]) -> [ParameterInfo; N] {
     let mut all = [PARAMETERS[0]; N];
     assert!(
@@ -99,7 +99,7 @@ pub const fn with_own<const N: usize>(own: &[ParameterInfo]) -> [ParameterInfo; 
     all
 }
 
-/// Parameters that say where a mesh comes from; the table of parameters below says what they mean.
+/// Parameters of the source of a mesh; the table of parameters below describes them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 #[expect(missing_docs, reason = "the keys of scenes, described in PARAMETERS")]
@@ -123,7 +123,7 @@ pub struct MeshParameters {
 }
 
 impl MeshParameters {
-    /// What is said of a file, the first key of it.
+    /// Returns the first given key that describes a file.
     fn of_file(&self) -> Option<&'static str> {
         let given = [
             ("units", self.units.is_some()),
@@ -178,10 +178,10 @@ impl MeshParameters {
     }
 }
 
-/// A mesh, or how to make one.
+/// A mesh from a file, or the parameters of a generated one.
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// To be generated.
+    /// Parameters of a generated mesh.
     Generated(Box<GearMeshParams>),
     /// Read from a deck, in the gear's own frame.
     Deck(Box<Stored>),
@@ -224,7 +224,8 @@ impl Source {
         mesh.map_err(|e| reader.error("mesh", e.to_string()).of_model())
     }
 
-    /// The sector of tooth 0 where the gear is made of equal ones: a generated gear of three teeth or more.
+    /// Returns the sector of tooth 0 where the gear consists of equal sectors: a generated gear of three teeth or
+    /// more.
     pub fn sector(&self, reader: &Reader<'_>) -> Result<Option<GearMesh>, BuildError> {
         match (self, reader.context.body) {
             (Source::Generated(params), Toothing::Gear(g)) if g.teeth() >= 3 => {
@@ -237,7 +238,7 @@ impl Source {
     }
 }
 
-/// A generated mesh.
+/// Creates the source of a generated mesh.
 fn generated(
     reader: &Reader<'_>,
     given: &MeshParameters,

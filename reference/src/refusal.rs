@@ -1,11 +1,11 @@
-//! Why a file is refused: where, what was expected, what was found, and a way out.
+//! Refusal of a file: position, expected and actual content, and remedy.
 
 use std::fmt;
 
 /// A refused file. The text reads `file:line: context: expected ..., found ...; way out`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused<K> {
-    /// Kind of trouble.
+pub struct Refusal<K> {
+    /// Kind of the problem.
     pub kind: K,
     /// File, as it was named.
     pub file: Box<str>,
@@ -13,15 +13,15 @@ pub struct Refused<K> {
     pub line: usize,
     /// The keyword line, the set or the array in question; may be empty.
     pub context: Box<str>,
-    /// What was expected.
+    /// Expected content.
     pub expected: Box<str>,
-    /// What was found.
+    /// Actual content.
     pub found: Box<str>,
-    /// What to do about it; may be empty.
+    /// Remedy; may be empty.
     pub help: Box<str>,
 }
 
-impl<K> Refused<K> {
+impl<K> Refusal<K> {
     pub(crate) fn new(
         kind: K,
         context: impl Into<String>,
@@ -29,7 +29,7 @@ impl<K> Refused<K> {
         found: impl Into<String>,
         help: impl Into<String>,
     ) -> Self {
-        Refused {
+        Refusal {
             kind,
             file: "".into(),
             line: 0,
@@ -40,14 +40,14 @@ impl<K> Refused<K> {
         }
     }
 
-    /// The same with the file's name and the line.
+    /// Adds the name of the file and the line.
     pub(crate) fn at(mut self, file: &str, line: usize) -> Self {
         (self.file, self.line) = (file.into(), line);
         self
     }
 }
 
-impl<K> fmt::Display for Refused<K> {
+impl<K> fmt::Display for Refusal<K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.file)?;
         if self.line > 0 {
@@ -64,4 +64,4 @@ impl<K> fmt::Display for Refused<K> {
     }
 }
 
-impl<K: fmt::Debug> std::error::Error for Refused<K> {}
+impl<K: fmt::Debug> std::error::Error for Refusal<K> {}

@@ -59,7 +59,7 @@ pub(crate) fn gear(teeth: u32, module: f64, change: impl FnOnce(&mut GearParams)
     Gear::new(params).unwrap()
 }
 
-/// A rack likewise.
+/// Builds a rack from its number of teeth and module.
 pub(crate) fn rack(teeth: u32, module: f64, change: impl FnOnce(&mut RackParams)) -> Rack {
     let mut params = RackParams {
         teeth,
@@ -70,7 +70,7 @@ pub(crate) fn rack(teeth: u32, module: f64, change: impl FnOnce(&mut RackParams)
     Rack::new(params).unwrap()
 }
 
-/// A thick-walled gear with stub teeth: a few hundred unknowns.
+/// Builds a thick-walled gear with stub teeth: a few hundred unknowns.
 pub(crate) fn stub(teeth: u32, helix_angle: f64) -> Gear {
     gear(teeth, 4e-3, |p| {
         p.helix_angle = helix_angle;
@@ -83,7 +83,7 @@ pub(crate) fn stub(teeth: u32, helix_angle: f64) -> Gear {
     })
 }
 
-/// Few elements, for what does not depend on how many.
+/// Returns the parameters of a coarse mesh, for tests that do not depend on the number of elements.
 pub(crate) fn coarse(rim: usize, width: usize) -> GearMeshParams {
     GearMeshParams {
         kind: ElementKind::C3D8,
@@ -198,7 +198,7 @@ pub(crate) fn hub(mount: Mount, slide: Option<Vec3>) -> Hub {
     Hub::new(mount, Vec3::new(0.1, -0.2, 0.0), slide, 1.0)
 }
 
-/// What a steel gear in no mesh is built from.
+/// Returns the context of a steel gear without meshes.
 pub(crate) fn context<'a>(
     body: &'a Body,
     hub: &'a Hub,
@@ -220,7 +220,7 @@ pub(crate) fn context<'a>(
     }
 }
 
-/// Largest absolute value.
+/// Returns the largest absolute value.
 pub(crate) fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |m, x| m.max(x.abs()))
 }

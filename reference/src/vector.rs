@@ -2,7 +2,7 @@
 
 use gearbench_models::Vec3;
 
-/// `a . b`.
+/// Returns the scalar product `a . b`.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

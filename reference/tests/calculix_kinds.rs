@@ -1,5 +1,5 @@
-//! Boxes of tetrahedra, of wedges, and of wedges beside hexahedra, against CalculiX: the rules of integration are
-//! its own, so the frequencies agree to the digits that it prints.
+//! Boxes of tetrahedra, of wedges, and of wedges with hexahedra, compared with CalculiX: the integration rules are
+//! equal, so that the frequencies agree to all printed digits.
 
 use gearbench_models::stiffness::Material;
 use gearbench_reference::assembly::assemble;

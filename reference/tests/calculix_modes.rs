@@ -35,7 +35,7 @@ fn table(name: &str, column: &str) -> Vec<f64> {
         .collect()
 }
 
-/// Mesh, held nodes and material of a deck with one body; `kind` may replace the element type.
+/// Returns mesh, fixed nodes and material of a deck with one body; `kind` may replace the element type.
 fn stored(name: &str, kind: Option<ElementKind>) -> (Mesh, Vec<u32>, Material) {
     let deck: Deck = deck::read(folder().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
     let block = &deck.blocks[0];
@@ -52,7 +52,7 @@ fn stored(name: &str, kind: Option<ElementKind>) -> (Mesh, Vec<u32>, Material) {
     (mesh, held, material)
 }
 
-/// Modes of a deck with one body, its held nodes clamped.
+/// Returns the modes of a deck with one body and fixed nodes.
 fn modes_of(name: &str, kind: Option<ElementKind>, count: usize) -> Modes {
     let (mesh, held, material) = stored(name, kind);
     let assembly = assemble(&mesh, &material).unwrap();
@@ -212,7 +212,7 @@ fn condensed_incompatible_modes_meet_the_quadratic_element_at_as_many_unknowns()
     assert!(d < 0.01, "{d:.2e}");
 }
 
-/// A gear that gearbench meshed and wrote, solved by CalculiX as a whole and here from one sector.
+/// A gear meshed and written by gearbench, solved by CalculiX as a whole and here from one sector.
 #[test]
 fn two_hundred_modes_of_a_generated_gear() {
     let body = Gear::new(GearParams {

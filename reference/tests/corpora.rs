@@ -1,4 +1,5 @@
-//! The corpora of the fuzz targets, replayed: what has to hold of any bytes holds of every seed and of what is near it.
+//! Replay of the corpora of the fuzz targets: the invariants for arbitrary bytes hold for every seed and for its
+//! neighbours.
 
 #[path = "../fuzz/checks.rs"]
 mod checks;
@@ -18,7 +19,7 @@ fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
     named.collect()
 }
 
-/// Files that end too soon, at some forty places, and with one byte changed there.
+/// Checks files truncated at some forty positions, and with one byte changed there.
 fn nearby(bytes: &[u8], check: fn(&[u8])) {
     for cut in (0..bytes.len()).step_by(1 + bytes.len() / 40) {
         check(&bytes[..cut]);

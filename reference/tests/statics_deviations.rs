@@ -64,8 +64,9 @@ fn pair(model: &str, gears: [Gear; 2]) -> LoadedPair {
     LoadedPair::new(&spec, &modelling, models).unwrap()
 }
 
-/// Pitch, profile slope and run-out of a pinion at 1 N/mm: its approach less that of the plain one is, at every
-/// position over many base pitches, the least of what the pairs in contact have removed, within the deflection.
+/// The approach of a pinion with pitch deviations, profile slope and run-out at 1 N/mm, less that of the plain one, is
+/// at every position over many base pitches the smallest removed material of the pairs in contact, within the
+/// deflection.
 #[test]
 fn long_period_error_is_the_envelope_of_the_flanks() {
     let wheel = || gear(30, 25e-3, Deviations::None);

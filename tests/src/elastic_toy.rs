@@ -1,4 +1,4 @@
-//! An elastic gear from made-up data: smooth modes of the flanks and a residual compliance that is positive definite.
+//! An elastic gear with artificial data: smooth modes of the flanks and a positive definite residual compliance.
 //!
 //! Mode `i` moves the flanks of tooth `t` by `b cos(k t + phase)` times a polynomial of the height, with opposite signs
 //! on both flanks for even `i`: teeth bend, or swell. The residual compliance is a local kernel `exp(-d / l)` between
@@ -10,15 +10,17 @@ use gearbench_models::Vec3;
 use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
-use gearbench_models::gear::elastic::reduced::{FlankCompliance, LateralShapes, Reduced, Residual};
+use gearbench_models::gear::elastic::reduced::{
+    FlankCompliance, OutOfPlaneShapes, Reduced, Residual,
+};
 use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::geometry::Side;
-use gearbench_models::kinematics::Lateral;
+use gearbench_models::kinematics::OutOfPlane;
 use gearbench_models::spec::{Body, Freedom};
 use std::sync::Arc;
 
-/// The model.
+/// Row of the model in the table.
 pub const ELASTIC_TOY: Model = Model {
     id: "elastic-toy",
     title: "elastic gear with made-up modes and residual compliance (test)",
@@ -49,10 +51,11 @@ fn build_toy(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
     Ok(Box::new(model))
 }
 
-/// Residual compliance between outward (0) and profile (1) directions, over that of outward ones: positive definite.
+/// Ratio of the residual compliance between outward (0) and profile (1) directions to that of outward ones: positive
+/// definite.
 const ACROSS: [[f64; 2]; 2] = [[1.0, -0.4], [-0.4, 0.7]];
 
-/// The made-up reduction.
+/// Builds the artificial reduction.
 pub fn toy(context: &GearContext<'_>) -> Reduced {
     let flanks = flanks_of(context);
     let modes = number(context, "modes", 6.0) as usize;
@@ -166,8 +169,8 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
     }
 }
 
-/// Shapes of a hub that is free beside its turn, on the body of the scene.
-fn lateral_shapes(lateral: &Lateral, modes: usize) -> LateralShapes {
+/// Returns the shapes of a hub with out-of-plane freedom, with the body of the scene.
+fn lateral_shapes(lateral: &OutOfPlane, modes: usize) -> OutOfPlaneShapes {
     let free = [0, 1, 2, 3, 4, 5].map(|d| lateral.directions[d] == Freedom::Free);
     let of_mode = |i: usize| {
         let at = |d: usize| {
@@ -180,7 +183,7 @@ fn lateral_shapes(lateral: &Lateral, modes: usize) -> LateralShapes {
         [0, 1, 2, 3, 4, 5].map(|d| if d < 3 { 0.05 } else { 2.0 } * at(d))
     };
     let inertia = &lateral.body.inertia;
-    LateralShapes {
+    OutOfPlaneShapes {
         free,
         hub: (0..modes).map(of_mode).collect(),
         mass: lateral.body.mass,
@@ -189,7 +192,7 @@ fn lateral_shapes(lateral: &Lateral, modes: usize) -> LateralShapes {
     }
 }
 
-/// Outward normal of an unmodified flank.
+/// Returns the outward normal of an unmodified flank.
 fn normal(body: &Body, side: Side, x: &Vec3) -> Vec3 {
     match body {
         Body::Gear(gear) => {

@@ -1,7 +1,7 @@
-//! Grids of flank nodes from the geometry of a gear or a rack, and a rigid gear that brings them, for tests of the
+//! Grids of flank nodes from the geometry of a gear or a rack, and a rigid gear with these flanks, for tests of the
 //! contact of flank points.
 
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 use gearbench_models::Vec3;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::properties::Properties;
@@ -20,7 +20,7 @@ pub(crate) const fn takes(key: &'static str, meaning: &'static str) -> Parameter
     }
 }
 
-/// A rigid gear with flanks.
+/// Row of a rigid gear with flanks in the table of models.
 pub const RIGID: Model = Model {
     id: "rigid-flanks-test",
     title: "rigid gear with flanks of nodes (test)",
@@ -40,8 +40,8 @@ pub(crate) fn number(context: &GearContext<'_>, key: &str, default: f64) -> f64 
     }
 }
 
-/// Grids of all flanks of a body: `place(tooth, side, t, w)` of a node at `t` from 0 at the form circle to 1 at the tip
-/// and at `w` from -1/2 to 1/2 over the width.
+/// Returns the grids of all flanks of a body: `place(tooth, side, t, w)` is the position of a node at `t` from 0 at
+/// the form circle to 1 at the tip and at `w` from -1/2 to 1/2 over the width.
 fn all_flanks(
     teeth: u32,
     [rows, columns]: [usize; 2],
@@ -69,7 +69,8 @@ fn all_flanks(
     Flanks::new(all)
 }
 
-/// Grids of all flanks of a gear: involute from the form circle to the tip, equal steps of the length of roll.
+/// Returns the grids of all flanks of a gear: the involute from the form circle to the tip, at equal steps of the
+/// length of roll.
 pub fn grids(gear: &Gear, rows: usize, columns: usize) -> Flanks {
     let (low, high) = (gear.roll_length_form(), gear.roll_length_tip());
     all_flanks(gear.teeth(), [rows, columns], |tooth, seen, t, w| {
@@ -83,7 +84,7 @@ pub fn grids(gear: &Gear, rows: usize, columns: usize) -> Flanks {
     })
 }
 
-/// The same for a rack, in the frame of its geometry; teeth counted from the lowest.
+/// Returns the grids of all flanks of a rack, in the frame of its geometry; teeth are counted from the lowest.
 fn rack_grids(rack: &Rack, rows: usize, columns: usize) -> Flanks {
     all_flanks(rack.teeth(), [rows, columns], |tooth, side, t, w| {
         let height = t * rack.tip_height() - (1.0 - t) * rack.form_depth();
@@ -117,7 +118,7 @@ fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildErr
     }))
 }
 
-/// The flanks with each node turned in proportion to its height over the base circle, tips by so many pitches.
+/// Rotates each node of the flanks in proportion to its height over the base circle, the tips by a number of pitches.
 fn leaning(gear: &Gear, flanks: Flanks, pitches: f64) -> Flanks {
     let mut grids = flanks.grids().to_vec();
     for x in grids.iter_mut().flat_map(|g| &mut g.positions) {
@@ -136,7 +137,7 @@ pub(crate) fn undeformed(flanks: &Flanks) -> Vec<Vec3> {
         .collect()
 }
 
-/// See [`RIGID`].
+/// A rigid gear with flanks; see [`RIGID`].
 struct RigidFlanks {
     rigid: Rigid,
     flanks: Flanks,
@@ -153,7 +154,7 @@ impl GearModel for RigidFlanks {
     }
     fn correct(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         x: &mut [f64],
@@ -170,7 +171,7 @@ impl GearModel for RigidFlanks {
 }
 
 impl FlankNodes for RigidFlanks {
-    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
+    fn positions(&self, at: StateView<'_>, nodes: &[u32], out: &mut [Vec3]) {
         let pose = self.placement.pose(self.hub().displacement_at(at));
         for (x, &i) in out.iter_mut().zip(nodes) {
             *x = pose.point(&self.positions[i as usize]);

@@ -1,16 +1,16 @@
-//! The joined table of models, and usual parameters of each.
+//! The joined table of models, with typical parameters of each.
 
 use crate::{case_a, contact, elastic_toy, elastic_web, flank_test_gears, nodal_test_gear};
 use gearbench_models::gear::table::{MODELS, Model};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, PointContact, Value};
 
-/// All models: the table of the crate and the example.
+/// Returns all models: the table of the crate and the example.
 pub fn models() -> Vec<Model> {
     [MODELS, &[elastic_web::MODEL]].concat()
 }
 
-/// All models, finite elements and the test gears that bring flanks with them.
+/// Returns all models, finite elements and the test gears with flanks.
 pub fn models_with_flanks() -> Vec<Model> {
     let mut table = models();
     table.extend_from_slice(gearbench_reference::MODELS);
@@ -22,7 +22,7 @@ pub fn models_with_flanks() -> Vec<Model> {
     table
 }
 
-/// The rigid model.
+/// Returns the rigid model.
 pub fn rigid() -> ModelSpec {
     ModelSpec {
         id: "rigid".into(),
@@ -30,7 +30,7 @@ pub fn rigid() -> ModelSpec {
     }
 }
 
-/// Movable teeth with spring [N/m], mass [kg] and damper [N s/m] of each tooth.
+/// Returns movable teeth with spring [N/m], mass [kg] and damper [N s/m] of each tooth.
 pub fn movable(k: f64, m: f64, c: f64) -> ModelSpec {
     let parameters = Parameters::from([
         ("tooth_stiffness_n_per_m".to_string(), Value::Number(k)),
@@ -43,18 +43,18 @@ pub fn movable(k: f64, m: f64, c: f64) -> ModelSpec {
     }
 }
 
-/// The same model with another parameter.
+/// Returns a model with another parameter.
 pub fn with(mut model: ModelSpec, key: &str, value: Value) -> ModelSpec {
     model.parameters.insert(key.into(), value);
     model
 }
 
-/// Movable teeth that are all integrated.
+/// Returns movable teeth that are all integrated.
 pub fn all_teeth(model: ModelSpec) -> ModelSpec {
     with(model, "integrate", Value::Text("all".into()))
 }
 
-/// The example: half of the inertia in a rim of 20 kHz.
+/// Returns the example model: half of the inertia in a rim of 20 kHz.
 pub fn web(damping_ratio: f64) -> ModelSpec {
     let model = ModelSpec {
         id: elastic_web::MODEL.id.into(),
@@ -65,7 +65,7 @@ pub fn web(damping_ratio: f64) -> ModelSpec {
     with(model, "damping_ratio", Value::Number(damping_ratio))
 }
 
-/// Usual values of parameters, whatever model takes them: undamped, meshes as coarse as they may be.
+/// Typical values of parameters, whatever the model: undamped, with the coarsest meshes.
 const USUAL: [(&str, f64); 12] = [
     ("tooth_stiffness_n_per_m", 5.3e8),
     ("tooth_mass_kg", 4.8e-3),
@@ -81,10 +81,10 @@ const USUAL: [(&str, f64); 12] = [
     ("modes", 20.0),
 ];
 
-/// Values that make a variant of a model that takes the parameter.
+/// Values that define a variant of a model with the parameter.
 const VARIANTS: [(&str, &str); 2] = [("integrate", "all"), ("mass", "lumped")];
 
-/// A row of the table with usual parameters.
+/// Returns a row of the table with typical parameters.
 pub fn usual(model: &Model) -> ModelSpec {
     let takes = |key: &str| model.parameters.iter().any(|p| p.key == key);
     let values = USUAL.iter().filter(|(key, _)| takes(key));
@@ -101,7 +101,7 @@ pub fn usual(model: &Model) -> ModelSpec {
     }
 }
 
-/// Contact stiffness per width [N/m per m] that goes with [`usual`]: what the model does not carry itself.
+/// Returns the contact stiffness per width [N/m per m] for [`usual`]: the part that the model itself does not include.
 pub fn usual_stiffness(model: &Model) -> f64 {
     if model.properties.rigid {
         1.54e10
@@ -110,21 +110,21 @@ pub fn usual_stiffness(model: &Model) -> f64 {
     }
 }
 
-/// A model of the joined table under test: all that ship and the example, with their variants.
+/// A model of the joined table under test: all shipped models and the example, with their variants.
 pub struct Subject {
-    /// Its row.
+    /// Row of the model.
     pub model: Model,
-    /// The row's id, with what makes the variant.
+    /// Identifier of the row, with a suffix for the variant.
     pub name: String,
-    /// Usual parameters.
+    /// Typical parameters of the model.
     pub spec: ModelSpec,
-    /// The contact that it takes: of tooth pairs, or of flank points where it brings flanks.
+    /// Contact of the model: of tooth pairs, or of flank points for a model with its own flanks.
     pub contact: ContactSpec,
-    /// It brings flanks.
+    /// True if the model has its own flanks.
     pub flanks: bool,
 }
 
-/// All models of the joined table.
+/// Returns all models of the joined table.
 pub fn subjects() -> Vec<Subject> {
     gearbench::models::join(elastic_web::MODEL);
     let mut all = Vec::new();
@@ -155,7 +155,7 @@ pub fn subjects() -> Vec<Subject> {
     all
 }
 
-/// Whether a model needs the contact of flank points: that of tooth pairs is refused.
+/// Returns true if a model requires the contact of flank points and refuses that of tooth pairs.
 fn of_flanks(model: &ModelSpec, pairs: &ContactSpec) -> bool {
     let modelling = Modelling {
         gears: vec![model.clone(), model.clone()],
@@ -164,7 +164,7 @@ fn of_flanks(model: &ModelSpec, pairs: &ContactSpec) -> bool {
     Scene::build(&case_of_body(3e-6), &modelling, gearbench::models::models()).is_err()
 }
 
-/// The impact of [`case_a`] with the inertia that follows from the bodies.
+/// Returns the impact of [`case_a`] with the inertia of the bodies.
 pub fn case_of_body(gap: f64) -> gearbench_models::spec::SceneSpec {
     let mut spec = case_a(gap);
     for g in &mut spec.gears {
@@ -174,7 +174,7 @@ pub fn case_of_body(gap: f64) -> gearbench_models::spec::SceneSpec {
 }
 
 impl Subject {
-    /// The impact of case A with this model for both gears.
+    /// Builds the impact of case A with this model for both gears.
     pub fn scene(&self, gap: f64) -> Scene {
         let modelling = Modelling {
             gears: vec![self.spec.clone(), self.spec.clone()],

@@ -9,7 +9,7 @@
 //! with the displacements from the assembled positions as coordinates: linear masses, exact momentum.
 
 use crate::flank_test_gears::{flanks_of, number, takes, undeformed};
-use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
+use gearbench_integrators::system::{Coeffs, Energy, Power, Singular, StateView};
 use gearbench_models::Vec3;
 use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::properties::Properties;
@@ -21,7 +21,7 @@ use gearbench_models::geometry::Flanks;
 use gearbench_models::kinematics::{Locus, Placement, Point, Row};
 use gearbench_models::spec::Body;
 
-/// A gear of point masses.
+/// Row of a gear of point masses in the table of models.
 pub const NODAL: Model = Model {
     id: "nodal-test",
     title: "flank nodes as point masses on springs (test)",
@@ -37,12 +37,12 @@ pub const NODAL: Model = Model {
     build: build_nodal,
 };
 
-/// See [`NODAL`].
+/// A gear of point masses; see [`NODAL`].
 struct Nodal {
     hub: HubBody,
     placement: Placement,
     flanks: Flanks,
-    /// Undeformed nodes in the own frame.
+    /// Undeformed nodes in the gear frame.
     positions: Vec<Vec3>,
     body: f64,
     k: f64,
@@ -103,15 +103,18 @@ impl Nodal {
         self.hub.coordinates()
     }
 
-    /// Three entries of node `i`.
+    /// Returns the three entries of node `i`.
     fn node(&self, x: &[f64], i: usize) -> Vec3 {
         let at = self.first() + 3 * i;
         Vec3::new(x[at], x[at + 1], x[at + 2])
     }
 
-    /// Per node: index, place on the hub seen from the centre, its derivative by the angle, displacement from
-    /// there.
-    fn springs<'a>(&'a self, at: At<'a>) -> impl Iterator<Item = (usize, Vec3, Vec3, Vec3)> + 'a {
+    /// Returns for each node the index, the position on the hub from the centre, its derivative by the angle, and the
+    /// displacement from there.
+    fn springs<'a>(
+        &'a self,
+        at: StateView<'a>,
+    ) -> impl Iterator<Item = (usize, Vec3, Vec3, Vec3)> + 'a {
         let start = self.placement.pose(0.0);
         let now = self.placement.pose(self.hub.displacement(at.t, at.q));
         self.positions.iter().enumerate().map(move |(i, x)| {
@@ -121,8 +124,8 @@ impl Nodal {
         })
     }
 
-    /// What a smooth surface rises above the face at a point.
-    fn bulge(&self, at: At<'_>, p: &Point) -> Vec3 {
+    /// Returns the rise of a smooth surface above the face at a point.
+    fn bulge(&self, at: StateView<'_>, p: &Point) -> Vec3 {
         let Locus::Quadrature { face, xi } = p.locus else {
             panic!("the point search gives points on faces")
         };
@@ -159,7 +162,7 @@ impl GearModel for Nodal {
             (v[0], v[1]) = (-speed * arm.y, speed * arm.x);
         }
     }
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
+    fn row(&self, at: StateView<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         let Locus::Quadrature { face, xi } = p.locus else {
             panic!("the point search gives points on faces")
         };
@@ -176,7 +179,7 @@ impl GearModel for Nodal {
         }
         prescribed
     }
-    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn forces(&mut self, at: StateView<'_>, f: &mut [f64]) {
         let first = self.first();
         let speed = self.hub.speed(at.t, at.v);
         let mut torque = 0.0;
@@ -191,7 +194,7 @@ impl GearModel for Nodal {
             f[0] += torque;
         }
     }
-    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         assert_eq!(self.d, 0.0, "the tangent of the dashpots is not written");
         let first = self.first();
         let turn = if first > 0 { dq[0] } else { 0.0 };
@@ -210,14 +213,14 @@ impl GearModel for Nodal {
     }
     fn correct(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         x: &mut [f64],
     ) -> Result<(), Singular> {
         self.solve(at, c, hub_damping, x)
     }
-    fn energy(&self, at: At<'_>) -> Energy {
+    fn energy(&self, at: StateView<'_>) -> Energy {
         let mut e = Energy::default();
         if self.first() > 0 {
             e.kinetic += 0.5 * self.body * at.v[0] * at.v[0];
@@ -228,7 +231,7 @@ impl GearModel for Nodal {
         }
         e
     }
-    fn powers(&self, at: At<'_>) -> Power {
+    fn powers(&self, at: StateView<'_>) -> Power {
         let speed = self.hub.speed(at.t, at.v);
         let lost = |(i, _, t, _): (usize, Vec3, Vec3, Vec3)| {
             self.d * (self.node(at.v, i) - speed * t).norm_squared()
@@ -238,7 +241,7 @@ impl GearModel for Nodal {
             ..Power::default()
         }
     }
-    fn hub_state(&self, at: At<'_>) -> HubState {
+    fn hub_state(&self, at: StateView<'_>) -> HubState {
         let speed = self.hub.speed(at.t, at.v);
         let mut momentum = self.body * speed;
         for (i, arm, _, off) in self.springs(at) {
@@ -264,7 +267,7 @@ impl GearModel for Nodal {
 }
 
 impl FlankNodes for Nodal {
-    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
+    fn positions(&self, at: StateView<'_>, nodes: &[u32], out: &mut [Vec3]) {
         let start = self.placement.pose(0.0);
         for (x, &i) in out.iter_mut().zip(nodes) {
             let i = i as usize;
@@ -276,7 +279,7 @@ impl FlankNodes for Nodal {
 impl LargeGear for Nodal {
     fn condensed(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         coordinates: &[u32],
@@ -289,7 +292,7 @@ impl LargeGear for Nodal {
     }
     fn add_response(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         touched: (&[u32], &[f64]),
@@ -305,7 +308,7 @@ impl LargeGear for Nodal {
 impl Nodal {
     fn solve(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         x: &mut [f64],

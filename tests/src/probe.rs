@@ -1,34 +1,34 @@
-//! What tests read from a scene at a state, random numbers and fitted slopes.
+//! Access to scenes at a state for tests, random numbers and fitted slopes.
 
 use gearbench_integrators::{SecondOrderSystem, State};
-use gearbench_models::contact::{Candidate, Party, Wanted};
+use gearbench_models::contact::{Candidate, CandidateSelection, GearState};
 use gearbench_models::kinematics::Row;
 use gearbench_models::scene::Scene;
 
-/// All candidates of a scene at a state, whatever their gap, with the index of their mesh.
+/// Returns all candidates of a scene at a state, whatever their gap, with the index of their mesh.
 pub fn candidates(scene: &Scene, s: &State) -> Vec<(usize, Candidate)> {
-    wanted(scene, s, Wanted::Touching(f64::INFINITY))
+    wanted(scene, s, CandidateSelection::Touching(f64::INFINITY))
 }
 
-/// Those that the discrete state of a located run lists.
+/// Returns the candidates in the discrete state of a run with event location.
 pub fn listed(scene: &Scene, s: &State) -> Vec<(usize, Candidate)> {
-    wanted(scene, s, Wanted::Listed)
+    wanted(scene, s, CandidateSelection::Listed)
 }
 
-fn wanted(scene: &Scene, s: &State, wanted: Wanted<'_>) -> Vec<(usize, Candidate)> {
+fn wanted(scene: &Scene, s: &State, wanted: CandidateSelection<'_>) -> Vec<(usize, Candidate)> {
     let mut all = Vec::new();
     for (m, mesh) in scene.meshes().iter().enumerate() {
-        let party = |i: usize| {
+        let gear_state = |i: usize| {
             let g = &scene.gears()[i];
-            Party {
+            GearState {
                 gear: g.model.as_ref(),
                 at: g.at(s.at()),
             }
         };
         let mut found = Vec::new();
         mesh.search.candidates(
-            party(mesh.gears[0]),
-            party(mesh.gears[1]),
+            gear_state(mesh.gears[0]),
+            gear_state(mesh.gears[1]),
             s.discrete.get(mesh.search_discrete()).unwrap_or(&[]),
             wanted,
             &mut found,
@@ -38,7 +38,7 @@ fn wanted(scene: &Scene, s: &State, wanted: Wanted<'_>) -> Vec<(usize, Candidate
     all
 }
 
-/// The candidate of the same teeth, flank and slice at another state.
+/// Returns the candidate of the same teeth, flank and slice at another state.
 pub fn same_candidate(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> Option<Candidate> {
     let same = |x: &Candidate| x.slot == c.slot && x.points[0].tooth == c.points[0].tooth;
     candidates(scene, s)
@@ -47,12 +47,12 @@ pub fn same_candidate(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> O
         .map(|(_, x)| x)
 }
 
-/// The contact row `dg/dq` of a candidate as a full vector.
+/// Returns the contact row `dg/dq` of a candidate as a full vector.
 pub fn contact_row(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> Vec<f64> {
     row_and_rate(scene, s, mesh, c).0
 }
 
-/// The contact row of a candidate, and the part of its gap rate that is prescribed [m/s].
+/// Returns the contact row of a candidate, and the prescribed part of its gap rate [m/s].
 pub fn row_and_rate(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> (Vec<f64>, f64) {
     let (mut row, mut rate) = (Row::default(), 0.0);
     row.clear();
@@ -68,7 +68,7 @@ pub fn row_and_rate(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> (Ve
     (w, rate)
 }
 
-/// Slope of `log y` over `log x`, least squares.
+/// Fits the slope of `log y` over `log x` by least squares.
 pub fn slope(x: &[f64], y: &[f64]) -> f64 {
     let n = x.len() as f64;
     let log = |v: &[f64]| -> Vec<f64> { v.iter().map(|a| a.ln()).collect() };
@@ -79,16 +79,16 @@ pub fn slope(x: &[f64], y: &[f64]) -> f64 {
     above / below
 }
 
-/// Deterministic numbers in [-1, 1) for directions and states.
+/// Generator of repeatable numbers in [-1, 1) for directions and states.
 pub struct Numbers(u64);
 
 impl Numbers {
-    /// A sequence from a seed.
+    /// Starts a sequence from a seed.
     pub fn new(seed: u64) -> Self {
         Numbers(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
 
-    /// The next number (xorshift64*).
+    /// Returns the next number (xorshift64*).
     pub fn draw(&mut self) -> f64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
@@ -97,13 +97,13 @@ impl Numbers {
         bits as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    /// A vector of them, scaled by entries of `scale`.
+    /// Returns a vector of numbers, scaled by the entries of `scale`.
     pub fn vector(&mut self, scale: &[f64]) -> Vec<f64> {
         scale.iter().map(|s| s * self.draw()).collect()
     }
 }
 
-/// Magnitudes of coordinates and velocities of a scene.
+/// Returns the magnitudes of coordinates and velocities of a scene.
 pub fn scales(scene: &Scene) -> (Vec<f64>, Vec<f64>) {
     let n = scene.layout().n;
     let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);

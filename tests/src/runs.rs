@@ -1,4 +1,4 @@
-//! Runs of scenes and what they leave behind.
+//! Runs of scenes and their results.
 
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
@@ -8,26 +8,26 @@ use gearbench_integrators::{
 };
 use gearbench_models::scene::{OfMesh, Scene};
 
-/// What a run left behind.
+/// Result of a run.
 pub struct Outcome {
-    /// Last state.
+    /// State at the end.
     pub state: State,
-    /// Energy ledger.
+    /// Energy ledger of the run.
     pub ledger: Ledger,
-    /// Work counters.
+    /// Work counters of the run.
     pub work: Work,
-    /// Least normal force of any contact at any accepted step [N].
+    /// Smallest normal force of any contact at any accepted step [N].
     pub normal_min: f64,
     /// Impulse of the contact force of the first mesh [N s], trapezoid rule over accepted steps.
     pub impulse: f64,
     /// Largest contact force of the first mesh at an accepted step [N].
     pub peak: f64,
-    /// How the run ended.
+    /// Success, or the error that ended the run.
     pub result: Result<(), StepError>,
 }
 
 impl Outcome {
-    /// The run, which must have ended well.
+    /// Returns the result of a run that must not have failed.
     pub fn unwrap(self, what: &str) -> Outcome {
         if let Err(e) = &self.result {
             panic!("{what}: {e}");
@@ -36,7 +36,7 @@ impl Outcome {
     }
 }
 
-/// Watches forces at accepted steps.
+/// Sink that records forces at accepted steps.
 #[derive(Default)]
 struct Forces {
     normal_min: f64,
@@ -86,7 +86,7 @@ pub fn run(scene: &mut Scene, id: &str, resolution: Resolution, t_end: f64) -> O
     )
 }
 
-/// Runs a scene from a state with a method that must not fail, watched by a sink.
+/// Runs a scene from a state with a method that must not fail, with a sink.
 pub fn watched(
     scene: &mut Scene,
     mut state: State,
@@ -102,7 +102,7 @@ pub fn watched(
     (state, work)
 }
 
-/// Runs a scene from a state.
+/// Runs a scene from a given state.
 pub fn run_from(scene: &mut Scene, mut state: State, id: &str, plan: &TimePlan<'_>) -> Outcome {
     let mut integrator = gearbench_integrators::method(id).expect("the method is known");
     let mut ledger = Ledger::default();
@@ -135,20 +135,20 @@ pub fn run_from(scene: &mut Scene, mut state: State, id: &str, plan: &TimePlan<'
     }
 }
 
-/// Value of a named channel at a state.
+/// Returns the value of a named channel at a state.
 pub fn channel(scene: &mut Scene, s: &State, name: &str) -> f64 {
     let mut out = Outputs::default();
     scene.output(s.at(), &mut out);
     out.channels[named(scene, name)]
 }
 
-/// Place of a channel by its name.
+/// Returns the index of a channel by its name.
 pub fn named(scene: &Scene, name: &str) -> usize {
     let found = scene.channels().iter().position(|c| c == name);
     found.unwrap_or_else(|| panic!("there is no channel {name}"))
 }
 
-/// A resolution a method can run at: the step [s], or a tolerance where it takes no steps.
+/// Returns a resolution that a method supports: the step [s], or a tolerance where it has no fixed steps.
 pub fn resolution(info: &MethodInfo, step: f64, tolerance: f64) -> Resolution {
     match info.stepping {
         Stepping::Adaptive => Resolution::Tolerance(tolerance),
@@ -156,7 +156,7 @@ pub fn resolution(info: &MethodInfo, step: f64, tolerance: f64) -> Resolution {
     }
 }
 
-/// The methods of the table that can run a scene.
+/// Returns the methods of the table that can run a scene.
 pub fn methods_of(scene: &mut Scene) -> Vec<&'static Method> {
     let split = scene.modal().is_some();
     METHODS
@@ -165,10 +165,11 @@ pub fn methods_of(scene: &mut Scene) -> Vec<&'static Method> {
         .collect()
 }
 
-/// Momentum of both gears of a scene against the impulse of their contact torques, by the trapezoidal rule.
+/// Sink that compares the momentum of both gears of a scene with the impulse of their contact torques, by the
+/// trapezoidal rule.
 #[derive(Default)]
 pub struct Impulse {
-    /// Momentum at the start and at the end.
+    /// Momentum of both gears at the start and at the end.
     momentum: [[f64; 2]; 2],
     impulse: [f64; 2],
     last: Option<[f64; 2]>,
@@ -179,7 +180,7 @@ pub struct Impulse {
 }
 
 impl Impulse {
-    /// For a scene of two gears at a state.
+    /// Creates the sink for a scene of two gears at a state.
     pub fn new(scene: &mut Scene, s: &State) -> Self {
         let channels = [0, 1].map(|k| {
             let name = format!("contact_torque:{}", scene.gears()[k].name);
@@ -200,7 +201,7 @@ impl Impulse {
         self.channels.map(|c| self.out.channels[c])
     }
 
-    /// By how much the impulse is off what each gear gained by a state, at most, relative.
+    /// Returns the largest relative difference between the impulse and the change of momentum of each gear.
     pub fn error(&mut self, scene: &Scene, end: &State) -> f64 {
         self.momentum[1] = momenta(scene, end);
         let off = |k: usize| {
@@ -210,13 +211,13 @@ impl Impulse {
         off(0).max(off(1))
     }
 
-    /// Momentum of each gear at the start and at the end.
+    /// Returns the momentum of each gear at the start and at the end.
     pub fn momenta(&self) -> [[f64; 2]; 2] {
         self.momentum
     }
 }
 
-/// Momentum of the first two gears of a scene about their axes.
+/// Returns the momentum of the first two gears of a scene about their axes.
 fn momenta(scene: &Scene, s: &State) -> [f64; 2] {
     [0, 1].map(|k: usize| {
         let g = &scene.gears()[k];

@@ -12,7 +12,7 @@ use gearbench_models::stiffness::{
     Foundation, Hertz, Material, PairOrMesh, PairStiffness, ToothModel,
 };
 
-/// Geometry of a spur gear of module 4 mm.
+/// Returns the parameters of a spur gear of module 4 mm.
 pub fn spur(teeth: u32) -> GearParams {
     GearParams {
         teeth,
@@ -23,7 +23,7 @@ pub fn spur(teeth: u32) -> GearParams {
     }
 }
 
-/// A gear at a position on the x axis that is free to turn.
+/// Returns a gear at a position on the x axis that is free to rotate.
 pub fn gear(name: &str, params: GearParams, x: f64, speed: f64) -> GearSpec {
     GearSpec {
         name: name.into(),
@@ -42,7 +42,7 @@ pub fn gear(name: &str, params: GearParams, x: f64, speed: f64) -> GearSpec {
     }
 }
 
-/// A rack of module 4 mm in front of a gear at the origin, teeth towards it.
+/// Returns a rack of module 4 mm in front of a gear at the origin, with its teeth towards it.
 pub fn rack(name: &str, teeth: u32, distance: f64, speed: f64) -> GearSpec {
     let params = RackParams {
         teeth,
@@ -58,7 +58,7 @@ pub fn rack(name: &str, teeth: u32, distance: f64, speed: f64) -> GearSpec {
     }
 }
 
-/// The tooth pair of a mesh that is placed at the start.
+/// Returns the initial position of a tooth pair.
 pub fn start(side: Side, gap: f64) -> Start {
     Start {
         side,
@@ -68,12 +68,12 @@ pub fn start(side: Side, gap: f64) -> Start {
     }
 }
 
-/// A mesh of two gears of a scene.
+/// Returns a mesh of two gears of a scene.
 pub fn mesh(gears: [usize; 2], start: Start) -> MeshSpec {
     MeshSpec { gears, start }
 }
 
-/// Two gears in mesh.
+/// Returns a scene of two gears in mesh.
 pub fn pair_of(a: GearSpec, b: GearSpec, start: Start) -> SceneSpec {
     SceneSpec {
         gears: vec![a, b],
@@ -82,7 +82,7 @@ pub fn pair_of(a: GearSpec, b: GearSpec, start: Start) -> SceneSpec {
     }
 }
 
-/// The impact of reference case A: z = 20/30, m = 4 mm, 10 mm wide, 20 rad/s, inertias of the stored meshes.
+/// Returns the impact of reference case A: z = 20/30, m = 4 mm, 10 mm wide, 20 rad/s, inertias of the stored meshes.
 pub fn case_a(gap: f64) -> SceneSpec {
     let mut a = gear("pinion", spur(20), 0.0, 20.0);
     a.inertia = Some(0.000_310_205_607_253_510_6);
@@ -99,7 +99,7 @@ pub fn case_a(gap: f64) -> SceneSpec {
     pair_of(a, b, start(Side::Left, gap))
 }
 
-/// The gears of the FZG test rig, type C, the pinion at a speed [rad/s], without loads.
+/// Returns the gears of the FZG test rig, type C, with the pinion at a speed [rad/s], without loads.
 pub fn fzg_c(speed: f64) -> SceneSpec {
     let params = |teeth, profile_shift| GearParams {
         teeth,
@@ -115,7 +115,7 @@ pub fn fzg_c(speed: f64) -> SceneSpec {
     pair_of(a, b, start(Side::Left, 0.0))
 }
 
-/// Two gears of 30 teeth, module 2 mm, the first at a speed [rad/s], without loads.
+/// Returns two gears of 30 teeth, module 2 mm, the first at a speed [rad/s], without loads.
 pub fn s30(speed: f64) -> SceneSpec {
     let params = GearParams {
         teeth: 30,
@@ -130,7 +130,8 @@ pub fn s30(speed: f64) -> SceneSpec {
     pair_of(a, b, start(Side::Left, 0.0))
 }
 
-/// The usual stiffness of a tooth pair that varies along the path: Weber and Banaschek's, on an elastic ring.
+/// Returns the default stiffness of a tooth pair, which varies along the path: Weber and Banaschek's, on an elastic
+/// ring.
 pub fn weber_banaschek() -> PairStiffness {
     PairStiffness::Compliance {
         tooth: ToothModel::WeberBanaschek,
@@ -141,7 +142,7 @@ pub fn weber_banaschek() -> PairStiffness {
     }
 }
 
-/// A linear elastic contact of constant stiffness per width [N/m per m] of a tooth pair.
+/// Returns a linear elastic contact of constant stiffness per width [N/m per m] of a tooth pair.
 pub fn contact(per_width: f64) -> ContactSpec {
     ContactSpec {
         stiffness: PairStiffness::Constant {
@@ -156,7 +157,7 @@ pub fn contact(per_width: f64) -> ContactSpec {
     }
 }
 
-/// Builds a scene with the joined table.
+/// Builds a scene with the joined table; returns an error if it is refused.
 pub fn try_build(
     spec: &SceneSpec,
     gears: &[ModelSpec],
@@ -169,7 +170,7 @@ pub fn try_build(
     Scene::build(spec, &modelling, &models_with_flanks())
 }
 
-/// Builds a scene that must be buildable, all contacts alike.
+/// Builds a scene that must not be refused, with equal contacts.
 pub fn build(spec: &SceneSpec, gears: &[ModelSpec], contact: &ContactSpec) -> Scene {
     try_build(spec, gears, contact).expect("the scene can be assembled")
 }

@@ -1,6 +1,6 @@
 //! Tooth pairs in contact on the grid of a run, and contacts that close and open with the force on both sides.
 
-use gearbench_integrators::{Outputs, SecondOrderSystem, State, Touch};
+use gearbench_integrators::{MemberContact, Outputs, SecondOrderSystem, State};
 use gearbench_models::scene::{OfMesh, Scene};
 use gearbench_models::spec::{Body, SceneSpec};
 use gearbench_reports::histories::{ContactEvent, PairSample, SprungTooth};
@@ -22,9 +22,9 @@ pub struct ContactLog {
     sprung_meshes: Vec<[usize; 2]>,
     /// Forces of the meshes at the last time of the grid.
     last_forces: Vec<f64>,
-    last: Vec<Touch>,
-    now: Vec<Touch>,
-    touches: Vec<Touch>,
+    last: Vec<MemberContact>,
+    now: Vec<MemberContact>,
+    touches: Vec<MemberContact>,
     out: Outputs,
 }
 
@@ -59,7 +59,7 @@ impl ContactLog {
     }
 
     /// Teeth of a contact, counted from 1 within each gear.
-    fn numbers(&self, touch: &Touch) -> [i64; 2] {
+    fn numbers(&self, touch: &MemberContact) -> [i64; 2] {
         let teeth = self.teeth[touch.group];
         [0, 1].map(|k| touch.members[k].rem_euclid(teeth[k]) + 1)
     }
@@ -135,10 +135,16 @@ impl ContactLog {
     }
 
     /// Events of what is in one list and not in the other.
-    fn compare(&mut self, time_s: f64, lists: [&[Touch]; 2], forces: [&[f64]; 2], located: bool) {
+    fn compare(
+        &mut self,
+        time_s: f64,
+        lists: [&[MemberContact]; 2],
+        forces: [&[f64]; 2],
+        located: bool,
+    ) {
         for (closes, [here, there]) in [(false, lists), (true, [lists[1], lists[0]])] {
             for touch in here {
-                let same = |t: &Touch| (t.group, t.members) == (touch.group, touch.members);
+                let same = |t: &MemberContact| (t.group, t.members) == (touch.group, touch.members);
                 if !there.iter().any(same) {
                     self.events.push(ContactEvent {
                         time_s,

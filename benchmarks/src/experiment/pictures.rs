@@ -8,7 +8,7 @@
 use super::run::RunError;
 use gearbench_integrators::State;
 use gearbench_models::Vec3;
-use gearbench_models::scene::{ContactExtent, ContactForce, Pictured, Scene};
+use gearbench_models::scene::{ContactExtent, ContactForce, GearPicture, Scene};
 use gearbench_models::spec::SceneSpec;
 use gearbench_reference::limits;
 use gearbench_reference::mesh::vtu::{self, Field, Values, VtuError};
@@ -68,7 +68,7 @@ impl Pictures {
         &self,
         spec: &SceneSpec,
         scene: &mut Scene,
-        (bodies, states): (&[Pictured], &[State]),
+        (bodies, states): (&[GearPicture], &[State]),
     ) -> Result<(), RunError> {
         let folder = self.folder.join(&self.name);
         let fail = |path: &Path| {
@@ -116,7 +116,7 @@ impl Frame {
     fn of(
         spec: &SceneSpec,
         scene: &mut Scene,
-        bodies: &[Pictured],
+        bodies: &[GearPicture],
         state: &State,
     ) -> Result<Self, RunError> {
         let mut frame = Frame::default();
@@ -158,7 +158,12 @@ impl Frame {
         self.pressure[node] = self.pressure[node].max(pressure);
     }
 
-    fn write(&self, out: &mut dyn Write, bodies: &[Pictured], time: f64) -> Result<(), VtuError> {
+    fn write(
+        &self,
+        out: &mut dyn Write,
+        bodies: &[GearPicture],
+        time: f64,
+    ) -> Result<(), VtuError> {
         let bodies: Vec<_> = (bodies.iter().enumerate())
             .map(|(gear, body)| (&self.places[self.nodes(gear)], &*body.cells))
             .collect();

@@ -2,7 +2,7 @@
 
 use gearbench_models::law::FrictionForm;
 use gearbench_models::spec::{
-    Carried, Guide, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec,
+    Guide, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec, StationMember,
 };
 use gearbench_reports::numbers::short;
 
@@ -11,8 +11,8 @@ pub fn shaft_text(scene: &SceneSpec, shaft: &ShaftSpec) -> String {
     let station = |s: &gearbench_models::spec::Station| {
         let at = short(s.place * 1e3, 4);
         match &s.carries {
-            Carried::Gear(i) => format!("{} at {at} mm", scene.gears[*i].name),
-            Carried::Body(b) => {
+            StationMember::Gear(i) => format!("{} at {at} mm", scene.gears[*i].name),
+            StationMember::Body(b) => {
                 let inertia = short(b.inertia, 4);
                 let guide = b
                     .guide

@@ -8,7 +8,7 @@ use crate::experiment::small_signals::assemble;
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneError, SceneFile, did_you_mean};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Carried, Load, Mount, Profile, SceneSpec, initial_speed};
+use gearbench_models::spec::{Load, Mount, Profile, SceneSpec, StationMember, initial_speed};
 
 /// What an input of a host acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,7 +103,7 @@ fn move_by_host(spec: &mut SceneSpec, name: &str) -> Result<(), SceneError> {
     };
     let stations = spec.shafts.iter().flat_map(|s| &s.stations);
     let mut on_shafts = stations.map(|s| &s.carries);
-    if on_shafts.any(|c| matches!(c, Carried::Gear(g) if *g == gear)) {
+    if on_shafts.any(|c| matches!(c, StationMember::Gear(g) if *g == gear)) {
         return refuse(
             format!("`{name}` stands on a shaft of the scene, which moves it"),
             "leave the shaft to the host, or apply a torque to what is on it",
@@ -138,7 +138,7 @@ fn load_all(spec: &mut SceneSpec) -> Vec<(String, usize)> {
         add(&g.name, &g.mount, &mut g.loads);
     }
     for station in spec.shafts.iter_mut().flat_map(|s| &mut s.stations) {
-        if let Carried::Body(b) = &mut station.carries {
+        if let StationMember::Body(b) = &mut station.carries {
             add(&b.name, &b.mount, &mut b.loads);
         }
     }

@@ -14,7 +14,7 @@ use super::reading::keys::keys;
 use super::reading::values::{Degrees, NotNegative, Positive};
 use gearbench_models::Vec3;
 use gearbench_models::spec::{
-    Bearing, Freedom, LARGEST_MISALIGNMENT, LateralSpec, Load, Profile, SpinTerms,
+    Bearing, Freedom, LARGEST_MISALIGNMENT, Load, OutOfPlaneSpec, Profile, SpinTerms,
 };
 use serde::de::{Deserialize, Deserializer, Error};
 
@@ -74,7 +74,7 @@ macro_rules! freedoms {
         impl From<$name> for Freedom {
             fn from(freedom: $name) -> Self {
                 match freedom {
-                    $name::Held => Freedom::Held,
+                    $name::Held => Freedom::Fixed,
                     $name::Free => Freedom::Free,
                     $name::Driven(motion) => match Load::from(motion) {
                         Load::Applied(profile) => Freedom::Driven(profile),
@@ -199,7 +199,7 @@ pub(super) fn lateral(
     keys: LateralKeys,
     own: usize,
     at: &Place<'_>,
-) -> Result<Option<Box<LateralSpec>>, SceneError> {
+) -> Result<Option<Box<OutOfPlaneSpec>>, SceneError> {
     if keys.bearing.is_none() && keys.directions.is_none() {
         let of_body = [
             ("mass_kg", keys.mass.is_some() && own == 5),
@@ -217,7 +217,7 @@ pub(super) fn lateral(
             ),
         };
     }
-    let mut spec = LateralSpec {
+    let mut spec = OutOfPlaneSpec {
         mass: keys.mass.map(f64::from),
         added_mass: keys.added_mass.map_or(0.0, f64::from),
         inertia: keys
@@ -229,7 +229,7 @@ pub(super) fn lateral(
             Spin::On => SpinTerms::On,
             Spin::Off => SpinTerms::Off,
         },
-        ..LateralSpec::default()
+        ..OutOfPlaneSpec::default()
     };
     if let Some(b) = &keys.bearing {
         let place = at.key("bearing");
@@ -262,6 +262,6 @@ pub(super) fn lateral(
             spec.directions[i] = freedom;
         }
     }
-    spec.directions[own] = Freedom::Held;
+    spec.directions[own] = Freedom::Fixed;
     Ok(Some(Box::new(spec)))
 }

@@ -19,7 +19,7 @@ use super::error::SceneError;
 use super::reading::Place;
 use gearbench_models::geometry::Side;
 use gearbench_models::spec::{
-    Carried, Load, MeshSpec, Mount, Profile, Train, effective_radius, mesh_layout,
+    Load, MeshSpec, Mount, Profile, StationMember, Train, effective_radius, mesh_layout,
 };
 use gearbench_reports::numbers::short;
 
@@ -117,8 +117,8 @@ impl Start<'_> {
         for (i, shaft) in spec.shafts.iter().enumerate() {
             for (j, station) in shaft.stations.iter().enumerate() {
                 let member = match station.carries {
-                    Carried::Gear(gear) => gear,
-                    Carried::Body(_) => {
+                    StationMember::Gear(gear) => gear,
+                    StationMember::Body(_) => {
                         body += 1;
                         body - 1
                     }

@@ -20,8 +20,8 @@ use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Count, GearName, NotNegative, Positive};
 use gearbench_models::spec::{
-    BodySpec, Carried, Load, Mount, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec,
-    Station, initial_speed as speed_at_start, signed_effective_radius,
+    BodySpec, Load, Mount, SceneSpec, Section, SectionKind, ShaftDamping, ShaftSpec, Station,
+    StationMember, initial_speed as speed_at_start, signed_effective_radius,
 };
 
 keys! {
@@ -106,8 +106,8 @@ pub(super) fn shafts(
 pub(super) fn groups(shafts: &[ShaftSpec]) -> Vec<OnShaft> {
     let of = |shaft: &ShaftSpec| {
         let gears = shaft.stations.iter().filter_map(|s| match s.carries {
-            Carried::Gear(i) => Some((i, s.place)),
-            Carried::Body(_) => None,
+            StationMember::Gear(i) => Some((i, s.place)),
+            StationMember::Body(_) => None,
         });
         gears.collect()
     };
@@ -180,7 +180,7 @@ fn carried(
     speed: Option<f64>,
     gears: &mut [GearDraft],
     at: &Place<'_>,
-) -> Result<Carried, SceneError> {
+) -> Result<StationMember, SceneError> {
     let name = match (keys.gear, keys.body) {
         (Some(gear), None) => {
             let of_body = [
@@ -212,7 +212,7 @@ fn carried(
             {
                 spec.speed = speed;
             }
-            return Ok(Carried::Gear(index));
+            return Ok(StationMember::Gear(index));
         }
         (None, Some(body)) => body,
         (gear, _) => {
@@ -260,7 +260,7 @@ fn carried(
     } else {
         None
     };
-    Ok(Carried::Body(Box::new(BodySpec {
+    Ok(StationMember::Body(Box::new(BodySpec {
         name,
         inertia: keys.inertia_kgm2.map_or(0.0, f64::from),
         speed: initial_speed(own, &mount, "speed_rad_s", at)?,

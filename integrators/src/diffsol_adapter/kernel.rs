@@ -1,4 +1,4 @@
-//! The solvers behind one object-safe trait.
+//! The solvers of diffsol behind one object-safe trait.
 
 use super::Solver;
 use crate::interpolation::hermite;
@@ -14,12 +14,12 @@ use std::marker::PhantomData;
 
 type Lu = NalgebraLU<f64>;
 
-/// What the loop needs of a solver; its type parameters end here.
+/// Interface of a solver for the step loop, without the type parameters of diffsol.
 pub(super) trait Kernel {
-    /// One accepted step. True when it ended at the stop time.
+    /// Makes one accepted step and returns true if it ended at the stop time.
     fn step(&mut self) -> Result<bool, DiffsolError>;
     fn stop_at(&mut self, t: f64) -> Result<(), DiffsolError>;
-    /// Starts afresh at `t` with step `h`; `fill` writes `y` and `y'`.
+    /// Restarts at `t` with step `h`; `fill` writes `y` and `y'`.
     fn restart(&mut self, t: f64, h: f64, fill: &mut dyn FnMut(&mut [f64], &mut [f64]));
     fn time(&self) -> f64;
     fn step_size(&self) -> f64;
@@ -28,7 +28,7 @@ pub(super) trait Kernel {
     fn counts(&self) -> Counts;
 }
 
-/// Statistics of one solver.
+/// Counters of one solver.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Counts {
     pub(super) rejected: u64,
@@ -39,7 +39,7 @@ pub(super) struct Counts {
 
 struct Wrapped<'p, Eqn, S> {
     solver: S,
-    /// Has a Jacobian that belongs to one branch.
+    /// True if the solver stores a Jacobian, which belongs to one branch.
     implicit: bool,
     problem: PhantomData<&'p Eqn>,
 }
@@ -111,7 +111,7 @@ fn write(
     *state.h = h;
 }
 
-/// A solver at the start that the problem's init callback gives.
+/// Starts a solver from the state that the init callback of the problem writes.
 pub(super) fn start<'p, Eqn>(
     solver: Solver,
     problem: &'p OdeSolverProblem<Eqn>,
@@ -147,7 +147,7 @@ where
     })
 }
 
-/// The solver's interpolant over `[from.t, to.t]`.
+/// Dense output from the interpolant of the solver over `[from.t, to.t]`.
 pub(super) struct KernelDense<'a> {
     pub(super) kernel: &'a dyn Kernel,
     pub(super) from: &'a State,
@@ -165,7 +165,7 @@ impl Dense for KernelDense<'_> {
     }
 }
 
-/// Reads the solution at a time inside the kernel's last step.
+/// Reads the solution at a time inside the last step of the kernel.
 pub(super) fn read(
     kernel: &dyn Kernel,
     t: f64,

@@ -22,39 +22,39 @@ mod session;
 use crate::error::StepError;
 use crate::method::{Integrator, MethodInfo, Sink, TimePlan, Tolerance, Work};
 use crate::stepped::{first_step, step_exponent, tolerance_of};
-use crate::system::{At, Change, SecondOrderSystem, State};
+use crate::system::{Change, SecondOrderSystem, State, StateView};
 use diffsol::{NalgebraMat, OdeBuilder};
-use session::{Failed, Session};
+use session::{Session, SessionError};
 use std::cell::{Cell, RefCell};
 
-/// Relative tolerance: some units of rounding of the coordinate itself.
+/// Relative tolerance of the solver: a few units of rounding of the coordinate itself.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Which solver of diffsol.
+/// Solvers of diffsol that the table of methods uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solver {
     /// Backward differentiation of variable order one to five.
     Bdf,
-    /// TR-BDF2.
+    /// TR-BDF2, a one-step method of order two.
     TrBdf2,
-    /// ESDIRK 3(4).
+    /// ESDIRK 3(4), a singly diagonally implicit method of order three.
     Esdirk34,
-    /// Tsitouras 5(4).
+    /// Tsitouras 5(4), an explicit Runge-Kutta method.
     Tsit45,
 }
 
-/// A method of diffsol.
+/// Integrator that runs a solver of diffsol.
 #[derive(Clone, Copy, Debug)]
 pub struct Diffsol {
     info: &'static MethodInfo,
     solver: Solver,
     free_flights: bool,
-    /// A run ended, and may be gone on with.
+    /// True if a run ended and can be continued.
     ran: bool,
 }
 
 impl Diffsol {
-    /// Gives a solver its declaration.
+    /// Combines a solver with its declared properties.
     pub fn new(info: &'static MethodInfo, solver: Solver) -> Self {
         Diffsol {
             info,
@@ -64,7 +64,7 @@ impl Diffsol {
         }
     }
 
-    /// The first step after a restart goes with this power of the tolerance; BDF starts at order one.
+    /// Returns the exponent of the tolerance in the first step after a restart; BDF starts at order one.
     fn starting_exponent(&self) -> f64 {
         match self.solver {
             Solver::Bdf => 0.5,
@@ -73,7 +73,7 @@ impl Diffsol {
     }
 }
 
-/// What the callbacks share with the loop. Callbacks run only inside a solver's constructor and `step`, the
+/// Data that the callbacks share with the loop. Callbacks run only inside the constructor and `step` of a solver; the
 /// loop borrows only outside of them.
 struct Shared<'a> {
     sys: RefCell<&'a mut (dyn SecondOrderSystem + 'a)>,
@@ -91,7 +91,7 @@ impl Shared<'_> {
         let (dq, a) = dy.split_at_mut(n);
         dq.copy_from_slice(v);
         let discrete = self.discrete.borrow();
-        let at = At {
+        let at = StateView {
             t,
             q,
             v,
@@ -114,7 +114,7 @@ impl Shared<'_> {
         let (top, a) = out.split_at_mut(n);
         top.copy_from_slice(dv);
         let discrete = self.discrete.borrow();
-        let at = At {
+        let at = StateView {
             t,
             q,
             v,
@@ -125,7 +125,7 @@ impl Shared<'_> {
         sys.solve_mass(at, a);
     }
 
-    fn event_functions(&self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&self, at: StateView<'_>, out: &mut [f64]) {
         self.sys.borrow_mut().event_functions(at, out);
     }
 }
@@ -152,7 +152,7 @@ impl Integrator for Diffsol {
         self.integrate(sys, s, plan, sink, work)
     }
 
-    /// Solvers of diffsol keep nothing between two calls but the branch: they start afresh in each piece.
+    /// Continues a run. The solvers of diffsol keep only the branch between two calls: they restart in each piece.
     fn resume(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -171,7 +171,7 @@ impl Integrator for Diffsol {
 }
 
 impl Diffsol {
-    /// A run, or the next piece of one.
+    /// Integrates a run, or its next piece.
     fn integrate(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -244,13 +244,13 @@ impl Diffsol {
                 Session::new(&shared, s, plan, sink, work, self.free_flights)
                     .run(&mut *kernel, &first)
             }
-            Err(e) => Err(Failed::Library(e)),
+            Err(e) => Err(SessionError::Library(e)),
         };
         work.force_evaluations += shared.evaluations.get();
         self.ran = result.is_ok();
         result.map_err(|e| match e {
-            Failed::Step(e) => e,
-            Failed::Library(e) => library(e, s.t),
+            SessionError::Step(e) => e,
+            SessionError::Library(e) => library(e, s.t),
         })
     }
 }

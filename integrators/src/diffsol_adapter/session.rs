@@ -15,37 +15,37 @@ use std::cell::RefCell;
 
 mod locate;
 
-/// Why a run failed.
-pub(super) enum Failed {
-    /// In our words.
+/// Failure of a run, from this crate or from diffsol.
+pub(super) enum SessionError {
+    /// An error of this crate.
     Step(StepError),
-    /// In the library's.
+    /// An error of diffsol.
     Library(DiffsolError),
 }
 
-impl From<DiffsolError> for Failed {
+impl From<DiffsolError> for SessionError {
     fn from(e: DiffsolError) -> Self {
-        Failed::Library(e)
+        SessionError::Library(e)
     }
 }
 
-impl From<StepError> for Failed {
+impl From<StepError> for SessionError {
     fn from(e: StepError) -> Self {
-        Failed::Step(e)
+        SessionError::Step(e)
     }
 }
 
-/// How a run goes on after a solver's step.
-enum Next {
-    /// With the next step.
+/// Action of the loop after a step of the solver.
+enum NextAction {
+    /// The solver makes its next step.
     Step,
-    /// From a changed state.
+    /// The solver restarts from a changed state.
     Restart,
-    /// Not at all.
+    /// The run ends.
     End,
 }
 
-/// One run.
+/// State of one run with a solver of diffsol.
 pub(super) struct Session<'x, 'a> {
     shared: &'x Shared<'a>,
     s: &'x mut State,
@@ -97,12 +97,12 @@ impl<'x, 'a> Session<'x, 'a> {
         }
     }
 
-    /// Runs to the end of the plan. `first_step` gives the first step after a restart.
+    /// Runs to the end of the plan. `first_step` returns the first step after a restart.
     pub(super) fn run(
         &mut self,
         kernel: &mut dyn Kernel,
         first_step: &dyn Fn(&State) -> f64,
-    ) -> Result<(), Failed> {
+    ) -> Result<(), SessionError> {
         loop {
             if self.events {
                 self.shared
@@ -113,9 +113,9 @@ impl<'x, 'a> Session<'x, 'a> {
             // diffsol takes a stop time within a hundred units of rounding for reached.
             let least = 200.0 * f64::EPSILON * (self.s.t.abs() + h);
             let mut last = h;
-            self.flight.patience.end();
+            self.flight.query_interval.end();
             if let Some(next) = self.flight_path(h, stop)? {
-                if matches!(next, Next::End) {
+                if matches!(next, NextAction::End) {
                     return Ok(());
                 }
             } else if stop - self.s.t <= least.max(resolution_of_time(self.s.t, self.plan)) {
@@ -126,20 +126,20 @@ impl<'x, 'a> Session<'x, 'a> {
                 loop {
                     let cut = kernel.step_size();
                     match self.step(kernel, stop)? {
-                        Next::Step => {
+                        NextAction::Step => {
                             last = cut;
                             match self.flight_path(kernel.step_size(), stop)? {
                                 None => {}
-                                Some(Next::End) => return Ok(()),
+                                Some(NextAction::End) => return Ok(()),
                                 Some(_) => break,
                             }
                         }
-                        Next::Restart => {
+                        NextAction::Restart => {
                             // The step before one that was cut short says more about the characteristic time.
                             last = last.max(cut);
                             break;
                         }
-                        Next::End => return Ok(()),
+                        NextAction::End => return Ok(()),
                     }
                 }
             }
@@ -156,9 +156,9 @@ impl<'x, 'a> Session<'x, 'a> {
         }
     }
 
-    /// Crosses a flight that is longer than a step of size `h` and ends by `stop`, and what follows from that; `None`
-    /// where there is none.
-    fn flight_path(&mut self, h: f64, stop: f64) -> Result<Option<Next>, Failed> {
+    /// Crosses a free flight that is longer than a step of size `h` and ends by `stop`; returns the next action, or
+    /// `None` where there is no such flight.
+    fn flight_path(&mut self, h: f64, stop: f64) -> Result<Option<NextAction>, SessionError> {
         let shared = self.shared;
         let later = self.s.t + h;
         if !self.flight.on || later >= stop {
@@ -194,18 +194,18 @@ impl<'x, 'a> Session<'x, 'a> {
         self.events_here = 0;
         std::mem::swap(self.s, &mut self.to);
         if control == Control::Stop {
-            return Ok(Some(Next::End));
+            return Ok(Some(NextAction::End));
         }
         self.between(false, true);
         Ok(Some(if self.s.t >= self.plan.t_end {
-            Next::End
+            NextAction::End
         } else {
-            Next::Restart
+            NextAction::Restart
         }))
     }
 
-    /// One step of the solver and what follows from it.
-    fn step(&mut self, kernel: &mut dyn Kernel, stop: f64) -> Result<Next, Failed> {
+    /// Makes one step of the solver and returns the next action.
+    fn step(&mut self, kernel: &mut dyn Kernel, stop: f64) -> Result<NextAction, SessionError> {
         let shared = self.shared;
         self.bounds
             .check(self.plan, self.s.t, self.work, &*self.sink)?;
@@ -255,7 +255,7 @@ impl<'x, 'a> Session<'x, 'a> {
             progressed = self.to.t - self.s.t > 1e-12 * (self.plan.t_end - self.t_begin);
             std::mem::swap(self.s, &mut self.to);
             if control == Control::Stop {
-                return Ok(Next::End);
+                return Ok(NextAction::End);
             }
         }
         if located && !progressed {
@@ -272,17 +272,17 @@ impl<'x, 'a> Session<'x, 'a> {
         }
         let restart = self.between(located, false);
         Ok(if self.s.t >= self.plan.t_end {
-            Next::End
+            NextAction::End
         } else if restart {
-            Next::Restart
+            NextAction::Restart
         } else {
             self.watch.advance();
-            Next::Step
+            NextAction::Step
         })
     }
 
-    /// What happens to a state between two steps: switches, `commit`, the next breakpoint. True when the solver
-    /// has to start afresh, as after a free flight.
+    /// Processes events, `commit` and the next breakpoint between two steps. Returns true when the solver has to
+    /// restart, as after a free flight.
     fn between(&mut self, located: bool, flown: bool) -> bool {
         let mut sys = self.shared.sys.borrow_mut();
         let s = &mut *self.s;
@@ -322,7 +322,7 @@ impl<'x, 'a> Session<'x, 'a> {
     }
 }
 
-/// Says in the words of [`StepError`] why a step failed that started at `t` with size `h`.
+/// Converts the failure of a step that started at `t` with size `h` to a [`StepError`].
 fn explain(
     e: DiffsolError,
     shared: &Shared<'_>,
@@ -330,7 +330,7 @@ fn explain(
     h: f64,
     counts: Counts,
     seen: Counts,
-) -> Failed {
+) -> SessionError {
     if let Some((t, dof)) = shared.not_finite.get() {
         return StepError::NonFinite { t, dof }.into();
     }
@@ -352,6 +352,6 @@ fn explain(
             StepError::StepTooSmall { t, h }
         }
         .into(),
-        e => Failed::Library(e),
+        e => SessionError::Library(e),
     }
 }

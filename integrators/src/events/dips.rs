@@ -1,4 +1,4 @@
-//! Event functions that fall through zero and rise again within a step, which its two ends do not tell.
+//! Detection of event functions that fall through zero and rise again within a step, which its two ends do not show.
 //!
 //! A method under a tolerance takes long steps in free flight, along which it is exact. Where the flanks of teeth come
 //! close to each other at the turning point of such a flight, a step may lead from open to open over a contact between:
@@ -6,18 +6,19 @@
 
 use super::Watch;
 
-/// Steps up to this part of the system's characteristic time are not looked into: what loads alone make of a gap within
-/// them, `(h/T)^2/8` of the deflection under these loads, is nothing.
+/// Ratio of step to characteristic time up to which steps are not searched for dips. Loads alone change a gap within
+/// such a step by `(h/T)^2/8` of the deflection under these loads, which is negligible.
 pub(crate) const SHORT: f64 = 0.2;
-/// The least value of a parabola above zero, over its drop, from which on it is not looked at.
+/// Lowest value of a parabola, relative to its drop, above which no dip is searched.
 const NEAR: f64 = 0.1;
-/// Depth over drop from which on a dip counts: rounding and the error of the interpolant make no contact.
+/// Depth relative to drop below which a dip does not count, because rounding and the error of the interpolant can
+/// cause it.
 const LEAST: f64 = 1e-3;
 
 impl Watch {
-    /// Looks whether an event function that is positive `before` and `after` the step fell within it, whatever else fell.
-    /// Then the bottom of the first dip takes the place of the end of the step: what falls later is seen after it, and
-    /// nothing that falls there is left behind with its contact overlapping. `events_at` as in [`Watch::first_root`].
+    /// Searches for an event function that is positive `before` and `after` the step and fell within it, whatever else
+    /// fell. The bottom of the first dip then replaces the end of the step, so that later events are found after it
+    /// and no contact is left overlapping. `events_at` evaluates event functions as in [`Watch::first_root`].
     pub(crate) fn any_dipped(&mut self, mut events_at: impl FnMut(f64, &mut [f64])) -> bool {
         let stays = |i: usize, before: &[f64], after: &[f64]| before[i] > 0.0 && after[i] > 0.0;
         // `after` was read here.
@@ -53,8 +54,8 @@ impl Watch {
     }
 }
 
-/// Where the parabola through values at the start, the middle and the end of a step is least, if that lies inside and at
-/// or near zero.
+/// Returns the abscissa of the minimum of the parabola through values at the start, the middle and the end of a step,
+/// if it lies inside the step and its value is not clearly positive.
 fn bottom(start: f64, middle: f64, end: f64) -> Option<f64> {
     let slope = 4.0 * middle - 3.0 * start - end;
     let curvature = 2.0 * (start + end - 2.0 * middle);
@@ -120,7 +121,7 @@ mod tests {
         assert_eq!(w.falling, [1]);
     }
 
-    /// A function that falls for good may hide one that dips before: at the root of the first the other would be deep
+    /// A function that falls for good may mask one that dips before: at the root of the first the second would be far
     /// below zero.
     #[test]
     fn a_dip_shows_beside_what_falls() {

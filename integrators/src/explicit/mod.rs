@@ -1,4 +1,4 @@
-//! Explicit methods.
+//! Explicit methods: semi-implicit Euler, velocity Verlet, Runge-Kutta.
 
 pub mod runge_kutta;
 pub mod semi_implicit_euler;

@@ -9,9 +9,9 @@ use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
 use crate::linear_stability::Stability;
 use crate::method::{MethodInfo, OneStep, Stepping, Tolerance, Work};
-use crate::system::{At, SecondOrderSystem, State};
+use crate::system::{SecondOrderSystem, State, StateView};
 
-/// What RK4 declares.
+/// Declared properties of the classical Runge-Kutta method.
 pub static RK4: MethodInfo = MethodInfo {
     id: "rk4",
     name: "Runge-Kutta 4",
@@ -26,7 +26,7 @@ pub static RK4: MethodInfo = MethodInfo {
     citation: "Kutta, Z. Math. Phys. 46 (1901) 435",
 };
 
-/// What Dormand-Prince declares.
+/// Declared properties of the Dormand-Prince method.
 pub static DOPRI5: MethodInfo = MethodInfo {
     id: "dopri5",
     name: "Dormand-Prince 5(4)",
@@ -47,9 +47,9 @@ struct Tableau {
     a: &'static [&'static [f64]],
     b: &'static [f64],
     c: &'static [f64],
-    /// Weights of the error estimate (solution minus embedded one), empty without.
+    /// Weights of the error estimate (solution minus embedded solution); empty without an estimate.
     e: &'static [f64],
-    /// The last stage is the first of the next step.
+    /// True if the last stage is the first stage of the next step.
     first_same_as_last: bool,
 }
 
@@ -113,7 +113,7 @@ static DOPRI5_TABLEAU: Tableau = Tableau {
     first_same_as_last: true,
 };
 
-/// Weights of Shampine's fifth interpolation term.
+/// Weights of the fifth interpolation term of Shampine.
 const DOPRI5_DENSE: [f64; 7] = [
     -12715105075.0 / 11282082432.0,
     0.0,
@@ -130,27 +130,27 @@ pub struct RungeKutta {
     info: &'static MethodInfo,
     tableau: &'static Tableau,
     n: usize,
-    /// Stage velocities and accelerations, `stages x n` each.
+    /// Velocities and accelerations of the stages, `stages x n` each.
     kq: Vec<f64>,
     kv: Vec<f64>,
     q: Vec<f64>,
     v: Vec<f64>,
-    /// The first stage holds the acceleration at the start of the step already.
+    /// True if the first stage already has the acceleration at the start of the step.
     first_known: bool,
 }
 
 impl RungeKutta {
-    /// The classical method of order four.
+    /// Builds the classical method of order four.
     pub fn rk4() -> Self {
         Self::of(&RK4, &RK4_TABLEAU)
     }
 
-    /// Dormand-Prince 5(4), at fixed steps or under a tolerance.
+    /// Builds Dormand-Prince 5(4), for fixed steps or a tolerance.
     pub fn dopri5() -> Self {
         Self::of(&DOPRI5, &DOPRI5_TABLEAU)
     }
 
-    /// Its stability polynomial `R(z) = 1 + sum_k z^(k+1) b^T A^k 1`.
+    /// Returns the stability polynomial `R(z) = 1 + sum_k z^(k+1) b^T A^k 1`.
     #[must_use]
     pub fn stability(&self) -> Stability {
         let tb = self.tableau;
@@ -185,7 +185,7 @@ impl RungeKutta {
 }
 
 impl RungeKutta {
-    /// One step of `N` coordinates; `N = 0` means a number known at run time only. A number known to the
+    /// Makes one step of `N` coordinates; `N = 0` stands for a number known only at run time. A number known to the
     /// compiler unrolls the inner loops: a step of two coordinates is otherwise mostly bookkeeping.
     #[inline]
     fn step_of<const N: usize>(
@@ -204,7 +204,7 @@ impl RungeKutta {
         let (q, v) = (&mut self.q[..n], &mut self.v[..n]);
         let (q0, v0) = (&from.q[..n], &from.v[..n]);
         let mut derivative = |t: f64, q: &[f64], v: &[f64], a: &mut [f64]| {
-            let at = At {
+            let at = StateView {
                 t,
                 q,
                 v,

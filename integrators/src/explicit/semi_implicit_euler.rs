@@ -7,7 +7,7 @@ use crate::error::StepError;
 use crate::method::{MethodInfo, OneStep, Stepping, Tolerance, Work};
 use crate::system::{SecondOrderSystem, State};
 
-/// What the method declares.
+/// Declared properties of semi-implicit Euler.
 pub static INFO: MethodInfo = MethodInfo {
     id: "semi-implicit-euler",
     name: "semi-implicit Euler",
@@ -22,7 +22,7 @@ pub static INFO: MethodInfo = MethodInfo {
     citation: "Hairer, Lubich, Wanner, Geometric Numerical Integration (2006), I.1.2",
 };
 
-/// The method.
+/// The semi-implicit Euler method with its acceleration buffer.
 #[derive(Clone, Debug, Default)]
 pub struct SemiImplicitEuler {
     a: Vec<f64>,

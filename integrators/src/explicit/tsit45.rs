@@ -3,7 +3,7 @@
 
 use crate::method::{MethodInfo, Stepping};
 
-/// What the method declares.
+/// Declared properties of Tsitouras 5(4).
 pub static INFO: MethodInfo = MethodInfo {
     id: "tsit45",
     name: "Tsitouras 5(4)",

@@ -8,9 +8,9 @@
 use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
 use crate::method::{MethodInfo, OneStep, Stepping, Tolerance, Work};
-use crate::system::{At, HalfKick, SecondOrderSystem, State};
+use crate::system::{HalfStepImpulse, SecondOrderSystem, State, StateView};
 
-/// What the method declares.
+/// Declared properties of velocity Verlet.
 pub static INFO: MethodInfo = MethodInfo {
     id: "velocity-verlet",
     name: "velocity Verlet",
@@ -25,7 +25,7 @@ pub static INFO: MethodInfo = MethodInfo {
     citation: "Verlet, Phys. Rev. 159 (1967) 98; Swope et al., J. Chem. Phys. 76 (1982) 637",
 };
 
-/// The method; keeps the acceleration at both ends of a step.
+/// The velocity Verlet method with the accelerations at both ends of a step.
 #[derive(Clone, Debug, Default)]
 pub struct VelocityVerlet {
     a0: Vec<f64>,
@@ -69,13 +69,13 @@ impl OneStep for VelocityVerlet {
             before[i] = v0[i] + half * a0[i];
         }
         to.t = from.t + h;
-        let at = At {
+        let at = StateView {
             t: to.t,
             q: &to.q,
             v: &self.v,
             discrete: &from.discrete,
         };
-        let kick = HalfKick {
+        let kick = HalfStepImpulse {
             time: half,
             before: &self.before,
             steady: &[],

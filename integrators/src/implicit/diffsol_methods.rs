@@ -6,7 +6,7 @@
 
 use crate::method::{MethodInfo, Stepping};
 
-/// Backward differentiation formulas (NDF) of order one to five.
+/// Declared properties of the backward differentiation formulas (NDF) of order one to five.
 pub static BDF: MethodInfo = MethodInfo {
     id: "bdf",
     name: "BDF",
@@ -21,7 +21,7 @@ pub static BDF: MethodInfo = MethodInfo {
     citation: "Shampine, Reichelt, SIAM J. Sci. Comput. 18 (1997) 1; diffsol",
 };
 
-/// Trapezoidal rule and BDF2 in one step.
+/// Declared properties of TR-BDF2: trapezoidal rule and BDF2 in one step.
 pub static TR_BDF2: MethodInfo = MethodInfo {
     id: "tr-bdf2",
     name: "TR-BDF2",
@@ -36,7 +36,7 @@ pub static TR_BDF2: MethodInfo = MethodInfo {
     citation: "Bank et al., IEEE Trans. CAD 4 (1985) 436; Hosea, Shampine, Appl. Numer. Math. 20 (1996) 21; diffsol",
 };
 
-/// Explicit first stage, three implicit ones.
+/// Declared properties of ESDIRK 3(4): an explicit first stage and three implicit ones.
 pub static ESDIRK34: MethodInfo = MethodInfo {
     id: "esdirk34",
     name: "ESDIRK 3(4)",

@@ -24,9 +24,9 @@ use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
 use crate::linear_stability::{Flip, Stability};
 use crate::method::{MethodInfo, OneStep, Parameter, Stepping, Tolerance, Work};
-use crate::system::{At, Coeffs, SecondOrderSystem, State};
+use crate::system::{Coeffs, SecondOrderSystem, State, StateView};
 
-/// What Newmark declares.
+/// Declared properties of Newmark-beta.
 pub static NEWMARK: MethodInfo = MethodInfo {
     id: "newmark",
     name: "Newmark-beta",
@@ -46,7 +46,7 @@ pub static NEWMARK: MethodInfo = MethodInfo {
     citation: "Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67",
 };
 
-/// What HHT-alpha declares.
+/// Declared properties of HHT-alpha.
 pub static HHT: MethodInfo = MethodInfo {
     id: "hht-alpha",
     name: "HHT-alpha",
@@ -66,7 +66,7 @@ pub static HHT: MethodInfo = MethodInfo {
     citation: "Hilber, Hughes, Taylor, Earthquake Eng. Struct. Dyn. 5 (1977) 283",
 };
 
-/// What generalised-alpha declares.
+/// Declared properties of generalised-alpha.
 pub static GENERALISED_ALPHA: MethodInfo = MethodInfo {
     id: "generalised-alpha",
     name: "generalised-alpha",
@@ -86,16 +86,16 @@ pub static GENERALISED_ALPHA: MethodInfo = MethodInfo {
     citation: "Chung, Hulbert, J. Appl. Mech. 60 (1993) 371; Arnold, Bruels (2007)",
 };
 
-/// Newton iterations before a step is given up.
+/// Largest number of Newton iterations of a step.
 const MAX_ITERATIONS: u32 = 60;
-/// Evaluations of a search along a correction.
+/// Largest number of force evaluations of a line search along a correction.
 const SEARCHES: usize = 12;
-/// Newton iterations with the whole correction. Those of smooth forces, and of most contacts, need fewer.
+/// Number of Newton iterations with the whole correction. Smooth forces and most contacts need fewer.
 const PATIENCE: u32 = 6;
-/// Newton stops when the correction is this small against the system's scales.
+/// Size of the correction, relative to the scales of the system, at which Newton's method ends.
 const NEWTON_TOLERANCE: f64 = 1e-11;
 
-/// A method of the family.
+/// A method of the generalised-alpha family.
 #[derive(Clone, Debug)]
 pub struct GeneralisedAlpha {
     info: &'static MethodInfo,
@@ -103,28 +103,28 @@ pub struct GeneralisedAlpha {
     alpha_f: f64,
     beta: f64,
     gamma: f64,
-    /// True and auxiliary acceleration at both ends.
+    /// True acceleration `a` and auxiliary acceleration `b` at both ends of the step.
     a0: Vec<f64>,
     a1: Vec<f64>,
     b0: Vec<f64>,
     b1: Vec<f64>,
     residual: Vec<f64>,
-    /// Before it was corrected.
+    /// Residual before the correction.
     raw: Vec<f64>,
 }
 
 impl GeneralisedAlpha {
-    /// Newmark with gamma = 1/2.
+    /// Builds the Newmark method with gamma = 1/2.
     pub fn newmark(beta: f64) -> Self {
         Self::of(&NEWMARK, 0.0, 0.0, beta, 0.5)
     }
 
-    /// Hilber-Hughes-Taylor; `alpha` in [0, 1/3].
+    /// Builds the Hilber-Hughes-Taylor method; `alpha` lies in [0, 1/3].
     pub fn hht(alpha: f64) -> Self {
         Self::of(&HHT, 0.0, alpha, 0.25 * (1.0 + alpha).powi(2), 0.5 + alpha)
     }
 
-    /// Chung-Hulbert with spectral radius `rho` at infinity.
+    /// Builds the Chung-Hulbert method with spectral radius `rho` at infinite frequency.
     pub fn chung_hulbert(rho: f64) -> Self {
         let am = (2.0 * rho - 1.0) / (rho + 1.0);
         let af = rho / (rho + 1.0);
@@ -137,9 +137,9 @@ impl GeneralisedAlpha {
         )
     }
 
-    /// Where it is stable on linear systems. At `z = -1` the recurrence gives, for `gamma = 1/2`, a velocity of zero
-    /// and `4 M - (1 - 4 beta) h^2 K`, so that dampers do not matter; with the parameters of HHT-alpha and
-    /// generalised-alpha `beta' >= gamma' / 2` holds, which no step exceeds.
+    /// Returns the stability limit on linear systems. At `z = -1` the recurrence gives, for `gamma = 1/2`, a velocity
+    /// of zero and `4 M - (1 - 4 beta) h^2 K`, so that dampers have no influence. With the parameters of HHT-alpha and
+    /// generalised-alpha `beta' >= gamma' / 2` holds, and every step is stable.
     #[must_use]
     pub fn stability(&self) -> Stability {
         let newmark = self.alpha_m == 0.0 && self.alpha_f == 0.0 && self.gamma == 0.5;
@@ -169,7 +169,7 @@ impl GeneralisedAlpha {
         }
     }
 
-    /// Coordinates and velocities at the end by the acceleration there.
+    /// Computes coordinates and velocities at the end of the step from the acceleration there.
     fn displace(&mut self, from: &State, h: f64, to: &mut State) {
         let (am, af, beta, gamma) = (self.alpha_m, self.alpha_f, self.beta, self.gamma);
         let (wa, wb) = (1.0 / (1.0 - am), am / (1.0 - am));
@@ -181,9 +181,15 @@ impl GeneralisedAlpha {
         }
     }
 
-    /// The residual `f - M a1` at the end; `b1` is lost.
-    fn lack(&mut self, sys: &mut dyn SecondOrderSystem, from: &State, to: &State, work: &mut Work) {
-        let at = At {
+    /// Computes the residual `f - M a1` at the end of the step; the content of `b1` is overwritten.
+    fn residual(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        from: &State,
+        to: &State,
+        work: &mut Work,
+    ) {
+        let at = StateView {
             t: to.t,
             q: &to.q,
             v: &to.v,
@@ -197,10 +203,10 @@ impl GeneralisedAlpha {
         }
     }
 
-    /// The part of a correction to take. Forces are linear piece by piece where contacts open and where their dashpots
-    /// end; between two soft pieces a stiff one may lie, over which whole corrections go back and forth for ever. The
-    /// work of the residual on the correction tells that its end lies beyond: the place where there is none is looked
-    /// for (H. Matthies, G. Strang, *Int. J. Numer. Methods Eng.* 14 (1979) 1613).
+    /// Returns the fraction of a correction to apply. Forces are piecewise linear where contacts open and where their
+    /// dashpots end. Between two soft pieces a stiff one may lie, across which whole corrections alternate without
+    /// end. A change of sign of the work of the residual on the correction shows this, and its zero is then searched
+    /// (H. Matthies, G. Strang, *Int. J. Numer. Methods Eng.* 14 (1979) 1613).
     fn search_along(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -220,7 +226,7 @@ impl GeneralisedAlpha {
                 *a += from_to * d;
             }
             this.displace(from, h, to);
-            this.lack(sys, from, to, work);
+            this.residual(sys, from, to, work);
             work_of(&this.residual)
         };
         let (mut low, mut high) = ((0.0, start), (1.0, at(self, 1.0)));
@@ -298,8 +304,8 @@ impl OneStep for GeneralisedAlpha {
             if size <= NEWTON_TOLERANCE {
                 return Ok(0.0);
             }
-            self.lack(sys, from, to, work);
-            let at = At {
+            self.residual(sys, from, to, work);
+            let at = StateView {
                 t: to.t,
                 q: &to.q,
                 v: &to.v,

@@ -4,8 +4,8 @@
 //! M q'' + D q' + K q = 0,   M, D, K symmetric, M > 0, D, K >= 0
 //! ```
 //!
-//! stay bounded. Every method of the table declares what decides it ([`Stability`]); [`Stability::largest_step`] is the
-//! answer for one oscillator `q'' + 2 zeta omega q' + omega^2 q = 0`.
+//! stay bounded. Every method of the table declares the data that determine this ([`Stability`]);
+//! [`Stability::largest_step`] returns the limit for one oscillator `q'' + 2 zeta omega q' + omega^2 q = 0`.
 //!
 //! **Runge-Kutta methods** see the system in first order, `y' = A y`. With `lambda` an eigenvalue of `A` a step
 //! multiplies by `R(h lambda)`, `R(z) = 1 + z b^T (I - z A_tableau)^-1 1`, a polynomial for explicit ones
@@ -33,54 +33,55 @@
 //! the end of a kick is zero, so that `D` has the other dampers alone ([`Flip::predicts`]), and `2 / omega` is the limit
 //! without these.
 //!
-//! **The trigonometric method** is exact for oscillators and kicks them by the rest, see [`Kicks`].
+//! **The trigonometric method** is exact for oscillators and kicks them by the rest, see [`Impulses`].
 //!
 //! Newmark with beta >= 1/4, HHT-alpha and generalised-alpha with the parameters of their declared ranges are stable at
 //! every step on linear systems. Methods that run under a tolerance only choose their steps themselves.
 
-mod kicks;
+mod impulses;
 mod polynomial;
 
 #[cfg(test)]
 mod tests;
 
-pub use kicks::Kicks;
+pub use impulses::Impulses;
 pub use polynomial::{first_exit, modulus};
 
-/// What decides the stability of a method at a fixed step.
+/// Data that determine the stability of a method at fixed steps.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stability {
-    /// The coefficients of `R(z)` from order zero on.
+    /// Stability polynomial: the coefficients of `R(z)` from order zero on.
     Polynomial(Vec<f64>),
-    /// Where `4 M - d h D - k h^2 K` becomes singular.
+    /// The limit is where `4 M - d h D - k h^2 K` becomes singular.
     Flip(Flip),
-    /// Kicks of the remainder between exact oscillators.
-    Kicks(Kicks),
+    /// Impulses of the remainder between exact oscillators.
+    Impulses(Impulses),
     /// Every step is stable.
     Unconditional,
-    /// The method takes no fixed steps.
+    /// The method has no fixed steps.
     Controlled,
 }
 
-/// Coefficients of `4 M - d h D - k h^2 K`.
+/// Coefficients of the matrix `4 M - d h D - k h^2 K`, which is singular at the stability limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flip {
-    /// Of the damping.
+    /// Coefficient of the damping matrix.
     pub d: f64,
-    /// Of the stiffness.
+    /// Coefficient of the stiffness matrix.
     pub k: f64,
 }
 
 impl Flip {
-    /// The method predicts the velocities of a kick (`d = 4`), and asks for forces at its end in place of them where the
-    /// system knows these ([`force_after`](crate::SecondOrderSystem::force_after)): dampers that it knows so do not
-    /// belong to `D`.
+    /// Returns true if the method predicts the velocities at the end of a step (`d = 4`). Where the system can
+    /// evaluate its forces at that end ([`force_after`](crate::SecondOrderSystem::force_after)), the dampers that it
+    /// evaluates so do not belong to `D`.
     #[must_use]
     pub fn predicts(&self) -> bool {
-        self.d == Kicks::FLIP.d
+        self.d == Impulses::FLIP.d
     }
 
-    /// The limit [s] of an oscillator: the positive root of `k x^2 + 2 d zeta x = 4` over `omega`.
+    /// Returns the largest stable step [s] of an oscillator: the positive root of `k x^2 + 2 d zeta x = 4` over
+    /// `omega`.
     #[must_use]
     pub fn largest_step(&self, omega: f64, zeta: f64) -> f64 {
         let damped = self.d * zeta;
@@ -89,7 +90,8 @@ impl Flip {
     }
 }
 
-/// Eigenvalues `[re, im]` [1/s] of an oscillator in first order; the second is the conjugate of a complex one.
+/// Returns the eigenvalues `[re, im]` [1/s] of an oscillator in first-order form; the second is the conjugate of a
+/// complex one.
 #[must_use]
 pub fn eigenvalues_of(omega: f64, zeta: f64) -> [[f64; 2]; 2] {
     let rest = (1.0 - zeta) * (1.0 + zeta);
@@ -105,9 +107,9 @@ pub fn eigenvalues_of(omega: f64, zeta: f64) -> [[f64; 2]; 2] {
 }
 
 impl Stability {
-    /// The largest stable step [s] for an oscillator of frequency `omega` [rad/s] and damping ratio `zeta`; `None`
-    /// where every step is stable or the method takes none. For the trigonometric method the oscillator is a contact
-    /// that nothing but a free mass answers.
+    /// Returns the largest stable step [s] for an oscillator of frequency `omega` [rad/s] and damping ratio `zeta`, or
+    /// `None` where every step is stable or the method has no fixed steps. For the trigonometric method the oscillator
+    /// is a free mass on a contact.
     #[must_use]
     pub fn largest_step(&self, omega: f64, zeta: f64) -> Option<f64> {
         match self {
@@ -116,7 +118,7 @@ impl Stability {
                 Some(exits[0].min(exits[1]))
             }
             Stability::Flip(flip) => Some(flip.largest_step(omega, zeta)),
-            Stability::Kicks(_) => Some(Kicks::FLIP.largest_step(omega, zeta)),
+            Stability::Impulses(_) => Some(Impulses::FLIP.largest_step(omega, zeta)),
             Stability::Unconditional | Stability::Controlled => None,
         }
     }

@@ -1,12 +1,12 @@
 //! Stability polynomials: `|R(z)|` and the step at which a ray `h lambda` first leaves `|R| <= 1`.
 
-/// `|R| - 1` that counts as growth: above rounding, and below what a part in ten thousand of the step brings even where
-/// growth is slowest, beyond the limit of Dormand-Prince on the imaginary axis.
+/// Value of `|R| - 1` that counts as growth: above rounding, and below the growth over one part in ten thousand of the
+/// step where growth is slowest, beyond the limit of Dormand-Prince on the imaginary axis.
 const GROWTH: f64 = 1e-9;
-/// Distance of looks along the ray in `|z|`.
+/// Distance of samples along the ray in `|z|`.
 const LOOK: f64 = 0.01;
 
-/// `|R(z)|` for coefficients from order zero on, `z = [re, im]`.
+/// Computes `|R(z)|` for coefficients from order zero on, `z = [re, im]`.
 #[must_use]
 pub fn modulus(coefficients: &[f64], [re, im]: [f64; 2]) -> f64 {
     let (mut x, mut y) = (0.0, 0.0);
@@ -16,8 +16,8 @@ pub fn modulus(coefficients: &[f64], [re, im]: [f64; 2]) -> f64 {
     f64::hypot(x, y)
 }
 
-/// The largest `h` such that `|R(s lambda)| <= 1` for all `s` up to `h`; infinite for `lambda = 0`. The part of `lambda`
-/// that grows by itself is the system's own and left out.
+/// Returns the largest `h` such that `|R(s lambda)| <= 1` for all `s` up to `h`, or infinity for `lambda = 0`. A
+/// positive real part of `lambda`, a growth of the system itself, is left out.
 #[must_use]
 pub fn first_exit(coefficients: &[f64], [re, im]: [f64; 2]) -> f64 {
     let size = f64::hypot(re, im);

@@ -1,8 +1,10 @@
-//! Limits against closed forms of the literature, and every method as implemented against what it declares.
+//! Stability limits compared with closed forms of the literature, and every implemented method compared with its
+//! declaration.
 
 use super::*;
 use crate::{
-    At, Layout, METHODS, ModalSplit, NullSink, Resolution, SecondOrderSystem, State, TimePlan, Work,
+    Layout, METHODS, ModalSplit, NullSink, Resolution, SecondOrderSystem, State, StateView,
+    TimePlan, Work,
 };
 
 fn of(text: &str) -> Stability {
@@ -20,7 +22,7 @@ fn close(a: f64, b: f64, tolerance: f64, what: &str) {
     assert!((a / b - 1.0).abs() <= tolerance, "{what}: {a} {b}");
 }
 
-/// The truncated exponential, and the one of Dormand-Prince with its `z^6/600` (Hairer, Wanner, IV.2).
+/// Coefficients of the truncated exponential, and of Dormand-Prince with its `z^6/600` (Hairer, Wanner, IV.2).
 #[test]
 fn polynomials_come_from_the_tableaus() {
     let exact = [
@@ -113,7 +115,8 @@ fn flips_are_the_classical_limits() {
     }
 }
 
-/// `q'' + 2 zeta omega q' + omega^2 q = 0`; for methods that are exact for oscillators a free mass on a remainder.
+/// Oscillator `q'' + 2 zeta omega q' + omega^2 q = 0`; for methods that are exact for oscillators, a free mass on a
+/// remainder.
 struct Oscillator {
     omega: f64,
     zeta: f64,
@@ -129,14 +132,14 @@ impl SecondOrderSystem for Oscillator {
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         (q[0], v[0]) = (1.0, self.omega);
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f[0] = -self.omega * (self.omega * at.q[0] + 2.0 * self.zeta * at.v[0]);
     }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn solve_mass(&mut self, _at: StateView<'_>, _f: &mut [f64]) {}
+    fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         y.copy_from_slice(x);
     }
-    fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, _at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         df[0] = -self.omega * (self.omega * dq[0] + 2.0 * self.zeta * dv[0]);
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
@@ -148,10 +151,10 @@ impl ModalSplit for Oscillator {
     fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
         (omega[0], zeta[0]) = (0.0, 0.0);
     }
-    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
         self.force(at, a);
     }
-    fn steady(&mut self, at: At<'_>, _a: &mut [f64]) -> f64 {
+    fn steady(&mut self, at: StateView<'_>, _a: &mut [f64]) -> f64 {
         at.t
     }
     fn free_until(&mut self, s: &State) -> f64 {
@@ -159,7 +162,7 @@ impl ModalSplit for Oscillator {
     }
 }
 
-/// Energy after so many steps over that at the start.
+/// Returns the energy after a number of steps relative to the initial energy.
 fn growth(text: &str, zeta: f64, h: f64, steps: u32) -> f64 {
     let mut sys = Oscillator { omega: 30.0, zeta };
     let mut s = State {
@@ -177,8 +180,8 @@ fn growth(text: &str, zeta: f64, h: f64, steps: u32) -> f64 {
     }
 }
 
-/// One per cent below its limit every method stays bounded, one per cent above it does not; implicit ones survive steps
-/// of a thousand times that.
+/// One per cent below its limit every method stays bounded and one per cent above it does not; implicit methods stay
+/// bounded at a thousand times that step.
 #[test]
 fn methods_have_the_limits_they_declare() {
     let variants = ["newmark(beta=0)", "newmark(beta=0.2)"];
@@ -213,12 +216,12 @@ fn methods_have_the_limits_they_declare() {
     }
 }
 
-/// An oscillator under kicks: the limit of `4 = h^2 K_c` for a free mass, and the closed form of the frequency beyond
-/// which kicks of a spring `k` on an oscillator flip it, `2 + 2 cos x = h^2 k sinc x`, against long runs.
+/// An oscillator under impulses: the limit `4 = h^2 K_c` of a free mass, and the closed form of the frequency beyond
+/// which a spring `k` on an oscillator is unstable, `2 + 2 cos x = h^2 k sinc x`, compared with long runs.
 #[test]
 fn kicks_of_an_oscillator_flip_where_its_weights_say() {
-    struct Kicked(f64, f64);
-    impl SecondOrderSystem for Kicked {
+    struct ImpulsiveOscillator(f64, f64);
+    impl SecondOrderSystem for ImpulsiveOscillator {
         fn layout(&self) -> Layout {
             Layout {
                 n: 1,
@@ -228,28 +231,28 @@ fn kicks_of_an_oscillator_flip_where_its_weights_say() {
         fn scales(&self, q: &mut [f64], v: &mut [f64]) {
             (q[0], v[0]) = (1.0, 1.0);
         }
-        fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+        fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
             f[0] = -(self.0 * self.0 + self.1) * at.q[0];
         }
-        fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-        fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+        fn solve_mass(&mut self, _at: StateView<'_>, _f: &mut [f64]) {}
+        fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
             y.copy_from_slice(x);
         }
-        fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+        fn tangent_times(&mut self, _at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
             df[0] = -(self.0 * self.0 + self.1) * dq[0];
         }
         fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
             Some(self)
         }
     }
-    impl ModalSplit for Kicked {
+    impl ModalSplit for ImpulsiveOscillator {
         fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
             (omega[0], zeta[0]) = (self.0, 0.0);
         }
-        fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+        fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
             a[0] = -self.1 * at.q[0];
         }
-        fn steady(&mut self, at: At<'_>, _a: &mut [f64]) -> f64 {
+        fn steady(&mut self, at: StateView<'_>, _a: &mut [f64]) -> f64 {
             at.t
         }
         fn free_until(&mut self, s: &State) -> f64 {
@@ -260,10 +263,14 @@ fn kicks_of_an_oscillator_flip_where_its_weights_say() {
         ("trigonometric(filter=0)", f64::INFINITY),
         ("trigonometric(filter=2)", 0.0),
     ] {
-        let kicks = Kicks { filter_from: from };
-        assert_eq!(of(text), Stability::Kicks(kicks));
+        let impulses = Impulses { filter_from: from };
+        assert_eq!(of(text), Stability::Impulses(impulses));
         let (omega, k) = (1.0, 8.0);
-        let margin = |h: f64| kicks.weights(omega, h).map_or(-1.0, |[c, w]| c - w * w * k);
+        let margin = |h: f64| {
+            impulses
+                .weights(omega, h)
+                .map_or(-1.0, |[c, w]| c - w * w * k)
+        };
         let (mut low, mut high) = (0.1, std::f64::consts::PI);
         for _ in 0..50 {
             let h = 0.5 * (low + high);
@@ -279,7 +286,7 @@ fn kicks_of_an_oscillator_flip_where_its_weights_say() {
             let plan = TimePlan::new(2000.0 * h, Resolution::Step(h));
             let mut method = crate::method(text).unwrap();
             let run = method.run(
-                &mut Kicked(omega, k),
+                &mut ImpulsiveOscillator(omega, k),
                 &mut s,
                 &plan,
                 &mut NullSink,
@@ -298,8 +305,8 @@ fn kicks_of_an_oscillator_flip_where_its_weights_say() {
         );
     }
     assert_eq!(
-        Kicks { filter_from: 1.0 }.weights(0.0, 0.7),
+        Impulses { filter_from: 1.0 }.weights(0.0, 0.7),
         Some([4.0, 0.7])
     );
-    assert_eq!(Kicks { filter_from: 1.0 }.weights(4.0, 0.8), None);
+    assert_eq!(Impulses { filter_from: 1.0 }.weights(4.0, 0.8), None);
 }

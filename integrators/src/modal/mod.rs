@@ -10,7 +10,7 @@
 //! is mostly contact. Between two evaluations of the remainder every oscillator moves in closed form, so the step is
 //! bound by the contact, not by the highest frequency.
 //!
-//! | room | owns |
+//! | module | owns |
 //! |---|---|
 //! | [`propagator`] | an oscillator over a time in closed form; tables per step |
 //! | [`trigonometric`] | the method: kick, drift, kick; flight in one step |

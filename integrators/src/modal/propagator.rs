@@ -1,4 +1,4 @@
-//! An oscillator under a constant load over a time, in closed form.
+//! Closed-form motion of an oscillator under a constant load.
 //!
 //! `q'' + 2 zeta omega q' + omega^2 q = g` with `delta = zeta omega`, `w = omega sqrt(1 - zeta^2)`:
 //!
@@ -9,25 +9,26 @@
 //!
 //! and `q0 + h v0 + h^2 g / 2` for `omega = 0`.
 
-/// What a time does to an oscillator: `q = qq q0 + qv v0 + qg g`, `v = vq q0 + vv v0 + qv g`.
+/// Coefficients of the motion of an oscillator over a time: `q = qq q0 + qv v0 + qg g`, `v = vq q0 + vv v0 + qv g`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coefficients {
-    /// `dq/dq0`.
+    /// Derivative `dq/dq0`.
     pub qq: f64,
-    /// `dq/dv0` [s], and `dv/dg`.
+    /// Derivative `dq/dv0` [s], equal to `dv/dg`.
     pub qv: f64,
-    /// `dv/dq0` [1/s].
+    /// Derivative `dv/dq0` [1/s].
     pub vq: f64,
-    /// `dv/dv0`.
+    /// Derivative `dv/dv0`.
     pub vv: f64,
-    /// `dq/dg` [s^2].
+    /// Derivative `dq/dg` [s^2].
     pub qg: f64,
 }
 
-/// Radians up to which `qg` of a damped oscillator is a power series: the closed form cancels there.
+/// Phase [rad] up to which `qg` of a damped oscillator is computed as a power series, because the closed form suffers
+/// cancellation there.
 const SERIES: f64 = 0.5;
 
-/// The oscillator over a time `h` [s]; `zeta` lies in [0, 1).
+/// Computes the coefficients over a time `h` [s]; `zeta` lies in [0, 1).
 #[inline]
 pub fn coefficients(omega: f64, zeta: f64, h: f64) -> Coefficients {
     if omega == 0.0 {
@@ -77,9 +78,9 @@ pub fn coefficients(omega: f64, zeta: f64, h: f64) -> Coefficients {
     }
 }
 
-/// How much less than `1/omega^2` an oscillator gives to kicks of a constant acceleration every `h` [s], per unit of it
-/// [s^2]: `1/omega^2 - f^2 h/(2 omega) cot(omega h/2)` with the filter `f` of phases above `from`, `h^2/12` for
-/// `omega = 0`.
+/// Returns the compliance per unit mass [s^2] by which the response of an oscillator to impulses of a constant
+/// acceleration every `h` [s] falls short of `1/omega^2`: `1/omega^2 - f^2 h/(2 omega) cot(omega h/2)` with the filter
+/// `f` for phases above `from`, and `h^2/12` for `omega = 0`.
 pub(crate) fn quasi_static_of(omega: f64, h: f64, from: f64) -> f64 {
     let x = omega * h;
     if x < LAG_SERIES && x <= from {
@@ -97,10 +98,11 @@ pub(crate) fn quasi_static_of(omega: f64, h: f64, from: f64) -> f64 {
     ((1.0 - given) / (omega * omega)).max(0.0)
 }
 
-/// Phase up to which [`quasi_static_of`] is a power series: the closed form cancels there.
+/// Phase up to which [`quasi_static_of`] is computed as a power series, because the closed form suffers cancellation
+/// there.
 const LAG_SERIES: f64 = 0.3;
 
-/// `qg` as a power series in `h`: `y'' = 1 - 2 delta y' - omega^2 y` from rest.
+/// Computes `qg` as a power series in `h`, from `y'' = 1 - 2 delta y' - omega^2 y` at rest.
 fn load_series(square: f64, delta: f64, h: f64) -> f64 {
     // `term` is the k-th, `before` the one before it; the two right sides shift by one and two powers.
     let (mut before, mut term) = (0.0, 0.5 * h * h);
@@ -115,25 +117,26 @@ fn load_series(square: f64, delta: f64, h: f64) -> f64 {
     sum
 }
 
-/// The coefficients of all oscillators for one time, and the filter that goes with it. Of `qq` and `vv` what differs
-/// from one: a cosine near one would round away the phase of slow oscillators, step after step alike.
+/// Coefficients of all oscillators for one step size, and the filter at that step. Of `qq` and `vv` the difference
+/// from one is stored: a cosine near one would round the phase of slow oscillators by the same error in every step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Drift {
-    /// The time [s].
+    /// Step size [s].
     pub(crate) h: f64,
     dq: Vec<f64>,
     qv: Vec<f64>,
     vq: Vec<f64>,
     dv: Vec<f64>,
     qg: Vec<f64>,
-    /// What the remainder sees of each coordinate, and kicks back; empty where it is all of all.
+    /// Filter factor of each coordinate; empty where all are one.
     pub(crate) filter: Vec<f64>,
-    /// Its squares.
+    /// Squares of the filter factors.
     pub(crate) squares: Vec<f64>,
 }
 
 impl Drift {
-    /// The time `h` [s]; oscillators with `omega h` above `from` are filtered with `sin(omega h) / (omega h)`.
+    /// Computes the table for a step `h` [s]; oscillators with `omega h` above `from` are filtered with `sin(omega h)
+    /// / (omega h)`.
     pub(crate) fn fill(&mut self, omega: &[f64], zeta: &[f64], h: f64, from: f64) {
         let n = omega.len();
         self.h = h;
@@ -184,8 +187,9 @@ impl Drift {
         }
     }
 
-    /// Displacement and velocity of oscillator `i` at rest under kicks of unit acceleration, in the middle of a kick. The
-    /// velocity is zero without damping; a damped oscillator loses part of each half kick within the step.
+    /// Returns displacement and velocity of oscillator `i` in its periodic state under impulses of unit acceleration,
+    /// in the middle of an impulse. The velocity is zero without damping; a damped oscillator loses part of each half
+    /// impulse within the step.
     pub(crate) fn rest_under_kicks(&self, i: usize) -> [f64; 2] {
         // The state returns, with u after the kick: q = qv u / (1 - qq), v - h/2 = vq q + vv u.
         let lost = 2.0 + self.dv[i] - self.vq[i] * self.qv[i] / self.dq[i];
@@ -193,7 +197,7 @@ impl Drift {
         [-self.qv[i] * (v + 0.5 * self.h) / self.dq[i], v]
     }
 
-    /// [`Self::load`], added to what `(q, v)` hold.
+    /// Adds the motion of [`Self::load`] to `(q, v)`.
     #[inline]
     pub(crate) fn load_onto(
         &self,
@@ -224,16 +228,16 @@ impl Drift {
     }
 }
 
-/// `sin(x) / x`.
 #[inline]
 fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.sin() / x }
 }
 
-/// Tables kept: the step and its halves, and what breakpoints and events cut off.
+/// Number of stored tables, for the step, its halves, and steps shortened by breakpoints and events.
 const KEPT: usize = 8;
 
-/// Tables of the steps used last. A step that differs from a table's by the rounding of times is that step.
+/// Tables of the most recent step sizes. A step that differs from that of a table by the rounding of times uses this
+/// table.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tables {
     kept: Vec<Drift>,
@@ -243,7 +247,6 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
-    /// Forgets all tables.
     pub(crate) fn clear(&mut self) {
         self.used.fill(0);
         for d in &mut self.kept {
@@ -252,7 +255,7 @@ impl Tables {
         self.last = 0;
     }
 
-    /// Index of the table of a step that starts at `t`, see [`Drift::fill`].
+    /// Returns the index of the table for a step that starts at `t`; see [`Drift::fill`].
     pub(crate) fn find(&mut self, omega: &[f64], zeta: &[f64], t: f64, h: f64, from: f64) -> usize {
         self.clock += 1;
         let slack = 4.0 * f64::EPSILON * (t.abs() + h);
@@ -292,7 +295,7 @@ mod tests {
         assert!((a - b).abs() <= 4e-15 * scale, "{what}: {a:e} {b:e}");
     }
 
-    /// Two halves make a whole, from nothing to many periods and almost critical damping.
+    /// Two half steps equal one step, from zero to many periods and up to almost critical damping.
     #[test]
     fn times_add_up() {
         for omega in [0.0, 1e-9, 1e-3, 0.3, 1.0, 7.0, 400.0] {
@@ -312,7 +315,7 @@ mod tests {
         }
     }
 
-    /// Where the series takes over it agrees with the closed form, and a slow oscillator with free flight.
+    /// The series agrees with the closed form where it begins, and a slow oscillator agrees with free flight.
     #[test]
     fn loads_are_exact_without_cancellation() {
         for zeta in [1e-6, 0.1, 0.9] {
@@ -327,9 +330,8 @@ mod tests {
         }
     }
 
-    /// The quasi-static correction against its definition: kicks of unit acceleration, filtered as they are, hold an
-    /// oscillator where half a kick, the drift and half a kick lead back; what is seen of that falls short of
-    /// `1/omega^2`.
+    /// The quasi-static correction agrees with its definition: filtered impulses of unit acceleration keep an
+    /// oscillator in a periodic state, whose filtered displacement falls short of `1/omega^2`.
     #[test]
     fn lags_are_what_kicks_leave_out() {
         let (h, from) = (0.3, 0.64 * std::f64::consts::PI);

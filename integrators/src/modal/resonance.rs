@@ -1,10 +1,10 @@
-//! Steps that resonate with a frequency.
+//! Steps that resonate with an oscillator, and the filter against them.
 //!
-//! The forces act once per step. Where `omega h` is near a multiple of pi an oscillator stands, after each step, where
-//! it stood before, but for its sign, and the kicks of a contact add up instead of cancelling: the energy of such a
-//! mode is not bounded by a modified one (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*,
-//! 2nd ed. 2006, XIII.1.5 and XIII.4; B. Garcia-Archilla, J. M. Sanz-Serna, R. D. Skeel, *SIAM J. Sci. Comput.* 20
-//! (1998) 930).
+//! The forces act once per step. Where `omega h` is near a multiple of pi an oscillator returns to its position after
+//! each step, except for the sign, and the impulses of a contact add up instead of cancelling: the energy of such a
+//! mode is not bounded by a modified one (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2nd ed.
+//! 2006, XIII.1.5 and XIII.4; B. Garcia-Archilla, J. M. Sanz-Serna, R. D. Skeel, *SIAM J. Sci. Comput.* 20 (1998)
+//! 930).
 //!
 //! A body with one elastic mode under a steady load, resting on a stop or bouncing on it, 40000 steps with
 //! `omega_c h = 0.13` (a contact of 24 steps) and 0.5 (six steps): the largest energy error over the energy of the
@@ -22,34 +22,34 @@
 //! | 0.5, bouncing, none | 0.2 | 0.2 | 0.2 | 0.2 | 3 | 1 | 0.1 | 3e3 | 5e4 | 30 | 4e-2 |
 //! | 0.5, bouncing, default | 0.2 | 0.2 | 0.2 | 4e-2 | 4e-2 | 4e-2 | 4e-2 | 4e-2 | 4e-2 | 0.2 | 4e-2 |
 //!
-//! Around even multiples of pi, where the kicks of a lasting force add up, nothing is left of a run; around odd ones
-//! a contact of few steps gains energy. The filter `phi = sinc(omega h)`, with kicks `phi r(phi q)`, is the symplectic
-//! and symmetric pair `psi = sinc phi` of that book (XIII.2.2). It weakens what it acts on: a mode that matters to the
-//! contact should not need it.
+//! Around even multiples of pi, where the impulses of a sustained force add up, a run is useless; around odd ones a
+//! contact of few steps gains energy. The filter `phi = sinc(omega h)`, with impulses `phi r(phi q)`, is the
+//! symplectic and symmetric pair `psi = sinc phi` of that book (XIII.2.2). It weakens the filtered modes: a mode that
+//! matters to the contact should not need it.
 
 use std::f64::consts::PI;
 
-/// Part of `pi / h` up to which frequencies are safe: below, no contact stiffness that the step resolves moves an
+/// Fraction of `pi / h` up to which frequencies are safe: no contact stiffness that the step resolves shifts such an
 /// oscillator into resonance. Modes beyond it belong into a residual compliance.
 pub const SAFE: f64 = 0.64;
 
 /// Half width of a resonance around a multiple of pi [rad].
 pub const WIDTH: f64 = 0.3;
 
-/// Which oscillators the remainder sees by their mean over the step.
+/// Oscillators whose displacement the remainder receives as its mean over the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
-    /// None.
+    /// No oscillator is filtered.
     None,
-    /// Those with `omega h` beyond `0.64 pi`.
+    /// Oscillators with `omega h` beyond `0.64 pi` are filtered.
     #[default]
     Fast,
-    /// All.
+    /// All oscillators are filtered.
     All,
 }
 
 impl Filter {
-    /// Phase `omega h` [rad] above which oscillators are filtered.
+    /// Returns the phase `omega h` [rad] above which oscillators are filtered.
     #[must_use]
     pub fn from(self) -> f64 {
         match self {
@@ -65,13 +65,13 @@ impl Filter {
 pub struct Resonance {
     /// Index of the coordinate.
     pub mode: usize,
-    /// `omega h` [rad].
+    /// Phase `omega h` of the oscillator [rad].
     pub phase: f64,
-    /// The multiple of pi that it is near to.
+    /// Nearest multiple of pi.
     pub multiple: u32,
 }
 
-/// The oscillators, by frequency [rad/s], whose `omega h` lies within [`WIDTH`] of a multiple of pi.
+/// Lists the oscillators, by frequency [rad/s], whose `omega h` lies within [`WIDTH`] of a multiple of pi.
 pub fn resonances(omega: &[f64], h: f64) -> Vec<Resonance> {
     let near = |(mode, w): (usize, &f64)| {
         let phase = w * h;
@@ -85,7 +85,7 @@ pub fn resonances(omega: &[f64], h: f64) -> Vec<Resonance> {
     omega.iter().enumerate().filter_map(near).collect()
 }
 
-/// The largest step [s] at which all frequencies [rad/s] are safe; infinite where nothing oscillates.
+/// Returns the largest step [s] at which all frequencies [rad/s] are safe; infinite without oscillators.
 pub fn safe_step(omega: &[f64]) -> f64 {
     SAFE * PI / omega.iter().copied().fold(0.0, f64::max)
 }

@@ -16,19 +16,19 @@
 //! and away from the
 //! resonances `omega h = pi, 2 pi, ...` of oscillators that it excites ([`resonance`](super::resonance)).
 //!
-//! **What kicks leave out.** Kicks of a force that lasts move an oscillator by `h/(2 omega) cot(omega h/2)` per unit
-//! instead of `1/omega^2`: short by `h^2/12` for slow ones, by a third at the safe limit. At fixed steps the system is
-//! told ([`ModalSplit::prepare`]) and may give the remainder as local compliance. The scheme stays symplectic: such a
-//! compliance takes `h^2/24 |grad V|^2` from the potential `V` of the rest, which is the correction that lifts
-//! kick-drift-kick to order four up to a change of coordinates (M. Takahashi, M. Imada, *J. Phys. Soc. Jpn.* 53 (1984)
-//! 3765).
+//! **Quasi-static correction.** Impulses of a sustained force move an oscillator by `h/(2 omega) cot(omega h/2)` per
+//! unit instead of `1/omega^2`: too little by `h^2/12` for slow ones, by a third at the safe limit. At fixed steps the
+//! system receives the difference ([`ModalSplit::prepare`]) and may add it as local compliance. The scheme stays
+//! symplectic: such a compliance subtracts `h^2/24 |grad V|^2` from the potential `V` of the remainder, which is the
+//! correction that raises kick-drift-kick to order four up to a change of coordinates (M. Takahashi, M. Imada, *J.
+//! Phys. Soc. Jpn.* 53 (1984) 3765).
 //!
-//! **Loaded starts.** A system that starts in static equilibrium ([`ModalSplit::starts_balanced`]) would vibrate about the
-//! rest position of the kicks. At fixed steps the start is moved there: forces are those of the static equilibrium,
-//! oscillators are deflected as kicks of these forces leave them.
+//! **Loaded starts.** A system that starts in static equilibrium ([`ModalSplit::starts_balanced`]) would vibrate about
+//! the rest position under impulses. At fixed steps the start is moved there: forces are those of the static
+//! equilibrium, oscillators are deflected as impulses of these forces deflect them.
 //!
-//! **Flight.** Where the system tells that nothing will touch until some time, one closed-form step goes there,
-//! however long, and needs no evaluation. A plan's step or tolerance applies to what is left: contact and its
+//! **Flight.** Where the system guarantees that no contact closes until some time, one closed-form step goes there,
+//! however long, without an evaluation. The step or tolerance of a plan applies to the rest: contact and its
 //! neighbourhood. Fixed steps stay on their grid. Inside such a step the dense output is exact.
 //!
 //! **Linear contact.** Where the system knows its motion with contacts closed
@@ -43,12 +43,12 @@ use super::propagator::{Tables, coefficients, quasi_static_of};
 use super::resonance::{Filter, safe_step};
 use crate::equilibrium::shift;
 use crate::error::StepError;
-use crate::free_flight::Patience;
+use crate::free_flight::QueryInterval;
 use crate::method::{MethodInfo, OneStep, Parameter, Resolution, Stepping, Tolerance, Work};
-use crate::system::{At, Coeffs, HalfKick, ModalSplit, SecondOrderSystem, State};
+use crate::system::{Coeffs, HalfStepImpulse, ModalSplit, SecondOrderSystem, State, StateView};
 use std::cell::RefCell;
 
-/// What the method declares.
+/// Declared properties of the trigonometric method.
 pub static INFO: MethodInfo = MethodInfo {
     id: "trigonometric",
     name: "trigonometric",
@@ -68,25 +68,25 @@ pub static INFO: MethodInfo = MethodInfo {
     citation: "Deuflhard, Z. angew. Math. Phys. 30 (1979) 177; Garcia-Archilla, Sanz-Serna, Skeel, SIAM J. Sci. Comput. 20 (1998) 930",
 };
 
-/// The remainder at one end of a step.
+/// Acceleration of the remainder at one end of a step, from which the half impulse follows.
 #[derive(Clone, Debug, Default)]
-struct Kick {
+struct EndAcceleration {
     /// Acceleration without oscillators and steady loads, filtered.
     a: Vec<f64>,
-    /// Something but the steady loads acts.
+    /// True if other forces than the steady loads act.
     acts: bool,
-    /// Step [s] whose filter it has; 0 without a filter.
+    /// Step [s] of the filter that was applied; 0 without a filter.
     filter: f64,
 }
 
-/// Newton iterations towards the rest position of the kicks.
+/// Largest number of Newton iterations for the rest position under impulses.
 const MOST_ITERATIONS: u32 = 40;
-/// Correction of a rest position, in typical deflections: below the first it ends the search, between both if rounding
-/// keeps it from falling.
+/// Corrections of a rest position in typical deflections. Below the first the search ends; between the two it ends if
+/// rounding prevents a further decrease.
 const AT_REST: f64 = 1e-11;
 const ROUNDING: f64 = 1e-7;
 
-/// The method.
+/// The trigonometric method with its tables and buffers.
 #[derive(Clone, Debug, Default)]
 pub struct Trigonometric {
     /// Phase `omega h` [rad] above which oscillators are filtered.
@@ -95,27 +95,27 @@ pub struct Trigonometric {
     zeta: Vec<f64>,
     longest: f64,
     tables: Tables,
-    /// Those of places inside steps.
+    /// Tables for points inside steps.
     inside: RefCell<Tables>,
-    /// Table of the last step.
+    /// Index of the table of the last step.
     table: usize,
-    ends: [Kick; 2],
-    /// Acceleration by steady loads, and the time until which they are steady.
+    ends: [EndAcceleration; 2],
+    /// Acceleration from steady loads, and the time until which they are steady.
     steady: Vec<f64>,
     steady_until: f64,
-    /// Nothing touches until this time.
+    /// Time until which no contact can close.
     free_until: f64,
-    patience: Patience,
-    /// Velocities at the end of a step before its last kick.
+    query_interval: QueryInterval,
+    /// Velocities at the end of a step before its last half impulse.
     predicted: Vec<f64>,
-    /// What the remainder sees through the filter.
+    /// Filtered coordinates and velocities for the evaluation of the remainder.
     q: Vec<f64>,
     v: Vec<f64>,
     before: Vec<f64>,
 }
 
 impl Trigonometric {
-    /// With its filter: none, for oscillators beyond what is safe, for all.
+    /// Builds the method with a filter.
     pub fn new(filter: Filter) -> Self {
         Trigonometric {
             filter_from: filter.from(),
@@ -124,12 +124,12 @@ impl Trigonometric {
         }
     }
 
-    /// The remainder at `at`, for a step with a table or none, into end `end`; with the velocities before the kick that it
-    /// makes and the time of that, at its end.
+    /// Evaluates the remainder at `at` into end `end`, with or without the filter of a table. At the end of a step the
+    /// velocities before the half impulse and its duration are given.
     fn evaluate(
         &mut self,
         split: &mut dyn ModalSplit,
-        at: At<'_>,
+        at: StateView<'_>,
         end: usize,
         table: Option<usize>,
         kicked: Option<(&[f64], f64)>,
@@ -148,7 +148,7 @@ impl Trigonometric {
         filtered(at.q, &mut self.q);
         filtered(at.v, &mut self.v);
         let seen = match drift {
-            Some(_) => At {
+            Some(_) => StateView {
                 q: &self.q,
                 v: &self.v,
                 ..at
@@ -158,7 +158,7 @@ impl Trigonometric {
         match kicked {
             Some((before, time)) => {
                 filtered(before, &mut self.before);
-                let half = HalfKick {
+                let half = HalfStepImpulse {
                     time,
                     before: drift.map_or(before, |_| &self.before),
                     steady: &self.steady,
@@ -178,7 +178,7 @@ impl Trigonometric {
     }
 }
 
-/// `a -= g`; true when something is left.
+/// Subtracts the steady acceleration, `a -= g`, and returns true when the rest is not negligible.
 #[inline]
 fn subtract(a: &mut [f64], g: &[f64]) -> bool {
     let mut largest = 0.0_f64;
@@ -245,9 +245,10 @@ impl OneStep for Trigonometric {
         Ok(())
     }
 
-    /// Newton's method on the remainder: of oscillators it has to be the one that their rest position follows from, of rigid
-    /// motions that of the static equilibrium. The tangent of the system serves as Jacobian, since what kicks leave out
-    /// of it is small or given as local compliance.
+    /// Solves for the rest position under impulses by Newton's method on the remainder. The remainder of an oscillator
+    /// has to agree with the rest position that it causes, that of a rigid-body motion with the static equilibrium.
+    /// The tangent of the system serves as Jacobian, since its difference from the exact one is small or given as
+    /// local compliance.
     fn balance(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -338,7 +339,7 @@ impl OneStep for Trigonometric {
     }
 
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work) {
-        self.patience.end();
+        self.query_interval.end();
         self.free_until = s.t;
         let Some(split) = sys.modal() else { return };
         self.steady_until = split.steady(s.at(), &mut self.steady);
@@ -350,13 +351,13 @@ impl OneStep for Trigonometric {
     }
 
     fn free_flight_end(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, h: f64) -> f64 {
-        if self.ends[0].acts || !self.patience.over() || self.steady_until <= s.t + h {
+        if self.ends[0].acts || !self.query_interval.over() || self.steady_until <= s.t + h {
             return s.t;
         }
         let Some(split) = sys.modal() else { return s.t };
         self.free_until = split.free_until(s);
         let end = self.free_until.min(self.steady_until);
-        self.patience.learn(end <= s.t + h);
+        self.query_interval.learn(end <= s.t + h);
         end
     }
 
@@ -418,7 +419,7 @@ impl OneStep for Trigonometric {
                 *v += half * a;
             }
         }
-        let at = At {
+        let at = StateView {
             t: to.t,
             q: &to.q,
             v: &predicted,
@@ -453,12 +454,13 @@ impl OneStep for Trigonometric {
     fn advance(&mut self) {
         self.ends.swap(0, 1);
         if self.ends[0].acts {
-            self.patience.end();
+            self.query_interval.end();
         }
     }
 
-    /// An oscillator at rest under kicks has a velocity at the ends of its steps where it is damped, which has no displacement
-    /// and dissipates nothing. The trapezoidal rule is applied to the velocities without it.
+    /// Computes the damping beyond the trapezoidal rule. A damped oscillator at rest under impulses has a velocity at
+    /// the ends of its steps without displacement or dissipation. The trapezoidal rule is applied to the velocities
+    /// without it.
     fn damping_beyond_trapezoid(&self, from: &State, to: &State, beyond: &mut [f64]) -> bool {
         let h = to.t - from.t;
         let whole = self.tables.get(self.table);
@@ -479,8 +481,8 @@ impl OneStep for Trigonometric {
         true
     }
 
-    /// Oscillators, steady loads and the kick at the start, taken as a constant load, in closed form; what is then
-    /// missing at the end, by a cubic.
+    /// Interpolates by the closed form with oscillators, steady loads and the initial half impulse as a constant load;
+    /// a cubic adds the difference at the end.
     fn interpolate(&self, from: &State, to: &State, theta: f64, q: &mut [f64], v: &mut [f64]) {
         let n = self.omega.len();
         let h = to.t - from.t;

@@ -1,24 +1,25 @@
-//! Energy ledger: what went in, what was lost, and what the integration made up.
+//! Energy ledger: work of loads, dissipated energy, and the unexplained energy of a run.
 //!
-//! `E(t) - E(0) = W_external - W_dissipated + J + residual`. Powers are integrated over each step by a rule of the order
-//! of the method: up to order two the trapezoidal rule on the states between steps, else three-point Gauss quadrature on
-//! the interpolant. A method that kicks at the ends of its steps (Verlet, trigonometric) takes from a linear damper the
-//! work `h c v^2` at the velocity between both halves of a kick, which is that of the state: there the trapezoidal rule is
-//! the method's own balance, and each state is evaluated once, which counts where contact takes a solve. Damped oscillators in
-//! closed form lose part of each half kick within the step, and have a velocity at the ends of steps even where they rest
-//! under a steady force. The method takes that velocity out of the rule
-//! ([`Dense::damping_beyond_trapezoid`](crate::method::Dense::damping_beyond_trapezoid)). `J` books the
-//! jumps of energy where a branch is switched. A step of flight is exact: what its energy loses beyond the work of loads is booked as
-//! dissipated. The residual is the integration error (and that of the quadrature), in joule.
+//! `E(t) - E(0) = W_external - W_dissipated + J + residual`. Powers are integrated over each step by a rule of the
+//! order of the method: up to order two the trapezoidal rule on the states between steps, otherwise three-point Gauss
+//! quadrature on the interpolant. A method with impulses at the ends of its steps (Verlet, trigonometric) dissipates
+//! in a linear damper the work `h c v^2` at the velocity between both halves of an impulse, which is that of the
+//! state: there the trapezoidal rule is the balance of the method itself, and each state is evaluated once, which
+//! saves time where contact takes a solve. Damped oscillators in closed form lose part of each half impulse within the
+//! step, and have a velocity at the ends of steps even where they rest under a steady force. The method removes that
+//! velocity from the rule ([`Dense::damping_beyond_trapezoid`](crate::method::Dense::damping_beyond_trapezoid)). `J`
+//! is the sum of the jumps of energy at transitions of the branch. A step of flight is exact: its loss of energy
+//! beyond the work of loads is booked as dissipated. The residual is the integration error (and that of the
+//! quadrature), in joule.
 //!
-//! **Growth** is judged by what vibrates: a gear that turns under load carries a thousand times the energy of its teeth,
-//! and nothing that these make up would show beside it. What no load paid for (the residual, and what switches brought
-//! in beyond what damping took) is held against the largest energy of vibration seen, that is strain, contact, and the motion
-//! of bodies against each other ([`Rotation`]), and what the contacts took up since the start: energy that passed through
-//! them, of which an integrator may lose or make a part.
+//! **Growth** is relative to the energy of vibration: a gear that rotates under load has a thousand times the energy
+//! of its teeth, so that errors of the vibration would be invisible relative to the total. The unexplained energy (the
+//! residual, and jumps at transitions beyond the dissipated energy) is divided by the largest energy of vibration,
+//! that is strain, contact, and the relative motion of bodies ([`Rotation`]), plus the energy that the contacts have
+//! stored since the start, of which an integrator may lose or generate a part.
 
 use crate::method::{AcceptedStep, Control, Sink};
-use crate::system::{At, Energy, Outputs, Power, SecondOrderSystem, State};
+use crate::system::{Energy, Outputs, Power, SecondOrderSystem, State, StateView};
 
 /// Gauss-Legendre nodes and weights on [0, 1].
 const GAUSS: [(f64, f64); 3] = [
@@ -27,38 +28,38 @@ const GAUSS: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
 
-/// Order of a method up to which powers are looked at between steps alone.
+/// Highest order of a method for which powers are evaluated only between steps.
 const BY_ENDS: u32 = 2;
 
-/// Steps of a system without powers between two looks at its energy.
+/// Number of steps between two energy evaluations of a system without powers.
 const LOOK_EVERY: u32 = 16;
 
-/// Part of the total energy below which nothing is told from rounding.
+/// Fraction of the total energy below which changes are indistinguishable from rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A body in a common motion.
+/// A body that takes part in a common rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Member {
-    /// Channel of its speed [rad/s] or [m/s].
+    /// Index of the channel of its speed [rad/s or m/s].
     pub channel: usize,
-    /// Its inertia [kg m^2] or mass [kg].
+    /// Inertia [kg m^2] or mass [kg] of the body.
     pub inertia: f64,
-    /// Its speed by unit speed of the common motion.
+    /// Ratio of its speed to that of the common motion.
     pub ratio: f64,
-    /// Its motion is prescribed.
+    /// True if its motion is prescribed.
     pub held: bool,
 }
 
-/// Bodies that turn together as gears in mesh do: speeds in fixed ratios. What they deviate from that is vibration.
+/// Bodies that rotate together at fixed speed ratios, as gears in mesh do. Deviations from the ratios are vibration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rotation {
-    /// The bodies.
+    /// Bodies of the common motion.
     pub members: Vec<Member>,
 }
 
 impl Rotation {
-    /// Kinetic energy of the motion of the bodies against each other [J]: about that of their prescribed motion, else
-    /// about the common one of their momentum.
+    /// Returns the kinetic energy of the motion of the bodies relative to their common motion [J]. The common motion
+    /// is the prescribed one, or otherwise that of their momentum.
     pub fn vibration(&self, channels: &[f64]) -> f64 {
         let speed = |m: &Member| channels.get(m.channel).copied().unwrap_or(0.0);
         let common = match self.members.iter().find(|m| m.held) {
@@ -77,7 +78,7 @@ impl Rotation {
     }
 }
 
-/// Accumulates the energy balance of a run.
+/// Energy balance of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Ledger {
     /// Energies at the start; set at the first step.
@@ -90,27 +91,27 @@ pub struct Ledger {
     pub dissipated: f64,
     /// Jumps of energy at switches [J].
     pub jumps: f64,
-    /// Those of them that brought energy in [J].
+    /// Sum of the positive jumps of energy at switches [J].
     pub gained: f64,
-    /// Largest total energy seen [J].
+    /// Largest total energy of the run [J].
     pub peak: f64,
-    /// Motions that are no vibration.
+    /// Common rotations, which are not vibration.
     rotations: Vec<Rotation>,
-    /// Largest energy of vibration seen: strain, contact, and motion of bodies against each other [J].
+    /// Largest energy of vibration in the run [J]: strain, contact, and relative motion of the bodies.
     pub vibration: f64,
-    /// What the contacts took up [J].
+    /// Energy that the contacts stored, summed over all increases [J].
     pub through_contact: f64,
     q: Vec<f64>,
     v: Vec<f64>,
     out: Outputs,
     unseen: u32,
-    /// The state whose powers are known, and these.
+    /// State of the last evaluation of powers, and these powers.
     known: Option<State>,
     powers: Power,
 }
 
 impl Ledger {
-    /// One of bodies that turn together.
+    /// Creates a ledger for bodies with common rotations.
     pub fn of(rotations: Vec<Rotation>) -> Self {
         Ledger {
             rotations,
@@ -118,14 +119,14 @@ impl Ledger {
         }
     }
 
-    /// Looks at the energy of the last state of a run.
+    /// Adds the energy of the last state of a run.
     pub fn close(&mut self, sys: &mut dyn SecondOrderSystem, s: &State) {
         sys.output(s.at(), &mut self.out);
         self.looked();
         self.unseen = 0;
     }
 
-    /// Takes the energies of the outputs as those of the last state.
+    /// Records the energies of the outputs as those of the last state.
     fn looked(&mut self) {
         let energy = self.out.energy;
         self.through_contact += (energy.contact - self.end.contact).max(0.0);
@@ -137,33 +138,34 @@ impl Ledger {
         self.vibration = self.vibration.max(vibrating);
     }
 
-    /// Energy that took part in vibration so far [J]: the largest there was at a time, and what passed through contacts.
+    /// Returns the energy that took part in vibration so far [J]: the largest energy of vibration plus the energy that
+    /// the contacts stored.
     pub fn vibrating(&self) -> f64 {
         (self.vibration + self.through_contact).max(ROUNDING * self.peak)
     }
 
-    /// What switches brought in beyond what they and damping took [J].
+    /// Returns the energy that switches added beyond the dissipated energy [J].
     pub fn unpaid_jumps(&self) -> f64 {
         (self.jumps - self.dissipated).max(0.0)
     }
 
-    /// What nothing paid for over what vibrated.
+    /// Returns the growth: unexplained energy and unpaid jumps, relative to the energy of vibration.
     pub fn growth(&self) -> f64 {
         let scale = self.vibrating();
         let made_up = self.residual() + self.unpaid_jumps();
         if scale > 0.0 { made_up / scale } else { 0.0 }
     }
 
-    /// A step in which nothing touched, exact and maybe long beside the periods of what swings in it: a quadrature of
-    /// its powers would only measure itself. The loads are steady, so their power follows the speeds of bodies, which
-    /// are linear in time but for the swinging of modes at the hubs; what the energy tells beyond the work of loads is
-    /// lost to damping, or, where nothing damps, is the rounding that the residual shows.
+    /// Books a step without contact. The step is exact and may be long compared with the periods of its oscillators,
+    /// so that a quadrature of powers would show its own error. The power of steady loads follows the speeds of
+    /// bodies, which are linear in time except for vibration of modes at the hubs. The change of energy minus the work
+    /// of loads is dissipation, or, without dampers, rounding.
     fn fly(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) {
         let h = step.to.t - step.from.t;
         let (mut external, mut damped) = (0.0, false);
         for (theta, weight) in GAUSS {
             step.dense.eval(theta, &mut self.q, &mut self.v);
-            let at = At {
+            let at = StateView {
                 t: step.from.t + theta * h,
                 q: &self.q,
                 v: &self.v,
@@ -186,13 +188,13 @@ impl Ledger {
         }
     }
 
-    /// Energy that the balance does not explain [J].
+    /// Returns the unexplained energy [J].
     pub fn residual(&self) -> f64 {
         let start = self.start.unwrap_or_default().total();
         self.end.total() - start - self.external + self.dissipated - self.jumps
     }
 
-    /// Keeps the powers of the outputs as those of a state.
+    /// Stores the powers of the outputs as those of a state.
     fn know(&mut self, s: &State) {
         self.powers = self.out.power;
         match &mut self.known {
@@ -201,7 +203,7 @@ impl Ledger {
         }
     }
 
-    /// A step by the powers at both ends.
+    /// Books a step by the powers at both ends.
     fn between(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) {
         let half = 0.5 * (step.to.t - step.from.t);
         // What was switched or committed since the last step acts from here on.
@@ -225,7 +227,7 @@ impl Ledger {
         self.looked();
     }
 
-    /// The residual over the largest energy that took part.
+    /// Returns the unexplained energy relative to the largest energy of the run.
     pub fn residual_relative(&self) -> f64 {
         let scale = self
             .peak
@@ -270,7 +272,7 @@ impl Sink for Ledger {
         }
         for (theta, weight) in GAUSS {
             step.dense.eval(theta, &mut self.q, &mut self.v);
-            let at = At {
+            let at = StateView {
                 t: step.from.t + theta * h,
                 q: &self.q,
                 v: &self.v,

@@ -1,4 +1,4 @@
-//! Observers: they watch accepted steps and never change a run.
+//! Observers of a run: they receive accepted steps and never change the run.
 
 pub mod ledger;
 pub mod recorder;
@@ -6,7 +6,7 @@ pub mod recorder;
 use crate::method::{AcceptedStep, Control, Sink};
 use crate::system::{SecondOrderSystem, State};
 
-/// Several sinks as one; stops when any of them asks for it.
+/// Several sinks as one; it stops the run when any of them does.
 pub struct Tee<'a>(pub Vec<&'a mut dyn Sink>);
 
 impl Sink for Tee<'_> {

@@ -1,18 +1,18 @@
-//! Grid recorder: channels of the system at given times, read from the interpolant of each step.
+//! Grid recorder: channels of the system at given times, from the interpolant of each step.
 
 use crate::method::{AcceptedStep, Control, Sink};
 use crate::system::{Outputs, SecondOrderSystem, State};
 
-/// Records the system's channels on a grid, and the state at which one channel peaks.
+/// Records the channels of a system on a grid of times, and the state at which one channel has its largest magnitude.
 #[derive(Clone, Debug, Default)]
 pub struct Recorder {
-    /// Times asked for [s], ascending.
+    /// Times of the records [s], ascending.
     pub grid: Vec<f64>,
-    /// Recorded rows so far: one per grid time passed, channels in the system's order.
+    /// Recorded rows: one per passed grid time, channels in the order of the system.
     pub rows: Vec<Vec<f64>>,
-    /// Index of the channel whose largest magnitude is kept with its state.
+    /// Index of the channel whose state of largest magnitude is recorded.
     pub peak_channel: Option<usize>,
-    /// State of the largest recorded magnitude of that channel.
+    /// State of the largest magnitude of that channel on the grid.
     pub peak_state: Option<State>,
     peak: f64,
     next: usize,
@@ -21,7 +21,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// A recorder on a grid of ascending times [s].
+    /// Creates a recorder on a grid of ascending times [s].
     pub fn on(grid: Vec<f64>) -> Self {
         let rows = Vec::with_capacity(grid.len());
         Recorder {
@@ -31,13 +31,13 @@ impl Recorder {
         }
     }
 
-    /// Keeps the state at which `channel` has its largest magnitude on the grid.
+    /// Records the state at which `channel` has its largest magnitude on the grid.
     pub fn with_peak_of(mut self, channel: usize) -> Self {
         self.peak_channel = Some(channel);
         self
     }
 
-    /// One channel as a column; shorter than the grid when the run ended early.
+    /// Returns one channel as a column; it is shorter than the grid when the run ended early.
     pub fn column(&self, channel: usize) -> Vec<f64> {
         self.rows.iter().map(|r| r[channel]).collect()
     }

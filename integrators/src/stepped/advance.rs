@@ -1,4 +1,4 @@
-//! One step: where it is to end, and how the state gets there.
+//! One step of the loop: its planned end, and the advance of the state.
 
 use super::{MethodDense, Run, Stepped, first_not_finite, resolution_of_time};
 use crate::error::StepError;
@@ -6,46 +6,46 @@ use crate::free_flight::FlightDense;
 use crate::method::{AcceptedStep, Control, Dense, OneStep, Sink, Work};
 use crate::system::{SecondOrderSystem, State};
 
-/// Where a step is to end, and along what.
+/// Planned end of a step, and the kind of motion to it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Aim {
-    /// Its end [s].
+pub(super) struct PlannedStep {
+    /// End time of the step [s].
     pub(super) t_new: f64,
-    /// The end of the run or the next breakpoint [s], whichever comes first.
+    /// End of the run or next breakpoint [s], whichever comes first.
     stop: f64,
-    /// Nothing happens until the end of the step, whatever its length.
+    /// True if no contact closes before the end of the step, whatever its length.
     pub(super) leaps: bool,
-    /// It goes along the system's own closed form.
+    /// True if the step follows the closed-form motion of the system.
     pub(super) free_flights: bool,
-    /// An event left less than time resolves before the stop: the step is not worth making.
+    /// True if the rest of the interval is below the resolution of time after an event, so that no step is made.
     pub(super) sliver: bool,
 }
 
-/// What became of a step.
+/// Outcome of a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Outcome {
-    /// Its error was too large: the next one is shorter.
+pub(super) enum StepOutcome {
+    /// The error was too large: the next step is shorter.
     Rejected,
-    /// The sink wants no more.
+    /// The sink ended the run.
     Stopped,
-    /// The state moved, or switches at the start of the step.
-    Went {
-        /// To an event.
+    /// The state advanced, or switches at the start of the step.
+    Advanced {
+        /// True if the step ends at an event.
         located: bool,
-        /// Farther than rounding.
+        /// True if time advanced by more than rounding.
         progressed: bool,
     },
 }
 
 impl<M: OneStep> Stepped<M> {
-    /// Where the next step ends: on the grid of fixed steps, at the end of the run and at breakpoints, or as far as
-    /// nothing happens. Never leaves a sliver of a step behind.
+    /// Plans the end of the next step: on the grid of fixed steps, at the end of the run and at breakpoints, or at the
+    /// end of a free flight. It never leaves a negligible rest of a step.
     pub(super) fn aim(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
         s: &State,
         r: &mut Run<'_>,
-    ) -> Aim {
+    ) -> PlannedStep {
         let stop = r.plan.t_end.min(r.breakpoint);
         let mut t_new = if r.fixed {
             while r.t_begin + (r.on_grid + 1) as f64 * r.h_next <= s.t + 1e-9 * r.h_next {
@@ -75,7 +75,7 @@ impl<M: OneStep> Stepped<M> {
         } else if !r.fixed && t_new > stop - r.h_next {
             t_new = 0.5 * (s.t + stop);
         }
-        Aim {
+        PlannedStep {
             t_new,
             stop,
             leaps,
@@ -84,16 +84,16 @@ impl<M: OneStep> Stepped<M> {
         }
     }
 
-    /// Makes the step, tells the sink and moves the state, to an event where one lies in the step.
+    /// Makes the step, passes it to the sink and advances the state, up to an event where one lies in the step.
     pub(super) fn advance(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
         s: &mut State,
-        aim: &Aim,
+        aim: &PlannedStep,
         r: &mut Run<'_>,
         sink: &mut dyn Sink,
         work: &mut Work,
-    ) -> Result<Outcome, StepError> {
+    ) -> Result<StepOutcome, StepError> {
         let mut outcome = (false, true);
         if aim.sliver {
             s.t = aim.stop;
@@ -107,7 +107,7 @@ impl<M: OneStep> Stepped<M> {
             let control = accept(sys, [s, &r.end], &dense, true, sink, work);
             std::mem::swap(s, &mut r.end);
             if control == Control::Stop {
-                return Ok(Outcome::Stopped);
+                return Ok(StepOutcome::Stopped);
             }
         } else {
             let h = aim.t_new - s.t;
@@ -116,7 +116,7 @@ impl<M: OneStep> Stepped<M> {
             if !r.fixed && (!err.is_finite() || err > 1.0) {
                 work.rejected += 1;
                 r.shorten(s.t, h, err)?;
-                return Ok(Outcome::Rejected);
+                return Ok(StepOutcome::Rejected);
             }
             check_finite(&r.end)?;
 
@@ -143,7 +143,7 @@ impl<M: OneStep> Stepped<M> {
                 progressed = to.t - s.t > 1e-12 * (r.plan.t_end - r.t_begin);
                 std::mem::swap(s, if located { &mut r.event } else { &mut r.end });
                 if control == Control::Stop {
-                    return Ok(Outcome::Stopped);
+                    return Ok(StepOutcome::Stopped);
                 }
             }
             if !(r.fixed || located || aim.leaps) {
@@ -152,14 +152,14 @@ impl<M: OneStep> Stepped<M> {
             outcome = (located, progressed);
         }
         let (located, progressed) = outcome;
-        Ok(Outcome::Went {
+        Ok(StepOutcome::Advanced {
             located,
             progressed,
         })
     }
 }
 
-/// Tells the sink of a step between two states and counts it.
+/// Passes a step between two states to the sink and counts it.
 fn accept(
     sys: &mut dyn SecondOrderSystem,
     [from, to]: [&State; 2],

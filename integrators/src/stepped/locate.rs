@@ -1,4 +1,4 @@
-//! Where in a tentative step the first event lies, by the method itself.
+//! Location of the first event in a tentative step, with steps of the method itself.
 
 use super::{Run, Stepped, first_not_finite};
 use crate::error::StepError;
@@ -7,14 +7,15 @@ use crate::events::dips::SHORT;
 use crate::method::{OneStep, Work};
 use crate::system::{SecondOrderSystem, State};
 
-/// A part of a step that is read from the interpolant instead of stepped when an event is located.
+/// Fraction of a step that is read from the interpolant instead of stepped when an event is located.
 const SHIFT: f64 = 1e-4;
-/// Steps of the method towards one event.
+/// Largest number of steps of the method towards one event.
 const MAX_LOCATIONS: u32 = 50;
 
 impl<M: OneStep> Stepped<M> {
-    /// Looks for event functions that fell and rose again in the step from `s` of size `h` to `r.end`. Where one did, also
-    /// when the method itself steps there, the step ends at the bottom of the first dip, and its size is returned.
+    /// Searches for event functions that fell and rose again in the step from `s` of size `h` to `r.end`. If one did
+    /// so on the interpolant and in a step of the method, the step ends at the bottom of the first dip, and its size
+    /// is returned.
     pub(super) fn dipped(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -56,9 +57,9 @@ impl<M: OneStep> Stepped<M> {
         Ok(None)
     }
 
-    /// Finds the first event in the step from `s` of size `h` to `r.end`; leaves the state there in
-    /// `r.event` and the event functions to switch in `r.watch.falling`. Returns the fraction of the step to `r.end` at
-    /// which the event lies; `None` where event functions are at their root at the start of the step.
+    /// Finds the first event in the step from `s` of size `h` to `r.end`. The state at the event remains in `r.event`,
+    /// the event functions to switch in `r.watch.falling`. Returns the fraction of the step to `r.end` at which the
+    /// event lies, or `None` where event functions are at their root at the start of the step.
     pub(super) fn locate(
         &mut self,
         sys: &mut dyn SecondOrderSystem,

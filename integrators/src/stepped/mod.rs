@@ -12,18 +12,18 @@
 //! (Gustafsson 1991; exponents of Hairer, Norsett, Wanner, *Solving ODEs I*, II.4 and its DOPRI5); no
 //! growth right after a rejected step; after a restart the step starts from the system's characteristic time.
 //!
-//! **Fixed steps** lie on the grid `t0 + i h`. A breakpoint or an event cuts a step short and the next one ends on
-//! the grid again, whatever the rounding of sums. A method that knows how far nothing happens
-//! ([`OneStep::free_flight_end`]) goes there in one step, to the last point of the grid before it; that step says nothing about
-//! the next, and event functions that fall in it (which pairs of teeth face each other) are set afresh at its end.
+//! **Fixed steps** lie on the grid `t0 + i h`. A breakpoint or an event cuts a step short and the next one ends on the
+//! grid again, whatever the rounding of sums. A method with a bound of the next contact ([`OneStep::free_flight_end`])
+//! goes there in one step, to the last point of the grid before it. That step gives no information about the size of
+//! the next, and event functions that fall in it (which pairs of teeth face each other) are reset at its end.
 //!
-//! **Free flights.** Told to ([`Integrator::free_flight`]), the loop does the same for every other method along the closed
-//! form that the system itself knows ([`SecondOrderSystem::flight_path`]): no error but rounding, at a cost that does
-//! not grow with the length of the flight. What a method would make of the flight, its drift of energy and phase among
-//! it, is then not seen, so crosses free flights are off unless asked for: a comparison of methods shows what the
-//! methods do. Steps in contact are those of the method; errors that cancel over flight and contact together, as those
-//! of first order of semi-implicit Euler nearly do, cancel no more. A method that is exact for oscillators crosses linear
-//! contacts as well, from event to event ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)).
+//! **Free flights.** With [`Integrator::free_flight`] on, the loop does the same for every other method along the
+//! closed form of the system ([`SecondOrderSystem::flight_path`]): with rounding errors only, at a cost that does not
+//! grow with the length of the flight. The errors of the method in flight, such as its drift of energy and phase, are
+//! then absent, so that this is off by default: a comparison of methods shows the methods themselves. Steps in contact
+//! are those of the method; errors that cancel over flight and contact together, as those of first order of
+//! semi-implicit Euler nearly do, no longer cancel. A method that is exact for oscillators crosses linear contacts as
+//! well, from event to event ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)).
 
 mod advance;
 mod locate;
@@ -39,26 +39,26 @@ use crate::method::{
     Dense, Integrator, MethodInfo, OneStep, Resolution, Sink, Stepping, TimePlan, Tolerance, Work,
 };
 use crate::system::{Change, SecondOrderSystem, State};
-use advance::Outcome;
-use segments::Segment;
+use advance::StepOutcome;
+use segments::SegmentOutcome;
 
-/// Events allowed at one instant before the run is called chatter.
+/// Number of events at one instant above which the run ends with [`StepError::Chatter`].
 pub(crate) const MAX_EVENTS_AT_ONCE: u32 = 200;
-/// The error that the first step of a run or after a restart is taken to follow, over the tolerance.
+/// Assumed error, relative to the tolerance, before the first step of a run or after a restart.
 const ERROR_AT_START: f64 = 1e-4;
 
-/// Gives a one-step method its loop.
+/// Runs a one-step method in the common loop.
 #[derive(Clone, Debug, Default)]
 pub struct Stepped<M> {
     method: M,
     flight: FlightProbe,
     segments: SegmentProbe,
-    left: Option<Left>,
+    left: Option<PausedRun>,
 }
 
-/// What the loop goes on with where a run ended.
+/// Data of the loop at the end of a run, from which a further run continues.
 #[derive(Clone, Copy, Debug)]
-struct Left {
+struct PausedRun {
     t_begin: f64,
     h_next: f64,
     on_grid: u64,
@@ -68,7 +68,7 @@ struct Left {
 }
 
 impl<M> Stepped<M> {
-    /// Wraps a method.
+    /// Wraps a one-step method.
     pub fn new(method: M) -> Self {
         Stepped {
             method,
@@ -79,7 +79,7 @@ impl<M> Stepped<M> {
     }
 }
 
-/// The solution inside a step that the method made to `end` and that was accepted to `stretch` of it.
+/// Dense output of an accepted step: the method stepped to `end`, and the step ends at the fraction `stretch` of it.
 struct MethodDense<'a, M> {
     method: &'a M,
     from: &'a State,
@@ -103,39 +103,38 @@ impl<M: OneStep> Dense for MethodDense<'_, M> {
     }
 }
 
-/// What one run carries from step to step, and its buffers.
+/// Data of one run from step to step, and its buffers.
 struct Run<'p> {
     plan: &'p TimePlan<'p>,
     tolerance: Tolerance,
-    /// Step over tolerance, `h ~ rtol^x`.
+    /// Exponent `x` of the step over the tolerance, `h ~ rtol^x`.
     exponent: f64,
     fixed: bool,
-    /// Events are located.
+    /// True if events are located.
     events: bool,
     t_begin: f64,
-    /// The step to take next [s].
+    /// Size of the next step [s].
     h_next: f64,
-    /// The point of the grid of fixed steps that the next step starts from.
+    /// Index of the grid point from which the next fixed step starts.
     on_grid: u64,
-    /// Error of the step before, over the tolerance.
+    /// Error of the previous step, relative to the tolerance.
     err_old: f64,
     after_rejection: bool,
-    /// The method starts afresh before its next step, if there is one.
+    /// True if the method restarts before its next step.
     afresh: bool,
-    /// The next time at which a load has a breakpoint [s].
+    /// Next time at which a load has a breakpoint [s].
     breakpoint: f64,
-    /// Events without progress so far.
+    /// Number of events without progress in time so far.
     events_here: u32,
-    /// End of the step as the method made it.
+    /// State at the end of the step of the method.
     end: State,
-    /// The event inside it.
+    /// State at the event inside the step.
     event: State,
     watch: Watch,
 }
 
 impl Run<'_> {
-    /// Goes on from a state that was committed, counting the events that came `without_progress`; the lengths are
-    /// constant.
+    /// Continues from a committed state and counts the events `without_progress`; the lengths are constant.
     fn go_on(&mut self, s: &State, without_progress: bool) -> Result<(), StepError> {
         self.events_here = if without_progress {
             self.events_here + 1
@@ -153,7 +152,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// After a step of size `h` from `t` with too large an error.
+    /// Shortens the step after one of size `h` from `t` with too large an error.
     fn shorten(&mut self, t: f64, h: f64, err: f64) -> Result<(), StepError> {
         let bad = !err.is_finite();
         self.after_rejection = true;
@@ -174,8 +173,8 @@ impl Run<'_> {
         })
     }
 
-    /// After an accepted step of size `h` to `t`; one that was cut by a breakpoint or the end says nothing about the
-    /// step to take next.
+    /// Sets the next step after an accepted one of size `h` to `t`. A step that was cut short by a breakpoint or the
+    /// end gives no information about the next size.
     fn lengthen(&mut self, t: f64, h: f64, err: f64, cut: bool) -> Result<(), StepError> {
         let e = err.max(1e-10);
         let x = self.exponent;
@@ -192,7 +191,7 @@ impl Run<'_> {
     }
 }
 
-/// The tolerance a plan asks for (0: fixed steps), where the method can do that.
+/// Returns the tolerance of a plan (0 for fixed steps), if the method supports it.
 pub(crate) fn tolerance_of(plan: &TimePlan<'_>, info: &MethodInfo) -> Result<f64, StepError> {
     let unsupported = |what| StepError::Unsupported {
         method: info.id,
@@ -212,7 +211,8 @@ pub(crate) fn tolerance_of(plan: &TimePlan<'_>, info: &MethodInfo) -> Result<f64
     }
 }
 
-/// First step of an adaptive method after a restart [s]: the estimate goes with `(h/characteristic time)^(1/exponent)`.
+/// Returns the first step of an adaptive method after a restart [s], from the characteristic time of the system: the
+/// estimate is proportional to `(h/characteristic time)^(1/exponent)`.
 pub(crate) fn first_step(
     sys: &dyn SecondOrderSystem,
     s: &State,
@@ -224,12 +224,12 @@ pub(crate) fn first_step(
     characteristic_time * (3.0 * rtol.powf(exponent)).min(0.5)
 }
 
-/// Step over tolerance, `h ~ rtol^x`, of a method: its error goes with `h^order ~ rtol^slope`.
+/// Returns the exponent `x` of a method in `h ~ rtol^x`: its error is proportional to `h^order ~ rtol^slope`.
 pub(crate) fn step_exponent(info: &MethodInfo) -> f64 {
     info.tolerance_slope / f64::from(info.order)
 }
 
-/// The smallest step that time resolves around `t` [s].
+/// Returns the smallest step [s] that floating-point time resolves around `t`.
 pub(crate) fn resolution_of_time(t: f64, plan: &TimePlan<'_>) -> f64 {
     4.0 * f64::EPSILON * t.abs().max(1e-3 * plan.t_end.abs())
 }
@@ -279,7 +279,7 @@ impl<M: OneStep + Clone + 'static> Integrator for Stepped<M> {
 }
 
 impl<M: OneStep> Stepped<M> {
-    /// A run, or the next piece of one that was left.
+    /// Integrates a run, or the next piece of one.
     fn integrate(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -304,8 +304,8 @@ impl<M: OneStep> Stepped<M> {
         if left.is_none() {
             self.method.begin(sys, plan.resolution)?;
             self.method.balance(sys, s, plan.resolution, work);
-            self.flight.patience.end();
-            self.segments.patience.end();
+            self.flight.query_interval.end();
+            self.segments.query_interval.end();
             self.segments.left = false;
             self.method.restart(sys, s, work);
         }
@@ -356,21 +356,21 @@ impl<M: OneStep> Stepped<M> {
         while s.t < plan.t_end {
             bounds.check(plan, s.t, work, &*sink)?;
             match self.segment(sys, s, &mut r, &mut bounds, sink, work)? {
-                Segment::Unknown => self.leave_segment(sys, s, &mut r, work),
-                Segment::Stopped => return Ok(()),
-                Segment::Went => continue,
+                SegmentOutcome::Unknown => self.leave_segment(sys, s, &mut r, work),
+                SegmentOutcome::Stopped => return Ok(()),
+                SegmentOutcome::Completed => continue,
             }
             let aim = self.aim(sys, s, &mut r);
             match self.advance(sys, s, &aim, &mut r, sink, work)? {
-                Outcome::Rejected => {}
-                Outcome::Stopped => return Ok(()),
-                Outcome::Went {
+                StepOutcome::Rejected => {}
+                StepOutcome::Stopped => return Ok(()),
+                StepOutcome::Advanced {
                     located,
                     progressed,
                 } => self.settle(sys, s, &aim, (located, progressed), &mut r, sink, work)?,
             }
         }
-        self.left = Some(Left {
+        self.left = Some(PausedRun {
             t_begin: r.t_begin,
             h_next: r.h_next,
             on_grid: r.on_grid,
@@ -382,7 +382,7 @@ impl<M: OneStep> Stepped<M> {
     }
 }
 
-/// The first coordinate that is not finite in itself or its rate.
+/// Returns the index of the first coordinate whose value or rate is not finite.
 #[inline]
 pub(crate) fn first_not_finite(s: &State) -> Option<usize> {
     // A sum is finite unless a term is not (overflow of the sum itself is a blow-up as well).

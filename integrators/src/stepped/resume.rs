@@ -1,13 +1,13 @@
-//! Between two steps: branches are switched, teeth handed over, and the method goes on or starts afresh.
+//! Actions between two steps: branches switch, teeth are handed over, and the method continues or restarts.
 
-use super::advance::Aim;
+use super::advance::PlannedStep;
 use super::{ERROR_AT_START, Run, Stepped, first_step};
 use crate::error::StepError;
 use crate::method::{OneStep, Sink, Work};
 use crate::system::{Change, SecondOrderSystem, State};
 
 impl<M: OneStep> Stepped<M> {
-    /// Starts the method afresh from a state.
+    /// Restarts the method from a state.
     pub(super) fn start_afresh(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -16,8 +16,8 @@ impl<M: OneStep> Stepped<M> {
         work: &mut Work,
     ) {
         self.method.restart(sys, s, work);
-        self.flight.patience.end();
-        self.segments.patience.end();
+        self.flight.query_interval.end();
+        self.segments.query_interval.end();
         if !r.fixed {
             let first = first_step(sys, s, r.plan, r.tolerance.rtol, r.exponent);
             r.h_next = r.h_next.min(first);
@@ -35,7 +35,7 @@ impl<M: OneStep> Stepped<M> {
         &mut self,
         sys: &mut dyn SecondOrderSystem,
         s: &mut State,
-        aim: &Aim,
+        aim: &PlannedStep,
         (located, progressed): (bool, bool),
         r: &mut Run<'_>,
         sink: &mut dyn Sink,

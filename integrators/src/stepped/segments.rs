@@ -1,9 +1,9 @@
-//! From event to event in closed form, where the system knows its motion with contacts closed
+//! Closed-form motion from event to event, where the system provides it for closed contacts
 //! ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)).
 //!
-//! A method that is exact for oscillators is so for linear contacts, too: it goes along the path of the system to the event
-//! at its end, at any step or tolerance, and switches there. In contact the path is told in steps that observers see its
-//! swinging in; a flight is one step. Where the system knows no such path the method steps.
+//! A method that is exact for oscillators is also exact for linear contacts: it follows the path of the system to the
+//! event at its end, at any step or tolerance, and switches there. In contact the path is passed to observers in steps
+//! that resolve its vibration; a flight is one step. Without such a path the method makes steps.
 
 use super::{Run, Stepped, first_not_finite, resolution_of_time};
 use crate::bounds::Bounds;
@@ -12,19 +12,19 @@ use crate::free_flight::FlightDense;
 use crate::method::{AcceptedStep, Control, OneStep, Sink, Work};
 use crate::system::{Change, SecondOrderSystem, State};
 
-/// What became of the question for a path.
+/// Outcome of the query for a closed-form path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Segment {
-    /// There is none.
+pub(super) enum SegmentOutcome {
+    /// The system has no closed form at this state.
     Unknown,
-    /// The sink wants no more.
+    /// The sink ended the run.
     Stopped,
-    /// The state is at its end.
-    Went,
+    /// The state is at the end of the path.
+    Completed,
 }
 
 impl<M: OneStep> Stepped<M> {
-    /// Goes along the closed form of the system to its next event, if it knows one.
+    /// Follows the closed-form motion of the system to its next event, if there is one.
     pub(super) fn segment(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -33,16 +33,16 @@ impl<M: OneStep> Stepped<M> {
         bounds: &mut Bounds,
         sink: &mut dyn Sink,
         work: &mut Work,
-    ) -> Result<Segment, StepError> {
-        if !self.segments.on || !self.segments.patience.over() {
-            return Ok(Segment::Unknown);
+    ) -> Result<SegmentOutcome, StepError> {
+        if !self.segments.on || !self.segments.query_interval.over() {
+            return Ok(SegmentOutcome::Unknown);
         }
         let path = &mut self.segments.path;
         let until = sys.linear_path(s, path);
         let resolved = s.t + resolution_of_time(s.t, r.plan);
-        self.segments.patience.learn(until <= resolved);
+        self.segments.query_interval.learn(until <= resolved);
         if until <= resolved {
-            return Ok(Segment::Unknown);
+            return Ok(SegmentOutcome::Unknown);
         }
         let stop = until.min(r.plan.t_end);
         let start = s.t;
@@ -78,7 +78,7 @@ impl<M: OneStep> Stepped<M> {
             let control = sink.accepted(sys, &step);
             std::mem::swap(s, &mut r.end);
             if control == Control::Stop {
-                return Ok(Segment::Stopped);
+                return Ok(SegmentOutcome::Stopped);
             }
             if part < parts {
                 change = sys.commit(s);
@@ -114,10 +114,10 @@ impl<M: OneStep> Stepped<M> {
         self.segments.left = true;
         let progressed = s.t - start > 1e-12 * (r.plan.t_end - r.t_begin);
         r.go_on(s, !progressed)?;
-        Ok(Segment::Went)
+        Ok(SegmentOutcome::Completed)
     }
 
-    /// Makes the method start afresh where a path of the system ended.
+    /// Restarts the method where a path of the system ended.
     pub(super) fn leave_segment(
         &mut self,
         sys: &mut dyn SecondOrderSystem,

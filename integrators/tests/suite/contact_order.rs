@@ -1,9 +1,9 @@
-//! Order and tolerance through contact: impacts with exact piecewise solutions.
+//! Order and tolerance through contact: impacts compared with exact piecewise solutions.
 
 use crate::problems::*;
 use gearbench_integrators::TimePlan;
 
-/// Order over one impact, with steps from a tenth of a radian of the contact's oscillation down.
+/// Measures the order over one impact, with steps from a tenth of a radian of the contact vibration downwards.
 fn impact_order(method: &gearbench_integrators::Method, zeta: f64, events: bool) -> f64 {
     let hammer = Hammer::one_impact(zeta);
     let t_end = after_impact(&hammer);
@@ -54,7 +54,7 @@ fn without_events_damped_contact_costs_high_order() {
     assert!(rk4 < 2.0, "{rk4:.2}");
 }
 
-/// Slope of the error over the tolerance, with the work in the log.
+/// Measures the slope of the error over the tolerance, with the work in the log.
 fn tolerance_slope(
     method: &gearbench_integrators::Method,
     hammer: &Hammer,
@@ -95,8 +95,8 @@ fn adaptive_methods_follow_their_tolerance_through_an_impact() {
     }
 }
 
-/// The same on 24 impacts in a quarter of a second, four turns of the pinion: rounding of the angles ends
-/// the slope at an error of about 1e-10.
+/// Over 24 impacts in a quarter of a second, four turns of the pinion, the slope holds until rounding of the angles
+/// ends it at an error of about 1e-10.
 #[test]
 fn adaptive_methods_follow_their_tolerance_through_24_impacts() {
     let hammer = Hammer::gears(0.05);

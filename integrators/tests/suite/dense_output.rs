@@ -5,7 +5,7 @@ use gearbench_integrators::{
     AcceptedStep, Control, METHODS, Resolution, SecondOrderSystem, Sink, State, Stepping, TimePlan,
 };
 
-/// Largest error of `q` and `v` at inner points of all steps, largest mismatch at step ends.
+/// Largest error of `q` and `v` at inner points of all steps, and largest mismatch at step ends.
 #[derive(Default)]
 struct Inside {
     q: f64,
@@ -50,9 +50,8 @@ fn inside(method: &gearbench_integrators::Method, plan: &TimePlan<'_>) -> (Insid
     (sink, Duffing::error(&s))
 }
 
-/// Local order of the interpolant, next to the global order of the method: what dense output reads is at
-/// least as good as the solution itself for the methods up to order four, and of order four for
-/// Dormand-Prince.
+/// The interpolant is at least as accurate as the solution for methods up to order four, and of order four for
+/// Dormand-Prince: its local order is compared with the global order of the method.
 #[test]
 fn dense_output_does_not_spoil_the_order() {
     for method in fixed_step() {

@@ -1,4 +1,4 @@
-//! What a method must keep: energy over long runs where it declares so, linear invariants always.
+//! Conservation laws of the methods: energy over long runs where declared, linear invariants always.
 
 use crate::problems::*;
 use gearbench_integrators::{AcceptedStep, Control, METHODS, SecondOrderSystem, Sink};

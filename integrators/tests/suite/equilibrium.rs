@@ -1,18 +1,18 @@
-//! Static equilibrium against exact solutions, and what it says where there is none.
+//! Static equilibrium compared with exact solutions, and the errors where there is none.
 
 use crate::problems::state;
 use crate::unit_masses;
 use gearbench_integrators::{
-    At, EquilibriumError, EquilibriumOptions, Layout, SecondOrderSystem, State, equilibrium,
+    EquilibriumError, EquilibriumOptions, Layout, SecondOrderSystem, State, StateView, equilibrium,
 };
 
-/// `f = load - K q + sum of stops`: springs as a full matrix, and one-sided stops `k <q_i - limit>`.
+/// System `f = load - K q + sum of stops`, with springs as a full matrix and one-sided stops `k <q_i - limit>`.
 pub struct Springs {
     k: Vec<f64>,
     load: Vec<f64>,
-    /// Coordinate, limit [m], stiffness [N/m].
+    /// Coordinate, limit [m] and stiffness [N/m] of each stop.
     stops: Vec<(usize, f64, f64)>,
-    /// Hardening `-h q^3` of every coordinate.
+    /// Coefficient `h` of the hardening force `-h q^3` of every coordinate.
     hardening: f64,
 }
 
@@ -38,7 +38,7 @@ impl SecondOrderSystem for Springs {
         q.fill(1e-3);
         v.fill(1.0);
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         let n = f.len();
         for i in 0..n {
             let spring: f64 = (0..n).map(|j| self.k[i * n + j] * at.q[j]).sum();
@@ -48,15 +48,15 @@ impl SecondOrderSystem for Springs {
             f[i] -= k * (at.q[i] - limit).max(0.0);
         }
     }
-    fn solve_mass(&mut self, _at: At<'_>, f_to_a: &mut [f64]) {
+    fn solve_mass(&mut self, _at: StateView<'_>, f_to_a: &mut [f64]) {
         f_to_a.iter_mut().for_each(|f| *f /= 0.5);
     }
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         for (y, x) in y.iter_mut().zip(x) {
             *y = 0.5 * x;
         }
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         let n = df.len();
         for i in 0..n {
             let spring: f64 = (0..n).map(|j| self.k[i * n + j] * dq[j]).sum();
@@ -175,29 +175,28 @@ fn a_body_that_only_a_stop_holds_rests_on_it() {
     assert_eq!(result, Err(EquilibriumError::SingularTangent { t: 0.0 }));
 }
 
-/// The tangent of [`Springs`], but the correction refuses a stiffness without mass, as a scene does that corrects
-/// gear by gear.
-struct Blockwise(Springs);
+/// System [`Springs`] whose correction refuses a stiffness without mass, as a scene does that corrects gear by gear.
+struct BlockwiseSprings(Springs);
 
-impl SecondOrderSystem for Blockwise {
+impl SecondOrderSystem for BlockwiseSprings {
     fn layout(&self) -> Layout {
         self.0.layout()
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         self.0.scales(q, v);
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         self.0.force(at, f);
     }
-    fn solve_mass(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn solve_mass(&mut self, at: StateView<'_>, f: &mut [f64]) {
         self.0.solve_mass(at, f);
     }
-    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         self.0.apply_mass(at, x, y);
     }
     fn correct(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: gearbench_integrators::Coeffs,
         x: &mut [f64],
     ) -> Result<(), gearbench_integrators::system::Singular> {
@@ -206,7 +205,7 @@ impl SecondOrderSystem for Blockwise {
         }
         self.0.correct(at, c, x)
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         self.0.tangent_times(at, dq, dv, df);
     }
 }
@@ -217,7 +216,7 @@ fn a_shift_by_mass_does_not_move_the_equilibrium() {
     let springs = |load: &[f64]| {
         let mut sys = Springs::new(&[5e3, -5e3, -5e3, 5e3], load);
         sys.stops = vec![(1, 0.0, 2e6)];
-        Blockwise(sys)
+        BlockwiseSprings(sys)
     };
     let mut s = state(&[1e-3, 1e-3], &[0.0; 2]);
     equilibrium(&mut springs(&[40.0, 0.0]), &mut s, &options()).unwrap();
@@ -230,16 +229,16 @@ fn a_shift_by_mass_does_not_move_the_equilibrium() {
     assert_eq!(result, Err(EquilibriumError::SingularTangent { t: 0.0 }));
 }
 
-/// `f = 1 + q^2`: no equilibrium anywhere.
-struct Nowhere;
+/// System `f = 1 + q^2` without any equilibrium.
+struct NoEquilibrium;
 
-impl SecondOrderSystem for Nowhere {
+impl SecondOrderSystem for NoEquilibrium {
     unit_masses!(|_own| [1, 0, 0]);
 
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f[0] = 1.0 + at.q[0] * at.q[0];
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = 2.0 * at.q[0] * dq[0];
     }
 }
@@ -258,12 +257,12 @@ fn without_an_equilibrium_the_last_correction_is_reported() {
         t: 0.25,
         residual,
         iterations: 7,
-    }) = equilibrium(&mut Nowhere, &mut s, &short)
+    }) = equilibrium(&mut NoEquilibrium, &mut s, &short)
     else {
         panic!("{s:?}")
     };
     assert!(residual > 1e-3, "{residual}");
     s.q[0] = f64::NAN;
-    let result = equilibrium(&mut Nowhere, &mut s, &short);
+    let result = equilibrium(&mut NoEquilibrium, &mut s, &short);
     assert_eq!(result, Err(EquilibriumError::NonFinite { t: 0.25, dof: 0 }));
 }

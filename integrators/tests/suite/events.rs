@@ -1,10 +1,11 @@
-//! Event location: simultaneous, grazing, at the end of a step, jumps of the state; breakpoints; hand-overs.
+//! Event location: simultaneous events, grazing events, events at the end of a step, jumps of the state, breakpoints
+//! and hand-overs.
 
 use crate::problems::*;
 use crate::{split_off, unit_masses};
 use gearbench_integrators::{
-    AcceptedStep, At, Change, Control, Events, Layout, METHODS, Method, ModalSplit,
-    SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan,
+    AcceptedStep, Change, Control, Events, Layout, METHODS, Method, ModalSplit, SecondOrderSystem,
+    Sink, State, StateView, StepError, Stepping, TimePlan,
 };
 
 fn plan_for(m: &Method, t_end: f64) -> TimePlan<'static> {
@@ -20,19 +21,19 @@ struct Balls {
 impl SecondOrderSystem for Balls {
     unit_masses!(|own| [own.n, own.n, 0], modal: ModalSplit, events: Events);
 
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         0.1
     }
-    fn force(&mut self, _at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, _at: StateView<'_>, f: &mut [f64]) {
         f.fill(-2.0);
     }
-    fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, _at: StateView<'_>, _dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
     }
 }
 
 impl Events for Balls {
-    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, at: StateView<'_>, out: &mut [f64]) {
         out.copy_from_slice(at.q);
     }
     fn transition(&mut self, s: &mut State, event: usize) -> Change {
@@ -42,11 +43,11 @@ impl Events for Balls {
 }
 
 split_off!(Balls, |_own, _i| (0.0, 0.0));
-split_off!(Graze, |_own, _i| (1.0, 0.0));
+split_off!(GrazingMass, |_own, _i| (1.0, 0.0));
 split_off!(Table, |_own, _i| (0.0, 0.0));
-split_off!(Counting, |_own, i| ([1.0, 1.3][i], [0.05, 0.0][i]));
+split_off!(CommitCounter, |_own, i| ([1.0, 1.3][i], [0.05, 0.0][i]));
 
-/// From height one with acceleration two: floor at one second, back up at three, and so on.
+/// Balls from height one with acceleration two reach the floor after one second and rise again until three.
 #[test]
 fn simultaneous_events_are_switched_together() {
     for m in METHODS {
@@ -65,7 +66,7 @@ fn simultaneous_events_are_switched_together() {
     }
 }
 
-/// The floor is reached at one second, where a step ends: one event, not two and not none.
+/// An event at one second, where a step ends, counts exactly once.
 #[test]
 fn an_event_at_the_end_of_a_step_counts_once() {
     for m in fixed_step() {
@@ -100,27 +101,27 @@ fn accumulating_events_end_as_chatter() {
     }
 }
 
-/// A mass on a spring that just reaches a stiff wall at the turn of its motion.
-struct Graze {
+/// A mass on a spring whose motion turns just at a stiff wall.
+struct GrazingMass {
     wall: f64,
 }
 
-impl SecondOrderSystem for Graze {
+impl SecondOrderSystem for GrazingMass {
     unit_masses!(|_own| [1, 1, 1], modal: ModalSplit, events: Events);
 
-    fn characteristic_time(&self, at: At<'_>) -> f64 {
+    fn characteristic_time(&self, at: StateView<'_>) -> f64 {
         if at.discrete[0] == 0.0 { 1.0 } else { 0.01 }
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f[0] = -at.q[0] - at.discrete[0] * 1e4 * (at.q[0] - self.wall);
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = -(1.0 + at.discrete[0] * 1e4) * dq[0];
     }
 }
 
-impl Events for Graze {
-    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
+impl Events for GrazingMass {
+    fn event_functions(&mut self, at: StateView<'_>, out: &mut [f64]) {
         let gap = self.wall - at.q[0];
         out[0] = if at.discrete[0] == 0.0 { gap } else { -gap };
     }
@@ -138,7 +139,7 @@ fn grazing_contact_goes_through() {
             let mut s = state(&[0.0], &[1.0]);
             s.discrete = vec![0.0];
             let plan = plan_of(m, t_end, 6000.0, 1e-8);
-            let mut sys = Graze { wall: 1.0 - depth };
+            let mut sys = GrazingMass { wall: 1.0 - depth };
             let (s, work) = solve(m, &mut sys, s, &plan);
             // The push of a graze of this depth: the speed it takes away, sqrt(2 depth), is turned round
             // within a hundredth of a second at most.
@@ -169,14 +170,14 @@ impl Table {
 impl SecondOrderSystem for Table {
     unit_masses!(|_own| [1, 0, 1], modal: ModalSplit, events: Events);
 
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         0.1
     }
     /// The branch of the table is held in discrete state, so that it is right on both sides of a breakpoint.
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f[0] = at.discrete[0];
     }
-    fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, _at: StateView<'_>, _dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
     }
 }
@@ -242,15 +243,15 @@ fn steps_land_on_the_breakpoints_of_a_table() {
     }
 }
 
-/// Counts its commits into the discrete state and asks for a restart at some; the force insists on the discrete state
-/// being the committed one.
-struct Counting {
+/// System that counts its commits in the discrete state and requests a restart at some of them; the force requires
+/// that the discrete state is the committed one.
+struct CommitCounter {
     commits: f64,
     restart_every: u32,
     seen: u32,
 }
 
-impl SecondOrderSystem for Counting {
+impl SecondOrderSystem for CommitCounter {
     fn layout(&self) -> Layout {
         Layout {
             discrete: 1,
@@ -260,23 +261,23 @@ impl SecondOrderSystem for Counting {
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         Duffing.scales(q, v);
     }
-    fn characteristic_time(&self, at: At<'_>) -> f64 {
+    fn characteristic_time(&self, at: StateView<'_>) -> f64 {
         Duffing.characteristic_time(at)
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         assert_eq!(at.discrete[0], self.commits, "stale discrete at {}", at.t);
         Duffing.force(at, f);
     }
-    fn solve_mass(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn solve_mass(&mut self, at: StateView<'_>, f: &mut [f64]) {
         Duffing.solve_mass(at, f);
     }
-    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         Duffing.apply_mass(at, x, y);
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         assert_eq!(at.discrete[0], self.commits, "stale discrete at {}", at.t);
         Duffing.tangent_times(at, dq, dv, df);
     }
@@ -285,7 +286,7 @@ impl SecondOrderSystem for Counting {
     }
 }
 
-impl Events for Counting {
+impl Events for CommitCounter {
     fn commit(&mut self, s: &mut State) -> Change {
         self.commits += 1.0;
         s.discrete[0] = self.commits;
@@ -302,7 +303,7 @@ impl Events for Counting {
 fn commits_reach_the_force_and_restarts_keep_the_solution() {
     for m in METHODS {
         for restart_every in [7, u32::MAX] {
-            let mut sys = Counting {
+            let mut sys = CommitCounter {
                 commits: 0.0,
                 restart_every,
                 seen: 0,
@@ -323,14 +324,14 @@ fn commits_reach_the_force_and_restarts_keep_the_solution() {
     }
 }
 
-/// Steps follow on each other without gap or overlap, through events as well.
+/// Sink that checks that steps follow each other without gap or overlap, through events as well.
 #[derive(Default)]
-struct Seamless {
+struct ContinuityCheck {
     last: Option<State>,
     restarts: u64,
 }
 
-impl Sink for Seamless {
+impl Sink for ContinuityCheck {
     fn accepted(&mut self, _sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         if let Some(last) = &self.last {
             assert_eq!(last, step.from);
@@ -351,7 +352,7 @@ impl Sink for Seamless {
 fn the_sink_sees_every_step_and_every_switch() {
     for m in METHODS {
         let mut hammer = Hammer::gears(0.05);
-        let (start, mut sink) = (hammer.start(), Seamless::default());
+        let (start, mut sink) = (hammer.start(), ContinuityCheck::default());
         let plan = plan_of(m, 0.02, 4000.0, 1e-6);
         let (s, work) = watch(m.info.id, &mut hammer, start, &plan, &mut sink);
         assert_eq!(sink.last, Some(s), "{}", m.info.id);

@@ -1,5 +1,4 @@
-//! Every way a run can end early, driven on purpose: the error says when, and the state is the last
-//! accepted one.
+//! Every early end of a run, caused on purpose: the error has the time, and the state is the last accepted one.
 
 use crate::problems::*;
 use crate::{split_off, unit_masses};
@@ -12,13 +11,13 @@ use gearbench_integrators::method::Tolerance;
 use gearbench_integrators::modal::resonance::Filter;
 use gearbench_integrators::modal::trigonometric::Trigonometric;
 use gearbench_integrators::{
-    At, Change, Events, Layout, METHODS, ModalSplit, OneStep, Resolution, SecondOrderSystem, State,
-    StepError, Stepping, TimePlan, Work,
+    Change, Events, Layout, METHODS, ModalSplit, OneStep, Resolution, SecondOrderSystem, State,
+    StateView, StepError, Stepping, TimePlan, Work,
 };
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// `x'' = f(t, x)` with a tangent of its own, right or wrong.
+/// System `x'' = f(t, x)` with a separate tangent, right or wrong.
 struct Scalar {
     force: fn(f64, f64) -> f64,
     tangent: fn(f64) -> f64,
@@ -27,21 +26,21 @@ struct Scalar {
 impl SecondOrderSystem for Scalar {
     unit_masses!(|_own| [1, 0, 0], modal: ModalSplit);
 
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         0.1
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f[0] = (self.force)(at.t, at.q[0]);
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = (self.tangent)(at.q[0]) * dq[0];
     }
 }
 
 split_off!(Scalar, |_own, _i| (0.7, 0.0));
-split_off!(Broken, |_own, _i| (1.0, 0.0));
+split_off!(PermanentEvent, |_own, _i| (1.0, 0.0));
 
-/// A plan that suits the method.
+/// Returns a plan that suits the method.
 fn plan_for(m: &gearbench_integrators::Method, t_end: f64) -> TimePlan<'static> {
     plan_of(m, t_end, 100.0 * t_end, 1e-6)
 }
@@ -62,7 +61,7 @@ fn a_force_that_is_not_a_number_ends_the_run_where_it_starts() {
     }
 }
 
-/// `x'' = 6 x^2` with `x = (1 - t)^-2`: infinite at one.
+/// The solution `x = (1 - t)^-2` of `x'' = 6 x^2` is infinite at one.
 #[test]
 fn a_blow_up_is_reported_near_its_time() {
     for m in METHODS {
@@ -234,7 +233,7 @@ fn a_run_of_no_length_does_nothing() {
     }
 }
 
-/// Everything prescribed: nothing is left to integrate, but time goes on. diffsol cannot.
+/// With all coordinates prescribed nothing is left to integrate, but time advances. diffsol cannot do that.
 #[test]
 fn a_system_without_coordinates_runs_or_is_refused() {
     for m in METHODS {
@@ -252,25 +251,25 @@ fn a_system_without_coordinates_runs_or_is_refused() {
     }
 }
 
-/// An event function that no switch can mend.
-struct Broken;
+/// System with an event function that no transition makes positive.
+struct PermanentEvent;
 
-impl SecondOrderSystem for Broken {
+impl SecondOrderSystem for PermanentEvent {
     unit_masses!(|_own| [1, 1, 1], modal: ModalSplit, events: Events);
 
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         0.1
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f[0] = -at.q[0];
     }
-    fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, _at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = -dq[0];
     }
 }
 
-impl Events for Broken {
-    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
+impl Events for PermanentEvent {
+    fn event_functions(&mut self, at: StateView<'_>, out: &mut [f64]) {
         out[0] = 0.6 - at.t;
     }
     fn transition(&mut self, s: &mut State, _event: usize) -> Change {
@@ -284,7 +283,7 @@ fn chatter_is_named_and_ends() {
     for m in METHODS {
         let mut s = state(&[1.0], &[0.0]);
         s.discrete = vec![0.0];
-        let (s, _, result) = run(m, &mut Broken, s, &plan_for(m, 1.0));
+        let (s, _, result) = run(m, &mut PermanentEvent, s, &plan_for(m, 1.0));
         let Err(StepError::Chatter { t, events }) = result else {
             panic!("{}: {result:?}", m.info.id)
         };
@@ -293,7 +292,7 @@ fn chatter_is_named_and_ends() {
     }
 }
 
-/// A step may be repeated with any size: it leaves its start alone and gives the same bits again.
+/// A step may be repeated with any size: it does not change its start and returns the same bits again.
 #[test]
 fn a_step_changes_nothing_but_its_end() {
     fn check(mut m: impl OneStep) {

@@ -1,4 +1,4 @@
-//! Coasts: every method crosses flights in one step of the system's own closed form.
+//! Free flights: every method crosses them in one step of the closed-form motion of the system.
 
 use crate::problems::*;
 use gearbench_integrators::observers::ledger::Ledger;
@@ -7,7 +7,7 @@ use gearbench_integrators::{
     TimePlan, Work,
 };
 
-/// Watches flights: number, worst error inside against the exact motion, whether fixed steps end on their grid.
+/// Sink that counts flights, and records the largest error inside them and whether fixed steps end on their grid.
 struct Flights {
     hammer: Hammer,
     step: Option<f64>,
@@ -63,7 +63,7 @@ fn hammered(row: &Method, path: &str, events: bool, plan: &TimePlan<'_>) -> (f64
     (flights.hammer.error(&s), work, flights)
 }
 
-/// No error more, far fewer steps; flights are exact inside, end on the grid, and the ledger closes.
+/// Free flights add no error and save most steps; they are exact inside, end on the grid, and the ledger closes.
 #[test]
 fn free_flights_are_exact_with_every_method() {
     for row in METHODS {
@@ -100,8 +100,8 @@ fn free_flights_are_exact_with_every_method() {
     }
 }
 
-/// Without event location contact opens unseen, and flight is found all the same. Contact then begins anywhere in a
-/// step, so that errors scatter.
+/// Free flights are found without event location as well. Contact then opens and closes anywhere in a step, so that
+/// errors scatter.
 #[test]
 fn free_flights_need_no_event_location() {
     for row in METHODS {

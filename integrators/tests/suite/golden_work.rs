@@ -1,4 +1,4 @@
-//! Pinned work: a change of step control or event location shows here before it shows anywhere else.
+//! Pinned counters of work, which show changes of step control or event location first.
 //!
 //! Counters are compared exactly. The arithmetic is plain f64 in a fixed order and the only functions of
 //! the platform's mathematics library are powers in the step control, which decide a step near its limit

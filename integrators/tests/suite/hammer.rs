@@ -1,14 +1,13 @@
-//! Gears that hammer within their backlash: impacts with an exact piecewise solution.
+//! Gears that impact within their backlash, with an exact piecewise solution.
 
 use crate::problems::watch;
 use gearbench_integrators::{
-    AcceptedStep, At, Change, Control, Energy, Events, FlightPath, FreeFlight, Layout, Method,
-    ModalSplit, Outputs, Power, Report, SecondOrderSystem, Sink, State, TimePlan, Work,
+    AcceptedStep, Change, Control, Energy, Events, FlightPath, FreeFlight, Layout, Method,
+    ModalSplit, Outputs, Power, Report, SecondOrderSystem, Sink, State, StateView, TimePlan, Work,
 };
 
-/// Two gears that turn freely within backlash and meet on one line of action, with a linear penalty and
-/// non-adhesive Kelvin-Voigt damping: exact piece by piece. The relative coordinate
-/// `s = r_b1 phi_1 - r_b2 phi_2` is free for `|s| < j/2`.
+/// Two gears with backlash that touch on one line of action, with a linear penalty and non-adhesive Kelvin-Voigt
+/// damping: exact piece by piece. The relative coordinate `s = r_b1 phi_1 - r_b2 phi_2` is free for `|s| < j/2`.
 #[derive(Clone)]
 pub struct Hammer {
     pub inertia: [f64; 2],
@@ -19,15 +18,16 @@ pub struct Hammer {
     /// Speeds at the start [rad/s]; `s` starts at `s0` [m].
     pub speed: [f64; 2],
     pub s0: f64,
-    /// How often somebody asked for outputs.
+    /// Number of evaluations of the outputs.
     pub looks: u64,
 }
 
-/// Discrete state of a run without event location: the force is clipped.
+/// Discrete state of a run without event location, with clipped force.
 const CLIPPED: f64 = 2.0;
 
 impl Hammer {
-    /// Steel spur gears z = 20/30, m = 5 mm, b = 20 mm, discs of pitch radius; `zeta` of the contact.
+    /// Builds steel spur gears z = 20/30, m = 5 mm, b = 20 mm, as discs of pitch radius; `zeta` is the damping ratio
+    /// of the contact.
     pub fn gears(zeta: f64) -> Self {
         let (z, m, b, alpha) = ([20.0, 30.0], 5e-3, 20e-3, 20f64.to_radians());
         let pitch = z.map(|z| 0.5 * m * z);
@@ -47,7 +47,7 @@ impl Hammer {
         h
     }
 
-    /// One impact from a gap of a tenth of a micrometre; over after `t_end()`.
+    /// Builds one impact from a gap of a tenth of a micrometre; it ends before `t_end()`.
     pub fn one_impact(zeta: f64) -> Self {
         let mut h = Self::gears(zeta);
         h.speed = [1.0, 0.0];
@@ -73,7 +73,7 @@ impl Hammer {
         }
     }
 
-    fn relative(&self, at: At<'_>) -> (f64, f64) {
+    fn relative(&self, at: StateView<'_>) -> (f64, f64) {
         let r = self.radius;
         (
             r[0] * at.q[0] - r[1] * at.q[1],
@@ -81,8 +81,8 @@ impl Hammer {
         )
     }
 
-    /// Force on the line of action, positive on the driving flank.
-    fn line_force(&self, at: At<'_>) -> f64 {
+    /// Returns the force on the line of action, positive on the driving flank.
+    fn line_force(&self, at: StateView<'_>) -> f64 {
         let (s, u) = self.relative(at);
         let side = at.discrete[0];
         if side == 0.0 {
@@ -98,7 +98,7 @@ impl Hammer {
         }
     }
 
-    /// `(s, s')` at a time from the pieces in closed form, and the number of impacts so far.
+    /// Computes `(s, s')` at a time from the closed-form pieces, and the number of impacts so far.
     pub fn exact(&self, t: f64) -> (f64, f64, u32) {
         let (r, half) = (self.radius, 0.5 * self.backlash);
         let (w0, m) = (self.omega(), self.reduced_mass());
@@ -134,8 +134,8 @@ impl Hammer {
         }
     }
 
-    /// Error of the relative motion at the end, against the initial relative speed; the position counts
-    /// by the speed's own length of time, half a contact.
+    /// Returns the error of the relative motion at the end, relative to the initial relative speed. The position is
+    /// weighted by the speed over half a contact.
     pub fn error(&self, s: &State) -> f64 {
         let (x, u, _) = self.exact(s.t);
         let (x1, u1) = self.relative(s.at());
@@ -145,7 +145,7 @@ impl Hammer {
             .max(((x1 - x) * self.omega() / u0).abs())
     }
 
-    /// Invariant of the pair without external torque.
+    /// Returns the linear momentum of the pair, invariant without external torque.
     pub fn momentum(&self, v: &[f64]) -> f64 {
         self.inertia[0] * v[0] / self.radius[0] + self.inertia[1] * v[1] / self.radius[1]
     }
@@ -156,11 +156,11 @@ impl ModalSplit for Hammer {
         omega.fill(0.0);
         zeta.fill(0.0);
     }
-    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
         self.force(at, a);
         self.solve_mass(at, a);
     }
-    fn steady(&mut self, _at: At<'_>, a: &mut [f64]) -> f64 {
+    fn steady(&mut self, _at: StateView<'_>, a: &mut [f64]) -> f64 {
         a.fill(0.0);
         f64::INFINITY
     }
@@ -189,7 +189,7 @@ impl SecondOrderSystem for Hammer {
             q[i] = v[i] / self.omega();
         }
     }
-    fn characteristic_time(&self, at: At<'_>) -> f64 {
+    fn characteristic_time(&self, at: StateView<'_>) -> f64 {
         if at.discrete[0] == 0.0 {
             f64::INFINITY
         } else {
@@ -199,21 +199,21 @@ impl SecondOrderSystem for Hammer {
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         let n = self.line_force(at);
         f[0] = -self.radius[0] * n;
         f[1] = self.radius[1] * n;
     }
-    fn solve_mass(&mut self, _at: At<'_>, f: &mut [f64]) {
+    fn solve_mass(&mut self, _at: StateView<'_>, f: &mut [f64]) {
         f[0] /= self.inertia[0];
         f[1] /= self.inertia[1];
     }
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         y[0] = self.inertia[0] * x[0];
         y[1] = self.inertia[1] * x[1];
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
-        let (ds, du) = self.relative(At { q: dq, v: dv, ..at });
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+        let (ds, du) = self.relative(StateView { q: dq, v: dv, ..at });
         let closed = if at.discrete[0] == CLIPPED {
             self.line_force(at) != 0.0
         } else {
@@ -239,9 +239,10 @@ impl SecondOrderSystem for Hammer {
 }
 
 impl Events for Hammer {
-    /// Per flank: closed while the force pushes; open until the flank is reached, and after a release with
-    /// damping, where the penetration is not gone yet, while the force would pull.
-    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
+    /// Computes the event functions per flank. A closed contact lasts while its force pushes. An open one lasts until
+    /// the flank is reached, and after a release with damping, where the penetration is not yet zero, while the force
+    /// would pull.
+    fn event_functions(&mut self, at: StateView<'_>, out: &mut [f64]) {
         let (s, u) = self.relative(at);
         let lag = self.damping / self.stiffness;
         for (out, side) in out.iter_mut().zip([1.0, -1.0]) {
@@ -278,7 +279,7 @@ impl FreeFlight for Hammer {
 }
 
 impl Report for Hammer {
-    fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+    fn output(&mut self, at: StateView<'_>, out: &mut Outputs) {
         self.looks += 1;
         let n = self.line_force(at);
         let (s, u) = self.relative(at);
@@ -303,13 +304,13 @@ impl Report for Hammer {
     }
 }
 
-/// Time by which the impact of [`Hammer::one_impact`] is over [s].
+/// Returns the time at which the impact of [`Hammer::one_impact`] is over [s].
 pub fn after_impact(h: &Hammer) -> f64 {
     let u = h.radius[0] * h.speed[0] - h.radius[1] * h.speed[1];
     (0.5 * h.backlash - h.s0) / u + 4.0 / h.omega()
 }
 
-/// Root mean square error of the relative speed over its first value, on a grid read from dense output.
+/// Root mean square error of the relative speed over its initial value, on a grid of dense output.
 pub struct SpeedError<'a> {
     hammer: &'a Hammer,
     grid: f64,

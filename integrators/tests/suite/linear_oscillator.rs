@@ -7,7 +7,7 @@
 use crate::problems::*;
 use gearbench_integrators::{METHODS, Method, NullSink};
 
-/// Spectral radius of the one-step map of a self-starting method at `omega h`.
+/// Returns the spectral radius of the one-step map of a self-starting method at `omega h`.
 fn spectral_radius(m: &Method, omega_h: f64) -> f64 {
     let mut sys = Oscillator { omega: omega_h };
     let [a, b] = [[1.0, 0.0], [0.0, omega_h]].map(|[x, v]| {
@@ -23,7 +23,7 @@ fn spectral_radius(m: &Method, omega_h: f64) -> f64 {
     }
 }
 
-/// Largest `omega h` up to which no step grows, by bisection.
+/// Returns the largest `omega h` up to which no step grows, by bisection.
 fn stability_limit(m: &Method) -> f64 {
     let stable = |x: f64| spectral_radius(m, x) <= 1.0 + 1e-9;
     let (mut lo, mut hi) = (0.05, 4.0);
@@ -74,14 +74,14 @@ fn dormand_prince_is_stable_to_one_on_the_imaginary_axis() {
     assert!((0.9..1.1).contains(&limit), "{limit}");
 }
 
-/// Amplitude after so many unit steps.
+/// Returns the amplitude after a number of unit steps.
 fn amplitude(text: &str, sys: &mut Oscillator, n: f64) -> f64 {
     let start = state(&[1.0], &[0.0]);
     let (s, _) = watch(text, sys, start, &steps(n, n), &mut NullSink);
     s.q[0].hypot(s.v[0] / sys.omega)
 }
 
-/// Decay per step of a stiff oscillator after the start is forgotten.
+/// Returns the decay per step of a stiff oscillator after the initial transient.
 fn decay(text: &str, omega_h: f64) -> f64 {
     let mut sys = Oscillator { omega: omega_h };
     let mut norm = |n: f64| amplitude(text, &mut sys, n);
@@ -108,7 +108,7 @@ fn spectral_radius_at_infinity_is_the_declared_one() {
     assert!((observed - 1.0).abs() < 3e-3, "newmark: {observed}");
 }
 
-/// Small radii die out too fast for a decay to be measured over a thousand steps; it is read early on.
+/// Small spectral radii are measured early in the run, because the motion vanishes before a thousand steps.
 #[test]
 fn strong_damping_dies_out_within_a_few_steps() {
     for rho in [0.0, 0.3, 0.5, 0.7] {

@@ -1,4 +1,4 @@
-//! What the methods of the table declare, held against exact solutions. One binary, one room per question.
+//! Declared properties of the methods compared with exact solutions. One binary, one module per question.
 
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
 
@@ -11,11 +11,11 @@ mod failures;
 mod free_flight;
 mod golden_work;
 mod hammer;
-mod kicks;
 mod linear_oscillator;
 mod modal;
 mod modes;
 mod observers;
 mod pieces;
 mod problems;
+mod quasi_static_correction;
 mod smooth_order;

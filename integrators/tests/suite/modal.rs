@@ -1,4 +1,4 @@
-//! The trigonometric method: exact for the linear part, symplectic, symmetric, in flight in one step.
+//! The trigonometric method: exact for the linear part, symplectic, symmetric, one step per flight.
 
 use crate::equilibrium::Springs;
 use crate::modes::Modes;
@@ -14,7 +14,7 @@ fn apart(a: &State, b: &State) -> f64 {
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// A stop that nothing reaches keeps the flights short, so that many steps are taken.
+/// A stop that is never reached keeps the flights short, so that many steps are made.
 #[test]
 fn oscillators_and_steady_loads_are_exact_over_long_times() {
     let zeta = [0.0, 0.0, 0.0, 1e-4, 0.02, 0.7, 0.999];
@@ -38,7 +38,7 @@ fn oscillators_and_steady_loads_are_exact_over_long_times() {
     }
 }
 
-/// Nothing that could touch: one step, no evaluation but the first, and exact values inside.
+/// A flight without any possible contact is one step with exact values inside and a single evaluation.
 #[test]
 fn flight_is_one_step_with_exact_values_inside() {
     #[derive(Default)]
@@ -149,7 +149,7 @@ fn a_system_without_a_split_is_refused() {
     assert!(result.unwrap_err().to_string().contains("damping ratio"));
 }
 
-/// Ten times the flight between two impacts costs no more steps and no more evaluations.
+/// A tenfold flight between two impacts costs no more steps and no more evaluations.
 #[test]
 fn the_cost_of_flight_does_not_grow_with_its_length() {
     for (events, resolution) in [
@@ -194,16 +194,17 @@ fn the_cost_of_flight_does_not_grow_with_its_length() {
     }
 }
 
-/// A body with one elastic mode, of mass one each, that bounces on a stop under a steady load, or rests on it and
-/// rocks; `omega_c h` of the contact is given. The largest energy error over the energy of the motion, 40000 steps.
+/// Returns the largest energy error over 40000 steps, relative to the energy of the motion, of a body with one elastic
+/// mode, of mass one each, that bounces on a stop under a steady load, or rests on it and rocks; `omega_c h` of the
+/// contact is given.
 fn energy_error(omega_h: f64, contact_h: f64, pressed: bool, filter: u8) -> f64 {
-    struct Worst {
+    struct LargestError {
         modes: Modes,
         start: f64,
         scale: f64,
         error: f64,
     }
-    impl Sink for Worst {
+    impl Sink for LargestError {
         fn accepted(&mut self, _: &mut dyn SecondOrderSystem, s: &AcceptedStep<'_>) -> Control {
             let off = (self.modes.energy(s.to) - self.start).abs() / self.scale;
             self.error = self.error.max(off);
@@ -230,7 +231,7 @@ fn energy_error(omega_h: f64, contact_h: f64, pressed: bool, filter: u8) -> f64 
     } else {
         state(&[-0.5, 0.0], &[0.0, 0.0])
     };
-    let mut worst = Worst {
+    let mut worst = LargestError {
         start: modes.energy(&start),
         scale: if pressed {
             0.5 * speed * speed
@@ -246,7 +247,7 @@ fn energy_error(omega_h: f64, contact_h: f64, pressed: bool, filter: u8) -> f64 
     worst.error
 }
 
-/// The table in the head of the module, and that the default costs nothing where it is not needed.
+/// Measures the table in the module head, and checks that the default filter costs nothing where it is not needed.
 #[test]
 fn filtered_modes_do_not_resonate() {
     println!("largest energy error: resting | bouncing, filter 0, 1, 2");

@@ -3,10 +3,10 @@
 use crate::unit_masses;
 use gearbench_integrators::modal::propagator::coefficients;
 use gearbench_integrators::{
-    At, Energy, Layout, ModalSplit, Outputs, Power, Report, SecondOrderSystem, State,
+    Energy, Layout, ModalSplit, Outputs, Power, Report, SecondOrderSystem, State, StateView,
 };
 
-/// Independent oscillators under steady loads, next to a smooth nonlinear coupling and a stop.
+/// Independent oscillators under steady loads with a smooth nonlinear coupling and a stop.
 #[derive(Clone)]
 pub struct Modes {
     pub omega: Vec<f64>,
@@ -14,11 +14,11 @@ pub struct Modes {
     pub load: Vec<f64>,
     /// Shape of the modes at the point that the nonlinear forces act on.
     pub shape: Vec<f64>,
-    /// Cubic spring at the point.
+    /// Coefficient of the cubic spring at the point.
     pub cubic: f64,
     /// Stiffness of the stop at `point > 0`: the stop itself in series with a residual compliance.
     pub stop: f64,
-    /// Where the stop stands.
+    /// Position of the stop.
     pub wall: f64,
 }
 
@@ -84,17 +84,18 @@ impl ModalSplit for Modes {
         omega.copy_from_slice(&self.omega);
         zeta.copy_from_slice(&self.zeta);
     }
-    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
         let force = self.contact(at.q);
         for i in 0..a.len() {
             a[i] = self.load[i] + self.shape[i] * force;
         }
     }
-    fn steady(&mut self, _at: At<'_>, a: &mut [f64]) -> f64 {
+    fn steady(&mut self, _at: StateView<'_>, a: &mut [f64]) -> f64 {
         a.copy_from_slice(&self.load);
         f64::INFINITY
     }
-    /// The gap of the first coordinate, which is free, less the largest swing of the others; no load on either.
+    /// Returns a bound from the gap of the first coordinate, which is free, less the largest amplitude of the others,
+    /// without load on either.
     fn free_until(&mut self, s: &State) -> f64 {
         if self.wall == f64::INFINITY && self.cubic == 0.0 {
             return f64::INFINITY;
@@ -118,7 +119,7 @@ impl ModalSplit for Modes {
 }
 
 impl Report for Modes {
-    fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+    fn output(&mut self, at: StateView<'_>, out: &mut Outputs) {
         let s = State {
             q: at.q.to_vec(),
             v: at.v.to_vec(),
@@ -139,17 +140,17 @@ impl Report for Modes {
 impl SecondOrderSystem for Modes {
     unit_masses!(|own| [own.omega.len(), 0, 0], modal: ModalSplit, report: Report);
 
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         0.1
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         let contact = self.contact(at.q);
         for i in 0..f.len() {
             let (w, z) = (self.omega[i], self.zeta[i]);
             f[i] = self.load[i] + self.shape[i] * contact - w * (w * at.q[i] + 2.0 * z * at.v[i]);
         }
     }
-    fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], _df: &mut [f64]) {
+    fn tangent_times(&mut self, _at: StateView<'_>, _dq: &[f64], _dv: &[f64], _df: &mut [f64]) {
         unreachable!("explicit methods only")
     }
 }

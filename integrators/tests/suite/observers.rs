@@ -1,4 +1,4 @@
-//! The ledger and the recorder.
+//! Tests of the energy ledger and the recorder.
 
 use crate::modes::Modes;
 use crate::problems::*;
@@ -35,8 +35,8 @@ fn the_ledger_closes_through_damped_impacts() {
     }
 }
 
-/// A method of second order is no more exact than its states: one look at each is enough, which counts where contact takes
-/// a solve.
+/// The ledger evaluates each state of a second-order method once, because the method is no more accurate than its
+/// states. This saves time where contact takes a solve.
 #[test]
 fn a_ledger_looks_once_at_each_state_of_a_method_of_second_order() {
     for (id, looks) in [("velocity-verlet", 1.0), ("rk4", 4.0)] {
@@ -51,8 +51,8 @@ fn a_ledger_looks_once_at_each_state_of_a_method_of_second_order() {
     }
 }
 
-/// A damped contact that may not pull opens while the spring is still pressed: that energy is gone at the
-/// switch, and the ledger books it there.
+/// A damped contact without adhesion opens while its spring is still compressed; the ledger books that energy as a
+/// jump at the switch.
 #[test]
 fn the_ledger_books_the_energy_left_at_a_release() {
     let mut hammer = Hammer::one_impact(0.05);
@@ -65,9 +65,9 @@ fn the_ledger_books_the_energy_left_at_a_release() {
     assert!((lost - (ledger.dissipated - ledger.jumps)).abs() < 1e-10 * start);
 }
 
-/// A body strikes a stop and drags an oscillator along that is damped stiffly beside the step: the energy that nothing
-/// explains is that of the undamped oscillator, and falls with the square of the step and faster. With the trapezoidal
-/// rule on the powers at the ends of the steps, where the oscillator still has half a kick, it was up to 2.7 %.
+/// A body strikes a stop and excites an oscillator with damping that is stiff for the step. The unexplained energy is
+/// that of the undamped oscillator and falls at least with the square of the step. With the trapezoidal rule on the
+/// powers at the ends of the steps, before the second half impulse of the oscillator, it was up to 2.7 %.
 #[test]
 fn stiffly_damped_oscillators_close_the_ledger() {
     for (phase, zeta) in [(0.8, 0.05), (1.5, 0.6), (1.9, 0.95)] {

@@ -1,10 +1,10 @@
-//! A run in pieces is the run as a whole, and copies of a method go on by themselves.
+//! A run in pieces equals the whole run, and copies of a method run independently.
 
 use crate::hammer::Hammer;
 use crate::problems::*;
 use gearbench_integrators::{Change, Integrator, NullSink, State, TimePlan, Work};
 
-/// Pieces of equal length, from a piece on; the state after each.
+/// Runs pieces of equal length from a given piece on; returns the state after each.
 fn pieces(
     method: &mut dyn Integrator,
     hammer: &mut Hammer,

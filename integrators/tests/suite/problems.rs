@@ -1,12 +1,12 @@
-//! Test systems, each bound to its exact solution where it has one.
+//! Test systems, each with its exact solution where one exists.
 
 pub use crate::hammer::*;
 use gearbench_integrators::{
-    At, Energy, Layout, METHODS, Method, ModalSplit, NullSink, Outputs, Report, Resolution,
-    SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan, Work, method,
+    Energy, Layout, METHODS, Method, ModalSplit, NullSink, Outputs, Report, Resolution,
+    SecondOrderSystem, Sink, State, StateView, StepError, Stepping, TimePlan, Work, method,
 };
 
-/// Runs a method of the table; the state is where it ended.
+/// Runs a method of the table; the state is the one where it ended.
 pub fn run(
     method: &Method,
     sys: &mut dyn SecondOrderSystem,
@@ -20,7 +20,7 @@ pub fn run(
     (s, work, result)
 }
 
-/// Runs a method `id(name=value)` that must not fail, watched by a sink.
+/// Runs a method `id(name=value)` that must not fail, with a sink.
 pub fn watch(
     text: &str,
     sys: &mut dyn SecondOrderSystem,
@@ -67,7 +67,7 @@ pub fn adaptive() -> impl Iterator<Item = &'static Method> {
         .filter(|m| m.info.stepping != Stepping::Fixed)
 }
 
-/// Slope of log(error) over log(x) by least squares.
+/// Fits the slope of log(error) over log(x) by least squares.
 pub fn slope(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let (mut sx, mut sy, mut sxx, mut sxy) = (0.0, 0.0, 0.0, 0.0);
@@ -90,8 +90,7 @@ pub fn state(q: &[f64], v: &[f64]) -> State {
     }
 }
 
-/// What test systems of unit masses and scales have alike: the length of their coordinates, event functions and discrete
-/// state, and the capabilities that they hand out.
+/// Implements the sizes, scales and capabilities of test systems with unit masses and unit scales.
 #[macro_export]
 macro_rules! unit_masses {
     (|$own:ident| [$n:expr, $events:expr, $discrete:expr] $(, $capability:ident: $trait:ident)*) => {
@@ -107,8 +106,8 @@ macro_rules! unit_masses {
             q.fill(1.0);
             v.fill(1.0);
         }
-        fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-        fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+        fn solve_mass(&mut self, _at: StateView<'_>, _f: &mut [f64]) {}
+        fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
             y.copy_from_slice(x);
         }
         $(fn $capability(&mut self) -> Option<&mut dyn $trait> {
@@ -117,8 +116,8 @@ macro_rules! unit_masses {
     };
 }
 
-/// Makes a system oscillators and a rest: the frequency [rad/s] and damping ratio of each coordinate are given, the
-/// rest is what is left of its acceleration.
+/// Implements the modal split of a system from the frequency [rad/s] and damping ratio of each coordinate; the
+/// remainder is the rest of its acceleration.
 #[macro_export]
 macro_rules! split_off {
     ($system:ty, |$own:ident, $i:ident| $oscillator:expr) => {
@@ -129,7 +128,7 @@ macro_rules! split_off {
                     (omega[$i], zeta[$i]) = $oscillator;
                 }
             }
-            fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+            fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
                 self.force(at, a);
                 self.solve_mass(at, a);
                 let $own = &*self;
@@ -138,7 +137,7 @@ macro_rules! split_off {
                     a[$i] += w * (w * at.q[$i] + 2.0 * z * at.v[$i]);
                 }
             }
-            fn steady(&mut self, at: At<'_>, _a: &mut [f64]) -> f64 {
+            fn steady(&mut self, at: StateView<'_>, _a: &mut [f64]) -> f64 {
                 at.t
             }
             fn free_until(&mut self, s: &State) -> f64 {
@@ -152,8 +151,8 @@ split_off!(Duffing, |_own, i| ([1.0, 1.3][i], [0.05, 0.0][i]));
 split_off!(Oscillator, |own, _i| (own.omega, 0.0));
 split_off!(Chain, |_own, _i| (0.0, 0.0));
 
-/// Two coupled Duffing oscillators with cubic damping and a full mass matrix, forced so that
-/// `q = (sin 1.3 t + 0.2 cos 2.1 t, cos(0.9 t + 0.4))` solves them exactly.
+/// Two coupled Duffing oscillators with cubic damping and a full mass matrix, forced so that `q = (sin 1.3 t + 0.2 cos
+/// 2.1 t, cos(0.9 t + 0.4))` is the exact solution.
 #[derive(Default)]
 pub struct Duffing;
 
@@ -205,30 +204,30 @@ impl SecondOrderSystem for Duffing {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         0.5
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         let [q, v, a] = Self::exact(at.t);
         let (there, here) = (Self::internal(&q, &v), Self::internal(at.q, at.v));
         for i in 0..2 {
             f[i] = Self::M[i][0] * a[0] + Self::M[i][1] * a[1] + there[i] - here[i];
         }
     }
-    fn solve_mass(&mut self, _at: At<'_>, f: &mut [f64]) {
+    fn solve_mass(&mut self, _at: StateView<'_>, f: &mut [f64]) {
         let [[a, b], [c, d]] = Self::M;
         let det = a * d - b * c;
         (f[0], f[1]) = ((d * f[0] - b * f[1]) / det, (a * f[1] - c * f[0]) / det);
     }
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         for i in 0..2 {
             y[i] = Self::M[i][0] * x[0] + Self::M[i][1] * x[1];
         }
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         let (q, v) = (at.q, at.v);
         let (d, vr) = (q[0] - q[1], v[0] - v[1]);
         let (dd, ddv) = (dq[0] - dq[1], dv[0] - dv[1]);
@@ -238,7 +237,7 @@ impl SecondOrderSystem for Duffing {
     }
 }
 
-/// `x'' = -omega^2 x` and `omega = 1` unless said otherwise.
+/// Oscillator `x'' = -omega^2 x`, with `omega = 1` by default.
 pub struct Oscillator {
     pub omega: f64,
 }
@@ -258,14 +257,14 @@ impl SecondOrderSystem for Oscillator {
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f[0] = -self.omega * self.omega * at.q[0];
     }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn solve_mass(&mut self, _at: StateView<'_>, _f: &mut [f64]) {}
+    fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         y.copy_from_slice(x);
     }
-    fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, _at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = -self.omega * self.omega * dq[0];
     }
     fn report(&mut self) -> Option<&mut dyn Report> {
@@ -274,7 +273,7 @@ impl SecondOrderSystem for Oscillator {
 }
 
 impl Report for Oscillator {
-    fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+    fn output(&mut self, at: StateView<'_>, out: &mut Outputs) {
         out.energy = Energy {
             kinetic: 0.5 * at.v[0] * at.v[0],
             strain: 0.5 * (self.omega * at.q[0]).powi(2),
@@ -321,13 +320,13 @@ impl SecondOrderSystem for Chain {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         0.3
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f.fill(0.0);
         for i in 1..f.len() {
             let (d, dv) = (at.q[i] - at.q[i - 1], at.v[i] - at.v[i - 1]);
@@ -336,17 +335,17 @@ impl SecondOrderSystem for Chain {
             f[i - 1] += s;
         }
     }
-    fn solve_mass(&mut self, _at: At<'_>, f: &mut [f64]) {
+    fn solve_mass(&mut self, _at: StateView<'_>, f: &mut [f64]) {
         for (f, m) in f.iter_mut().zip(&self.masses) {
             *f /= m;
         }
     }
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         for i in 0..x.len() {
             y[i] = self.masses[i] * x[i];
         }
     }
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
         for i in 1..df.len() {
             let (d, v) = (at.q[i] - at.q[i - 1], at.v[i] - at.v[i - 1]);
@@ -358,17 +357,17 @@ impl SecondOrderSystem for Chain {
     }
 }
 
-/// A plan of fixed steps.
+/// Returns a plan of `n` fixed steps.
 pub fn steps(t_end: f64, n: f64) -> TimePlan<'static> {
     TimePlan::new(t_end, Resolution::Step(t_end / n))
 }
 
-/// A plan under a tolerance.
+/// Returns a plan under a tolerance.
 pub fn tolerance(t_end: f64, rtol: f64) -> TimePlan<'static> {
     TimePlan::new(t_end, Resolution::Tolerance(rtol))
 }
 
-/// A plan that suits a method: a tolerance, or so many steps where it takes any.
+/// Returns a plan that suits a method: a tolerance, or `n` steps where it supports fixed steps.
 pub fn plan_of(m: &Method, t_end: f64, n: f64, rtol: f64) -> TimePlan<'static> {
     match m.info.stepping {
         Stepping::Adaptive => tolerance(t_end, rtol),

@@ -2,7 +2,7 @@
 
 use crate::problems::*;
 
-/// Fitted order lies this close to the declared one.
+/// Largest deviation of the fitted order from the declared one.
 const BAND: f64 = 0.1;
 
 #[test]

@@ -1,36 +1,36 @@
 //! Lower bounds of gaps, linear in the displacements of the hubs.
 
-/// What facing flanks of two gears whose teeth move with their hubs are apart at least, by the displacements of the
-/// hubs: `assembled + per_displacement . displacement`. An involute that turns moves parallel to itself, so this holds for
-/// all points of the flanks, not only on the line of action.
+/// Lower bound of the gap between facing flanks of two gears whose teeth move with their hubs, linear in the hub
+/// displacements. A rotating involute moves parallel to itself, so this holds for all points of the flanks, not only
+/// on the line of action.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineClearance {
-    /// At the assembled position [m].
+    /// Gap at the assembled position [m].
     pub assembled: f64,
-    /// Its change by the displacement of each hub [m/rad], [-] for a rack.
+    /// Derivative by the displacement of each hub [m/rad], dimensionless for a rack.
     pub per_displacement: [f64; 2],
 }
 
-/// A lower bound of the gaps between rigid flanks, linear in the displacements of both hubs for as long as it is
-/// positive: no point has a smaller gap at any displacements on the way.
+/// Lower bounds of the gaps between rigid flanks of both sides, linear in the hub displacements. As long as a bound is
+/// positive, no point has a smaller gap at any displacement on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
-    /// Of left and of right flanks [m]; they touch, or may, where it is not positive.
+    /// Gaps of left and of right flanks [m]; where a gap is not positive the flanks may touch.
     pub gaps: [f64; 2],
-    /// How that of left flanks changes by the displacement of the first and of the second gear [m/rad or -]; that of
-    /// right flanks changes by the opposite.
+    /// Derivative of the gap of left flanks by the displacement of the first and of the second gear [m/rad or -]; that
+    /// of right flanks is the opposite.
     pub per_displacement: [f64; 2],
 }
 
 impl Clearance {
-    /// The smaller of both sides after further displacements [m].
+    /// Returns the smaller gap of both sides after further displacements [m].
     pub fn after(&self, displacements: [f64; 2]) -> f64 {
         let change = self.per_displacement[0] * displacements[0]
             + self.per_displacement[1] * displacements[1];
         (self.gaps[0] + change).min(self.gaps[1] - change)
     }
 
-    /// The gap of each side as a linear function of further displacements.
+    /// Returns the gap of each side as a linear function of further displacements.
     pub fn lines(&self) -> [LineClearance; 2] {
         [1.0, -1.0].map(|sign| LineClearance {
             assembled: self.gaps[usize::from(sign < 0.0)],

@@ -9,13 +9,13 @@
 
 mod candidate;
 mod clearance;
+mod gear_state;
 pub mod nodal;
 pub mod pairs;
-mod party;
 pub mod points;
 mod search;
 
 pub use candidate::Candidate;
 pub use clearance::{Clearance, LineClearance};
-pub use party::{Party, SearchWork, Wanted, ZoneChange};
+pub use gear_state::{CandidateSelection, GearState, SearchWork, ZoneChange};
 pub use search::Search;

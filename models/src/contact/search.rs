@@ -1,30 +1,31 @@
-//! The search of a mesh: tooth pairs on lines of action, or points of flanks. Both take any mix of gear models.
+//! The contact search of a mesh: tooth pairs on lines of action, points of flanks, or lines of flanks. Each accepts
+//! any combination of gear models.
 
 use super::candidate::Candidate;
-use super::nodal::{GapBound, NodalParty, NodalPoints};
+use super::gear_state::{CandidateSelection, GearState};
+use super::nodal::{GapBound, NodalGearState, NodalPoints};
 use super::pairs::{FlankLines, LinesOfAction};
-use super::party::{Party, Wanted};
 use super::points::FlankPoints;
 use crate::Vec3;
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
 
-/// How a mesh finds its candidate points.
+/// Method by which a mesh finds its candidate points.
 #[derive(Debug)]
 pub enum Search {
-    /// Tooth pairs, each with a slot of its own. The search owns a part of the mesh's discrete state: which pairs it
-    /// looks at. With event location that part changes only at its event functions, so inside a step the set of
-    /// candidates is fixed.
+    /// Tooth pairs, each with its own slot. The search has a part of the discrete state of the mesh: the range of
+    /// pairs that it evaluates. With event location that part changes only at its event functions, so that the set of
+    /// candidates is constant inside a step.
     Pairs(Box<LinesOfAction>),
-    /// Points of flanks. They open and close all the time, so that there are neither slots nor event functions: forces
-    /// are clipped, and nothing is located.
+    /// Points of flanks. They open and close continually, so that there are no slots and no event functions: forces
+    /// are clipped and no event is located.
     Points(Box<FlankPoints>),
-    /// Lines of flanks, of elastic gears; they open and close as points do.
+    /// Lines of elastic flanks, which open and close continually as points do.
     Lines(Box<FlankLines>),
 }
 
 impl Search {
-    /// The tooth pairs, if it looks at such.
+    /// Returns the search for tooth pairs, if it is one.
     #[inline]
     pub fn pairs(&self) -> Option<&LinesOfAction> {
         match self {
@@ -33,7 +34,7 @@ impl Search {
         }
     }
 
-    /// The points of flanks, if it looks at such.
+    /// Returns the search for flank points, if it is one.
     #[inline]
     pub fn points(&self) -> Option<&FlankPoints> {
         match self {
@@ -42,7 +43,7 @@ impl Search {
         }
     }
 
-    /// The lines of flanks, if it looks at such.
+    /// Returns the search for flank lines, if it is one.
     #[inline]
     pub fn lines(&self) -> Option<&FlankLines> {
         match self {
@@ -51,11 +52,11 @@ impl Search {
         }
     }
 
-    /// Appends points of gears with a [flank displacement](crate::gear::FlankDisplacement); tooth pairs have none.
+    /// Appends the points of gears with a [flank displacement](crate::gear::FlankDisplacement); tooth pairs have none.
     #[inline]
     pub fn nodal_points(
         &self,
-        sides: [NodalParty<'_>; 2],
+        sides: [NodalGearState<'_>; 2],
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
@@ -66,25 +67,25 @@ impl Search {
         }
     }
 
-    /// Appends candidates; `discrete` is what [`Search::Pairs`] owns.
+    /// Appends candidates; `discrete` is the discrete state of [`Search::Pairs`].
     #[inline]
     pub fn candidates(
         &self,
-        a: Party<'_>,
-        b: Party<'_>,
+        a: GearState<'_>,
+        b: GearState<'_>,
         discrete: &[f64],
-        wanted: Wanted<'_>,
+        selection: CandidateSelection<'_>,
         out: &mut Vec<Candidate>,
     ) {
         match self {
-            Search::Pairs(pairs) => pairs.candidates(a, b, discrete, wanted, out),
-            Search::Points(points) => points.candidates(a, b, wanted, out),
+            Search::Pairs(pairs) => pairs.candidates(a, b, discrete, selection, out),
+            Search::Points(points) => points.candidates(a, b, selection, out),
             // Their gears have fields.
             Search::Lines(_) => {}
         }
     }
 
-    /// Ends of the line of action of a flank [m], for pictures.
+    /// Returns the ends of the line of action of a flank [m], for figures.
     pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         match self {
             Search::Pairs(pairs) => pairs.line(side),
@@ -93,7 +94,7 @@ impl Search {
         }
     }
 
-    /// Teeth and flank side of a candidate.
+    /// Returns the teeth and the flank side of a candidate.
     pub fn flank_of(&self, c: &Candidate) -> ([Tooth; 2], Side) {
         let side = match self {
             Search::Pairs(pairs) => pairs.side_of(c),

@@ -1,55 +1,55 @@
-//! Bodies of finite elements, for pictures: cells, and where all nodes are at a state.
+//! Finite-element bodies for figures: cells, and the positions of all nodes at a state.
 
 use crate::Vec3;
 use crate::error::Reason;
 use crate::geometry::swept::Cells;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use std::fmt;
 use std::sync::Arc;
 
-/// Nodes of a body at a state.
+/// Positions of all nodes of a body at a state.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Displaced {
-    /// Where the rigid motion of the gear takes them [m].
+pub struct DisplacedNodes {
+    /// Positions after the rigid motion of the gear [m].
     pub rigid: Vec<Vec3>,
-    /// How far they are off that place [m].
+    /// Displacements of the nodes from these positions [m].
     pub displacement: Vec<Vec3>,
 }
 
-/// What acts on a body: forces by the numbers of
-/// [`FlankDisplacement`](super::FlankDisplacement), and the load on its hub.
+/// Loads on a body: forces on flank nodes, numbered as in [`FlankDisplacement`](super::FlankDisplacement), and the
+/// load on its hub.
 #[derive(Clone, Debug, Default)]
 pub struct BodyLoad {
-    /// Numbers of flank nodes, or of lines, and forces into the tooth (along the profile: against it) [N].
+    /// Numbers of flank nodes, or of lines, with forces into the tooth [N]; along the profile, forces against it.
     pub forces: Vec<(u32, f64)>,
-    /// On the hub [N m] or [N].
+    /// Load on the hub [N m or N].
     pub hub: f64,
 }
 
-/// A gear whose body is a mesh.
+/// A gear whose body is a finite-element mesh.
 pub trait MeshedBody {
-    /// Its elements.
+    /// Returns the cells of the mesh.
     ///
     /// # Errors
     /// Why they are not known, with a way out.
     fn cells(&self) -> Result<Arc<Cells>, Reason>;
 
-    /// All its nodes at a state.
+    /// Returns the positions of all nodes at a state.
     ///
     /// # Errors
     /// Why they are not known, with a way out.
-    fn displaced(&self, at: At<'_>, load: &BodyLoad) -> Result<Displaced, Reason>;
+    fn displaced(&self, at: StateView<'_>, load: &BodyLoad) -> Result<DisplacedNodes, Reason>;
 }
 
-/// The nodes behind a reduction: what its coordinates and forces on its flanks do to all of them.
+/// The full mesh behind a reduction: displacements of all nodes from modal coordinates and flank forces.
 pub trait Recovery: fmt::Debug + Send + Sync {
-    /// The elements.
+    /// Returns the cells of the mesh.
     ///
     /// # Errors
     /// Why they are not known, with a way out.
     fn cells(&self) -> Result<Arc<Cells>, Reason>;
 
-    /// Nodes at rest, and their displacements by the coordinates of the modes and a load, both in the gear's own frame
+    /// Returns the undeformed nodes, and their displacements from modal coordinates and a load, both in the gear frame
     /// [m].
     ///
     /// # Errors

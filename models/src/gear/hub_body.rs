@@ -1,12 +1,12 @@
-//! What every gear says of its hub and body as plain data, and what follows from it for all of them.
+//! Hub and body data of every gear, and the functions that follow from them.
 
 use crate::Vec3;
 use crate::kinematics::{Hub, Motion, Row, Wrench};
 use crate::spec::Freedom;
 use gearbench_integrators::FlightPath;
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 
-/// Typical magnitudes that turn a relative tolerance into absolute ones.
+/// Typical magnitudes that convert a relative tolerance into absolute ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Magnitudes {
     /// Deflection along the line of action [m].
@@ -15,46 +15,46 @@ pub struct Magnitudes {
     pub speed: f64,
 }
 
-/// Quantities of the hub and the whole body.
+/// Displacement, speed and momentum of a gear.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HubState {
     /// Angle [rad] or displacement [m] of the hub from the assembled position.
     pub displacement: f64,
-    /// Its rate.
+    /// Rate of the displacement [rad/s or m/s].
     pub speed: f64,
-    /// Angular momentum about the axis [kg m^2/s], or momentum along the slide [kg m/s].
+    /// Angular momentum about the axis [kg m^2/s], or momentum along the motion of a rack [kg m/s].
     pub momentum: f64,
 }
 
-/// The hub that carries a gear, with the data of a rigid body on it until a model says otherwise.
+/// Hub that carries a gear, with the data of a rigid body on it as defaults for all models.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HubBody {
-    /// The hub.
+    /// Hub with its mount.
     pub hub: Hub,
-    /// Deflection on the line of action by unit coordinate of the hub: base radius [m], `cos(alpha)` of a rack.
+    /// Deflection on the line of action per unit of the hub coordinate: base radius [m], or `cos(alpha)` of a rack.
     pub effective_base_radius: f64,
-    /// Coordinates of the gear's own, after those of the hub.
+    /// Number of coordinates of the gear in addition to those of the hub.
     pub own: usize,
     /// Length of the gear's discrete state.
     pub discrete: usize,
-    /// Mass that a contact feels at first, `1 / (w^T M^-1 w)` of its row [kg]; infinite for a gear that is held.
+    /// Effective mass of a contact at first, `1 / (w^T M^-1 w)` of its row [kg]; infinite for a fixed or driven gear.
     pub contact_mass: f64,
-    /// Shortest natural time of the gear's own coordinates, `1/omega` [s]; infinite without any.
+    /// Shortest natural time `1/omega` of the own coordinates of the gear [s]; infinite without any.
     pub characteristic_time: f64,
-    /// Deflection on the line of action by unit of each coordinate; those that are missing move as the hub does.
+    /// Deflection on the line of action per unit of each coordinate; missing entries are that of the hub.
     pub scales: Vec<f64>,
-    /// Diagonal of the mass matrix where it is constant and diagonal; those that are missing are the hub's inertia.
+    /// Diagonal of the mass matrix where it is constant and diagonal; missing entries are the inertia of the hub.
     pub masses: Vec<f64>,
-    /// Turn (displacement) of the hub by unit of each own coordinate; empty where they do not move it.
+    /// Rotation (displacement) of the hub per unit of each own coordinate; empty where they do not move it.
     pub hub_shapes: Vec<f64>,
-    /// Share of the energy of the next impact below which vibrations are cut off in free flight; 0: never.
+    /// Ratio to the energy of the next impact below which vibrations are removed in free flight; 0 disables this.
     pub vibration_cut_off: f64,
-    /// Own coordinates neither lose power nor have any put in, but by a driven hub.
+    /// True if no power is lost or supplied in the own coordinates, except by a driven hub.
     pub conservative: bool,
 }
 
 impl HubBody {
-    /// A rigid body on its hub.
+    /// Creates a rigid body on its hub.
     #[must_use]
     pub fn new(hub: Hub, effective_base_radius: f64) -> Self {
         let contact_mass = if hub.is_free() {
@@ -94,42 +94,43 @@ impl HubBody {
         }
     }
 
-    /// It has forces of its own: of own coordinates, or of a bearing.
+    /// Returns true if the gear has internal forces, of own coordinates or of a bearing.
     pub fn is_internal(&self) -> bool {
         self.own > 0 || self.hub.lateral.is_some()
     }
 
-    /// The hub's coordinates come first: index of the first own one.
+    /// Returns the index of the first own coordinate; the coordinates of the hub come first.
     #[inline]
     pub fn first(&self) -> usize {
         self.hub.coordinates()
     }
 
-    /// Number of all coordinates.
+    /// Returns the number of all coordinates.
     pub fn len(&self) -> usize {
         self.hub.coordinates() + self.own
     }
 
-    /// True when the gear has no coordinate at all.
+    /// Returns true when the gear has no coordinate.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Angle or displacement of the hub.
+    /// Returns the angle or displacement of the hub.
     #[inline]
-    pub fn displacement_at(&self, at: At<'_>) -> f64 {
+    pub fn displacement_at(&self, at: StateView<'_>) -> f64 {
         self.hub.displacement(at.t, at.q)
     }
 
-    /// Speed of the hub's coordinate.
+    /// Returns the speed of the hub coordinate.
     #[inline]
-    pub fn speed_at(&self, at: At<'_>) -> f64 {
+    pub fn speed_at(&self, at: StateView<'_>) -> f64 {
         self.hub.speed(at.t, at.v)
     }
 
-    /// Speed of the hub as loads see it: that of its coordinate and what own coordinates turn it by.
+    /// Returns the speed of the hub at which loads act: that of its coordinate plus the contribution of own
+    /// coordinates.
     #[inline]
-    pub fn load_speed(&self, at: At<'_>) -> f64 {
+    pub fn load_speed(&self, at: StateView<'_>) -> f64 {
         let speed = self.speed_at(at);
         if self.hub_shapes.is_empty() {
             return speed;
@@ -137,13 +138,13 @@ impl HubBody {
         speed + self.over_shapes(at.v)
     }
 
-    /// What own coordinates turn the hub by.
+    /// Returns the rotation of the hub by the own coordinates.
     pub fn over_shapes(&self, x: &[f64]) -> f64 {
         let own = self.hub_shapes.iter().zip(&x[self.first()..]);
         own.map(|(w, x)| w * x).sum()
     }
 
-    /// Adds a load on a hub that is free to move [N m] or [N].
+    /// Adds a load on a free hub [N m or N].
     #[inline]
     pub fn add_load(&self, load: f64, f: &mut [f64]) {
         if self.is_free() {
@@ -155,14 +156,14 @@ impl HubBody {
         }
     }
 
-    /// Appends `d(x . n)/dq` of a point that moves with the hub; returns the part of `d(x . n)/dt` [m/s] that a
-    /// motion prescribes.
+    /// Appends `d(x . n)/dq` of a point that moves with the hub; returns the part of `d(x . n)/dt` [m/s] from a
+    /// prescribed motion.
     #[inline]
-    pub fn row(&self, at: At<'_>, x: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
+    pub fn row(&self, at: StateView<'_>, x: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
         self.hub.point_row(at.t, at.q, x, n, row)
     }
 
-    /// Typical magnitudes of the coordinates and their rates.
+    /// Writes typical magnitudes of the coordinates and their rates.
     pub fn magnitudes(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
         let scales = self.scales.iter().copied();
         let scales = scales.chain(std::iter::repeat(self.effective_base_radius));
@@ -172,15 +173,15 @@ impl HubBody {
         }
     }
 
-    /// Diagonal of the mass matrix.
+    /// Writes the diagonal of the mass matrix.
     pub fn diagonal_mass(&self, out: &mut [f64]) {
         let masses = self.masses.iter().copied();
         let masses = masses.chain(std::iter::repeat(self.hub.inertia));
         out.iter_mut().zip(masses).for_each(|(out, m)| *out = m);
     }
 
-    /// Adds what the bearing exerts, and the spin terms of the body, to the forces on the hub's coordinates.
-    pub fn add_lateral_forces(&self, at: At<'_>, f: &mut [f64]) {
+    /// Adds the bearing forces and the gyroscopic terms of the body to the forces on the hub coordinates.
+    pub fn add_lateral_forces(&self, at: StateView<'_>, f: &mut [f64]) {
         let Some(lateral) = &self.hub.lateral else {
             return;
         };
@@ -191,16 +192,16 @@ impl HubBody {
         }
     }
 
-    /// Energy in the bearing's springs [J], and power that its dampers take [W].
-    pub fn bearing_energy(&self, at: At<'_>) -> [f64; 2] {
+    /// Returns the energy of the bearing springs [J], and the power of the bearing dampers [W].
+    pub fn bearing_energy(&self, at: StateView<'_>) -> [f64; 2] {
         match &self.hub.lateral {
             None => [0.0; 2],
             Some(l) => l.bearing_energy(&self.hub.motion(at.t, at.q, at.v)),
         }
     }
 
-    /// [`Hub::reaction`], with what a bearing exerts in the directions that it leaves.
-    pub fn reaction_at(&self, at: At<'_>, contact: &Wrench) -> Wrench {
+    /// Returns [`Hub::reaction`] plus the bearing forces in the free directions.
+    pub fn reaction_at(&self, at: StateView<'_>, contact: &Wrench) -> Wrench {
         let mut reaction = self.hub.reaction(at.t, contact);
         let Some(lateral) = &self.hub.lateral else {
             return reaction;
@@ -218,8 +219,8 @@ impl HubBody {
         reaction
     }
 
-    /// Kinetic energy of the free directions of a rigid body [J].
-    pub fn kinetic(&self, at: At<'_>) -> f64 {
+    /// Returns the kinetic energy of the free directions of a rigid body [J].
+    pub fn kinetic(&self, at: StateView<'_>) -> f64 {
         let n = self.first();
         match &self.hub.lateral {
             Some(l) if l.spins => {
@@ -236,8 +237,8 @@ impl HubBody {
         }
     }
 
-    /// `y = M x` of a rigid body with spin terms.
-    pub fn apply_mass(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+    /// Multiplies by the mass matrix of a rigid body with spin terms: `y = M x`.
+    pub fn apply_mass(&self, at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         let Some(lateral) = &self.hub.lateral else {
             return;
         };
@@ -248,11 +249,11 @@ impl HubBody {
         }
     }
 
-    /// Solves with the hub's block of the iteration matrix of
-    /// [`GearModel::correct`](super::GearModel::correct), in place.
+    /// Solves with the block of the hub in the iteration matrix of [`GearModel::correct`](super::GearModel::correct),
+    /// in place.
     pub fn correct(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         x: &mut [f64],
@@ -273,8 +274,13 @@ impl HubBody {
         Ok(())
     }
 
-    /// Solves with the block of the lateral directions alone, for gears whose own motion has a block of its own.
-    pub fn correct_lateral(&self, at: At<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
+    /// Solves with the block of the out-of-plane directions alone, for gears whose own motion has a separate block.
+    pub fn correct_lateral(
+        &self,
+        at: StateView<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
         let Some(lateral) = &self.hub.lateral else {
             return Ok(());
         };
@@ -284,8 +290,8 @@ impl HubBody {
         lateral.correct(own, &motion, [c.m, c.d, c.k], (self.hub.inertia, 0.0), x)
     }
 
-    /// Adds the change of [`Self::add_lateral_forces`], by central differences.
-    pub fn add_lateral_tangent(&self, at: At<'_>, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
+    /// Adds the change of [`Self::add_lateral_forces`] by central differences.
+    pub fn add_lateral_tangent(&self, at: StateView<'_>, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
         let Some(lateral) = &self.hub.lateral else {
             return;
         };
@@ -300,8 +306,8 @@ impl HubBody {
         }
     }
 
-    /// Change of what the bearing exerts on the hub's coordinates, by a change of these and of their rates.
-    pub fn bearing_change(&self, at: At<'_>, [dq, dv]: [&[f64]; 2]) -> Vec<f64> {
+    /// Returns the change of the bearing forces on the hub coordinates, from a change of these and of their rates.
+    pub fn bearing_change(&self, at: StateView<'_>, [dq, dv]: [&[f64]; 2]) -> Vec<f64> {
         let mut change = vec![0.0; dq.len()];
         if let Some(lateral) = &self.hub.lateral {
             let now = self.hub.motion(at.t, at.q, at.v);
@@ -316,8 +322,8 @@ impl HubBody {
         change
     }
 
-    /// Power [W] that driven directions put into the free ones through spin terms.
-    pub fn driven_power(&self, at: At<'_>) -> f64 {
+    /// Returns the power [W] that driven directions transfer to the free ones through spin terms.
+    pub fn driven_power(&self, at: StateView<'_>) -> f64 {
         let Some(lateral) = self.hub.lateral.as_ref().filter(|l| l.spins) else {
             return 0.0;
         };
@@ -334,8 +340,8 @@ impl HubBody {
         of.map(|(d, v)| (with[d] - without[d]) * v).sum()
     }
 
-    /// Motion and momentum of a body that moves as its hub does.
-    pub fn state(&self, at: At<'_>) -> HubState {
+    /// Returns motion and momentum of a body that moves as its hub does.
+    pub fn state(&self, at: StateView<'_>) -> HubState {
         let speed = self.speed_at(at);
         HubState {
             displacement: self.displacement_at(at),
@@ -344,8 +350,8 @@ impl HubBody {
         }
     }
 
-    /// Displacement, speed and acceleration of a frame that moves as the hub does under a steady `load`.
-    pub fn frame(&self, at: At<'_>, load: f64) -> [f64; 3] {
+    /// Returns displacement, speed and acceleration of a frame that moves as the hub does under a steady `load`.
+    pub fn frame(&self, at: StateView<'_>, load: f64) -> [f64; 3] {
         [
             self.displacement_at(at),
             self.speed_at(at),
@@ -353,8 +359,8 @@ impl HubBody {
         ]
     }
 
-    /// Adds the motion of the hub under a steady `load` to a free flight, where it is free.
-    pub fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
+    /// Adds the motion of the hub under a steady `load` to a closed-form path, if the hub is free.
+    pub fn add_to_path(&self, at: StateView<'_>, load: f64, first: usize, path: &mut FlightPath) {
         if self.is_free() {
             let acceleration = self.hub.acceleration(at.t, load);
             path.oscillator(0.0, 0.0, [at.q[0], at.v[0]], acceleration);
@@ -362,7 +368,7 @@ impl HubBody {
         }
     }
 
-    /// Whether power may be lost or put in.
+    /// Returns true if power may be lost or supplied.
     pub fn has_powers(&self) -> bool {
         !self.conservative || self.hub.is_driven() || self.hub.lateral.is_some()
     }

@@ -1,4 +1,4 @@
-//! Gears: what a gear model must tell the contact and the integrator, and the models.
+//! Gears: the interface between gear models, contact and integrator, and the models.
 //!
 //! | module | owns |
 //! |---|---|
@@ -6,16 +6,16 @@
 //! | `hub_body` | the data that every gear has: [`HubBody`] |
 //! | `capabilities` | what only some gears can do: flank surface, linear motion, teeth, size, coupled mass |
 //! | `body` | bodies of finite elements, for pictures |
-//! | `any` | what follows for any gear from what it hands out |
+//! | `capability_functions` | what follows for any gear from what it hands out |
 //! | [`parameters`] | parameters of models as structs that the models own |
 //! | [`properties`] | properties of a model that studies ask for before a gear is built |
 //! | `row` | a row of the table: what a model declares and is built from |
 //! | [`table`] | the table of gear models: a new model is one line there |
 //! | [`rigid`], [`movable_teeth`], [`elastic`] | the models of this crate |
 
-mod any;
 mod body;
 pub mod capabilities;
+mod capability_functions;
 pub mod elastic;
 mod flank_displacement;
 mod free_flight;
@@ -28,12 +28,12 @@ pub mod rigid;
 mod row;
 pub mod table;
 
-pub use any::{add_response, condense_by, condensed, respond_by, work_on_hub};
-pub use body::{BodyLoad, Displaced, MeshedBody, Recovery};
+pub use body::{BodyLoad, DisplacedNodes, MeshedBody, Recovery};
 pub use capabilities::{
     CoupledMass, DeformedLines, FlankNodes, FlankSurface, LargeGear, LinearMotion, Oscillators,
     ToothCoordinates, ToothSpring,
 };
+pub use capability_functions::{add_response, condense_by, condensed, respond_by, work_on_hub};
 pub use flank_displacement::FlankDisplacement;
 pub use free_flight::FreeFlight;
 pub use hub_body::{HubBody, HubState, Magnitudes};

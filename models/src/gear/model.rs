@@ -1,8 +1,8 @@
-//! The one gear-contact interface: what a gear model must tell the contact and the integrator.
+//! The interface of gear models to contact and integrator.
 //!
 //! A gear has generalised coordinates (those of its mount first, then its own), a contact row, a mass and internal
-//! forces. What all gears share is the data of [`HubBody`]; what only some can do are small traits of their own
-//! ([`super::capabilities`]), which a gear hands out. A gear may take part in several meshes; the gears of a mesh may
+//! forces. The data that all gears share are in [`HubBody`]; optional capabilities are small traits
+//! ([`super::capabilities`]), which a gear returns. A gear may take part in several meshes; the gears of a mesh may
 //! have different models.
 
 use super::body::MeshedBody;
@@ -13,18 +13,18 @@ use super::hub_body::{HubBody, HubState};
 use crate::Vec3;
 use crate::kinematics::{Motion, Point, Row, Wrench};
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
+use gearbench_integrators::system::{Coeffs, Energy, Power, Singular, StateView};
 
-/// A gear at some fidelity. `at` holds the gear's own coordinates and discrete state only. Every default is that of a
-/// rigid body on its hub, or works for any gear.
+/// A gear model. `at` has the coordinates and the discrete state of this gear only. Every default is that of a rigid
+/// body on its hub, or is valid for any gear.
 pub trait GearModel {
-    /// The hub that carries the gear, and its data.
+    /// Returns the hub that carries the gear, and its data.
     fn hub(&self) -> &HubBody;
 
-    /// Its hub, to prescribe another motion; the number of its coordinates has to stay.
+    /// Returns the hub for a change of its prescribed motion; the number of its coordinates has to be preserved.
     fn hub_mut(&mut self) -> &mut HubBody;
 
-    /// Sets the initial state of its coordinates for a hub that moves at `speed`.
+    /// Sets the initial state of the coordinates for a hub that moves at `speed`.
     fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _discrete: &mut [f64]) {
         q.fill(0.0);
         v.fill(0.0);
@@ -33,30 +33,29 @@ pub trait GearModel {
         }
     }
 
-    /// Appends `d(x_p . n)/dq` to a row that is already targeted at this gear; returns the part of `d(x_p . n)/dt`
-    /// [m/s] that a driven mount prescribes.
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
+    /// Appends `d(x_p . n)/dq` to a row of this gear; returns the part of `d(x_p . n)/dt` [m/s] from a driven mount.
+    fn row(&self, at: StateView<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         self.hub().row(at, &p.x, n, row)
     }
 
     /// Adds internal forces; called where there are own coordinates or a bearing.
-    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn forces(&mut self, at: StateView<'_>, f: &mut [f64]) {
         self.hub().add_lateral_forces(at, f);
     }
 
     /// Adds `(df/dq) dq + (df/dv) dv` of the internal forces; by default from central differences.
-    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         if self.hub().is_internal() {
             add_difference(self, at, [dq, dv], df);
         }
     }
 
-    /// `x = (c.m M + c.d D + c.k K)^-1 rhs` without contact and loads, but with `hub_damping` [N m s/rad] from viscous
-    /// loads on the mount's coordinate. The scene adds contacts as low-rank terms. By default dense, for gears of few
-    /// coordinates.
+    /// Solves `x = (c.m M + c.d D + c.k K)^-1 rhs` without contact and loads, but with `hub_damping` [N m s/rad] from
+    /// viscous loads on the coordinate of the mount. The scene adds contacts as low-rank terms. The default is a dense
+    /// solve, for gears of few coordinates.
     fn correct(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         rhs_to_x: &mut [f64],
@@ -64,8 +63,8 @@ pub trait GearModel {
         correct_dense(self, at, c, hub_damping, rhs_to_x)
     }
 
-    /// Kinetic and strain energy [J].
-    fn energy(&self, at: At<'_>) -> Energy {
+    /// Returns kinetic and strain energy [J].
+    fn energy(&self, at: StateView<'_>) -> Energy {
         let hub = self.hub();
         Energy {
             kinetic: hub.kinetic(at),
@@ -74,9 +73,9 @@ pub trait GearModel {
         }
     }
 
-    /// Power [W] that is lost inside the gear, that stiffness varying with position puts in, and that a prescribed
-    /// motion puts into the gear's own coordinates.
-    fn powers(&self, at: At<'_>) -> Power {
+    /// Returns the powers [W]: losses inside the gear, power of a stiffness that varies with position, and power of a
+    /// prescribed motion on the own coordinates.
+    fn powers(&self, at: StateView<'_>) -> Power {
         let hub = self.hub();
         Power {
             dissipated: hub.bearing_energy(at)[1],
@@ -85,65 +84,66 @@ pub trait GearModel {
         }
     }
 
-    /// Hub motion and momentum of the whole gear.
-    fn hub_state(&self, at: At<'_>) -> HubState {
+    /// Returns hub motion and momentum of the whole gear.
+    fn hub_state(&self, at: StateView<'_>) -> HubState {
         self.hub().state(at)
     }
 
-    /// Where the hub is in its six directions and how fast.
-    fn hub_motion(&self, at: At<'_>) -> Motion {
+    /// Returns position and velocity of the hub in its six directions.
+    fn hub_motion(&self, at: StateView<'_>) -> Motion {
         self.hub().motion(at.t, at.q, at.v)
     }
 
-    /// What the mount exerts on the gear: by Newton's law the rate of its momentum less the `contact` forces. `forces`
-    /// are those of contacts and loads on its coordinates. The default is that of a body that moves as its hub does.
-    fn mount_reaction(&self, at: At<'_>, _forces: &[f64], contact: &Wrench) -> Wrench {
+    /// Returns the force and moment of the mount on the gear: by Newton's law the rate of its momentum less the
+    /// `contact` forces. `forces` are those of contacts and loads on its coordinates. The default is that of a body
+    /// that moves as its hub does.
+    fn mount_reaction(&self, at: StateView<'_>, _forces: &[f64], contact: &Wrench) -> Wrench {
         self.hub().reaction_at(at, contact)
     }
 
-    /// Flanks as grids of nodes, for gears whose contact is searched point by point. Such a gear takes
+    /// Returns the flanks as grids of nodes, for gears whose contact is searched point by point. Such a gear accepts
     /// [`Locus::Quadrature`](crate::kinematics::Locus) points in [`Self::row`].
     fn surface(&self) -> Option<FlankSurface<'_>> {
         None
     }
 
-    /// Flanks as lines, for gears that meet half-spaces with the places of their nodes.
+    /// Returns the flanks as lines, for gears in contact with half-spaces at the positions of their nodes.
     fn deformed_lines(&self) -> Option<&dyn DeformedLines> {
         None
     }
 
-    /// Gears whose body is a mesh, for pictures.
+    /// Returns the finite-element body, for figures.
     fn body(&self) -> Option<&dyn MeshedBody> {
         None
     }
 
-    /// Gears whose motion between contacts is known in closed form.
+    /// Returns the closed-form motion between contacts, if there is one.
     fn linear(&self) -> Option<&dyn LinearMotion> {
         None
     }
 
-    /// Gears whose teeth have another displacement than the hub.
+    /// Returns the individual displacements of the teeth, if they differ from that of the hub.
     fn teeth(&self) -> Option<&dyn ToothCoordinates> {
         None
     }
 
-    /// Gears with many coordinates of which a contact touches few.
+    /// Returns the interface of a gear with many coordinates of which a contact acts on few.
     fn large(&self) -> Option<&dyn LargeGear> {
         None
     }
 
-    /// Gears whose mass matrix is not constant and diagonal.
+    /// Returns the mass matrix, if it is not constant and diagonal.
     fn coupled_mass(&self) -> Option<&dyn CoupledMass> {
         None
     }
 }
 
-/// Relative step of central differences, the cube root of rounding.
+/// Relative step of central differences: the cube root of the rounding unit.
 const STEP: f64 = 6e-6;
 
 fn add_difference<G: GearModel + ?Sized>(
     gear: &mut G,
-    at: At<'_>,
+    at: StateView<'_>,
     [dq, dv]: [&[f64]; 2],
     df: &mut [f64],
 ) {
@@ -167,7 +167,7 @@ fn add_difference<G: GearModel + ?Sized>(
             moved(&mut q, at.q, dq);
             moved(&mut v, at.v, dv);
             f.fill(0.0);
-            gear.forces(At { q: &q, v: &v, ..at }, &mut f);
+            gear.forces(StateView { q: &q, v: &v, ..at }, &mut f);
             for (df, f) in df.iter_mut().zip(&f) {
                 *df += weight * f;
             }
@@ -177,7 +177,7 @@ fn add_difference<G: GearModel + ?Sized>(
 
 fn correct_dense<G: GearModel + ?Sized>(
     gear: &mut G,
-    at: At<'_>,
+    at: StateView<'_>,
     c: Coeffs,
     hub_damping: f64,
     x: &mut [f64],

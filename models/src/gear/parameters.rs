@@ -1,4 +1,4 @@
-//! Parameters of gear models: each model owns a struct of its own; scenes and tables carry them by key.
+//! Parameters of gear models: each model defines a struct; scenes and tables store them by key.
 
 use super::row::ParameterInfo;
 use crate::error::BuildError;
@@ -7,14 +7,14 @@ use serde::de::{DeserializeOwned, Visitor};
 use serde::{Deserializer, Serialize};
 use std::fmt;
 
-/// The parameters of a model: a struct of options whose fields are the keys.
+/// Parameters of a model: a struct of options whose fields are the keys.
 pub trait ModelParameters: Default + Serialize + DeserializeOwned {
-    /// Id of the model.
+    /// Identifier of the model.
     const MODEL: &'static str;
-    /// Its keys.
+    /// Keys of the model with their descriptions.
     const KEYS: &'static [ParameterInfo];
 
-    /// Reads them.
+    /// Reads the struct from the parameters of a scene.
     ///
     /// # Errors
     /// The first key whose value is none that it takes.
@@ -37,12 +37,13 @@ pub trait ModelParameters: Default + Serialize + DeserializeOwned {
         })
     }
 
-    /// Those of a gear, if it takes this model; what the model would refuse is left to its construction.
+    /// Reads the parameters of a gear of this model, or returns `None`; invalid values are reported by the
+    /// construction of the gear.
     fn of(spec: &ModelSpec) -> Option<Self> {
         (spec.id == Self::MODEL).then(|| Self::read(&spec.parameters).ok())?
     }
 
-    /// A gear of this model with these parameters.
+    /// Creates a gear of this model with these parameters.
     fn spec(&self) -> ModelSpec {
         let fields = match serde_json::to_value(self) {
             Ok(serde_json::Value::Object(fields)) => fields,
@@ -58,7 +59,7 @@ pub trait ModelParameters: Default + Serialize + DeserializeOwned {
         }
     }
 
-    /// Changes them in all gears that take this model.
+    /// Changes the parameters of all gears of this model.
     fn change(modelling: &mut Modelling, change: impl Fn(&mut Self)) {
         for gear in &mut modelling.gears {
             if let Some(mut parameters) = Self::of(gear) {
@@ -69,7 +70,7 @@ pub trait ModelParameters: Default + Serialize + DeserializeOwned {
     }
 }
 
-/// Whole numbers become integers, which counts ask for and numbers take.
+/// Converts a value; whole numbers become integers, which integer and float fields accept.
 fn to_json(value: &Value) -> serde_json::Value {
     let number = |x: f64| {
         if x.fract() == 0.0 && x.is_sign_positive() && x <= 9e15 {
@@ -86,7 +87,7 @@ fn to_json(value: &Value) -> serde_json::Value {
     }
 }
 
-/// A parameter that is given.
+/// Converts a given parameter back.
 fn from_json(value: serde_json::Value) -> Option<Value> {
     match value {
         serde_json::Value::Number(x) => x.as_f64().map(Value::Number),
@@ -118,7 +119,7 @@ impl Visitor<'_> for Number {
     }
 }
 
-/// A number, for `#[serde(deserialize_with)]`.
+/// Deserialises a number, for `#[serde(deserialize_with)]`.
 ///
 /// # Errors
 /// Anything else.
@@ -126,7 +127,7 @@ pub fn number<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f64>, D::Error> 
     d.deserialize_any(Number("a number")).map(Some)
 }
 
-/// A whole number, for `#[serde(deserialize_with)]`.
+/// Deserialises a whole number, for `#[serde(deserialize_with)]`.
 ///
 /// # Errors
 /// Anything else.

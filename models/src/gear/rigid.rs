@@ -1,9 +1,9 @@
-//! The rigid gear: the mount's coordinate only; all compliance sits in the contact law.
+//! The rigid gear: it has the coordinate of the mount only; all compliance is in the contact law.
 //!
 //! `J phi'' = T + sum_c N_c d(x_c . n_c)/dphi`, on the line of action the effective base radius arm is the base radius.
 
-use super::any::work_on_hub;
 use super::capabilities::{CoupledMass, LinearMotion, Oscillators};
+use super::capability_functions::work_on_hub;
 use super::free_flight::FreeFlight;
 use super::hub_body::HubBody;
 use super::model::GearModel;
@@ -12,12 +12,12 @@ use crate::Vec3;
 use crate::kinematics::{Hub, Point, Row};
 use crate::spec::{ModelSpec, Parameters};
 use gearbench_integrators::FlightPath;
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 
-/// Id of the model.
+/// Identifier of the model.
 pub const MODEL: &str = "rigid";
 
-/// Its contact law is all there is to fit.
+/// Fit of the contact law, the only constant of the model.
 pub const FIT: Fit = Fit {
     parameters: &[],
     starts: |contact, _| {
@@ -28,7 +28,7 @@ pub const FIT: Fit = Fit {
     },
 };
 
-/// A gear of this model in a scene.
+/// Creates a gear of this model for a scene.
 pub fn spec() -> ModelSpec {
     ModelSpec {
         id: MODEL.into(),
@@ -45,7 +45,7 @@ pub struct Rigid {
 }
 
 impl Rigid {
-    /// A rigid body on its hub with the base radius [m], or `cos(alpha)` for a rack.
+    /// Creates a rigid body on its hub with the base radius [m], or `cos(alpha)` for a rack.
     pub fn new(hub: Hub, effective_base_radius: f64) -> Self {
         let own = vec![0.0; usize::from(hub.is_free())];
         let oscillators = match &hub.lateral {
@@ -71,13 +71,13 @@ impl GearModel for Rigid {
     }
 
     #[inline]
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
+    fn row(&self, at: StateView<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         self.hub.row(at, &p.x, n, row)
     }
 
     fn correct(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         rhs_to_x: &mut [f64],
@@ -96,7 +96,7 @@ impl GearModel for Rigid {
 }
 
 impl CoupledMass for Rigid {
-    fn solve(&self, at: At<'_>, f_to_a: &mut [f64]) {
+    fn solve(&self, at: StateView<'_>, f_to_a: &mut [f64]) {
         let unit = Coeffs {
             m: 1.0,
             d: 0.0,
@@ -108,7 +108,7 @@ impl CoupledMass for Rigid {
         }
     }
 
-    fn apply(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply(&self, at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         self.hub.apply_mass(at, x, y);
     }
 }
@@ -119,7 +119,7 @@ impl LinearMotion for Rigid {
         Some(Oscillators { omega, zeta })
     }
 
-    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
+    fn free_flight(&self, at: StateView<'_>, load: f64) -> Option<FreeFlight> {
         // How far flanks are apart is linear in one displacement alone.
         self.hub.lateral.is_none().then(|| FreeFlight {
             frame: self.hub.frame(at, load),
@@ -127,11 +127,11 @@ impl LinearMotion for Rigid {
         })
     }
 
-    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
+    fn add_to_path(&self, at: StateView<'_>, load: f64, first: usize, path: &mut FlightPath) {
         self.hub.add_to_path(at, load, first, path);
     }
 
-    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+    fn steady_work(&self, from: StateView<'_>, to: StateView<'_>, load: f64) -> f64 {
         work_on_hub(self, from, to, load)
     }
 }

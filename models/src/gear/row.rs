@@ -1,4 +1,4 @@
-//! A row of the table of gear models: what a model declares, what it is built from.
+//! A row of the table of gear models: the declaration of a model, and the data from which a gear is built.
 
 use super::elastic::lines::Strips;
 use super::model::GearModel;
@@ -8,49 +8,49 @@ use crate::kinematics::{Hub, MeshView, Placement};
 use crate::spec::{Body, Parameters};
 use crate::stiffness::Material;
 
-/// What a model is built from.
+/// Data from which a gear is built.
 #[derive(Clone, Copy, Debug)]
 pub struct GearContext<'a> {
     /// Name of the gear.
     pub name: &'a str,
-    /// Its toothing.
+    /// Body with the toothing of the gear.
     pub body: &'a Body,
     /// Material of the body.
     pub material: Material,
     /// Its hub, with total inertia.
     pub hub: &'a Hub,
-    /// What the hub's inertia holds beyond the body that stands on it [kg m^2] ([kg] of a rack): what is added, and the
-    /// core of a solid gear within its seat.
+    /// Inertia of the hub beyond the body on it [kg m^2] ([kg] of a rack): added inertia, and the core of a solid gear
+    /// within its seat.
     pub added_inertia: f64,
-    /// Where its own frame stands at the assembled position.
+    /// Pose of the gear frame at the assembled position.
     pub placement: Placement,
-    /// Base radius [m], or `cos(alpha)` for a rack: deflection on the line of action over hub coordinate.
+    /// Base radius [m], or `cos(alpha)` for a rack: deflection on the line of action per unit of the hub coordinate.
     pub effective_radius: f64,
-    /// How the gear's meshes see it, in order.
+    /// Views of the gear from its meshes, in order.
     pub meshes: &'a [MeshView],
-    /// A mesh of it has friction.
+    /// True if a mesh of the gear has friction.
     pub slides: bool,
-    /// Its flanks touch along lines, over these strips, where half-spaces give way.
+    /// Strips of the width for contact along lines on half-spaces; `None` for other contacts.
     pub lines: Option<Strips>,
-    /// Speed of its hub at the start [rad/s] or [m/s].
+    /// Initial speed of the hub [rad/s or m/s].
     pub speed: f64,
     /// Parameters from the scene.
     pub parameters: &'a Parameters,
 }
 
-/// A parameter of a model.
+/// A parameter of a model, with its description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ParameterInfo {
-    /// Key with its unit.
+    /// Key of the parameter, with its unit.
     pub key: &'static str,
-    /// What it does.
+    /// Description of the effect of the parameter.
     pub meaning: &'static str,
-    /// Must be given.
+    /// True if the parameter must be given.
     pub required: bool,
 }
 
 impl ParameterInfo {
-    /// A parameter that must be given.
+    /// Declares a parameter that must be given.
     #[must_use]
     pub const fn required(key: &'static str, meaning: &'static str) -> Self {
         ParameterInfo {
@@ -61,32 +61,33 @@ impl ParameterInfo {
     }
 }
 
-/// Builds a gear model.
+/// Constructor of a gear model.
 pub type Build = fn(&GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError>;
 
-/// A row of the table.
+/// A row of the table of gear models.
 #[derive(Clone, Copy, Debug)]
 pub struct Model {
-    /// Id in scenes and records.
+    /// Identifier in scenes and records.
     pub id: &'static str,
-    /// One line for lists and help.
+    /// One-line description for lists and help.
     pub title: &'static str,
-    /// Parameters it takes; others are refused.
+    /// Parameters of the model; others are refused.
     pub parameters: &'static [ParameterInfo],
-    /// What studies may do with it.
+    /// Properties that determine the studies in which the model can be used.
     pub properties: Properties,
-    /// Builds it.
+    /// Constructor of a gear.
     pub build: Build,
 }
 
-/// What a table says of the model with an id: nothing of one that it does not have, which is refused when it is built.
+/// Returns the properties of the model with an identifier, or [`Properties::NONE`] for a model that is not in the
+/// table, which is refused when it is built.
 pub fn properties_of(models: &[Model], id: &str) -> Properties {
     let row = models.iter().find(|m| m.id == id);
     row.map_or(Properties::NONE, |m| m.properties)
 }
 
 impl Model {
-    /// Builds the model after checking that every parameter is known.
+    /// Builds a gear after checking that every parameter is known.
     pub fn build(&self, context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         for key in context.parameters.keys() {
             if !self.parameters.iter().any(|p| p.key == key) {

@@ -14,7 +14,7 @@ fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildErr
     )))
 }
 
-/// The models of this crate.
+/// All gear models of this crate.
 pub static MODELS: &[Model] = &[
     Model {
         id: rigid::MODEL,

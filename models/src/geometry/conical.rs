@@ -1,5 +1,5 @@
-//! Conical gears (beveloids): profile shift and tip radius that grow along the axis, flanks that differ, and what only they
-//! are refused for.
+//! Conical gears (beveloids): profile shift and tip radius that grow along the axis, flanks that differ, and the
+//! errors that only they have.
 //!
 //! ```text
 //! x(z) m_n = x m_n + z tan(theta)      r_a(z) = r + m_n (h_a* + x) + z tan(theta_a)
@@ -17,27 +17,27 @@ use super::modification::Modifications;
 use super::parameters::GearParams;
 use crate::error::Reason;
 
-/// What only conical gears are refused for. Lengths in metre.
+/// Error of a conical gear or its mesh. Lengths are in metre.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "what the fields are the messages say")]
 pub enum ConicalError {
-    /// Teeth are too thick for each other where the gears stand.
+    /// The teeth are too thick for the relative position of the gears.
     Overlap { overlap: f64 },
-    /// The faces are not in front of each other.
+    /// The face widths have no common part.
     FacesApart { offset: f64 },
-    /// A tooth that cannot be at one end of its face.
+    /// The gear is impossible at one end of its face.
     FaceEnd {
         height: f64,
         profile_shift: f64,
         why: Box<GeometryError>,
     },
-    /// Conical gears mesh with gears.
+    /// Conical gears mesh with gears only, not with racks.
     OnRack,
 }
 
 impl ConicalError {
-    /// Cause and way out.
+    /// Returns cause and remedy.
     pub fn reason(&self) -> Reason {
         let (cause, help) = match self {
             Self::Overlap { overlap } => (
@@ -79,7 +79,7 @@ impl ConicalError {
 }
 
 impl Gear {
-    /// The same with the flanks that a tilted rack cuts.
+    /// Adds the flanks that a tilted rack generates.
     pub(super) fn conical(mut self) -> Result<Self, GeometryError> {
         if self.deviates() {
             return Err(GeometryError::Deviations {
@@ -105,7 +105,7 @@ impl Gear {
         Ok(self)
     }
 
-    /// Parameters of [`Gear::transverse_section`].
+    /// Returns the parameters of [`Gear::transverse_section`].
     fn section(&self, height: f64) -> GearParams {
         let p = self.params();
         let grown = height * p.profile_shift_angle.tan();
@@ -120,8 +120,8 @@ impl Gear {
         }
     }
 
-    /// The cylindrical gear of a transverse section at a height over the middle of the face width [m]; `None` where all
-    /// sections are that of the gear itself.
+    /// Returns the cylindrical gear of a transverse section at a height over the middle of the face width [m], or
+    /// `None` where all sections are that of the gear itself.
     pub(super) fn at_height(&self, height: f64) -> Option<Gear> {
         if !self.is_conical() {
             return None;
@@ -129,9 +129,9 @@ impl Gear {
         self.transverse_section(height).ok()
     }
 
-    /// The cylindrical gear with the profile shift and the tip radius of the transverse section at a height over the middle of
-    /// the face width (m), without modifications; its bore is the seat of the whole gear. Tip and root circles are those of
-    /// the section, flanks are nearly those of [`Gear::flank`].
+    /// Returns the cylindrical gear with the profile shift and the tip radius of the transverse section at a height
+    /// over the middle of the face width (m), without modifications. Its bore is the seat of the whole gear. Tip and
+    /// root circles are those of the section, flanks are nearly those of [`Gear::flank`].
     ///
     /// # Errors
     /// [`GeometryError`] for a section that cannot be cut, beyond the ends of the face only.
@@ -142,16 +142,16 @@ impl Gear {
         })
     }
 
-    /// Angle (rad) by which the section at a height (m) is turned by the helix. A tilted rack crosses the transverse plane
-    /// with its centreline at `z tan(beta)/cos(theta)` along its rolling motion and `z tan(theta)` further out, where it is
-    /// sheared by `tan(beta) sin(theta)`.
+    /// Returns the angle (rad) by which the helix rotates the section at a height (m). A tilted rack crosses the
+    /// transverse plane with its centreline at `z tan(beta)/cos(theta)` along its rolling motion and `z tan(theta)`
+    /// further out, where it is sheared by `tan(beta) sin(theta)`.
     pub fn twist_at(&self, height: f64) -> f64 {
         let p = self.params();
         height * (p.helix_angle.tan() * p.profile_shift_angle.cos()) / self.r_reference()
     }
 
-    /// Angle (rad) between the turned centreline of a section, [`Gear::twist_at`], and the exact flank of a side at a radius
-    /// (m) not below the base circle of that side.
+    /// Returns the angle (rad) between the rotated centreline of a section, [`Gear::twist_at`], and the exact flank of
+    /// a side at a radius (m) not below the base circle of that side.
     pub fn half_angle_of_section(&self, side: Side, radius: f64, height: f64) -> f64 {
         let flank = self.flank(side);
         let base = flank.base_radius;
@@ -160,15 +160,16 @@ impl Gear {
         flank.half_angle + side.sign() * turned - inv_of_tangent(roll / base)
     }
 
-    /// Material removed normal to the flanks of a side (m), as [`Gear::flank_deviation`], at a radius and a height over the
-    /// middle of the face width (m): modifications follow the tip cone.
+    /// Returns the material removed normal to the flanks of a side (m), as [`Gear::flank_deviation`], at a radius and
+    /// a height over the middle of the face width (m): modifications follow the tip cone.
     pub fn flank_deviation_at(&self, side: Side, radius: f64, height: f64) -> f64 {
         let below = radius - height * self.params().tip_cone_angle.tan();
         self.flank_deviation(side, below, height / (0.5 * self.face_width()))
     }
 
-    /// Material removed normal to the flanks of a side, over the length of roll (m, that of [`Gear::roll_length`]) of the exact flank
-    /// and the height over the middle of the face width (m): the amount (m), its first and second derivative by the roll and its derivative by the height.
+    /// Returns the material removed normal to the flanks of a side, at a length of roll (m, that of
+    /// [`Gear::roll_length`]) of the exact flank and a height over the middle of the face width (m): the amount (m),
+    /// its first and second derivative by the length of roll and its derivative by the height.
     pub fn flank_deviation_at_roll(&self, side: Side, roll: f64, height: f64) -> [f64; 4] {
         let (of, modifications) = (self.flank_range(), &self.params().modifications);
         let per_height = of.half_width.recip();
@@ -196,8 +197,9 @@ impl Gear {
         ]
     }
 
-    /// Whether what is removed may have a kink within a distance of a length of roll at a height (m): at form circle and tip, at
-    /// the start of a tip relief, and anywhere with end reliefs or a topography, which have kinks over the width as well.
+    /// Returns true if the removed material may have a kink within a distance of a length of roll at a height (m): at
+    /// form circle and tip, at the start of a tip relief, and anywhere with end reliefs or a topography, which have
+    /// kinks over the width as well.
     pub fn flank_kinks(&self, side: Side, roll: f64, height: f64, within: f64) -> bool {
         let modifications = &self.params().modifications;
         if modifications.topography.iter().any(Option::is_some)
@@ -215,23 +217,24 @@ impl Gear {
         kinks.iter().any(|kink| (s - kink).abs() <= within)
     }
 
-    /// Whether profile shift or tip radius vary along the axis: a conical gear (beveloid). Radii, thicknesses and angles of
-    /// it that name no height or side are those of the cylindrical gear with the profile shift of its middle section.
+    /// Returns true for a conical gear (beveloid), whose profile shift or tip radius varies along the axis. Its radii,
+    /// thicknesses and angles without a height or side are those of the cylindrical gear with the profile shift of its
+    /// middle section.
     pub fn is_conical(&self) -> bool {
         self.params().profile_shift_angle != 0.0 || self.params().tip_cone_angle != 0.0
     }
 
-    /// A flank of a tooth at the angle zero.
+    /// Returns a flank of a tooth at the angle zero.
     pub fn flank(&self, side: Side) -> &InvoluteHelicoid {
         &self.flanks[usize::from(side == Side::Right)]
     }
 
-    /// Tip radius (m) at a height over the middle of the face width (m).
+    /// Returns the tip radius (m) at a height over the middle of the face width (m).
     pub fn r_tip_at(&self, height: f64) -> f64 {
         self.r_tip() + height * self.params().tip_cone_angle.tan()
     }
 
-    /// Length of roll (m) of a flank at the tip, at a height over the middle of the face width (m).
+    /// Returns the length of roll (m) of a flank at the tip, at a height over the middle of the face width (m).
     pub fn roll_length_tip_at(&self, side: Side, height: f64) -> f64 {
         if !self.is_conical() {
             return self.roll_length_tip();
@@ -277,8 +280,8 @@ mod tests {
         }
     }
 
-    /// The flank of a section is that of the cylindrical gear with its profile shift, but for what the tilt does to the
-    /// pressure angle: at small angles the thickness differs by their square.
+    /// The flank of a section is that of the cylindrical gear with its profile shift, except for the effect of the
+    /// tilt on the pressure angle: at small angles the thickness differs by their square.
     #[test]
     fn teeth_grow_as_their_profile_shift_does() {
         let gear = Gear::new(params(1e-3, 0.0)).unwrap();

@@ -25,32 +25,32 @@ use super::error::GeometryError;
 use super::frame::Frame;
 use super::gear::Gear;
 use super::meshing::{FORM_SLACK, SLACK, check_clearance, check_same_rack};
-use super::pair::{Mate, Pair, Second};
+use super::pair::{Mate, MateFlanks, Pair};
 use member::{Member, Nearest, common_face, index, nearest};
 
-/// Secants in search of the nearest section.
+/// Largest number of secant steps in the search for the nearest section.
 const MOST_SECANTS: usize = 40;
 
-/// Repetitions that bring the contact to the middle of its path.
+/// Number of iterations that bring the contact to the middle of its path.
 const REPETITIONS: usize = 6;
 
-/// `s = scale rho + shift`.
+/// Linear map from lengths of roll to path coordinates, `s = scale rho + shift`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RollMap {
     /// Ratio of the cosines of the base helix angles.
     pub scale: f64,
-    /// [m]
+    /// Constant part of the map [m].
     pub shift: f64,
 }
 
 impl RollMap {
-    /// Path coordinate of a length of roll [m].
+    /// Returns the path coordinate of a length of roll [m].
     #[inline]
     pub fn s(&self, roll: f64) -> f64 {
         self.scale * roll + self.shift
     }
 
-    /// Length of roll of a path coordinate [m].
+    /// Returns the length of roll of a path coordinate [m].
     #[inline]
     pub fn roll(&self, s: f64) -> f64 {
         (s - self.shift) / self.scale
@@ -60,28 +60,28 @@ impl RollMap {
 /// A pair of gears of which at least one is conical.
 #[derive(Clone, Debug)]
 pub struct ConicalPair {
-    /// The cylindrical pair that stands for it.
+    /// Equivalent cylindrical pair.
     pub pair: Pair,
-    /// Half angles on the base circles that the gears of [`ConicalPair::pair`] would need to touch as these do; of both
-    /// gears, left and right flanks [rad].
+    /// Half angles on the base circles that the gears of [`ConicalPair::pair`] would need to touch as these do [rad];
+    /// of both gears, left and right flanks.
     pub half_angles: [[f64; 2]; 2],
     /// Middle of the common face width along either axis, from the middle of each face [m].
     pub heights: [f64; 2],
     /// Common face width [m].
     pub face_width: f64,
-    /// How far paths of contact of sections go beyond that of the middle at either end [m].
+    /// Largest extension of the paths of contact of sections beyond that of the middle, at either end [m].
     pub margin: f64,
     members: [Member; 2],
-    /// Tips on the path of the middle [m].
+    /// Path coordinates of the tips for the middle section [m].
     ends: [f64; 2],
-    /// Angles of a tooth of either gear at which left and right flanks touch in the middle of the path, and by how much that
-    /// tooth is turned against the one that [`ConicalPair::half_angles`] are of [rad].
+    /// Angles of a tooth of either gear at which left and right flanks touch in the middle of the path, and the
+    /// rotation of that tooth from the one of [`ConicalPair::half_angles`] [rad].
     angles: [[f64; 2]; 2],
     turned: [[f64; 2]; 2],
 }
 
 impl ConicalPair {
-    /// Sets two gears where their frames stand, origins in the middles of the face widths.
+    /// Meshes two gears in their frames, whose origins are in the middles of the face widths.
     ///
     /// # Errors
     /// [`GeometryError`] for gears that were not cut by one rack, overlap, do not reach each other, or lose contact.
@@ -143,7 +143,7 @@ impl ConicalPair {
         Ok(pair)
     }
 
-    /// The refusals that need the assembled pair; sets backlash and margin.
+    /// Checks the conditions that need the assembled pair; sets backlash and margin.
     fn check(&mut self, gears: [&Gear; 2]) -> Result<(), GeometryError> {
         let [one, two] = gears;
         let alpha = self.pair.alpha_w;
@@ -199,7 +199,7 @@ impl ConicalPair {
         Ok(())
     }
 
-    /// Angles at which flanks of a side touch in the middle of their path, where they do.
+    /// Returns the angles at which flanks of a side touch in the middle of their path, and the nearest points.
     fn touching(&mut self, side: Side, alpha: f64) -> (Side, Nearest) {
         let sigma = side.sign();
         let i = index(side);
@@ -228,24 +228,24 @@ impl ConicalPair {
         (side, self.nearest_of_all(side))
     }
 
-    /// Cosine of the base helix angle of a flank over that of the cylindrical gear.
+    /// Returns the ratio of the cosine of the base helix angle of a flank to that of the cylindrical gear.
     fn scale(&self, k: usize, i: usize) -> f64 {
         self.members[k].flanks[i].cos_helix / self.members[k].cos_helix
     }
 
-    /// Path coordinate per length of roll of both gears, on left and right flanks.
+    /// Returns the path coordinate per length of roll of both gears, on left and right flanks.
     pub fn roll_scale(&self) -> [[f64; 2]; 2] {
         [0, 1].map(|i| [0, 1].map(|k| self.scale(k, i)))
     }
 
-    /// `L'` of a section [m].
+    /// Returns `L'` of a section [m].
     fn reach(&self, side: Side, near: &Nearest) -> f64 {
         let i = index(side);
         let rolls: f64 = (0..2).map(|k| self.scale(k, i) * near.roll[k]).sum();
         rolls + near.distance / self.members[0].cos_helix
     }
 
-    /// From where to where a section touches, as `c_1 rho_1` [m].
+    /// Returns the range of contact of a section, as `c_1 rho_1` [m].
     fn path(&self, side: Side, near: &Nearest) -> [f64; 2] {
         let i = index(side);
         let tip = |k: usize| {
@@ -259,7 +259,7 @@ impl ConicalPair {
         [self.reach(side, near) - tip(1), tip(0)]
     }
 
-    /// How rolls of a section become path coordinates.
+    /// Returns the maps from lengths of roll of a section to path coordinates.
     fn maps(&self, side: Side, near: &Nearest) -> [RollMap; 2] {
         let length = self.pair.line_length();
         let [from, to] = self.path(side, near);
@@ -272,8 +272,8 @@ impl ConicalPair {
         })
     }
 
-    /// Of a transverse section of gear `own` at a height of its own [m]: how rolls become path coordinates, and by how much
-    /// the path coordinates of both gears are ahead of those without height [m].
+    /// Returns, for a transverse section of gear `own` at a height [m], the maps from lengths of roll to path
+    /// coordinates, and the offsets of the path coordinates of both gears from those at height zero [m].
     pub fn section(&self, own: usize, side: Side, height: f64) -> ([RollMap; 2], [f64; 2]) {
         let i = index(side);
         let near = self.nearest(own, side, height);
@@ -288,12 +288,13 @@ impl ConicalPair {
         (maps, ahead)
     }
 
-    /// Where a transverse section of gear `own` is nearest to its mate, at the angles at which the flanks touch.
+    /// Returns the point of a transverse section of gear `own` nearest to its mate, at the angles at which the flanks
+    /// touch.
     fn nearest(&self, own: usize, side: Side, height: f64) -> Nearest {
         nearest(&self.members, self.angles[index(side)], (own, side), height)
     }
 
-    /// The section of gear 1 that is nearest to gear 2 on the common face width: both flanks are convex.
+    /// Returns the section of gear 1 nearest to gear 2 on the common face width; both flanks are convex.
     fn nearest_of_all(&self, side: Side) -> Nearest {
         let half = 0.5 * self.face_width;
         let at = |z: f64| self.nearest(0, side, z);
@@ -328,7 +329,7 @@ impl ConicalPair {
 }
 
 impl Pair {
-    /// The cylindrical pair with a length between its tangent points (m).
+    /// Returns the cylindrical pair with a length between its tangent points (m).
     fn of_rolls([one, two]: [&Gear; 2], length: f64, face_width: f64) -> Self {
         let r_base = [one.r_base(), two.r_base()];
         let base_sum = r_base[0] + r_base[1];
@@ -343,7 +344,7 @@ impl Pair {
             s_end: ends[1].min(forms[1]),
             r_base: r_base[0],
             chi: one.half_angle_base(),
-            second: Second::Gear {
+            second: MateFlanks::Gear {
                 length,
                 r_base: r_base[1],
                 chi: two.half_angle_base(),

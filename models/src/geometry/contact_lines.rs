@@ -1,8 +1,8 @@
-//! Contact lines of a pair in its plane of action: how long all of them are together, over a mesh cycle.
+//! Contact lines of a pair in its plane of action: their total length over a mesh cycle.
 //!
-//! A tooth that meets its mate at the path coordinate `s` in the middle of the common width meets it at
-//! `s + z tan(beta_b)` at the height `z` above it: a straight line, inclined by the base helix angle. Of the lines one base
-//! pitch apart, what lies on the path of contact counts:
+//! A tooth in contact at the path coordinate `s` in the middle of the common width is in contact at `s + z
+//! tan(beta_b)` at the height `z` above it: a straight line, inclined by the base helix angle. The parts of the lines,
+//! one base pitch apart, that lie on the path of contact add up:
 //!
 //! ```text
 //! L(s) = sum over k of |{z in [-b/2, b/2] : s_A <= s + k p_bt + z tan(beta_b) <= s_E}| / cos(beta_b)
@@ -18,17 +18,17 @@ use super::pair::Pair;
 /// Total length of the contact lines of a mesh over a mesh cycle (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactLines {
-    /// Shortest.
+    /// Smallest length over the cycle.
     pub least: f64,
-    /// Longest.
+    /// Largest length over the cycle.
     pub greatest: f64,
-    /// Mean over the cycle.
+    /// Mean length over the cycle.
     pub mean: f64,
 }
 
 impl Pair {
-    /// Total length of the contact lines (m) when one pair stands at the path coordinate `s` (m) in the middle of the
-    /// common face width; periodic with the base pitch.
+    /// Returns the total length of the contact lines (m) when one pair has the path coordinate `s` (m) in the middle
+    /// of the common face width; periodic with the base pitch.
     pub fn contact_line_length(&self, s: f64) -> f64 {
         let (half, tan) = (0.5 * self.face_width, self.beta_b.tan().abs());
         let reach = half * tan;
@@ -48,7 +48,7 @@ impl Pair {
         on_path.map(length).sum::<f64>() / self.beta_b.cos()
     }
 
-    /// Shortest, longest and mean total length of the contact lines over a mesh cycle.
+    /// Returns the smallest, largest and mean total length of the contact lines over a mesh cycle.
     pub fn contact_lines(&self) -> ContactLines {
         let mean = self.contact_ratio() * self.face_width / self.beta_b.cos();
         let reach = 0.5 * self.face_width * self.beta_b.tan().abs();

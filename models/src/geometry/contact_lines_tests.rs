@@ -1,5 +1,5 @@
-//! Helical pairs of ISO/TR 6336-30 (example 1), of the NREL 5 MW gearbox and of the FVA's REXS example: geometry, stiffness
-//! of the norm and contact lines, each to the digits that are printed.
+//! Helical pairs of ISO/TR 6336-30 (example 1), of the NREL 5 MW gearbox and of the FVA's REXS example: geometry,
+//! stiffness of the standard and contact lines, compared with all printed digits.
 
 use super::*;
 use crate::geometry::{Gear, GearParams, Side};
@@ -12,16 +12,16 @@ fn near(name: &str, found: f64, expected: f64, tolerance: f64) {
     );
 }
 
-/// What a pair is made from; lengths in mm, angles in degrees.
+/// Published data of a pair; lengths in mm, angles in degrees.
 struct Data {
     teeth: [u32; 2],
     module: f64,
     helix: f64,
     width: f64,
     distance: f64,
-    /// Tip diameters, or a whole module of addendum.
+    /// Tip diameters; `None` for an addendum of one module.
     tips: Option<[f64; 2]>,
-    /// Profile shift coefficients.
+    /// Profile shift coefficients of both gears.
     shifts: [f64; 2],
     dedendum: f64,
 }
@@ -54,7 +54,7 @@ impl Data {
     }
 }
 
-/// Example 1 of ISO/TR 6336-30.
+/// Data of example 1 of ISO/TR 6336-30.
 const ISO: Data = Data {
     teeth: [17, 103],
     module: 8.0,
@@ -66,7 +66,7 @@ const ISO: Data = Data {
     dedendum: 1.4,
 };
 
-/// High-speed stage of the NREL 5 MW gearbox.
+/// Data of the high-speed stage of the NREL 5 MW gearbox.
 const NREL: Data = Data {
     teeth: [24, 95],
     module: 14.0,
@@ -78,7 +78,7 @@ const NREL: Data = Data {
     dedendum: 1.25,
 };
 
-/// Stages of the FVA's example for REXS; no tip alteration.
+/// Data of the stages of the FVA's example for REXS; no tip alteration.
 const FVA: [Data; 2] = [
     Data {
         teeth: [27, 51],
@@ -226,7 +226,8 @@ fn contact_lines_of_helical_pairs() {
     }
 }
 
-/// Slices over the width as the models take them, each on the path or off it: the error falls with their number.
+/// The sum over slices of the width, each on the path of contact or off it, converges to the contact lines with their
+/// number.
 #[test]
 fn slices_come_to_the_contact_lines() {
     for data in [&ISO, &NREL, &FVA[0], &FVA[1]] {

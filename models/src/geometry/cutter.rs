@@ -36,10 +36,10 @@ use super::internal_error::InternalError;
 use super::involute::{inv, inv_inverse, inv_of_tangent};
 use super::parameters::GearParams;
 
-/// A cutter at its distance from the gear. Lengths in metre.
+/// A cutter at its distance from the gear. Lengths are in metre.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cutter {
-    /// Teeth of the cutter over those of the gear.
+    /// Ratio of the number of teeth of the cutter to that of the gear.
     ratio: f64,
     r_base: f64,
     r_tip: f64,
@@ -55,7 +55,7 @@ pub(super) struct Cutter {
 }
 
 impl Cutter {
-    /// The cutter of an internal gear with the reference radius `r`.
+    /// Builds the cutter of an internal gear with the reference radius `r`.
     pub(super) fn new(p: &GearParams, of: &Internal, r: f64) -> Result<Self, GeometryError> {
         let refuse = |why| Err(GeometryError::Internal(why));
         let teeth = of.cutter_teeth_of(p.teeth);
@@ -127,7 +127,7 @@ impl Cutter {
         Ok(cutter)
     }
 
-    /// Rounds the tip with a radius (m); false where it does not fit.
+    /// Rounds the tip with a radius (m); returns false where it does not fit.
     fn round(&mut self, rho: f64) -> bool {
         let r_c = self.r_tip - rho;
         if r_c <= self.r_base {
@@ -143,27 +143,27 @@ impl Cutter {
         true
     }
 
-    /// Root radius of the gear.
+    /// Returns the root radius of the gear.
     pub(super) fn r_root(&self) -> f64 {
         self.distance + self.r_tip
     }
 
-    /// Distance between the tangent points of both base circles on the line of action.
+    /// Returns the distance between the tangent points of both base circles on the line of action.
     fn between_tangents(&self) -> f64 {
         self.distance * self.alpha_w.sin()
     }
 
-    /// Length of roll, a positive number, at which the involute of the gear ends at its root.
+    /// Returns the length of roll, a positive number, at which the involute of the gear ends at its root.
     pub(super) fn form_roll(&self) -> f64 {
         self.between_tangents() + self.s_c + self.rho
     }
 
-    /// The same at which the cutter begins at its base circle.
+    /// Returns the length of roll at which the involute of the cutter begins at its base circle.
     pub(super) fn base_roll(&self) -> f64 {
         self.between_tangents()
     }
 
-    /// How the cutter meshes with its gear, and the corners of its tip: radius and half angle.
+    /// Returns the meshing of the cutter with its gear, and the corners of its tip: radius and half angle.
     pub(super) fn meshing(&self) -> (Meshing, Vec<[f64; 2]>) {
         const CORNERS: usize = 16;
         let last = self.chi - (self.s_c + self.rho) / self.r_base + std::f64::consts::FRAC_PI_2;
@@ -182,17 +182,17 @@ impl Cutter {
         (meshing, (0..=CORNERS).map(corner).collect())
     }
 
-    /// Largest parameter: the normal of the flank.
+    /// Returns the largest parameter: the normal of the flank.
     pub(super) fn q_max(&self) -> f64 {
         self.r_base
     }
 
-    /// Half angle of the root-circle arc around the centreline of the tooth space (rad).
+    /// Returns the half angle of the root-circle arc around the centreline of the tooth space (rad).
     pub(super) fn root_arc(&self) -> f64 {
         self.ratio * self.theta_c
     }
 
-    /// The point of the fillet at the parameter `q` in `[0, q_max]`.
+    /// Returns the point of the fillet at the parameter `q` in `[0, q_max]`.
     pub(super) fn at(&self, q: f64) -> FilletPoint {
         let [r_w0, r_w] = self.pitch_radii;
         let (to_c, to_pitch) = (

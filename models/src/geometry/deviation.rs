@@ -36,28 +36,28 @@ use super::error::GeometryError;
 /// Deviations of the teeth of a gear.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Deviations {
-    /// All teeth are alike.
+    /// All teeth are equal.
     #[default]
     None,
-    /// Drawn from a class of ISO 1328-1.
+    /// Deviations drawn at random from a class of ISO 1328-1.
     Class {
         /// Tolerance class, 1 to 11.
         class: u32,
-        /// The same seed gives the same gear.
+        /// Seed of the random numbers; the same seed gives the same gear.
         seed: u64,
     },
-    /// As measured.
+    /// Measured or otherwise given deviations.
     Given(Box<GivenDeviations>),
 }
 
-/// Deviations that are known.
+/// Deviations with given values for each tooth.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GivenDeviations {
-    /// Left and right flanks.
+    /// Deviations of left and right flanks.
     pub sides: [FlankDeviations; 2],
     /// Run-out F_r (m): twice the distance of the toothing's axis from the gear's.
     pub runout: f64,
-    /// Direction in which the toothing is off, in the gear's own frame (rad).
+    /// Direction of the eccentricity of the toothing, in the gear frame (rad).
     pub runout_direction: f64,
 }
 
@@ -65,7 +65,7 @@ pub struct GivenDeviations {
 /// counter-clockwise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FlankDeviations {
-    /// Cumulative pitch deviation (m): how far each flank stands counter-clockwise of its place, on the
+    /// Cumulative pitch deviation (m): counter-clockwise offset of each flank from its nominal position, on the
     /// reference circle.
     pub cumulative_pitch: Vec<f64>,
     /// Profile slope deviation f_Halpha (m).
@@ -77,20 +77,20 @@ pub struct FlankDeviations {
 /// Tolerances of ISO 1328-1:2013 (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IsoTolerances {
-    /// f_pT.
+    /// Single pitch tolerance `f_pT` (m).
     pub single_pitch: f64,
-    /// F_pT.
+    /// Cumulative pitch tolerance `F_pT` (m).
     pub cumulative_pitch: f64,
-    /// f_HalphaT.
+    /// Profile slope tolerance `f_HalphaT` (m).
     pub profile_slope: f64,
-    /// f_falphaT.
+    /// Profile form tolerance `f_falphaT` (m).
     pub profile_form: f64,
-    /// F_rT.
+    /// Run-out tolerance `F_rT` (m).
     pub runout: f64,
 }
 
 impl IsoTolerances {
-    /// Of a class for a reference diameter and a normal module (m), not rounded.
+    /// Returns the tolerances of a class for a reference diameter and a normal module (m), without rounding.
     pub fn new(class: u32, diameter: f64, module: f64) -> IsoTolerances {
         let (d, m) = (1e3 * diameter, 1e3 * module);
         let unit = 1e-6 * SQRT_2.powi(class as i32 - 5);
@@ -105,7 +105,7 @@ impl IsoTolerances {
     }
 }
 
-/// What the deviations of a gear depend on.
+/// Toothing data that the deviations of a gear depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Toothing {
     pub teeth: u32,
@@ -118,7 +118,7 @@ pub(super) struct Toothing {
     pub roll: [f64; 3],
 }
 
-/// Deviations of every tooth, ready to be asked.
+/// Deviations of every tooth, prepared for evaluation.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ToothDeviations {
     of: Toothing,
@@ -129,7 +129,7 @@ pub(super) struct ToothDeviations {
 }
 
 impl ToothDeviations {
-    /// `None` when all teeth are alike.
+    /// Prepares the deviations; `None` when all teeth are equal.
     pub(super) fn new(
         deviations: &Deviations,
         of: Toothing,
@@ -189,7 +189,7 @@ impl ToothDeviations {
         }))
     }
 
-    /// Material removed along the base tangent at the length of roll `s` (m), and its first and second
+    /// Returns the material removed along the base tangent at the length of roll `s` (m), and its first and second
     /// derivative.
     #[inline]
     pub(super) fn at(&self, tooth: i64, side: Side, s: f64) -> [f64; 3] {
@@ -212,7 +212,7 @@ impl ToothDeviations {
         ]
     }
 
-    /// Greatest amount of material removed or left on any flank (m), to within the waviness.
+    /// Returns an upper bound of the amount of material removed or left on any flank (m).
     pub(super) fn greatest(&self) -> f64 {
         let flanks = self.sides.iter().flatten();
         let of = |[p, s, f]: &[f64; 3]| p.abs() + s.abs() + 0.5 * f.abs();
@@ -228,7 +228,7 @@ fn refuse(what: &'static str, found: &str, expected: &str) -> GeometryError {
     }
 }
 
-/// What the standard is for.
+/// Checks the range of validity of the standard.
 fn check_class(class: u32, of: &Toothing) -> Result<(), GeometryError> {
     let outside = |fits: bool, found: String, expected: &str| match fits {
         true => Ok(()),
@@ -253,11 +253,11 @@ fn check_class(class: u32, of: &Toothing) -> Result<(), GeometryError> {
     )
 }
 
-/// SplitMix64.
+/// Random number generator SplitMix64.
 struct Random(u64);
 
 impl Random {
-    /// Evenly from `low` to `high`.
+    /// Returns a uniform random number from `low` to `high`.
     fn even(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -320,7 +320,7 @@ fn draw(tolerance: IsoTolerances, seed: u64, of: &Toothing) -> GivenDeviations {
     given
 }
 
-/// Cumulative pitch deviations (m) as they are measured on the reference circle about the gear's axis.
+/// Returns the cumulative pitch deviations (m) as measured on the reference circle about the axis of the gear.
 fn seen_pitches(given: &GivenDeviations, side: Side, of: &Toothing) -> Vec<f64> {
     let sign = side.sign();
     let pitches = &given.sides[usize::from(side == Side::Right)].cumulative_pitch;

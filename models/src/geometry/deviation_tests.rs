@@ -16,7 +16,7 @@ fn drawn(class: u32, seed: u64) -> Gear {
     gear(Deviations::Class { class, seed })
 }
 
-/// Class 5, d = 100 mm, m_n = 4 mm by hand; each class is sqrt(2) coarser.
+/// Tolerances of class 5 for d = 100 mm, m_n = 4 mm, computed by hand; each class is coarser by sqrt(2).
 #[test]
 fn tolerances_of_the_standard() {
     let t = IsoTolerances::new(5, 100e-3, 4e-3);
@@ -34,8 +34,8 @@ fn tolerances_of_the_standard() {
     assert!((coarser.single_pitch / t.single_pitch - 2.0).abs() < 1e-12);
 }
 
-/// As measured at the reference circle: single pitches, their sum and the run-out keep to the class, and
-/// one of them uses it up.
+/// Measured at the reference circle, single pitches, their sum and the run-out are within the class, and one of them
+/// reaches its tolerance.
 #[test]
 fn a_drawn_gear_is_of_its_class() {
     for class in [1, 6, 11] {
@@ -101,8 +101,8 @@ fn derivatives_are_those_of_the_deviation() {
     }
 }
 
-/// Run-out is the same toothing about another axis: nodes of the plain flanks, shifted, lie on the
-/// deviating ones to second order; the pitch moves a flank about the axis.
+/// Run-out equals the same toothing about another axis: nodes of the plain flanks, shifted, lie on the deviating ones
+/// to second order; pitch deviations rotate a flank about the axis.
 #[test]
 fn flanks_move_as_the_toothing_does() {
     let grid = |tooth: u32, side: Side, g: &Gear| {

@@ -1,11 +1,11 @@
-//! Why a geometry is refused: one variant per cause, each with the numbers and a way out.
+//! Reasons why a geometry is refused: one variant per cause, each with its numbers and a remedy.
 
 use super::conical::ConicalError;
 use super::internal_error::InternalError;
 use super::quantity::Quantity;
 use crate::error::{Reason, reasoned};
 
-/// A gear, rack or pair that cannot exist, with the cause and a way out. Lengths in metre, angles in degree.
+/// Error of a gear, rack or pair that cannot exist, with cause and remedy. Lengths are in metre, angles in degree.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "what the fields are the messages say")]
@@ -47,11 +47,11 @@ pub enum GeometryError {
     ReliefStart { start: f64, r_form: f64, r_tip: f64 },
     /// An end relief is longer than the face is wide.
     EndRelief { length: f64, width: f64 },
-    /// A topography that is no grid, or does not lie on the flank.
+    /// A topography is not a rectangular grid, or exceeds the flank.
     Topography { found: String, expected: String },
-    /// Modifications take away the whole tip of a tooth.
+    /// Modifications remove the whole tip of a tooth.
     ModificationTooDeep { removed: f64, available: f64 },
-    /// Deviations of teeth that do not fit the gear.
+    /// Deviations of teeth do not match the gear.
     Deviations {
         what: &'static str,
         found: String,
@@ -89,18 +89,18 @@ pub enum GeometryError {
         below: f64,
         reduce_by: f64,
     },
-    /// What only conical gears are refused for.
+    /// Error of a conical gear.
     Conical(ConicalError),
-    /// What only internal gears are refused for.
+    /// Error of an internal gear.
     Internal(InternalError),
     /// Contact would be lost between one tooth pair and the next.
     ContactRatio { value: f64 },
 }
 
-/// Largest profile shift and number of teeth that are worth a proposal.
+/// Largest profile shift and number of teeth that a remedy proposes.
 const SENSIBLE: (f64, u64) = (1.5, 200);
 
-/// The ways out of undercut that a gear could take.
+/// Returns the remedies of undercut.
 fn undercut_help(min_profile_shift: f64, min_teeth: u64) -> String {
     let mut ways = Vec::new();
     if min_profile_shift <= SENSIBLE.0 {
@@ -121,7 +121,7 @@ fn undercut_help(min_profile_shift: f64, min_teeth: u64) -> String {
 }
 
 impl GeometryError {
-    /// Cause and way out.
+    /// Returns cause and remedy.
     pub fn reason(&self) -> Reason {
         let (cause, help) = match self {
             Self::Invalid {

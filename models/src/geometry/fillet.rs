@@ -25,10 +25,10 @@
 use super::cutter::Cutter;
 use super::error::GeometryError;
 
-/// Number of intervals in which the monotony of a fillet is checked.
+/// Number of intervals in which a fillet is checked to be monotonic.
 const CHECKED: usize = 64;
 
-/// Rounded tip of a rack tool, seen from its rolling line. Lengths in metre, normal section.
+/// Rounded tip of a rack tool, in coordinates of its rolling line. Lengths are in metre, in the normal section.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ToolTip {
     /// Half length of the flat tip; 0 for the full-radius tool.
@@ -45,8 +45,8 @@ pub(super) struct ToolTip {
 }
 
 impl ToolTip {
-    /// `half_width`: half thickness of the tool tooth at its rolling line; `d_tip`: depth of the
-    /// tip below it; `module`, `dedendum` and `factor` scale the messages only.
+    /// Builds the tip from `half_width`, half the thickness of the tool tooth at its rolling line, and `d_tip`, the
+    /// depth of the tip below it; `module`, `dedendum` and `factor` scale the messages only.
     pub(super) fn new(
         half_width: f64,
         d_tip: f64,
@@ -86,34 +86,35 @@ impl ToolTip {
         })
     }
 
-    /// Depth below the rolling line at which the straight flank ends.
+    /// Returns the depth below the rolling line at which the straight flank ends.
     pub(super) fn flank_end_depth(&self) -> f64 {
         self.d_c + self.rho * self.sin_alpha
     }
 
-    /// Half width of the tool tooth (transverse) at depth `d` between the flank end and the tip.
+    /// Returns the half width of the tool tooth (transverse) at depth `d` between the flank end and the tip.
     pub(super) fn half_width_at(&self, d: f64) -> f64 {
         let h = d - self.d_c;
         (self.w_c + (self.rho * self.rho - h * h).max(0.0).sqrt()) / self.cos_beta
     }
 
-    /// Half length of the flat tip in the transverse section.
+    /// Returns the half length of the flat tip in the transverse section.
     pub(super) fn flat(&self) -> f64 {
         self.w_c / self.cos_beta
     }
 
-    /// Largest parameter `q = cos(phi)`: the end of the straight flank.
+    /// Returns the largest parameter `q = cos(phi)`: the end of the straight flank.
     pub(super) fn q_max(&self) -> f64 {
         self.cos_alpha
     }
 
-    /// Transverse point `(u, d)` of the rounding at parameter `q`.
+    /// Returns the transverse point `(u, d)` of the rounding at parameter `q`.
     pub(super) fn point(&self, q: f64) -> (f64, f64) {
         let d = self.d_c + self.rho * (1.0 - q * q).max(0.0).sqrt();
         ((self.w_c + self.rho * q) / self.cos_beta, d)
     }
 
-    /// The point of the fillet that its point at the parameter `q` generates on a gear of reference radius `r`.
+    /// Returns the point of the fillet that its point at the parameter `q` generates on a gear of reference radius
+    /// `r`.
     fn rolled(&self, q: f64, r: f64) -> FilletPoint {
         let sin_phi = (1.0 - q * q).max(0.0).sqrt();
         let (u, d) = self.point(q);
@@ -132,20 +133,20 @@ impl ToolTip {
     }
 }
 
-/// One point of the fillet with what the area integrals need.
+/// A point of the fillet with the data of the area integrals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FilletPoint {
     /// Squared radius (m^2).
     pub r2: f64,
     /// Angle from the centreline of the tooth space (rad).
     pub delta: f64,
-    /// d(R^2)/dq / 2 (m^2), that is `R dR/dq`.
+    /// Half the derivative of the squared radius, `d(R^2)/dq / 2 = R dR/dq` (m^2).
     pub r_dr: f64,
     /// Distance of `R^2` from `r_root^2` without cancellation (m^2).
     pub from_root2: f64,
 }
 
-/// What cuts a fillet.
+/// Tool that generates a fillet.
 #[derive(Clone, Debug, PartialEq)]
 enum Tool {
     /// The tip of a rack tool that rolls on the reference radius (m).
@@ -166,7 +167,7 @@ impl Fillet {
         Self::that_rises(Tool::Rack(tip, r))
     }
 
-    /// The fillet of an internal gear.
+    /// Generates the fillet of an internal gear.
     pub(super) fn cut(cutter: Cutter) -> Result<Self, GeometryError> {
         Self::that_rises(Tool::Cutter(cutter))
     }
@@ -185,7 +186,7 @@ impl Fillet {
         Ok(fillet)
     }
 
-    /// Parameter at the junction with the involute; 0 is the junction with the root circle.
+    /// Returns the parameter at the junction with the involute; 0 is the junction with the root circle.
     pub(super) fn q_max(&self) -> f64 {
         match &self.tool {
             Tool::Rack(tip, _) => tip.q_max(),
@@ -193,7 +194,7 @@ impl Fillet {
         }
     }
 
-    /// Half angle of the root-circle arc around the centreline of the tooth space (rad).
+    /// Returns the half angle of the root-circle arc around the centreline of the tooth space (rad).
     pub(super) fn root_arc(&self) -> f64 {
         match &self.tool {
             Tool::Rack(tip, r) => tip.flat() / r,
@@ -201,7 +202,7 @@ impl Fillet {
         }
     }
 
-    /// The point at parameter `q` in `[0, q_max]`.
+    /// Returns the point at parameter `q` in `[0, q_max]`.
     pub(super) fn at(&self, q: f64) -> FilletPoint {
         match &self.tool {
             Tool::Rack(tip, r) => tip.rolled(q, *r),
@@ -209,7 +210,8 @@ impl Fillet {
         }
     }
 
-    /// Angle from the centreline of the tooth space where the squared radius is that far from the root's (m^2).
+    /// Returns the angle from the centreline of the tooth space at a given difference of the squared radius from that
+    /// of the root (m^2).
     ///
     /// Newton's method, kept in a bracket, on `sqrt(|R^2 - r_root^2|)`: nearly linear in `q`.
     pub(super) fn delta_at(&self, from_root2: f64) -> f64 {
@@ -285,8 +287,8 @@ mod tests {
             .collect()
     }
 
-    /// Sweeps the tool past the blank: no point of it may enter the tooth, and at every radius some
-    /// point must touch the flank. This knows nothing of the law of gearing.
+    /// The tooth is the envelope of the rolling tool: no point of the tool enters the tooth, and at every radius some
+    /// point touches the flank. The test does not use the law of gearing.
     #[test]
     fn tooth_is_the_envelope_of_the_rolling_tool() {
         for gear in gears() {
@@ -331,7 +333,7 @@ mod tests {
         }
     }
 
-    /// Angle of the flank tangent against the radial direction, by differences.
+    /// Returns the angle of the flank tangent to the radial direction, by finite differences.
     fn tangent(gear: &Gear, r: f64, h: f64) -> f64 {
         (r * (gear.half_angle_at(r + h) - gear.half_angle_at(r)) / h).atan()
     }

@@ -3,19 +3,20 @@
 use super::{Gear, Side};
 use crate::Vec3;
 
-/// Where the tips of teeth point in the own frame, and so how far a point is from the root: its height grows along a flank.
+/// Direction of the tooth tips in the gear frame, which defines the height of a point: it grows along a flank from
+/// root to tip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tips {
-    /// Away from the axis: the height is the squared radius.
+    /// Tips point away from the axis: the height is the squared radius.
     Outwards,
-    /// To the axis, on an internal gear: its negative.
+    /// Tips point to the axis, on an internal gear: the height is the negative squared radius.
     Inwards,
-    /// To -x, on a rack: `-x`.
+    /// Tips point to -x, on a rack: the height is `-x`.
     Along,
 }
 
 impl Tips {
-    /// Height of a point of the transverse plane [m^2], of a rack [m].
+    /// Returns the height of a point of the transverse plane [m^2], for a rack [m].
     #[inline]
     pub fn height(self, [x, y]: [f64; 2]) -> f64 {
         match self {
@@ -25,7 +26,7 @@ impl Tips {
         }
     }
 
-    /// Its gradient [m], of a rack [1].
+    /// Returns the gradient of the height [m], for a rack [1].
     #[inline]
     pub fn gradient(self, [x, y]: [f64; 2]) -> [f64; 2] {
         match self {
@@ -35,7 +36,7 @@ impl Tips {
         }
     }
 
-    /// Radius [m] of a height, of a rack the height itself.
+    /// Returns the radius [m] of a height; for a rack the height itself.
     #[inline]
     pub fn radius(self, height: f64) -> f64 {
         match self {
@@ -56,20 +57,20 @@ impl Tips {
 pub struct FlankGrid {
     /// Tooth, from 0, counter-clockwise.
     pub tooth: u32,
-    /// Which flank, seen from the root.
+    /// Side of the flank, seen from the root.
     pub side: Side,
     /// Nodes along the profile, at least 2.
     pub rows: usize,
     /// Nodes over the width, at least 2.
     pub columns: usize,
-    /// The gear's node numbers, row by row.
+    /// Node numbers of the gear, row by row.
     pub nodes: Vec<u32>,
     /// Undeformed positions of those nodes [m].
     pub positions: Vec<Vec3>,
 }
 
 impl FlankGrid {
-    /// See [`Flanks::deviate`].
+    /// See [`Flanks::deviate`] for all flanks of a gear.
     pub fn deviate(&mut self, gear: &Gear) {
         if !gear.deviates() {
             return;
@@ -88,8 +89,8 @@ impl FlankGrid {
     }
 }
 
-/// All flanks of a gear. Its faces are numbered through, grid by grid, row by row: that number is the `face`
-/// of [`Locus::Quadrature`](crate::kinematics::Locus).
+/// All flanks of a gear. Its faces are numbered grid by grid, row by row: that number is the `face` of
+/// [`Locus::Quadrature`](crate::kinematics::Locus).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Flanks {
     grids: Vec<FlankGrid>,
@@ -98,7 +99,7 @@ pub struct Flanks {
 }
 
 impl Flanks {
-    /// Takes the grids of a gear.
+    /// Creates the flanks from the grids of a gear.
     #[must_use]
     pub fn new(grids: Vec<FlankGrid>) -> Self {
         let mut first_face = vec![0];
@@ -109,12 +110,12 @@ impl Flanks {
         Flanks { grids, first_face }
     }
 
-    /// The grids.
+    /// Returns the grids of all flanks.
     pub fn grids(&self) -> &[FlankGrid] {
         &self.grids
     }
 
-    /// Index of the grid of a tooth's flank.
+    /// Returns the index of the grid of a tooth's flank.
     pub fn find(&self, tooth: u32, side: Side) -> Option<usize> {
         self.grids
             .iter()
@@ -129,14 +130,13 @@ impl Flanks {
         }
     }
 
-    /// Number of a face by its grid and its row and column there.
+    /// Returns the number of a face from its grid and its row and column there.
     pub fn face(&self, grid: usize, row: usize, column: usize) -> u32 {
         self.first_face[grid] + (row * (self.grids[grid].columns - 1) + column) as u32
     }
 
-    /// The gear's node numbers at the corners of a face: (row, column), (row + 1, column),
-    /// (row + 1, column + 1), (row, column + 1). Local coordinates `xi` in [-1, 1]: the first along the
-    /// profile, the second over the width.
+    /// Returns the node numbers at the corners of a face: (row, column), (row + 1, column), (row + 1, column + 1),
+    /// (row, column + 1). Local coordinates `xi` in [-1, 1]: the first along the profile, the second over the width.
     pub fn corners(&self, face: u32) -> [u32; 4] {
         let grid = self.first_face.partition_point(|&first| first <= face) - 1;
         let g = &self.grids[grid];
@@ -151,7 +151,7 @@ impl Flanks {
         ]
     }
 
-    /// Bilinear shape functions of the corners.
+    /// Returns the bilinear shape functions of the corners.
     #[inline]
     pub fn weights(xi: [f64; 2]) -> [f64; 4] {
         let (a, b) = (0.5 * (1.0 + xi[0]), 0.5 * (1.0 + xi[1]));

@@ -5,20 +5,20 @@ use crate::Vec3;
 /// Axes of a hub and its origin in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// The third is that of the gear.
+    /// Unit axes; the third is that of the gear.
     pub axes: [Vec3; 3],
-    /// [m]
+    /// Position of the origin [m].
     pub origin: Vec3,
 }
 
 impl Frame {
-    /// A point in space in these axes [m].
+    /// Transforms a point in space to these axes [m].
     #[inline]
     pub fn point_back(&self, x: &Vec3) -> Vec3 {
         self.turn_back(&(x - self.origin))
     }
 
-    /// A direction in space in these axes.
+    /// Transforms a direction in space to these axes.
     #[inline]
     pub fn turn_back(&self, x: &Vec3) -> Vec3 {
         Vec3::new(
@@ -28,13 +28,13 @@ impl Frame {
         )
     }
 
-    /// A direction in these axes, in space.
+    /// Transforms a direction in these axes to space.
     #[inline]
     pub fn turn(&self, x: &Vec3) -> Vec3 {
         self.axes[0] * x.x + self.axes[1] * x.y + self.axes[2] * x.z
     }
 
-    /// A point in these axes, in space [m].
+    /// Transforms a point in these axes to space [m].
     #[inline]
     pub fn point(&self, x: &Vec3) -> Vec3 {
         self.origin + self.turn(x)

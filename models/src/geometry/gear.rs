@@ -1,4 +1,4 @@
-//! An involute gear: what a user gives and every derived quantity.
+//! An involute gear: its parameters and every derived quantity.
 //!
 //! ```text
 //! tan(alpha_t) = tan(alpha_n) / cos(beta)     sin(beta_b) = sin(beta) cos(alpha_n)
@@ -24,7 +24,7 @@ use super::parameters::GearParams;
 use super::profile::{self, Profile};
 use super::quantity::Quantity;
 
-/// Seat over root radius of a solid gear: that of a gear on a shaft with a key.
+/// Ratio of the seat radius of a solid gear to its root radius: that of a gear on a shaft with a key.
 const SEAT: f64 = 0.5;
 
 /// An involute gear that can be cut: parameters and derived quantities.
@@ -39,7 +39,7 @@ pub struct Gear {
     /// Length of roll at the form circle, at the tip and at the start of the tip relief (m).
     roll: [f64; 3],
     deviations: Option<Arc<ToothDeviations>>,
-    /// Left and right.
+    /// Left and right flank.
     pub(super) flanks: Box<[InvoluteHelicoid; 2]>,
 }
 
@@ -111,7 +111,7 @@ impl Gear {
         Ok(gear)
     }
 
-    /// The modifications must leave some tooth at the tip.
+    /// Checks that the modifications leave some tooth at the tip.
     fn check_depth_of_modifications(&self) -> Result<(), GeometryError> {
         let of_all = [Side::Left, Side::Right].map(|side| {
             let ends = [-1.0, 1.0].map(|zeta| self.flank_deviation(side, self.r_tip(), zeta));
@@ -127,58 +127,58 @@ impl Gear {
         }
     }
 
-    /// What the user gave.
+    /// Returns the parameters of the gear.
     pub fn params(&self) -> &GearParams {
         &self.params
     }
 
-    /// Number of teeth.
+    /// Returns the number of teeth.
     pub fn teeth(&self) -> u32 {
         self.params.teeth
     }
 
-    /// Face width (m).
+    /// Returns the face width (m).
     pub fn face_width(&self) -> f64 {
         self.params.face_width
     }
 
-    /// Transverse pressure angle at the reference circle (rad).
+    /// Returns the transverse pressure angle at the reference circle (rad).
     pub fn transverse_pressure_angle(&self) -> f64 {
         self.alpha_t
     }
 
-    /// Helix angle on the base cylinder (rad), signed as the helix angle.
+    /// Returns the helix angle on the base cylinder (rad), signed as the helix angle.
     pub fn base_helix_angle(&self) -> f64 {
         self.beta_b
     }
 
-    /// Transverse module (m).
+    /// Returns the transverse module (m).
     pub fn transverse_module(&self) -> f64 {
         self.params.module / self.params.helix_angle.cos()
     }
 
-    /// Reference radius (m).
+    /// Returns the reference radius (m).
     pub fn r_reference(&self) -> f64 {
         self.r
     }
 
-    /// Base radius (m).
+    /// Returns the base radius (m).
     pub fn r_base(&self) -> f64 {
         self.r_base
     }
 
-    /// Tip radius (m).
+    /// Returns the tip radius (m).
     pub fn r_tip(&self) -> f64 {
         self.profile.r_tip
     }
 
-    /// Root radius (m).
+    /// Returns the root radius (m).
     pub fn r_root(&self) -> f64 {
         self.profile.r_root
     }
 
-    /// Radius at which the body is held (m): the bore, or for a solid gear the seat that stands for
-    /// its shaft, half the root radius; of an internal gear the outer radius of its rim.
+    /// Returns the radius at which the body is supported (m): the bore, or for a solid gear the seat that represents
+    /// its shaft, half the root radius; for an internal gear the outer radius of its rim.
     pub fn seat_radius(&self) -> f64 {
         if self.is_internal() {
             return self.r_outer();
@@ -191,55 +191,56 @@ impl Gear {
         }
     }
 
-    /// Form radius (m): where the fillet ends and the involute begins.
+    /// Returns the form radius (m): where the fillet ends and the involute begins.
     pub fn r_form(&self) -> f64 {
         self.profile.r_form
     }
 
-    /// Transverse base pitch (m).
+    /// Returns the transverse base pitch (m).
     pub fn base_pitch(&self) -> f64 {
         self.r_base * self.pitch_angle()
     }
 
-    /// Angular pitch 2 pi / z (rad).
+    /// Returns the angular pitch 2 pi / z (rad).
     pub fn pitch_angle(&self) -> f64 {
         2.0 * PI / f64::from(self.params.teeth)
     }
 
-    /// Half tooth thickness angle at the reference circle (rad), thinning included.
+    /// Returns half the tooth thickness angle at the reference circle (rad), including thinning.
     pub fn half_angle_reference(&self) -> f64 {
         self.profile.psi
     }
 
-    /// Angle between the tooth centreline and the origin of the flank on the base circle (rad); below 0 where the flanks of
-    /// an internal tooth meet before it.
+    /// Returns the angle between the tooth centreline and the origin of the flank on the base circle (rad); negative
+    /// where the flanks of an internal tooth intersect before it.
     pub fn half_angle_base(&self) -> f64 {
         self.profile.chi
     }
 
-    /// Length of roll (path coordinate) (m) of the involute at radius `r` (m); 0 below the base, negative on an internal gear.
+    /// Returns the length of roll (path coordinate) (m) of the involute at radius `r` (m); 0 below the base, negative
+    /// on an internal gear.
     pub fn roll_length(&self, r: f64) -> f64 {
         self.sign() * ((r - self.r_base) * (r + self.r_base)).max(0.0).sqrt()
     }
 
-    /// Length of roll at the form circle (m).
+    /// Returns the length of roll at the form circle (m).
     pub fn roll_length_form(&self) -> f64 {
         self.roll[0]
     }
 
-    /// Length of roll at the tip circle (m).
+    /// Returns the length of roll at the tip circle (m).
     pub fn roll_length_tip(&self) -> f64 {
         self.roll[1]
     }
 
-    /// Half tooth thickness angle (rad) on the involute at length of roll `s` (m); the point has radius
+    /// Returns half the tooth thickness angle (rad) on the involute at length of roll `s` (m); the point has radius
     /// `sqrt(r_b^2 + s^2)`. Unlike [`Gear::half_angle_at`] it is smooth where the involute meets the base circle.
     pub fn half_angle_at_roll(&self, s: f64) -> f64 {
         self.profile.chi - inv_of_tangent(s / self.r_base)
     }
 
-    /// Half tooth thickness angle (rad) at radius `r` (m): involute between tip and form radius,
-    /// trochoidal fillet up to the root. `r` is held within root and tip radius.
+    /// Returns half the tooth thickness angle (rad) at radius `r` (m): involute between tip and form radius,
+    /// trochoidal fillet down to the root. `r` is limited to the range from root to tip radius.
     pub fn half_angle_at(&self, r: f64) -> f64 {
         let (root, form, tip) = (self.r_root(), self.r_form(), self.r_tip());
         if self.sign() * (r - form) >= 0.0 {
@@ -261,7 +262,7 @@ impl Gear {
                 .delta_at(((r - root) * (r + root)).abs())
     }
 
-    /// Point of the left fillet in its own parameter, from 0 at the root circle to 1 at the form circle:
+    /// Returns a point of the left fillet by its own parameter, from 0 at the root circle to 1 at the form circle:
     /// radius (m) and half tooth thickness angle (rad).
     pub fn fillet_at(&self, t: f64) -> (f64, f64) {
         let fillet = &self.profile.fillet;
@@ -269,8 +270,9 @@ impl Gear {
         (p.r2.sqrt(), 0.5 * self.pitch_angle() - p.delta)
     }
 
-    /// Material removed normal to the flanks of a side (m) by its modifications at radius `r` (m) and at `zeta` in [-1, 1]
-    /// over the face width; below 0 only where a measured topography says so. Below the form radius the value there.
+    /// Returns the material removed normal to the flanks of a side (m) by its modifications at radius `r` (m) and at
+    /// `zeta` in [-1, 1] over the face width; negative only for a measured topography. Below the form radius it is the
+    /// value there.
     pub fn flank_deviation(&self, side: Side, r: f64, zeta: f64) -> f64 {
         let modifications = &self.params.modifications;
         if modifications.is_none() {
@@ -287,14 +289,14 @@ impl Gear {
         }
     }
 
-    /// The part of it that varies over the width alone (m).
+    /// Returns the part of the removed material that varies over the width alone (m).
     pub fn lead_deviation(&self, side: Side, zeta: f64) -> f64 {
         let half_width = 0.5 * self.params.face_width;
         self.params.modifications.over_width(side, zeta, half_width)[0]
     }
 
-    /// The side of a counter-clockwise or clockwise flank as one looks from the root to the tip of its tooth, and back: the
-    /// other one on an internal gear, whose teeth point to the axis.
+    /// Returns the side of a counter-clockwise or clockwise flank as seen from the root to the tip of its tooth, and
+    /// back: the opposite one on an internal gear, whose teeth point to the axis.
     #[inline]
     #[must_use]
     pub fn side_from_root(&self, side: Side) -> Side {
@@ -305,7 +307,7 @@ impl Gear {
         }
     }
 
-    /// Whether flanks are not the same in all transverse sections, turned by the helix or not.
+    /// Returns true if the flanks differ between transverse sections, including a rotation by the helix.
     pub fn varies_over_width(&self) -> bool {
         self.params.helix_angle != 0.0
             || self.is_conical()
@@ -317,21 +319,21 @@ impl Gear {
         self.deviations.as_ref()
     }
 
-    /// Whether teeth deviate from each other.
+    /// Returns true if teeth have individual deviations.
     pub fn deviates(&self) -> bool {
         self.deviations.is_some()
     }
 
-    /// Material removed normal to the flank of one tooth (m) at radius `radius` (m), beside what all
-    /// teeth have removed ([`Gear::flank_deviation`]); negative where there is more than the involute.
-    /// Teeth count counter-clockwise, unwrapped. Below the form radius the value there.
+    /// Returns the material removed normal to the flank of one tooth (m) at radius `radius` (m), in addition to that
+    /// of all teeth ([`Gear::flank_deviation`]); negative for additional material. Teeth count counter-clockwise, on
+    /// over turns. Below the form radius it is the value there.
     pub fn tooth_deviation(&self, tooth: i64, side: Side, radius: f64) -> f64 {
         let s = self.roll_length(radius).clamp(self.roll[0], self.roll[1]);
         self.tooth_deviation_at_roll(tooth, side, s)[0]
     }
 
-    /// The same over the length of roll `s` (m), and its first two derivatives (-, 1/m): smooth, and
-    /// continued beyond form circle and tip. Constant time, no allocation.
+    /// Returns the material removed from one tooth at the length of roll `s` (m), and its first two derivatives (-,
+    /// 1/m): smooth, and continued beyond form circle and tip. It takes constant time without allocation.
     #[inline]
     pub fn tooth_deviation_at_roll(&self, tooth: i64, side: Side, s: f64) -> [f64; 3] {
         match &self.deviations {
@@ -340,7 +342,8 @@ impl Gear {
         }
     }
 
-    /// How far flanks stand out of their involutes at most (m): by a measured topography or by deviations of teeth.
+    /// Returns the largest protrusion of flanks beyond their involutes (m), by a measured topography or by deviations
+    /// of teeth.
     pub fn stands_out(&self) -> f64 {
         let measured = self.params.modifications.topography.iter().flatten();
         // Between the amounts of a grid its cubics go beyond them.
@@ -348,7 +351,7 @@ impl Gear {
         measured + self.greatest_tooth_deviation()
     }
 
-    /// Greatest amount by which the flank of any tooth stands off the place of all (m).
+    /// Returns the largest deviation of the flank of any tooth from the common position (m).
     pub fn greatest_tooth_deviation(&self) -> f64 {
         let greatest = self.deviations.as_ref().map_or(0.0, |d| d.greatest());
         greatest * self.beta_b.cos()

@@ -1,4 +1,4 @@
-//! A flank as an involute helicoid, told by the distance of points from it, and the helicoids of a gear.
+//! A flank as an involute helicoid, defined by the distance of points from it, and the helicoids of a gear.
 //!
 //! A plane side of a rack tool generates an involute helicoid. With its unit normal `n = (n_r, n_t, n_a)` in the radial
 //! direction, along the rolling motion and along the axis, and the side `sigma` = +1 (left) or -1,
@@ -40,24 +40,24 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 /// A flank of a tooth at the angle zero, in the axes of its gear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InvoluteHelicoid {
-    /// Which flank of a tooth it is.
+    /// Side of the flank.
     pub side: Side,
     /// Base radius [m].
     pub base_radius: f64,
-    /// Tangent and cosine of the base helix angle.
+    /// Tangent of the base helix angle.
     pub tan_helix: f64,
-    /// See [`InvoluteHelicoid::tan_helix`].
+    /// Cosine of the base helix angle.
     pub cos_helix: f64,
     /// Angle between the middle of the tooth and the origin of the flank on the base circle, at the height zero [rad].
     pub half_angle: f64,
 }
 
-/// A point near a flank.
+/// Distance of a point from a flank, with the corresponding point of the flank.
 #[derive(Clone, Copy, Debug)]
-pub struct Near {
+pub struct FlankDistance {
     /// Distance along the normal, outward positive [m].
     pub distance: f64,
-    /// Its gradient, in the axes of the gear.
+    /// Gradient of the distance, in the axes of the gear.
     pub gradient: Vec3,
     /// Length of roll [m] (height over the reference line of a rack).
     pub roll: f64,
@@ -65,15 +65,15 @@ pub struct Near {
     pub base: PlaneAngle,
 }
 
-/// Turn [rad] up to which trigonometric functions are power series whose remainder is below rounding.
+/// Angle [rad] up to which trigonometric functions are computed as power series, with a remainder below rounding.
 const SMALL_TURN: f64 = 0.02;
 
-/// Coefficients of these series after the first: of sine, one less cosine, and arcsine.
+/// Coefficients of these series after the first: of sine, of one minus cosine, and of arcsine.
 const SINE: [f64; 3] = [-1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0];
 const VERSINE: [f64; 2] = [-1.0 / 24.0, 1.0 / 720.0];
 const ARCSINE: [f64; 3] = [1.0 / 6.0, 3.0 / 40.0, 15.0 / 336.0];
 
-/// Angle in (-pi, pi].
+/// Reduces an angle to (-pi, pi].
 fn wrapped(angle: f64) -> f64 {
     if angle.abs() <= PI {
         angle
@@ -82,7 +82,7 @@ fn wrapped(angle: f64) -> f64 {
     }
 }
 
-/// Length along a circle of a radius, up to half its circumference to either side.
+/// Reduces a length along a circle of a radius to half its circumference on either side.
 #[inline]
 fn wrapped_on(radius: f64, length: f64) -> f64 {
     if length.abs() <= PI * radius {
@@ -95,22 +95,22 @@ fn wrapped_on(radius: f64, length: f64) -> f64 {
 /// An angle in the transverse plane with its cosine and sine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneAngle {
-    /// [rad]
+    /// Angle in the transverse plane [rad].
     pub angle: f64,
-    /// Its cosine.
+    /// Cosine of the angle.
     pub cos: f64,
-    /// Its sine.
+    /// Sine of the angle.
     pub sin: f64,
 }
 
 impl PlaneAngle {
-    /// Of an angle [rad].
+    /// Creates an angle [rad] with its cosine and sine.
     pub fn new(angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
         PlaneAngle { angle, cos, sin }
     }
 
-    /// The angle greater by a turn [rad]; a small turn takes no trigonometric functions.
+    /// Adds a rotation to the angle [rad]; a small rotation needs no trigonometric functions.
     #[inline]
     #[must_use]
     pub fn turned(&self, turn: f64) -> Self {
@@ -127,14 +127,14 @@ impl PlaneAngle {
         }
     }
 
-    /// Another angle [rad], up to whole turns.
+    /// Returns another angle [rad], up to whole turns.
     #[inline]
     #[must_use]
     pub fn turned_to(&self, angle: f64) -> Self {
         self.turned(wrapped(angle - self.angle))
     }
 
-    /// The angle of a unit vector; one near this angle takes no trigonometric functions.
+    /// Returns the angle of a unit vector; one near this angle needs no trigonometric functions.
     #[inline]
     #[must_use]
     pub fn of_direction(&self, cos: f64, sin: f64) -> Self {
@@ -159,7 +159,7 @@ impl PlaneAngle {
 }
 
 impl InvoluteHelicoid {
-    /// The flank that the side of a tilted rack cuts on a gear.
+    /// Returns the flank that the side of a tilted rack generates on a gear.
     pub(super) fn of_tilted_rack(p: &GearParams, side: Side) -> Self {
         let sigma = side.sign();
         let (sin_n, cos_n) = p.pressure_angle.sin_cos();
@@ -180,35 +180,36 @@ impl InvoluteHelicoid {
         }
     }
 
-    /// Angle of the base radius through the tangent point of a point of the transverse section at `z` [m] with a length of
-    /// roll [m], of a tooth at the angle `psi`.
+    /// Returns the angle of the base radius through the tangent point of a point of the transverse section at `z` [m]
+    /// with a length of roll [m], for a tooth at the angle `psi`.
     pub fn angle(&self, psi: f64, roll: f64, z: f64) -> f64 {
         let rb = self.base_radius;
         psi + z * self.tan_helix / rb + self.side.sign() * (self.half_angle - roll / rb)
     }
 
-    /// That base radius.
+    /// Returns the base radius at [`Self::angle`].
     pub fn base(&self, psi: f64, roll: f64, z: f64) -> PlaneAngle {
         PlaneAngle::new(self.angle(psi, roll, z))
     }
 
-    /// The length of roll [m] of the point of that section whose base radius has an angle.
+    /// Returns the length of roll [m] of the point of that section whose base radius has an angle.
     pub fn roll(&self, psi: f64, angle: f64, z: f64) -> f64 {
         let (sigma, rb) = (self.side.sign(), self.base_radius);
         let ahead = wrapped_on(rb, rb * (psi - angle) + z * self.tan_helix);
         rb * self.half_angle + sigma * ahead
     }
 
-    /// The point of the section at `z` [m] with a length of roll [m], whose base radius has an angle.
+    /// Returns the point of the section at `z` [m] with a length of roll [m], whose base radius has an angle.
     pub fn point(&self, base: &PlaneAngle, roll: f64, z: f64) -> Vec3 {
         let (rb, along) = (self.base_radius, self.side.sign() * roll);
         let PlaneAngle { cos, sin, .. } = base;
         Vec3::new(rb * cos - along * sin, rb * sin + along * cos, z)
     }
 
-    /// A point near the flank of a tooth at the angle `psi`; it is found fastest where its base radius is near an angle.
+    /// Returns the distance data of a point near the flank of a tooth at the angle `psi`; it is fastest if the base
+    /// radius of the point is near the angle `around`.
     #[inline]
-    pub fn near(&self, psi: f64, p: &Vec3, around: &PlaneAngle) -> Near {
+    pub fn near(&self, psi: f64, p: &Vec3, around: &PlaneAngle) -> FlankDistance {
         let (sigma, rb) = (self.side.sign(), self.base_radius);
         let square = p.x * p.x + p.y * p.y;
         let beyond = square - rb * rb;
@@ -226,7 +227,7 @@ impl InvoluteHelicoid {
         let ahead = rb * (psi - base.angle + sigma * self.half_angle) + p.z * self.tan_helix;
         let along = wrapped_on(rb, ahead - sigma * roll);
         let (c, s) = (base.cos, base.sin);
-        Near {
+        FlankDistance {
             distance: -sigma * along * self.cos_helix,
             gradient: sigma
                 * self.cos_helix

@@ -30,21 +30,21 @@ use super::parameters::GearParams;
 use super::profile::Profile;
 use super::quantity::Quantity;
 
-/// Thickness of the rim in modules where none is given: from there on ISO 6336-1 lets the rim bear no part in the stiffness.
+/// Thickness of the rim in modules by default: from this value on ISO 6336-1 neglects the compliance of the rim.
 const RIM: f64 = 3.5;
 
-/// What an internal gear has beside the parameters of an external one. Lengths in metre.
+/// Additional parameters of an internal gear. Lengths are in metre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Internal {
-    /// Number of teeth of the cutter; without one, two fifths of those of the gear.
+    /// Number of teeth of the cutter; by default two fifths of those of the gear.
     pub cutter_teeth: Option<u32>,
-    /// Profile shift coefficient of the cutter, which falls as it is sharpened.
+    /// Profile shift coefficient of the cutter, which decreases as it is sharpened.
     pub cutter_shift: f64,
     /// Tip radius in place of the addendum factor.
     pub tip_circle: Option<f64>,
     /// Root radius in place of the dedendum factor: the cutter's addendum follows from it.
     pub root_circle: Option<f64>,
-    /// Outer radius of the rim, where the body is held; without one, three and a half modules over the root.
+    /// Outer radius of the rim, where the body is supported; by default three and a half modules over the root.
     pub rim_radius: Option<f64>,
 }
 
@@ -67,26 +67,26 @@ impl Internal {
         Ok(())
     }
 
-    /// Number of teeth of the cutter for a gear with `teeth`.
+    /// Returns the number of teeth of the cutter for a gear with `teeth`.
     pub fn cutter_teeth_of(&self, teeth: u32) -> u32 {
         self.cutter_teeth.unwrap_or((2 * teeth).div_ceil(5).max(3))
     }
 }
 
-/// An external toothing inside an internal gear, flanks touching.
+/// An external toothing inside an internal gear, with flanks in contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meshing {
     pub distance: f64,
     pub alpha_w: f64,
-    /// Of the external toothing.
+    /// Base radius of the external toothing.
     pub r_base: f64,
     pub chi: f64,
 }
 
 impl Meshing {
-    /// Least room (m) along the tip circle between a tip of the internal gear with base radius, half angle on the base
-    /// circle, tip radius and half angle there, and corners of the external toothing, each a radius and a half angle, that
-    /// leave its tooth space; infinite where none reaches that circle.
+    /// Returns the smallest clearance (m) along the tip circle between a tip of the internal gear (base radius, half
+    /// angle on the base circle, tip radius, half angle there) and corners of the external toothing, each a radius and
+    /// a half angle, that leave its tooth space; infinite where none reaches that circle.
     pub(super) fn room_at_tips(
         &self,
         [rb_2, chi_2, ra_2, half_2]: [f64; 4],
@@ -110,7 +110,7 @@ impl Meshing {
     }
 }
 
-/// The profile of an internal gear with the reference and base radius.
+/// Computes the profile of an internal gear with the reference and base radius.
 pub(super) fn profile(
     p: &GearParams,
     of: &Internal,
@@ -194,17 +194,17 @@ pub(super) fn profile(
 }
 
 impl Gear {
-    /// Whether its teeth point to the axis.
+    /// Returns true for an internal gear, whose teeth point to the axis.
     pub fn is_internal(&self) -> bool {
         self.params().internal.is_some()
     }
 
-    /// Sign of its number of teeth in the equations of a pair: -1 of an internal gear.
+    /// Returns the sign of the number of teeth in the equations of a pair: -1 for an internal gear.
     pub fn sign(&self) -> f64 {
         if self.is_internal() { -1.0 } else { 1.0 }
     }
 
-    /// Outer radius of the rim of an internal gear (m), tip radius of an external one.
+    /// Returns the outer radius of the rim of an internal gear (m), or the tip radius of an external one.
     pub fn r_outer(&self) -> f64 {
         let Some(of) = &self.params().internal else {
             return self.r_tip();

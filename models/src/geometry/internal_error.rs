@@ -1,9 +1,9 @@
-//! What only internal gears and their mates are refused for, each with a way out.
+//! Errors that only internal gears and their mates have, each with a remedy.
 
 use super::error::GeometryError;
 use crate::error::Reason;
 
-/// What only internal gears are refused for. Lengths in metre.
+/// Error of an internal gear or its mesh. Lengths are in metre.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "what the fields are the messages say")]
@@ -12,7 +12,7 @@ pub enum InternalError {
     CutterTeeth { cutter: u32, ring: u32 },
     /// Cutter and gear have no line of action.
     CutterShift { shift: f64, greatest: f64 },
-    /// The cutter has no tip of its own.
+    /// The cutter has no tip land.
     CutterTip {
         r_tip: f64,
         r_base: f64,
@@ -20,7 +20,7 @@ pub enum InternalError {
     },
     /// The cutter would have to cut the tips of the gear within its own base circle.
     CutterBase { missing: f64, tip_radius: f64 },
-    /// The cutter takes the tips of the gear away as it leaves the tooth space.
+    /// The cutter removes the tips of the gear as it leaves the tooth space.
     CutterFouls { overlap: f64 },
     /// The tips of the gear lie within its base circle.
     TipWithinBase { r_tip: f64, r_base: f64 },
@@ -30,32 +30,32 @@ pub enum InternalError {
     RootWithinTip { r_root: f64, r_tip: f64 },
     /// The rim does not enclose the root circle.
     Rim { rim: f64, r_root: f64 },
-    /// A bore in an internal gear.
+    /// An internal gear has a bore.
     Bore,
-    /// Something internal gears do not have.
+    /// The feature does not exist for internal gears.
     Not { what: &'static str },
-    /// Two internal gears.
+    /// Both gears are internal.
     BothInternal,
-    /// An internal gear and a rack.
+    /// The mate of an internal gear is a rack.
     OnRack,
-    /// The mate has too many teeth to roll inside.
+    /// The mate has too many teeth to roll inside the internal gear.
     ToothDifference { ring: u32, mate: u32 },
     /// The teeth do not reach each other.
     NoEngagement { distance: f64, least: f64 },
-    /// Negative backlash.
+    /// The backlash is negative.
     FlanksOverlap {
         distance: f64,
         backlash: f64,
         greatest: f64,
     },
-    /// Base circles that touch or cross: no line of action.
+    /// The base circles touch or intersect: there is no line of action.
     DistanceTooSmall { distance: f64, difference: f64 },
-    /// The mate's tips run into the tips of the gear beside the path of contact.
+    /// The tips of the mate collide with the tips of the gear outside the path of contact.
     TipsFoul { overlap: f64, difference: u32 },
 }
 
 impl InternalError {
-    /// Cause and way out.
+    /// Returns cause and remedy.
     pub fn reason(&self) -> Reason {
         let (cause, help) = match self {
             Self::CutterTeeth { cutter, ring } => (

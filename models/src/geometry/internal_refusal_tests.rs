@@ -1,10 +1,11 @@
-//! What internal gears and their mates are refused for, beside polygons that turn in each other.
+//! Refusals of internal gears and their mates, compared with the overlap of rotating polygons.
 
 use super::internal::Internal;
 use super::internal_tests::{external, ring, ring_params};
 use super::{Gear, GearParams, GeometryError, InternalError, Pair};
 
-/// Greatest depth by which points of the mate lie in the ring, through a pitch of the mesh with one flank touching.
+/// Returns the largest depth of points of the mate inside the ring, over a pitch of the mesh with one flank in
+/// contact.
 fn overlap(mate: &Gear, ring: &Gear, distance: f64) -> f64 {
     let base = ring.r_base() - mate.r_base();
     let alpha = (base / distance).acos();
@@ -38,7 +39,7 @@ fn overlap(mate: &Gear, ring: &Gear, distance: f64) -> f64 {
     deepest
 }
 
-/// What is accepted runs without overlap, and where tips are said to foul they do.
+/// Accepted gears run without overlap, and where tips are reported to collide they do.
 #[test]
 fn polygons_that_turn_in_each_other_say_the_same() {
     let (mut accepted, mut fouled, mut interfering) = (0, 0, 0);

@@ -1,4 +1,4 @@
-//! Internal gears beside the cut of their cutter, and formulas of their own.
+//! Internal gears compared with the envelope of their cutter, and with published formulas.
 
 use super::internal::Internal;
 use super::{Gear, GearParams, Pair, Side, inv};
@@ -55,8 +55,9 @@ fn rings() -> Vec<Gear> {
         .collect()
 }
 
-/// Turns the cutter in the blank: no point of it may enter a tooth, and at every radius some point must touch its flank. This
-/// knows nothing of the law of gearing: the centre distance is where nothing overlaps and all of the space is filled.
+/// The tooth space is the envelope of the cutter: no point of it enters a tooth, and at every radius some point
+/// touches its flank. The test does not use the law of gearing: the centre distance is where nothing overlaps and all
+/// of the space is filled.
 #[test]
 fn the_tooth_space_is_what_the_cutter_leaves() {
     for gear in rings() {
@@ -194,7 +195,7 @@ fn thickness_by_the_formula_of_a_tooth_space() {
     }
 }
 
-/// Area and polar moment of the polygon of the hole, taken from the disc of the rim.
+/// Mass and inertia equal the area and polar moment of the disc of the rim less those of the polygon of the hole.
 #[test]
 fn mass_and_inertia_are_the_integrals_of_the_section() {
     for gear in rings() {
@@ -216,7 +217,7 @@ fn mass_and_inertia_are_the_integrals_of_the_section() {
     }
 }
 
-/// Planetary stage of 17, 22 and 61 teeth with module 4 and centre distance 78: all at their reference circles.
+/// A planetary stage of 17, 22 and 61 teeth with module 4 and centre distance 78 runs on its reference circles.
 #[test]
 fn planetary_stage_of_17_22_61() {
     let (planet, ring) = (external(22, 0.0), ring(61, 0.0));
@@ -249,7 +250,7 @@ fn planetary_stage_of_17_22_61() {
     }
 }
 
-/// Point and outward normal of a flank where its length of roll is `s`, of a tooth at an angle.
+/// Returns point and outward normal of a flank at length of roll `s`, for a tooth at an angle.
 fn on_flank(gear: &Gear, side: Side, angle: f64, s: f64) -> ([f64; 2], [f64; 2]) {
     let base = gear.flank(side).base(angle, s, 0.0);
     let x = gear.flank(side).point(&base, s, 0.0);
@@ -257,7 +258,7 @@ fn on_flank(gear: &Gear, side: Side, angle: f64, s: f64) -> ([f64; 2], [f64; 2])
     ([x.x, x.y], [-sign * base.sin, sign * base.cos])
 }
 
-/// Flanks touch in one point with one normal all along the path, and turn as their numbers of teeth say.
+/// Flanks touch in one point with one normal all along the path, and rotate at the ratio of their numbers of teeth.
 #[test]
 fn flanks_touch_on_the_line_of_action_and_keep_the_ratio() {
     let (planet, ring) = (external(22, 0.2), ring(61, -0.2));

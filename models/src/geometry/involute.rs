@@ -3,10 +3,10 @@
 //! Both are odd and keep full relative accuracy near zero, where the difference cancels.
 //! ISO 21771-1, involute function; Litvin and Fuentes (2004), section 10.3.
 
-/// Below this tangent the series of `t - atan t` replaces the difference.
+/// Tangent below which the series of `t - atan t` replaces the difference.
 const SERIES_BELOW: f64 = 0.1;
 
-/// `t - atan t` for `t >= 0`: the involute function of the angle whose tangent is `t`.
+/// Computes `t - atan t` for `t >= 0`: the involute function of the angle whose tangent is `t`.
 pub(super) fn inv_of_tangent(t: f64) -> f64 {
     if t.abs() >= SERIES_BELOW {
         return t - t.atan();
@@ -20,12 +20,12 @@ pub(super) fn inv_of_tangent(t: f64) -> f64 {
     t * t2 * sum
 }
 
-/// Involute function `tan(alpha) - alpha`; `alpha` in rad, |alpha| < pi/2.
+/// Computes the involute function `tan(alpha) - alpha`; `alpha` in rad, |alpha| < pi/2.
 pub fn inv(alpha: f64) -> f64 {
     inv_of_tangent(alpha.tan())
 }
 
-/// Angle (rad) in (-pi/2, pi/2) whose involute function is `x`; NaN for NaN.
+/// Returns the angle (rad) in (-pi/2, pi/2) whose involute function is `x`; NaN for NaN.
 pub fn inv_inverse(x: f64) -> f64 {
     if x.is_nan() || x == 0.0 {
         return x;

@@ -1,8 +1,8 @@
 //! Geometry of involute cylindrical gears, external and internal, and racks.
 //!
-//! Owns every length and angle that follows from what a user gives (teeth, module, pressure
-//! angle, profile shift, helix angle, width, rack factors, thinning, centre distance), and refuses
-//! what cannot be cut or cannot mesh with a [`GeometryError`] that names the cause and a way out.
+//! Owns every length and angle that follows from the parameters of the user (teeth, module, pressure angle, profile
+//! shift, helix angle, width, rack factors, thinning, centre distance), and refuses gears that cannot be cut or cannot
+//! mesh with a [`GeometryError`] that has the cause and a remedy.
 //!
 //! Conventions, stated here once:
 //!
@@ -67,7 +67,7 @@ pub use error::GeometryError;
 pub use flanks::{FlankGrid, Flanks, Tips};
 pub use frame::Frame;
 pub use gear::Gear;
-pub use helicoid::{InvoluteHelicoid, Near, PlaneAngle};
+pub use helicoid::{FlankDistance, InvoluteHelicoid, PlaneAngle};
 pub use internal::Internal;
 pub use internal_error::InternalError;
 pub use involute::{inv, inv_inverse};
@@ -81,14 +81,15 @@ pub use topography::Topography;
 
 use crate::Vec3;
 
-/// Direction along the profile of a flank with a normal: its transverse part, turned by 90 degrees counter-clockwise.
+/// Returns the direction along the profile of a flank from its normal: the transverse part, rotated by 90 degrees
+/// counter-clockwise.
 pub fn along_profile(n: &Vec3) -> Vec3 {
     let t = Vec3::new(-n.y, n.x, 0.0);
     t / t.norm()
 }
 
-/// Flank of a tooth, seen along -z: of a gear the counter-clockwise or the clockwise one. Flanks that touch, and
-/// [grids of nodes](FlankGrid), go by the side that one sees from the root of the tooth, which is the same but on internal gears
+/// Flank of a tooth, seen along -z: the counter-clockwise or the clockwise one. For contact and for [grids of
+/// nodes](FlankGrid) it is the side seen from the root of the tooth, which differs on internal gears only
 /// ([`Gear::side_from_root`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -100,10 +101,10 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both flanks.
+    /// Left and right flank.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
-    /// +1 for the left flank, -1 for the right one.
+    /// Returns +1 for the left flank, -1 for the right one.
     #[inline]
     #[must_use]
     pub fn sign(self) -> f64 {
@@ -113,14 +114,14 @@ impl Side {
         }
     }
 
-    /// 0 for the left flank, 1 for the right one.
+    /// Returns 0 for the left flank, 1 for the right one.
     #[inline]
     #[must_use]
     pub fn index(self) -> usize {
         usize::from(self == Self::Right)
     }
 
-    /// The other flank.
+    /// Returns the opposite flank.
     #[inline]
     #[must_use]
     pub fn opposite(self) -> Self {

@@ -23,18 +23,19 @@ use super::error::{GeometryError, finite, not_negative, positive};
 use super::quantity::Quantity;
 use super::topography::Topography;
 
-/// Course of a relief from its start to the tip or the end of the face.
+/// Shape of a relief from its start to the tip or the end of the face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ReliefShape {
-    /// Grows in proportion to the length of roll, or the distance.
+    /// The relief grows in proportion to the length of roll, or the distance.
     Linear,
-    /// Grows with its square: smooth at the start.
+    /// The relief grows with the square: smooth at the start.
     Parabolic,
 }
 
 impl ReliefShape {
-    /// Share of the amount at a part of the way with its first two derivatives by that part; 0 before the start.
+    /// Returns the fraction of the amount at a fraction of the distance, with its first two derivatives by that
+    /// fraction; 0 before the start.
     fn at(self, part: f64) -> [f64; 3] {
         if part <= 0.0 {
             return [0.0; 3];
@@ -53,7 +54,7 @@ pub struct TipRelief {
     pub amount: f64,
     /// Radius at which the relief starts (m), from the form radius to below the tip radius.
     pub start_radius: f64,
-    /// Course from the start to the tip.
+    /// Shape of the relief from the start to the tip.
     pub shape: ReliefShape,
 }
 
@@ -64,48 +65,48 @@ pub struct EndRelief {
     pub amount: f64,
     /// Distance from the end at which the relief starts (m), up to the face width.
     pub length: f64,
-    /// Course from the start to the end.
+    /// Shape of the relief from the start to the end.
     pub shape: ReliefShape,
 }
 
-/// Modifications of every tooth; the default is none. What has two values for the sides has that of left flanks first.
+/// Modifications of every tooth; the default is none. Pairs of values are those of left and right flanks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Modifications {
-    /// Tip relief, if any.
+    /// Tip relief of both flanks, if any.
     pub tip_relief: Option<TipRelief>,
     /// Profile crowning: material removed at the tip and at the form circle (m), 0 or above.
     pub profile_crowning: f64,
     /// Lead crowning: material removed at both ends of the face (m), 0 or above.
     pub lead_crowning: f64,
-    /// End relief at the lower and the upper end of the face, along the gear's own axis.
+    /// End relief at the lower and the upper end of the face, along the gear axis.
     pub end_relief: [Option<EndRelief>; 2],
-    /// Helix slope of left and right flanks: material removed at the upper end (m), at the lower one where below 0.
+    /// Helix slope of left and right flanks: material removed at the upper end (m), if negative at the lower one.
     pub helix_slope: [f64; 2],
-    /// Twist of left and right flanks: how much more the tip has removed over the form circle at the upper end than at the
-    /// lower one (m).
+    /// Twist of left and right flanks: additional material removed from the tip relative to the form circle at the
+    /// upper end, compared with the lower one (m).
     pub twist: [f64; 2],
     /// Measured topographies of left and right flanks.
     pub topography: [Option<Arc<Topography>>; 2],
 }
 
-/// What the places on a flank are told by.
+/// Extent of a flank over profile and width.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FlankRange {
     /// Length of roll at the form circle, at the tip and at the start of the tip relief (m).
     pub roll: [f64; 3],
     /// Base radius (m).
     pub r_base: f64,
-    /// Half the face width (m).
+    /// Half of the face width (m).
     pub half_width: f64,
 }
 
 impl Modifications {
-    /// True when the flank is the plain involute.
+    /// Returns true when the flank is the plain involute.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Whether they are not the same all over the width.
+    /// Returns true if the modifications vary over the width.
     pub fn vary_over_width(&self) -> bool {
         self.lead_crowning != 0.0
             || self.end_relief.iter().any(Option::is_some)
@@ -113,21 +114,21 @@ impl Modifications {
             || Side::BOTH.iter().any(|side| self.vary_jointly(*side))
     }
 
-    /// Whether what is removed of the flanks of a side is more than a sum of a part along the profile and one over the
-    /// width.
+    /// Returns true if the removed material on the flanks of a side is not a sum of a part along the profile and one
+    /// over the width.
     pub fn vary_jointly(&self, side: Side) -> bool {
         let k = side.index();
         self.twist[k] != 0.0 || self.topography[k].is_some()
     }
 
-    /// Whether left and right flanks are mirror images.
+    /// Returns true if left and right flanks are mirror images.
     pub fn are_symmetric(&self) -> bool {
         let same = |pair: [f64; 2]| pair[0] == pair[1];
         same(self.helix_slope) && same(self.twist) && self.topography[0] == self.topography[1]
     }
 
-    /// Checks signs and that reliefs start on the involute; radii and width in metre.
-    /// `inward` on an internal gear, whose tips have the smaller radius.
+    /// Checks signs, and that reliefs start on the involute; radii and width are in metre. `inward` is true for an
+    /// internal gear, whose tips have the smaller radius.
     pub(super) fn check(
         &self,
         radii: [f64; 2],
@@ -171,7 +172,8 @@ impl Modifications {
         Ok(())
     }
 
-    /// Material removed by modifications over the face width alone (m), at `zeta` in [-1, 1], and its derivative by `zeta`.
+    /// Returns the material removed by modifications over the face width alone (m), at `zeta` in [-1, 1], and its
+    /// derivative by `zeta`.
     pub(super) fn over_width(&self, side: Side, zeta: f64, half_width: f64) -> [f64; 2] {
         let mut removed = self.lead_crowning * zeta * zeta;
         let mut slope = 2.0 * self.lead_crowning * zeta;
@@ -191,9 +193,9 @@ impl Modifications {
         [removed, slope]
     }
 
-    /// Material removed (m) of the flanks of a side at length of roll `s`; `zeta` in [-1, 1] runs over the face width. Its
-    /// first and second derivative by `s` and its derivative by `zeta` follow. Below the form circle and beyond the tip the
-    /// amount is that at the border.
+    /// Returns the material removed (m) from the flanks of a side at length of roll `s`; `zeta` in [-1, 1] runs over
+    /// the face width. Its first and second derivative by `s` and its derivative by `zeta` follow. Below the form
+    /// circle and beyond the tip the amount is that at the border.
     pub(super) fn removed(&self, side: Side, s: f64, of: &FlankRange, zeta: f64) -> [f64; 4] {
         let [s_form, s_tip, s_relief] = of.roll;
         let length = s_tip - s_form;

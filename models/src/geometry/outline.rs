@@ -23,7 +23,7 @@ use super::gear::Gear;
 /// Mass and moment of inertia of a gear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassProperties {
-    /// Mass (kg).
+    /// Mass of the gear (kg).
     pub mass: f64,
     /// Moment of inertia about the gear axis (kg m^2).
     pub izz: f64,
@@ -56,8 +56,8 @@ fn integrate(a: f64, b: f64, f: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
 }
 
 impl Gear {
-    /// Area (m^2) and polar second moment of area (m^4) of the transverse section without bore, with the rim of an internal
-    /// gear.
+    /// Returns area (m^2) and polar second moment of area (m^4) of the transverse section without bore, with the rim
+    /// of an internal gear.
     pub fn section_properties(&self) -> (f64, f64) {
         let z = f64::from(self.teeth());
         let half_pitch = 0.5 * self.pitch_angle();
@@ -84,7 +84,7 @@ impl Gear {
         )
     }
 
-    /// Mass and inertia for a density (kg/m^3): teeth, fillets and body minus the bore.
+    /// Returns mass and inertia for a density (kg/m^3): teeth, fillets and body minus the bore.
     pub fn mass_properties(&self, density: f64) -> MassProperties {
         let (area, polar) = self.section_properties();
         let bore2 = self.params().bore_radius.powi(2);
@@ -95,7 +95,7 @@ impl Gear {
         }
     }
 
-    /// Moment of inertia (kg m^2) about the axis of the core of a solid gear within its seat; 0 with a
+    /// Returns the moment of inertia (kg m^2) about the axis of the core of a solid gear within its seat; 0 with a
     /// bore.
     pub fn core_inertia(&self, density: f64) -> f64 {
         if self.params().bore_radius > 0.0 || self.is_internal() {
@@ -105,7 +105,7 @@ impl Gear {
         density * self.face_width() * std::f64::consts::FRAC_PI_2 * seat2 * seat2
     }
 
-    /// Mass (kg) of the same core, none where there is a bore.
+    /// Returns the mass (kg) of the core of a solid gear within its seat; 0 with a bore.
     pub fn core_mass(&self, density: f64) -> f64 {
         if self.params().bore_radius > 0.0 || self.is_internal() {
             return 0.0;
@@ -113,9 +113,9 @@ impl Gear {
         density * self.face_width() * std::f64::consts::PI * self.seat_radius().powi(2)
     }
 
-    /// One pitch of the outline (m), counter-clockwise: from the middle of the tooth space at
-    /// `-pi/z` over tooth 0 (centred on +x) to the middle of the next space at `+pi/z`.
-    /// `points` (at least 6) per flank, half of them on the fillet.
+    /// Returns one pitch of the outline (m), counter-clockwise: from the middle of the tooth space at `-pi/z` over
+    /// tooth 0 (centred on +x) to the middle of the next space at `+pi/z`. It has `points` (at least 6) per flank,
+    /// half of them on the fillet.
     pub fn tooth_outline(&self, points: usize) -> Vec<[f64; 2]> {
         let half = self.half_outline(points.max(6));
         let upper = half.iter().map(|&(r, a)| [r * a.cos(), r * a.sin()]);
@@ -129,8 +129,9 @@ impl Gear {
         all
     }
 
-    /// The closed outline polygon (m) of the whole gear without bore (of an internal one without its rim: the hole in it),
-    /// counter-clockwise, tooth 0 centred on +x; the last point joins the first. Density as in [`Gear::tooth_outline`].
+    /// Returns the closed outline polygon (m) of the whole gear without bore (for an internal gear the hole in its
+    /// rim), counter-clockwise, with tooth 0 centred on +x; the last point joins the first. The density of points is
+    /// that of [`Gear::tooth_outline`].
     pub fn outline(&self, points_per_flank: usize) -> Vec<[f64; 2]> {
         let tooth = self.tooth_outline(points_per_flank);
         let mut all = Vec::with_capacity((tooth.len() - 1) * self.teeth() as usize);
@@ -144,8 +145,8 @@ impl Gear {
         all
     }
 
-    /// What covers the section in a picture: the outline, of an internal gear the circle of its rim and then the hole, joined in
-    /// the middle of a tooth space.
+    /// Returns a polygon that covers the section in a figure: the outline; for an internal gear the circle of its rim
+    /// and then the hole, joined in the middle of a tooth space.
     pub fn filled_outline(&self, points_per_flank: usize) -> Vec<[f64; 2]> {
         let outline = self.outline(points_per_flank);
         if !self.is_internal() {
@@ -164,7 +165,7 @@ impl Gear {
             .collect()
     }
 
-    /// Left half of a tooth as (radius, angle), from the tip centre to the middle of the space.
+    /// Returns the left half of a tooth as (radius, angle), from the tip centre to the middle of the space.
     fn half_outline(&self, points: usize) -> Vec<(f64, f64)> {
         let on_fillet = points / 2;
         let on_involute = points - on_fillet;

@@ -37,12 +37,12 @@ use super::Side;
 use super::gear::Gear;
 use super::rack::Rack;
 
-/// What a gear meshes with.
+/// The mate of a gear: a gear or a rack.
 #[derive(Clone, Copy, Debug)]
 pub enum Mate<'a> {
-    /// Another gear.
+    /// The mate is a gear.
     Gear(&'a Gear),
-    /// A rack.
+    /// The mate is a rack.
     Rack(&'a Rack),
 }
 
@@ -58,7 +58,7 @@ impl<'a> From<&'a Rack> for Mate<'a> {
     }
 }
 
-/// A gear in mesh with its mate; owns numbers only, not the bodies.
+/// A gear in mesh with its mate; it has numbers only, not the bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
     pub(super) distance: f64,
@@ -68,7 +68,7 @@ pub struct Pair {
     pub(super) s_end: f64,
     pub(super) r_base: f64,
     pub(super) chi: f64,
-    pub(super) second: Second,
+    pub(super) second: MateFlanks,
     pub(super) pitch_radii: [f64; 2],
     pub(super) face_width: f64,
     pub(super) beta_b: f64,
@@ -76,9 +76,9 @@ pub struct Pair {
     pub(super) backlash_circ: f64,
 }
 
-/// Where the flanks of the mate are.
+/// Flanks of the mate.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Second {
+pub(super) enum MateFlanks {
     Gear {
         length: f64,
         r_base: f64,
@@ -92,139 +92,142 @@ pub(super) enum Second {
 }
 
 impl Pair {
-    /// Centre distance, or distance to the rack's reference line (m).
+    /// Returns the centre distance, or the distance to the rack's reference line (m).
     pub fn centre_distance(&self) -> f64 {
         self.distance
     }
 
-    /// Transverse working pressure angle (rad).
+    /// Returns the transverse working pressure angle (rad).
     pub fn working_pressure_angle(&self) -> f64 {
         self.alpha_w
     }
 
-    /// Transverse base pitch (m).
+    /// Returns the transverse base pitch (m).
     pub fn base_pitch(&self) -> f64 {
         self.base_pitch
     }
 
-    /// Length L of the line of action between its tangent points T1 and T2 (m), infinite on a rack, negative in an internal
-    /// gear.
+    /// Returns the length L of the line of action between its tangent points T1 and T2 (m), infinite for a rack,
+    /// negative for an internal gear.
     pub fn line_length(&self) -> f64 {
         match self.second {
-            Second::Gear { length, .. } => length,
-            Second::Rack { .. } => f64::INFINITY,
+            MateFlanks::Gear { length, .. } => length,
+            MateFlanks::Rack { .. } => f64::INFINITY,
         }
     }
 
-    /// Path coordinate of the start of contact A (tip of the mate) (m).
+    /// Returns the path coordinate of the start of contact A (tip of the mate) (m).
     pub fn s_start(&self) -> f64 {
         self.s_start
     }
 
-    /// Path coordinate of the end of contact E (tip of gear 1) (m).
+    /// Returns the path coordinate of the end of contact E (tip of gear 1) (m).
     pub fn s_end(&self) -> f64 {
         self.s_end
     }
 
-    /// Path coordinate of the pitch point C (m).
+    /// Returns the path coordinate of the pitch point C (m).
     pub fn s_pitch(&self) -> f64 {
         self.r_base * self.alpha_w.tan()
     }
 
-    /// Sign of the number of teeth of gear 1: -1 of an internal gear, whose path coordinates are negative.
+    /// Returns the sign of the number of teeth of gear 1: -1 for an internal gear, whose path coordinates are
+    /// negative.
     pub fn first_sign(&self) -> f64 {
         self.r_base.signum()
     }
 
-    /// Whether one of both gears is internal.
+    /// Returns true if one of both gears is internal.
     pub fn is_internal(&self) -> bool {
         let second = match self.second {
-            Second::Gear { r_base, .. } => r_base,
-            Second::Rack { .. } => 0.0,
+            MateFlanks::Gear { r_base, .. } => r_base,
+            MateFlanks::Rack { .. } => 0.0,
         };
         self.r_base.min(second) < 0.0
     }
 
-    /// Transverse contact ratio.
+    /// Returns the transverse contact ratio.
     pub fn contact_ratio(&self) -> f64 {
         (self.s_end - self.s_start) / self.base_pitch
     }
 
-    /// Overlap ratio over the common face width; 0 for spur teeth.
+    /// Returns the overlap ratio over the common face width; 0 for spur teeth.
     pub fn overlap_ratio(&self) -> f64 {
         self.face_width * self.beta_b.tan().abs() / self.base_pitch
     }
 
-    /// Total contact ratio: transverse plus overlap.
+    /// Returns the total contact ratio: transverse plus overlap.
     pub fn total_contact_ratio(&self) -> f64 {
         self.contact_ratio() + self.overlap_ratio()
     }
 
-    /// Common face width (m).
+    /// Returns the common face width (m).
     pub fn face_width(&self) -> f64 {
         self.face_width
     }
 
-    /// Circumferential backlash at the working pitch circle, transverse (m).
+    /// Returns the circumferential transverse backlash at the working pitch circle (m).
     pub fn backlash_circ(&self) -> f64 {
         self.backlash_circ
     }
 
-    /// Transverse backlash along the line of action (m): the sum of the gaps of both flanks.
+    /// Returns the transverse backlash along the line of action (m): the sum of the gaps of both flanks.
     pub fn backlash_base(&self) -> f64 {
         self.backlash_base
     }
 
-    /// Normal backlash (m): shortest distance between the idle flanks when the others touch.
+    /// Returns the normal backlash (m): the shortest distance between the non-working flanks when the working flanks
+    /// touch.
     pub fn backlash_normal(&self) -> f64 {
         self.backlash_base * self.beta_b.cos()
     }
 
-    /// Working pitch radii (m); that of a rack is infinite, that of an internal gear negative.
+    /// Returns the working pitch radii (m); that of a rack is infinite, that of an internal gear negative.
     pub fn pitch_radii(&self) -> [f64; 2] {
         self.pitch_radii
     }
 
-    /// Path coordinate `s_1` (m) that a flank of gear 1 reaches when the centreline of its tooth
-    /// stands at `theta` (rad).
+    /// Returns the path coordinate `s_1` (m) of a flank of gear 1 when the centreline of its tooth is at `theta`
+    /// (rad).
     pub fn path_coordinate(&self, theta: f64, side: Side) -> f64 {
         self.r_base * (side.sign() * theta + self.alpha_w + self.chi)
     }
 
-    /// Gap (m) along the line of action, positive when open, between the flanks of `side` of two teeth: that of gear 1
-    /// with its centreline at `theta` (rad), that of its mate at `other` (rad, or m along a rack).
+    /// Returns the gap (m) along the line of action, positive when open, between the flanks of `side` of two teeth:
+    /// that of gear 1 with its centreline at `theta` (rad), that of its mate at `other` (rad, or m along a rack).
     pub fn gap(&self, theta: f64, other: f64, side: Side) -> f64 {
         let s_1 = self.path_coordinate(theta, side);
         match self.second {
-            Second::Gear {
+            MateFlanks::Gear {
                 length,
                 r_base,
                 chi,
                 towards,
             } => length - s_1 - r_base * (side.sign() * (other - towards) + self.alpha_w + chi),
-            Second::Rack { half_thickness } => {
+            MateFlanks::Rack { half_thickness } => {
                 let (sin, cos) = self.alpha_w.sin_cos();
                 (side.sign() * other - half_thickness) * cos + self.distance * sin - s_1
             }
         }
     }
 
-    /// Centreline angle (rad) of the tooth of gear 1 whose flank of `side` stands at `s` (m).
+    /// Returns the centreline angle (rad) of the tooth of gear 1 whose flank of `side` is at the path coordinate `s`
+    /// (m).
     pub fn tooth_angle(&self, s: f64, side: Side) -> f64 {
         side.sign() * (s / self.r_base - self.alpha_w - self.chi)
     }
 
-    /// Centreline (rad, or m along a rack) of the tooth of the mate whose flank of `side` stands `gap` (m) away from a
-    /// flank of gear 1 at path coordinate `s` (m).
+    /// Returns the centreline (rad, or m along a rack) of the tooth of the mate whose flank of `side` has the distance
+    /// `gap` (m) from a flank of gear 1 at path coordinate `s` (m).
     pub fn mate_position(&self, s: f64, gap: f64, side: Side) -> f64 {
         match self.second {
-            Second::Gear {
+            MateFlanks::Gear {
                 length,
                 r_base,
                 chi,
                 towards,
             } => towards + side.sign() * ((length - s - gap) / r_base - self.alpha_w - chi),
-            Second::Rack { half_thickness } => {
+            MateFlanks::Rack { half_thickness } => {
                 let (sin, cos) = self.alpha_w.sin_cos();
                 side.sign() * ((s + gap - self.distance * sin) / cos + half_thickness)
             }

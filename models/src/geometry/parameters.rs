@@ -1,4 +1,4 @@
-//! What a user gives to describe a gear or a rack. SI units; factors are multiples of the normal module.
+//! Parameters of gears and racks. Units are SI; factors are multiples of the normal module.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -8,16 +8,16 @@ use super::internal::Internal;
 use super::modification::Modifications;
 use super::quantity::Quantity;
 
-/// What a user gives to describe a gear. SI units; factors are multiples of the normal module.
+/// Parameters of a gear. Units are SI; factors are multiples of the normal module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GearParams {
     /// Number of teeth, 3 to 10000. The default is 0 and has to be set.
     pub teeth: u32,
-    /// Normal module (m).
+    /// Normal module of the toothing (m).
     pub module: f64,
     /// Normal pressure angle (rad).
     pub pressure_angle: f64,
-    /// Profile shift coefficient x.
+    /// Profile shift coefficient `x`.
     pub profile_shift: f64,
     /// Helix angle at the reference circle (rad); right hand positive, 0 for a spur gear.
     pub helix_angle: f64,
@@ -38,12 +38,12 @@ pub struct GearParams {
     pub thinning: f64,
     /// Radius of the bore (m); 0 for a solid gear.
     pub bore_radius: f64,
-    /// What an internal gear has beside these; none on an external one. Its `dedendum` and `tip_radius` are addendum and tip
-    /// rounding of the cutter.
+    /// Additional parameters of an internal gear; `None` for an external one. With them `dedendum` and `tip_radius`
+    /// are addendum and tip rounding of the cutter.
     pub internal: Option<Internal>,
-    /// Tip relief and crowning, of all teeth alike.
+    /// Tip relief and crowning, equal for all teeth.
     pub modifications: Modifications,
-    /// What the flanks of each tooth deviate beyond these.
+    /// Deviations of individual teeth in addition to the modifications.
     pub deviations: Deviations,
 }
 
@@ -71,12 +71,12 @@ impl Default for GearParams {
     }
 }
 
-/// What a user gives to describe a rack. SI units; factors are multiples of the normal module.
+/// Parameters of a rack. Units are SI; factors are multiples of the normal module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RackParams {
     /// Number of teeth, 1 to 10000. The default is 0 and has to be set.
     pub teeth: u32,
-    /// Normal module (m).
+    /// Normal module of the toothing (m).
     pub module: f64,
     /// Normal pressure angle (rad).
     pub pressure_angle: f64,
@@ -114,10 +114,10 @@ impl Default for RackParams {
     }
 }
 
-/// Largest number of teeth accepted: beyond it the input is a mistake.
+/// Largest accepted number of teeth; larger inputs are considered mistakes.
 const MAX_TEETH: u32 = 10_000;
 
-/// Checks what gears and racks have in common; `factors` are addendum, dedendum and tip radius.
+/// Checks the parameters that gears and racks share; `factors` are addendum, dedendum and tip radius.
 fn check_basic_rack(
     module: f64,
     pressure_angle: f64,

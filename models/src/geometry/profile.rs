@@ -13,23 +13,23 @@ use super::involute::{inv, inv_inverse};
 use super::parameters::GearParams;
 use super::quantity::Quantity;
 
-/// The profile of a tooth. Lengths in metre, angles in radian.
+/// Profile of a tooth. Lengths are in metre, angles in radian.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Profile {
     pub r_tip: f64,
     pub r_root: f64,
-    /// Where fillet and involute meet.
+    /// Radius at which fillet and involute meet.
     pub r_form: f64,
     /// Half angle of a tooth on the reference circle.
     pub psi: f64,
-    /// The same on the base circle.
+    /// Half angle of a tooth on the base circle.
     pub chi: f64,
     /// Length of roll at the form circle and at the tip.
     pub roll: [f64; 2],
     pub fillet: Fillet,
 }
 
-/// The profile of an external gear with the reference and base radius.
+/// Computes the profile of an external gear with the reference and base radius.
 pub(super) fn external(
     p: &GearParams,
     [r, r_base]: [f64; 2],
@@ -107,7 +107,7 @@ pub(super) fn external(
     })
 }
 
-/// The refusal of undercut, with the limits of profile shift and tooth number.
+/// Returns the error of undercut, with the limits of profile shift and tooth number.
 fn undercut(p: &GearParams, d_j: f64, r: f64, sin_t: f64) -> GeometryError {
     // Free of undercut when d_j <= r sin^2(alpha_t); d_j falls by m for each unit of x.
     let short = (d_j - r * sin_t * sin_t) / p.module;

@@ -1,6 +1,6 @@
-//! The quantities that a geometry is made from, by name.
+//! Names and units of the quantities that define a geometry.
 
-/// A quantity that a geometry is made from.
+/// A quantity that defines a geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "each is what its name says")]
 pub enum Quantity {
@@ -41,7 +41,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its name with its unit.
+    /// Returns the name of the quantity with its unit.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

@@ -72,68 +72,68 @@ impl Rack {
         })
     }
 
-    /// What the user gave.
+    /// Returns the parameters of the rack.
     pub fn params(&self) -> &RackParams {
         &self.params
     }
 
-    /// Number of teeth.
+    /// Returns the number of teeth.
     pub fn teeth(&self) -> u32 {
         self.params.teeth
     }
 
-    /// Face width (m).
+    /// Returns the face width (m).
     pub fn face_width(&self) -> f64 {
         self.params.face_width
     }
 
-    /// Index of the first tooth, the one at the lowest y.
+    /// Returns the index of the first tooth, the one at the lowest y.
     pub fn first_tooth(&self) -> i64 {
         -((i64::from(self.params.teeth) - 1) / 2)
     }
 
-    /// Transverse pressure angle (rad).
+    /// Returns the transverse pressure angle (rad).
     pub fn transverse_pressure_angle(&self) -> f64 {
         self.alpha_t
     }
 
-    /// Base helix angle (rad), signed as the helix angle.
+    /// Returns the base helix angle (rad), signed as the helix angle.
     pub fn base_helix_angle(&self) -> f64 {
         self.beta_b
     }
 
-    /// Transverse pitch along the reference line (m).
+    /// Returns the transverse pitch along the reference line (m).
     pub fn pitch(&self) -> f64 {
         2.0 * FRAC_PI_2 * self.params.module / self.params.helix_angle.cos()
     }
 
-    /// Transverse base pitch (m).
+    /// Returns the transverse base pitch (m).
     pub fn base_pitch(&self) -> f64 {
         self.pitch() * self.alpha_t.cos()
     }
 
-    /// Height of the tips above the reference line (m).
+    /// Returns the height of the tips above the reference line (m).
     pub fn tip_height(&self) -> f64 {
         self.params.addendum * self.params.module
     }
 
-    /// Depth of the root below the reference line (m).
+    /// Returns the depth of the root below the reference line (m).
     pub fn root_depth(&self) -> f64 {
         self.params.dedendum * self.params.module
     }
 
-    /// Depth below the reference line (m) at which the straight flank ends and the fillet begins.
+    /// Returns the depth below the reference line (m) at which the straight flank ends and the fillet begins.
     pub fn form_depth(&self) -> f64 {
         self.tip.flank_end_depth()
     }
 
-    /// Half tooth thickness at the reference line (m), thinning included.
+    /// Returns half the tooth thickness at the reference line (m), including thinning.
     pub fn half_thickness_reference(&self) -> f64 {
         self.half_thickness
     }
 
-    /// Transverse half tooth thickness (m) at `height` (m) above the reference line: straight
-    /// flank, below it the fillet. `height` is held between root and tip.
+    /// Returns half the transverse tooth thickness (m) at `height` (m) above the reference line: straight flank, below
+    /// it the fillet. `height` is limited to the range from root to tip.
     pub fn half_thickness_at(&self, height: f64) -> f64 {
         if height >= -self.form_depth() {
             return self.half_thickness_on_flank(height.min(self.tip_height()));
@@ -142,19 +142,19 @@ impl Rack {
         0.5 * self.pitch() - self.tip.half_width_at(depth)
     }
 
-    /// Point of a fillet in its own parameter, from 0 at the root line to 1 at the straight flank: height (m)
-    /// above the reference line and half tooth thickness (m).
+    /// Returns a point of a fillet by its own parameter, from 0 at the root line to 1 at the straight flank: height
+    /// (m) above the reference line and half tooth thickness (m).
     pub fn fillet_at(&self, t: f64) -> (f64, f64) {
         let (u, d) = self.tip.point(self.tip.q_max() * t.clamp(0.0, 1.0));
         (-d, 0.5 * self.pitch() - u)
     }
 
-    /// Half thickness (m) of the straight flank, extended beyond both ends.
+    /// Returns half the thickness (m) of the straight flank, extended beyond both ends.
     pub(super) fn half_thickness_on_flank(&self, height: f64) -> f64 {
         self.half_thickness - height * self.alpha_t.tan()
     }
 
-    /// Area (m^2) of one pitch of the transverse section: tooth, fillets and body.
+    /// Returns the area (m^2) of one pitch of the transverse section: tooth, fillets and body.
     fn pitch_area(&self) -> f64 {
         let (ha, form, root) = (self.tip_height(), self.form_depth(), self.root_depth());
         // Straight part: its mean half thickness stands at mid height.
@@ -170,14 +170,13 @@ impl Rack {
         straight + (root - form) * self.pitch() - tool + p.body_height * self.pitch()
     }
 
-    /// Mass (kg) of the rack, cut square in the middle of the outer tooth spaces, for a density
-    /// (kg/m^3).
+    /// Returns the mass (kg) of the rack, cut square in the middle of the outer tooth spaces, for a density (kg/m^3).
     pub fn mass(&self, density: f64) -> f64 {
         density * self.params.face_width * f64::from(self.params.teeth) * self.pitch_area()
     }
 
-    /// The closed outline polygon (m), counter-clockwise, in the rack's own frame (reference line
-    /// at x = 0, teeth towards -x), with `points` (at least 2) on each fillet.
+    /// Returns the closed outline polygon (m), counter-clockwise, in the rack frame (reference line at x = 0, teeth
+    /// towards -x), with `points` (at least 2) on each fillet.
     pub fn outline(&self, points: usize) -> Vec<[f64; 2]> {
         let n = points.max(2);
         let half_pitch = 0.5 * self.pitch();

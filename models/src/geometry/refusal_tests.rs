@@ -1,4 +1,4 @@
-//! Every refusal names its cause and a way out.
+//! Every refusal has its cause and a remedy.
 
 use super::error::GeometryError::*;
 use super::*;
@@ -15,7 +15,7 @@ fn gear(teeth: u32) -> Gear {
     Gear::new(standard(teeth)).unwrap()
 }
 
-/// The error must be of the variant and its text must hold every word; hands out what stands after the arrow.
+/// Checks the variant of an error and that its text has every given word; returns the expression after the arrow.
 macro_rules! refused {
     ($result:expr, $variant:pat $(=> $out:expr)?, $($word:expr),+) => {{
         let error = $result.unwrap_err();

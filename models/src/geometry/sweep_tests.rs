@@ -1,9 +1,9 @@
-//! Sweeps over the parameter space: either a sound geometry or a refusal, never a panic; and the
-//! identities every accepted pair obeys.
+//! Sweeps over the parameter space, with a valid geometry or a refusal but never a panic, and identities of every
+//! accepted pair.
 
 use super::*;
 
-/// A small deterministic generator (xorshift64*): sweeps must repeat.
+/// A deterministic generator (xorshift64*), so that sweeps repeat.
 struct Random(u64);
 
 impl Random {
@@ -32,7 +32,7 @@ fn random_params(random: &mut Random) -> GearParams {
     }
 }
 
-/// Everything that must hold for a gear that was accepted.
+/// Checks the properties of an accepted gear.
 fn sound(gear: &Gear) {
     let p = gear.params();
     let (root, form, tip) = (gear.r_root(), gear.r_form(), gear.r_tip());
@@ -121,7 +121,7 @@ fn random_pairs_are_sound_or_refused() {
     assert!(accepted > 400, "{accepted}");
 }
 
-/// The identities of an accepted pair.
+/// Checks the identities of an accepted pair.
 fn consistent(pair: &Pair, one: &Gear, two: &Gear) {
     let a = pair.centre_distance();
     let tight = 1e-11 * a;

@@ -1,4 +1,4 @@
-//! Toothed bodies as surfaces, for pictures: the outlines of sections across the axis, joined over the face width.
+//! Toothed bodies as surfaces, for figures: the outlines of sections across the axis, joined over the face width.
 //!
 //! A section at the height `z` is the transverse outline turned by the helix, `z tan(beta)/r` (a rack: moved by
 //! `-z tan(beta)`). Flanks of conical gears are their involute helicoids, the fillets those of the cylindrical gear with the
@@ -9,18 +9,18 @@ use crate::Vec3;
 
 /// Kinds of cells, numbered as in VTK's file formats, with the node orders of these.
 pub mod cell {
-    /// A flat polygon.
+    /// Cell of a flat polygon.
     pub const POLYGON: u8 = 7;
-    /// Four nodes in a ring.
+    /// Cell of four nodes in a ring.
     pub const QUADRILATERAL: u8 = 9;
 }
 
-/// Cells between nodes.
+/// Cells of a mesh over nodes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cells {
     /// Kind of each cell, see [`cell`].
     pub kinds: Vec<u8>,
-    /// Where the nodes of each cell end among [`Cells::nodes`].
+    /// End of the nodes of each cell in [`Cells::nodes`].
     pub ends: Vec<u32>,
     /// Nodes of the cells, one after the other.
     pub nodes: Vec<u32>,
@@ -35,35 +35,35 @@ impl Cells {
     }
 }
 
-/// The surface of a toothed body in its own frame.
+/// Surface of a toothed body in its own frame.
 #[derive(Clone, Debug, Default)]
-pub struct Swept {
-    /// Nodes [m].
+pub struct SweptSurface {
+    /// Positions of the nodes [m].
     pub nodes: Vec<Vec3>,
-    /// Per node its tooth, and its share in a motion of that tooth alone: 1 on the flanks, falling to 0 on the root.
+    /// Tooth of each node, and its share in a motion of that tooth alone: 1 on the flanks, falling to 0 on the root.
     pub teeth: Vec<(i64, f64)>,
-    /// Faces.
+    /// Faces of the surface.
     pub cells: Cells,
 }
 
-/// Points along an arc of the bore per pitch.
+/// Number of points along an arc of the bore per pitch.
 const ON_BORE: usize = 4;
-/// Largest turn of the helix between two sections [rad].
+/// Largest rotation of the helix between two sections [rad].
 const TURN: f64 = 0.02;
 
-/// Share of a point between the root and the end of the flank in the motion of a tooth.
+/// Returns the share of a point between the root and the end of the flank in the motion of a tooth.
 fn share(from_root: f64, flank: f64) -> f64 {
     (from_root / flank.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
-/// Sections that show a helix.
+/// Returns the number of layers that resolve a helix.
 fn layers(turn: f64) -> usize {
     ((turn.abs() / TURN).ceil() as usize).clamp(1, 32)
 }
 
-impl Swept {
-    /// A gear with so many points per flank, its bore open.
-    pub fn gear(gear: &Gear, points: usize) -> Swept {
+impl SweptSurface {
+    /// Builds a gear with a number of points per flank and an open bore.
+    pub fn gear(gear: &Gear, points: usize) -> SweptSurface {
         let width = gear.face_width();
         let per_height = gear.params().helix_angle.tan() / gear.r_reference();
         let sections = layers(per_height * width) + 1;
@@ -71,7 +71,7 @@ impl Swept {
         let teeth = gear.teeth() as usize;
         let middle = gear.tooth_outline(points);
         let per_tooth = middle.len() - 1;
-        let mut swept = Swept::default();
+        let mut swept = SweptSurface::default();
         for section in 0..sections {
             let z = height(section);
             let of_section = gear.at_height(z);
@@ -157,13 +157,13 @@ impl Swept {
         swept
     }
 
-    /// A rack with so many points per flank.
-    pub fn rack(rack: &Rack, points: usize) -> Swept {
+    /// Builds a rack with a number of points per flank.
+    pub fn rack(rack: &Rack, points: usize) -> SweptSurface {
         let width = rack.face_width();
         let slope = -rack.params().helix_angle.tan();
         let sections = layers(slope * width / rack.pitch()) + 1;
         let outline = rack.outline(points);
-        let mut swept = Swept::default();
+        let mut swept = SweptSurface::default();
         for section in 0..sections {
             let z = width * (section as f64 / (sections - 1) as f64 - 0.5);
             for [x, y] in &outline {
@@ -180,7 +180,7 @@ impl Swept {
         swept
     }
 
-    /// Faces between sections of rings of so many nodes.
+    /// Adds the faces between sections with rings of a number of nodes.
     fn sides(&mut self, sections: usize, ring: usize) {
         let at = |section: usize, k: usize| (section * ring + k % ring) as u32;
         for section in 0..sections - 1 {
@@ -208,9 +208,9 @@ mod tests {
     use crate::geometry::{GearParams, RackParams};
     use std::collections::HashMap;
 
-    /// Every edge of a closed surface without holes is passed once each way; volume by the divergence theorem, faces as
-    /// fans about their means.
-    fn volume(swept: &Swept) -> f64 {
+    /// Checks that the surface is closed (every edge occurs once in each direction) and returns its volume by the
+    /// divergence theorem, with faces as fans about their means.
+    fn volume(swept: &SweptSurface) -> f64 {
         let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
         let (mut sum, mut begin) = (0.0, 0);
         for &end in &swept.cells.ends {
@@ -262,7 +262,7 @@ mod tests {
             (conical, 2e-3),
         ] {
             let gear = Gear::new(params).unwrap();
-            let found = volume(&Swept::gear(&gear, 60));
+            let found = volume(&SweptSurface::gear(&gear, 60));
             let expected = gear.mass_properties(1.0).mass;
             assert!(
                 (found / expected - 1.0).abs() < bound,
@@ -277,7 +277,7 @@ mod tests {
             ..RackParams::default()
         })
         .unwrap();
-        let found = volume(&Swept::rack(&rack, 200));
+        let found = volume(&SweptSurface::rack(&rack, 200));
         assert!((found / rack.mass(1.0) - 1.0).abs() < 1e-4, "{found:e}");
     }
 }

@@ -1,15 +1,15 @@
 //! A measured flank: material removed on a grid over profile and width.
 //!
-//! Rows stand at equal steps of the length of roll, columns at equal steps over the width. Between them the surface is
-//! smooth: cubic in both directions, through the amounts, with the slopes of parabolas through three neighbours (Catmull and
-//! Rom, 1974; at the borders through the outer three). Parabolas are met exactly, smooth surfaces to the third power of the
-//! steps. Beyond the grid the amounts of its border hold.
+//! Rows are at equal steps of the length of roll, columns at equal steps over the width. Between them the surface is
+//! smooth: cubic in both directions, through the amounts, with the slopes of parabolas through three neighbours
+//! (Catmull and Rom, 1974; at the borders through the outer three). Parabolas are reproduced exactly, smooth surfaces
+//! to the third power of the steps. Beyond the grid the amounts are those of its border.
 
 use super::error::{GeometryError, finite, positive};
 use super::modification::FlankRange;
 use super::quantity::Quantity;
 
-/// Material removed on a grid (m); below 0 where there is more than the involute.
+/// Material removed on a grid (m); negative for additional material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Topography {
     rows: usize,
@@ -19,13 +19,13 @@ pub struct Topography {
     heights: Option<[f64; 2]>,
 }
 
-/// Greatest number of amounts along profile and width.
+/// Largest number of grid points along profile and width.
 const MOST: usize = 1000;
 
 impl Topography {
-    /// Of rows from the root to the tip, each from the lower to the upper end of the face (m). The first and the last row
-    /// stand at `radii` (m), left out at the form circle and the tip; the first and the last column at `heights` from the
-    /// middle of the face (m), left out at its ends.
+    /// Builds the grid from rows from the root to the tip, each from the lower to the upper end of the face (m). The
+    /// first and the last row are at `radii` (m), by default the form circle and the tip; the first and the last
+    /// column at `heights` from the middle of the face (m), by default its ends.
     ///
     /// # Errors
     /// [`GeometryError::Topography`] for fewer than two or more than 1000 rows or columns, rows of different lengths and
@@ -68,17 +68,17 @@ impl Topography {
         })
     }
 
-    /// Rows over the profile and columns over the width.
+    /// Returns the numbers of rows over the profile and of columns over the width.
     pub fn size(&self) -> [usize; 2] {
         [self.rows, self.columns]
     }
 
-    /// Greatest amount removed or left at a point of the grid (m).
+    /// Returns the largest amount removed or left at a point of the grid (m).
     pub fn greatest(&self) -> f64 {
         self.amounts.iter().fold(0.0, |g, x| x.abs().max(g))
     }
 
-    /// That the grid lies on the flank.
+    /// Checks that the grid lies on the flank.
     pub(super) fn check(&self, radii: [f64; 2], width: f64) -> Result<(), GeometryError> {
         let refuse =
             |found: String, expected: String| Err(GeometryError::Topography { found, expected });
@@ -113,8 +113,8 @@ impl Topography {
         Ok(())
     }
 
-    /// Material removed (m) at length of roll `s` and `zeta` in [-1, 1] over the face width, its first and second derivative
-    /// by `s` and its derivative by `zeta`.
+    /// Returns the material removed (m) at length of roll `s` and `zeta` in [-1, 1] over the face width, its first and
+    /// second derivative by `s` and its derivative by `zeta`.
     pub(super) fn removed(&self, s: f64, of: &FlankRange, zeta: f64) -> [f64; 4] {
         let roll = |r: f64| (r * r - of.r_base * of.r_base).max(0.0).sqrt();
         let [from, to] = self.radii.map_or([of.roll[0], of.roll[1]], |r| r.map(roll));
@@ -126,8 +126,8 @@ impl Topography {
         [e, by_part / length, bend / (length * length), by_zeta]
     }
 
-    /// The amount (m) at parts of the way from the first to the last row and column, its first and second derivative by the
-    /// former and its derivative by the latter.
+    /// Returns the amount (m) at fractions of the distance from the first to the last row and column, its first and
+    /// second derivative by the former and its derivative by the latter.
     fn at(&self, parts: [f64; 2]) -> [f64; 4] {
         let (rows, along) = weights(self.rows, parts[0]);
         let (columns, across) = weights(self.columns, parts[1]);
@@ -148,7 +148,8 @@ impl Topography {
     }
 }
 
-/// The four values that a part of the way lies between, their weights, and the first two derivatives of these by the part.
+/// Returns the four grid points around a fraction of the distance, their weights, and the first two derivatives of
+/// these by the fraction.
 fn weights(n: usize, part: f64) -> ([usize; 4], [[f64; 4]; 3]) {
     let steps = (n - 1) as f64;
     let x = part.clamp(0.0, 1.0) * steps;

@@ -13,7 +13,7 @@ fn gear(modifications: Modifications) -> Gear {
     Gear::new(params).unwrap()
 }
 
-/// Amounts of a surface over parts of profile and width.
+/// Samples a surface over fractions of profile and width.
 fn sampled(rows: usize, columns: usize, of: impl Fn(f64, f64) -> f64) -> Vec<Vec<f64>> {
     let parts = |n: usize| (0..n).map(move |i| i as f64 / (n - 1) as f64);
     let row = |u: f64| parts(columns).map(|v| of(u, v)).collect();
@@ -28,7 +28,7 @@ fn with(rows: &[Vec<f64>]) -> Gear {
     })
 }
 
-/// Greatest difference of what two gears have removed.
+/// Returns the largest difference of the material removed from two gears.
 fn difference(a: &Gear, b: &Gear) -> f64 {
     let mut greatest = 0.0_f64;
     for i in 0..=601 {

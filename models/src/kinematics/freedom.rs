@@ -1,4 +1,5 @@
-//! The five other directions of a hub: held, free on a bearing, or driven; and the inertia of a body that moves in them.
+//! Out-of-plane directions of a hub (fixed, free on a bearing, or driven) and the inertia of a body that moves in
+//! them.
 //!
 //! With the displacement `u` of the hub along its axes and the Cardan angles `alpha`, `beta` of its tilt the body stands at
 //! `R = Rx(alpha) Ry(beta) Rz(gamma)`; `gamma` is the gear's own turn (of a rack a third tilt). Velocity and spin are linear
@@ -22,19 +23,19 @@ use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::Singular;
 use nalgebra::Matrix3;
 
-/// Mass of a body on a hub.
+/// Mass properties of a body on a hub.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyMass {
-    /// [kg]
+    /// Mass of the body [kg].
     pub mass: f64,
-    /// About the centre of mass, in the axes of the hub at the assembled position [kg m^2].
+    /// Inertia tensor about the centre of mass, in the axes of the hub at the assembled position [kg m^2].
     pub inertia: Matrix3<f64>,
-    /// Centre of mass from the hub, in the same axes [m].
+    /// Position of the centre of mass from the hub, in the same axes [m].
     pub centre: Vec3,
 }
 
 impl BodyMass {
-    /// Its axis is one of symmetry: the mass matrix does not change as it turns.
+    /// Returns true if the gear axis is an axis of symmetry: the mass matrix does not change with its rotation.
     pub fn is_round(&self) -> bool {
         let i = &self.inertia;
         let off = i[(0, 1)].abs() + i[(0, 2)].abs() + i[(1, 2)].abs();
@@ -43,49 +44,49 @@ impl BodyMass {
     }
 }
 
-/// How a hub may move beside its own turn or slide.
+/// Freedom of a hub in addition to its own rotation or translation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lateral {
-    /// Three translations, three rotations; that of the hub's own motion is not looked at.
+pub struct OutOfPlane {
+    /// Freedom of three translations and three rotations; the entry of the hub's own motion is not used.
     pub directions: [Freedom; 6],
-    /// The bearing.
+    /// Bearing of the hub.
     pub bearing: Bearing,
-    /// The body.
+    /// Mass properties of the body.
     pub body: BodyMass,
-    /// Gyroscopic, centrifugal and Coriolis terms act.
+    /// True if gyroscopic, centrifugal and Coriolis terms act.
     pub spins: bool,
 }
 
-/// Place, rate and prescribed acceleration of a hub in its six directions.
+/// Position, rate and prescribed acceleration of a hub in its six directions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Motion {
-    /// [m], [rad]
+    /// Displacements [m] and rotations [rad].
     pub x: [f64; 6],
-    /// [m/s], [rad/s]
+    /// Velocities [m/s] and angular velocities [rad/s].
     pub v: [f64; 6],
-    /// Of driven directions, else zero.
+    /// Accelerations of driven directions; otherwise zero.
     pub prescribed: [f64; 6],
 }
 
-impl Lateral {
-    /// Its free directions in the order of their coordinates; `own` is that of the hub's own motion.
+impl OutOfPlane {
+    /// Iterates over the free directions in the order of their coordinates; `own` is that of the hub's own motion.
     pub fn free(&self, own: usize) -> impl Iterator<Item = usize> + '_ {
         (0..6).filter(move |d| *d != own && self.directions[*d] == Freedom::Free)
     }
 
-    /// Number of lateral coordinates.
+    /// Returns the number of out-of-plane coordinates.
     pub fn coordinates(&self) -> usize {
         let free = |d: &&Freedom| **d == Freedom::Free;
         self.directions.iter().filter(free).count()
     }
 
-    /// Adds places and rates of the lateral directions; `q` and `v` begin with their coordinates.
+    /// Adds positions and rates of the out-of-plane directions; `q` and `v` begin with their coordinates.
     pub fn fill(&self, own: usize, t: f64, q: &[f64], v: &[f64], motion: &mut Motion) {
         let mut next = 0;
         for (d, freedom) in self.directions.iter().enumerate() {
             match freedom {
                 _ if d == own => {}
-                Freedom::Held => {}
+                Freedom::Fixed => {}
                 Freedom::Free => {
                     motion.x[d] = q[next];
                     // Whoever asks for the place alone brings no rates.
@@ -101,20 +102,20 @@ impl Lateral {
         }
     }
 
-    /// Masses of the six directions without spin terms [kg], [kg m^2].
+    /// Returns the masses of the six directions without spin terms [kg], [kg m^2].
     pub fn masses(&self) -> [f64; 6] {
         let (m, i) = (self.body.mass, &self.body.inertia);
         [m, m, m, i[(0, 0)], i[(1, 1)], i[(2, 2)]]
     }
 
-    /// Highest angular frequency of a direction on the bearing alone [rad/s].
+    /// Returns the highest angular frequency of a direction on the bearing alone [rad/s].
     pub fn fastest(&self, own: usize) -> f64 {
         let masses = self.masses();
         let of = |d: usize| (self.bearing.stiffness[d][d] / masses[d]).sqrt();
         self.free(own).map(of).fold(0.0, f64::max)
     }
 
-    /// What the bearing exerts in the six directions.
+    /// Returns the bearing forces in the six directions.
     pub fn bearing_forces(&self, m: &Motion) -> [f64; 6] {
         let b = &self.bearing;
         let mut f = [0.0; 6];
@@ -130,7 +131,7 @@ impl Lateral {
         f
     }
 
-    /// How much shorter the radial spring is for its clearance, and its direction.
+    /// Returns the effective clearance of the radial spring, and its direction.
     fn play(&self, x: &[f64; 6]) -> (f64, [f64; 2]) {
         let c = self.bearing.clearance;
         let r = x[0].hypot(x[1]);
@@ -140,7 +141,7 @@ impl Lateral {
         (r.min(c), [x[0] / r, x[1] / r])
     }
 
-    /// Energy in the springs [J], and the power that the dampers take [W].
+    /// Returns the energy in the springs [J], and the power of the dampers [W].
     pub fn bearing_energy(&self, m: &Motion) -> [f64; 2] {
         let b = &self.bearing;
         let form = |a: &[[f64; 6]; 6], x: &[f64; 6]| -> f64 {
@@ -156,7 +157,8 @@ impl Lateral {
         ]
     }
 
-    /// Angular frequencies and damping ratios of the directions; `None` where these are coupled, or do not swing.
+    /// Returns the angular frequencies and damping ratios of the directions, or `None` where these are coupled or do
+    /// not oscillate.
     pub fn oscillators(&self, own: usize) -> Option<Vec<[f64; 2]>> {
         let b = &self.bearing;
         let turns = b.stiffness[own][own] != 0.0 || b.damping[own][own] != 0.0;
@@ -181,7 +183,8 @@ impl Lateral {
         self.free(own).map(of).collect()
     }
 
-    /// Velocities of the centre of mass and spins by unit rates, `c` and the inertia in the axes of the hub.
+    /// Returns the velocities of the centre of mass and the angular velocities for unit rates, and the position of the
+    /// centre of mass and the inertia in the axes of the hub.
     fn unit_motions(&self, x: &[f64; 6]) -> ([Vec3; 6], [Vec3; 6], Vec3, Matrix3<f64>) {
         let axes = rotation_axes(x);
         let turned = tilted(x) * turn(x[5]);
@@ -196,7 +199,7 @@ impl Lateral {
         (v, w, c, inertia)
     }
 
-    /// The mass matrix with the terms that act; `inertia` is that of the own motion without spin terms.
+    /// Returns the mass matrix with the active terms; `inertia` is that of the own motion without spin terms.
     pub fn mass(&self, x: &[f64; 6], own: usize, inertia: f64) -> [[f64; 6]; 6] {
         if self.spins {
             return self.mass_matrix(x);
@@ -208,7 +211,7 @@ impl Lateral {
         diagonal
     }
 
-    /// The mass matrix in the six directions, spin terms and all.
+    /// Returns the mass matrix in the six directions, including spin terms.
     pub fn mass_matrix(&self, x: &[f64; 6]) -> [[f64; 6]; 6] {
         let (v, w, _, inertia) = self.unit_motions(x);
         let m = self.body.mass;
@@ -221,7 +224,7 @@ impl Lateral {
         out
     }
 
-    /// The spin terms as forces, with what prescribed accelerations ask for.
+    /// Returns the spin terms as forces, including the inertia forces of prescribed accelerations.
     pub fn spin_forces(&self, m: &Motion) -> [f64; 6] {
         let (v, w, c, inertia) = self.unit_motions(&m.x);
         let spin: Vec3 = (3..6).map(|d| m.v[d] * w[d]).sum();
@@ -240,7 +243,7 @@ impl Lateral {
         std::array::from_fn(|i| -self.body.mass * v[i].dot(&a) - w[i].dot(&torque))
     }
 
-    /// Bearing and spin terms.
+    /// Returns the sum of bearing forces and spin terms.
     pub fn forces(&self, m: &Motion) -> [f64; 6] {
         let mut f = self.bearing_forces(m);
         if self.spins {
@@ -250,24 +253,24 @@ impl Lateral {
         f
     }
 
-    /// Change of [`Self::forces`] along changes of place and rate: by central differences, which are exact for a bearing
-    /// without play.
+    /// Returns the change of [`Self::forces`] for changes of position and rate, by central differences, which are
+    /// exact for a bearing without clearance.
     pub fn force_change(&self, m: &Motion, along: &Motion) -> [f64; 6] {
         change_of(|m| self.forces(m), m, along)
     }
 
-    /// The same of [`Self::bearing_forces`].
+    /// Returns the change of [`Self::bearing_forces`] for changes of position and rate.
     pub fn bearing_change(&self, m: &Motion, along: &Motion) -> [f64; 6] {
         change_of(|m| self.bearing_forces(m), m, along)
     }
 
-    /// The same of [`Self::spin_forces`].
+    /// Returns the change of [`Self::spin_forces`] for changes of position and rate.
     pub fn spin_change(&self, m: &Motion, along: &Motion) -> [f64; 6] {
         change_of(|m| self.spin_forces(m), m, along)
     }
 
-    /// `x <- A^-1 x` over the free directions, `A = c_m M + c_d (C - dF/dx') + c_k (K - dF/dx)`; `hub` is a further term of
-    /// the own motion, `inertia` its mass without spin terms.
+    /// Solves `x <- A^-1 x` over the free directions, `A = c_m M + c_d (C - dF/dx') + c_k (K - dF/dx)`; `hub` is a
+    /// further term of the own motion, `inertia` its mass without spin terms.
     ///
     /// # Errors
     /// The matrix is singular.
@@ -299,7 +302,7 @@ impl Lateral {
     }
 }
 
-/// Some of the six directions in a row, and how many.
+/// Lists some of the six directions, and returns their number.
 pub fn listed(directions: impl Iterator<Item = usize>) -> ([usize; 6], usize) {
     let (mut list, mut n) = ([0; 6], 0);
     for d in directions {
@@ -309,7 +312,7 @@ pub fn listed(directions: impl Iterator<Item = usize>) -> ([usize; 6], usize) {
     (list, n)
 }
 
-/// Change of forces along changes of place and rate, by central differences.
+/// Returns the change of forces for changes of position and rate, by central differences.
 fn change_of(of_motion: impl Fn(&Motion) -> [f64; 6], m: &Motion, along: &Motion) -> [f64; 6] {
     let mut change = [0.0; 6];
     let largest = |x: &[f64; 6]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -341,19 +344,19 @@ fn change_of(of_motion: impl Fn(&Motion) -> [f64; 6], m: &Motion, along: &Motion
     change
 }
 
-/// `Rx(alpha) Ry(beta)`.
+/// Returns the rotation `Rx(alpha) Ry(beta)`.
 pub(super) fn tilted(x: &[f64; 6]) -> Matrix3<f64> {
     let ((sa, ca), (sb, cb)) = (x[3].sin_cos(), x[4].sin_cos());
     Matrix3::new(cb, 0.0, sb, sa * sb, ca, -sa * cb, -ca * sb, sa, ca * cb)
 }
 
-/// `Rz(gamma)`.
+/// Returns the rotation `Rz(gamma)`.
 pub(super) fn turn(gamma: f64) -> Matrix3<f64> {
     let (s, c) = gamma.sin_cos();
     Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
 }
 
-/// Axes of the three rotations.
+/// Returns the axes of the three rotations.
 pub(super) fn rotation_axes(x: &[f64; 6]) -> [Vec3; 3] {
     let tilted = tilted(x);
     [Vec3::x(), tilted.column(1).into(), tilted.column(2).into()]

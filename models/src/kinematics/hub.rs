@@ -1,7 +1,7 @@
-//! The hub that carries a gear: where it is, how its mount lets it move, what the mount exerts.
+//! The hub that carries a gear: its position, its freedom, and the reaction of its mount.
 
 use super::HubFrame;
-use super::freedom::{self, Lateral, Motion};
+use super::freedom::{self, Motion, OutOfPlane};
 use super::row::Row;
 use crate::Vec3;
 use crate::spec::{Freedom, Mount, Profile};
@@ -12,41 +12,41 @@ use std::sync::Arc;
 pub struct Wrench {
     /// Force [N], in space.
     pub force: Vec3,
-    /// Torque about the axis [N m]; of a body that slides the force along the slide [N].
+    /// Torque about the axis [N m]; for a translating body the force along its direction of motion [N].
     pub torque: f64,
 }
 
-/// What a mount makes of one of the six directions in which a hub could move.
+/// Constraint of one of the six directions of a hub.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Direction<'a> {
-    /// The mount holds it.
-    Held,
-    /// It is a coordinate.
+    /// The mount fixes the direction.
+    Fixed,
+    /// The direction is a coordinate.
     Free,
-    /// Its speed is prescribed as a function of time.
+    /// The speed is prescribed as a function of time.
     Driven(&'a Profile),
 }
 
-/// Where a hub is and how it moves; shared by all gear models.
+/// Position and freedom of a hub; shared by all gear models.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hub {
-    /// The mount.
+    /// Mount of the hub.
     pub mount: Mount,
     /// Centre of the hub at zero displacement [m].
     pub centre: Vec3,
-    /// Unit direction of displacement when the body slides; `None` when it turns.
+    /// Unit direction of motion of a translating body; `None` for a rotating one.
     pub slide: Option<Vec3>,
-    /// Inertia about the axis [kg m^2], or mass [kg] when the body slides; includes what is added at the hub.
+    /// Inertia about the axis [kg m^2], or mass [kg] of a translating body; it includes the inertia added at the hub.
     pub inertia: f64,
-    /// Right-handed axes of the hub at the assembled position: the third is that of the gear, the first the slide of a body
-    /// that slides.
+    /// Right-handed axes of the hub at the assembled position: the third is that of the gear, the first the direction
+    /// of motion of a translating body.
     pub axes: [Vec3; 3],
-    /// How the hub may move in its five other directions; `None` where the mount holds them all.
-    pub lateral: Option<Arc<Lateral>>,
+    /// Out-of-plane freedom of the hub; `None` where the mount fixes all other directions.
+    pub lateral: Option<Arc<OutOfPlane>>,
 }
 
 impl Hub {
-    /// A hub about z, or on a slide, that a mount holds in all other directions.
+    /// Creates a hub that rotates about z or translates, and that a mount fixes in all other directions.
     pub fn new(mount: Mount, centre: Vec3, slide: Option<Vec3>, inertia: f64) -> Self {
         let first = slide.unwrap_or(Vec3::x());
         Hub {
@@ -59,26 +59,26 @@ impl Hub {
         }
     }
 
-    /// Whether the hub turns, or slides, as forces tell; that coordinate is then the first.
+    /// Returns true if the hub rotates or translates under forces; that coordinate is then the first.
     #[inline]
     pub fn is_free(&self) -> bool {
         matches!(self.mount, Mount::Revolute | Mount::Prismatic)
     }
 
-    /// Number of free coordinates: that of the hub's own motion, then the lateral ones.
+    /// Returns the number of free coordinates: that of the hub's own motion, then the out-of-plane ones.
     #[inline]
     pub fn coordinates(&self) -> usize {
         usize::from(self.is_free()) + self.lateral.as_ref().map_or(0, |l| l.coordinates())
     }
 
-    /// The free directions in the order of their coordinates.
+    /// Iterates over the free directions in the order of their coordinates.
     pub fn free_directions(&self) -> impl Iterator<Item = usize> + '_ {
         let own = self.moving();
         let lateral = self.lateral.iter().flat_map(move |l| l.free(own));
         self.is_free().then_some(own).into_iter().chain(lateral)
     }
 
-    /// Angle or displacement from the assembled position at time `t`.
+    /// Returns the angle or displacement from the assembled position at time `t`.
     #[inline]
     pub fn displacement(&self, t: f64, q: &[f64]) -> f64 {
         match &self.mount {
@@ -88,7 +88,7 @@ impl Hub {
         }
     }
 
-    /// Angular speed or speed of displacement.
+    /// Returns the angular speed or the speed of displacement.
     #[inline]
     pub fn speed(&self, t: f64, v: &[f64]) -> f64 {
         match &self.mount {
@@ -98,7 +98,7 @@ impl Hub {
         }
     }
 
-    /// Slope of a prescribed speed; zero for other mounts.
+    /// Returns the slope of a prescribed speed, or zero for other mounts.
     #[inline]
     pub fn prescribed_acceleration(&self, t: f64) -> f64 {
         match &self.mount {
@@ -107,7 +107,7 @@ impl Hub {
         }
     }
 
-    /// Acceleration of a body that moves as its hub does, under a `load` where it is free.
+    /// Returns the acceleration of a body that moves as its hub does, under a `load` where it is free.
     #[inline]
     pub fn acceleration(&self, t: f64, load: f64) -> f64 {
         if self.is_free() {
@@ -117,34 +117,34 @@ impl Hub {
         }
     }
 
-    /// What the mount makes of the six directions: three translations along the axes of the hub, then three rotations about
-    /// them.
+    /// Returns the constraints of the six directions: three translations along the axes of the hub, then three
+    /// rotations about them.
     pub fn directions(&self) -> [Direction<'_>; 6] {
-        let mut directions = [const { Direction::Held }; 6];
+        let mut directions = [const { Direction::Fixed }; 6];
         if let Some(lateral) = &self.lateral {
             for (direction, freedom) in directions.iter_mut().zip(&lateral.directions) {
                 *direction = match freedom {
-                    Freedom::Held => Direction::Held,
+                    Freedom::Fixed => Direction::Fixed,
                     Freedom::Free => Direction::Free,
                     Freedom::Driven(speed) => Direction::Driven(speed),
                 };
             }
         }
         directions[self.moving()] = match &self.mount {
-            Mount::Fixed => Direction::Held,
+            Mount::Fixed => Direction::Fixed,
             Mount::Revolute | Mount::Prismatic => Direction::Free,
             Mount::Driven(speed) => Direction::Driven(speed),
         };
         directions
     }
 
-    /// The direction that is not always held: along the slide, or about z.
+    /// Returns the direction of the hub's own motion: the translation, or the rotation about z.
     #[inline]
     pub fn moving(&self) -> usize {
         if self.slide.is_some() { 0 } else { 5 }
     }
 
-    /// Where the hub is in its six directions and how fast, from the gear's coordinates.
+    /// Returns position and velocity of the hub in its six directions, from the coordinates of the gear.
     pub fn motion(&self, t: f64, q: &[f64], v: &[f64]) -> Motion {
         let mut motion = Motion::default();
         if let Some(lateral) = &self.lateral {
@@ -168,13 +168,13 @@ impl Hub {
         motion
     }
 
-    /// A vector in the axes of the hub, in space.
+    /// Transforms a vector in the axes of the hub to space.
     #[inline]
     pub(super) fn in_space(&self, x: &Vec3) -> Vec3 {
         self.axes[0] * x.x + self.axes[1] * x.y + self.axes[2] * x.z
     }
 
-    /// Axes of the hub, not turned with the gear, and its origin in space [m].
+    /// Returns the axes of the hub, not rotated with the gear, and its origin in space [m].
     pub fn frame(&self, t: f64, q: &[f64]) -> HubFrame {
         if self.lateral.is_none() {
             let along = self.slide.map_or(0.0, |_| self.displacement(t, q));
@@ -186,7 +186,7 @@ impl Hub {
         self.frame_of(&self.motion(t, q, &[]).x)
     }
 
-    /// The same of a hub that has moved by `x` in its six directions.
+    /// Returns the frame of a hub that has moved by `x` in its six directions.
     fn frame_of(&self, x: &[f64; 6]) -> HubFrame {
         let mut turned = freedom::tilted(x);
         if self.slide.is_some() {
@@ -198,8 +198,8 @@ impl Hub {
         }
     }
 
-    /// Component of a unit force along `n` at `x`, the wrench `[n; (x - c) x n]`, in one of the six directions at the
-    /// assembled position.
+    /// Returns the component of a unit force along `n` at `x`, the wrench `[n; (x - c) x n]`, in one of the six
+    /// directions at the assembled position.
     #[inline]
     pub fn component(&self, direction: usize, x: &Vec3, n: &Vec3) -> f64 {
         if direction < 3 {
@@ -210,9 +210,9 @@ impl Hub {
         axis.dot(&r.cross(n))
     }
 
-    /// Derivative of `x . n` with respect to the displacement for a point `x` that moves with the hub: the effective
-    /// base radius arm about the axis [m], or the direction cosine for a slide [-]. At the assembled position, which is
-    /// that of hubs without lateral freedom.
+    /// Returns the derivative of `x . n` with respect to the displacement for a point `x` that moves with the hub: the
+    /// effective base radius arm about the axis [m], or the direction cosine for a translation [-]. It is valid at the
+    /// assembled position, which is that of hubs without out-of-plane freedom.
     #[inline]
     pub fn effective_radius(&self, x: &Vec3, n: &Vec3) -> f64 {
         if self.slide.is_none() && self.axes[2] == Vec3::z() {
@@ -222,18 +222,18 @@ impl Hub {
         self.component(self.moving(), x, n)
     }
 
-    /// The same where the hub is now.
+    /// Returns the effective radius at the present position of the hub. See [`Self::effective_radius`].
     #[inline]
     pub fn effective_radius_at(&self, t: f64, q: &[f64], x: &Vec3, n: &Vec3) -> f64 {
-        self.effective_radius_on(self.standing(t, q).as_ref(), x, n)
+        self.effective_radius_on(self.hub_pose(t, q).as_ref(), x, n)
     }
 
     /// Appends `S^T [n; (x - c) x n]` with the free directions `S` to a row; returns the part of `d(x . n)/dt` [m/s]
-    /// that driven directions prescribe.
+    /// from driven directions.
     #[inline]
     pub fn point_row(&self, t: f64, q: &[f64], x: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
-        if let Some(standing) = self.standing(t, q) {
-            return self.lateral_row_on(t, &standing, (x, n), row, true);
+        if let Some(hub_pose) = self.hub_pose(t, q) {
+            return self.lateral_row_on(t, &hub_pose, (x, n), row, true);
         }
         let along = self.effective_radius(x, n);
         if self.is_free() {
@@ -243,14 +243,14 @@ impl Hub {
         along * self.speed(t, &[])
     }
 
-    /// Whether a part of its motion is prescribed.
+    /// Returns true if a part of the motion is prescribed.
     pub fn is_driven(&self) -> bool {
         let lateral = self.lateral.iter().flat_map(|l| &l.directions);
         matches!(self.mount, Mount::Driven(_))
             || lateral.into_iter().any(|d| matches!(d, Freedom::Driven(_)))
     }
 
-    /// Whether the speed of its own motion is not prescribed, or piecewise linear in time.
+    /// Returns true if the speed of the own motion is not prescribed, or is piecewise linear in time.
     pub fn moves_linearly(&self) -> bool {
         match &self.mount {
             Mount::Driven(speed) => speed.is_linear(),
@@ -258,9 +258,9 @@ impl Hub {
         }
     }
 
-    /// What the mount exerts on a body that moves as its hub does and whose centre of mass lies on the axis, while
-    /// contacts exert `contact` on it. The torque of a mount that is free is zero, and so is the force along a free
-    /// slide, whatever loads the hub.
+    /// Returns the reaction of the mount on a body that moves as its hub does and whose centre of mass lies on the
+    /// axis, under contact forces `contact`. The torque of a free mount is zero, and so is the force along a free
+    /// translation, whatever the loads on the hub.
     pub fn reaction(&self, t: f64, contact: &Wrench) -> Wrench {
         let pull = match &self.mount {
             Mount::Driven(speed) => self.inertia * speed.slope(t),
@@ -278,7 +278,7 @@ impl Hub {
         }
     }
 
-    /// Next breakpoint of a prescribed motion after `t`.
+    /// Returns the next breakpoint of a prescribed motion after `t`.
     pub fn next_breakpoint(&self, t: f64) -> f64 {
         let own = match &self.mount {
             Mount::Driven(speed) => speed.next_breakpoint(t),
@@ -292,8 +292,8 @@ impl Hub {
     }
 }
 
-mod standing;
+mod hub_pose;
 #[cfg(test)]
 mod tests;
 
-pub use standing::{BodyMotion, Standing};
+pub use hub_pose::{BodyMotion, HubPose};

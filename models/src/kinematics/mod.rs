@@ -1,4 +1,4 @@
-//! Where gears are and how their points move: teeth and points, poses, hubs, rows over the coordinates.
+//! Kinematics of gears: teeth and points, poses, hubs, and rows over the coordinates.
 
 mod freedom;
 mod hub;
@@ -8,8 +8,8 @@ mod row;
 mod view;
 
 pub use crate::geometry::Frame as HubFrame;
-pub use freedom::{BodyMass, Lateral, Motion, listed};
-pub use hub::{BodyMotion, Direction, Hub, Standing, Wrench};
+pub use freedom::{BodyMass, Motion, OutOfPlane, listed};
+pub use hub::{BodyMotion, Direction, Hub, HubPose, Wrench};
 pub use point::{Locus, Point, Tooth};
 pub use pose::{Placement, Pose};
 pub use row::Row;

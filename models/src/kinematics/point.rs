@@ -2,17 +2,17 @@
 
 use crate::Vec3;
 
-/// Tooth of a gear, unwrapped: `index` counts teeth counter-clockwise from tooth 0 and may exceed the
-/// number of teeth, so that a tooth pair keeps its name over turns.
+/// Tooth of a gear, counted on over turns: `index` counts counter-clockwise from tooth 0 and may exceed the number of
+/// teeth, so that a tooth pair keeps its identity over turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tooth {
-    /// Unwrapped index.
+    /// Tooth index, counted on over turns.
     pub index: i64,
-    /// Which of the gear's meshes asks (the gear's own count, 0 for its first mesh).
+    /// Index of the mesh among those of the gear, 0 for its first mesh.
     pub mesh: u8,
 }
 
-/// Where on a gear a candidate point lies.
+/// Position of a candidate point on a gear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Locus {
     /// A point of the smooth flank.
@@ -22,11 +22,11 @@ pub enum Locus {
         /// Position over the face width in [-1, 1].
         zeta: f64,
     },
-    /// A flank node of a mesh.
+    /// A flank node of a mesh, by its number.
     Node(u32),
     /// A quadrature point of a flank face.
     Quadrature {
-        /// Face of the flank.
+        /// Number of the face.
         face: u32,
         /// Parametric coordinates on the face.
         xi: [f64; 2],
@@ -36,9 +36,9 @@ pub enum Locus {
 /// A point of a gear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Its tooth.
+    /// Tooth of the point.
     pub tooth: Tooth,
-    /// Where on the tooth.
+    /// Position on the tooth.
     pub locus: Locus,
     /// Position in space [m].
     pub x: Vec3,

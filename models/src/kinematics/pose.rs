@@ -1,4 +1,4 @@
-//! Where a gear's own frame stands in space.
+//! Pose of a gear frame in space.
 //!
 //! The own frame is that of [`crate::geometry`]: the axis z through the origin and the centreline of tooth 0 on
 //! +x; a rack has its reference line on y and its teeth pointing to -x. A gear turns about its centre by
@@ -7,19 +7,19 @@
 use super::{Hub, HubFrame};
 use crate::Vec3;
 
-/// The assembled position of a gear's own frame.
+/// Assembled position of a gear frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// Axes and centre of the hub at the assembled position.
     pub hub: HubFrame,
-    /// Angle [rad] (displacement [m] of a rack) of tooth 0 there.
+    /// Angle [rad] (displacement [m] of a rack) of tooth 0 at the assembled position.
     pub phase: f64,
-    /// It slides along the first axis of the hub.
+    /// True if the body translates along the first axis of the hub.
     pub slides: bool,
 }
 
 impl Placement {
-    /// The placement of a gear on its hub.
+    /// Returns the placement of a gear on its hub.
     #[must_use]
     pub fn new(hub: &Hub, phase: f64) -> Self {
         Placement {
@@ -32,13 +32,14 @@ impl Placement {
         }
     }
 
-    /// The frame after a displacement [rad] (rack: [m]) from the assembled position, of a hub that moves in no other way.
+    /// Returns the frame after a displacement [rad] (rack: [m]) from the assembled position, for a hub without
+    /// out-of-plane freedom.
     #[inline]
     pub fn pose(&self, displacement: f64) -> Pose {
         self.on(&self.hub, displacement)
     }
 
-    /// The same on a hub that may move in all directions, at the coordinates `q` of its gear.
+    /// Returns the frame on a hub that may move in all directions, at the coordinates `q` of its gear.
     #[inline]
     pub fn pose_at(&self, hub: &Hub, t: f64, q: &[f64], displacement: f64) -> Pose {
         if hub.lateral.is_none() {
@@ -71,17 +72,17 @@ impl Placement {
     }
 }
 
-/// A turn and a shift, from a gear's own frame to space.
+/// Rotation and translation from a gear frame to space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// The own axes in space.
+    /// Axes of the gear frame in space.
     pub axes: [Vec3; 3],
-    /// Where the own origin stands [m].
+    /// Origin of the gear frame in space [m].
     pub origin: Vec3,
 }
 
 impl Pose {
-    /// The own frame itself.
+    /// Identity pose: the gear frame itself.
     pub const STILL: Pose = Pose {
         axes: [
             Vec3::new(1.0, 0.0, 0.0),
@@ -91,46 +92,46 @@ impl Pose {
         origin: Vec3::new(0.0, 0.0, 0.0),
     };
 
-    /// Turns a direction of the own frame into space.
+    /// Rotates a direction from the gear frame to space.
     #[inline]
     pub fn turn(&self, x: &Vec3) -> Vec3 {
         let [a, b, c] = &self.axes;
         x.x * a + x.y * b + x.z * c
     }
 
-    /// Turns a direction in space into the own frame.
+    /// Rotates a direction from space to the gear frame.
     #[inline]
     pub fn turn_back(&self, x: &Vec3) -> Vec3 {
         let [a, b, c] = &self.axes;
         Vec3::new(a.dot(x), b.dot(x), c.dot(x))
     }
 
-    /// Position in space [m] of a point of the own frame.
+    /// Transforms a point of the gear frame to space [m].
     #[inline]
     pub fn point(&self, x: &Vec3) -> Vec3 {
         self.origin + self.turn(x)
     }
 
-    /// Position in the own frame [m] of a point in space.
+    /// Transforms a point in space to the gear frame [m].
     #[inline]
     pub fn point_back(&self, x: &Vec3) -> Vec3 {
         self.turn_back(&(x - self.origin))
     }
 
-    /// Height of a point in space over the own plane z = 0 [m].
+    /// Returns the height of a point in space over the plane z = 0 of the gear frame [m].
     #[inline]
     pub fn height(&self, x: &Vec3) -> f64 {
         self.axes[2].dot(&(x - self.origin))
     }
 
-    /// From the own axis to a point in space [m].
+    /// Returns the vector from the gear axis to a point in space [m].
     #[inline]
     pub fn off_axis(&self, x: &Vec3) -> Vec3 {
         let (r, axis) = (x - self.origin, &self.axes[2]);
         r - axis.dot(&r) * axis
     }
 
-    /// This frame as seen from another.
+    /// Returns this frame in the coordinates of another.
     pub fn seen_from(&self, other: &Pose) -> Pose {
         Pose {
             axes: self.axes.map(|axis| other.turn_back(&axis)),

@@ -1,29 +1,29 @@
-//! Sparse rows over the generalised coordinates of a scene: `w = dg/dq` and its kin.
+//! Sparse rows over the generalised coordinates of a scene, such as `w = dg/dq`.
 //!
 //! A row is a few spans of consecutive coordinates: one entry for a rigid gear, one or two for movable
 //! teeth, all modes for an elastic one. Single entries stand in the row itself, longer spans in buffers that are
 //! kept between uses.
 
-/// Entries of one coordinate that a row holds without a span: both gears of a mesh, with room for two each.
+/// Number of entries of one coordinate that a row stores without a span: two for each gear of a mesh.
 const SINGLES: usize = 4;
 
-/// A sparse row.
+/// Sparse row over the coordinates of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Row {
-    /// Entries of one coordinate, `(coordinate, value)`: all that rigid gears and movable teeth need.
+    /// Entries of one coordinate, `(coordinate, value)`, sufficient for rigid gears and movable teeth.
     singles: [(u32, f64); SINGLES],
     count: u32,
     /// Longer spans `(coordinate, length)`, and further entries of one coordinate.
     spans: Vec<(u32, u32)>,
     values: Vec<f64>,
-    /// Number of singles and spans that belong to the first gear of the mesh.
+    /// Number of single entries and spans that belong to the first gear of the mesh.
     split: (u32, u32),
     offset: u32,
     factor: f64,
 }
 
 impl Row {
-    /// Empties the row.
+    /// Removes all entries.
     #[inline]
     pub fn clear(&mut self) {
         self.count = 0;
@@ -36,20 +36,20 @@ impl Row {
         self.factor = 1.0;
     }
 
-    /// What follows belongs to a gear whose coordinates start at `offset`, and is scaled by `factor`.
+    /// Sets the gear of the following entries, by the `offset` of its coordinates, and a `factor`.
     #[inline]
     pub fn target(&mut self, offset: usize, factor: f64) {
         self.offset = offset as u32;
         self.factor = factor;
     }
 
-    /// What follows belongs to the second gear of the mesh.
+    /// Marks the start of the entries of the second gear of the mesh.
     #[inline]
     pub fn mark_split(&mut self) {
         self.split = (self.count, self.spans.len() as u32);
     }
 
-    /// One entry at the gear's coordinate `i`.
+    /// Adds one entry at the gear's coordinate `i`.
     #[inline]
     pub fn push(&mut self, i: usize, value: f64) {
         let entry = (self.offset + i as u32, self.factor * value);
@@ -62,7 +62,7 @@ impl Row {
         }
     }
 
-    /// Consecutive entries from the gear's coordinate `i`.
+    /// Adds consecutive entries from the gear's coordinate `i` on.
     #[inline]
     pub fn push_span(&mut self, i: usize, values: impl IntoIterator<Item = f64>) {
         let before = self.values.len();
@@ -72,7 +72,7 @@ impl Row {
             .push((self.offset + i as u32, (self.values.len() - before) as u32));
     }
 
-    /// The longer spans among the first `count`: their first coordinate and values.
+    /// Iterates over the longer spans among the first `count`: their first coordinate and values.
     #[inline]
     fn spans(&self, count: u32) -> impl Iterator<Item = (usize, &[f64])> {
         let mut rest = self.values.as_slice();
@@ -85,7 +85,7 @@ impl Row {
             })
     }
 
-    /// `row . x` over so many singles and spans.
+    /// Computes `row . x` over the first single entries and spans.
     #[inline]
     fn dot_of(&self, (singles, spans): (u32, u32), x: &[f64]) -> f64 {
         let mut sum = 0.0;
@@ -100,7 +100,7 @@ impl Row {
         sum
     }
 
-    /// `y += factor row` over so many singles and spans.
+    /// Computes `y += factor row` over the first single entries and spans.
     #[inline]
     fn add_of(&self, (singles, spans): (u32, u32), factor: f64, y: &mut [f64]) {
         for &(i, value) in &self.singles[..singles as usize] {
@@ -118,13 +118,13 @@ impl Row {
         (self.count, self.spans.len() as u32)
     }
 
-    /// `row . x`.
+    /// Computes the scalar product `row . x`.
     #[inline]
     pub fn dot(&self, x: &[f64]) -> f64 {
         self.dot_of(self.all(), x)
     }
 
-    /// The parts of `row . x` that belong to the first and to the second gear.
+    /// Returns the parts of `row . x` that belong to the first and to the second gear.
     #[inline]
     pub fn dot_parts(&self, x: &[f64]) -> [f64; 2] {
         let first = self.dot_of(self.split, x);
@@ -136,13 +136,13 @@ impl Row {
         [first, self.dot(x) - first]
     }
 
-    /// `y += factor row`.
+    /// Adds a multiple of the row: `y += factor row`.
     #[inline]
     pub fn add_to(&self, factor: f64, y: &mut [f64]) {
         self.add_of(self.all(), factor, y);
     }
 
-    /// `y +=` the parts of the row that belong to the first and to the second gear, each with a factor of its own.
+    /// Adds the parts of the row that belong to the first and to the second gear, each with its own factor, to `y`.
     #[inline]
     pub fn add_parts_to(&self, factors: [f64; 2], y: &mut [f64]) {
         self.add_of(self.all(), factors[1], y);
@@ -151,7 +151,7 @@ impl Row {
         }
     }
 
-    /// Calls `f` with each coordinate of the scene and its value; a coordinate may come more than once.
+    /// Calls `f` with each coordinate of the scene and its value; a coordinate may occur more than once.
     #[inline]
     pub fn for_each(&self, mut f: impl FnMut(usize, f64)) {
         for &(i, value) in &self.singles[..self.count as usize] {
@@ -164,7 +164,8 @@ impl Row {
         }
     }
 
-    /// The same for the part of the row that belongs to the first gear (0) or to the second (1).
+    /// Calls `f` with each coordinate and value of the part of the row that belongs to the first gear (0) or to the
+    /// second (1).
     pub fn for_each_of(&self, gear: usize, mut f: impl FnMut(usize, f64)) {
         let (singles, spans) = (self.split.0 as usize, self.split.1 as usize);
         let of_gear = if gear == 0 {
@@ -184,7 +185,7 @@ impl Row {
         }
     }
 
-    /// True when no coordinate takes part.
+    /// Returns true when the row has no entries.
     pub fn is_empty(&self) -> bool {
         self.count == 0 && self.values.is_empty()
     }

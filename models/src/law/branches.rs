@@ -13,29 +13,29 @@ use super::normal::{Law, LawForce};
 
 /// Mode of an open contact.
 pub const OPEN: f64 = 0.0;
-/// Mode of a contact whose spring and damper push.
+/// Mode of a closed contact with spring and damper.
 pub const CLOSED: f64 = 1.0;
-/// Mode of a contact whose bounded dashpot pushes with the force of the spring.
+/// Mode of a closed contact whose bounded dashpot has reached the force of the spring.
 pub const SATURATED: f64 = 2.0;
-/// Stored touch speed [m/s] of a contact that has not touched. Zero is the touch speed of a contact that closes without
-/// speed, so the mark is a value that no touch speed has.
+/// Stored impact speed [m/s] of a contact that has not touched yet. Zero is the impact speed of a contact that closes
+/// without speed, so that the mark is a value that no impact speed has.
 pub const UNTOUCHED: f64 = -1.0;
 
-/// Touch speed [m/s] of a contact from its stored value: the speed at first touch, or the present approach speed of a
-/// contact that has not touched.
+/// Returns the impact speed [m/s] of a contact from its stored value: the speed at first contact, or the present
+/// approach speed of a contact that has not touched.
 #[inline(always)]
 pub fn touch_speed(stored: f64, g_rate: f64) -> f64 {
     if stored >= 0.0 { stored } else { -g_rate }
 }
 
 impl Law {
-    /// Its dashpot is bounded by the elastic force: a closed contact has two branches.
+    /// Returns true if the dashpot is bounded by the elastic force: a closed contact then has two branches.
     #[inline]
     pub fn is_bounded(&self) -> bool {
         matches!(self.damping(), Damping::KelvinVoigtBounded { .. })
     }
 
-    /// The mode of a contact that pushes: [`CLOSED`], or [`SATURATED`].
+    /// Returns the mode of a closed contact: [`CLOSED`], or [`SATURATED`].
     #[inline]
     pub fn mode(&self, g: f64, g_rate: f64, k: f64) -> f64 {
         if self.is_bounded() && -self.c * g_rate > self.elastic_force(-g, k).0 {
@@ -45,7 +45,7 @@ impl Law {
         }
     }
 
-    /// The mode that comes after one of a closed contact whose [validity](Law::valid_for) has ended.
+    /// Returns the mode that follows that of a closed contact whose [validity](Law::valid_for) has ended.
     #[inline]
     pub fn mode_after(&self, mode: f64, g_rate: f64) -> f64 {
         match (self.is_bounded(), mode == SATURATED, g_rate < 0.0) {
@@ -56,7 +56,7 @@ impl Law {
         }
     }
 
-    /// The smooth branch of a mode.
+    /// Returns the smooth branch of a mode.
     #[inline]
     pub fn branch(&self, mode: f64) -> Law {
         if mode == SATURATED {
@@ -68,9 +68,10 @@ impl Law {
         }
     }
 
-    /// How far the branch of a closed contact is from its end (m), a force as the length of [`Self::as_length`]: the force
-    /// itself; of a bounded dashpot how much weaker, or stronger, it is than the spring. Where the gap is open and the flanks
-    /// part faster than the damper's measure of speed both factors of `k d (1 + chi d'/v)` are negative: that is no push.
+    /// Returns the distance of the branch of a closed contact from its end (m), from a force by [`Self::as_length`]:
+    /// the force itself, or for a bounded dashpot its difference from that of the spring. Where the gap is open and
+    /// the flanks separate faster than the reference speed of the damper, both factors of `k d (1 + chi d'/v)` are
+    /// negative; the contact is then open.
     #[inline]
     pub fn valid_for(&self, mode: f64, g: f64, g_rate: f64, v0: f64, k: f64) -> f64 {
         let left = if self.is_bounded() {
@@ -91,7 +92,7 @@ impl Law {
         self.as_length(left, k)
     }
 
-    /// The force of a point of a flank: all zero when the gap is open, and a dashpot that never acts with more than the
+    /// Computes the force of a point of a flank: zero when the gap is open, and with a dashpot force of at most the
     /// elastic force, `|N_d| <= N_e`.
     ///
     /// A constant dashpot alone would act with a jump at touch, where nothing is compressed yet, and pull at the end

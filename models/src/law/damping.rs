@@ -1,58 +1,58 @@
-//! How a contact dissipates.
+//! Damping laws of a contact.
 
 use super::error::LawError;
 
-/// How a contact dissipates.
+/// Damping of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Damping {
-    /// Elastic contact.
+    /// The contact is elastic.
     None,
-    /// Linear dashpot in parallel, `c` (N s/m).
+    /// Linear dashpot in parallel with the coefficient `c` (N s/m).
     KelvinVoigt {
-        /// Coefficient (N s/m).
+        /// Damping coefficient (N s/m).
         c: f64,
     },
-    /// Linear dashpot in parallel whose force is at most the elastic one, `|c d'| <= k d^n`: it neither jumps at touch nor
-    /// pulls at the end.
+    /// Linear dashpot in parallel whose force is at most the elastic one, `|c d'| <= k d^n`: it has no jump at first
+    /// contact and no tension at the end.
     KelvinVoigtBounded {
-        /// Coefficient (N s/m).
+        /// Damping coefficient (N s/m).
         c: f64,
     },
     /// Linear dashpot given by its ratio to critical damping, `c = 2 ratio sqrt(k m)`.
     KelvinVoigtRatio {
-        /// Damping ratio (-).
+        /// Ratio to critical damping (-).
         ratio: f64,
     },
-    /// Damper that grows with the force and has a ratio to critical damping at the load of the mesh,
-    /// `N = k d^n (1 + d'/v_L)`: smooth where a contact opens and closes.
+    /// Damper proportional to the force, with a given ratio to critical damping at the load of the mesh, `N = k d^n (1 +
+    /// d'/v_L)`: smooth where a contact opens and closes.
     RatioAtLoad {
         /// Damping ratio at the load (-).
         ratio: f64,
     },
     /// Hunt and Crossley with restitution `e` (-).
     HuntCrossley {
-        /// Coefficient of restitution aimed at, in (0, 1].
+        /// Intended coefficient of restitution, in (0, 1].
         e: f64,
     },
     /// Lankarani and Nikravesh with restitution `e` (-).
     LankaraniNikravesh {
-        /// Coefficient of restitution aimed at, in (0, 1].
+        /// Intended coefficient of restitution, in (0, 1].
         e: f64,
     },
     /// Flores, Machado, Silva and Martins with restitution `e` (-).
     Flores {
-        /// Coefficient of restitution aimed at, in (0, 1].
+        /// Intended coefficient of restitution, in (0, 1].
         e: f64,
     },
     /// Gonthier, McPhee, Lange and Piedboeuf with restitution `e` (-).
     Gonthier {
-        /// Coefficient of restitution aimed at, in (0, 1].
+        /// Intended coefficient of restitution, in (0, 1].
         e: f64,
     },
 }
 
 impl Damping {
-    /// Every id [`Damping::id`] can return.
+    /// Every identifier that [`Damping::id`] can return.
     pub const IDS: [&'static str; 9] = [
         "none",
         "kelvin-voigt",
@@ -65,7 +65,7 @@ impl Damping {
         "kelvin-voigt-bounded",
     ];
 
-    /// The name used in scenes and reports.
+    /// Returns the identifier in scenes and reports.
     pub fn id(&self) -> &'static str {
         let index = match self {
             Damping::None => 0,
@@ -81,9 +81,9 @@ impl Damping {
         Self::IDS[index]
     }
 
-    /// The same damping with a ratio of critical turned into `c = 2 ratio sqrt(k m)` (N s/m); every other kind
-    /// is returned as it is. `stiffness` (N/m) is the linear contact stiffness, `reduced_mass`
-    /// (kg) that of the two bodies along the line of action.
+    /// Converts a ratio to critical damping to `c = 2 ratio sqrt(k m)` (N s/m) and returns every other kind unchanged.
+    /// `stiffness` (N/m) is the linear contact stiffness, `reduced_mass` (kg) that of the two bodies along the line of
+    /// action.
     ///
     /// # Errors
     /// [`LawError`] when the law is nonlinear or a value is not positive.
@@ -118,8 +118,8 @@ impl Damping {
         })
     }
 
-    /// Ratio to critical damping that the law has for small vibrations about a load: what a restitution `e` loses in half a
-    /// period of a linear oscillator, `zeta = -ln(e)/pi`; zero for laws that know no load.
+    /// Returns the damping ratio of the law for small vibrations about a load: the loss of a restitution `e` in half a
+    /// period of a linear oscillator, `zeta = -ln(e)/pi`; zero for laws independent of a load.
     pub(super) fn ratio_at_load(&self) -> f64 {
         match *self {
             Damping::RatioAtLoad { ratio } => ratio,
@@ -129,7 +129,7 @@ impl Damping {
         }
     }
 
-    /// The factor chi of `1 + chi d'/v`, zero for laws without it.
+    /// Returns the factor chi of `1 + chi d'/v`, zero for laws without it.
     pub(super) fn chi(&self) -> f64 {
         match *self {
             Damping::HuntCrossley { e } => 1.5 * (1.0 - e),
@@ -160,8 +160,8 @@ impl Damping {
     }
 }
 
-/// The restitution a law with factor `chi >= 0` gives in a free impact, whatever its exponent: the
-/// root in `(0, 1]` of `chi (1 + r) = ln((1 + chi) / (1 - chi r))`.
+/// Returns the restitution of a law with factor `chi >= 0` in a free impact, whatever its exponent: the root in `(0,
+/// 1]` of `chi (1 + r) = ln((1 + chi) / (1 - chi r))`.
 pub fn realised_restitution(chi: f64) -> f64 {
     if chi.is_nan() || chi <= 0.0 {
         return 1.0;

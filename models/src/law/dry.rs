@@ -1,13 +1,14 @@
-//! Dry friction of a guide: a force of one size against the motion, and what there is of it before it slides.
+//! Dry friction of a guide: a force of constant magnitude against the motion, with presliding.
 //!
 //! ```text
 //! regularised    F = -F_c tanh(v / v_ref)
 //! stick-slip     F = -F_c z,    dz/dx = (1 - z sign(dx)) / l
 //! ```
 //!
-//! The first carries nothing at rest: what should stick creeps. The second (P. R. Dahl, *A solid friction model*, Aerospace
-//! Corp. TOR-0158, 1968) holds a force below `F_c` for ever, by a displacement of the size of `l`. It is a function of the
-//! way alone: from the part `z0` that was reached at the place `x0`, when the last step was accepted,
+//! The first form carries no static load: it creeps where friction should stick. The second (P. R. Dahl, *A solid
+//! friction model*, Aerospace Corp. TOR-0158, 1968) carries a force below `F_c` permanently, by a displacement of the
+//! order of `l`. It is a function of the displacement alone: from the fraction `z0` at the position `x0` of the last
+//! accepted step,
 //!
 //! ```text
 //! z = s + (z0 - s) exp(-|x - x0| / l),    s = sign(x - x0)
@@ -19,26 +20,26 @@
 use super::error::LawError;
 use super::friction::FrictionForm;
 
-/// Dry friction of a guide that presses with a constant force.
+/// Dry friction of a guide under a constant normal force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DryFriction {
     force: f64,
     form: FrictionForm,
 }
 
-/// The part of the sliding force that acts against the motion, and its slopes by place and speed.
+/// Fraction of the sliding force that acts against the motion, and its slopes by position and speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Part {
-    /// From -1 to 1.
+    /// Fraction from -1 to 1.
     pub z: f64,
-    /// [1/m] or [1/rad].
+    /// Derivative by the position [1/m or 1/rad].
     pub by_place: f64,
-    /// [s/m] or [s/rad].
+    /// Derivative by the speed [s/m or s/rad].
     pub by_speed: f64,
 }
 
 impl DryFriction {
-    /// Friction with the sliding force `force >= 0` [N], or torque [N m].
+    /// Creates friction with the sliding force `force >= 0` [N], or torque [N m].
     ///
     /// # Errors
     /// [`LawError::Friction`] names the parameter out of range.
@@ -54,22 +55,22 @@ impl DryFriction {
         Ok(DryFriction { force, form })
     }
 
-    /// Sliding force [N] or torque [N m].
+    /// Returns the sliding force [N] or torque [N m].
     pub fn force(&self) -> f64 {
         self.force
     }
 
-    /// How it rises from rest.
+    /// Returns the form of the rise from rest.
     pub fn form(&self) -> FrictionForm {
         self.form
     }
 
-    /// It holds what sticks.
+    /// Returns true for stick-slip friction, which carries static loads.
     pub fn sticks(&self) -> bool {
         matches!(self.form, FrictionForm::StickSlip(_))
     }
 
-    /// What is reached at a place and speed, after the part `start[1]` was reached at the place `start[0]`.
+    /// Returns the fraction at a position and speed, from the fraction `start[1]` at the position `start[0]`.
     #[inline]
     pub fn part(&self, x: f64, v: f64, start: [f64; 2]) -> Part {
         match self.form {
@@ -96,7 +97,7 @@ impl DryFriction {
         }
     }
 
-    /// Largest slopes of the force by place and speed [N/m], [N s/m].
+    /// Returns the largest slopes of the force by position and speed [N/m], [N s/m].
     pub fn steepest(&self) -> [f64; 2] {
         match self.form {
             FrictionForm::Regularised(v_ref) => [0.0, self.force / v_ref],

@@ -1,8 +1,8 @@
-//! Why a contact law is refused.
+//! Reasons why a contact law is refused.
 
 use crate::error::{Reason, reasoned};
 
-/// Why a law cannot be used as specified.
+/// Error of a contact law.
 #[derive(Debug, Clone, PartialEq)]
 #[expect(missing_docs, reason = "what the fields are the messages say")]
 pub enum LawError {
@@ -12,9 +12,9 @@ pub enum LawError {
     Restitution { law: &'static str, value: f64 },
     /// A Kelvin-Voigt coefficient or ratio is negative or not finite.
     KelvinVoigt { what: &'static str, value: f64 },
-    /// A damping ratio at the load of a mesh without load.
+    /// A damping ratio at load was given for a mesh without load.
     NoLoad,
-    /// A damping ratio reached a law before it became a coefficient.
+    /// A damping ratio was not converted to a coefficient.
     UnresolvedRatio,
     /// A damping ratio was given for a nonlinear law.
     RatioOfNonlinearLaw { exponent: f64 },
@@ -29,7 +29,7 @@ pub enum LawError {
 }
 
 impl LawError {
-    /// Cause and way out.
+    /// Returns cause and remedy.
     pub fn reason(&self) -> Reason {
         let (cause, help) = match self {
             Self::Exponent { value } => (

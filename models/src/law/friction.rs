@@ -6,10 +6,10 @@
 //! stick-slip     T = -mu N z,    z' = (v - |v| z) / l
 //! ```
 //!
-//! The first carries nothing at rest, so that what should stick creeps; the second holds what sticks by an elastic
-//! displacement before it slides (P. R. Dahl, *A solid friction model*, Aerospace Corp. TOR-0158, 1968): `z` from -1 to 1
-//! is the part of the sliding force that is reached, with a slope of `1/l` at rest. Over a step of length `h` from `z0` at
-//! a steady speed
+//! The first form carries no static load, so that it creeps where friction should stick; the second carries static
+//! loads by an elastic displacement before it slides (P. R. Dahl, *A solid friction model*, Aerospace Corp. TOR-0158,
+//! 1968): `z` from -1 to 1 is the fraction of the sliding force, with a slope of `1/l` at rest. Over a step of length
+//! `h` from `z0` at a steady speed
 //!
 //! ```text
 //! z = s + (z0 - s) exp(-|v| h / l),    s = sign(v)
@@ -29,15 +29,15 @@
 
 use super::error::LawError;
 
-/// Largest coefficient that a film gives: boundary lubrication.
+/// Largest coefficient of a film: that of boundary lubrication.
 const DRY: f64 = 0.2;
-/// Least load per width that the formula of the film is meant for [N/m].
+/// Smallest load per width in the range of the film formula [N/m].
 const LEAST_LOAD: f64 = 150e3;
 
-/// The lubricant of a mesh and the roughness of its flanks.
+/// Lubricant of a mesh and roughness of its flanks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Film {
-    /// Dynamic viscosity at the temperature of operation [Pa s].
+    /// Dynamic viscosity at operating temperature [Pa s].
     pub viscosity: f64,
     /// Arithmetic mean roughness of both flanks [m].
     pub roughness: f64,
@@ -46,35 +46,35 @@ pub struct Film {
     pub lubricant: f64,
 }
 
-/// What the coefficient of a film depends on in a mesh.
+/// Mesh data on which the friction coefficient of a film depends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshFilm {
     /// Load per width [N/m].
     pub force_per_width: f64,
     /// Relative radius of curvature at the pitch point [m].
     pub radius: f64,
-    /// Sum of the speeds of both flanks along the profile at the pitch point per speed of the first hub.
+    /// Sum of the speeds of both flanks along the profile at the pitch point, per unit speed of the first hub.
     pub per_speed: f64,
 }
 
-/// How friction rises from rest.
+/// Rise of friction from rest to sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrictionForm {
-    /// Over a sliding speed [m/s], at which 76 % of the sliding force are reached.
+    /// Rise over a sliding speed [m/s], at which 76 % of the sliding force are reached.
     Regularised(f64),
-    /// Over a displacement [m], after which 63 % of the sliding force are reached.
+    /// Rise over a displacement [m], after which 63 % of the sliding force are reached.
     StickSlip(f64),
 }
 
-/// Coulomb friction.
+/// Coulomb friction with presliding and an optional film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     mu: f64,
     form: FrictionForm,
     film: Option<Film>,
-    /// Of a film in its mesh: sum of the speeds per speed of the first hub.
+    /// Sum of the flank speeds per unit speed of the first hub, for a film in its mesh.
     per_speed: f64,
-    /// Of stick-slip friction: the part of the sliding force at the start of the step, and how long ago that was [s].
+    /// Initial fraction of the sliding force of a step, and the time since then [s], for stick-slip friction.
     start: (f64, f64),
 }
 
@@ -83,9 +83,9 @@ pub struct Friction {
 pub struct FrictionForce {
     /// Tangential force along the sliding direction (N), opposite in sign to the sliding speed.
     pub f: f64,
-    /// `dF/dN` (-).
+    /// Derivative `dF/dN` (-).
     pub df_dn: f64,
-    /// `dF/dv` (N s/m).
+    /// Derivative `dF/dv` (N s/m).
     pub df_dv: f64,
 }
 
@@ -115,8 +115,8 @@ impl FrictionForm {
 }
 
 impl Friction {
-    /// Friction with coefficient `mu >= 0` (-), regularised over the speed `v_ref > 0` (m/s) at
-    /// which 76 % of the sliding force is reached.
+    /// Creates friction with coefficient `mu >= 0` (-), regularised over the speed `v_ref > 0` (m/s) at which 76 % of
+    /// the sliding force is reached.
     ///
     /// # Errors
     /// [`LawError::Friction`] names the parameter out of range.
@@ -124,7 +124,7 @@ impl Friction {
         Self::of_form(mu, FrictionForm::Regularised(v_ref))
     }
 
-    /// Friction with coefficient `mu >= 0` (-) in either form.
+    /// Creates friction with coefficient `mu >= 0` (-) in either form.
     ///
     /// # Errors
     /// [`LawError::Friction`] names the parameter out of range.
@@ -141,7 +141,7 @@ impl Friction {
         })
     }
 
-    /// Friction of a lubricated mesh; [`Self::in_mesh`] tells its coefficient.
+    /// Creates friction of a lubricated mesh; [`Self::in_mesh`] computes its coefficient.
     ///
     /// # Errors
     /// [`LawError::Friction`] names the parameter out of range.
@@ -160,7 +160,8 @@ impl Friction {
         })
     }
 
-    /// The same in a mesh: a film knows its load and its speeds from here on.
+    /// Computes the coefficient of a film from the load and the speeds of a mesh; other friction is returned
+    /// unchanged.
     #[must_use]
     pub fn in_mesh(self, mesh: &MeshFilm) -> Friction {
         let Some(film) = self.film else { return self };
@@ -175,7 +176,7 @@ impl Friction {
         }
     }
 
-    /// The friction at a speed of the first hub.
+    /// Returns the friction at a speed of the first hub.
     #[must_use]
     pub fn at_speed(self, speed: f64) -> Friction {
         if self.film.is_none() {
@@ -189,7 +190,7 @@ impl Friction {
         }
     }
 
-    /// Stick-slip friction a time [s] after a part of the sliding force was reached.
+    /// Returns stick-slip friction at a time [s] after a fraction of the sliding force was reached.
     #[must_use]
     pub fn after(self, part: f64, time: f64) -> Friction {
         Friction {
@@ -198,27 +199,27 @@ impl Friction {
         }
     }
 
-    /// Coefficient of friction (-); of a film the greatest, until a speed is told.
+    /// Returns the coefficient of friction (-); for a film the largest, until a speed is set.
     pub fn mu(&self) -> f64 {
         if self.film.is_some() { DRY } else { self.mu }
     }
 
-    /// How it rises from rest.
+    /// Returns the form of the rise from rest.
     pub fn form(&self) -> FrictionForm {
         self.form
     }
 
-    /// Its film, where that tells the coefficient.
+    /// Returns the film, if it determines the coefficient.
     pub fn film(&self) -> Option<Film> {
         self.film
     }
 
-    /// It holds what sticks, and has a history.
+    /// Returns true for stick-slip friction, which carries static loads and has a history.
     pub fn sticks(&self) -> bool {
         matches!(self.form, FrictionForm::StickSlip(_))
     }
 
-    /// Part of the sliding force that is reached at the sliding speed `v` (m/s), and its derivative by the speed.
+    /// Returns the fraction of the sliding force at the sliding speed `v` (m/s), and its derivative by the speed.
     #[inline]
     pub fn part(&self, v: f64) -> (f64, f64) {
         match self.form {
@@ -235,7 +236,7 @@ impl Friction {
         }
     }
 
-    /// Force under the normal force `n` (N) at the sliding speed `v` (m/s).
+    /// Computes the friction force under the normal force `n` (N) at the sliding speed `v` (m/s).
     #[inline]
     pub fn force(&self, n: f64, v: f64) -> FrictionForce {
         let (part, slope) = self.part(v);

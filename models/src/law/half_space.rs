@@ -1,4 +1,4 @@
-//! The approach of half-spaces that a line of pressure holds together, as far as a mesh does not show it.
+//! Approach of elastic half-spaces under a line load, beyond the part that a finite-element mesh resolves.
 //!
 //! Two bodies whose flanks touch along a line of load `q` per width [N/m] flatten over Hertz's half-width
 //!
@@ -20,30 +20,30 @@
 //! The tangent grows without bound at `N = F_0/e`, where the contact is as wide as what the mesh spreads it over; before
 //! that the force goes on in a straight line.
 
-/// `ln(F_0/N)` from which on the force is a straight line.
+/// Value of `ln(F_0/N)` below which the force is continued by a straight line.
 const STRAIGHT: f64 = 1.3;
 
-/// The constants of the law.
+/// Constants of the half-space law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfSpace {
-    /// `2 w/A` (N/m).
+    /// Stiffness constant `2 w/A` (N/m).
     stiffness: f64,
 }
 
 impl HalfSpace {
-    /// Of contact over a width (m), with the sum `A` of both bodies (m^2/N).
+    /// Creates the law for contact over a width (m), with the sum `A` of both bodies (m^2/N).
     pub fn new(width: f64, compliance: f64) -> Self {
         HalfSpace {
             stiffness: 2.0 * width / compliance,
         }
     }
 
-    /// `2 w/A` (N/m).
+    /// Returns the stiffness constant `2 w/A` (N/m).
     pub fn stiffness(&self) -> f64 {
         self.stiffness
     }
 
-    /// Of a share of the width.
+    /// Returns the law for a share of the width.
     #[inline]
     pub(super) fn shared(self, share: f64) -> Self {
         HalfSpace {
@@ -51,7 +51,7 @@ impl HalfSpace {
         }
     }
 
-    /// `ln(F_0/N)` of an approach; `None` on the straight line.
+    /// Returns `ln(F_0/N)` of an approach, or `None` on the straight line.
     #[inline]
     fn logarithm(&self, d: f64, f0: f64) -> Option<f64> {
         // t exp(-t) = y, on the branch t > 1.
@@ -73,7 +73,7 @@ impl HalfSpace {
         Some(t * (1.0 + z / w * (q - z) / (q - 2.0 * z)))
     }
 
-    /// Force at the beginning of the straight line, the approach there, its slope.
+    /// Returns the force at the start of the straight line, the approach there, and its slope.
     #[inline]
     fn straight(&self, f0: f64) -> (f64, f64, f64) {
         let n = f0 * (-STRAIGHT).exp();
@@ -84,7 +84,7 @@ impl HalfSpace {
         )
     }
 
-    /// Force of an approach `d >= 0` (m), its derivatives by the approach and by `F_0`.
+    /// Returns the force of an approach `d >= 0` (m), and its derivatives by the approach and by `F_0`.
     #[inline]
     pub(super) fn force(&self, d: f64, f0: f64) -> (f64, f64, f64) {
         if d <= 0.0 {
@@ -102,7 +102,7 @@ impl HalfSpace {
         }
     }
 
-    /// Energy of an approach `d >= 0` (J), and its derivative by `F_0`.
+    /// Returns the energy of an approach `d >= 0` (J), and its derivative by `F_0`.
     #[inline]
     pub(super) fn energy(&self, d: f64, f0: f64) -> (f64, f64) {
         if d <= 0.0 {
@@ -128,8 +128,8 @@ impl HalfSpace {
 mod tests {
     use super::*;
 
-    /// The force is the slope of the energy, both by the approach and by `F_0`; it solves its equation; nothing jumps
-    /// where the straight line begins.
+    /// The force is the derivative of the energy, by the approach and by `F_0`; it satisfies its equation; it has no
+    /// jump where the straight line begins.
     #[test]
     fn the_force_derives_from_its_energy() {
         let law = HalfSpace::new(0.014, 2.0 * 2.0 * 0.91 / (std::f64::consts::PI * 2.06e11));

@@ -4,10 +4,10 @@ use super::damping::Damping;
 use super::error::LawError;
 use super::half_space::HalfSpace;
 
-/// Below this speed (m/s) nothing moves: only keeps a quotient finite.
+/// Speed (m/s) below which motion is neglected; it only keeps a quotient finite.
 const LEAST_SPEED: f64 = 1e-15;
 
-/// The load of a mesh, about which its contacts vibrate.
+/// Load of a mesh, about which its contacts vibrate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshLoad {
     /// Force along the line of action (N); 0 without a load.
@@ -23,21 +23,21 @@ pub struct MeshLoad {
 pub struct LawForce {
     /// Normal force `N` (N).
     pub n: f64,
-    /// `dN/dg` (N/m).
+    /// Derivative `dN/dg` (N/m).
     pub dn_dg: f64,
-    /// `dN/dg'` (N s/m).
+    /// Derivative `dN/dg'` (N s/m).
     pub dn_dgdot: f64,
-    /// `dN/dk` (m^n).
+    /// Derivative `dN/dk` (m^n).
     pub dn_dk: f64,
 }
 
-/// The exponents met in practice have cheap powers.
+/// Exponents that have fast powers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Power {
     One,
     ThreeHalves,
     General,
-    /// The approach of half-spaces that a line presses together; see [`HalfSpace`].
+    /// Approach of half-spaces under a line load; see [`HalfSpace`].
     HalfSpace(HalfSpace),
 }
 
@@ -49,21 +49,21 @@ pub struct Law {
     power: Power,
     pub(super) c: f64,
     pub(super) chi: f64,
-    /// What the elastic force is multiplied by: two where a bounded dashpot pushes with all of it.
+    /// Factor of the elastic force: two where a bounded dashpot has reached its limit.
     pub(super) gain: f64,
-    /// What is added to the approach speed (m/s).
+    /// Speed added to the approach speed (m/s).
     pub(super) load_speed: f64,
 }
 
 impl Default for Law {
-    /// The linear elastic law.
+    /// Returns the linear elastic law.
     fn default() -> Self {
         Law::elastic()
     }
 }
 
 impl Law {
-    /// A law with the penetration exponent `n` in [1, 3] and a damping.
+    /// Creates a law with the penetration exponent `n` in [1, 3] and a damping.
     ///
     /// # Errors
     /// [`LawError`] names the parameter out of range; a damping ratio must be
@@ -117,7 +117,7 @@ impl Law {
         })
     }
 
-    /// The linear elastic law `N = k d`.
+    /// Returns the linear elastic law `N = k d`.
     pub const fn elastic() -> Law {
         Law {
             exponent: 1.0,
@@ -130,7 +130,7 @@ impl Law {
         }
     }
 
-    /// The same law with the approach of half-spaces in the place of the power of the penetration.
+    /// Replaces the power of the penetration by the approach of half-spaces.
     #[must_use]
     pub fn with_half_space(self, half_space: HalfSpace) -> Law {
         Law {
@@ -140,7 +140,7 @@ impl Law {
         }
     }
 
-    /// The law in a mesh that carries a load: see the module for what its damping then means.
+    /// Returns the law in a mesh under a load; the module head describes the effect on its damping.
     ///
     /// # Errors
     /// [`LawError::NoLoad`] for a damping ratio at load without one.
@@ -164,7 +164,7 @@ impl Law {
         })
     }
 
-    /// The elastic part of the law.
+    /// Returns the elastic part of the law.
     pub const fn undamped(&self) -> Law {
         Law {
             damping: Damping::None,
@@ -176,7 +176,7 @@ impl Law {
         }
     }
 
-    /// The same law with its constant damper multiplied: what a point has that stands for a share of the contact.
+    /// Returns the law of a point with a share of the contact: its constant damper is multiplied by the share.
     #[inline]
     pub fn shared(&self, share: f64) -> Law {
         let damping = match self.damping {
@@ -196,37 +196,37 @@ impl Law {
         }
     }
 
-    /// Exponent `n` of the penetration.
+    /// Returns the exponent `n` of the penetration.
     pub fn exponent(&self) -> f64 {
         self.exponent
     }
 
-    /// The damping.
+    /// Returns the damping law.
     pub fn damping(&self) -> Damping {
         self.damping
     }
 
-    /// Factor chi of `1 + chi d'/v`; zero for elastic and Kelvin-Voigt contact.
+    /// Returns the factor chi of `1 + chi d'/v`; zero for elastic and Kelvin-Voigt contact.
     pub fn chi(&self) -> f64 {
         self.chi
     }
 
-    /// Id of the damping, as in scenes and reports.
+    /// Returns the identifier of the damping, as in scenes and reports.
     pub fn id(&self) -> &'static str {
         self.damping.id()
     }
 
-    /// Whether the law uses the speed stored at first touch.
+    /// Returns true if the law depends on the speed stored at first contact.
     pub fn needs_impact_speed(&self) -> bool {
         self.damping.restitution().is_some() && self.chi > 0.0
     }
 
-    /// Speed by which vibration under the load of the mesh is measured (m/s); 0 without a load.
+    /// Returns the reference speed of vibration under the load of the mesh (m/s); 0 without a load.
     pub fn load_speed(&self) -> f64 {
         self.load_speed
     }
 
-    /// `chi / v` and its derivative by the gap rate.
+    /// Returns `chi / v` and its derivative by the gap rate.
     #[inline]
     fn per_speed(&self, g_rate: f64, v0: f64) -> (f64, f64) {
         if self.chi == 0.0 {
@@ -247,17 +247,17 @@ impl Law {
         }
     }
 
-    /// Coefficient of its constant damper (N s/m).
+    /// Returns the coefficient of the constant damper (N s/m).
     pub fn damper(&self) -> f64 {
         self.c
     }
 
-    /// Whether a closed-open cycle loses energy.
+    /// Returns true if a cycle of closing and opening dissipates energy.
     pub fn is_dissipative(&self) -> bool {
         self.chi > 0.0 || self.c > 0.0
     }
 
-    /// Elastic force of a penetration, odd in it, and its derivatives by the penetration and by `k`.
+    /// Returns the elastic force of a penetration, odd in it, and its derivatives by the penetration and by `k`.
     #[inline]
     pub(super) fn elastic_force(&self, d: f64, k: f64) -> (f64, f64, f64) {
         let (power, slope) = match self.power {
@@ -278,9 +278,9 @@ impl Law {
         (k * power, k * slope, power)
     }
 
-    /// The smooth branch: odd in the penetration, neither clipped nor switched off when open.
-    /// `k` (N/m^n) is the stiffness at this point, `v0` (m/s) the impact speed (ignored by laws
-    /// that do not [need](Law::needs_impact_speed) it).
+    /// Computes the smooth branch: odd in the penetration, neither clipped nor switched off when open. `k` (N/m^n) is
+    /// the stiffness at this point, `v0` (m/s) the impact speed (ignored by laws that do not
+    /// [need](Law::needs_impact_speed) it).
     #[inline]
     pub fn smooth(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
         let (elastic, stiffness, by_k) = self.elastic_force(-g, k);
@@ -294,8 +294,8 @@ impl Law {
         }
     }
 
-    /// The force that acts: all zero when the gap is open (`g >= 0`) or the smooth branch would
-    /// pull. NaN passes through so that the caller can detect it.
+    /// Computes the contact force: zero when the gap is open (`g >= 0`) or the smooth branch would be tensile. NaN is
+    /// passed through so that the caller can detect it.
     #[inline]
     pub fn clipped(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
         if g >= 0.0 {
@@ -311,17 +311,17 @@ impl Law {
         force
     }
 
-    /// Whether the force is linear in gap and gap rate, piece by piece.
+    /// Returns true if the force is piecewise linear in gap and gap rate.
     pub fn is_piecewise_linear(&self) -> bool {
         self.is_linear_elastic() && self.chi == 0.0 && !self.is_bounded()
     }
 
-    /// Whether the elastic force is linear in the gap.
+    /// Returns true if the elastic force is linear in the gap.
     pub fn is_linear_elastic(&self) -> bool {
         self.power == Power::One
     }
 
-    /// A force as the length that the elastic law would need for it, with sign (m).
+    /// Converts a force to the length that the elastic law would need for it, with sign (m).
     #[inline]
     pub fn as_length(&self, n: f64, k: f64) -> f64 {
         let x = n / k;
@@ -332,8 +332,8 @@ impl Law {
         }
     }
 
-    /// How far an open contact is from pushing (m): the gap, or, where the bodies still overlap after a damped release,
-    /// how far the law is from pushing again.
+    /// Returns the distance of an open contact from a compressive force (m): the gap, or, where the bodies still
+    /// overlap after a damped release, a length that is zero when the law becomes compressive again.
     #[inline]
     pub fn until_it_pushes(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> f64 {
         if g > 0.0 {
@@ -342,7 +342,7 @@ impl Law {
         g.max(-self.as_length(self.smooth(g, g_rate, v0, k).n, k))
     }
 
-    /// Elastic energy `k d^(n+1) / (n+1)` (J), zero when open.
+    /// Returns the elastic energy `k d^(n+1) / (n+1)` (J), zero when open.
     #[inline]
     pub fn potential(&self, g: f64, k: f64) -> f64 {
         if g >= 0.0 {
@@ -354,8 +354,8 @@ impl Law {
         }
     }
 
-    /// Derivative of [`Law::potential`] with respect to `k` (m^(n+1)); times `dk/dt` it is the
-    /// parametric power of a varying stiffness.
+    /// Returns the derivative of [`Law::potential`] with respect to `k` (m^(n+1)); times `dk/dt` it is the parametric
+    /// power of a varying stiffness.
     #[inline]
     pub fn d_potential_dk(&self, g: f64, k: f64) -> f64 {
         if g >= 0.0 {

@@ -26,7 +26,7 @@ fn laws(e: f64) -> Vec<Law> {
     laws
 }
 
-/// Stiffness that keeps the force near 1 kN at 10 um whatever the exponent.
+/// Returns the stiffness for a force near 1 kN at 10 um, whatever the exponent.
 fn stiffness(law: &Law) -> f64 {
     1e3 / 1e-5_f64.powf(law.exponent())
 }
@@ -126,8 +126,8 @@ fn no_impact_speed_gives_finite_forces_and_nan_is_not_hidden() {
     }
 }
 
-/// The force of a flank point grows from zero and ends at zero, never pulls, and is the law where the dashpot takes less
-/// than the spring gives; its derivatives by differences.
+/// The force of a flank point grows from zero and ends at zero, is never tensile, and equals the law where the dashpot
+/// force is less than the elastic force; its derivatives agree with finite differences.
 #[test]
 fn dashpots_of_points_are_bounded_by_the_elastic_force() {
     for exponent in [1.0, 1.5] {
@@ -153,7 +153,7 @@ fn dashpots_of_points_are_bounded_by_the_elastic_force() {
     }
 }
 
-/// Impact of a mass on the contact by fine RK4 steps: (restitution, energy dissipated by the law).
+/// Computes an impact of a mass on the contact by fine RK4 steps: (restitution, energy dissipated by the law).
 fn impact(law: &Law, k: f64) -> (f64, f64) {
     let h = 1e-7;
     let rate = |x: [f64; 3]| {
@@ -235,7 +235,7 @@ fn restitution_and_energy_of_a_free_impact() {
     }
 }
 
-/// The figures that `benchmarks/scenes/README.md` has for free impacts.
+/// The restitutions in free impacts agree with `benchmarks/scenes/README.md`.
 #[test]
 fn published_laws_rebound_with_their_own_restitution() {
     let (half, tenth) = (0.5, 0.1);
@@ -254,7 +254,7 @@ fn published_laws_rebound_with_their_own_restitution() {
     }
 }
 
-/// Half a period of the damped oscillator, released where the force (not the gap) is zero.
+/// The restitution is that of half a period of the damped oscillator, released where the force (not the gap) is zero.
 #[test]
 fn kelvin_voigt_restitution_is_the_closed_form() {
     for ratio in [0.02_f64, 0.1, 0.4] {
@@ -332,7 +332,7 @@ fn friction_opposes_sliding_and_its_derivatives_match() {
     assert!((friction.force(n, 1.0).f + 0.07 * n).abs() < 1e-9);
 }
 
-/// A film's coefficient by hand: 300 N/mm, 10 mm, 8 m/s, 40 mPa s, 0.4 um.
+/// The coefficient of a film agrees with a calculation by hand: 300 N/mm, 10 mm, 8 m/s, 40 mPa s, 0.4 um.
 #[test]
 fn the_coefficient_of_a_film_is_that_of_the_formula() {
     let film = Film {
@@ -381,8 +381,8 @@ fn the_coefficient_of_a_film_is_that_of_the_formula() {
     );
 }
 
-/// Stick-slip friction against the differential equation of its part of the sliding force, by small steps; its
-/// derivative; however long the step, the part stays in its range.
+/// Stick-slip friction agrees with the differential equation of its fraction of the sliding force, integrated in small
+/// steps; its derivative is exact; the fraction stays in its range however long the step.
 #[test]
 fn stick_slip_friction_holds_and_slides() {
     let (mu, length) = (0.1, 1e-6);

@@ -1,54 +1,55 @@
-//! Contacts on lines of action that carry (or may carry) a force, and their rows.
+//! Contacts on lines of action with a force, or possibly with one, and their rows.
 
-use super::members::{SceneGear, SceneMesh, parties};
+use super::members::{SceneGear, SceneMesh, gear_states};
 use crate::Vec3;
-use crate::contact::{Candidate, Party};
+use crate::contact::{Candidate, GearState};
 use crate::geometry::along_profile;
 use crate::kinematics::{Point, Row};
 use crate::law::{Friction, FrictionForce, Law, LawForce};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
-/// A contact that carries (or may carry) a force.
+/// A contact with a force, or possibly with one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Active {
     pub mesh: usize,
-    /// Index into the candidates.
+    /// Index of the candidate.
     pub candidate: usize,
-    /// Gap [m].
+    /// Gap of the contact [m].
     pub gap: f64,
-    /// Its rate [m/s].
+    /// Rate of the gap [m/s].
     pub rate: f64,
     pub impact_speed: f64,
     pub force: LawForce,
-    /// What the parts of both gears in the contact row are multiplied by: the normal force, and what the potential
-    /// changes by along the path [N].
+    /// Factors of the parts of both gears in the contact row: the normal force plus the parametric term of the
+    /// potential along the path [N].
     pub on: [f64; 2],
-    /// The latter, on the row of its own that flanks in space have for it [N].
+    /// Parametric term on the separate row of flanks in space [N].
     pub along: f64,
     pub friction: FrictionForce,
-    /// Sliding speed of gear b over gear a [m/s].
+    /// Sliding speed of gear b relative to gear a [m/s].
     pub sliding: f64,
-    pub prescribed: Prescribed,
+    pub prescribed: PrescribedSpeeds,
 }
 
-/// Speeds that driven mounts prescribe [m/s].
+/// Speeds from prescribed motions of driven mounts [m/s].
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Prescribed {
-    /// Of the points of both gears along the normal.
+pub(super) struct PrescribedSpeeds {
+    /// Speeds of the points of both gears along the normal.
     pub points: [f64; 2],
-    /// Of the gap.
+    /// Gap rate from prescribed motions.
     pub gap: f64,
-    /// Of sliding.
+    /// Sliding speed from prescribed motions.
     pub sliding: f64,
 }
 
-/// Direction of sliding of a candidate, with the factor of a point that leaves over a tip, which its normal has as well.
+/// Returns the direction of sliding of a candidate, with the taper factor of a point that leaves contact over a tip,
+/// as in its normal.
 pub(super) fn sliding_of(c: &Candidate) -> Vec3 {
-    c.fade * along_profile(&c.normal)
+    c.taper * along_profile(&c.normal)
 }
 
-/// How far a contact on a line of action moves along it when the parts of its row move by so much; flank points stay
-/// where they are on their flank.
+/// Returns the displacement of a contact along the line of action, from displacements of the parts of its row; flank
+/// points keep their position on the flank.
 pub(super) fn moves(mesh: &SceneMesh, c: &Candidate, d: [f64; 2]) -> f64 {
     if mesh.search.points().is_some() || c.along.is_some() {
         0.0
@@ -61,14 +62,14 @@ pub(super) fn moves(mesh: &SceneMesh, c: &Candidate, d: [f64; 2]) -> f64 {
 pub(super) fn fill_rows(
     gears: &[SceneGear],
     mesh: &SceneMesh,
-    [a, b]: [&Party<'_>; 2],
+    [a, b]: [&GearState<'_>; 2],
     c: &Candidate,
     rows: &mut [Row; 4],
-) -> Prescribed {
+) -> PrescribedSpeeds {
     let offset = |k: usize| gears[mesh.gears[k]].offset;
     let row = &mut rows[0];
     let points = gap_row(gears, mesh, [a, b], c, row);
-    let mut prescribed = Prescribed {
+    let mut prescribed = PrescribedSpeeds {
         points,
         gap: c.scale[1] * points[1] - c.scale[0] * points[0],
         sliding: 0.0,
@@ -102,46 +103,47 @@ pub(super) fn fill_rows(
     prescribed
 }
 
-/// The row `dg/dq` of a candidate; returns the prescribed speeds of the points of both gears along the normal.
+/// Appends the row `dg/dq` of a candidate; returns the prescribed speeds of the points of both gears along the normal.
 #[inline]
 pub(super) fn gap_row(
     gears: &[SceneGear],
     mesh: &SceneMesh,
-    [a, b]: [&Party<'_>; 2],
+    [a, b]: [&GearState<'_>; 2],
     c: &Candidate,
     row: &mut Row,
 ) -> [f64; 2] {
     row.clear();
     row.target(gears[mesh.gears[0]].offset, -c.scale[0]);
     let of_a = (a.gear).row(a.at, &c.points[0], &(c.normal + c.aside[0]), row)
-        + fading_row(a, (&c.points[1].x, &c.aside[1]), row);
+        + taper_row(a, (&c.points[1].x, &c.aside[1]), row);
     row.mark_split();
     row.target(gears[mesh.gears[1]].offset, c.scale[1]);
     let of_b = (b.gear).row(b.at, &c.points[1], &(c.normal + c.aside[1]), row)
-        + fading_row(b, (&c.points[0].x, &c.aside[0]), row);
+        + taper_row(b, (&c.points[0].x, &c.aside[0]), row);
     [of_a, of_b]
 }
 
-/// Appends what the factor of a point of the other gear that leaves over the tip of this one changes by when the hub moves
-/// out of its own motion, which leaves the height of the point alone; returns the prescribed part.
+/// Appends the gradient of the tip-taper factor by out-of-plane motion of the hub, at a point of the other gear that
+/// leaves contact over the tip of this one; returns the prescribed part. The hub's own motion does not change the
+/// height of the point.
 #[inline]
-fn fading_row(master: &Party<'_>, (x, aside): (&Vec3, &Vec3), row: &mut Row) -> f64 {
+fn taper_row(master: &GearState<'_>, (x, aside): (&Vec3, &Vec3), row: &mut Row) -> f64 {
     if *aside == Vec3::zeros() {
         return 0.0;
     }
     let (hub, at) = (&master.gear.hub().hub, master.at);
-    let standing = hub.standing(at.t, at.q);
-    standing.map_or(0.0, |s| {
+    let hub_pose = hub.hub_pose(at.t, at.q);
+    hub_pose.map_or(0.0, |s| {
         hub.lateral_row_on(at.t, &s, (x, aside), row, false)
     })
 }
 
-/// The row of a force `f` and a moment `m` at a contact point, on gear b against gear a: two forces `m x u` a unit `u` apart,
-/// across the moment, make it up.
+/// Appends the row of a force `f` and a moment `m` at a contact point, on gear b against gear a. Two forces `m x u` at
+/// a unit distance `u`, perpendicular to the moment, represent the moment.
 fn path_row(
     gears: &[SceneGear],
     mesh: &SceneMesh,
-    [a, b]: [&Party<'_>; 2],
+    [a, b]: [&GearState<'_>; 2],
     (points, [force, moment]): (&[Point; 2], [Vec3; 2]),
     row: &mut Row,
 ) {
@@ -149,12 +151,14 @@ fn path_row(
     let across = moment.cross(&Vec3::z());
     let across = across.try_normalize(0.0).unwrap_or(Vec3::x());
     let couple = moment.cross(&across);
-    for (k, sign, party) in [(0, -1.0, a), (1, 1.0, b)] {
+    for (k, sign, gear_state) in [(0, -1.0, a), (1, 1.0, b)] {
         row.target(gears[mesh.gears[k]].offset, sign);
         let mut beside = points[k];
         beside.x += across;
-        party.gear.row(party.at, &beside, &couple, row);
-        party.gear.row(party.at, &points[k], &(force - couple), row);
+        gear_state.gear.row(gear_state.at, &beside, &couple, row);
+        gear_state
+            .gear
+            .row(gear_state.at, &points[k], &(force - couple), row);
         if k == 0 {
             row.mark_split();
         }
@@ -165,28 +169,28 @@ pub(super) fn gap_rate(
     gears: &[SceneGear],
     mesh: &SceneMesh,
     c: &Candidate,
-    at: At<'_>,
+    at: StateView<'_>,
     row: &mut Row,
 ) -> f64 {
-    let (a, b) = parties(gears, mesh, at);
+    let (a, b) = gear_states(gears, mesh, at);
     let [of_a, of_b] = gap_row(gears, mesh, [&a, &b], c, row);
     row.dot(at.v) + c.scale[1] * of_b - c.scale[0] * of_a
 }
 
-/// Length of the transverse part of a candidate's normal.
+/// Returns the length of the transverse part of a candidate's normal.
 fn transverse(c: &Candidate) -> f64 {
     c.normal.x.hypot(c.normal.y)
 }
 
-/// How far a contact moves along the normal when the parts of its row move by so much: by half with either gear, in the
-/// directions in which its stiffness and its place follow.
+/// Returns the displacement of a contact along the normal, from displacements of the parts of its row: one half with
+/// either gear, in the directions in which its stiffness and its position follow.
 #[inline]
 fn along(c: &Candidate, [a, b]: [f64; 2]) -> f64 {
     0.5 * (b / c.scale[1] - a / c.scale[0])
 }
 
-/// Half of what the elastic energy of a contact changes by along the path [N]: the force of the parametric term on each
-/// gear.
+/// Returns one half of the derivative of the elastic energy of a contact along the path [N]: the force of the
+/// parametric term on each gear.
 #[inline]
 pub(super) fn along_path(law: &Law, c: &Candidate, gap: f64) -> f64 {
     if c.stiffness_s == 0.0 {
@@ -195,8 +199,8 @@ pub(super) fn along_path(law: &Law, c: &Candidate, gap: f64) -> f64 {
     0.5 * law.d_potential_dk(gap, c.stiffness) * c.stiffness_s
 }
 
-/// Multipliers of both parts of the row of a contact with the normal force `n`: with `V = W(g, k(s))` the force is
-/// `-dV/dq = n dg/dq - dW/dk k'(s) ds/dq`.
+/// Returns the factors of both parts of the row of a contact with the normal force `n`: with `V = W(g, k(s))` the
+/// force is `-dV/dq = n dg/dq - dW/dk k'(s) ds/dq`.
 #[inline]
 pub(super) fn parts(law: &Law, c: &Candidate, gap: f64, n: f64) -> ([f64; 2], f64) {
     let along = along_path(law, c, gap);
@@ -206,37 +210,38 @@ pub(super) fn parts(law: &Law, c: &Candidate, gap: f64, n: f64) -> ([f64; 2], f6
     }
 }
 
-/// Derivatives of the force of a contact by the two parts of its row applied to a change of coordinates, and to one of
+/// Derivatives of the force of a contact by the two parts of its row, applied to changes of coordinates and of
 /// velocities.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tangent {
-    /// Of the normal force [N/m].
+    /// Derivatives of the normal force [N/m].
     pub normal: [f64; 2],
-    /// Of the elastic part of the normal force, which is what neighbours feel [N/m].
+    /// Derivatives of the elastic part of the normal force, which acts on neighbouring pairs [N/m].
     pub elastic: [f64; 2],
-    /// Of [`Active::on`] by the gap [N/m].
+    /// Derivatives of [`Active::on`] by the gap [N/m].
     pub by_gap: [f64; 2],
-    /// Of [`Active::on`], first the gear whose part is multiplied [N/m].
+    /// Derivatives of [`Active::on`]; the first index is the gear whose part is multiplied [N/m].
     pub on: [[f64; 2]; 2],
-    /// Of all of them by the gap rate [N s/m].
+    /// Derivative of all of them by the gap rate [N s/m].
     pub rate: f64,
-    /// The rows of both gears change alike: one direction is enough.
+    /// True if the rows of both gears have equal derivatives: one direction is then enough.
     pub plain: bool,
 }
 
-/// What the force of a contact changes by when the elastic force of another one does, through the body that both bend.
+/// Coupling of two contacts: the change of the force of one with the elastic force of another, through their common
+/// body.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Answer {
-    /// The contact that answers.
+pub(super) struct ContactCoupling {
+    /// Index of the contact whose force changes.
     pub of: usize,
-    /// The one that it answers to.
+    /// Index of the contact that causes the change.
     pub to: usize,
-    /// Its normal force, and [`Active::on`].
+    /// Changes of the normal force and of [`Active::on`].
     pub normal: f64,
     pub on: [f64; 2],
 }
 
-/// The tangent of a contact, but for how its stiffness curves along the path.
+/// Computes the tangent of a contact, without the curvature of its stiffness along the path.
 pub(super) fn tangent(law: &Law, c: &Candidate, a: &Active, row: &Row, v: &[f64]) -> Tangent {
     let force = &a.force;
     // Of flanks in space the rows' own change is left to differences.
@@ -279,7 +284,12 @@ pub(super) fn tangent(law: &Law, c: &Candidate, a: &Active, row: &Row, v: &[f64]
     }
 }
 
-pub(super) fn slide(friction: Option<Friction>, at: At<'_>, rows: &[Row; 4], active: &mut Active) {
+pub(super) fn slide(
+    friction: Option<Friction>,
+    at: StateView<'_>,
+    rows: &[Row; 4],
+    active: &mut Active,
+) {
     if let Some(friction) = friction {
         active.sliding = rows[1].dot(at.v) + active.prescribed.sliding;
         active.friction = friction.force(active.force.n, active.sliding);

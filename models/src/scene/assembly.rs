@@ -3,21 +3,21 @@
 use super::assembled::Scene;
 use super::assembly_lines::{flank_lines, is_half_space, lines_of, strips};
 use super::assembly_points::flank_points;
-use super::carriers::{Carriers, Sets, grounded};
+use super::carriers::{Carriers, PlanetarySets, grounded};
 use super::channels;
-use super::direct::Follows;
+use super::checks::{check_contacts, check_load, refuse_two_laws};
+use super::direct::FlankMotion;
 use super::hubs::hub_of;
 use super::linear_path::OneSpring;
 use super::members::{ActingFlanks, SceneGear, SceneMesh};
 use super::mesh_assembly::{friction_of, lines_of_action};
 use super::nodal::Nodal;
 use super::placement::{assemble, check_start, views};
-use super::plausible::{check_contacts, check_load, refuse_two_laws};
 use super::scales::{Scales, initial_speed};
 use super::shafts::{CELLS, Guided, Plan, ShaftBody, Shafts, guides};
 use super::workspace::Workspace;
 use crate::contact::Search;
-use crate::contact::pairs::{LinesOfAction, Roster};
+use crate::contact::pairs::{LinesOfAction, PairList};
 use crate::error::{BuildError, GearPart, MeshPart};
 use crate::gear::LinearMotion;
 use crate::gear::table::{GearContext, Model};
@@ -29,8 +29,8 @@ use crate::spec::{
 };
 use gearbench_integrators::system::State;
 
-/// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
-/// rounding leaves.
+/// Largest deviation of surfaces through flank nodes from the positions of the nodes, relative to the base pitch, and
+/// that of rounding.
 const FLANK_BOUND: f64 = 1e-6;
 const ROUNDING: f64 = 1e-9;
 
@@ -252,12 +252,12 @@ impl Scene {
         ))
     }
 
-    /// Offsets, initial state, buffers.
+    /// Computes offsets, initial state and buffers.
     fn lay_out(
         spec: &SceneSpec,
         mut gears: Vec<SceneGear>,
         mut meshes: Vec<SceneMesh>,
-        (scales, (plan, sets)): (&Scales, (&Plan, &Sets)),
+        (scales, (plan, sets)): (&Scales, (&Plan, &PlanetarySets)),
         phases: Vec<f64>,
     ) -> Scene {
         let (mut n, mut discrete, mut event_functions) = (0, 1, 0);
@@ -314,7 +314,7 @@ impl Scene {
             );
         }
         for g in &mut gears {
-            g.follows = Follows::of(g, &initial.discrete[g.discrete.0..][..g.discrete.1]);
+            g.follows = FlankMotion::of(g, &initial.discrete[g.discrete.0..][..g.discrete.1]);
             g.places = g.model.teeth().map_or(0, |teeth| teeth.places());
         }
         for m in &mut meshes {
@@ -328,7 +328,7 @@ impl Scene {
         let one_spring = OneSpring::of(&gears, &meshes);
         let alone = plan.elements.is_empty() && plan.guides.is_empty() && sets.is_empty();
         let one_spring = one_spring.filter(|_| alone);
-        let rosters = meshes.iter().map(|_| Roster::default()).collect();
+        let pair_lists = meshes.iter().map(|_| PairList::default()).collect();
         let fields = meshes.iter().any(|m| m.nodal);
         let nodal = Nodal::new(&gears, &meshes);
         let spatial = |m: &SceneMesh| m.search.pairs().is_some_and(LinesOfAction::is_spatial);
@@ -402,7 +402,7 @@ impl Scene {
             mass,
             work: Workspace {
                 nodal,
-                rosters,
+                pair_lists,
                 ..Workspace::default()
             },
             initial,

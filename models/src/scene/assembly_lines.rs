@@ -1,4 +1,4 @@
-//! Contact along lines of flanks, from its settings: which gears it takes, and its law.
+//! Assembly of contact along lines of flanks: the gears that support it, and its law.
 
 use super::members::SceneGear;
 use super::mesh_assembly::varies_over_width;
@@ -13,14 +13,14 @@ use crate::stiffness::Material;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Whether half-spaces give way where flanks touch.
+/// Returns true if the local compliance of a contact is that of half-spaces.
 pub(super) fn is_half_space(contact: &ContactSpec) -> bool {
     let local = contact.points.map(|p| p.local);
     local == Some(LocalContact::HalfSpace)
 }
 
-/// Strips of a gear whose flanks touch along lines: one where contact lies evenly over the width, else the slices asked
-/// for, or one per layer of elements; `None` for other gears.
+/// Returns the strips of a gear with contact along lines: one where contact is uniform over the width, otherwise the
+/// given slices, or one per layer of elements; `None` for other gears.
 pub(super) fn lines_of(spec: &SceneSpec, modelling: &Modelling, gear: usize) -> Option<Strips> {
     let meshes = spec.meshes.iter().zip(&modelling.contacts);
     let mut own = meshes.filter(|(m, c)| is_half_space(c) && m.gears.contains(&gear));
@@ -40,7 +40,7 @@ pub(super) fn lines_of(spec: &SceneSpec, modelling: &Modelling, gear: usize) -> 
     }))
 }
 
-/// Strips over the width of a mesh whose flanks touch along lines: those of its elastic gears.
+/// Returns the strips over the width of a mesh with contact along lines: those of its elastic gears.
 ///
 /// # Errors
 /// A gear that does not give way along lines or touches otherwise in another mesh, strips that differ.
@@ -141,7 +141,7 @@ pub(super) fn strips(
     Ok(strips)
 }
 
-/// The flanks of a gear with lines for nodes, and its near field; nothing where it has no such.
+/// Returns the flanks of a gear with lines as nodes, and its near field; `None` for other gears.
 fn lines_of_gear(model: &dyn GearModel) -> Option<(&Flanks, &Arc<Vec<Vec<f64>>>)> {
     if let Some(lines) = model.deformed_lines() {
         return Some((lines.flanks(), lines.near_field()));
@@ -149,13 +149,13 @@ fn lines_of_gear(model: &dyn GearModel) -> Option<(&Flanks, &Arc<Vec<Vec<f64>>>)
     Some((model.flanks()?, model.displacement()?.near_field()?))
 }
 
-/// `A = 2 (1 - nu^2)/(pi E)` of a material [m^2/N].
+/// Returns `A = 2 (1 - nu^2)/(pi E)` of a material [m^2/N].
 fn compliance(of: &Material) -> f64 {
     2.0 * (1.0 - of.poisson * of.poisson) / (PI * of.young)
 }
 
-/// The lines of a mesh and their law; `of_pairs` is what the contact has for tooth pairs, whose damping holds for lines
-/// as well.
+/// Builds the lines of a mesh and their law; `of_pairs` is the law for tooth pairs, whose damping is used for lines as
+/// well.
 pub(super) fn flank_lines(
     spec: &SceneSpec,
     mesh: &MeshSpec,

@@ -1,14 +1,14 @@
-//! The contact of flank points of a mesh, from its settings.
+//! Assembly of the contact of flank points of a mesh.
 
 use super::members::SceneGear;
 use crate::Vec3;
 use crate::contact::pairs::MeshGeometry;
-use crate::contact::points::{FlankPoints, Owner};
+use crate::contact::points::{FlankPoints, SearchGear};
 use crate::error::{BuildError, GearPart, MeshPart, Reason};
 use crate::law::{Damping, Law};
 use crate::spec::{ContactSpec, MeshSpec, Passes, PointContact, SceneSpec};
 
-/// Hard contact needs nodes that give way where its points are.
+/// Refuses hard contact at nodes without compliance.
 fn refuse_singular(
     spec: &SceneSpec,
     mesh: &MeshSpec,
@@ -66,8 +66,8 @@ fn refuse_singular(
     ))
 }
 
-/// The point search of a mesh with a gear that brings its flanks, and its law; `of_pairs` is what the contact has for
-/// tooth pairs, whose ratio at load holds for points as well.
+/// Builds the point search of a mesh with a gear that has its own flanks, and its law; `of_pairs` is the law for tooth
+/// pairs, whose ratio at load is used for points as well.
 pub(super) fn flank_points(
     spec: &SceneSpec,
     mesh: &MeshSpec,
@@ -164,7 +164,7 @@ pub(super) fn flank_points(
     }
     let owner = |k: usize| {
         let i = mesh.gears[k];
-        Owner {
+        SearchGear {
             body: &spec.gears[i].body,
             gear: gears[i].model.as_ref(),
             phase: phases[i],

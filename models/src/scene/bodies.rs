@@ -1,44 +1,44 @@
-//! Bodies of gears as they stand at a state, for pictures.
+//! Bodies of gears at a state, for figures.
 //!
-//! Gears of finite elements show their mesh; all others the surface of their teeth ([`Swept`]), which moves with the hub, its
+//! Gears of finite elements show their mesh; all others the surface of their teeth ([`SweptSurface`]), which moves with the hub, its
 //! teeth by their own displacements beyond that. What a node is off the rigid motion of its gear is its displacement: that
 //! motion is the hub's, of reduced gears that of their mean axes.
 
 use super::assembled::Scene;
 use crate::Vec3;
 use crate::error::{BuildError, GearPart, Reason};
-use crate::gear::{BodyLoad, Displaced};
-use crate::geometry::swept::{Cells, Swept};
+use crate::gear::{BodyLoad, DisplacedNodes};
+use crate::geometry::swept::{Cells, SweptSurface};
 use crate::kinematics::{Placement, Tooth};
 use crate::spec::{Body, SceneSpec};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use std::sync::Arc;
 
-/// Points along a flank of a surface.
+/// Number of points along a flank of a surface.
 const POINTS: usize = 16;
 
-/// The body of a gear.
+/// Body of a gear for a figure.
 #[derive(Clone, Debug)]
-pub struct Pictured {
-    /// Its elements, or the faces of its surface.
+pub struct GearPicture {
+    /// Elements of the body, or faces of its surface.
     pub cells: Arc<Cells>,
-    /// The surface; `None` where the gear itself says where its nodes are.
-    swept: Option<Swept>,
+    /// Surface of the body; `None` where the gear itself returns the positions of its nodes.
+    swept: Option<SweptSurface>,
 }
 
 impl Scene {
-    /// The bodies of its gears.
+    /// Returns the bodies of the gears.
     ///
     /// # Errors
     /// [`BuildError`] names a gear whose body is not known.
-    pub fn bodies(&self, spec: &SceneSpec) -> Result<Vec<Pictured>, BuildError> {
+    pub fn bodies(&self, spec: &SceneSpec) -> Result<Vec<GearPicture>, BuildError> {
         let gears = spec.gears.iter().zip(&self.gears);
         gears
             .map(|(of, gear)| {
                 let refused = |why: Reason| BuildError::gear(&of.name, GearPart::Model, why);
                 if let Some(body) = gear.model.body() {
                     let cells = body.cells().map_err(refused)?;
-                    return Ok(Pictured { cells, swept: None });
+                    return Ok(GearPicture { cells, swept: None });
                 }
                 if gear.model.surface().is_some() {
                     let why = (
@@ -51,10 +51,10 @@ impl Scene {
                     return Err(refused(why.into()));
                 }
                 let swept = match &of.body {
-                    Body::Gear(g) => Swept::gear(g, POINTS),
-                    Body::Rack(r) => Swept::rack(r, POINTS),
+                    Body::Gear(g) => SweptSurface::gear(g, POINTS),
+                    Body::Rack(r) => SweptSurface::rack(r, POINTS),
                 };
-                Ok(Pictured {
+                Ok(GearPicture {
                     cells: Arc::new(swept.cells.clone()),
                     swept: Some(swept),
                 })
@@ -62,18 +62,20 @@ impl Scene {
             .collect()
     }
 
-    /// The nodes of a gear's body at a state.
+    /// Returns the nodes of a gear's body at a state.
     ///
     /// # Errors
     /// [`BuildError`] says why they are not known.
     pub fn displaced(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         gear: usize,
-        body: &Pictured,
-    ) -> Result<Displaced, BuildError> {
-        let mut found = self.seen(at, |scene, seen| scene.seen_body(seen, gear, body))?;
-        let Displaced {
+        body: &GearPicture,
+    ) -> Result<DisplacedNodes, BuildError> {
+        let mut found = self.with_carrier_state(at, |scene, carrier_state| {
+            scene.carrier_frame_body(carrier_state, gear, body)
+        })?;
+        let DisplacedNodes {
             rigid,
             displacement,
         } = &mut found;
@@ -81,13 +83,13 @@ impl Scene {
         Ok(found)
     }
 
-    /// The same where carriers do not turn.
-    fn seen_body(
+    /// Returns the nodes of a gear's body in the carrier-frame state.
+    fn carrier_frame_body(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         gear: usize,
-        body: &Pictured,
-    ) -> Result<Displaced, BuildError> {
+        body: &GearPicture,
+    ) -> Result<DisplacedNodes, BuildError> {
         let Some(swept) = &body.swept else {
             self.evaluate_contacts(at);
             let g = &self.gears[gear];
@@ -98,7 +100,7 @@ impl Scene {
                 .get(gear)
                 .map_or_else(BodyLoad::default, |of| {
                     let forces = of.nodes.iter().zip(&of.force);
-                    let forces = forces.chain(of.along.iter().zip(&of.rub));
+                    let forces = forces.chain(of.along.iter().zip(&of.friction_force));
                     let pressed = forces.filter(|(_, f)| **f != 0.0);
                     BodyLoad {
                         forces: pressed.map(|(k, f)| (*k, *f)).collect(),
@@ -107,7 +109,7 @@ impl Scene {
                 });
             let found = g.model.body().map(|b| b.displaced(g.at(at), &load));
             return found
-                .unwrap_or_else(|| Ok(Displaced::default()))
+                .unwrap_or_else(|| Ok(DisplacedNodes::default()))
                 .map_err(|why| BuildError::gear(&g.name, GearPart::Model, why));
         };
         let g = &self.gears[gear];
@@ -119,7 +121,7 @@ impl Scene {
         let rigid: Vec<Vec3> = swept.nodes.iter().map(|x| pose.point(x)).collect();
         let Some(teeth) = g.model.teeth() else {
             let displacement = vec![Vec3::zeros(); rigid.len()];
-            return Ok(Displaced {
+            return Ok(DisplacedNodes {
                 rigid,
                 displacement,
             });
@@ -146,7 +148,7 @@ impl Scene {
                 })
             })
             .collect();
-        Ok(Displaced {
+        Ok(DisplacedNodes {
             rigid,
             displacement,
         })

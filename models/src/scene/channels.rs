@@ -1,5 +1,5 @@
-//! The named quantities that a scene reports, of every mesh and every gear: what they are, where they stand in
-//! [`Outputs::channels`](gearbench_integrators::Outputs), and in which unit.
+//! Named quantities of meshes and gears that a scene reports: definition, position in
+//! [`Outputs::channels`](gearbench_integrators::Outputs), and unit.
 
 use super::assembled::Scene;
 use super::members::{SceneGear, SceneMesh};
@@ -8,72 +8,73 @@ use crate::spec::{Body, SceneSpec};
 /// A quantity of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OfMesh {
-    /// Magnitude of the vector sum over its contacts on the second gear [N].
+    /// Magnitude of the sum of the contact forces on the second gear [N].
     Force,
-    /// Its part across the axes of the mesh [N].
+    /// Part of that force perpendicular to the axes of the mesh [N].
     Transverse,
-    /// Its component along x [N].
+    /// Component of that force along x [N].
     X,
-    /// Its component along y [N].
+    /// Component of that force along y [N].
     Y,
-    /// Its component along z [N].
+    /// Component of that force along z [N].
     Z,
-    /// The least normal force of its contacts, 0 without any [N].
+    /// Smallest normal force of the contacts, 0 without any [N].
     LeastNormal,
-    /// The largest pressure of its contacts [Pa]; 0 where they have none, as all but lines on half-spaces.
+    /// Largest pressure of the contacts [Pa]; 0 for contacts without a pressure, that is all except lines on
+    /// half-spaces.
     Pressure,
-    /// Half the width of that contact [m].
+    /// Half-width of the contact with that pressure [m].
     HalfWidth,
-    /// Torque of its contacts on its first gear about that gear's axis, or force along its slide [N m].
+    /// Torque of the contacts on the first gear about its axis [N m], or force along the motion of a rack [N].
     FirstTorque,
-    /// The same on its second gear.
+    /// Torque of the contacts on the second gear about its axis [N m], or force along the motion of a rack [N].
     SecondTorque,
 }
 
-/// A quantity of a gear; [rad] and [N m] are [m] and [N] of one that slides.
+/// A quantity of a gear; for a rack [m] and [N] replace [rad] and [N m].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OfGear {
-    /// Momentum over inertia, the momentum mean [rad/s].
+    /// Momentum divided by inertia, the momentum mean of the speed [rad/s].
     Speed,
     /// Speed of the hub [rad/s].
     HubSpeed,
-    /// How far the hub has turned [rad].
+    /// Rotation of the hub from the assembled position [rad].
     Displacement,
-    /// Torque of its contact forces about its axis, or force along its slide [N m].
+    /// Torque of the contact forces about the axis [N m], or force along the motion of a rack [N].
     ContactTorque,
-    /// What its mount exerts on it along x [N].
+    /// Reaction of the mount along x [N].
     BearingX,
-    /// And along y [N].
+    /// Reaction of the mount along y [N].
     BearingY,
-    /// Torque about the axis of a mount that is held or driven [N m].
+    /// Torque about the axis of a fixed or driven mount [N m].
     MountTorque,
-    /// What its mount or bearing exerts on it along z [N].
+    /// Reaction of the mount or bearing along z [N].
     BearingZ,
-    /// How far its hub is off the assembled position along the hub's axes [m].
+    /// Displacement of the hub from the assembled position along its first axis [m].
     ShiftX,
-    /// Along the second axis.
+    /// Displacement of the hub along its second axis [m].
     ShiftY,
-    /// Along the axis of the gear.
+    /// Displacement of the hub along the axis of the gear [m].
     ShiftZ,
-    /// How far its hub is tilted about the first axis [rad].
+    /// Tilt of the hub about its first axis [rad].
     TiltX,
-    /// About the second axis.
+    /// Tilt of the hub about its second axis [rad].
     TiltY,
 }
 
-/// A channel: a quantity of a mesh or of a gear, by its place in the scene.
+/// A channel: a quantity of a mesh or of a gear, with the index in the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
-    /// Of a mesh.
+    /// Quantity of a mesh, by its index.
     Mesh(usize, OfMesh),
-    /// Of a gear, or behind them of a body on a shaft.
+    /// Quantity of a gear, or of a body on a shaft behind the gears, by its index.
     Gear(usize, OfGear),
-    /// Torque that a station exerts on the next one through their shaft, counted shaft by shaft [N m].
+    /// Torque of a station on the next one through their shaft, counted shaft by shaft [N m].
     ShaftTorque(usize),
 }
 
 impl OfMesh {
-    /// All, in the order of the channels of a mesh.
+    /// All quantities, in the order of the channels of a mesh.
     pub const ALL: [OfMesh; 10] = [
         OfMesh::Force,
         OfMesh::Transverse,
@@ -104,7 +105,7 @@ impl OfMesh {
         }
     }
 
-    /// Unit, as names of columns end.
+    /// Returns the unit as it ends a column name.
     fn unit(self) -> &'static str {
         match self {
             OfMesh::Pressure => "pa",
@@ -116,7 +117,7 @@ impl OfMesh {
 }
 
 impl OfGear {
-    /// All, in the order of the channels of a gear.
+    /// All quantities, in the order of the channels of a gear.
     pub const ALL: [OfGear; 13] = [
         OfGear::Speed,
         OfGear::HubSpeed,
@@ -133,7 +134,7 @@ impl OfGear {
         OfGear::TiltY,
     ];
 
-    /// How far a hub is aside, in the order of its first five directions.
+    /// Returns the out-of-plane displacements and tilts of a hub, in the order of its first five directions.
     pub fn aside() -> &'static [OfGear] {
         &Self::ALL[OfGear::ShiftX as usize..]
     }
@@ -156,7 +157,7 @@ impl OfGear {
         }
     }
 
-    /// Unit of a gear that turns or slides, as names of columns end.
+    /// Returns the unit for a rotating or translating gear as it ends a column name.
     pub fn unit(self, slides: bool) -> &'static str {
         match (self, slides) {
             (OfGear::Speed | OfGear::HubSpeed, false) => "rad_s",
@@ -172,8 +173,8 @@ impl OfGear {
 }
 
 impl Channel {
-    /// The name of its column in a record, with its unit: quantities of the first mesh stand alone, those of others
-    /// name their gears.
+    /// Returns the column name in a record, with its unit: quantities of the first mesh have no suffix, those of
+    /// others the names of their gears.
     pub fn column(self, scene: &SceneSpec) -> String {
         match self {
             Channel::Mesh(m, what) => {
@@ -221,7 +222,8 @@ impl Channel {
     }
 }
 
-/// Names of all channels of a scene, in order: of its meshes by number, of its gears by name, of its shafts by number.
+/// Returns the names of all channels of a scene in order: of its meshes by number, of its gears by name, of its shafts
+/// by number.
 pub(super) fn names(meshes: &[SceneMesh], gears: &[SceneGear], torques: usize) -> Vec<String> {
     let meshes = 0..meshes.len();
     let of_meshes = meshes.flat_map(|m| OfMesh::ALL.map(|c| format!("{}:{m}", c.name())));
@@ -232,7 +234,7 @@ pub(super) fn names(meshes: &[SceneMesh], gears: &[SceneGear], torques: usize) -
 }
 
 impl Scene {
-    /// Where a channel stands; `None` where the scene has no such mesh or gear.
+    /// Returns the index of a channel, or `None` where the scene has no such mesh or gear.
     pub fn channel(&self, channel: Channel) -> Option<usize> {
         let meshes = self.meshes.len();
         match channel {
@@ -245,12 +247,12 @@ impl Scene {
         }
     }
 
-    /// Number of all channels.
+    /// Returns the number of all channels.
     pub fn channel_count(&self) -> usize {
         self.channels.len()
     }
 
-    /// Where a quantity of every mesh stands.
+    /// Returns the indices of a quantity of all meshes.
     pub fn channels_of_meshes(&self, what: OfMesh) -> Vec<usize> {
         let all = (0..self.meshes.len()).map(|m| Channel::Mesh(m, what));
         all.filter_map(|c| self.channel(c)).collect()

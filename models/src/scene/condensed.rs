@@ -1,4 +1,4 @@
-//! Newton correction with contacts that touch few of many coordinates.
+//! Condensed Newton correction for contacts that act on few of many coordinates.
 //!
 //! With the active rows `w_i` and `kappa_i = -(c.k dN/dg + c.d dN/dg') >= 0` the matrix is `A0 + W W^T`, `W` the
 //! rows times `sqrt(kappa)`. Only the coordinates `S` that the rows touch take part: `G = E^T A0^-1 E` is
@@ -23,29 +23,29 @@ use crate::cholesky::{backward, cholesky, dot, forward};
 use crate::gear::{add_response, condensed};
 use crate::kinematics::Row;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 
-/// Mark of a coordinate that no row touches.
+/// Mark of a coordinate that no row contains.
 const NONE: u32 = u32::MAX;
 
 /// Buffers of the condensed correction.
 #[derive(Default)]
-pub(super) struct Condensed {
-    /// Per coordinate of the scene: its index within its gear's touched ones.
+pub(super) struct CondensedCorrection {
+    /// Index of each coordinate of the scene among the affected ones of its gear.
     mark: Vec<u32>,
-    /// Per gear: its own numbers of the touched coordinates, and where they begin in `S`.
+    /// Affected coordinates of each gear, in its own numbering, and their first position in `S`.
     touched: Vec<(Vec<u32>, usize)>,
-    /// Per gear: `G`, one block after another.
+    /// Blocks of `G`, one per gear.
     g: Vec<f64>,
-    /// Rows scaled by `sqrt(kappa)`: entries `(index in S, value)` and where each row begins.
+    /// Rows scaled by `sqrt(kappa)`: entries `(index in S, value)`, and the start of each row.
     entries: Vec<(u32, f64)>,
     begins: Vec<usize>,
-    /// `G W` or `B`, one column of length `|S|` per row.
+    /// Columns of `G W` or `B`, of length `|S|`, one per row.
     columns: Vec<f64>,
     small: Vec<f64>,
     rhs: Vec<f64>,
     forces: Vec<f64>,
-    /// `x0` on `S`.
+    /// Restriction of `x0` to `S`.
     x: Vec<f64>,
 }
 
@@ -53,18 +53,18 @@ pub(super) fn kappa(dn_dg: f64, dn_dgdot: f64, c: Coeffs) -> f64 {
     -(c.k * dn_dg + c.d * dn_dgdot)
 }
 
-/// Gear that a coordinate of the scene belongs to.
+/// Returns the gear with a coordinate of the scene.
 fn gear_of(gears: &[SceneGear], coordinate: usize) -> usize {
     gears.partition_point(|g| g.range().end <= coordinate)
 }
 
-impl Condensed {
+impl CondensedCorrection {
     /// Adds contacts with their rows to `x0 = A0^-1 rhs`.
     pub(super) fn correct(
         &mut self,
         gears: &mut [SceneGear],
         (active, rows): (&[Active], &[[Row; 4]]),
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         x: &mut [f64],
     ) -> Result<(), Singular> {
@@ -131,7 +131,7 @@ impl Condensed {
         Ok(())
     }
 
-    /// Collects the coordinates that rows touch, gear by gear.
+    /// Collects the coordinates in the rows, gear by gear.
     fn collect<'a>(
         &mut self,
         gears: &[SceneGear],
@@ -165,7 +165,7 @@ impl Condensed {
         &self.entries[self.begins[i]..self.begins[i + 1]]
     }
 
-    /// `columns = M W` for the blocks `M` that stand in `g`, symmetric, or transposed lower triangles.
+    /// Computes `columns = M W` for the blocks `M` in `g`, symmetric, or transposed lower triangles.
     fn multiply(&mut self, triangular: bool) {
         let (size, rows) = (self.x.len(), self.begins.len() - 1);
         let mut columns = std::mem::take(&mut self.columns);
@@ -192,7 +192,7 @@ impl Condensed {
         self.columns = columns;
     }
 
-    /// `(I + W^T G W) mu = W^T x0`.
+    /// Solves `(I + W^T G W) mu = W^T x0`.
     fn solve_by_rows(&mut self) -> Result<(), Singular> {
         self.multiply(false);
         let (size, rows) = (self.x.len(), self.begins.len() - 1);
@@ -220,7 +220,7 @@ impl Condensed {
         solved
     }
 
-    /// The equations of normal forces and friction, two per contact.
+    /// Solves the equations of normal forces and friction, two per contact.
     fn solve_sliding(&mut self, active: &[Active], c: Coeffs) -> Result<(), Singular> {
         self.multiply(false);
         let (size, rows) = (self.x.len(), self.begins.len() - 1);
@@ -256,7 +256,7 @@ impl Condensed {
         solved
     }
 
-    /// `(I + B B^T) u = L^-1 x0`, `mu = B^T u`.
+    /// Solves `(I + B B^T) u = L^-1 x0` and computes `mu = B^T u`.
     fn solve_by_coordinates(&mut self) -> Result<(), Singular> {
         let mut block = 0;
         for (touched, start) in &self.touched {
@@ -293,7 +293,7 @@ impl Condensed {
         Ok(())
     }
 
-    /// Forces `-W mu` on the touched coordinates.
+    /// Sets the forces `-W mu` on the affected coordinates.
     fn set_forces(&mut self, mu: &[f64]) {
         let mut forces = std::mem::take(&mut self.forces);
         forces.clear();
@@ -311,16 +311,16 @@ impl Condensed {
 mod tests {
     use super::*;
 
-    /// Two gears, rows across both, a stiff penalty: both forms give the same forces, and these solve
-    /// `x = x0 + G f`, `f = -W W^T x`.
+    /// Both forms give equal forces for two gears with rows across both and a stiff penalty, and these solve `x = x0 +
+    /// G f`, `f = -W W^T x`.
     #[test]
     fn both_forms_solve_the_same_equation() {
         let sizes = [3usize, 2];
         let number = |i: usize| ((7 * i * i + 3 * i) as f64).sin();
-        let mut b = Condensed {
+        let mut b = CondensedCorrection {
             touched: vec![((0..3).collect(), 0), ((0..2).collect(), 3)],
             begins: vec![0],
-            ..Condensed::default()
+            ..CondensedCorrection::default()
         };
         for n in sizes {
             let m: Vec<f64> = (0..n * n).map(|i| number(i + n)).collect();

@@ -2,59 +2,60 @@
 
 use super::active::{Active, fill_rows, parts, slide, sliding_of};
 use super::assembled::Scene;
-use super::members::parties;
+use super::members::gear_states;
 use crate::Vec3;
-use crate::contact::Wanted;
+use crate::contact::CandidateSelection;
 use crate::contact::nodal::NodalPoint;
 use crate::contact::pairs::{LinePressure, LinesOfAction, all_open};
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use crate::law::FrictionForce;
-use gearbench_integrators::system::{At, SprungMember, Touch};
+use gearbench_integrators::system::{MemberContact, SprungMember, StateView};
 use std::collections::BTreeMap;
 
-/// The contact force at a point, for pictures and reports.
+/// Contact force at a point, for figures and reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {
     /// Index of the mesh.
     pub mesh: usize,
-    /// Teeth of both gears, unwrapped.
+    /// Teeth of both gears, counted on over turns.
     pub teeth: [Tooth; 2],
     /// Flank side that is in contact.
     pub side: Side,
-    /// Where [m].
+    /// Position of the contact [m].
     pub x: Vec3,
     /// Force on the second gear of the mesh [N].
     pub force: Vec3,
     /// Normal force [N].
     pub normal_force: f64,
-    /// Friction [N], positive where it drives the second gear along the normal turned by 90 degrees counter-clockwise.
+    /// Friction [N], positive where it drives the second gear along the normal rotated by 90 degrees
+    /// counter-clockwise.
     pub friction: f64,
-    /// What the contact exerts on the hubs of both gears: torque about the axis [N m], force along the slide [N]. Where a
-    /// tip edge touches off the line of action its lever is another than that of the force, and what the potential
-    /// changes by along the path has its part.
+    /// Generalised force on the hubs of both gears: torque about the axis [N m], or force along the motion of a rack
+    /// [N]. A tip edge in contact off the line of action has a lever other than that of the force, and the parametric
+    /// term of the potential along the path contributes.
     pub on_hubs: [f64; 2],
-    /// Gap [m].
+    /// Gap of the contact [m].
     pub gap: f64,
-    /// Pressure, of a line between flanks.
+    /// Hertzian pressure of a line contact.
     pub pressure: Option<LinePressure>,
-    /// What part of the flank it stands for.
+    /// Extent of the flank that the contact represents.
     pub extent: ContactExtent,
 }
 
-/// What part of a flank a contact stands for.
+/// Extent of a flank that a contact represents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ContactExtent {
-    /// A share of the common face width: a slice of lines of action, a line between flanks.
+    /// Share of the common face width, for a slice of lines of action or a line between flanks.
     Width(f64),
-    /// An area [m^2]; 1 where nodes count alike.
+    /// Area [m^2]; 1 for nodes with unit areas.
     Area(f64),
 }
 
 impl Scene {
     /// Fills `work.active` and its rows with the contacts at a state.
     #[inline]
-    pub(super) fn evaluate_contacts(&mut self, at: At<'_>) {
+    pub(super) fn evaluate_contacts(&mut self, at: StateView<'_>) {
         if self.fields {
             self.evaluate_with_fields(at);
             return;
@@ -69,9 +70,9 @@ impl Scene {
         }
     }
 
-    /// Adds the forces of all contacts at a state; what they are is noted only where forces need it.
+    /// Adds the forces of all contacts at a state; the contacts are stored only where the forces need that.
     #[inline]
-    pub(super) fn add_contacts(&mut self, at: At<'_>, f: &mut [f64]) {
+    pub(super) fn add_contacts(&mut self, at: StateView<'_>, f: &mut [f64]) {
         if self.fields {
             self.evaluate_with_fields(at);
         } else {
@@ -90,7 +91,7 @@ impl Scene {
 
     /// Appends the contacts of a mesh.
     #[inline(never)]
-    pub(super) fn evaluate_mesh(&mut self, at: At<'_>, m: usize, located: bool) {
+    pub(super) fn evaluate_mesh(&mut self, at: StateView<'_>, m: usize, located: bool) {
         let Scene {
             gears,
             meshes,
@@ -99,16 +100,16 @@ impl Scene {
         } = self;
         let mesh = &meshes[m];
         let friction = (mesh.friction.as_ref()).map(|f| (f, f.at(gears, mesh, at)));
-        let (a, b) = parties(gears, mesh, at);
+        let (a, b) = gear_states(gears, mesh, at);
         let first = work.candidates.len();
         let discrete = &at.discrete[mesh.search_discrete()];
-        let wanted = if located {
-            Wanted::Closed(&at.discrete[mesh.modes()])
+        let selection = if located {
+            CandidateSelection::Closed(&at.discrete[mesh.modes()])
         } else {
-            Wanted::Touching(0.0)
+            CandidateSelection::Touching(0.0)
         };
         mesh.search
-            .candidates(a, b, discrete, wanted, &mut work.candidates);
+            .candidates(a, b, discrete, selection, &mut work.candidates);
         for (k, c) in work.candidates.iter().enumerate().skip(first) {
             let i = work.active.len();
             if i == work.rows.len() {
@@ -160,7 +161,7 @@ impl Scene {
         }
     }
 
-    /// Applies `x += N w + F t` of all active contacts.
+    /// Adds `N w + F t` of all active contacts to `f`.
     #[inline]
     pub(super) fn add_contact_forces(&self, f: &mut [f64]) {
         for (c, rows) in self.work.active.iter().zip(&self.work.rows) {
@@ -178,9 +179,9 @@ impl Scene {
         }
     }
 
-    /// Contact forces at a state, for pictures and reports.
-    pub fn contact_forces(&mut self, at: At<'_>) -> Vec<ContactForce> {
-        let mut found = self.seen(at, Self::seen_forces);
+    /// Returns the contact forces at a state, for figures and reports.
+    pub fn contact_forces(&mut self, at: StateView<'_>) -> Vec<ContactForce> {
+        let mut found = self.with_carrier_state(at, Self::carrier_frame_forces);
         if !self.carriers.is_empty() {
             for contact in &mut found {
                 contact.x = self.carriers.place(contact.mesh, at, contact.x);
@@ -190,8 +191,8 @@ impl Scene {
         found
     }
 
-    /// The same where carriers do not turn.
-    fn seen_forces(&mut self, at: At<'_>) -> Vec<ContactForce> {
+    /// Returns the contact forces in the carrier-frame state.
+    fn carrier_frame_forces(&mut self, at: StateView<'_>) -> Vec<ContactForce> {
         self.evaluate_contacts(at);
         let nodal = self.work.nodal.active.iter().filter(|a| a.force.n > 0.0);
         let nodal = nodal.map(|a| {
@@ -247,16 +248,16 @@ impl Scene {
             .collect()
     }
 
-    /// Hertz's pressure at a point under a normal force [N], where it is a line between flanks.
+    /// Returns the Hertzian pressure at a point under a normal force [N], if it is a line contact.
     pub(super) fn pressure(&self, p: &NodalPoint, force: f64) -> Option<LinePressure> {
         let line = &self.work.nodal.found.lines[p.line? as usize];
         let lines = self.meshes[p.mesh as usize].search.lines()?;
         Some(lines.pressure(line.radius, p.share, force))
     }
 
-    /// What an active contact exerts on the hub of one of its gears: torque about the axis [N m], force along the slide
-    /// [N].
-    pub(super) fn on_hub(&self, at: At<'_>, a: &Active, k: usize) -> f64 {
+    /// Returns the generalised force of an active contact on the hub of one of its gears: torque about the axis [N m],
+    /// or force along the motion of a rack [N].
+    pub(super) fn on_hub(&self, at: StateView<'_>, a: &Active, k: usize) -> f64 {
         let mesh = &self.meshes[a.mesh];
         let c = &self.work.candidates[a.candidate];
         let sign = if k == 0 { -1.0 } else { 1.0 };
@@ -273,15 +274,15 @@ impl Scene {
         on
     }
 
-    /// Closed contacts of the last evaluation by mesh and tooth pair, at the state that contacts see.
-    pub(super) fn fill_touches(&self, at: At<'_>, out: &mut Vec<Touch>) {
+    /// Lists the closed contacts of the last evaluation by mesh and tooth pair, at the carrier-frame state.
+    pub(super) fn fill_touches(&self, at: StateView<'_>, out: &mut Vec<MemberContact>) {
         out.clear();
-        let mut sums: BTreeMap<(usize, [i64; 2]), (Vec3, Touch)> = BTreeMap::new();
+        let mut sums: BTreeMap<(usize, [i64; 2]), (Vec3, MemberContact)> = BTreeMap::new();
         let mut add = |group: usize, teeth: [Tooth; 2], points: [Vec3; 2], force: Vec3| {
             let members = teeth.map(|t| t.index);
             let (sum, touch) = sums.entry((group, members)).or_insert_with(|| {
                 let sprung = [0, 1].map(|k| self.sprung_tooth(at, group, k, teeth[k]));
-                let touch = Touch {
+                let touch = MemberContact {
                     group,
                     members,
                     force: 0.0,
@@ -312,16 +313,16 @@ impl Scene {
             let p = &self.work.nodal.found.points[a.point];
             add(p.mesh as usize, p.teeth, [p.x; 2], a.on_second(p));
         }
-        out.extend(sums.into_values().map(|(force, touch)| Touch {
+        out.extend(sums.into_values().map(|(force, touch)| MemberContact {
             force: force.norm(),
             ..touch
         }));
     }
 
-    /// A tooth on a spring of its own, without the contact force yet.
+    /// Returns a movable tooth without the contact force.
     fn sprung_tooth(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         mesh: usize,
         k: usize,
         tooth: Tooth,
@@ -335,8 +336,9 @@ impl Scene {
         })
     }
 
-    /// Radial and tangential direction of a gear at a point, across its axis; of a rack out of its teeth and along its slide.
-    fn tooth_directions(&self, at: At<'_>, mesh: usize, k: usize, x: Vec3) -> [Vec3; 2] {
+    /// Returns the radial and tangential direction of a gear at a point, perpendicular to its axis; for a rack out of
+    /// its teeth and along its motion.
+    fn tooth_directions(&self, at: StateView<'_>, mesh: usize, k: usize, x: Vec3) -> [Vec3; 2] {
         let gear = &self.gears[self.meshes[mesh].gears[k]];
         let (hub, own) = (&gear.model.hub().hub, gear.at(at));
         let frame = hub.frame(own.t, own.q);
@@ -349,8 +351,8 @@ impl Scene {
         [radial, axis.cross(&radial)]
     }
 
-    /// The contacts of a scene that has gears with fields.
-    pub(super) fn evaluate_with_fields(&mut self, at: At<'_>) {
+    /// Evaluates the contacts of a scene with displacement fields.
+    pub(super) fn evaluate_with_fields(&mut self, at: StateView<'_>) {
         self.work.reported.forget();
         self.work.active.clear();
         self.work.candidates.clear();
@@ -362,7 +364,7 @@ impl Scene {
         self.work.nodal.evaluate(&self.gears, &self.meshes, at);
     }
 
-    /// Flank nodes of a gear with a field that carried a force in the last evaluation.
+    /// Returns the flank nodes of a gear with a field that were loaded in the last evaluation.
     pub fn pressed_nodes(&self, gear: usize) -> Vec<u32> {
         let nodes = &self.work.nodal.gears[gear];
         let pressed = nodes.nodes.iter().zip(&nodes.force);
@@ -370,13 +372,13 @@ impl Scene {
         pressed.map(|(node, _)| *node).collect()
     }
 
-    /// Ends of the line of action that a contact lies on [m], in the transverse plane.
+    /// Returns the ends of the line of action of a contact [m], in the transverse plane.
     pub fn line_of_action(&self, contact: &ContactForce) -> Option<[[f64; 2]; 2]> {
         let ends = self.meshes.get(contact.mesh)?.search.line(contact.side)?;
         Some(ends.map(|p| self.in_plane(&p)))
     }
 
-    /// A place or direction as seen along the axis of the first gear, in its axes.
+    /// Projects a position or direction along the axis of the first gear, in its axes.
     pub fn in_plane(&self, x: &Vec3) -> [f64; 2] {
         let first = self.gears.first().map(|g| &g.model.hub().axes);
         let [a, b, _] = first.unwrap_or(&crate::spec::UPRIGHT);

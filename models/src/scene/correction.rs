@@ -1,35 +1,36 @@
-//! The Newton correction: gears apart, then contacts as low-rank terms (Woodbury).
+//! The Newton correction: gears separately, then contacts as low-rank terms (Woodbury).
 //!
 //! ([`low_rank`](super::low_rank)) with a row and a column for each normal force (for each of both gears, where stiffness or separation changes along
 //! the path), and for each sliding force where there is friction. Many
 //! contacts of large gears, and those of gears with displacement fields, have forms of their own.
 
-use super::active::{Answer, moves};
+use super::active::{ContactCoupling, moves};
 use super::assembled::Scene;
 use super::condensed::kappa;
 use super::low_rank::LowRank;
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 
 impl Scene {
-    /// Solves the gears apart, then adds the contacts as low-rank terms (Woodbury).
+    /// Solves for the gears separately, then adds the contacts as low-rank terms (Woodbury).
     pub(super) fn newton_correction(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular> {
-        self.seen(at, |scene, seen| scene.evaluate_contacts(seen));
+        self.with_carrier_state(at, |scene, carrier_state| {
+            scene.evaluate_contacts(carrier_state)
+        });
         if self.shafts.is_empty() && self.carriers.is_empty() {
             return self.correct_contacts(at, c, false, rhs_to_x);
         }
         self.correct_with_shafts(at, c, rhs_to_x)
     }
 
-    /// The correction with the contacts of the last evaluation; those of tooth pairs with the links of shafts beside them,
-    /// where these are wanted.
+    /// Solves with the contacts of the last evaluation, and with the links of shafts where these are requested.
     pub(super) fn correct_contacts(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         links: bool,
         rhs_to_x: &mut [f64],
@@ -67,10 +68,10 @@ impl Scene {
         solved
     }
 
-    /// `Z = A0^-1 U` of low-rank terms.
+    /// Computes `Z = A0^-1 U` of low-rank terms.
     fn correct_terms(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         terms: &mut LowRank,
     ) -> Result<(), Singular> {
@@ -81,7 +82,7 @@ impl Scene {
         })
     }
 
-    /// Whether the condensed correction serves the contacts at hand.
+    /// Returns true if the condensed correction applies to the present contacts.
     pub(super) fn condenses_now(&self, c: Coeffs) -> bool {
         self.condenses
             && self.work.active.iter().all(|a| {
@@ -94,7 +95,12 @@ impl Scene {
             })
     }
 
-    fn correct_gears(&mut self, at: At<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
+    fn correct_gears(
+        &mut self,
+        at: StateView<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
         for g in &mut self.gears {
             let own = g.at(at);
             let range = g.range();
@@ -107,7 +113,7 @@ impl Scene {
     /// Adds one contact without friction to `x = A0^-1 rhs`: `x += z (v.x) / (1 - v.z)`.
     fn correct_one_contact(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         x: &mut [f64],
     ) -> Result<(), Singular> {
@@ -129,9 +135,9 @@ impl Scene {
         if singular { Err(Singular) } else { solved }
     }
 
-    /// Adds the terms of contact `i`: one where both gears feel the same change of force, else one for each, and one of the
-    /// sliding force.
-    fn terms_of_contact(&self, at: At<'_>, c: Coeffs, i: usize, terms: &mut LowRank) {
+    /// Adds the terms of contact `i`: one where both gears receive the same change of force, otherwise one for each,
+    /// and one of the sliding force.
+    fn terms_of_contact(&self, at: StateView<'_>, c: Coeffs, i: usize, terms: &mut LowRank) {
         let (a, rows, t) = (
             &self.work.active[i],
             &self.work.rows[i],
@@ -144,7 +150,7 @@ impl Scene {
         let parts = if t.plain { 0..1 } else { 0..2 };
         for k in parts {
             rows[0].add_parts_to(by(t.on[k]), &mut terms.row);
-            self.add_answers(i, c, |answer| answer.on[k], &mut terms.row);
+            self.add_couplings(i, c, |coupling| coupling.on[k], &mut terms.row);
             let own = match (t.plain, k) {
                 (true, _) => [1.0, 1.0],
                 (false, 0) => [1.0, 0.0],
@@ -163,10 +169,10 @@ impl Scene {
         let per_s = c.k * a.friction.df_dv * turn;
         let of_normal = by(t.normal).map(|x| a.friction.df_dn * x);
         rows[0].add_parts_to(of_normal, &mut terms.row);
-        self.add_answers(
+        self.add_couplings(
             i,
             c,
-            |answer| a.friction.df_dn * answer.normal,
+            |coupling| a.friction.df_dn * coupling.normal,
             &mut terms.row,
         );
         rows[1].add_to(c.d * a.friction.df_dv, &mut terms.row);
@@ -177,12 +183,18 @@ impl Scene {
         // F / r_b against a contact stiffness, and costs a further rank.
     }
 
-    /// Adds to a row of contact `i` how it answers to its neighbours.
-    fn add_answers(&self, i: usize, c: Coeffs, by: impl Fn(&Answer) -> f64, row: &mut [f64]) {
-        for answer in self.work.answers_of(i) {
-            let factor = c.k * by(answer);
-            let elastic = self.work.tangents[answer.to].elastic;
-            self.work.rows[answer.to][0].add_parts_to(elastic.map(|x| factor * x), row);
+    /// Adds the couplings of contact `i` with its neighbours to a row.
+    fn add_couplings(
+        &self,
+        i: usize,
+        c: Coeffs,
+        by: impl Fn(&ContactCoupling) -> f64,
+        row: &mut [f64],
+    ) {
+        for coupling in self.work.couplings_of(i) {
+            let factor = c.k * by(coupling);
+            let elastic = self.work.tangents[coupling.to].elastic;
+            self.work.rows[coupling.to][0].add_parts_to(elastic.map(|x| factor * x), row);
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Contacts of tooth pairs as their neighbours see them: forces along the path by the compliance of the bodies that they
-//! bend together, and the tangents of all of them.
+//! Elastic coupling of tooth pairs through their common bodies: forces along the path by the compliance, and tangents
+//! of all pairs.
 //!
 //! With the elastic forces `N`, their tangents `K = dN/dg` and the compliances `C` between contacts,
 //!
@@ -7,21 +7,21 @@
 //! dg = (I - C K)^-1 (dg0 + C dN|g),    dN = dN|g0 + K G dN|g0,    G = (I - C K)^-1 C
 //! ```
 
-use super::active::{Active, Answer, tangent};
+use super::active::{Active, ContactCoupling, tangent};
 use super::assembled::Scene;
 use crate::contact::pairs::MOST_ON_LINE as MOST;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Singular};
+use gearbench_integrators::system::{Singular, StateView};
 
 impl Scene {
-    /// Elastic force of an active contact, which is what its neighbours feel [N].
+    /// Returns the elastic force of an active contact, which acts on neighbouring pairs [N].
     fn elastic_force(&self, a: &Active) -> f64 {
         let c = &self.work.candidates[a.candidate];
         let law = self.meshes[a.mesh].law.undamped();
         law.smooth(a.gap, 0.0, 0.0, c.stiffness).n
     }
 
-    /// Calls `f(i, j, compliance, its derivative along the normal, elastic forces)` for active contacts that bend one
+    /// Calls `f(i, j, compliance, its derivative along the normal, elastic forces)` for active contacts on a common
     /// body.
     pub(super) fn each_coupling(&self, mut f: impl FnMut(usize, usize, [f64; 2], [f64; 2])) {
         let active = &self.work.active;
@@ -46,7 +46,7 @@ impl Scene {
         }
     }
 
-    /// Joins to the forces of a mesh's contacts what the compliance between them changes by along the path.
+    /// Adds the change of the compliance between the contacts of a mesh along the path to their forces.
     pub(super) fn add_coupling_along_path(&mut self, m: usize) {
         let mut found = std::mem::take(&mut self.work.along_path);
         found.clear();
@@ -72,11 +72,11 @@ impl Scene {
         self.work.along_path = found;
     }
 
-    /// Tangents of the active contacts at a state, into `work.tangents` and `work.answers`.
-    pub(super) fn tangents_of_contacts(&mut self, at: At<'_>) -> Result<(), Singular> {
+    /// Computes the tangents of the active contacts at a state into `work.tangents` and `work.couplings`.
+    pub(super) fn tangents_of_contacts(&mut self, at: StateView<'_>) -> Result<(), Singular> {
         let work = &mut self.work;
         work.tangents.clear();
-        work.answers.clear();
+        work.couplings.clear();
         for (a, rows) in work.active.iter().zip(&work.rows) {
             let c = &work.candidates[a.candidate];
             let law = &self.meshes[a.mesh].law;
@@ -86,14 +86,14 @@ impl Scene {
         while first < self.work.active.len() {
             let n = self.on_line_from(first);
             if n > 1 {
-                self.answers_of_line(first, n)?;
+                self.couplings_of_line(first, n)?;
             }
             first += n;
         }
         Ok(())
     }
 
-    /// How many active contacts from `first` on bend the same bodies: those of its line, at least itself.
+    /// Returns the number of active contacts from `first` on with the same bodies: those of its line, at least one.
     fn on_line_from(&self, first: usize) -> usize {
         let active = &self.work.active[first..];
         let a = &active[0];
@@ -105,8 +105,8 @@ impl Scene {
         active.iter().take(MOST).take_while(same).count()
     }
 
-    /// How the contacts of a line answer to each other.
-    fn answers_of_line(&mut self, first: usize, n: usize) -> Result<(), Singular> {
+    /// Computes the couplings of the contacts of a line.
+    fn couplings_of_line(&mut self, first: usize, n: usize) -> Result<(), Singular> {
         let Some(pairs) = self.meshes[self.work.active[first].mesh].search.pairs() else {
             return Ok(());
         };
@@ -156,7 +156,7 @@ impl Scene {
                     .map(|j| slopes[i * n + j] * (force[j] * h(i, l) + force[i] * h(j, l)))
                     .sum();
                 let along = if in_space { 0.0 } else { -0.25 * along };
-                work.answers.push(Answer {
+                work.couplings.push(ContactCoupling {
                     of: first + i,
                     to: first + l,
                     normal: a.force.dn_dg * by,

@@ -1,41 +1,41 @@
-//! Flanks of elastic gears as they are deformed at a state, for pictures.
+//! Deformed flanks of elastic gears at a state, for figures.
 //!
-//! A node of a reduced gear moves with the hub, and outward by `a = B q + r T - R F` (and along the profile where the gear
-//! knows that); nodes of finite elements say where they are. Racks slide, all other gears turn: [`Placement`] has both.
+//! A node of a reduced gear moves with the hub, and outward by `a = B q + r T - R F` (and along the profile for gears
+//! that support it); finite elements return the positions of their nodes. Racks slide, all other gears rotate: [`Placement`] has both.
 
 use super::assembled::Scene;
 use crate::Vec3;
 use crate::gear::FlankDisplacement;
 use crate::geometry::{FlankGrid, Side};
 use crate::kinematics::Placement;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
-/// A section of a flank.
+/// A section of a deformed flank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeformedFlank {
     /// Tooth of the gear, from 0.
     pub tooth: u32,
-    /// Side of it.
+    /// Side of the flank.
     pub side: Side,
-    /// Nodes from the root to the tip where the rigid motion takes them [m]: that of the hub, of reduced gears that of their
+    /// Nodes from the root to the tip after the rigid motion [m]: that of the hub, for reduced gears that of their
     /// mean axes.
     pub with_hub: Vec<Vec3>,
-    /// How far they are off that place [m].
+    /// Displacements of the nodes from these positions [m].
     pub displacement: Vec<Vec3>,
 }
 
 impl Scene {
-    /// Sections of the flanks of some teeth of a gear, at the column of nodes nearest to a height on its axis [m]; none of
-    /// gears without nodes.
+    /// Returns sections of the flanks of some teeth of a gear, at the column of nodes nearest to a height on its axis
+    /// [m]; empty for gears without nodes.
     pub fn deformed_flanks(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         gear: usize,
         teeth: &[u32],
         height: f64,
     ) -> Vec<DeformedFlank> {
-        let mut found = self.seen(at, |scene, seen| {
-            scene.seen_deformed(seen, gear, teeth, height)
+        let mut found = self.with_carrier_state(at, |scene, carrier_state| {
+            scene.carrier_frame_deformed(carrier_state, gear, teeth, height)
         });
         for flank in &mut found {
             let (places, displacements) = (&mut flank.with_hub, &mut flank.displacement);
@@ -44,10 +44,10 @@ impl Scene {
         found
     }
 
-    /// The same where carriers do not turn.
-    fn seen_deformed(
+    /// Returns the sections in the carrier-frame state.
+    fn carrier_frame_deformed(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         gear: usize,
         teeth: &[u32],
         height: f64,
@@ -109,11 +109,11 @@ impl Scene {
         out
     }
 
-    /// Displacements of nodes, outward, or along the profile with what is added to their numbers for that [m].
+    /// Computes the displacements of nodes, outward or, with the offset of their numbers, along the profile [m].
     fn outward(
         &self,
         field: &dyn FlankDisplacement,
-        at: At<'_>,
+        at: StateView<'_>,
         gear: usize,
         nodes: &[u32],
         further: u32,
@@ -129,7 +129,7 @@ impl Scene {
             *a += r * of.load;
         }
         let forces = of.nodes.iter().zip(&of.force);
-        let forces = forces.chain(of.along.iter().zip(&of.rub));
+        let forces = forces.chain(of.along.iter().zip(&of.friction_force));
         let pressed: Vec<(u32, f64)> = forces
             .filter(|(_, f)| **f != 0.0)
             .map(|(k, f)| (*k, *f))
@@ -149,7 +149,7 @@ impl Scene {
     }
 }
 
-/// Outward normal of a flank at a node, in the transverse plane of its gear.
+/// Returns the outward normal of a flank at a node, in the transverse plane of its gear.
 fn normal(grid: &FlankGrid, column: usize, row: usize) -> Vec3 {
     let at = |r: usize| grid.positions[r * grid.columns + column];
     let along = at((row + 1).min(grid.rows - 1)) - at(row.saturating_sub(1));

@@ -1,56 +1,56 @@
-//! Forces and event functions of meshes whose contacts need no candidates: gears whose teeth move by one coordinate each on
-//! lines of action, and rigid bodies that move in space; without friction, while events are located. A step asks for nothing else;
-//! reports and tangents look at candidates.
+//! Forces and event functions of meshes without candidates: gears whose teeth move by one coordinate each on lines of
+//! action, and rigid bodies that move in space, without friction and with event location. Steps use these; reports and
+//! tangents use candidates.
 
 use super::assembled::Scene;
-use super::members::{SceneGear, SceneMesh, parties};
+use super::members::{SceneGear, SceneMesh, gear_states};
 use super::workspace::Workspace;
-use crate::contact::pairs::{LinesOfAction, Mesh, MeshedBodies, PRESCRIBED, Roster, Twist};
+use crate::contact::pairs::{LinesOfAction, Mesh, MeshedBodies, PRESCRIBED, PairList, Twist};
 use crate::kinematics::{BodyMotion, Tooth};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
-/// What the flanks of a gear follow.
+/// Motion that the flanks of a gear follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Follows {
-    /// The hub, by its one coordinate or by a prescribed motion.
+pub(super) enum FlankMotion {
+    /// The flanks follow the hub, by its one coordinate or by a prescribed motion.
     Hub,
-    /// Each tooth a coordinate of its own.
+    /// Each tooth follows a coordinate of its own.
     Teeth,
-    /// The hub, in several directions.
+    /// The flanks follow the hub in several directions.
     Body,
-    /// Several coordinates at once.
+    /// The flanks follow several coordinates at once.
     Several,
 }
 
-impl Follows {
-    /// What those of a gear in a state do; `discrete` is the gear's own.
+impl FlankMotion {
+    /// Returns the motion of the flanks of a gear at a state; `discrete` is that of the gear.
     pub(super) fn of(gear: &SceneGear, discrete: &[f64]) -> Self {
         let model = gear.model.as_ref();
         let hub = model.hub();
         if hub.lateral.is_some() {
             let rigid = hub.own == 0 && model.teeth().is_none() && model.surface().is_none();
             return match rigid {
-                true => Follows::Body,
-                false => Follows::Several,
+                true => FlankMotion::Body,
+                false => FlankMotion::Several,
             };
         }
         if model.surface().is_some() || model.coupled_mass().is_some() {
-            return Follows::Several;
+            return FlankMotion::Several;
         }
         let tooth = Tooth { index: 0, mesh: 0 };
         match model.teeth() {
-            Some(teeth) if teeth.coordinate(discrete, tooth).is_some() => Follows::Teeth,
-            None if !hub.is_internal() => Follows::Hub,
-            _ => Follows::Several,
+            Some(teeth) if teeth.coordinate(discrete, tooth).is_some() => FlankMotion::Teeth,
+            None if !hub.is_internal() => FlankMotion::Hub,
+            _ => FlankMotion::Several,
         }
     }
 }
 
 impl SceneGear {
-    /// The scene's coordinate by which a tooth moves.
-    fn coordinate(&self, at: At<'_>, tooth: Tooth) -> usize {
+    /// Returns the coordinate of the scene by which a tooth moves.
+    fn coordinate(&self, at: StateView<'_>, tooth: Tooth) -> usize {
         let own = match self.model.teeth() {
-            Some(teeth) if self.follows == Follows::Teeth => {
+            Some(teeth) if self.follows == FlankMotion::Teeth => {
                 teeth.coordinate(self.cells(at), tooth).unwrap_or(0)
             }
             _ if self.n == 0 => return PRESCRIBED,
@@ -59,18 +59,18 @@ impl SceneGear {
         self.offset + own
     }
 
-    /// Its part of the discrete state that says so.
+    /// Returns the part of the discrete state that determines these coordinates.
     #[inline(always)]
-    fn places<'a>(&self, at: At<'a>) -> &'a [f64] {
+    fn places<'a>(&self, at: StateView<'a>) -> &'a [f64] {
         &at.discrete[self.discrete.0..][..self.places]
     }
 
     #[inline]
-    fn cells<'a>(&self, at: At<'a>) -> &'a [f64] {
+    fn cells<'a>(&self, at: StateView<'a>) -> &'a [f64] {
         &at.discrete[self.discrete.0..][..self.discrete.1]
     }
 
-    /// Displacement and speed of its hub where these are prescribed.
+    /// Returns displacement and speed of the hub where these are prescribed.
     #[inline(always)]
     fn prescribed(&self, t: f64) -> [f64; 2] {
         if self.n > 0 {
@@ -82,36 +82,36 @@ impl SceneGear {
 }
 
 impl SceneMesh {
-    /// Notes whether its contacts need no candidates, and the arms of those on lines of action.
+    /// Stores whether the contacts need no candidates, and the arms of those on lines of action.
     pub(super) fn note_directness(&mut self, gears: &[SceneGear]) {
         let pair = self.gears.map(|i| &gears[i]);
         (self.arms, self.bodies) = (None, false);
         let Some(pairs) = self.search.pairs().filter(|_| self.friction.is_none()) else {
             return;
         };
-        let all = |these: &[Follows]| pair.iter().all(|g| these.contains(&g.follows));
+        let all = |these: &[FlankMotion]| pair.iter().all(|g| these.contains(&g.follows));
         if pairs.is_spatial() {
-            self.bodies = all(&[Follows::Hub, Follows::Body]) && !pairs.couples();
-        } else if all(&[Follows::Hub, Follows::Teeth]) {
+            self.bodies = all(&[FlankMotion::Hub, FlankMotion::Body]) && !pairs.couples();
+        } else if all(&[FlankMotion::Hub, FlankMotion::Teeth]) {
             self.arms = Some(pairs.arms(pair.map(|g| &g.model.hub().hub)));
         }
     }
 
-    /// The mesh at a state where events are located, if its gears are rigid bodies in space whose contacts need no candidates,
-    /// and the motions of both.
+    /// Returns the mesh at a state with event location and the motions of both gears, if these are rigid bodies in
+    /// space and contacts need no candidates.
     fn as_bodies<'a>(
         &'a self,
         gears: &'a [SceneGear],
-        at: At<'a>,
+        at: StateView<'a>,
     ) -> Option<(&'a LinesOfAction, MeshedBodies<'a>, [BodyMotion; 2])> {
         let pairs = self.search.pairs()?;
         if !self.bodies || at.discrete[0] == 0.0 {
             return None;
         }
-        let (a, b) = parties(gears, self, at);
-        let motions = [&a, &b].map(|party| {
-            let At { t, q, v, .. } = party.at;
-            party.gear.hub().body_motion(t, q, v)
+        let (a, b) = gear_states(gears, self, at);
+        let motions = [&a, &b].map(|gear_state| {
+            let StateView { t, q, v, .. } = gear_state.at;
+            gear_state.gear.hub().body_motion(t, q, v)
         });
         let [of_a, of_b] = &motions;
         let origin = of_b.origin;
@@ -129,14 +129,14 @@ impl SceneMesh {
         Some((pairs, mesh, motions))
     }
 
-    /// The mesh at a state where events are located, if its contacts need no candidates; the pairs that are looked at
-    /// are then in the roster.
+    /// Returns the mesh at a state with event location, if its contacts need no candidates; its pairs are then in the
+    /// list of the mesh.
     #[inline(always)]
     fn directly<'a>(
         &'a self,
         gears: &'a [SceneGear],
-        at: At<'a>,
-        roster: &mut Roster,
+        at: StateView<'a>,
+        pair_list: &mut PairList,
     ) -> Option<(&'a LinesOfAction, Mesh<'a>)> {
         let (arms, pairs) = (self.arms.as_ref()?, self.search.pairs()?);
         if at.discrete[0] == 0.0 {
@@ -156,7 +156,7 @@ impl SceneMesh {
             ],
             modes: &at.discrete[self.modes()],
         };
-        pairs.list(&mesh, roster, |k, tooth| [a, b][k].coordinate(at, tooth));
+        pairs.list(&mesh, pair_list, |k, tooth| [a, b][k].coordinate(at, tooth));
         Some((pairs, mesh))
     }
 }
@@ -164,7 +164,12 @@ impl SceneMesh {
 impl Scene {
     /// Adds the contact forces of a mesh, if its contacts need no candidates.
     #[inline]
-    pub(super) fn add_forces_directly(&mut self, at: At<'_>, m: usize, f: &mut [f64]) -> bool {
+    pub(super) fn add_forces_directly(
+        &mut self,
+        at: StateView<'_>,
+        m: usize,
+        f: &mut [f64],
+    ) -> bool {
         if let Some((pairs, mesh, motions)) = self.meshes[m].as_bodies(&self.gears, at) {
             let [force, moment] = pairs.wrench_on_second(&mesh);
             for (k, sign) in [(0, -1.0), (1, 1.0)] {
@@ -175,20 +180,22 @@ impl Scene {
             return true;
         }
         let Workspace {
-            rosters, pressed, ..
+            pair_lists,
+            pressed,
+            ..
         } = &mut self.work;
-        let roster = &mut rosters[m];
-        let direct = self.meshes[m].directly(&self.gears, at, roster);
+        let pair_list = &mut pair_lists[m];
+        let direct = self.meshes[m].directly(&self.gears, at, pair_list);
         let Some((pairs, mesh)) = direct else {
             return false;
         };
-        pairs.add_forces(&mesh, roster, pressed, f);
+        pairs.add_forces(&mesh, pair_list, pressed, f);
         true
     }
 
     /// Sets the event functions of a mesh, if its contacts need no candidates.
     #[inline]
-    pub(super) fn watch_directly(&mut self, at: At<'_>, m: usize, out: &mut [f64]) -> bool {
+    pub(super) fn watch_directly(&mut self, at: StateView<'_>, m: usize, out: &mut [f64]) -> bool {
         if let Some((pairs, mesh, _)) = self.meshes[m].as_bodies(&self.gears, at) {
             let of_mesh = &self.meshes[m];
             let own = &mut out[of_mesh.event_functions..][..of_mesh.zones + of_mesh.slots];
@@ -197,16 +204,18 @@ impl Scene {
             return true;
         }
         let Workspace {
-            rosters, pressed, ..
+            pair_lists,
+            pressed,
+            ..
         } = &mut self.work;
-        let roster = &mut rosters[m];
+        let pair_list = &mut pair_lists[m];
         let of_mesh = &self.meshes[m];
-        let Some((pairs, mesh)) = of_mesh.directly(&self.gears, at, roster) else {
+        let Some((pairs, mesh)) = of_mesh.directly(&self.gears, at, pair_list) else {
             return false;
         };
         let own = &mut out[of_mesh.event_functions..][..of_mesh.zones + of_mesh.slots];
         let (zones, slots) = own.split_at_mut(of_mesh.zones);
-        pairs.watch_listed(&mesh, roster, pressed, zones, slots);
+        pairs.watch_listed(&mesh, pair_list, pressed, zones, slots);
         true
     }
 }

@@ -1,23 +1,25 @@
-//! Events of a scene: event functions, switches of contacts and zones, what the discrete state remembers.
+//! Events of a scene: event functions, transitions of contacts and zones, and the history in the discrete state.
 
 use super::active::gap_rate;
 use super::assembled::Scene;
-use super::members::parties;
+use super::members::gear_states;
 use crate::contact::pairs::all_open;
-use crate::contact::{Candidate, Wanted};
+use crate::contact::{Candidate, CandidateSelection};
 use crate::law::{CLOSED, OPEN, UNTOUCHED, touch_speed};
 use crate::spec::Load;
-use gearbench_integrators::system::{At, Change, Events, State};
+use gearbench_integrators::system::{Change, Events, State, StateView};
 
 impl Events for Scene {
-    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, at: StateView<'_>, out: &mut [f64]) {
         out.fill(1.0);
         if out.is_empty() {
             return;
         }
         let (contacts, guides) = out.split_at_mut(self.guide_events);
         self.watch_guides(at, guides);
-        self.seen(at, |scene, seen| scene.watch(seen, contacts));
+        self.with_carrier_state(at, |scene, carrier_state| {
+            scene.watch(carrier_state, contacts)
+        });
     }
 
     fn next_breakpoint(&self, t: f64) -> f64 {
@@ -44,16 +46,18 @@ impl Events for Scene {
         }
         self.work.nodal.forget();
         self.work.reported.forget();
-        self.seen_state(s, Self::let_go);
+        self.with_mut_carrier_state(s, Self::let_go);
         s.discrete[0] = f64::from(u8::from(located && self.locates));
-        self.seen_state(s, Self::begin_contacts);
+        self.with_mut_carrier_state(s, Self::begin_contacts);
         self.begin_guides(s);
     }
 
     fn transition(&mut self, s: &mut State, event: usize) -> Change {
         match event.checked_sub(self.guide_events) {
             Some(guide) => self.turn_guide(s, guide),
-            None => self.seen_state(s, |scene, seen| scene.switch(seen, event)),
+            None => self.with_mut_carrier_state(s, |scene, carrier_state| {
+                scene.switch(carrier_state, event)
+            }),
         }
     }
 
@@ -71,11 +75,11 @@ impl Events for Scene {
             }
         }
         if s.discrete[0] == 0.0 && self.tracks {
-            self.seen_state(s, Self::track_modes);
+            self.with_mut_carrier_state(s, Self::track_modes);
         }
         self.remember_guides(s);
         if self.remembers {
-            self.seen_state(s, Self::remember_friction);
+            self.with_mut_carrier_state(s, Self::remember_friction);
         }
         if self.cuts_vibration && self.cut_off_vibration(s) {
             change = Change::Restart;
@@ -85,7 +89,7 @@ impl Events for Scene {
 }
 
 impl Scene {
-    /// Contacts of an earlier run let go of their teeth.
+    /// Disengages the teeth of contacts of an earlier run.
     fn let_go(&mut self, s: &mut State) {
         for m in 0..self.meshes.len() {
             for slot in 0..self.meshes[m].slots {
@@ -96,7 +100,7 @@ impl Scene {
         }
     }
 
-    /// Flips what an event function watches.
+    /// Switches the contact, zone or guide at an event function.
     fn switch(&mut self, s: &mut State, event: usize) -> Change {
         let m = self
             .meshes
@@ -114,9 +118,9 @@ impl Scene {
             // A pair that leaves is no candidate any more: look at it before.
             let mut listed = std::mem::take(&mut self.work.listed);
             listed.clear();
-            let (a, b) = parties(&self.gears, mesh, s.at());
+            let (a, b) = gear_states(&self.gears, mesh, s.at());
             let discrete = &s.discrete[range.clone()];
-            pairs.candidates(a, b, discrete, Wanted::Listed, &mut listed);
+            pairs.candidates(a, b, discrete, CandidateSelection::Listed, &mut listed);
             let change = pairs.transition(local, &mut s.discrete[range]);
             let leaving = change
                 .left
@@ -167,14 +171,14 @@ impl Scene {
         Change::Restart
     }
 
-    /// Zones and modes of all meshes from a state as contacts see it.
+    /// Sets zones and modes of all meshes from a carrier-frame state.
     fn begin_contacts(&mut self, s: &mut State) {
         for i in 0..self.meshes.len() {
             let mesh = &self.meshes[i];
             let range = mesh.search_discrete();
             if let Some(pairs) = mesh.search.pairs() {
                 let mut zone = vec![0.0; range.len()];
-                let (a, b) = parties(&self.gears, mesh, s.at());
+                let (a, b) = gear_states(&self.gears, mesh, s.at());
                 pairs.begin(a, b, &mut zone);
                 s.discrete[range].copy_from_slice(&zone);
             }
@@ -188,14 +192,14 @@ impl Scene {
         self.refresh_modes(s, None);
     }
 
-    /// Event functions at a state as contacts see it.
-    fn watch(&mut self, at: At<'_>, out: &mut [f64]) {
+    /// Computes the event functions at a carrier-frame state.
+    fn watch(&mut self, at: StateView<'_>, out: &mut [f64]) {
         for m in 0..self.meshes.len() {
             if self.watch_directly(at, m, out) {
                 continue;
             }
             let mesh = &self.meshes[m];
-            let (a, b) = parties(&self.gears, mesh, at);
+            let (a, b) = gear_states(&self.gears, mesh, at);
             let (zone, slots) =
                 out[mesh.event_functions..][..mesh.zones + mesh.slots].split_at_mut(mesh.zones);
             let Some(pairs) = mesh.search.pairs() else {
@@ -207,12 +211,12 @@ impl Scene {
             // Forces of closed contacts tell when they end; each pair is searched once for force and gap.
             if closed && (mesh.law.is_dissipative() || pairs.couples()) {
                 pairs.watch_zones(a, b, discrete, zone);
-                let wanted = if pairs.couples() {
-                    Wanted::Watched(modes)
+                let selection = if pairs.couples() {
+                    CandidateSelection::Watched(modes)
                 } else {
-                    Wanted::Listed
+                    CandidateSelection::Listed
                 };
-                self.damped_events(at, m, wanted, out);
+                self.damped_events(at, m, selection, out);
                 continue;
             }
             // Gaps are all that open contacts and contacts without damping need.
@@ -226,13 +230,19 @@ impl Scene {
                 }
             }
             if overlap && mesh.law.is_dissipative() {
-                self.damped_events(at, m, Wanted::Listed, out);
+                self.damped_events(at, m, CandidateSelection::Listed, out);
             }
         }
     }
 
-    /// Event functions of a mesh's closed or overlapping contacts with a damper, from the force.
-    fn damped_events(&mut self, at: At<'_>, m: usize, wanted: Wanted<'_>, out: &mut [f64]) {
+    /// Computes event functions of a mesh's closed or overlapping contacts with a damper from the force.
+    fn damped_events(
+        &mut self,
+        at: StateView<'_>,
+        m: usize,
+        selection: CandidateSelection<'_>,
+        out: &mut [f64],
+    ) {
         let Scene {
             gears,
             meshes,
@@ -240,7 +250,7 @@ impl Scene {
             ..
         } = self;
         let mesh = &meshes[m];
-        let (a, b) = parties(gears, mesh, at);
+        let (a, b) = gear_states(gears, mesh, at);
         let modes = &at.discrete[mesh.modes()];
         let slots = &mut out[mesh.event_functions + mesh.zones..];
         work.candidates.clear();
@@ -248,7 +258,7 @@ impl Scene {
             a,
             b,
             &at.discrete[mesh.search_discrete()],
-            wanted,
+            selection,
             &mut work.candidates,
         );
         for c in &work.candidates {
@@ -274,7 +284,7 @@ impl Scene {
             if self.meshes[m].slots == 0 {
                 continue;
             }
-            let found = self.take_candidates(s, m, Wanted::Listed);
+            let found = self.take_candidates(s, m, CandidateSelection::Listed);
             for c in &found {
                 if only.is_some_and(|x| x != (m, c.slot)) {
                     continue;
@@ -297,13 +307,13 @@ impl Scene {
         }
     }
 
-    /// Without event location: impact speeds and engagement follow the accepted states.
+    /// Updates impact speeds and engagement from accepted states, without event location.
     fn track_modes(&mut self, s: &mut State) {
         for m in 0..self.meshes.len() {
             if self.meshes[m].slots == 0 {
                 continue;
             }
-            let found = self.take_candidates(s, m, Wanted::Touching(0.0));
+            let found = self.take_candidates(s, m, CandidateSelection::Touching(0.0));
             for slot in 0..self.meshes[m].slots {
                 let touching = found.iter().find(|c| c.slot == slot && c.gap < 0.0);
                 let at = self.meshes[m].slot(slot);
@@ -332,24 +342,30 @@ impl Scene {
         }
     }
 
-    /// The candidates of a mesh, in the buffer for them, which is put back after use.
-    fn take_candidates(&mut self, s: &State, m: usize, wanted: Wanted<'_>) -> Vec<Candidate> {
+    /// Moves the candidates of a mesh out of their buffer, which the caller returns after use.
+    fn take_candidates(
+        &mut self,
+        s: &State,
+        m: usize,
+        selection: CandidateSelection<'_>,
+    ) -> Vec<Candidate> {
         let mut found = std::mem::take(&mut self.work.candidates);
         found.clear();
         let mesh = &self.meshes[m];
-        let (a, b) = parties(&self.gears, mesh, s.at());
+        let (a, b) = gear_states(&self.gears, mesh, s.at());
         let discrete = &s.discrete[mesh.search_discrete()];
-        mesh.search.candidates(a, b, discrete, wanted, &mut found);
+        mesh.search
+            .candidates(a, b, discrete, selection, &mut found);
         found
     }
 
     fn find(&mut self, s: &State, m: usize, slot: usize) -> Option<Candidate> {
-        let wanted = if s.discrete[0] != 0.0 {
-            Wanted::Listed
+        let selection = if s.discrete[0] != 0.0 {
+            CandidateSelection::Listed
         } else {
-            Wanted::Touching(f64::INFINITY)
+            CandidateSelection::Touching(f64::INFINITY)
         };
-        let found = self.take_candidates(s, m, wanted);
+        let found = self.take_candidates(s, m, selection);
         let c = found.iter().find(|c| c.slot == slot).copied();
         self.work.candidates = found;
         c
@@ -364,7 +380,7 @@ impl Scene {
         gap_rate(&self.gears, mesh, c, s.at(), &mut self.work.scratch)
     }
 
-    /// Tells both gears that a contact of a slot closed or opened.
+    /// Notifies both gears that a contact of a slot closed or opened.
     fn engage(&mut self, s: &mut State, m: usize, slot: usize, closed: bool) {
         if let Some(c) = self.find(s, m, slot) {
             self.tell(s, m, &c, closed);

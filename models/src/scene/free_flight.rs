@@ -1,28 +1,28 @@
-//! FreeFlight: how long nothing touches, where the scene is until then, and gears that are put to rest meanwhile.
+//! Free flight of a scene: its duration, its motion, and the removal of vibration during it.
 //!
-//! **How long.** Under steady loads gears fly as their frames do ([`FreeFlight`]), `theta = theta_0 + theta' t +
-//! theta'' t^2 / 2`, and facing flanks of rigid gears are apart by at least `c + p . theta`
-//! ([`LineClearance`](crate::contact::LineClearance)). Flanks stand off these by `B q + r T` of elastic
-//! gears and by the displacements of movable teeth beside their frames, both bounded for the whole flight by the energy
-//! `E` that swings. No contact can be earlier than the first zero of the clearance less these bounds.
+//! **Duration.** Under steady loads gears in flight move as their frames do ([`FreeFlight`]), `theta = theta_0 +
+//! theta' t + theta'' t^2 / 2`, and the gap between facing flanks of rigid gears is at least `c + p . theta`
+//! ([`LineClearance`](crate::contact::LineClearance)). The flanks deviate from these by `B q + r T` of elastic gears
+//! and by the displacements of movable teeth relative to their frames, both bounded for the whole flight by the energy
+//! `E` of the vibration. No contact can be earlier than the first zero of the clearance less these bounds.
 //!
 //! **Where.** Frames and oscillators are known in closed form: a free flight over the flight, whatever swings in it,
 //! has no error but rounding. Viscous and ramped loads, unequal or overdamped teeth, gears whose modes are coupled by
 //! their spin, full finite elements, and elastic gears against movable teeth have no such form or no such bound: they
 //! are stepped through as before.
 //!
-//! **Vibration cut-off.** A gear whose oscillators carry less than a share `eps`
-//! ([`GearModel::vibration_cut_off`](crate::gear::model::GearModel::vibration_cut_off)) of the energy `E_0 = m u^2 / 2`
-//! of the impact to come is put to rest about the deflection of its loads; `u` is the speed at which the flanks of the
-//! frames will meet, `m` their reduced mass on the line of action. Momentum is kept, the energy taken, `E < eps E_0`,
-//! is a jump that the ledger books. Then flight lasts until the flanks meet. In contact all oscillators are awake, and
-//! they wake of themselves when loads change.
+//! **Vibration cut-off.** A gear whose oscillators have less than a share `eps`
+//! ([`GearModel::vibration_cut_off`](crate::gear::model::GearModel::vibration_cut_off)) of the energy `E_0 = m u^2 /
+//! 2` of the next impact is set to the deflection of its loads; `u` is the speed at which the flanks of the frames
+//! will touch, `m` their reduced mass on the line of action. The momentum is conserved; the removed energy, `E < eps
+//! E_0`, is a jump in the ledger. The flight then lasts until the flanks touch. In contact all oscillators are active,
+//! and changes of loads excite them again.
 //!
-//! *What it changes.* With and without the cut-off two motions differ by a vibration of energy `E`. In flight that
-//! moves no flank by more than `sqrt(2 c E)`. Through an impact the difference is driven by nothing: as long as the
-//! same contact with the linear law of stiffness `k` is closed, it is a motion of the undriven system, whose energy,
-//! `dN^2 / (2 k)` of the contact included, does not grow. So to first order (both motions touch at once, up to `sqrt(2
-//! c E) / u`), per impact and gear,
+//! *Effect.* With and without the cut-off two motions differ by a vibration of energy `E`. In flight it moves no flank
+//! by more than `sqrt(2 c E)`. Through an impact nothing drives the difference: as long as the same contact with the
+//! linear law of stiffness `k` is closed, it is a motion of the undriven system, whose energy, including `dN^2 / (2
+//! k)` of the contact, does not grow. So to first order (both motions touch at once, up to `sqrt(2 c E) / u`), per
+//! impact and gear,
 //!
 //! ```text
 //! |dN| <= sqrt(2 k E) <= sqrt(eps) u sqrt(k m),    |du| <= sqrt(2 E / m) <= sqrt(eps) u
@@ -34,9 +34,9 @@ use super::assembled::Scene;
 use crate::contact::LineClearance;
 use crate::gear::{FreeFlight, work_on_hub};
 use gearbench_integrators::FlightPath;
-use gearbench_integrators::system::{At, Events, State};
+use gearbench_integrators::system::{Events, State, StateView};
 
-/// The first positive zero of `c + b t + a t^2 / 2` for `c > 0`, infinite where there is none.
+/// Returns the first positive zero of `c + b t + a t^2 / 2` for `c > 0`, or infinity.
 fn first_zero(c: f64, b: f64, a: f64) -> f64 {
     // c + b t + a t^2/2 = 0 with u = 1/t: c u^2 + b u + a/2 = 0, whose largest root is the first zero.
     let disc = b * b - 2.0 * a * c;
@@ -52,7 +52,7 @@ fn first_zero(c: f64, b: f64, a: f64) -> f64 {
     if u > 0.0 { 1.0 / u } else { f64::INFINITY }
 }
 
-/// Clearance of the frames on a line, its rate and acceleration.
+/// Returns the clearance of the frames on a line, its rate and acceleration.
 fn clearance(line: &LineClearance, frames: [&FreeFlight; 2]) -> [f64; 3] {
     let [a, b] = line.per_displacement;
     let along = |d: usize| a * frames[0].frame[d] + b * frames[1].frame[d];
@@ -60,9 +60,9 @@ fn clearance(line: &LineClearance, frames: [&FreeFlight; 2]) -> [f64; 3] {
 }
 
 impl Scene {
-    /// A time until which nothing touches and all loads are steady; `at.t` where that is not known. Leaves the flights
-    /// of the gears in `self.flights` where it is later.
-    pub(super) fn flight_until(&mut self, at: At<'_>) -> f64 {
+    /// Returns a time until which no contact closes and all loads are steady, or `at.t` where no bound is known. The
+    /// flights of the gears remain in `self.flights` where the time is later.
+    pub(super) fn flight_until(&mut self, at: StateView<'_>) -> f64 {
         let open = |m: &super::SceneMesh| {
             let modes = at.discrete[m.modes()].chunks_exact(2);
             !m.clearances.is_empty() && modes.into_iter().all(|mode| mode[0] == 0.0)
@@ -89,7 +89,7 @@ impl Scene {
         }
     }
 
-    /// Time for which nothing touches, by the flights of the gears [s].
+    /// Returns the duration without contact from the flights of the gears [s].
     fn flight_lasts(&self) -> f64 {
         let mut shortest = f64::INFINITY;
         for mesh in &self.meshes {
@@ -111,8 +111,13 @@ impl Scene {
         shortest * (1.0 - 1e-9)
     }
 
-    /// [`SecondOrderSystem::flight_path`] of the scene.
-    pub(super) fn path_from(&mut self, at: At<'_>, later: f64, path: &mut FlightPath) -> f64 {
+    /// Computes [`SecondOrderSystem::flight_path`] of the scene.
+    pub(super) fn path_from(
+        &mut self,
+        at: StateView<'_>,
+        later: f64,
+        path: &mut FlightPath,
+    ) -> f64 {
         let until = self.flight_until(at);
         if until > later {
             path.begin(at.t);
@@ -126,7 +131,7 @@ impl Scene {
         until
     }
 
-    /// Energy of the next impact of a gear, were its flight to go on [J]; infinite where there is none.
+    /// Returns the energy of the next impact of a gear if its flight continued [J]; infinite where there is none.
     fn coming_impact(&self, gear: usize) -> f64 {
         let (mut soonest, mut energy) = (f64::INFINITY, f64::INFINITY);
         for mesh in self.meshes.iter().filter(|m| m.gears.contains(&gear)) {
@@ -149,7 +154,7 @@ impl Scene {
         energy
     }
 
-    /// Puts gears to rest that may lose their vibration; true when one did.
+    /// Removes the vibration of gears that permit it; returns true when it removed one.
     pub(super) fn cut_off_vibration(&mut self, s: &mut State) -> bool {
         if self.flight_until(s.at()) <= s.t {
             return false;
@@ -174,8 +179,8 @@ impl Scene {
         slept
     }
 
-    /// [`SecondOrderSystem::steady_work`] of the scene.
-    pub(super) fn work_of_flight(&self, from: At<'_>, to: At<'_>) -> Option<f64> {
+    /// Computes [`SecondOrderSystem::steady_work`] of the scene.
+    pub(super) fn work_of_flight(&self, from: StateView<'_>, to: StateView<'_>) -> Option<f64> {
         let mut work = 0.0;
         for g in &self.gears {
             let load = g.steady_load(from.t)?;

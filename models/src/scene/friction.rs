@@ -1,4 +1,4 @@
-//! Friction of a mesh at a state: its coefficient at a speed, and the history of what sticks.
+//! Friction of a mesh at a state: its coefficient at a speed, and the history of stick-slip friction.
 //!
 //! Stick-slip friction has a state for each flank of the first gear, in cells over the width where sliding differs there
 //! (helical gears): the part of the sliding force that was reached when the last step was accepted, and when that was. It
@@ -9,19 +9,19 @@ use super::members::{SceneGear, SceneMesh};
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use crate::law::Friction;
-use gearbench_integrators::system::{At, State};
+use gearbench_integrators::system::{State, StateView};
 
-/// Cells over the width of a helical mesh.
+/// Number of cells over the width of a helical mesh.
 const OVER_WIDTH: usize = 16;
 
-/// Friction of a mesh.
+/// Friction of a mesh with its history.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshFriction {
-    /// The law.
+    /// Friction law.
     pub law: Friction,
-    /// Offset of its discrete state: a time, then the cells.
+    /// Offset of the history in the discrete state: a time, then the cells.
     pub(super) discrete: usize,
-    /// Teeth of the first gear, cells over the width, the width [m].
+    /// Teeth of the first gear, cells over the width, and the width [m].
     teeth: usize,
     over_width: usize,
     width: f64,
@@ -38,7 +38,7 @@ impl MeshFriction {
         }
     }
 
-    /// Length of its discrete state.
+    /// Returns the length of the history.
     pub(super) fn cells(&self) -> usize {
         if self.law.sticks() {
             1 + 2 * self.teeth * self.over_width
@@ -47,7 +47,7 @@ impl MeshFriction {
         }
     }
 
-    /// Cell of a place on a flank.
+    /// Returns the cell of a position on a flank.
     fn cell(&self, (tooth, side, z): (Tooth, Side, f64)) -> usize {
         let tooth = tooth.index.rem_euclid(self.teeth as i64) as usize;
         let across = ((z / self.width + 0.5) * self.over_width as f64) as usize;
@@ -55,9 +55,9 @@ impl MeshFriction {
         self.discrete + 1 + flank * self.over_width + across.min(self.over_width - 1)
     }
 
-    /// The law at a speed of the first hub; places are still to be told.
+    /// Returns the law at a speed of the first hub, without the history of a position.
     #[inline]
-    pub(super) fn at(&self, gears: &[SceneGear], mesh: &SceneMesh, at: At<'_>) -> Friction {
+    pub(super) fn at(&self, gears: &[SceneGear], mesh: &SceneMesh, at: StateView<'_>) -> Friction {
         if self.law.film().is_none() {
             return self.law;
         }
@@ -65,9 +65,14 @@ impl MeshFriction {
         self.law.at_speed(first.model.hub().speed_at(first.at(at)))
     }
 
-    /// The law at a place: `law` is that of [`Self::at`].
+    /// Returns the law at a position; `law` is the result of [`Self::at`].
     #[inline]
-    pub(super) fn here(&self, law: Friction, place: (Tooth, Side, f64), at: At<'_>) -> Friction {
+    pub(super) fn here(
+        &self,
+        law: Friction,
+        place: (Tooth, Side, f64),
+        at: StateView<'_>,
+    ) -> Friction {
         if !law.sticks() {
             return law;
         }
@@ -77,7 +82,7 @@ impl MeshFriction {
 }
 
 impl Scene {
-    /// The history of friction begins at a state.
+    /// Starts the history of friction at a state.
     pub(super) fn begin_friction(&self, s: &mut State) {
         for f in self.meshes.iter().filter_map(|m| m.friction.as_ref()) {
             if f.cells() > 0 {
@@ -87,7 +92,8 @@ impl Scene {
         }
     }
 
-    /// Takes what friction has reached in every cell at an accepted state: the mean over its contacts by their forces.
+    /// Stores the fraction of the sliding force in every cell at an accepted state: the mean over its contacts,
+    /// weighted by their forces.
     pub(super) fn remember_friction(&mut self, s: &mut State) {
         self.evaluate_contacts(s.at());
         let mut reached = std::mem::take(&mut self.work.reached);

@@ -1,13 +1,13 @@
-//! Hubs from their settings: inertia, axes, and how they move beside their own turn or slide.
+//! Assembly of hubs: inertia, axes, and out-of-plane freedom.
 
 use crate::Vec3;
 use crate::error::{BuildError, GearPart, Reason};
-use crate::kinematics::{BodyMass, Hub, Lateral};
-use crate::spec::{Body, Freedom, GearSpec, LateralSpec, Mount, SpinTerms, UPRIGHT};
+use crate::kinematics::{BodyMass, Hub, OutOfPlane};
+use crate::spec::{Body, Freedom, GearSpec, Mount, OutOfPlaneSpec, SpinTerms, UPRIGHT};
 use nalgebra::Matrix3;
 use std::sync::Arc;
 
-/// The hub of a gear.
+/// Builds the hub of a gear.
 ///
 /// # Errors
 /// The mount is not for this gear, or a number of bearing or body cannot be.
@@ -52,7 +52,7 @@ pub fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
     }
     hub.lateral = match &g.lateral {
         Some(lateral) => {
-            let of = Across {
+            let of = LateralBody {
                 name: &g.name,
                 mount: &g.mount,
                 speed: g.speed,
@@ -66,7 +66,7 @@ pub fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
     Ok(hub)
 }
 
-/// Inertia tensor of a body with three or more equal sectors, about its hub.
+/// Returns the inertia tensor of a body with three or more equal sectors, about its hub.
 pub(super) fn round_tensor(g: &GearSpec) -> Matrix3<f64> {
     let about = g.own_inertia() + g.added_inertia;
     let added = g.lateral.as_ref().map_or(0.0, |l| l.added_mass);
@@ -81,29 +81,29 @@ pub(super) fn round_tensor(g: &GearSpec) -> Matrix3<f64> {
     Matrix3::from_diagonal(&Vec3::new(across, across, about))
 }
 
-/// What a body on a hub is that may move sideways.
-pub(super) struct Across<'a> {
+/// Specification of a body on a hub that may have out-of-plane freedom.
+pub(super) struct LateralBody<'a> {
     pub name: &'a str,
     pub mount: &'a Mount,
     pub speed: f64,
-    /// Its own mass [kg] and inertia tensor [kg m^2] where none are given.
+    /// Mass [kg] and inertia tensor [kg m^2] of the body where none are given.
     pub mass: f64,
     pub tensor: Matrix3<f64>,
 }
 
-/// Share of the lowest natural frequency of the tilt from which on the speed of a hub counts.
+/// Ratio of the hub speed to the lowest natural frequency of the tilt above which spin terms are included.
 const SLOW: f64 = 1e-3;
 
-/// The lateral directions of a hub and its body; `None` where all are held.
+/// Returns the out-of-plane freedom of a hub and its body, or `None` where all directions are fixed.
 pub(super) fn lateral_of(
-    g: &Across<'_>,
-    lateral: &LateralSpec,
+    g: &LateralBody<'_>,
+    lateral: &OutOfPlaneSpec,
     hub: &mut Hub,
-) -> Result<Option<Lateral>, BuildError> {
+) -> Result<Option<OutOfPlane>, BuildError> {
     let error = |why: Reason| BuildError::gear(g.name, GearPart::Mount, why);
     let own = hub.moving();
     let mut directions = lateral.directions.clone();
-    directions[own] = Freedom::Held;
+    directions[own] = Freedom::Fixed;
     for (d, freedom) in directions.iter().enumerate() {
         if let Freedom::Driven(p) = freedom
             && let Some(problem) = p.problem()
@@ -113,7 +113,7 @@ pub(super) fn lateral_of(
             ));
         }
     }
-    if directions.iter().all(|d| *d == Freedom::Held) {
+    if directions.iter().all(|d| *d == Freedom::Fixed) {
         return Ok(None);
     }
     let b = &lateral.bearing;
@@ -202,7 +202,7 @@ pub(super) fn lateral_of(
     };
     let tilts = [3, 4]
         .into_iter()
-        .filter(|d| directions[*d] != Freedom::Held);
+        .filter(|d| directions[*d] != Freedom::Fixed);
     let slowest = tilts
         .map(|d| (b.stiffness[d][d] / inertia[(d - 3, d - 3)]).sqrt())
         .fold(f64::INFINITY, f64::min);
@@ -214,7 +214,7 @@ pub(super) fn lateral_of(
             own == 5 && (gyroscopic > SLOW * slowest || (!body.is_round() && fastest > 0.0))
         }
     };
-    Ok(Some(Lateral {
+    Ok(Some(OutOfPlane {
         directions,
         bearing: *b,
         body,

@@ -1,4 +1,4 @@
-//! Two rigid gears on one constant spring and damper, from event to event in closed form.
+//! Closed-form motion from event to event of two rigid gears on one constant spring and damper.
 //!
 //! With the displacements `x` of both gears the gap of left flanks is `g_l = G_l + y`, that of right flanks `g_r = G_r - y`,
 //! `y = p . x`. Under steady loads, with `1/m = sum p^2/J` over the gears that are free, `a_0` the acceleration of `y`
@@ -8,40 +8,40 @@
 //! y'' = a_0 + (N_l - N_r)/m,    x_i = u_i + m p_i/J_i y,    u_i'' = T_i/J_i - m p_i/J_i a_0
 //! ```
 //!
-//! so that `y` is one damped oscillator under a constant load, flight or contact, and `u` a motion under constant loads.
-//! The next event is the first fall to zero of a force `N` that is closed, or of an open gap (of a force that rises, where
-//! a damper released flanks that still overlap): a root of a quadratic in flight, of `N_e + e^(-d t) (P cos w t + Q sin w
-//! t)` in contact, whose extremes are known, between two of which it is bracketed.
+//! so that `y` is one damped oscillator under a constant load, in flight or contact, and `u` a motion under constant
+//! loads. The next event is the first fall to zero of the force `N` of a closed contact, or of an open gap (or the
+//! rise of a force, after a damper released flanks that still overlap): a root of a quadratic in flight, and of `N_e +
+//! e^(-d t) (P cos w t + Q sin w t)` in contact, whose extremes are known and bracket it.
 //!
 //! **Where it holds**: one mesh, rigid gears, unmodified equal teeth, one stiffness for the whole mesh that does not vary
 //! along the path, a law linear in gap and gap rate, no friction, backlash, damping below critical; loads that are steady.
 
 use super::assembled::Scene;
-use super::direct::Follows;
+use super::direct::FlankMotion;
 use super::members::{SceneGear, SceneMesh};
 use crate::geometry::Side;
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::modal::propagator::coefficients;
-use gearbench_integrators::system::{At, Events};
+use gearbench_integrators::system::{Events, StateView};
 
-/// Steps in which observers see a contact, in radians of its oscillation.
+/// Step in which observers resolve a contact, in radians of its oscillation.
 const PHASE: f64 = 0.5;
-/// Corrections of the time of an event.
+/// Largest number of corrections of the time of an event.
 const MAX_CORRECTIONS: u32 = 100;
 
-/// The one spring of a scene that it holds for.
+/// The single spring of a scene with a closed form.
 #[derive(Clone, Debug)]
 pub(super) struct OneSpring {
     /// Gaps of left and of right flanks at the assembled position [m].
     gaps: [f64; 2],
     /// Change of the gap of left flanks by the displacement of each gear [m] or [-].
     per_displacement: [f64; 2],
-    /// [N/m], [N s/m]
+    /// Stiffness [N/m] and damping [N s/m].
     stiffness: f64,
     damper: f64,
 }
 
-/// One side of the teeth: its gap is `gap + sign y`.
+/// One side of the teeth, with the gap `gap + sign y`.
 #[derive(Clone, Copy, Debug)]
 struct Flank {
     gap: f64,
@@ -50,11 +50,11 @@ struct Flank {
 }
 
 impl OneSpring {
-    /// That of a scene, if there is one.
+    /// Returns the single spring of a scene, if there is one.
     pub(super) fn of(gears: &[SceneGear], meshes: &[SceneMesh]) -> Option<Self> {
         let [mesh] = meshes else { return None };
         let pairs = mesh.search.pairs()?;
-        let rigid = gears.len() == 2 && gears.iter().all(|g| g.follows == Follows::Hub);
+        let rigid = gears.len() == 2 && gears.iter().all(|g| g.follows == FlankMotion::Hub);
         let fits = rigid
             && mesh.arms.is_some()
             && pairs.is_one_constant_spring()
@@ -72,16 +72,16 @@ impl OneSpring {
     }
 }
 
-/// What `alpha y + beta y'` is along an oscillation about its rest.
+/// Damped oscillation about its static position, in which `alpha y + beta y'` is evaluated.
 #[derive(Clone, Copy, Debug)]
-struct Swing {
+struct DampedOscillation {
     omega: f64,
     zeta: f64,
     load: f64,
     start: [f64; 2],
 }
 
-impl Swing {
+impl DampedOscillation {
     fn at(&self, t: f64) -> [f64; 2] {
         let c = coefficients(self.omega, self.zeta, t);
         let [y, v] = self.start;
@@ -91,13 +91,13 @@ impl Swing {
         ]
     }
 
-    /// Acceleration at a place and speed.
+    /// Returns the acceleration at a position and speed.
     fn acceleration(&self, [y, v]: [f64; 2]) -> f64 {
         self.load - 2.0 * self.zeta * self.omega * v - self.omega * self.omega * y
     }
 
-    /// The first time [s] at which `f = offset + alpha y + beta y'` falls to zero in an oscillation; infinite where it
-    /// does not. Minima of a decaying oscillation only rise, so that the first one tells.
+    /// Returns the first time [s] at which `f = offset + alpha y + beta y'` falls to zero in an oscillation, or
+    /// infinity. Minima of a decaying oscillation only rise, so that the first one decides.
     fn falls(&self, offset: f64, [alpha, beta]: [f64; 2]) -> f64 {
         let value = |x: [f64; 2]| offset + alpha * x[0] + beta * x[1];
         let slope = |x: [f64; 2]| alpha * x[1] + beta * self.acceleration(x);
@@ -158,7 +158,7 @@ impl Swing {
     }
 }
 
-/// The first time after 0 at which `c + b t + a t^2 / 2` crosses zero, downwards or upwards; infinite where it does not.
+/// Returns the first time after 0 at which `c + b t + a t^2 / 2` crosses zero in the given direction, or infinity.
 fn crosses(c: f64, b: f64, a: f64, downwards: bool) -> f64 {
     let sign = if downwards { 1.0 } else { -1.0 };
     let (c, b, a) = (sign * c, sign * b, sign * a);
@@ -177,12 +177,12 @@ fn crosses(c: f64, b: f64, a: f64, downwards: bool) -> f64 {
 }
 
 impl Scene {
-    /// [`FreeFlight::linear_path`](gearbench_integrators::FreeFlight::linear_path) of the scene.
-    pub(super) fn linear_path_from(&self, at: At<'_>, path: &mut FlightPath) -> f64 {
+    /// Computes [`FreeFlight::linear_path`](gearbench_integrators::FreeFlight::linear_path) of the scene.
+    pub(super) fn linear_path_from(&self, at: StateView<'_>, path: &mut FlightPath) -> f64 {
         self.one_spring_path(at, path).unwrap_or(at.t)
     }
 
-    fn one_spring_path(&self, at: At<'_>, path: &mut FlightPath) -> Option<f64> {
+    fn one_spring_path(&self, at: StateView<'_>, path: &mut FlightPath) -> Option<f64> {
         let spring = self.one_spring.as_ref()?;
         let mesh = &self.meshes[0];
         let p = spring.per_displacement;
@@ -230,7 +230,7 @@ impl Scene {
             return None;
         }
         let omega = (loose * k * count).sqrt();
-        let swing = Swing {
+        let swing = DampedOscillation {
             omega,
             zeta: if count > 0.0 {
                 0.5 * loose * c / omega
@@ -293,8 +293,8 @@ impl Scene {
     }
 }
 
-/// When an open flank in flight is closed [s]: its gap falls to zero, or, while it still overlaps after a damper released
-/// it, its force rises to zero.
+/// Returns the time at which an open flank in flight closes [s]: its gap falls to zero, or, while it still overlaps
+/// after a release with a damper, its force rises to zero.
 fn touches([g, rate, acceleration]: [f64; 3], k: f64, c: f64) -> f64 {
     // A gap that rounding leaves a hair beside zero belongs to the side that its rate leads to.
     let parts = crosses(g, rate, acceleration, false);

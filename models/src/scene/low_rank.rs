@@ -1,47 +1,47 @@
-//! Low-rank terms of a Newton correction, each on the few members that it touches.
+//! Low-rank terms of a Newton correction, each on the few members that it involves.
 //!
 //! ```text
 //! A = A0 - U V,    x = x0 + Z y,    (D - V Z) y = V x0,    Z = A0^-1 U
 //! ```
 //!
-//! with a row of `V` and a column of `U` for each term, `D` one where the term is a force that answers to `x` and zero where it
-//! is one that lets nothing give way. A term has entries of its own members alone, so that two terms meet in `V Z`
-//! where they share one: of a train the equations form a band, and the cost of a correction grows with its length.
+//! with a row of `V` and a column of `U` for each term; `D` is one for a force that depends on `x` and zero for a
+//! rigid link. A term has entries of its own members alone, so that two terms couple in `V Z` only through a common
+//! member: for a train the equations form a band, and the cost of a correction grows with its length.
 
 use gearbench_integrators::dense_solve::{solve_banded, solve_in_place};
 use gearbench_integrators::system::Singular;
 use std::ops::Range;
 
-/// Part of a term on a member.
+/// Part of a term on one member.
 #[derive(Clone, Debug)]
 struct Part {
     member: usize,
-    /// Coordinates of the member in the scene.
+    /// Range of the coordinates of the member in the scene.
     on: Range<usize>,
-    /// Where its entries begin.
+    /// Index of its first entry.
     from: usize,
 }
 
-/// The terms; buffers grow and stay.
+/// Low-rank terms; buffers are reused.
 #[derive(Debug, Default)]
 pub(super) struct LowRank {
-    /// Row and column of the term that is being made, of all coordinates; zero between terms.
+    /// Row and column of the term under construction, over all coordinates; zero between terms.
     pub row: Vec<f64>,
     pub column: Vec<f64>,
-    /// Parts of all terms, where those of each end, and its entry of `D`.
+    /// Parts of all terms, the end of the parts of each term, and its entry of `D`.
     parts: Vec<Part>,
     terms: Vec<(usize, f64)>,
     /// Entries of rows and columns.
     v: Vec<f64>,
     z: Vec<f64>,
-    /// Terms of each member, and which of their parts is its own.
+    /// Terms of each member, with the index of the part on this member.
     of_member: Vec<Vec<(usize, usize)>>,
     small: Vec<f64>,
     rhs: Vec<f64>,
 }
 
 impl LowRank {
-    /// Forgets all terms; `n` coordinates of so many members.
+    /// Removes all terms, for `n` coordinates of a number of members.
     pub fn begin(&mut self, n: usize, members: usize) {
         self.row.resize(n, 0.0);
         self.column.resize(n, 0.0);
@@ -53,7 +53,7 @@ impl LowRank {
         self.z.clear();
     }
 
-    /// Takes the row and the column at hand as a term on these members, in ascending order.
+    /// Adds the present row and column as a term on these members, in ascending order.
     pub fn push(&mut self, members: impl Iterator<Item = (usize, Range<usize>)>, unit: f64) {
         for (member, on) in members {
             let from = self.v.len();
@@ -71,7 +71,7 @@ impl LowRank {
         debug_assert!(self.row.iter().chain(&self.column).all(|x| *x == 0.0));
     }
 
-    /// `Z = A0^-1 U`, by the members; `correct` does it for the coordinates of one.
+    /// Computes `Z = A0^-1 U` by members; `correct` solves for the coordinates of one member.
     pub fn correct(
         &mut self,
         mut correct: impl FnMut(usize, &mut [f64]) -> Result<(), Singular>,
@@ -84,13 +84,13 @@ impl LowRank {
         Ok(())
     }
 
-    /// Parts of a term.
+    /// Returns the parts of a term.
     fn of_term(&self, term: usize) -> &[Part] {
         let from = if term == 0 { 0 } else { self.terms[term - 1].0 };
         &self.parts[from..self.terms[term].0]
     }
 
-    /// `x0 -> x`.
+    /// Computes `x` from `x0` in place.
     pub fn solve(&mut self, x: &mut [f64]) -> Result<(), Singular> {
         let n = self.terms.len();
         let mut small = std::mem::take(&mut self.small);

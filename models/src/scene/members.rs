@@ -1,40 +1,40 @@
-//! Gears and meshes as they stand in a scene: where their coordinates and their discrete state are.
+//! Gears and meshes in a scene, with the positions of their coordinates and of their discrete state.
 
-use super::direct::Follows;
+use super::direct::FlankMotion;
 use super::friction::MeshFriction;
 use crate::Vec3;
-use crate::contact::{LineClearance, Party, Search};
+use crate::contact::{GearState, LineClearance, Search};
 use crate::gear::GearModel;
 use crate::law::{Law, UNTOUCHED, touch_speed};
 use crate::spec::{Load, Profile};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 /// A gear in the scene.
 pub struct SceneGear {
     /// Name from the scene.
     pub name: String,
-    /// Id of its model.
+    /// Identifier of the gear model.
     pub id: String,
-    /// The model.
+    /// Gear model.
     pub model: Box<dyn GearModel>,
     /// Loads on its hub.
     pub loads: Vec<Load>,
-    /// Its coordinates are `q[offset.0 .. offset.0 + n]`.
+    /// Offset and number of its coordinates, `q[offset .. offset + n]`.
     pub(super) offset: usize,
     pub(super) n: usize,
     pub(super) discrete: (usize, usize),
-    /// It has forces of its own.
+    /// True if the gear has internal forces.
     pub(super) internal: bool,
-    /// What its flanks follow.
-    pub(super) follows: Follows,
-    /// Cells of its discrete state, from the first on, that say by which coordinates teeth move.
+    /// Motion that the flanks follow.
+    pub(super) follows: FlankMotion,
+    /// Number of cells of its discrete state, from the first on, that determine by which coordinates teeth move.
     pub(super) places: usize,
-    /// The loads on its hub where they never change and act on its first coordinate alone [N m] or [N].
+    /// Sum of the loads on its hub where they are constant and act on its first coordinate alone [N m or N].
     pub(super) constant_load: Option<f64>,
 }
 
 impl SceneGear {
-    /// A gear that has not found its place yet.
+    /// Creates a gear before its coordinates are numbered.
     pub(super) fn new(name: &str, id: &str, model: Box<dyn GearModel>, loads: &[Load]) -> Self {
         SceneGear {
             name: name.into(),
@@ -45,20 +45,20 @@ impl SceneGear {
             n: 0,
             discrete: (0, 0),
             internal: true,
-            follows: Follows::Several,
+            follows: FlankMotion::Several,
             places: 0,
             constant_load: None,
         }
     }
 
-    /// The gear's own slice of a state.
+    /// Returns the part of a state that belongs to the gear.
     #[inline(always)]
-    pub fn at<'a>(&self, at: At<'a>) -> At<'a> {
+    pub fn at<'a>(&self, at: StateView<'a>) -> StateView<'a> {
         let (own, cells) = (
             self.range(),
             self.discrete.0..self.discrete.0 + self.discrete.1,
         );
-        At {
+        StateView {
             t: at.t,
             q: &at.q[own.clone()],
             v: &at.v[own],
@@ -66,7 +66,7 @@ impl SceneGear {
         }
     }
 
-    /// Load on the hub [N m] or [N] at a time and hub speed.
+    /// Returns the load on the hub [N m or N] at a time and hub speed.
     pub fn load(&self, t: f64, speed: f64) -> f64 {
         self.loads
             .iter()
@@ -77,7 +77,7 @@ impl SceneGear {
             .sum()
     }
 
-    /// Notes the loads on its hub where they never change.
+    /// Stores the sum of the loads on the hub where they are constant.
     pub(super) fn note_load(&mut self) {
         let hub = self.model.hub();
         let constant = |l: &Load| matches!(l, Load::Applied(Profile::Constant(_)));
@@ -86,9 +86,9 @@ impl SceneGear {
         self.constant_load = known.then(|| self.load(0.0, 0.0));
     }
 
-    /// Adds the load on a hub that is free to move to the scene's forces.
+    /// Adds the load on a free hub to the forces of the scene.
     #[inline]
-    pub(super) fn add_load(&self, at: At<'_>, f: &mut [f64]) {
+    pub(super) fn add_load(&self, at: StateView<'_>, f: &mut [f64]) {
         if self.loads.is_empty() {
             return;
         }
@@ -110,13 +110,13 @@ impl SceneGear {
             .sum()
     }
 
-    /// Range of its coordinates in the scene's.
+    /// Returns the range of its coordinates in the scene.
     #[inline]
     pub fn range(&self) -> std::ops::Range<usize> {
         self.offset..self.offset + self.n
     }
 
-    /// What loads apply to the hub whatever its speed [N m] or [N].
+    /// Returns the applied load on the hub [N m or N], independent of its speed.
     pub(super) fn applied(&self, t: f64) -> f64 {
         let value = |l: &Load| match l {
             Load::Applied(p) => p.value(t),
@@ -125,7 +125,7 @@ impl SceneGear {
         self.loads.iter().map(value).sum()
     }
 
-    /// Its rate.
+    /// Returns the rate of the applied load.
     pub(super) fn applied_rate(&self, t: f64) -> f64 {
         let slope = |l: &Load| match l {
             Load::Applied(p) => p.slope(t),
@@ -134,8 +134,8 @@ impl SceneGear {
         self.loads.iter().map(slope).sum()
     }
 
-    /// The load on its hub where that is constant from `t` until the next breakpoint; 0 for a hub that is not free. None
-    /// where its speed is prescribed otherwise than linear in time: nobody extrapolates that.
+    /// Returns the load on the hub if it is constant from `t` until the next breakpoint; 0 for a hub that is not free.
+    /// `None` where its speed is prescribed other than linearly in time.
     pub(super) fn steady_load(&self, t: f64) -> Option<f64> {
         let hub = self.model.hub();
         if !hub.is_free() {
@@ -156,8 +156,8 @@ impl SceneGear {
 /// Flanks of one side of a mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ActingFlanks {
-    /// The point halfway along the path of contact and of the width [m], and the normal from the first gear to the second there;
-    /// none where the mesh has no line of action.
+    /// Midpoint of the path of contact and of the width [m], and the normal from the first gear to the second there;
+    /// `None` where the mesh has no line of action.
     pub middle: Option<(Vec3, Vec3)>,
     /// Gap at the assembled position [m].
     pub gap: f64,
@@ -169,58 +169,59 @@ pub struct SceneMesh {
     pub gears: [usize; 2],
     /// Direction halfway between the axes of its gears.
     pub axis: Vec3,
-    /// Ways of the flanks towards each other along the line of action by a unit of the hubs' own motion: effective base radii, of
-    /// an internal gear below zero; a rack recedes as its mate approaches.
+    /// Approach of the flanks along the line of action per unit of the hubs' own motion: effective base radii,
+    /// negative for an internal gear; a rack recedes as its mate approaches.
     pub towards: [f64; 2],
-    /// Its left and its right flanks.
+    /// Left and right flanks.
     pub(super) acting: [ActingFlanks; 2],
-    /// Finds candidate points.
+    /// Search for candidate points.
     pub search: Search,
-    /// Normal law.
+    /// Normal contact law.
     pub law: Law,
-    /// Sliding friction.
+    /// Friction of the mesh.
     pub friction: Option<MeshFriction>,
-    /// Its contact has no penalty.
+    /// True if the contact has no penalty.
     pub(super) hard: bool,
     /// Effective radius arms of both gears on each line of action, where contacts need no candidates.
     pub(super) arms: Option<Vec<[f64; 2]>>,
-    /// Its gears are rigid bodies that move in space, and contacts need no candidates.
+    /// True if the gears are rigid bodies that move in space, and contacts need no candidates.
     pub(super) bodies: bool,
-    /// One of its gears has a displacement field, or its flanks touch along lines.
+    /// True if one of its gears has a displacement field, or its flanks touch along lines.
     pub(super) nodal: bool,
-    /// What facing flanks are apart at least, were the gears rigid.
+    /// Lower bounds of the gaps between facing flanks of rigid gears.
     pub(super) clearances: Vec<LineClearance>,
-    /// How far the points of the flanks may stand off what [`Self::clearances`] are made of [m].
+    /// Largest deviation of the flank points from the flanks of [`Self::clearances`] [m].
     pub(super) gap_bound: f64,
     /// Offset of its discrete state, and of its event functions.
     pub(super) discrete: usize,
     pub(super) event_functions: usize,
-    /// What the search says of itself: cells of discrete state, contact slots, event functions.
+    /// Numbers of cells of discrete state, contact slots and event functions of the search.
     pub(super) cells: usize,
     pub(super) slots: usize,
     pub(super) zones: usize,
 }
 
 impl SceneMesh {
-    /// Its contacts take energy: by dampers or by friction.
+    /// Returns true if its contacts dissipate energy, by dampers or by friction.
     #[inline]
     pub(super) fn dissipates(&self) -> bool {
         self.law.is_dissipative() || self.friction.is_some()
     }
 
-    /// Its search's own part of the discrete state.
+    /// Returns the range of the search in the discrete state.
     #[inline]
     pub fn search_discrete(&self) -> std::ops::Range<usize> {
         self.discrete..self.discrete + self.cells
     }
 
-    /// Modes and impact speeds of its slots.
+    /// Returns the range of modes and impact speeds of its slots.
     #[inline]
     pub(super) fn modes(&self) -> std::ops::Range<usize> {
         self.slot(0)..self.slot(self.slots)
     }
 
-    /// [Touch speed](touch_speed) of a contact with a gap rate [m/s]; contacts of a search without slots store none.
+    /// Returns the [impact speed](touch_speed) of a contact from its gap rate [m/s]; contacts of a search without
+    /// slots store none.
     #[inline]
     pub(super) fn impact_speed(&self, discrete: &[f64], slot: usize, g_rate: f64) -> f64 {
         let stored = if slot < self.slots {
@@ -231,7 +232,7 @@ impl SceneMesh {
         touch_speed(stored, g_rate)
     }
 
-    /// Mode of a contact; 0 with a search without slots.
+    /// Returns the mode of a contact; 0 for a search without slots.
     #[inline]
     pub(super) fn mode(&self, discrete: &[f64], slot: usize) -> f64 {
         if slot < self.slots {
@@ -248,14 +249,14 @@ impl SceneMesh {
 }
 
 #[inline(always)]
-pub(super) fn parties<'a>(
+pub(super) fn gear_states<'a>(
     gears: &'a [SceneGear],
     mesh: &SceneMesh,
-    at: At<'a>,
-) -> (Party<'a>, Party<'a>) {
-    let party = |i: usize| Party {
+    at: StateView<'a>,
+) -> (GearState<'a>, GearState<'a>) {
+    let gear_state = |i: usize| GearState {
         gear: gears[i].model.as_ref(),
         at: gears[i].at(at),
     };
-    (party(mesh.gears[0]), party(mesh.gears[1]))
+    (gear_state(mesh.gears[0]), gear_state(mesh.gears[1]))
 }

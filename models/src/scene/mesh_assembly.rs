@@ -1,4 +1,4 @@
-//! A mesh from its settings: lines of action over slices, and the law of its contact.
+//! Assembly of a mesh: lines of action over slices, and the contact law.
 
 use super::friction::MeshFriction;
 use super::hubs::hub_of;
@@ -17,13 +17,14 @@ use crate::spec::{
     layout_axes, stiffness_curve,
 };
 
-/// Slices of a mesh whose contact varies over the width.
+/// Number of slices of a mesh whose contact varies over the width.
 const DEFAULT_SLICES: usize = 16;
 
-/// Samples of a modified flank along the path.
+/// Number of samples of a modified flank along the path.
 const FLANK_SAMPLES: usize = 257;
 
-/// Separations of the left and the right flanks of gear `k` of a mesh at places of the common width in [-1, 1].
+/// Returns the separations of the left and the right flanks of gear `k` of a mesh at positions over the common width
+/// in [-1, 1].
 fn separations(
     l: &MeshLayout,
     gears: [&GearSpec; 2],
@@ -72,7 +73,7 @@ fn separations(
     [left, of_side(Side::Right)]
 }
 
-/// A place of the common width of a mesh on the width of one of its gears, both in [-1, 1].
+/// Converts a position over the common width of a mesh to one over the width of one of its gears, both in [-1, 1].
 fn own_place(l: &MeshLayout, width: f64, k: usize, zeta: f64) -> f64 {
     if l.heights[k] == 0.0 && l.face_width == width {
         return zeta;
@@ -190,26 +191,26 @@ pub(super) fn lines_of_action(
     Ok((search, law, geometry))
 }
 
-/// Angle between axes that counts as none [rad].
+/// Largest angle between axes that count as parallel [rad].
 const PARALLEL: f64 = 1e-12;
 
-/// Whether hubs of gears on parallel axes move, but do not tilt.
+/// Returns true if hubs of gears on parallel axes move without tilt.
 fn moves_in_plane(hubs: &[Hub; 2]) -> bool {
     let [a, b] = hubs;
-    let holds = |hub: &Hub, d: usize| hub.directions()[d] == Direction::Held;
+    let holds = |hub: &Hub, d: usize| hub.directions()[d] == Direction::Fixed;
     let upright = |hub: &Hub| hub.slide.is_none() && holds(hub, 3) && holds(hub, 4);
     let moves = hubs.iter().any(|hub| hub.lateral.is_some());
     moves && hubs.iter().all(upright) && a.axes[2].cross(&b.axes[2]).norm() <= PARALLEL
 }
 
-/// Whether flanks have to be looked at in space.
+/// Returns true if flanks have to be evaluated in space.
 fn is_spatial(hubs: &[Hub; 2]) -> bool {
     let [a, b] = hubs.each_ref().map(|hub| hub.axes[2]);
     hubs.iter().any(|hub| hub.lateral.is_some()) || a.cross(&b).norm() > PARALLEL
 }
 
-/// The gear of a mesh whose sections are the slices, whichever comes first: the narrower one, else that of fewer teeth, else
-/// by name; never a rack.
+/// Returns the gear of a mesh whose sections are the slices, independent of the order: the narrower one, otherwise
+/// that of fewer teeth, otherwise by name; never a rack.
 fn sliced_gear([a, b]: [&GearSpec; 2]) -> usize {
     let Body::Gear(_) = b.body else { return 0 };
     let order = |g: &GearSpec| {
@@ -227,7 +228,7 @@ fn sliced_gear([a, b]: [&GearSpec; 2]) -> usize {
     usize::from(first.is_gt())
 }
 
-/// An error of the law of a mesh.
+/// Converts an error of the law of a mesh.
 fn law_error(gears: [&str; 2], e: &LawError) -> BuildError {
     let part = match e {
         LawError::Exponent { .. } => MeshPart::Exponent,
@@ -274,7 +275,8 @@ fn law_of(
         .map_err(|e| law_error([&a.name, &b.name], &e))
 }
 
-/// Friction of a mesh; a film learns load, curvature and speeds at the pitch point.
+/// Returns the friction of a mesh; the coefficient of a film follows from load, curvature and speeds at the pitch
+/// point.
 pub(super) fn friction_of(
     spec: &SceneSpec,
     mesh: &MeshSpec,
@@ -302,8 +304,8 @@ pub(super) fn friction_of(
     Some(MeshFriction::new(law, teeth, helix != 0.0, l.face_width))
 }
 
-/// Largest force along the line of action that loads put on a mesh [N]: those on its own gears and their shafts, else those on any gear
-/// of the scene, whose torque a train hands on.
+/// Returns the largest force along the line of action from the loads on a mesh [N]: those on its own gears and their
+/// shafts, otherwise those on any gear of the scene, whose torque the train transmits.
 fn load_of(spec: &SceneSpec, mesh: &MeshSpec) -> f64 {
     let of = |i: usize| {
         let speed = initial_speed(&spec.gears[i]);

@@ -1,4 +1,4 @@
-//! The assembled scene: gears on their mounts, loads, meshes, as one second-order system.
+//! The assembled scene: gears on their mounts, loads and meshes as one second-order system.
 //!
 //! `M q'' = f_int(q, q') + f_load(t, q') + sum_c (w_c N_c + t_c F_c)`: `w = dg/dq` is the contact row, `t` the
 //! sliding row. Newton corrections solve the gears' own blocks and add the contacts as low-rank terms
@@ -11,8 +11,8 @@
 //!
 //! Contacts of flank points have no event functions: a scene with such a mesh reports none and is never located.
 //!
-//! Discrete state layout: `[located, gears..., meshes...]`; a mesh holds its search's discrete state and then per
-//! contact slot `(mode, impact speed)`, mode 1 closed and 0 open; behind them what its friction remembers.
+//! Discrete state layout: `[located, gears..., meshes...]`; a mesh has the discrete state of its search, then `(mode,
+//! impact speed)` per contact slot, with mode 1 closed and 0 open, then the history of its friction.
 mod active;
 mod assembled;
 mod assembly;
@@ -21,6 +21,7 @@ mod assembly_points;
 mod bodies;
 mod carriers;
 pub mod channels;
+mod checks;
 mod condensed;
 mod contacts;
 mod correction;
@@ -40,7 +41,6 @@ mod nodal;
 mod nodal_newton;
 mod outputs;
 mod placement;
-mod plausible;
 mod scales;
 mod shafts;
 mod small_signals;
@@ -48,7 +48,7 @@ mod system;
 mod workspace;
 
 pub use assembled::Scene;
-pub use bodies::Pictured;
+pub use bodies::GearPicture;
 pub use channels::{Channel, OfGear, OfMesh};
 pub use contacts::{ContactExtent, ContactForce};
 pub use deformed::DeformedFlank;
@@ -56,4 +56,4 @@ pub use friction::MeshFriction;
 pub use hubs::hub_of;
 pub use members::{SceneGear, SceneMesh};
 pub use modal::Coupling;
-pub use small_signals::{Linearised, Mechanism, StrainIn};
+pub use small_signals::{LinearisedScene, Mechanism, StrainIn};

@@ -1,13 +1,15 @@
-//! The scene as independent oscillators and a rest, for methods that are exact for the linear part.
+//! The scene as independent oscillators and a remainder, for methods that are exact for the linear part.
 
 use super::assembled::Scene;
 use crate::gear::LinearMotion;
-use gearbench_integrators::system::{At, Events, HalfKick, ModalSplit, SecondOrderSystem, State};
+use gearbench_integrators::system::{
+    Events, HalfStepImpulse, ModalSplit, SecondOrderSystem, State, StateView,
+};
 
-/// Reason why the coordinates of a scene are no independent oscillators.
+/// Reason why the coordinates of a scene are not independent oscillators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coupling {
-    /// Gears go round on a carrier, whose rotation couples them.
+    /// A carrier rotates with its gears and couples them.
     Carrier,
     /// Gyroscopic terms couple the directions of a gear on its bearing.
     Gyroscopic(usize),
@@ -15,14 +17,14 @@ pub enum Coupling {
     Coriolis(usize),
     /// The bearing of a gear has clearance, or couples its directions.
     Bearing(usize),
-    /// The coordinates of a gear are none of a linear body.
+    /// The coordinates of a gear are not those of a linear body.
     Gear(usize),
-    /// A rigid shaft joins coordinates that swing.
+    /// A rigid shaft joins coordinates that oscillate.
     Shaft,
 }
 
 impl Scene {
-    /// Why the coordinates are no independent oscillators; `None` where they are.
+    /// Returns the reason why the coordinates are not independent oscillators, or `None` where they are.
     pub fn coupling(&self) -> Option<Coupling> {
         if self.oscillators {
             return None;
@@ -81,7 +83,7 @@ impl ModalSplit for Scene {
         self.balanced && s.t == start.t && s.q == start.q && s.v == start.v
     }
 
-    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
         a.fill(0.0);
         for g in &self.gears {
             g.add_load(at, a);
@@ -95,7 +97,7 @@ impl ModalSplit for Scene {
         self.solve_mass(at, a);
     }
 
-    fn remainder_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, a: &mut [f64]) {
+    fn remainder_after(&mut self, at: StateView<'_>, impulse: &HalfStepImpulse<'_>, a: &mut [f64]) {
         if !self.implicit_dissipation {
             return self.remainder(at, a);
         }
@@ -107,12 +109,12 @@ impl ModalSplit for Scene {
             }
         }
         self.add_shafts(at, a);
-        self.evaluate_after(at, kick, a);
+        self.evaluate_after(at, impulse, a);
         self.add_contact_forces(a);
         self.solve_mass(at, a);
     }
 
-    fn steady(&mut self, at: At<'_>, a: &mut [f64]) -> f64 {
+    fn steady(&mut self, at: StateView<'_>, a: &mut [f64]) -> f64 {
         a.fill(0.0);
         if !self.shafts.is_empty() {
             return at.t;

@@ -1,20 +1,19 @@
-//! Tangent and Newton correction of a scene that has gears with displacement fields, in the coordinates that
-//! [`Reduced`] numbers.
+//! Tangent and Newton correction of a scene with displacement fields, in the coordinates of [`ReducedTangent`].
 
 use super::assembled::Scene;
 use super::members::SceneMesh;
-use super::nodal::{Entry, NodalActive, Reduced, rows_of};
+use super::nodal::{Entry, NodalActive, ReducedTangent, rows_of};
 use crate::Vec3;
 use crate::gear::{add_response, condensed};
 use crate::kinematics::Row;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 
 impl Scene {
     /// Adds the contacts to `x0 = A0^-1 rhs`.
     pub(super) fn correct_nodal(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         x: &mut [f64],
     ) -> Result<(), Singular> {
@@ -30,10 +29,10 @@ impl Scene {
 
     fn correct_reduced(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         x: &mut [f64],
-        b: &mut Reduced,
+        b: &mut ReducedTangent,
     ) -> Result<(), Singular> {
         let Scene {
             gears,
@@ -48,13 +47,13 @@ impl Scene {
         for ((a, rows), t) in work.active.iter().zip(&work.rows).zip(&work.tangents) {
             b.add_contact(a, t, rows, c);
         }
-        for answer in &work.answers {
-            let to = (&work.tangents[answer.to], &work.rows[answer.to][0]);
-            b.add_answer(
-                answer,
-                &work.rows[answer.of],
+        for coupling in &work.couplings {
+            let to = (&work.tangents[coupling.to], &work.rows[coupling.to][0]);
+            b.add_coupling(
+                coupling,
+                &work.rows[coupling.of],
                 to,
-                &work.active[answer.of],
+                &work.active[coupling.of],
                 c,
             );
         }
@@ -155,7 +154,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Adds what the nodal contacts' forces change by along a direction of coordinates and velocities.
+    /// Adds the change of the nodal contact forces along a direction of coordinates and velocities.
     pub(super) fn add_nodal_tangent(&mut self, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
         let mut b = std::mem::take(&mut self.work.reduced);
         let Scene {
@@ -167,7 +166,7 @@ impl Scene {
         let nodal = &mut work.nodal;
         b.collect(gears, nodal, &[], df.len());
         b.rows(gears, meshes, nodal);
-        let along = |b: &mut Reduced, x: &[f64]| -> Vec<f64> {
+        let along = |b: &mut ReducedTangent, x: &[f64]| -> Vec<f64> {
             let mut y = vec![0.0; b.size];
             for (i, g) in gears.iter().enumerate() {
                 let (touched, start, of_nodes) = &b.touched[i];
@@ -260,13 +259,19 @@ impl Scene {
         self.work.reduced = b;
     }
 
-    /// Prescribed part of the rate of a point along a direction [m/s]; with it the gap that it fades out with.
-    pub(super) fn nodal_drift(&self, a: &NodalActive, along: (Vec3, f64), at: At<'_>) -> f64 {
+    /// Returns the prescribed part of the rate of a point along a direction [m/s]; the direction comes with the gap in
+    /// its tip taper.
+    pub(super) fn nodal_drift(
+        &self,
+        a: &NodalActive,
+        along: (Vec3, f64),
+        at: StateView<'_>,
+    ) -> f64 {
         let p = &self.work.nodal.found.points[a.point];
         let mesh = &self.meshes[p.mesh as usize];
-        let standings = mesh.gears.map(|g| {
+        let hub_poses = mesh.gears.map(|g| {
             let own = self.gears[g].at(at);
-            self.gears[g].model.hub().hub.standing(own.t, own.q)
+            self.gears[g].model.hub().hub.hub_pose(own.t, own.q)
         });
         let (effective_radii, mut drift) = rows_of(
             &self.gears,
@@ -275,7 +280,7 @@ impl Scene {
             along,
             (
                 &self.work.nodal.found,
-                standings.each_ref().map(Option::as_ref),
+                hub_poses.each_ref().map(Option::as_ref),
             ),
             at,
             &mut Row::default(),
@@ -284,12 +289,12 @@ impl Scene {
         drift
     }
 
-    /// The part of it that driven hubs have [m/s].
+    /// Returns the part of the rate from driven hubs [m/s].
     pub(super) fn driven_drift(
         &self,
         mesh: &SceneMesh,
         effective_radii: [f64; 2],
-        at: At<'_>,
+        at: StateView<'_>,
     ) -> f64 {
         let of_gear = |(radius, &g): (&f64, &usize)| {
             let hub = self.gears[g].model.hub();

@@ -1,4 +1,4 @@
-//! What a scene reports: energies, powers, and the channels of [`Channel`](super::Channel).
+//! Reports of a scene: energies, powers, and the values of [`Channel`](super::Channel).
 
 use super::active::sliding_of;
 use super::assembled::Scene;
@@ -6,16 +6,16 @@ use super::channels::{OfGear, OfMesh};
 use super::members::SceneGear;
 use crate::Vec3;
 use crate::kinematics::Wrench;
-use gearbench_integrators::system::{At, Energy, Outputs, Power};
+use gearbench_integrators::system::{Energy, Outputs, Power, StateView};
 
-/// Channels of a mesh.
+/// Number of channels of a mesh.
 const PER_MESH: usize = OfMesh::ALL.len();
-/// Channels of a gear.
+/// Number of channels of a gear.
 const PER_GEAR: usize = OfGear::ALL.len();
-/// Places among the channels of a gear.
+/// Positions of single quantities among the channels of a gear.
 const TRAVEL: usize = OfGear::Displacement as usize;
 const CONTACT_TORQUE: usize = OfGear::ContactTorque as usize;
-/// Places of the torques on both gears among the channels of a mesh.
+/// Positions of the torques on both gears among the channels of a mesh.
 const TORQUES: [usize; 2] = [OfMesh::FirstTorque as usize, OfMesh::SecondTorque as usize];
 
 /// Adds the force of a contact on the second gear.
@@ -28,9 +28,9 @@ fn add_contact(of_mesh: &mut [f64], force: Vec3, normal: f64) {
 }
 
 impl Scene {
-    /// Work of the loads on hubs between two states of a step: their mean over the displacement, which holds however the
-    /// hub vibrates in between.
-    pub(super) fn loads_between(&self, from: At<'_>, to: At<'_>) -> f64 {
+    /// Returns the work of the loads on hubs between two states of a step: mean load times displacement, which is
+    /// valid however the hub vibrates in between.
+    pub(super) fn loads_between(&self, from: StateView<'_>, to: StateView<'_>) -> f64 {
         let loaded = |g: &&SceneGear| !g.loads.is_empty() && g.model.hub().is_free();
         let work = |g: &SceneGear| {
             let [a, b] = [from, to].map(|at| g.model.hub_state(g.at(at)));
@@ -40,20 +40,22 @@ impl Scene {
         self.gears.iter().filter(loaded).map(work).sum()
     }
 
-    /// The contacts at a state. Several observers look at the end of each step: where contact takes a solve it is done
-    /// once. Meshes on lines of action share their candidates with event functions, and are cheap.
-    fn evaluate_reported(&mut self, at: At<'_>) {
+    /// Evaluates the contacts at a state once for all observers, because contact may take a solve. Meshes on lines of
+    /// action share their candidates with event functions, and are cheap.
+    fn evaluate_reported(&mut self, at: StateView<'_>) {
         if self.work.reported.is(at) {
             return;
         }
-        self.seen(at, |scene, seen| scene.evaluate_contacts(seen));
+        self.with_carrier_state(at, |scene, carrier_state| {
+            scene.evaluate_contacts(carrier_state)
+        });
         if self.fields && self.meshes.iter().all(|m| m.nodal) {
             self.work.reported.keep(at);
         }
     }
 
-    /// Forces of the loads on all coordinates.
-    pub fn loads(&self, at: At<'_>, forces: &mut Vec<f64>) {
+    /// Computes the forces of the loads on all coordinates.
+    pub fn loads(&self, at: StateView<'_>, forces: &mut Vec<f64>) {
         forces.clear();
         forces.resize(self.n, 0.0);
         for g in &self.gears {
@@ -65,8 +67,8 @@ impl Scene {
         }
     }
 
-    /// Channels at a state; with `books` the energies and powers of the gears as well.
-    pub(super) fn fill_output(&mut self, at: At<'_>, out: &mut Outputs, books: bool) {
+    /// Computes the channels at a state; with `books` the energies and powers of the gears as well.
+    pub(super) fn fill_output(&mut self, at: StateView<'_>, out: &mut Outputs, books: bool) {
         self.evaluate_reported(at);
         let mut energy = Energy::default();
         let mut power = Power::default();
@@ -98,8 +100,8 @@ impl Scene {
             c[2] = hub.displacement;
         }
         self.add_shaft_books(at, &mut energy, &mut power);
-        self.seen(at, |scene, seen| {
-            scene.add_contact_output(seen, out, (&mut energy, &mut power), books);
+        self.with_carrier_state(at, |scene, carrier_state| {
+            scene.add_contact_output(carrier_state, out, (&mut energy, &mut power), books);
         });
         for m in 0..self.meshes.len() {
             let of_mesh = &mut out.channels[PER_MESH * m..][..PER_MESH];
@@ -129,10 +131,11 @@ impl Scene {
         out.power = power;
     }
 
-    /// What contacts, and gears on carriers by their pins and teeth, add; at the state that they see.
+    /// Adds the contributions of contacts, and of gears on carriers by their pins and teeth, at the carrier-frame
+    /// state.
     fn add_contact_output(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         out: &mut Outputs,
         (energy, power): (&mut Energy, &mut Power),
         books: bool,
@@ -176,11 +179,11 @@ impl Scene {
         }
     }
 
-    /// What contacts of gears with fields add. Energy of the residual compliance counts as that of contact; a load
-    /// that changes works on the turn of the hub that it carries.
+    /// Adds the contributions of contacts of gears with fields. Energy of the residual compliance counts as that of
+    /// contact; a changing load does work on the rotation of the hub by that compliance.
     fn add_nodal_output(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         out: &mut Outputs,
         energy: &mut Energy,
         power: &mut Power,
@@ -204,7 +207,7 @@ impl Scene {
                 * match a.of_line {
                     // The hub feels what the potential changes by along the path as well.
                     Some(_) => self.driven_drift(mesh, a.effective_radii, at),
-                    None => self.nodal_drift(a, (a.direction, a.faded), at),
+                    None => self.nodal_drift(a, (a.direction, a.tapered_gap), at),
                 };
             if mesh.friction.is_some() {
                 let along = (a.sliding.direction, 0.0);
@@ -236,7 +239,7 @@ impl Scene {
                 pressed += r[0] * force;
             };
             let outwards = nodes.nodes.iter().zip(&nodes.force);
-            for (&number, &force) in outwards.chain(nodes.along.iter().zip(&nodes.rub)) {
+            for (&number, &force) in outwards.chain(nodes.along.iter().zip(&nodes.friction_force)) {
                 add(number, force);
             }
             out.channels[per_gear + PER_GEAR * i + TRAVEL] +=
@@ -247,8 +250,8 @@ impl Scene {
         }
     }
 
-    /// Reactions of the mounts, from the channels of contact forces and torques.
-    fn fill_reactions(&mut self, at: At<'_>, channels: &mut [f64]) {
+    /// Computes the reactions of the mounts from the channels of contact forces and torques.
+    fn fill_reactions(&mut self, at: StateView<'_>, channels: &mut [f64]) {
         let mut forces = std::mem::take(&mut self.work.rhs);
         self.loads(at, &mut forces);
         self.relative_forces(at, &mut forces, |scene, _, f| scene.add_contact_forces(f));
@@ -257,9 +260,9 @@ impl Scene {
         let (of_gears, of_shafts) = others.split_at_mut(PER_GEAR * self.gears.len());
         self.fill_shaft_torques(of_shafts);
         let mut relative = std::mem::take(&mut self.work.relative);
-        self.carriers.see(at, &mut relative);
+        self.carriers.to_carrier_frame(at, &mut relative);
         let (q, v) = (&relative.q, &relative.v);
-        let seen = At { q, v, ..at };
+        let carrier_state = StateView { q, v, ..at };
         let of_gears = of_gears.chunks_exact_mut(PER_GEAR);
         for (i, (g, c)) in self.gears.iter().zip(of_gears).enumerate() {
             let mut contact = Wrench {
@@ -277,7 +280,7 @@ impl Scene {
             self.add_links_on(i, &mut forces, &mut contact);
             // Pins are seen from the carrier, bearings on the ground from there.
             let pinned = self.carriers.carries(i);
-            let own = g.at(if pinned { seen } else { at });
+            let own = g.at(if pinned { carrier_state } else { at });
             if pinned {
                 contact.force = self.carriers.direction_at(i, at, contact.force, -1.0);
             }

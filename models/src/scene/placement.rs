@@ -1,4 +1,4 @@
-//! Where gears stand at the start: initial angles mesh by mesh, and how their meshes see them.
+//! Initial positions of gears: angles mesh by mesh, and the views of the gears from their meshes.
 
 use crate::contact::pairs::{Engagement, LinesOfAction};
 use crate::error::{BuildError, MeshPart};
@@ -6,7 +6,7 @@ use crate::geometry::{Gear, Side};
 use crate::kinematics::MeshView;
 use crate::spec::{Body, GearSpec, MeshLayout, MeshSpec, SceneSpec, effective_radius};
 
-/// How gear a and gear b are seen by a mesh, given their phases (angle or displacement of tooth 0).
+/// Returns the views of gear a and gear b from a mesh, for given phases (angle or displacement of tooth 0).
 pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2]) -> [MeshView; 2] {
     let conical = l.conical.as_deref();
     let gear_view = |g: &Gear, k: usize, path: [f64; 2], assembled: f64| MeshView {
@@ -49,7 +49,7 @@ pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2])
     views
 }
 
-/// How far the flanks of gear `k` of a mesh and of its mate go.
+/// Returns the flank geometry of gear `k` of a mesh and of its mate.
 pub(super) fn engagement(
     l: &MeshLayout,
     a: &GearSpec,
@@ -68,7 +68,7 @@ pub(super) fn engagement(
     }
 }
 
-/// Angle (or displacement) that puts a flank of tooth 0 at a path coordinate of its own.
+/// Returns the angle (or displacement) at which a flank of tooth 0 has a path coordinate.
 fn phase_at(view: &MeshView, side: Side, s: f64) -> f64 {
     let (sign, half_angle) = (side.sign(), view.half_angle_of(side));
     match view.base_radius {
@@ -84,13 +84,13 @@ pub(super) fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f
         let [ia, ib] = mesh.gears;
         let (a, b) = (&spec.gears[ia], &spec.gears[ib]);
         let side = mesh.start.side;
-        let wanted = mesh.start.path_coordinate.unwrap_or(l.pitch_point);
-        if !(l.path[0]..=l.path[1]).contains(&wanted) {
+        let path_coordinate = mesh.start.path_coordinate.unwrap_or(l.pitch_point);
+        if !(l.path[0]..=l.path[1]).contains(&path_coordinate) {
             return Err(BuildError::mesh(
                 [&a.name, &b.name],
                 MeshPart::Start,
                 format!(
-                    "the start lies at {wanted:.6e} m, outside the path of contact {:.6e} to {:.6e} m",
+                    "the start lies at {path_coordinate:.6e} m, outside the path of contact {:.6e} to {:.6e} m",
                     l.path[0], l.path[1]
                 ),
             ));
@@ -113,18 +113,18 @@ pub(super) fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f
                     None => 0.5 * mesh.start.gap,
                     Some(_) => 0.0,
                 };
-                let s = wanted - of_first;
+                let s = path_coordinate - of_first;
                 phase[ia] = Some(phase_at(&va, side, s));
                 phase[ib] =
                     Some(phase_at(&vb, side, l.length - s - mesh.start.gap) - l.rack_offset);
             }
             (Some(p), None) => {
-                let s = nearest(&va, p, wanted);
+                let s = nearest(&va, p, path_coordinate);
                 phase[ib] =
                     Some(phase_at(&vb, side, l.length - s - mesh.start.gap) - l.rack_offset);
             }
             (None, Some(p)) => {
-                let s = nearest(&vb, p + l.rack_offset, l.length - wanted);
+                let s = nearest(&vb, p + l.rack_offset, l.length - path_coordinate);
                 phase[ia] = Some(phase_at(&va, side, l.length - s - mesh.start.gap));
             }
             (Some(_), Some(_)) => {}
@@ -133,11 +133,12 @@ pub(super) fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f
     Ok(phase.into_iter().map(|p| p.unwrap_or(0.0)).collect())
 }
 
-/// Part of the base pitch that flanks may overlap by at the start: a mesh may start preloaded, but not with
-/// teeth inside one another.
+/// Largest initial overlap of flanks relative to the base pitch: a mesh may start preloaded, but not with teeth inside
+/// one another.
 const LARGEST_OVERLAP: f64 = 0.01;
 
-/// Refuses starts at which flanks overlap by more than a preload; `closes` where other meshes place both gears.
+/// Refuses initial positions with an overlap of flanks beyond a preload; `closes` is true where other meshes place
+/// both gears.
 pub(super) fn check_start(
     spec: &SceneSpec,
     mesh: &MeshSpec,

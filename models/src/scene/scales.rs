@@ -61,12 +61,12 @@ impl Scales {
     }
 }
 
-/// Speed of a hub at the start: a prescribed motion says itself how fast its gear moves.
+/// Returns the initial speed of a hub, which a prescribed motion defines itself.
 pub(super) fn initial_speed(g: &GearSpec) -> f64 {
     spec::initial_speed(&g.mount, g.speed)
 }
 
-/// Mass along the line of action that a hub stands for [kg]; infinite when it is held.
+/// Returns the effective mass of a hub along the line of action [kg]; infinite when it is fixed or driven.
 pub(super) fn hub_mass(spec: &GearSpec, hub: &Hub) -> f64 {
     if !hub.is_free() {
         f64::INFINITY

@@ -1,11 +1,12 @@
-//! Small signals: a scene to first order about a state,
+//! Small signals: linearisation of a scene about a state.
 //!
 //! ```text
 //! M x'' + D x' + K x = 0,    C x = 0
 //! ```
 //!
-//! with what rigid shafts and the ground of planetary sets hold as rows of `C`; where the strain energy `x^T K x / 2` of a
-//! displacement lies; and the stiffness of the scene as a mechanism, whose null space are its rigid motions.
+//! with the constraints of rigid shafts and of the ground of planetary sets as rows of `C`; the distribution of the
+//! strain energy `x^T K x / 2` of a displacement; and the stiffness of the scene as a mechanism, whose null space
+//! consists of the rigid motions.
 //!
 //! The mechanism is what stays whatever the loads: bodies, bearings as if without clearance, shafts, and each mesh as a
 //! spring between hubs, closed or not, along the line of action of the flanks that touch, or are nearest to touching. It
@@ -13,36 +14,36 @@
 //! by how the stiffness of teeth changes along the path of contact, which is none of a train that runs.
 
 use super::assembled::Scene;
-use super::carriers::RelativeState;
+use super::carriers::CarrierFrameState;
 use super::contacts::ContactForce;
-use super::shafts::Way;
+use super::shafts::DeformationKind;
 use crate::geometry::Side;
-use gearbench_integrators::system::{At, SecondOrderSystem, State};
+use gearbench_integrators::system::{SecondOrderSystem, State, StateView};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
-/// Part of a typical deflection that contacts are moved by to see which of them answer.
+/// Displacement relative to a typical deflection by which contacts are tested for a response.
 const STEP: f64 = 1e-3;
-/// Step that a relative state is differenced by [rad], [m].
+/// Step of the finite differences of a carrier-frame state [rad], [m].
 const TURN: f64 = 1e-6;
 
-/// A scene to first order.
+/// Linearisation of a scene: mass, damping and stiffness matrix.
 #[derive(Clone, Debug)]
-pub struct Linearised {
-    /// Mass.
+pub struct LinearisedScene {
+    /// Mass matrix.
     pub mass: DMatrix<f64>,
-    /// `-df/dv`.
+    /// Damping matrix `-df/dv`.
     pub damping: DMatrix<f64>,
-    /// `-df/dq`; friction, and contacts that move along the path, leave a small skew part.
+    /// Stiffness matrix `-df/dq`; friction, and contacts that move along the path, cause a small skew part.
     pub stiffness: DMatrix<f64>,
 }
 
 /// A scene as a mechanism.
 #[derive(Clone, Debug)]
 pub struct Mechanism {
-    /// Its stiffness.
+    /// Stiffness matrix of the mechanism.
     pub stiffness: DMatrix<f64>,
-    /// Rate of the forces that driven hubs make in it while all others stand still.
+    /// Rate of the forces from driven hubs while all others are at rest.
     pub driven: Vec<f64>,
 }
 
@@ -52,24 +53,24 @@ struct MeshSpring {
     stiffness: f64,
 }
 
-/// Where strain energy lies.
+/// Component with strain energy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum StrainIn {
-    /// A mesh: its contacts, and what bends with them without coordinates of its own.
+    /// A mesh: its contacts, and the compliance of bodies without coordinates.
     Mesh(usize),
     /// Own coordinates of a member: teeth, modes.
     Body(usize),
     /// The bearing of a member, or its guide.
     Bearing(usize),
-    /// A shaft that twists.
+    /// Torsion of a shaft.
     Twist(usize),
-    /// A shaft that stretches.
+    /// Extension of a shaft.
     Stretch(usize),
-    /// A shaft that bends.
+    /// Bending of a shaft.
     Bend(usize),
 }
 
-/// A matrix column by column.
+/// Assembles a matrix column by column.
 fn by_columns(n: usize, mut times: impl FnMut(&[f64], &mut [f64])) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(n, n);
     let (mut unit, mut column) = (vec![0.0; n], vec![0.0; n]);
@@ -87,17 +88,17 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Scene {
-    /// The scene to first order about a state.
-    pub fn linearised(&mut self, at: At<'_>) -> Linearised {
+    /// Linearises the scene about a state.
+    pub fn linearised(&mut self, at: StateView<'_>) -> LinearisedScene {
         let none = vec![0.0; self.n];
-        Linearised {
+        LinearisedScene {
             mass: by_columns(self.n, |x, y| self.apply_mass(at, x, y)),
             damping: -by_columns(self.n, |x, y| self.tangent_times(at, &none, x, y)),
             stiffness: -by_columns(self.n, |x, y| self.tangent_times(at, x, &none, y)),
         }
     }
 
-    /// Rows of what rigid shafts, and the ground of planetary sets, hold: `C x = 0` in every motion.
+    /// Returns the constraints `C x = 0` of rigid shafts and of the ground of planetary sets.
     pub fn constraints(&self) -> Vec<Vec<f64>> {
         let row = |l: &super::shafts::Link| {
             let mut row = vec![0.0; self.n];
@@ -107,15 +108,16 @@ impl Scene {
         self.shafts.rigid().iter().map(row).collect()
     }
 
-    /// Coordinates of the carriers of planetary sets.
+    /// Returns the coordinates of the carriers of planetary sets.
     pub fn carrier_coordinates(&self) -> Vec<usize> {
         self.carriers.coordinates()
     }
 
-    /// The scene as a mechanism; the null space of its stiffness are the rigid motions. `mass` is the mass matrix.
-    pub fn mechanism(&mut self, at: At<'_>, mass: &DMatrix<f64>) -> Mechanism {
+    /// Returns the scene as a mechanism; the null space of its stiffness consists of the rigid motions. `mass` is the
+    /// mass matrix.
+    pub fn mechanism(&mut self, at: StateView<'_>, mass: &DMatrix<f64>) -> Mechanism {
         let none = vec![0.0; self.n];
-        let at = At { v: &none, ..at };
+        let at = StateView { v: &none, ..at };
         let mut stiffness = by_columns(self.n, |x, y| self.mechanism_times(at, x, &[], y));
         let own = (0..self.n).map(|i| stiffness[(i, i)] / mass[(i, i)]);
         let typical = Some(own.fold(0.0, f64::max)).filter(|x| *x > 0.0);
@@ -143,7 +145,7 @@ impl Scene {
             let along = members.zip(mesh.towards);
             let prescribed = along.filter(|(g, _)| !g.model.hub().is_free());
             let moved: f64 = prescribed
-                .map(|(g, way)| way * g.model.hub().speed(at.t, &[]))
+                .map(|(g, kind)| kind * g.model.hub().speed(at.t, &[]))
                 .sum();
             for &(i, r) in &spring.row {
                 driven[i] -= spring.stiffness * moved * r;
@@ -152,8 +154,8 @@ impl Scene {
         Mechanism { stiffness, driven }
     }
 
-    /// Adds the rate of the forces that driven hubs exert on the own coordinates of their gears, as on movable teeth.
-    fn add_driven_bodies(&mut self, at: At<'_>, driven: &mut [f64]) {
+    /// Adds the rate of the forces of driven hubs on the own coordinates of their gears, as on movable teeth.
+    fn add_driven_bodies(&mut self, at: StateView<'_>, driven: &mut [f64]) {
         for (i, g) in self.gears.iter_mut().enumerate() {
             let own = g.at(at);
             let rates = g.model.hub().motion(own.t, own.q, &[]).v;
@@ -164,7 +166,7 @@ impl Scene {
             let h = TURN / fastest;
             let mut ends = [own.t, own.t + h].map(|t| {
                 let mut f = vec![0.0; g.n];
-                g.model.forces(At { t, ..own }, &mut f);
+                g.model.forces(StateView { t, ..own }, &mut f);
                 f
             });
             let [from, to] = &mut ends;
@@ -173,9 +175,9 @@ impl Scene {
         }
     }
 
-    /// By mesh: how its flanks close by the free directions of both hubs, as coordinates and their weights. Signs are those of
-    /// left flanks.
-    fn mesh_rows(&mut self, at: At<'_>) -> Vec<Vec<(usize, f64)>> {
+    /// Returns for each mesh the closing of its flanks by the free directions of both hubs, as coordinates and their
+    /// weights. Signs are those of left flanks.
+    fn mesh_rows(&mut self, at: StateView<'_>) -> Vec<Vec<(usize, f64)>> {
         let sides = self.acting_sides(at);
         let meshes = self.meshes.iter().zip(sides);
         meshes
@@ -201,8 +203,8 @@ impl Scene {
             .collect()
     }
 
-    /// The flanks of each mesh that are pressed, or else those that are nearest to it at the assembled position.
-    pub fn acting_sides(&mut self, at: At<'_>) -> Vec<Side> {
+    /// Returns the loaded flanks of each mesh, or otherwise those with the smallest gap at the assembled position.
+    pub fn acting_sides(&mut self, at: StateView<'_>) -> Vec<Side> {
         let mut forces = vec![[0.0; 2]; self.meshes.len()];
         for contact in self.contact_forces(at) {
             forces[contact.mesh][contact.side.index()] += contact.normal_force;
@@ -221,21 +223,27 @@ impl Scene {
             .collect()
     }
 
-    /// `y = K x` of the mechanism.
-    fn mechanism_times(&mut self, at: At<'_>, x: &[f64], meshes: &[MeshSpring], y: &mut [f64]) {
+    /// Computes `y = K x` of the mechanism.
+    fn mechanism_times(
+        &mut self,
+        at: StateView<'_>,
+        x: &[f64],
+        meshes: &[MeshSpring],
+        y: &mut [f64],
+    ) {
         let n = self.n;
         let none = vec![0.0; n];
         y.fill(0.0);
         self.add_shaft_tangent(at, [x, &none], y);
         let along = self.relative_change(at, x);
-        let mut seen = RelativeState::default();
-        self.carriers.see(at, &mut seen);
+        let mut carrier_state = CarrierFrameState::default();
+        self.carriers.to_carrier_frame(at, &mut carrier_state);
         let mut f = vec![0.0; n];
         for (i, g) in self.gears.iter_mut().enumerate() {
             let range = g.range();
             let carried = self.carriers.carries(i);
-            let relative = At {
-                q: &seen.q,
+            let relative = StateView {
+                q: &carrier_state.q,
                 v: &none,
                 ..at
             };
@@ -258,13 +266,13 @@ impl Scene {
                 f[i] -= stiffness * moved * r;
             }
         }
-        seen.f = f;
-        self.carriers.pull_back(at, &seen, y);
+        carrier_state.f = f;
+        self.carriers.pull_back(at, &carrier_state, y);
         y.iter_mut().for_each(|y| *y = -*y);
     }
 
-    /// How the relative state moves by a displacement.
-    fn relative_change(&self, at: At<'_>, x: &[f64]) -> Vec<f64> {
+    /// Returns the change of the carrier-frame state for a displacement.
+    fn relative_change(&self, at: StateView<'_>, x: &[f64]) -> Vec<f64> {
         let largest = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         if self.carriers.is_empty() || largest == 0.0 {
             return x.to_vec();
@@ -272,16 +280,17 @@ impl Scene {
         let h = TURN / largest;
         let [up, down] = [h, -h].map(|h| {
             let q: Vec<f64> = at.q.iter().zip(x).map(|(q, x)| q + h * x).collect();
-            let mut seen = RelativeState::default();
-            self.carriers.see(At { q: &q, ..at }, &mut seen);
-            seen.q
+            let mut carrier_state = CarrierFrameState::default();
+            self.carriers
+                .to_carrier_frame(StateView { q: &q, ..at }, &mut carrier_state);
+            carrier_state.q
         });
         let ends = up.iter().zip(&down);
         ends.map(|(up, down)| 0.5 * (up - down) / h).collect()
     }
 
-    /// Where the strain energy `x^T K x / 2` of a displacement lies [J]; what neither bodies, bearings nor shafts hold is that
-    /// of meshes, in the ratio of what their contacts do.
+    /// Distributes the strain energy `x^T K x / 2` of a displacement [J]; the energy that is in neither bodies,
+    /// bearings nor shafts belongs to meshes, in the ratio of their contact energies.
     pub fn strain_in(
         &mut self,
         s: &State,
@@ -299,10 +308,10 @@ impl Scene {
                 );
             }
             let Some(shaft) = link.shaft() else { continue };
-            let place = match link.way {
-                Way::Torsion => StrainIn::Twist(shaft),
-                Way::Stretching => StrainIn::Stretch(shaft),
-                Way::Bending => StrainIn::Bend(shaft),
+            let place = match link.kind {
+                DeformationKind::Torsion => StrainIn::Twist(shaft),
+                DeformationKind::Stretching => StrainIn::Stretch(shaft),
+                DeformationKind::Bending => StrainIn::Bend(shaft),
             };
             add(place, 0.5 * link.stiffness * link.dot(x).powi(2));
         }
@@ -312,11 +321,11 @@ impl Scene {
             if !g.internal {
                 continue;
             }
-            let (seen, by) = match self.carriers.carries(i) {
+            let (carrier_state, by) = match self.carriers.carries(i) {
                 true => (relative.at(), &along[..]),
                 false => (at, x),
             };
-            let (own, range) = (g.at(seen), g.range());
+            let (own, range) = (g.at(carrier_state), g.range());
             let by = &by[range.clone()];
             let mut f = vec![0.0; g.n];
             g.model.tangent(own, by, &none[range], &mut f);
@@ -338,7 +347,7 @@ impl Scene {
         found
     }
 
-    /// What part meshes have in the energy of contacts that a displacement changes: by force and gap of their contacts.
+    /// Returns the shares of meshes in the contact energy of a displacement, from force and gap of their contacts.
     fn shares_of_meshes(&mut self, s: &State, x: &[f64]) -> Vec<(usize, f64)> {
         let (mut scales, mut speeds) = (vec![0.0; self.n], vec![0.0; self.n]);
         self.scales(&mut scales, &mut speeds);
@@ -366,7 +375,7 @@ impl Scene {
     }
 }
 
-/// Force and gap of contacts by mesh, teeth and which of these they are.
+/// Groups force and gap of contacts by mesh, teeth, and number within these.
 fn by_pair(contacts: &[ContactForce]) -> BTreeMap<(usize, [i64; 2], usize), [f64; 2]> {
     let mut found = BTreeMap::new();
     let mut count: BTreeMap<(usize, [i64; 2]), usize> = BTreeMap::new();

@@ -6,8 +6,8 @@ use super::members::{SceneGear, SceneMesh};
 use crate::gear::LargeGear;
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{
-    At, Coeffs, Events, FreeFlight, HalfKick, Layout, ModalSplit, Outputs, Report,
-    SecondOrderSystem, Singular, State, Touch,
+    Coeffs, Events, FreeFlight, HalfStepImpulse, Layout, MemberContact, ModalSplit, Outputs,
+    Report, SecondOrderSystem, Singular, State, StateView,
 };
 
 impl SecondOrderSystem for Scene {
@@ -27,26 +27,26 @@ impl SecondOrderSystem for Scene {
         }
     }
 
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         self.characteristic_time
     }
 
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         self.force_without_contact(at, f);
         self.add_relative_forces(at, f);
         self.hold_shafts(at, f);
     }
 
-    fn force_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, f: &mut [f64]) {
+    fn force_after(&mut self, at: StateView<'_>, impulse: &HalfStepImpulse<'_>, f: &mut [f64]) {
         if !self.implicit_dissipation {
             return self.force(at, f);
         }
         self.force_without_contact(at, f);
-        self.evaluate_after(at, kick, f);
+        self.evaluate_after(at, impulse, f);
         self.add_contact_forces(f);
     }
 
-    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]) {
+    fn solve_mass(&mut self, at: StateView<'_>, f_to_a: &mut [f64]) {
         if !self.inverse_mass.is_empty() {
             for (f, m) in f_to_a.iter_mut().zip(&self.inverse_mass) {
                 *f *= m;
@@ -66,7 +66,7 @@ impl SecondOrderSystem for Scene {
         }
     }
 
-    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         if !self.inverse_mass.is_empty() {
             for ((y, x), m) in y.iter_mut().zip(x).zip(&self.mass) {
                 *y = m * x;
@@ -86,7 +86,12 @@ impl SecondOrderSystem for Scene {
         }
     }
 
-    fn correct(&mut self, at: At<'_>, c: Coeffs, rhs_to_x: &mut [f64]) -> Result<(), Singular> {
+    fn correct(
+        &mut self,
+        at: StateView<'_>,
+        c: Coeffs,
+        rhs_to_x: &mut [f64],
+    ) -> Result<(), Singular> {
         self.newton_correction(at, c, rhs_to_x)
     }
 
@@ -96,7 +101,7 @@ impl SecondOrderSystem for Scene {
         kept.reduce(|a, b| a + b)
     }
 
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
         self.add_shaft_tangent(at, [dq, dv], df);
         for (i, g) in self.gears.iter_mut().enumerate() {
@@ -112,7 +117,7 @@ impl SecondOrderSystem for Scene {
             }
             let hub = g.model.hub();
             if hub.is_free() && !g.loads.is_empty() {
-                let along = At {
+                let along = StateView {
                     v: &dv[range.clone()],
                     ..own
                 };
@@ -136,7 +141,7 @@ impl SecondOrderSystem for Scene {
             let of_rate = t.rate * rows[0].dot(dv);
             let by = |row: [f64; 2]| row[0] * d[0] + row[1] * d[1] + of_rate;
             let (mut on, mut normal) = (t.on.map(by), by(t.normal));
-            for answer in work.answers_of(i) {
+            for answer in work.couplings_of(i) {
                 let [k, l] = work.tangents[answer.to].elastic;
                 let d = work.rows[answer.to][0].dot_parts(dq);
                 let elastic = k * d[0] + l * d[1];
@@ -176,8 +181,9 @@ impl SecondOrderSystem for Scene {
 }
 
 impl Scene {
-    /// Internal forces and loads, and what elastic shafts exert; gears on carriers have their own with contacts.
-    fn force_without_contact(&mut self, at: At<'_>, f: &mut [f64]) {
+    /// Computes internal forces, loads and forces of elastic shafts; the internal forces of gears on carriers are
+    /// added with the contacts.
+    fn force_without_contact(&mut self, at: StateView<'_>, f: &mut [f64]) {
         f.fill(0.0);
         self.add_shafts(at, f);
         for (i, g) in self.gears.iter_mut().enumerate() {
@@ -193,8 +199,13 @@ impl Scene {
         }
     }
 
-    /// The tangent of contacts whose rows turn with the gears or their carriers, by central differences.
-    fn add_contact_differences(&mut self, at: At<'_>, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
+    /// Adds the tangent of contacts whose rows rotate with the gears or their carriers, by central differences.
+    fn add_contact_differences(
+        &mut self,
+        at: StateView<'_>,
+        [dq, dv]: [&[f64]; 2],
+        df: &mut [f64],
+    ) {
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let (moved, sped) = (largest(dq), largest(dv));
         // A hundredth of a typical deflection keeps to one branch of the law and clear of rounding.
@@ -215,7 +226,7 @@ impl Scene {
                 };
                 let (q, v) = (by(at.q, dq, k == 0), by(at.v, dv, k == 1));
                 f.fill(0.0);
-                self.add_relative_forces(At { q: &q, v: &v, ..at }, &mut f);
+                self.add_relative_forces(StateView { q: &q, v: &v, ..at }, &mut f);
                 for (df, f) in df.iter_mut().zip(&f) {
                     *df += 0.5 / h * f;
                 }
@@ -223,15 +234,21 @@ impl Scene {
         }
     }
 
-    /// The contacts at the end of a half kick, on top of forces without contact: dashpots and friction implicitly.
-    pub(super) fn evaluate_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, without: &[f64]) {
+    /// Evaluates the contacts at the end of a half-step impulse, in addition to forces without contact: dashpots and
+    /// friction implicitly.
+    pub(super) fn evaluate_after(
+        &mut self,
+        at: StateView<'_>,
+        impulse: &HalfStepImpulse<'_>,
+        without: &[f64],
+    ) {
         let nodal = &mut self.work.nodal;
-        nodal.kick.accelerations.clear();
+        nodal.impulse.accelerations.clear();
         let masses = without.iter().zip(&self.inverse_mass);
-        (nodal.kick.accelerations).extend(masses.map(|(f, m)| f * m));
-        nodal.begin_kick(kick, &self.inverse_mass);
+        (nodal.impulse.accelerations).extend(masses.map(|(f, m)| f * m));
+        nodal.begin_impulse(impulse, &self.inverse_mass);
         self.evaluate_contacts(at);
-        self.work.nodal.kick.acts = false;
+        self.work.nodal.impulse.acts = false;
     }
 }
 
@@ -244,7 +261,7 @@ impl FreeFlight for Scene {
         self.linear_path_from(s.at(), path)
     }
 
-    fn steady_work(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {
+    fn steady_work(&mut self, from: StateView<'_>, to: StateView<'_>) -> Option<f64> {
         self.work_of_flight(from, to)
     }
 }
@@ -268,19 +285,21 @@ impl Report for Scene {
         &self.channels
     }
 
-    fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+    fn output(&mut self, at: StateView<'_>, out: &mut Outputs) {
         self.fill_output(at, out, true);
     }
 
-    fn sample(&mut self, at: At<'_>, out: &mut Outputs) {
+    fn sample(&mut self, at: StateView<'_>, out: &mut Outputs) {
         self.fill_output(at, out, false);
     }
 
-    fn work_of_loads(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {
+    fn work_of_loads(&mut self, from: StateView<'_>, to: StateView<'_>) -> Option<f64> {
         Some(self.loads_between(from, to))
     }
 
-    fn touches(&mut self, at: At<'_>, out: &mut Vec<Touch>) {
-        self.seen(at, |scene, seen| scene.fill_touches(seen, out));
+    fn touches(&mut self, at: StateView<'_>, out: &mut Vec<MemberContact>) {
+        self.with_carrier_state(at, |scene, carrier_state| {
+            scene.fill_touches(carrier_state, out)
+        });
     }
 }

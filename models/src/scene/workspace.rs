@@ -1,32 +1,32 @@
 //! Buffers of a scene.
 
-use super::active::{Active, Answer, Tangent};
-use super::carriers::RelativeState;
-use super::condensed::Condensed;
+use super::active::{Active, ContactCoupling, Tangent};
+use super::carriers::CarrierFrameState;
+use super::condensed::CondensedCorrection;
 use super::low_rank::LowRank;
-use super::nodal::{Nodal, Reduced};
+use super::nodal::{Nodal, ReducedTangent};
 use super::shafts::ShaftWork;
 use crate::contact::Candidate;
-use crate::contact::pairs::{Pressed, Roster};
+use crate::contact::pairs::{LoadedPair, PairList};
 use crate::kinematics::Row;
-use gearbench_integrators::system::{At, State};
+use gearbench_integrators::system::{State, StateView};
 
-/// A state whose contacts are at hand.
+/// State of the last evaluation of the contacts.
 #[derive(Default)]
-pub(super) struct Reported {
+pub(super) struct EvaluatedState {
     state: State,
     valid: bool,
 }
 
-impl Reported {
-    /// Whether the contacts at hand are those at a state.
-    pub fn is(&self, at: At<'_>) -> bool {
+impl EvaluatedState {
+    /// Returns true if the stored contacts are those at a state.
+    pub fn is(&self, at: StateView<'_>) -> bool {
         let s = &self.state;
         self.valid && s.t == at.t && s.q == at.q && s.v == at.v && s.discrete == at.discrete
     }
 
-    /// They are.
-    pub fn keep(&mut self, at: At<'_>) {
+    /// Marks the stored contacts as those at a state.
+    pub fn keep(&mut self, at: StateView<'_>) {
         let s = &mut self.state;
         s.t = at.t;
         for (own, given) in [
@@ -40,56 +40,56 @@ impl Reported {
         self.valid = true;
     }
 
-    /// They are not, or what they depend on changed.
+    /// Marks the stored contacts as out of date.
     pub fn forget(&mut self) {
         self.valid = false;
     }
 }
 
-/// Buffers; they grow to the largest number of contacts and stay.
+/// Buffers of a scene; they grow to the largest number of contacts and are reused.
 #[derive(Default)]
 pub(super) struct Workspace {
     pub candidates: Vec<Candidate>,
-    /// Candidates before a zone switch.
+    /// Candidates before a zone transition.
     pub listed: Vec<Candidate>,
     pub active: Vec<Active>,
     /// Pairs of one line whose forces need no candidates.
-    pub pressed: Vec<Pressed>,
-    /// Pairs that are looked at, by mesh.
-    pub rosters: Vec<Roster>,
-    /// Their tangents, where these were asked for.
+    pub pressed: Vec<LoadedPair>,
+    /// Lists of pairs, by mesh.
+    pub pair_lists: Vec<PairList>,
+    /// Tangents of the active contacts, where these were requested.
     pub tangents: Vec<Tangent>,
-    /// How they answer to each other through bodies.
-    pub answers: Vec<Answer>,
-    /// Rows per active contact: normal, sliding, sliding one metre further along the normal, and how it moves along the path
-    /// where that is no part of the first.
+    /// Couplings of the active contacts through bodies.
+    pub couplings: Vec<ContactCoupling>,
+    /// Rows of each active contact: normal, sliding, sliding one metre further along the normal, and motion along the
+    /// path where that is no part of the first.
     pub rows: Vec<[Row; 4]>,
-    pub condensed: Condensed,
+    pub condensed: CondensedCorrection,
     pub shafts: ShaftWork,
-    /// The state as seen from carriers.
-    pub relative: RelativeState,
+    /// Carrier-frame state.
+    pub relative: CarrierFrameState,
     /// Contacts of gears with fields.
     pub nodal: Nodal,
-    /// Their tangent.
-    pub reduced: Reduced,
+    /// Tangent of contacts of gears with fields.
+    pub reduced: ReducedTangent,
     /// Newton correction: terms of contacts and links.
     pub low_rank: LowRank,
     pub rhs: Vec<f64>,
-    /// Forces along the path by compliance between contacts: whose, and how much.
+    /// Forces along the path from the compliance between contacts: index of the contact, and force.
     pub along_path: Vec<(usize, f64)>,
-    /// Friction at an accepted state: cell, normal force, part of the sliding force.
+    /// Friction at an accepted state: cell, normal force, fraction of the sliding force.
     pub reached: Vec<(usize, f64, f64)>,
-    /// The state that was reported of last, while the contacts are still those at it.
-    pub reported: Reported,
-    /// Row for a gap rate on its own.
+    /// State of the last report, while the contacts are still those at it.
+    pub reported: EvaluatedState,
+    /// Row for a single gap rate.
     pub scratch: Row,
 }
 
 impl Workspace {
-    /// How a contact answers to those that bend the same body; answers stand in the order of the contacts.
-    pub fn answers_of(&self, contact: usize) -> &[Answer] {
-        let from = self.answers.partition_point(|a| a.of < contact);
-        let to = from + self.answers[from..].partition_point(|a| a.of == contact);
-        &self.answers[from..to]
+    /// Returns the couplings of a contact to those on the same body; couplings are in the order of the contacts.
+    pub fn couplings_of(&self, contact: usize) -> &[ContactCoupling] {
+        let from = self.couplings.partition_point(|a| a.of < contact);
+        let to = from + self.couplings[from..].partition_point(|a| a.of == contact);
+        &self.couplings[from..to]
     }
 }

@@ -1,4 +1,5 @@
-//! How the bodies of a mesh stand to each other, whatever their models: centre distance, path of contact, stiffness.
+//! Relative position of the bodies of a mesh, independent of their models: centre distance, path of contact,
+//! stiffness.
 
 use super::mount::turned_to;
 use super::scene::{Body, ContactSpec, GearSpec, MeshSpec};
@@ -12,7 +13,7 @@ use crate::stiffness::{self, StiffnessCurve};
 pub struct MeshLayout {
     /// Direction from the first gear to the pitch point [rad]: to the second gear, or away from an internal one.
     pub direction: f64,
-    /// Direction from each gear to the pitch point in its own axes [rad]; nothing of a rack.
+    /// Direction from each gear to the pitch point in its own axes [rad]; unused for a rack.
     pub towards: [f64; 2],
     /// Centre distance, or distance to the rack's reference line [m].
     pub distance: f64,
@@ -22,23 +23,24 @@ pub struct MeshLayout {
     pub length: f64,
     /// Path of contact on the first gear's path coordinate [m].
     pub path: [f64; 2],
-    /// Pitch point [m].
+    /// Path coordinate of the pitch point [m].
     pub pitch_point: f64,
-    /// Base pitch [m].
+    /// Transverse base pitch [m].
     pub base_pitch: f64,
-    /// Contact ratio in the transverse plane.
+    /// Transverse contact ratio.
     pub contact_ratio: f64,
     /// Backlash along the line of action [m].
     pub backlash: f64,
     /// Common face width [m].
     pub face_width: f64,
-    /// Its middle along the axis, from the middle of the face width of each gear [m].
+    /// Position of the middle of the common face width along the axis, from the middle of the face width of each gear
+    /// [m].
     pub heights: [f64; 2],
-    /// The pair in its transverse plane; of conical gears the cylindrical one that stands for them.
+    /// The pair in its transverse plane; for conical gears the equivalent cylindrical one.
     pub pair: Pair,
-    /// Conical gears where they stand.
+    /// The pair of conical gears at their positions.
     pub conical: Option<Box<ConicalPair>>,
-    /// Offset of a rack's reference point along its slide, seen from the first gear [m].
+    /// Offset of a rack's reference point along its motion, from the first gear [m].
     pub(crate) rack_offset: f64,
 }
 
@@ -51,8 +53,8 @@ impl<'a> From<&'a Body> for Mate<'a> {
     }
 }
 
-/// Transverse base radius [m] of a gear, or `cos(alpha_t)` of a rack: path coordinate per hub coordinate. Mesh frequencies,
-/// transmission errors and torques over base radii are of the transverse plane.
+/// Returns the transverse base radius [m] of a gear, or `cos(alpha_t)` of a rack: path coordinate per hub coordinate.
+/// Mesh frequencies, transmission errors and torques over base radii refer to the transverse plane.
 pub fn base_radius(body: &Body) -> f64 {
     match body {
         Body::Gear(g) => g.r_base(),
@@ -60,8 +62,8 @@ pub fn base_radius(body: &Body) -> f64 {
     }
 }
 
-/// Transverse base radius with the sign by which the path coordinate of a left flank grows with the hub coordinate: negative of
-/// racks and internal gears.
+/// Returns the transverse base radius with the sign by which the path coordinate of a left flank grows with the hub
+/// coordinate: negative for racks and internal gears.
 pub fn signed_base_radius(body: &Body) -> f64 {
     let sign = match body {
         Body::Gear(g) => g.sign(),
@@ -70,19 +72,19 @@ pub fn signed_base_radius(body: &Body) -> f64 {
     sign * base_radius(body)
 }
 
-/// Approach along the normal of the flanks per hub coordinate [m], [`base_radius`] times the cosine of the base helix angle.
-/// Gaps, contact forces and masses on them are along the normal.
+/// Returns the approach along the normal of the flanks per hub coordinate [m], [`base_radius`] times the cosine of the
+/// base helix angle. Gaps, contact forces and effective masses refer to the normal.
 pub fn effective_radius(body: &Body) -> f64 {
     base_radius(body) * body.base_helix_angle().cos()
 }
 
-/// [`effective_radius`] with the sign of [`signed_base_radius`].
+/// Returns [`effective_radius`] with the sign of [`signed_base_radius`].
 pub fn signed_effective_radius(body: &Body) -> f64 {
     signed_base_radius(body) * body.base_helix_angle().cos()
 }
 
-/// Transmission error of a mesh by the displacements of its gears [m], in the transverse plane and zero where the loaded flanks
-/// of rigid gears first touch:
+/// Returns the transmission error of a mesh as a function of the displacements of its gears [m], in the transverse
+/// plane and zero where the loaded flanks of rigid gears first touch:
 ///
 /// ```text
 /// e = +-(r_b1 theta_1 + r_b2 theta_2) - gap / cos(beta_b)
@@ -96,12 +98,12 @@ pub fn transmission_error(mesh: &MeshSpec, gears: &[GearSpec]) -> impl Fn(f64, f
     move |x, y| ra * x + rb * y - gap
 }
 
-/// Whether a body is an internal gear.
+/// Returns true if a body is an internal gear.
 pub fn is_internal(body: &Body) -> bool {
     matches!(body, Body::Gear(gear) if gear.is_internal())
 }
 
-/// The axes that a mesh is laid out in, halfway between those of its gears.
+/// Returns the axes in which a mesh is laid out, halfway between those of its gears.
 pub fn layout_axes(a: &GearSpec, b: &GearSpec) -> [Vec3; 3] {
     let middle = (a.axes[2] + b.axes[2]).normalize();
     if matches!(b.body, Body::Rack(_)) || a.axes[2] == b.axes[2] {
@@ -110,7 +112,7 @@ pub fn layout_axes(a: &GearSpec, b: &GearSpec) -> [Vec3; 3] {
     turned_to(&a.axes, &middle)
 }
 
-/// Direction from each gear to the pitch point in its own axes, where that of the layout is `direction`.
+/// Returns the direction from each gear to the pitch point in its own axes, where that of the layout is `direction`.
 fn towards(a: &GearSpec, b: &GearSpec, direction: f64) -> [f64; 2] {
     if matches!(b.body, Body::Rack(_)) || a.axes == b.axes {
         let inside = is_internal(&a.body) || is_internal(&b.body);
@@ -122,13 +124,14 @@ fn towards(a: &GearSpec, b: &GearSpec, direction: f64) -> [f64; 2] {
     [seen(&a.axes, apart), seen(&b.axes, -apart)]
 }
 
-/// Largest angle between the axes of cylindrical gears in mesh [rad]: the contact of misaligned gears is that of gears on
-/// parallel axes whose flanks are turned by small angles. Axes of conical gears may be at any angle that their geometry allows.
+/// Largest angle between the axes of cylindrical gears in mesh [rad]: the contact of misaligned gears is that of gears
+/// on parallel axes whose flanks are rotated by small angles. Axes of conical gears may have any angle that their
+/// geometry allows.
 pub const LARGEST_MISALIGNMENT: f64 = 2.0 * std::f64::consts::PI / 180.0;
 /// Rounding of an angle between axes [rad].
 const ANGLE_ROUNDING: f64 = 1e-7;
 
-/// Refuses axes of cylindrical gears that are not parallel but for a small misalignment.
+/// Refuses axes of cylindrical gears that are not parallel within a small misalignment.
 ///
 /// # Errors
 /// [`GeometryError::CrossedAxes`].
@@ -144,7 +147,7 @@ pub fn check_axes([a, b]: [&Body; 2], axes: [&Vec3; 2]) -> Result<(), GeometryEr
     })
 }
 
-/// The pair of two gears at their positions, in the transverse plane.
+/// Returns the pair of two gears at their positions, in the transverse plane.
 ///
 /// # Errors
 /// [`GeometryError`] where they do not mesh there.
@@ -161,8 +164,8 @@ pub fn pair_of(a: &GearSpec, b: &GearSpec) -> Result<Pair, GeometryError> {
     }
 }
 
-/// Direction from the first gear to the pitch point, distance of the axes (to the reference line of a rack), offset along a rack,
-/// offset along the axes.
+/// Returns the direction from the first gear to the pitch point, the distance of the axes (or to the reference line of
+/// a rack), the offset along a rack, and the offset along the axes.
 fn in_plane(a: &GearSpec, b: &GearSpec) -> (f64, f64, f64, f64) {
     let apart = Vec3::from(b.position) - Vec3::from(a.position);
     let [dx, dy, dz] = layout_axes(a, b).map(|axis| axis.dot(&apart));
@@ -178,7 +181,7 @@ fn in_plane(a: &GearSpec, b: &GearSpec) -> (f64, f64, f64, f64) {
     }
 }
 
-/// The mesh of two gears at their positions.
+/// Computes the layout of the mesh of two gears at their positions.
 pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError> {
     let error = |why: Reason| BuildError::mesh([&a.name, &b.name], MeshPart::Layout, why);
     let Body::Gear(ga) = &a.body else {
@@ -244,7 +247,7 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
     })
 }
 
-/// Two gears of which at least one is conical, where they stand.
+/// Returns the pair of two gears of which at least one is conical, at their positions.
 fn conical_pair(a: &GearSpec, b: &GearSpec) -> Result<Option<ConicalPair>, GeometryError> {
     match [&a.body, &b.body] {
         [Body::Gear(one), Body::Gear(two)] if one.is_conical() || two.is_conical() => {
@@ -258,7 +261,7 @@ fn conical_pair(a: &GearSpec, b: &GearSpec) -> Result<Option<ConicalPair>, Geome
     }
 }
 
-/// Stiffness of a tooth pair along the path of contact of a mesh.
+/// Returns the stiffness of a tooth pair along the path of contact of a mesh.
 pub fn stiffness_curve(
     a: &GearSpec,
     b: &GearSpec,

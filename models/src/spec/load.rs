@@ -2,17 +2,17 @@
 
 use super::profile::Profile;
 
-/// A load on a hub: torque about the axis [N m], or force along the slide [N] for a prismatic mount.
+/// A load on a hub: torque about the axis [N m], or force along the motion of a prismatic mount [N].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Load {
-    /// A function of time.
+    /// Load that is a function of time.
     Applied(Profile),
-    /// `-c v`, c in N m s/rad or N s/m.
+    /// Viscous load `-c v`, with `c` in N m s/rad or N s/m.
     Viscous(f64),
 }
 
 impl Load {
-    /// Greatest magnitude [N m] or [N], for a hub that moves at `speed`.
+    /// Returns the largest magnitude [N m or N], for a hub that moves at `speed`.
     pub fn greatest(&self, speed: f64) -> f64 {
         match self {
             Load::Applied(profile) => profile.greatest(),

@@ -1,4 +1,4 @@
-//! What a scene is made of: plain data, SI units, no files.
+//! Specification of a scene: plain data in SI units, independent of files.
 
 mod layout;
 mod load;
@@ -17,13 +17,13 @@ pub use layout::{
 };
 pub use load::Load;
 pub use model::{ModelSpec, Modelling, Parameters, Value};
-pub use mount::{Bearing, Freedom, Guide, LateralSpec, Mount, SpinTerms, UPRIGHT, turned_to};
+pub use mount::{Bearing, Freedom, Guide, Mount, OutOfPlaneSpec, SpinTerms, UPRIGHT, turned_to};
 pub use points::{
     CoarseSearch, LocalContact, MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind,
 };
 pub use profile::Profile;
 pub use scene::{Body, ContactSpec, GearSpec, MeshSpec, SceneSpec, Start};
 pub use shaft::{
-    BodySpec, Carried, Section, SectionKind, ShaftDamping, ShaftSpec, Station, initial_speed,
+    BodySpec, Section, SectionKind, ShaftDamping, ShaftSpec, Station, StationMember, initial_speed,
 };
 pub use train::Train;

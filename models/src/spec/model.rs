@@ -1,4 +1,4 @@
-//! How the gears and contacts of a scene are modelled.
+//! Models of the gears and contacts of a scene.
 
 use super::scene::ContactSpec;
 use serde::Serialize;
@@ -8,33 +8,33 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Value {
-    /// A number.
+    /// A number in SI units.
     Number(f64),
-    /// A word.
+    /// A word, such as the name of a variant.
     Text(String),
     /// Numbers, one per tooth or breakpoint.
     List(Vec<f64>),
-    /// Yes or no.
+    /// A truth value.
     Flag(bool),
 }
 
 /// Parameters of a gear model by name, in SI units.
 pub type Parameters = BTreeMap<String, Value>;
 
-/// Which model a gear takes.
+/// Model of a gear, with its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelSpec {
-    /// Id in the table of models.
+    /// Identifier in the table of models.
     pub id: String,
-    /// Its parameters.
+    /// Parameters of the model.
     pub parameters: Parameters,
 }
 
-/// How the gears and contacts of a scene are modelled.
+/// Models of the gears and contacts of a scene.
 #[derive(Clone, Debug)]
 pub struct Modelling {
-    /// One model per gear.
+    /// Model of each gear.
     pub gears: Vec<ModelSpec>,
-    /// One contact per mesh.
+    /// Contact of each mesh.
     pub contacts: Vec<ContactSpec>,
 }

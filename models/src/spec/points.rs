@@ -1,28 +1,29 @@
-//! What the user chooses of a contact between flank points and flank surfaces.
+//! Settings of the contact between flank points and flank surfaces.
 
 use crate::error::Reason;
 use serde::{Deserialize, Serialize};
 
-/// Where the points lie on the faces of a flank, and what area each stands for.
+/// Integration rule: positions of the points on the faces of a flank, and their areas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointRule {
-    /// The nodes, each with the reference area of its shape function: the lowest order.
+    /// Points at the nodes, each with the reference area of its shape function: the lowest order.
     Nodes,
-    /// The nodes, each alike whatever its area: penalty and dashpot are those of a node [N/m, N s/m]. The force then
-    /// depends on the mesh; for comparison with methods that work so.
+    /// Points at the nodes with unit areas: penalty and dashpot are those of a node [N/m, N s/m]. The force then
+    /// depends on the mesh; for comparison with methods of that kind.
     EachNode,
     /// Gauss points of each face.
     Quadrature {
-        /// Points along the profile, 1 to 10.
+        /// Number of points along the profile, 1 to 10.
         along: usize,
-        /// Points over the width, 1 to 10.
+        /// Number of points over the width, 1 to 10.
         across: usize,
     },
 }
 
 impl Default for PointRule {
-    /// Eight points along the profile and two over the width: a tip edge presses on a strip much narrower than an
-    /// element, which fewer points hit or miss as a whole. The work of a step follows the nodes, not the points.
+    /// Returns eight points along the profile and two over the width: a tip edge loads a strip much narrower than an
+    /// element, which fewer points include or miss as a whole. The cost of a step depends on the nodes, not on the
+    /// points.
     fn default() -> Self {
         PointRule::Quadrature {
             along: 8,
@@ -42,24 +43,24 @@ pub enum SurfaceKind {
     Smooth,
 }
 
-/// How the flanks are found whose points are held against each other.
+/// Method that finds the pairs of flanks for the point contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CoarseSearch {
-    /// By tooth indices where the flanks of both gears follow the involutes of their toothings; else by boxes.
+    /// Tooth indices where the flanks of both gears follow the involutes of their toothings, otherwise boxes.
     #[default]
     Auto,
-    /// By the path coordinates of the involutes that the flanks approximate.
+    /// Path coordinates of the involutes that the flanks approximate.
     ToothIndices,
-    /// By boxes about the flanks, whatever their numbers and wherever they stand.
+    /// Bounding boxes of the flanks, whatever their numbers and poses.
     Boxes,
 }
 
-/// Whose points are held against the other's surface.
+/// Selection of the gear whose points are projected on the other's surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Passes {
-    /// Both, so that the order of the gears does not matter. Hard contact, which one pass has to hold alone, takes the
-    /// points of the first gear that brings flanks.
+    /// Points of both gears, so that the order of the gears does not matter. Hard contact, which needs a single pass,
+    /// uses the points of the first gear with its own flanks.
     #[default]
     #[serde(skip)]
     Auto,
@@ -67,19 +68,19 @@ pub enum Passes {
     First,
     /// Points of the second gear of the mesh.
     Second,
-    /// Both, each with half the penalty: no edge passes between the other side's points.
+    /// Points of both gears, each with half the penalty: no edge passes between the points of the other side.
     Both,
 }
 
-/// What gives way where flanks touch.
+/// Local compliance of the contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LocalContact {
-    /// The elements of the mesh, as finite elements have it: points of the flanks with a penalty or without.
+    /// The elements of the mesh: points of the flanks with a penalty or without.
     #[default]
     Mesh,
-    /// Half-spaces in the place of the elements next to the contact, as Hertz has it: lines over strips of the width
-    /// ([`FlankLines`](crate::contact::pairs::FlankLines)). Penalty, points, surfaces and passes are not asked for.
+    /// Half-spaces instead of the elements next to the contact, as in Hertz's theory: lines over strips of the width
+    /// ([`FlankLines`](crate::contact::pairs::FlankLines)). Penalty, points, surfaces and passes are not used.
     HalfSpace,
 }
 
@@ -91,26 +92,26 @@ pub struct PointContact {
     pub penalty: f64,
     /// Dashpot per area of flank [N s/m^3].
     pub damping: f64,
-    /// The points.
+    /// Integration rule of the points.
     pub rule: PointRule,
-    /// The surfaces.
+    /// Surface between the nodes.
     pub surface: SurfaceKind,
-    /// Whose points.
+    /// Selection of the gear with the points.
     pub passes: Passes,
-    /// How flanks are found.
+    /// Method that finds the pairs of flanks.
     pub coarse: CoarseSearch,
-    /// Gap of the undeformed flanks [m] up to which a pair of flanks is looked at; it must exceed the elastic
-    /// displacement of the teeth. `None` takes a fiftieth of the base pitch.
+    /// Largest gap of the undeformed flanks [m] at which a pair of flanks is evaluated; it must exceed the elastic
+    /// displacement of the teeth. `None` uses a fiftieth of the base pitch.
     pub reach: Option<f64>,
-    /// No penalty at all: gaps that do not close beyond zero, at the slave's nodes with the rule
-    /// [`PointRule::Nodes`], else averaged with the shape functions of its nodes (mortar).
+    /// True for contact without penalty: gaps that do not become negative, at the nodes of the slave with the rule
+    /// [`PointRule::Nodes`], otherwise averaged with the shape functions of its nodes (mortar).
     pub hard: bool,
-    /// What gives way where they touch.
+    /// Local compliance of the contact.
     pub local: LocalContact,
 }
 
 impl PointContact {
-    /// Hard contact at nodes, or averaged over the points of a rule, otherwise the defaults.
+    /// Returns settings of hard contact at nodes, or averaged over the points of a rule, otherwise the defaults.
     #[must_use]
     pub fn hard(rule: PointRule) -> Self {
         PointContact {
@@ -121,12 +122,12 @@ impl PointContact {
         }
     }
 
-    /// Whether a penalty stands for what gives way.
+    /// Returns true if a penalty represents the local compliance.
     pub fn has_penalty(&self) -> bool {
         self.local == LocalContact::Mesh && !self.hard
     }
 
-    /// Half-spaces where flanks touch.
+    /// Returns settings of contact on half-spaces.
     #[must_use]
     pub fn half_space() -> Self {
         PointContact {
@@ -136,7 +137,7 @@ impl PointContact {
         }
     }
 
-    /// A linear penalty [Pa/m] without damping, otherwise the defaults.
+    /// Returns settings of a linear penalty [Pa/m] without damping, otherwise the defaults.
     #[must_use]
     pub fn new(penalty: f64) -> Self {
         PointContact {
@@ -152,7 +153,7 @@ impl PointContact {
         }
     }
 
-    /// What is wrong with the settings and a way out, if anything.
+    /// Returns the first invalid setting with a remedy, if any.
     pub fn problem(&self) -> Option<Reason> {
         if !(self.penalty > 0.0 && self.penalty.is_finite()) {
             return Some(
@@ -208,7 +209,7 @@ impl PointContact {
     }
 }
 
-/// Most quadrature points in one direction of a face.
+/// Largest number of quadrature points in one direction of a face.
 pub const MAX_POINTS: usize = 10;
 
 #[cfg(test)]

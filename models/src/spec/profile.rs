@@ -8,9 +8,9 @@ use std::f64::consts::TAU;
 /// A function of time: piecewise linear, or harmonic.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Profile {
-    /// The same value at all times.
+    /// A constant value.
     Constant(f64),
-    /// `from` until `start`, then linear to `to` at `end`, then constant.
+    /// A ramp: `from` until `start`, then linear to `to` at `end`, then constant.
     Ramp {
         /// Value before the ramp.
         from: f64,
@@ -21,36 +21,36 @@ pub enum Profile {
         /// Time at which the ramp ends [s].
         end: f64,
     },
-    /// Linear between breakpoints, constant outside.
+    /// A table: linear between breakpoints, constant outside.
     Table {
         /// Strictly ascending times [s].
         time: Vec<f64>,
         /// Values at the times.
         value: Vec<f64>,
     },
-    /// `mean + amplitude cos(2 pi frequency t + phase)`.
+    /// A harmonic: `mean + amplitude cos(2 pi frequency t + phase)`.
     Harmonic {
-        /// Mean value.
+        /// Mean value of the harmonic.
         mean: f64,
-        /// Half of peak to peak.
+        /// Amplitude: half of peak to peak.
         amplitude: f64,
-        /// Frequency [Hz], positive.
+        /// Frequency of the harmonic [Hz], positive.
         frequency: f64,
         /// Phase at the time 0 [rad].
         phase: f64,
     },
-    /// The derivative of `c0 + c1 s + c2 s^2 + c3 s^3`, `s = t - from`, at all times; its integral is that cubic. What a
-    /// host sets piece by piece.
+    /// The derivative of `c0 + c1 s + c2 s^2 + c3 s^3`, `s = t - from`, at all times; its integral is that cubic. A
+    /// host of a co-simulation sets such pieces.
     Polynomial {
         /// Time at which `s` is zero [s].
         from: f64,
-        /// `c0` to `c3`.
+        /// Coefficients `c0` to `c3` of the integral.
         integral: [f64; 4],
     },
 }
 
 impl Profile {
-    /// The line through two values at two times.
+    /// Returns the line through two values at two times.
     pub fn line([from, to]: [f64; 2], [start, end]: [f64; 2]) -> Self {
         let slope = (end - start) / (to - from);
         Profile::Polynomial {
@@ -59,7 +59,8 @@ impl Profile {
         }
     }
 
-    /// The speed of the cubic motion through two places with two speeds, `[place, speed]` at two times (Hermite).
+    /// Returns the speed of the cubic motion through two positions with two speeds, `[position, speed]` at two times
+    /// (Hermite).
     pub fn motion([from, to]: [f64; 2], start: [f64; 2], end: [f64; 2]) -> Self {
         let h = to - from;
         let mean = (end[0] - start[0]) / h;
@@ -74,7 +75,7 @@ impl Profile {
         }
     }
 
-    /// Whether it is piecewise linear in time.
+    /// Returns true if the profile is piecewise linear in time.
     pub fn is_linear(&self) -> bool {
         match self {
             Profile::Harmonic { .. } => false,
@@ -83,7 +84,7 @@ impl Profile {
         }
     }
 
-    /// What is wrong with the profile, if anything.
+    /// Returns the problem of an invalid profile, if any.
     pub fn problem(&self) -> Option<String> {
         let finite = |x: &f64| x.is_finite();
         match self {
@@ -133,7 +134,7 @@ impl Profile {
         }
     }
 
-    /// Value at time `t` [s].
+    /// Returns the value at time `t` [s].
     pub fn value(&self, t: f64) -> f64 {
         match self {
             Profile::Constant(x) => *x,
@@ -170,8 +171,8 @@ impl Profile {
         }
     }
 
-    /// What it comes to in the mean after the last breakpoint: the value of a constant, the end of a ramp or table, the
-    /// mean of a harmonic, the start of a polynomial.
+    /// Returns the mean after the last breakpoint: the value of a constant, the end of a ramp or table, the mean of a
+    /// harmonic, the start of a polynomial.
     pub fn settled(&self) -> f64 {
         match self {
             Profile::Harmonic { mean, .. } => *mean,
@@ -180,7 +181,7 @@ impl Profile {
         }
     }
 
-    /// Greatest magnitude at any time; of a polynomial that at its start.
+    /// Returns the largest magnitude at any time; for a polynomial that at its start.
     pub fn greatest(&self) -> f64 {
         match self {
             Profile::Constant(x) => x.abs(),
@@ -193,7 +194,7 @@ impl Profile {
         }
     }
 
-    /// The same function times a factor.
+    /// Returns the profile multiplied by a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();
@@ -215,7 +216,7 @@ impl Profile {
         scaled
     }
 
-    /// Whether it keeps its value from `t` until the next breakpoint.
+    /// Returns true if the value is constant from `t` until the next breakpoint.
     pub fn is_steady(&self, t: f64) -> bool {
         match self {
             Profile::Harmonic { amplitude, .. } => *amplitude == 0.0,
@@ -224,7 +225,7 @@ impl Profile {
         }
     }
 
-    /// Integral from 0 to `t`, exact; of a polynomial its own integral.
+    /// Returns the integral from 0 to `t`, exact; for a polynomial its own integral.
     pub fn integral(&self, t: f64) -> f64 {
         if let Profile::Harmonic {
             mean,
@@ -256,7 +257,7 @@ impl Profile {
         if t < 0.0 { -sum } else { sum }
     }
 
-    /// Slope just after `t`.
+    /// Returns the slope just after `t`.
     pub fn slope(&self, t: f64) -> f64 {
         match self {
             Profile::Constant(_) => 0.0,
@@ -291,7 +292,7 @@ impl Profile {
         }
     }
 
-    /// Next breakpoint after `t` [s], or infinity.
+    /// Returns the next breakpoint after `t` [s], or infinity.
     pub fn next_breakpoint(&self, t: f64) -> f64 {
         match self {
             Profile::Constant(_) | Profile::Harmonic { .. } | Profile::Polynomial { .. } => {

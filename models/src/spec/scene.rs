@@ -1,9 +1,9 @@
-//! What a scene is made of: plain data, SI units, no files.
+//! Specification of a scene: gears, meshes, contacts and shafts as plain data in SI units.
 
 use super::load::Load;
-use super::mount::{Guide, LateralSpec, Mount};
+use super::mount::{Guide, Mount, OutOfPlaneSpec};
 use super::points::PointContact;
-use super::shaft::{BodySpec, Carried, ShaftSpec, Station};
+use super::shaft::{BodySpec, ShaftSpec, Station, StationMember};
 use crate::Vec3;
 use crate::geometry::{Gear, Rack, Side, Tips};
 use crate::law::{Damping, Friction};
@@ -14,12 +14,12 @@ use crate::stiffness::{Material, PairStiffness};
 pub enum Body {
     /// An external or internal gear.
     Gear(Gear),
-    /// A rack.
+    /// A rack with straight flanks.
     Rack(Rack),
 }
 
 impl Body {
-    /// Moment of inertia [kg m^2] of what belongs to the hub of a solid gear.
+    /// Returns the moment of inertia [kg m^2] of the core of a solid gear, which belongs to the hub.
     pub fn core_inertia(&self, density: f64) -> f64 {
         match self {
             Body::Gear(gear) => gear.core_inertia(density),
@@ -27,7 +27,7 @@ impl Body {
         }
     }
 
-    /// Number of teeth.
+    /// Returns the number of teeth.
     pub fn teeth(&self) -> u32 {
         match self {
             Body::Gear(gear) => gear.teeth(),
@@ -35,7 +35,7 @@ impl Body {
         }
     }
 
-    /// Where the tips of its teeth point.
+    /// Returns the direction of the tooth tips.
     pub fn tips(&self) -> Tips {
         match self {
             Body::Gear(gear) if gear.is_internal() => Tips::Inwards,
@@ -44,7 +44,7 @@ impl Body {
         }
     }
 
-    /// Face width [m].
+    /// Returns the face width [m].
     pub fn face_width(&self) -> f64 {
         match self {
             Body::Gear(gear) => gear.face_width(),
@@ -52,7 +52,7 @@ impl Body {
         }
     }
 
-    /// Mass [kg].
+    /// Returns the mass [kg] for a density [kg/m^3].
     pub fn mass(&self, density: f64) -> f64 {
         match self {
             Body::Gear(gear) => gear.mass_properties(density).mass,
@@ -60,7 +60,7 @@ impl Body {
         }
     }
 
-    /// Helix angle on the base cylinder [rad].
+    /// Returns the helix angle on the base cylinder [rad].
     pub fn base_helix_angle(&self) -> f64 {
         match self {
             Body::Gear(gear) => gear.base_helix_angle(),
@@ -69,32 +69,33 @@ impl Body {
     }
 }
 
-/// A gear, its hub and what drives it.
+/// A gear with its hub, mount and loads.
 #[derive(Clone, Debug)]
 pub struct GearSpec {
     /// Name, unique in the scene.
     pub name: String,
-    /// Toothing.
+    /// Body with the toothing of the gear.
     pub body: Body,
-    /// Material.
+    /// Material of the body.
     pub material: Material,
-    /// Inertia about the axis [kg m^2] (mass [kg] of a rack); `None` takes the toothing's own.
+    /// Inertia about the axis [kg m^2] (mass [kg] of a rack); `None` uses that of the toothing.
     pub inertia: Option<f64>,
     /// Inertia added at the hub [kg m^2] or [kg].
     pub added_inertia: f64,
-    /// Mount.
+    /// Mount of the hub.
     pub mount: Mount,
-    /// What holds the hub along its own motion where the mount leaves that free.
+    /// Support of the hub along its own motion where the mount leaves that free.
     pub guide: Option<Guide>,
-    /// How the hub may move beside that; `None`: not at all.
-    pub lateral: Option<Box<LateralSpec>>,
-    /// The middle of the face width on the axis; for a rack of its reference line, at zero displacement [m].
+    /// Out-of-plane freedom of the hub; `None` fixes all other directions.
+    pub lateral: Option<Box<OutOfPlaneSpec>>,
+    /// Position of the middle of the face width on the axis; for a rack of its reference line, at zero displacement
+    /// [m].
     pub position: [f64; 3],
-    /// Right-handed unit axes of the gear at the start, angles count from the first to the second; the third is the axis
-    /// itself. [`UPRIGHT`](super::UPRIGHT) for a rack.
+    /// Right-handed unit axes of the gear at the start. Angles count from the first to the second; the third is the
+    /// gear axis. [`UPRIGHT`](super::UPRIGHT) for a rack.
     pub axes: [Vec3; 3],
-    /// For a rack: direction from its body to its teeth [rad]. It slides at right angles to it,
-    /// counter-clockwise positive as seen from the gear in front of it.
+    /// Direction from the body of a rack to its teeth [rad]. The rack translates at right angles to it, positive
+    /// counter-clockwise in the view of the gear in front of it.
     pub facing: f64,
     /// Initial speed [rad/s] or [m/s].
     pub speed: f64,
@@ -103,7 +104,7 @@ pub struct GearSpec {
 }
 
 impl GearSpec {
-    /// Inertia about the axis [kg m^2], of a rack the mass [kg], without what is added at the hub.
+    /// Returns the inertia about the axis [kg m^2], for a rack the mass [kg], without that added at the hub.
     pub fn own_inertia(&self) -> f64 {
         let density = self.material.density;
         self.inertia.unwrap_or_else(|| match &self.body {
@@ -113,20 +114,21 @@ impl GearSpec {
     }
 }
 
-/// Where a mesh starts.
+/// Initial position of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
-    /// Flank whose pair is placed.
+    /// Flank side of the pair that is placed.
     pub side: Side,
     /// Gap along the normal of the flanks, positive when open [m].
     pub gap: f64,
     /// Path coordinate of the pair from the first gear's tangent point [m]; `None` is the pitch point.
     pub path_coordinate: Option<f64>,
-    /// The whole scene starts in the equilibrium of its loads at time zero, from where its meshes place it.
+    /// True if the whole scene starts in the equilibrium of its loads at time zero, found from the position that its
+    /// meshes define.
     pub loaded: bool,
 }
 
-/// Two gears in mesh. The first may not be a rack.
+/// Two gears in mesh. The first must not be a rack.
 #[derive(Clone, Debug)]
 pub struct MeshSpec {
     /// Indices of the gears.
@@ -144,38 +146,38 @@ pub struct ContactSpec {
     pub exponent: f64,
     /// Damping of the normal law; a ratio is resolved with the reduced mass of the pair.
     pub damping: Damping,
-    /// Friction.
+    /// Friction of the contact, if any.
     pub friction: Option<Friction>,
-    /// Slices over the face width; `None` chooses: 1 for a spur gear without lead crowning, else 16.
+    /// Number of slices over the face width; `None` selects 1 for a spur gear without lead crowning, otherwise 16.
     pub slices: Option<usize>,
-    /// Contact of flank points, for meshes with a gear that brings its flanks; `stiffness`, `damping` and
-    /// `slices` are those of all other meshes. The exponent serves both.
+    /// Contact of flank points, for meshes with a gear that has its own flanks; `stiffness`, `damping` and `slices`
+    /// apply to all other meshes. The exponent applies to both.
     pub points: Option<PointContact>,
 }
 
 /// A scene without its models.
 #[derive(Clone, Debug)]
 pub struct SceneSpec {
-    /// Gears.
+    /// Gears of the scene.
     pub gears: Vec<GearSpec>,
-    /// Meshes.
+    /// Meshes of the scene.
     pub meshes: Vec<MeshSpec>,
     /// Shafts that join gears with each other and with bodies without teeth.
     pub shafts: Vec<ShaftSpec>,
 }
 
 impl SceneSpec {
-    /// The bodies without teeth, shaft by shaft; in an assembled scene they stand behind the gears.
+    /// Returns the bodies without teeth, shaft by shaft; in an assembled scene they follow the gears.
     pub fn bodies(&self) -> impl Iterator<Item = &BodySpec> {
         self.shafts.iter().flat_map(ShaftSpec::bodies)
     }
 
-    /// The first mesh that asks for the whole scene to start in the equilibrium of its loads.
+    /// Returns the first mesh with a loaded start, if any.
     pub fn starts_loaded(&self) -> Option<&MeshSpec> {
         self.meshes.iter().find(|m| m.start.loaded)
     }
 
-    /// The first gear on the axis of a planet carrier: it meshes with a planet and is none.
+    /// Returns the first gear on the axis of a planet carrier: it meshes with a planet and is none.
     pub fn centre_of(&self, carrier: &BodySpec) -> Option<&GearSpec> {
         let planets = &carrier.planets;
         let other = |m: &MeshSpec| match m.gears.map(|g| planets.contains(&g)) {
@@ -186,11 +188,12 @@ impl SceneSpec {
         self.meshes.iter().find_map(other).map(|i| &self.gears[i])
     }
 
-    /// Loads on the hub of a gear, and on the bodies of its shaft.
+    /// Returns the loads on the hub of a gear, and on the bodies of its shaft.
     pub fn loads_at(&self, gear: usize) -> impl Iterator<Item = &Load> {
         let carries = move |s: &&ShaftSpec| {
             let stations = s.stations.iter();
-            let mut gears = stations.map(|s| matches!(s.carries, Carried::Gear(i) if i == gear));
+            let mut gears =
+                stations.map(|s| matches!(s.carries, StationMember::Gear(i) if i == gear));
             gears.any(|own| own)
         };
         let bodies = self
@@ -202,15 +205,15 @@ impl SceneSpec {
         own.chain(bodies.flat_map(|b| &b.loads))
     }
 
-    /// Name of what a shaft carries at a station.
+    /// Returns the name of the gear or body at a station.
     pub fn station_name<'a>(&'a self, station: &'a Station) -> &'a str {
         match &station.carries {
-            Carried::Gear(i) => &self.gears[*i].name,
-            Carried::Body(body) => &body.name,
+            StationMember::Gear(i) => &self.gears[*i].name,
+            StationMember::Body(body) => &body.name,
         }
     }
 
-    /// Name of a gear or, behind them, of a body on a shaft.
+    /// Returns the name of a gear or, behind them, of a body on a shaft.
     pub fn member_name(&self, member: usize) -> &str {
         match self.gears.get(member) {
             Some(gear) => &gear.name,

@@ -1,11 +1,14 @@
-//! Shafts that carry several gears, and the bodies without toothing that stand on them.
+//! Shafts with several gears, and bodies without teeth on them.
 
 use super::load::Load;
-use super::mount::{Guide, LateralSpec, Mount};
+use super::mount::{Guide, Mount, OutOfPlaneSpec};
 use crate::error::{BuildError, Reason};
 use crate::stiffness::Material;
 
-/// A shaft: what it carries from one end to the other, and what it is made of in between.
+/// A shaft: the members that it carries from one end to the other, and the sections between them.
+///
+/// Without sections it is rigid: all members move as one body. With sections it is an elastic beam in torsion; if a
+/// member has out-of-plane freedom, it bends and stretches as well.
 ///
 /// Without sections it is rigid: all that it carries moves as one body. With sections it is an elastic beam; it is twisted
 /// only, unless something on it may move sideways, and then it bends and stretches as well.
@@ -13,78 +16,78 @@ use crate::stiffness::Material;
 pub struct ShaftSpec {
     /// Name, unique among the shafts of a scene.
     pub name: String,
-    /// What stands on it, in the order of its places.
+    /// Members on the shaft, in the order of their positions.
     pub stations: Vec<Station>,
-    /// From its beginning, the place 0, on; none: a rigid shaft.
+    /// Sections from the start of the shaft on; empty for a rigid shaft.
     pub sections: Vec<Section>,
     /// Damping of the sections.
     pub damping: ShaftDamping,
 }
 
-/// Something that a shaft carries.
+/// Position of a member on a shaft.
 #[derive(Clone, Debug)]
 pub struct Station {
-    /// From the beginning of the shaft [m].
+    /// Distance from the start of the shaft [m].
     pub place: f64,
-    /// What it is.
-    pub carries: Carried,
+    /// Member at the station.
+    pub carries: StationMember,
 }
 
-/// What stands at a place of a shaft.
+/// Member at a station of a shaft.
 #[derive(Clone, Debug)]
-pub enum Carried {
+pub enum StationMember {
     /// A gear of the scene, by index.
     Gear(usize),
     /// A body without teeth.
     Body(Box<BodySpec>),
 }
 
-/// A body without teeth on a shaft: the rotor of a motor, a flywheel, a load, the place of a bearing.
+/// A body without teeth on a shaft: the rotor of a motor, a flywheel, a load, the position of a bearing.
 #[derive(Clone, Debug)]
 pub struct BodySpec {
     /// Name, unique among gears and bodies of the scene.
     pub name: String,
-    /// Inertia about the axis [kg m^2], beside that of the shaft; may be zero.
+    /// Inertia about the axis [kg m^2], in addition to that of the shaft; may be zero.
     pub inertia: f64,
-    /// How it turns.
+    /// Mount of the body.
     pub mount: Mount,
-    /// What holds it about its axis where the mount leaves that free.
+    /// Support about its axis where the mount leaves that free.
     pub guide: Option<Guide>,
-    /// Its bearing, and mass and inertia tensor where the shaft bends; `None` leaves it to the shaft.
-    pub lateral: Option<Box<LateralSpec>>,
+    /// Bearing, and mass and inertia tensor where the shaft bends; `None` uses those of the shaft.
+    pub lateral: Option<Box<OutOfPlaneSpec>>,
     /// Initial speed [rad/s].
     pub speed: f64,
     /// Torques about the axis.
     pub loads: Vec<Load>,
-    /// Gears of the scene whose axes go round with it, by index: a planet carrier. A planet with a bearing stands on an
-    /// elastic pin, others on rigid ones.
+    /// Gears of the scene whose axes rotate with the body, by index: a planet carrier. A planet with a bearing is on
+    /// an elastic pin, others are on rigid ones.
     pub planets: Vec<usize>,
 }
 
 /// A piece of an elastic shaft with one cross-section.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
-    /// [m]
+    /// Length of the section [m].
     pub length: f64,
-    /// What it is.
+    /// Kind of the section.
     pub kind: SectionKind,
-    /// Beam elements, at least one; a station within a section divides it as well.
+    /// Number of beam elements, at least one; a station within a section divides it as well.
     pub divisions: usize,
 }
 
-/// What a section of a shaft is made of.
+/// Kind of a section of a shaft.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SectionKind {
     /// A round bar or a tube.
     Round {
         /// Outer and inner diameter [m].
         diameters: [f64; 2],
-        /// Material.
+        /// Material of the bar.
         material: Material,
     },
     /// A coupling: a torsional spring without mass that resists in no other direction.
     Coupling {
-        /// Torque by unit of twist of the whole section [N m/rad].
+        /// Torque per unit twist of the whole section [N m/rad].
         stiffness: f64,
     },
 }
@@ -92,18 +95,18 @@ pub enum SectionKind {
 /// Damping of an elastic shaft, in proportion to its stiffness.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ShaftDamping {
-    /// None.
+    /// The shaft has no damping.
     #[default]
     None,
-    /// `c = time k` [s].
+    /// Time constant of the damping, `c = time k` [s].
     Time(f64),
-    /// Damping ratio at the lowest natural frequency that torsion, bending and stretching each have with what the shaft
-    /// carries, without meshes and bearings [-].
+    /// Damping ratio at the lowest natural frequency of torsion, of bending and of stretching, each of the shaft with
+    /// its members, without meshes and bearings [-].
     Ratio(f64),
 }
 
 impl BodySpec {
-    /// A body that turns freely.
+    /// Creates a body that rotates freely.
     pub fn new(name: &str, inertia: f64) -> Self {
         BodySpec {
             name: name.into(),
@@ -119,25 +122,25 @@ impl BodySpec {
 }
 
 impl ShaftSpec {
-    /// Length of its sections [m].
+    /// Returns the length of its sections [m].
     pub fn length(&self) -> f64 {
         self.sections.iter().map(|s| s.length).sum()
     }
 
-    /// Its bodies without teeth.
+    /// Returns its bodies without teeth.
     pub fn bodies(&self) -> impl Iterator<Item = &BodySpec> {
         self.stations.iter().filter_map(|s| match &s.carries {
-            Carried::Body(body) => Some(body.as_ref()),
-            Carried::Gear(_) => None,
+            StationMember::Body(body) => Some(body.as_ref()),
+            StationMember::Gear(_) => None,
         })
     }
 
-    /// An error about it.
+    /// Creates an error about the shaft.
     pub(crate) fn refuse(&self, why: impl Into<Reason>) -> BuildError {
         BuildError::shaft(&self.name, why)
     }
 
-    /// What is wrong with it by itself.
+    /// Checks the shaft itself.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
         let length = self.length();
         for (i, section) in self.sections.iter().enumerate() {
@@ -235,7 +238,7 @@ impl ShaftSpec {
 }
 
 impl Section {
-    /// What is wrong, and a way out.
+    /// Returns the problem of an invalid section, with a remedy.
     fn problem(&self) -> Option<(String, &'static str)> {
         let good = |x: f64| x > 0.0 && x.is_finite();
         if !good(self.length) {
@@ -281,7 +284,7 @@ impl Section {
     }
 }
 
-/// Speed of a body at the start [rad/s].
+/// Returns the initial speed of a body [rad/s].
 pub fn initial_speed(mount: &Mount, speed: f64) -> f64 {
     match mount {
         Mount::Driven(p) => p.value(0.0),

@@ -1,5 +1,5 @@
-//! Kinematics of the whole train of a scene: speeds of its members that keep all meshes in step, and the flanks that its
-//! loads press.
+//! Kinematics of the whole train of a scene: speeds of its members at which all meshes are in step, and the flanks
+//! that its loads close.
 //!
 //! Members are the gears and, behind them, the bodies without teeth. With the signed effective radii `R` of the gears `a`
 //! and `b` of a mesh and the speed `W` of the carrier that they stand on (zero on fixed axes) flanks approach each other
@@ -14,10 +14,10 @@
 
 use super::scene::{MeshSpec, SceneSpec};
 use super::signed_effective_radius;
-use super::{BodySpec, Carried, Load, Mount, effective_radius, initial_speed};
+use super::{BodySpec, Load, Mount, StationMember, effective_radius, initial_speed};
 use nalgebra::{DMatrix, DVector};
 
-/// Coefficients below this are rounding: ratios of teeth are of order one.
+/// Magnitude below which a coefficient is rounding: ratios of teeth are of order one.
 const ROUNDING: f64 = 1e-9;
 
 /// Kinematics of the train of a scene.
@@ -27,25 +27,25 @@ pub struct Train<'s> {
     bodies: Vec<&'s BodySpec>,
     /// Carrier of every gear, as a member.
     carriers: Vec<Option<usize>>,
-    /// Speeds at the start.
+    /// Initial speeds of the members.
     speeds: Vec<f64>,
     /// One equation of every mesh, in the order of the meshes, then one of every pair of neighbours on a shaft.
     rows: Vec<Vec<f64>>,
-    /// Of every member the first one of those whose motions depend on its own.
+    /// For every member, the first one of those with dependent motions.
     joined: Vec<usize>,
-    /// `rows` with those of the held hubs, solved for as many speeds as they determine.
+    /// The `rows` with those of the fixed hubs, solved for as many speeds as they determine.
     equations: Equations,
 }
 
 /// Linear equations for the speeds, each solved for one of them.
 #[derive(Clone, Debug, Default)]
 struct Equations {
-    /// The speed that the row is solved for, and the row with its right-hand side.
+    /// Index of the speed that the row is solved for, and the row with its right-hand side.
     solved: Vec<(usize, Vec<f64>)>,
 }
 
 impl Equations {
-    /// Adds an equation; `false` where the others contain it already.
+    /// Adds an equation; returns `false` where the others already imply it.
     fn add(&mut self, mut row: Vec<f64>) -> bool {
         for (pivot, solved) in &self.solved {
             subtract(&mut row, *pivot, solved);
@@ -66,7 +66,7 @@ impl Equations {
         true
     }
 
-    /// Whether the equations alone determine a speed.
+    /// Returns true if the equations alone determine a speed.
     fn determine(&self, member: usize) -> bool {
         (self.solved.iter()).any(|(pivot, row)| {
             let n = row.len() - 1;
@@ -75,7 +75,7 @@ impl Equations {
     }
 }
 
-/// Takes the multiple of a row away that makes the coefficient of `pivot` zero.
+/// Subtracts the multiple of a row that makes the coefficient of `pivot` zero.
 fn subtract(row: &mut [f64], pivot: usize, solved: &[f64]) {
     let factor = row[pivot];
     if factor != 0.0 {
@@ -86,7 +86,7 @@ fn subtract(row: &mut [f64], pivot: usize, solved: &[f64]) {
     }
 }
 
-/// Groups of members that equations join: of every member the first one of its group.
+/// Groups members that equations join: returns for every member the first one of its group.
 fn components(members: usize, rows: &[Vec<f64>]) -> Vec<usize> {
     let mut first: Vec<usize> = (0..members).collect();
     for row in rows {
@@ -105,7 +105,7 @@ fn components(members: usize, rows: &[Vec<f64>]) -> Vec<usize> {
 }
 
 impl<'s> Train<'s> {
-    /// The train of a scene.
+    /// Builds the train of a scene.
     pub fn new(spec: &'s SceneSpec) -> Self {
         let bodies: Vec<&BodySpec> = spec.bodies().collect();
         let gears = spec.gears.len();
@@ -138,17 +138,17 @@ impl<'s> Train<'s> {
         train
     }
 
-    /// Number of gears and bodies.
+    /// Returns the number of gears and bodies.
     pub fn members(&self) -> usize {
         self.speeds.len()
     }
 
-    /// Speed of a member at the start [rad/s] or [m/s].
+    /// Returns the initial speed of a member [rad/s or m/s].
     pub fn speed(&self, member: usize) -> f64 {
         self.speeds[member]
     }
 
-    /// Mount of a member.
+    /// Returns the mount of a member.
     pub fn mount(&self, member: usize) -> &'s Mount {
         match self.spec.gears.get(member) {
             Some(gear) => &gear.mount,
@@ -156,7 +156,7 @@ impl<'s> Train<'s> {
         }
     }
 
-    /// Loads of a member.
+    /// Returns the loads of a member.
     pub fn loads(&self, member: usize) -> &'s [Load] {
         match self.spec.gears.get(member) {
             Some(gear) => &gear.loads,
@@ -164,24 +164,24 @@ impl<'s> Train<'s> {
         }
     }
 
-    /// The carrier on which the gears of a mesh stand, as a member.
+    /// Returns the carrier of the gears of a mesh, as a member.
     pub fn carrier_of(&self, mesh: &MeshSpec) -> Option<usize> {
         mesh.gears.iter().find_map(|g| self.carriers[*g])
     }
 
-    /// Members whose motions depend on that of `member`, itself included, in ascending order.
+    /// Returns the members whose motions depend on that of `member`, including itself, in ascending order.
     pub fn joined(&self, member: usize) -> Vec<usize> {
         let same = |i: &usize| self.joined[*i] == self.joined[member];
         (0..self.members()).filter(same).collect()
     }
 
-    /// Whether held hubs leave a member no motion that keeps the meshes in step.
+    /// Returns true if fixed hubs leave a member no motion at which the meshes are in step.
     pub fn is_held(&self, member: usize) -> bool {
         self.equations.determine(member)
     }
 
-    /// Speeds in step with as many of the speeds at the start as agree with each other; of two that do not agree the
-    /// first one in `order` counts.
+    /// Returns speeds in step with as many of the initial speeds as are consistent; of two that are not, the first one
+    /// in `order` counts.
     pub fn in_step(&self, order: &[usize]) -> Vec<f64> {
         let mut equations = self.equations.clone();
         let all = order.iter().copied().chain(0..self.members());
@@ -197,8 +197,8 @@ impl<'s> Train<'s> {
         speeds
     }
 
-    /// Speed at which the left flanks of a mesh approach each other, right flanks part, at speeds of the members; and the
-    /// faster of the two speeds of its flanks along the line of action [m/s].
+    /// Returns the speed at which the left flanks of a mesh approach each other (right flanks separate) at speeds of
+    /// the members, and the larger of the speeds of both flanks along the line of action [m/s].
     pub fn approach(&self, mesh: usize, speeds: &[f64]) -> (f64, f64) {
         let of = &self.spec.meshes[mesh];
         let carrier = self.carrier_of(of).map_or(0.0, |c| speeds[c]);
@@ -208,9 +208,9 @@ impl<'s> Train<'s> {
         (a + b, a.abs().max(b.abs()))
     }
 
-    /// Normal forces of the meshes [N] under constant loads of the members [N m] or [N]: positive on left flanks, negative
-    /// on right ones. Meshes that share a load in a statically undetermined way, as those of several planets do, have
-    /// the solution of least squares.
+    /// Returns the normal forces of the meshes [N] under constant loads of the members [N m or N]: positive on left
+    /// flanks, negative on right ones. Meshes that share a load in a statically indeterminate way, as those of several
+    /// planets do, have the least-squares solution.
     pub fn forces(&self, loads: &[f64]) -> Vec<f64> {
         let mobility: Vec<f64> = self.mobility();
         let (rows, n) = (self.rows.len(), self.members());
@@ -236,8 +236,8 @@ impl<'s> Train<'s> {
         (0..meshes).map(|i| solved[i] * scale[i]).collect()
     }
 
-    /// Mass along the line of action that the gears of a mesh bring into an impact [kg]; infinite where neither can give
-    /// way.
+    /// Returns the effective mass along the line of action of the gears of a mesh in an impact [kg]; infinite where
+    /// neither can move.
     pub fn striking_mass(&self, mesh: usize) -> f64 {
         let mobility = self.mobility();
         let give = self.spec.meshes[mesh]
@@ -246,7 +246,7 @@ impl<'s> Train<'s> {
         1.0 / (give[0] + give[1])
     }
 
-    /// One over the inertia of every member; zero of those whose motion is given.
+    /// Returns the inverse inertia of every member; zero for members with prescribed motion.
     fn mobility(&self) -> Vec<f64> {
         let gears = self.spec.gears.len();
         let of_gears = self.spec.gears.iter();
@@ -296,8 +296,8 @@ impl<'s> Train<'s> {
             let mut members = Vec::new();
             for station in &shaft.stations {
                 members.push(match station.carries {
-                    Carried::Gear(gear) => gear,
-                    Carried::Body(_) => {
+                    StationMember::Gear(gear) => gear,
+                    StationMember::Body(_) => {
                         body += 1;
                         body - 1
                     }
@@ -314,7 +314,7 @@ impl<'s> Train<'s> {
 mod tests {
     use super::components;
 
-    /// Equations from the far end join as those from the near one, and a carrier joins both gears of its mesh.
+    /// Equations join members whatever their order, and a carrier joins both gears of its mesh.
     #[test]
     fn equations_join_members_whatever_their_order() {
         let row = |members: &[usize]| {

@@ -1,4 +1,4 @@
-//! Pairs that share two bodies, against finite elements.
+//! Pairs with common bodies, compared with finite elements.
 
 use super::*;
 use crate::geometry::GearParams;
@@ -12,7 +12,7 @@ fn params(teeth: u32, module: f64, bore_radius: f64) -> GearParams {
     }
 }
 
-/// What a scene gets by `stiffness = "compliance"`.
+/// Default stiffness of a scene, `stiffness = "compliance"`.
 const USUAL: PairStiffness = PairStiffness::Compliance {
     tooth: ToothModel::WeberBanaschek,
     foundation: Foundation::Ring,
@@ -40,7 +40,7 @@ const S30: [[f64; 3]; 2] = [[14.678, 6.9783, 2.4735], [15.107, 20.3071, 6.9572]]
 const Z50: [[f64; 3]; 2] = [[16.621, 6.1376, 2.2501], [17.139, 17.8306, 6.2869]];
 const FZG: [[f64; 3]; 2] = [[13.605, 7.5643, 2.7918], [14.023, 21.9782, 7.912]];
 
-/// Finite elements with Hertz's contact put in exactly, extrapolated over the mesh, no penalty:
+/// Results of finite elements with an analytical Hertzian contact, extrapolated over the mesh size, without penalty:
 /// `cargo test --release -p gearbench-reference --test statics_far_field -- --nocapture --ignored`.
 fn cases() -> [Case; 7] {
     let bored = |name, bore: f64, elements| Case {
@@ -95,7 +95,7 @@ impl Case {
         (one, two, pair)
     }
 
-    /// As `elements`, by a stiffness.
+    /// Returns the quantities of `elements` for a stiffness.
     fn cycle(&self, spec: &PairStiffness, load: f64) -> [f64; 3] {
         let (one, two, pair) = self.pair();
         let curve = build(spec, &one, &two, &pair, [self.material; 2], self.width).unwrap();
@@ -117,10 +117,9 @@ impl Case {
     }
 }
 
-/// Mean mesh stiffness and static transmission error of every pair and load within 5 % of the finite
-/// elements, with nothing fitted (2 % with the law taken at the load of the pair); its amplitude within a
-/// fifth. The law takes Hertz's contact at one load, 100 N/mm of a pair; what touches before and after the
-/// path is left out on both sides.
+/// Mean mesh stiffness and static transmission error of every pair and load are within 5 % of the finite elements,
+/// without fitting (2 % with the law at the load of the pair); the amplitude is within a fifth. The law includes
+/// Hertzian contact at one load, 100 N/mm of a pair; contact before and after the path is left out on both sides.
 #[test]
 fn mean_stiffness_and_transmission_error_are_those_of_finite_elements() {
     for case in cases() {
@@ -141,7 +140,7 @@ fn mean_stiffness_and_transmission_error_are_those_of_finite_elements() {
     }
 }
 
-/// The sum of pairs that know nothing of each other is 13 to 140 % too great.
+/// Without coupling the sum of pairs is 13 to 140 % too stiff.
 #[test]
 fn without_coupling_two_pairs_are_too_stiff() {
     for case in cases() {
@@ -157,7 +156,7 @@ fn without_coupling_two_pairs_are_too_stiff() {
     }
 }
 
-/// Exchanging the gears mirrors the path: the same stiffness and coupling.
+/// Exchanging the gears mirrors the path: stiffness and coupling are equal.
 #[test]
 fn the_order_of_the_gears_does_not_matter() {
     for case in cases() {
@@ -179,8 +178,8 @@ fn the_order_of_the_gears_does_not_matter() {
     }
 }
 
-/// CalculiX, case A of the stored data (one layer of C3D8, which is stiff): two pairs together carry
-/// 1.39 times what one does at 34 um, and share it as stored. Uncoupled pairs would carry 1.6 times.
+/// Two pairs together carry 1.39 times the load of one at 34 um and share it as in CalculiX, case A of the stored data
+/// (one layer of C3D8, which is stiff). Uncoupled pairs would carry 1.6 times.
 #[test]
 fn two_pairs_share_the_load_as_in_the_stored_finite_elements() {
     let gear = |teeth, bore| {
@@ -206,7 +205,7 @@ fn two_pairs_share_the_load_as_in_the_stored_finite_elements() {
     }
 }
 
-/// A neighbour that bends a pair away from its mate carries no less than nothing.
+/// A pair that a neighbour bends away from its mate carries no tensile force.
 #[test]
 fn a_pair_that_is_bent_away_carries_nothing() {
     let (s, k) = ([0.0, 2.0], [1.0, 10.0]);

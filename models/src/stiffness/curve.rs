@@ -1,5 +1,5 @@
-//! The stiffness of a pair (or of the mesh) along the path of contact, and the compliance that pairs
-//! share, evaluated in constant time without allocation.
+//! Stiffness of a pair (or of the mesh) along the path of contact, and the compliance that pairs share, evaluated in
+//! constant time without allocation.
 //!
 //! Two pairs in contact bend the same two gear bodies. With `k_p` the stiffness of one pair alone
 //! (tooth, body and contact in series) and `c_pr` the approach of pair `p` under a unit force on pair
@@ -12,7 +12,7 @@
 use super::error::{StiffnessError, positive};
 use super::spline::{Ends, Interpolation, Spline};
 
-/// Whether a stiffness is that of one tooth pair or of the whole mesh.
+/// Reference of a stiffness: one tooth pair or the whole mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PairOrMesh {
@@ -23,18 +23,18 @@ pub enum PairOrMesh {
     Mesh,
 }
 
-/// Stiffness (N/m) of a pair over the path coordinate `s` (m) for the whole face width, and the
-/// compliances (m/N) between pairs.
+/// Stiffness (N/m) of a pair over the path coordinate `s` (m) for the whole face width, and the compliances (m/N)
+/// between pairs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StiffnessCurve {
     of: PairOrMesh,
     own: Spline,
-    /// Between pairs one, two, ... base pitches apart.
+    /// Compliances between pairs one, two, ... base pitches apart.
     coupling: Vec<Spline>,
 }
 
 impl StiffnessCurve {
-    /// The same stiffness (N/m) everywhere.
+    /// Returns a constant stiffness (N/m).
     ///
     /// # Errors
     /// [`StiffnessError::NotPositive`].
@@ -75,8 +75,8 @@ impl StiffnessCurve {
         }
     }
 
-    /// Adds the compliance (m/N) between pairs one more base pitch apart than those there are: `c` at
-    /// the increasing means `s` (m) of their path coordinates, held constant beyond them.
+    /// Adds the compliance (m/N) between pairs that are one more base pitch apart than the present ones: `c` at the
+    /// increasing means `s` (m) of their path coordinates, constant beyond them.
     ///
     /// # Errors
     /// [`StiffnessError::Table`].
@@ -87,31 +87,31 @@ impl StiffnessCurve {
         Ok(())
     }
 
-    /// Whether the stiffness is that of a pair or of the mesh.
+    /// Returns whether the stiffness refers to a pair or to the mesh.
     pub fn of(&self) -> PairOrMesh {
         self.of
     }
 
-    /// Whether the stiffness does not vary.
+    /// Returns true if the stiffness is constant.
     pub fn is_constant(&self) -> bool {
         self.own.is_constant()
     }
 
-    /// Path coordinates (m) between which the stiffness varies; `None` for a constant one.
+    /// Returns the range of path coordinates (m) in which the stiffness varies; `None` for a constant one.
     pub fn range(&self) -> Option<[f64; 2]> {
         self.own.range()
     }
 
-    /// Stiffness (N/m) of one pair alone and its slope (N/m^2) at `s` (m). Constant time, no
+    /// Returns the stiffness (N/m) of one pair alone and its slope (N/m^2) at `s` (m), in constant time without
     /// allocation.
     #[inline]
     pub fn eval(&self, s: f64) -> (f64, f64) {
         self.own.eval(s)
     }
 
-    /// Compliance (m/N) between two pairs that are `pitches` base pitches apart, and its slope (1/N),
-    /// at the mean `s` (m) of their path coordinates: the approach of one per force on the other, for
-    /// the whole face width. (0, 0) where nothing is known of it. Constant time, no allocation.
+    /// Returns the compliance (m/N) between two pairs that are `pitches` base pitches apart, and its slope (1/N), at
+    /// the mean `s` (m) of their path coordinates: the approach of one per force on the other, for the whole face
+    /// width. It is (0, 0) without coupling. It takes constant time without allocation.
     #[inline]
     pub fn coupling(&self, pitches: usize, s: f64) -> (f64, f64) {
         match self.coupling.get(pitches.wrapping_sub(1)) {
@@ -120,17 +120,17 @@ impl StiffnessCurve {
         }
     }
 
-    /// Greatest number of base pitches over which pairs are coupled; 0 where none are.
+    /// Returns the largest number of base pitches over which pairs are coupled; 0 without coupling.
     pub fn coupled_pitches(&self) -> usize {
         self.coupling.len()
     }
 
-    /// Least stiffness as (where in m, value in N/m).
+    /// Returns the smallest stiffness as (position in m, value in N/m).
     pub fn minimum(&self) -> (f64, f64) {
         self.own.minimum()
     }
 
-    /// Greatest stiffness as (where in m, value in N/m).
+    /// Returns the largest stiffness as (position in m, value in N/m).
     pub fn maximum(&self) -> (f64, f64) {
         self.own.maximum()
     }

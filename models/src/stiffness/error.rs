@@ -1,20 +1,20 @@
-//! Refusals and warnings of the stiffness models.
+//! Errors and warnings of the stiffness models.
 
 use crate::error::{Reason, reasoned};
 use std::fmt;
 
-/// A property of a material.
+/// Property of a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Property {
-    /// Young's modulus.
+    /// Young's modulus of the material.
     Young,
-    /// Poisson's ratio.
+    /// Poisson's ratio of the material.
     Poisson,
-    /// Density.
+    /// Density of the material.
     Density,
 }
 
-/// Why a stiffness cannot be built.
+/// Error of the construction of a stiffness.
 #[derive(Debug, Clone, PartialEq)]
 #[expect(missing_docs, reason = "what the fields are the messages say")]
 pub enum StiffnessError {
@@ -50,7 +50,7 @@ pub enum StiffnessError {
 }
 
 impl StiffnessError {
-    /// Cause and way out.
+    /// Returns cause and remedy.
     pub fn reason(&self) -> Reason {
         let (cause, help) = match self {
             Self::NotPositive { what, value } => (
@@ -124,7 +124,7 @@ impl StiffnessError {
 
 reasoned!(StiffnessError);
 
-/// What a user should know about a stiffness that was built all the same.
+/// Warning about a stiffness that was built nevertheless.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "what the fields are the messages say")]
@@ -142,15 +142,15 @@ pub enum StiffnessWarning {
         value: f64,
         range: [f64; 2],
     },
-    /// The root to bore ratio was held at the end of the Sainsot-Velex fit.
+    /// The ratio of root to bore radius was limited to the end of the Sainsot-Velex fit.
     FoundationRatioHeld { gear: usize, ratio: f64, used: f64 },
-    /// The Sainsot-Velex fit holds for Poisson's ratio 0.3.
+    /// The Sainsot-Velex fit is valid for Poisson's ratio 0.3.
     FoundationPoisson { gear: usize, poisson: f64 },
     /// A rack has no ring foundation.
     RackFoundationOmitted,
-    /// The fit of a ring held inside is not that of a rim held outside.
+    /// The fit for a ring supported inside was used for a rim supported outside.
     RimInPlaceOfFit { gear: usize },
-    /// A table does not cover the path of contact and is held constant beyond its ends.
+    /// A table does not cover the path of contact and is constant beyond its ends.
     TableShort { table: [f64; 2], path: [f64; 2] },
     /// The period of a periodic table differs from the base pitch.
     TablePeriod { period: f64, base_pitch: f64 },

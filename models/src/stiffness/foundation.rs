@@ -36,7 +36,7 @@ use super::error::{StiffnessError, StiffnessWarning};
 use super::material::Material;
 use super::tooth::{ToothLoad, ToothProfile, is_wide};
 
-/// What the length `S` of the tooth root in the Sainsot-Velex formula is taken to be.
+/// Definition of the length `S` of the tooth root in the Sainsot-Velex formula.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
 pub enum RootLength {
     /// Arc `2 r_f theta_f` (ROSS).
@@ -52,7 +52,7 @@ pub enum RootLength {
 }
 
 impl RootLength {
-    /// The formula, for reports.
+    /// Returns the formula for reports.
     pub fn formula(self) -> &'static str {
         match self {
             RootLength::TwoRfThetaF => "S = 2 r_f theta_f",
@@ -70,23 +70,23 @@ impl RootLength {
     }
 }
 
-/// Which gear body carries the teeth.
+/// Model of the gear body under the teeth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Foundation {
-    /// Elastic ring held at the bore or seat, solved exactly (see the module `ring`); a rack likewise.
+    /// Elastic ring supported at the bore or seat, solved exactly (see the module `ring`); a rack likewise.
     Ring,
-    /// The published fit of the ring under one tooth; a rack has none and its foundation is left out.
+    /// Published fit of the ring under one tooth; a rack has no such fit and its foundation is left out.
     SainsotVelex(RootLength),
     /// Elastic half-plane under the root chord.
     WeberBanaschek,
     /// Elastic half-plane under Cornell's fillet section.
     Cornell,
-    /// No foundation compliance.
+    /// Rigid body without foundation compliance.
     Rigid,
 }
 
 impl Foundation {
-    /// The name used in scenes and reports.
+    /// Returns the name in scenes and reports.
     pub fn id(self) -> &'static str {
         match self {
             Foundation::Ring => "ring",
@@ -97,7 +97,7 @@ impl Foundation {
         }
     }
 
-    /// The name with its convention, for reports.
+    /// Returns the name with its convention, for reports.
     pub fn describe(self) -> String {
         match self {
             Foundation::SainsotVelex(s) => format!("sainsot-velex, {}", s.formula()),
@@ -105,8 +105,8 @@ impl Foundation {
         }
     }
 
-    /// Height of the root section above the root chord (m): the tooth ends and the foundation
-    /// begins there.
+    /// Returns the height of the root section above the root chord (m): the tooth ends and the foundation begins
+    /// there.
     pub(super) fn root_section(self, profile: &ToothProfile) -> f64 {
         match self {
             Foundation::Cornell => profile.cornell_section(),
@@ -114,7 +114,7 @@ impl Foundation {
         }
     }
 
-    /// Compliance (m/N) of the half-plane foundations and of the rigid one; `None` for rings.
+    /// Returns the compliance (m/N) of the half-plane foundations and of the rigid one; `None` for rings.
     pub(super) fn half_plane(
         self,
         profile: &ToothProfile,
@@ -181,12 +181,12 @@ const FITS: [Fit; 4] = [
     },
 ];
 
-/// Greatest ratio of root to bore radius of the fit, held beyond it with a warning: towards this end the fit grows soft,
-/// a solid gear is about half as stiff with it as with a bore of half its root radius.
+/// Largest ratio of root to bore radius of the fit, used beyond it with a warning: towards this end the fit becomes
+/// soft, a solid gear is about half as stiff with it as with a bore of half its root radius.
 const GREATEST_RATIO: f64 = 7.0;
 
-/// Factors `[L*, M*, P*, Q*]` of the Sainsot-Velex fit for the half angle `theta_f` (rad) and the
-/// ratio `h = r_f / r_bore`.
+/// Returns the factors `[L*, M*, P*, Q*]` of the Sainsot-Velex fit for the half angle `theta_f` (rad) and the ratio `h =
+/// r_f / r_bore`.
 pub fn sainsot_velex_factors(theta_f: f64, h: f64) -> [f64; 4] {
     std::array::from_fn(|i| {
         let [a, b, c, d, e, f] = FITS[i].coefficients;
@@ -194,7 +194,7 @@ pub fn sainsot_velex_factors(theta_f: f64, h: f64) -> [f64; 4] {
     })
 }
 
-/// The fit of Sainsot and Velex for the teeth of one gear.
+/// Fit of Sainsot and Velex for the teeth of one gear.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RingFit {
     factors: [f64; 4],
@@ -207,7 +207,7 @@ pub(super) struct RingFit {
 }
 
 impl RingFit {
-    /// `number` is 1 or 2, for the messages.
+    /// Evaluates the fit; `number` is 1 or 2, for the messages.
     pub(super) fn new(
         gear: &Gear,
         convention: RootLength,
@@ -253,7 +253,7 @@ impl RingFit {
         }
     }
 
-    /// Compliance (m/N) of the ring of `width` (m) under a force at the load angle `beta` (rad).
+    /// Returns the compliance (m/N) of the ring of `width` (m) under a force at the load angle `beta` (rad).
     pub(super) fn compliance(
         &self,
         material: &Material,
@@ -275,7 +275,7 @@ impl RingFit {
     }
 }
 
-/// The formula of Sainsot and Velex for given factors; `lever = u/S`.
+/// Evaluates the formula of Sainsot and Velex for given factors; `lever = u/S`.
 pub(super) fn ring_compliance(
     [l, m, p, q]: [f64; 4],
     lever: f64,

@@ -1,7 +1,7 @@
 use super::*;
 use crate::geometry::GearParams;
 
-/// ROSS test geometry (62 teeth, m 2 mm): theta_f there is 0.0299 rad, h = 59.5/17.5.
+/// Builds the ROSS test geometry (62 teeth, m 2 mm): theta_f there is 0.0299 rad, h = 59.5/17.5.
 fn gear(teeth: u32, bore: f64) -> Gear {
     Gear::new(GearParams {
         teeth,
@@ -12,9 +12,9 @@ fn gear(teeth: u32, bore: f64) -> Gear {
     .unwrap()
 }
 
-/// Two points of the domain evaluated by hand from the published table, and the extremes over
-/// `1.4 <= h <= 7`, `0.012 <= theta_f <= 0.12` against those extremes of the published fit ranges that
-/// the polynomials attain (the ranges are those of the underlying finite-element values).
+/// Two points of the domain agree with the published table evaluated by hand. Over `1.4 <= h <= 7`, `0.012 <= theta_f
+/// <= 0.12` the extremes agree with those of the published fit ranges that the polynomials attain (the ranges are
+/// those of the underlying finite-element values).
 #[test]
 fn factors_of_the_fit() {
     let hand = [
@@ -75,8 +75,8 @@ fn warnings_name_gear_and_factor() {
     );
 }
 
-/// The published coefficients for nu = 0.3 (5.2, 1.0, 1.4, 0.294) to their printed digits, and Cornell's
-/// two forms from one another.
+/// The half-plane coefficients agree with the published ones for nu = 0.3 (5.2, 1.0, 1.4, 0.294) to their printed
+/// digits, and Cornell's two forms with one another.
 #[test]
 fn half_plane_coefficients() {
     let g = gear(30, 5e-3);

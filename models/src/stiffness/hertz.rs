@@ -20,27 +20,26 @@ use std::f64::consts::PI;
 use super::error::StiffnessError;
 use super::material::Material;
 
-/// Load over the face width at which a law that depends on load is taken, unless a load is given (N/m):
-/// 100 N/mm, where the stiffness of ISO 6336-1 begins to hold. Three times the load stiffens a pair by
-/// 3 to 5 %.
+/// Default load over the face width for a law that depends on load (N/m): 100 N/mm, where the validity of the
+/// stiffness of ISO 6336-1 begins. Three times the load stiffens a pair by 3 to 5 %.
 pub const USUAL_LOAD: f64 = 1e5;
 
-/// Which line-contact compliance stands in series with the teeth.
+/// Line-contact compliance in series with the teeth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hertz {
-    /// Independent of load: `k = pi E b / (4 (1 - nu^2))` for equal materials.
+    /// Linear contact, independent of load: `k = pi E b / (4 (1 - nu^2))` for equal materials.
     Linear,
     /// Radzimovsky's law at a reference load.
     Log {
-        /// Load of the pair (N); without one [`USUAL_LOAD`] over the width.
+        /// Load of the pair (N); by default [`USUAL_LOAD`] over the width.
         reference_load: Option<f64>,
     },
     /// Weber and Banaschek's law at a reference load.
     WeberBanaschek {
-        /// Load of the pair (N); without one [`USUAL_LOAD`] over the width.
+        /// Load of the pair (N); by default [`USUAL_LOAD`] over the width.
         reference_load: Option<f64>,
     },
-    /// Rigid contact, for laws that carry their own Hertz term.
+    /// Rigid contact, for laws that include a Hertzian term.
     Rigid,
 }
 
@@ -54,7 +53,7 @@ pub struct HertzPoint {
 }
 
 impl Hertz {
-    /// The name used in scenes and reports.
+    /// Returns the name in scenes and reports.
     pub fn id(&self) -> &'static str {
         match self {
             Hertz::Linear => "linear",
@@ -64,7 +63,7 @@ impl Hertz {
         }
     }
 
-    /// Compliance (m/N) of the line contact of width `width` (m).
+    /// Returns the compliance (m/N) of the line contact of width `width` (m).
     ///
     /// # Errors
     /// [`StiffnessError`] when the load is not positive, a flat flank meets the logarithmic law, or
@@ -122,7 +121,7 @@ mod tests {
         depth: [3.2e-3, 3.3e-3],
     };
 
-    /// pi E b / (4 (1 - nu^2)): 177.8 N/(mm um) at 206 GPa; 3.55587e9 N/m at b = 20 mm is the
+    /// The linear value pi E b / (4 (1 - nu^2)) is 177.8 N/(mm um) at 206 GPa; 3.55587e9 N/m at b = 20 mm is the
     /// regression value of the rotor-dynamics package ROSS.
     #[test]
     fn linear_value() {
@@ -133,8 +132,8 @@ mod tests {
         assert!((k / 3.55587e9 - 1.0).abs() < 2e-6, "{k}");
     }
 
-    /// Independent check of the half-width and of the depth law: the plane-strain strain under the
-    /// Hertz pressure, integrated numerically from the surface down to the depth t.
+    /// The half-width and the depth law agree with the plane strain under the Hertzian pressure, integrated
+    /// numerically from the surface down to the depth t.
     #[test]
     fn weber_banaschek_is_the_integrated_strain() {
         let steel = Material::STEEL;

@@ -22,28 +22,28 @@
 
 use super::error::{StiffnessError, StiffnessWarning, positive};
 
-/// One N/(mm um), the unit of the norm, in N/m per metre of face width.
+/// One N/(mm um), the unit of the standard, in N/m per metre of face width.
 pub const N_PER_MM_UM: f64 = 1e9;
 
-/// Young's modulus the formula was made for (Pa).
+/// Young's modulus for which the formula was derived (Pa).
 const YOUNG_STEEL: f64 = 2.06e11;
 
-/// How `c'` varies along the path of contact.
+/// Variation of `c'` along the path of contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum IsoVariation {
-    /// Parabola that keeps both `c'` (maximum) and `c_gamma_alpha` (mean of the mesh) of the norm.
+    /// Parabola with both `c'` (maximum) and `c_gamma_alpha` (mean of the mesh) of the standard.
     #[default]
     IsoMean,
     /// Parabola of Cai and Hayashi (J. Mech. Des. 116, 1994, 558-564): 55 % of the maximum at both
     /// ends, whatever the contact ratio.
     CaiHayashi,
-    /// `c'` all along the path.
+    /// Constant stiffness `c'` along the path.
     Constant,
 }
 
 impl IsoVariation {
-    /// Share of the maximum lost at both ends of the path for a transverse contact ratio.
+    /// Returns the fraction of the maximum lost at both ends of the path for a transverse contact ratio.
     pub fn drop_at_ends(self, contact_ratio: f64) -> f64 {
         match self {
             // Below a contact ratio of one (helical gears only) the norm's mean exceeds its
@@ -55,7 +55,7 @@ impl IsoVariation {
     }
 }
 
-/// One gear as the norm sees it.
+/// Data of one gear for the standard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IsoGear {
     /// Virtual number of teeth `zn = z / (cos^2 beta_b cos beta)`; infinite for a rack.
@@ -67,13 +67,13 @@ pub struct IsoGear {
 }
 
 impl IsoGear {
-    /// Virtual number of teeth of an external gear.
+    /// Returns the virtual number of teeth of an external gear.
     pub fn virtual_teeth_of(teeth: u32, helix_angle: f64, base_helix_angle: f64) -> f64 {
         f64::from(teeth) / (base_helix_angle.cos().powi(2) * helix_angle.cos())
     }
 }
 
-/// What the formula takes.
+/// Input of the formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IsoInput {
     /// Both gears, in any order.
@@ -82,11 +82,11 @@ pub struct IsoInput {
     pub pressure_angle: f64,
     /// Helix angle (rad), sign ignored.
     pub helix_angle: f64,
-    /// Transverse contact ratio.
+    /// Transverse contact ratio of the pair.
     pub contact_ratio: f64,
     /// Young's moduli (Pa).
     pub young: [f64; 2],
-    /// Gear-body factor CR: 1 for solid gears, else [`disc_factor`].
+    /// Gear-body factor CR: 1 for solid gears, otherwise [`disc_factor`].
     pub body_factor: f64,
 }
 
@@ -99,20 +99,20 @@ pub struct Iso6336 {
     pub c_prime: f64,
     /// Mean stiffness of the mesh `c_gamma_alpha`.
     pub c_gamma_alpha: f64,
-    /// Basic-rack factor CB.
+    /// Basic-rack factor `CB`.
     pub c_b: f64,
-    /// Limits of the norm that are not kept.
+    /// Limits of the standard that are exceeded.
     pub warnings: Vec<StiffnessWarning>,
 }
 
 impl Iso6336 {
-    /// Mean stiffness of the mesh for the load over the width `c_gamma_beta`.
+    /// Returns the mean stiffness of the mesh for the load over the width `c_gamma_beta`.
     pub fn c_gamma_beta(&self) -> f64 {
         0.85 * self.c_gamma_alpha
     }
 }
 
-/// Evaluates ISO 6336-1.
+/// Evaluates ISO 6336-1 (method B).
 ///
 /// # Errors
 /// [`StiffnessError`] for values that are not positive or teeth far outside the formula.
@@ -172,8 +172,8 @@ pub fn iso6336(input: &IsoInput) -> Result<Iso6336, StiffnessError> {
     })
 }
 
-/// Gear-body factor CR of a gear with rim and web: `web_ratio = bs/b` (held to [0.2, 1.2] as the
-/// norm asks) and `rim = sR/mn` (at least 1).
+/// Returns the gear-body factor CR of a gear with rim and web: `web_ratio = bs/b` (limited to [0.2, 1.2] as the
+/// standard requires) and `rim = sR/mn` (at least 1).
 pub fn disc_factor(web_ratio: f64, rim: f64) -> f64 {
     1.0 + web_ratio.clamp(0.2, 1.2).ln() / (5.0 * (rim.max(1.0) / 5.0).exp())
 }
@@ -198,7 +198,7 @@ mod tests {
         }
     }
 
-    /// FZG type C, S30 and the two equal pairs, evaluated by hand from the published formula.
+    /// FZG type C, S30 and the two equal pairs agree with the published formula, evaluated by hand.
     #[test]
     fn known_pairs() {
         let cases = [
@@ -223,7 +223,7 @@ mod tests {
         }
     }
 
-    /// The mean over one base pitch of the sum of all pairs is the norm's mean mesh stiffness.
+    /// The mean over one base pitch of the sum of all pairs is the mean mesh stiffness of the standard.
     #[test]
     fn iso_mean_variation_keeps_the_mean_of_the_norm() {
         for eps in [1.2_f64, 1.5, 1.9, 2.3] {

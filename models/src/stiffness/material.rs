@@ -5,15 +5,16 @@ use super::error::{Property, StiffnessError};
 /// Material of a gear or rack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
-    /// Young's modulus E (Pa).
+    /// Young's modulus `E` (Pa).
     pub young: f64,
     /// Poisson's ratio nu (-).
     pub poisson: f64,
-    /// Density (kg/m^3).
+    /// Density of the material (kg/m^3).
     pub density: f64,
 }
 
-/// Greatest Poisson's ratio: the bulk modulus is then 5000 times the shear modulus, and matrices are ill-conditioned beyond.
+/// Largest Poisson's ratio: the bulk modulus is then 5000 times the shear modulus, and matrices are ill-conditioned
+/// beyond.
 const MOST_POISSON: f64 = 0.4999;
 
 impl Material {
@@ -48,12 +49,12 @@ impl Material {
         Err(StiffnessError::Material { property, value })
     }
 
-    /// Shear modulus G (Pa).
+    /// Returns the shear modulus G (Pa).
     pub fn shear_modulus(&self) -> f64 {
         self.young / (2.0 * (1.0 + self.poisson))
     }
 
-    /// Plane-strain modulus `E / (1 - nu^2)` (Pa).
+    /// Returns the plane-strain modulus `E / (1 - nu^2)` (Pa).
     pub fn plane_strain(&self) -> f64 {
         self.young / (1.0 - self.poisson * self.poisson)
     }

@@ -1,10 +1,10 @@
 //! Stiffness of one tooth pair along the path of contact, and the material of the gears.
 //!
-//! Owns what turns two gears and their material into a curve `k(s)` (N/m) over the path coordinate `s`
-//! (see [`crate::geometry`]), for the whole face width and on the gap along the normal of the flanks: in a
-//! spur pair that is the line of action; in a helical one the gap is `cos(beta_b)` of the approach in the
-//! transverse plane, and so is the part of the force there, so that the mesh is `cos^2(beta_b) k` stiff in
-//! that plane. Elastic helical gears side with this (within 2 % up to 30 degrees). The compliances of a pair stand in series,
+//! Computes from two gears and their material a curve `k(s)` (N/m) over the path coordinate `s` (see
+//! [`crate::geometry`]), for the whole face width and for the gap along the normal of the flanks. In a spur pair that
+//! is the line of action; in a helical one the gap is `cos(beta_b)` of the approach in the transverse plane, and so is
+//! the part of the force there, so that the stiffness of the mesh in that plane is `cos^2(beta_b) k`. Elastic helical
+//! gears agree (within 2 % up to 30 degrees). The compliances of a pair are in series,
 //!
 //! ```text
 //! 1/k = 1/k_tooth1 + 1/k_body1 + 1/k_tooth2 + 1/k_body2 + 1/k_Hertz
@@ -15,18 +15,17 @@
 //! into slices by the caller, each with its share of the width of the transverse curve; only the ISO
 //! value contains `cos(beta)`.
 //!
-//! The pairs in contact bend the same two gear bodies: the approach of a pair is that of the series
-//! under its own force and, for the force of each neighbour, a compliance through the bodies that both
-//! stand on ([`StiffnessCurve::coupling`]; module `ring`). [`mesh_stiffness`] and [`load_shares`] solve
-//! for both. Only analytic compliances know the coupling. ISO 6336-1 gives a mean mesh stiffness
-//! `c_gamma_alpha = c' (0.75 epsilon_alpha + 0.25)`, which is less than the sum of its pairs: the curve
-//! through it ([`IsoVariation::IsoMean`]) has the coupling in its mean and no coupling of its own (the
-//! other two curves through c' leave it out). Tables are what their pairs carry beside each other.
+//! The pairs in contact deform the same two gear bodies: the approach of a pair is that of the series under its own
+//! force and, for the force of each neighbour, a compliance through the common bodies ([`StiffnessCurve::coupling`];
+//! module `ring`). [`mesh_stiffness`] and [`load_shares`] solve for both. Only analytic compliances include the
+//! coupling. ISO 6336-1 gives a mean mesh stiffness `c_gamma_alpha = c' (0.75 epsilon_alpha + 0.25)`, which is less
+//! than the sum of its pairs: the curve through it ([`IsoVariation::IsoMean`]) has the coupling in its mean and no
+//! coupling of its own (the other two curves through c' leave it out). Tables are stiffnesses of pairs in parallel.
 //!
-//! Rack teeth are treated like gear teeth with their own profile and a body held at its back. The fit of
-//! Sainsot and Velex does not exist for a rack and is left out (with a warning). Teeth of internal gears are treated likewise,
-//! on a rim that is held outside (in place of the fit of Sainsot and Velex, too, with a warning); ISO 6336-1 takes an internal
-//! gear for a rack.
+//! Rack teeth are treated like gear teeth with their own profile and a body supported at its back. The fit of Sainsot
+//! and Velex does not exist for a rack and is left out (with a warning). Teeth of internal gears are treated likewise,
+//! on a rim that is supported outside (in place of the fit of Sainsot and Velex, too, with a warning); ISO 6336-1
+//! treats an internal gear as a rack.
 //!
 //! | module | owns |
 //! |---|---|
@@ -66,17 +65,17 @@ pub use tooth::ToothModel;
 
 use crate::geometry::{Gear, Mate, Pair};
 
-/// Points at which a computed curve is sampled before it is interpolated.
+/// Number of points at which a computed curve is sampled before it is interpolated.
 const SAMPLES: usize = 97;
 
-/// How the stiffness of a tooth pair is specified.
+/// Specification of the stiffness of a tooth pair.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PairStiffness {
-    /// The same all along the path.
+    /// Constant stiffness along the path.
     Constant {
         /// Stiffness per face width (N/m per m); 1 N/(mm um) is 1e9.
         per_width: f64,
-        /// Of a pair, or of the mesh.
+        /// Reference of the stiffness: a pair, or the mesh.
         of: PairOrMesh,
     },
     /// A parabola along the path, `k (1 + a xi + b xi^2)`, with `xi` from -1 at its start to 1 at its end.
@@ -85,40 +84,40 @@ pub enum PairStiffness {
         per_width: f64,
         /// Slope `a` and curvature `b`.
         along: [f64; 2],
-        /// Of a pair, or of the mesh.
+        /// Reference of the stiffness: a pair, or the mesh.
         of: PairOrMesh,
     },
     /// ISO 6336-1, solid gear bodies.
     Iso6336 {
-        /// Curve through the norm's values.
+        /// Curve through the values of the standard.
         variation: IsoVariation,
     },
     /// Tooth, foundation and Hertz contact in series.
     Compliance {
         /// Tooth above its root section.
         tooth: ToothModel,
-        /// Body below it.
+        /// Model of the body below the tooth.
         foundation: Foundation,
-        /// Contact.
+        /// Model of the line contact.
         hertz: Hertz,
     },
     /// A table of the user, for the whole face width.
     Table {
         /// Path coordinates (m), increasing.
         s: Vec<f64>,
-        /// Stiffness (N/m).
+        /// Stiffness at these coordinates (N/m).
         k: Vec<f64>,
-        /// Of a pair, or of the mesh.
+        /// Reference of the stiffness: a pair, or the mesh.
         of: PairOrMesh,
-        /// Outside the table.
+        /// Continuation outside the table.
         ends: Ends,
-        /// Between its points.
+        /// Interpolation between its points.
         interpolation: Interpolation,
     },
 }
 
 impl PairStiffness {
-    /// The name used in scenes and reports.
+    /// Returns the name in scenes and reports.
     pub fn id(&self) -> &'static str {
         match self {
             PairStiffness::Constant { .. } => "constant",
@@ -129,7 +128,7 @@ impl PairStiffness {
         }
     }
 
-    /// One line for reports, conventions included.
+    /// Returns a one-line description for reports, including conventions.
     pub fn describe(&self) -> String {
         let of = |of: &PairOrMesh| match of {
             PairOrMesh::Pair => "tooth pair",
@@ -187,17 +186,17 @@ impl PairStiffness {
     }
 }
 
-/// A built stiffness: the curve and what a user should know about it.
+/// A stiffness curve, and the warnings of its construction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BuiltStiffness {
     /// The curve over the path coordinate.
     pub curve: StiffnessCurve,
-    /// Limits of the formulas that are not kept.
+    /// Limits of the formulas that are exceeded.
     pub warnings: Vec<StiffnessWarning>,
 }
 
-/// Builds the stiffness of a gear and its mate with the common face width `width` (m); warnings are
-/// dropped, see [`build_with_warnings`].
+/// Builds the stiffness of a gear and its mate with the common face width `width` (m). Warnings are dropped, see
+/// [`build_with_warnings`].
 ///
 /// # Errors
 /// [`StiffnessError`] names the value or the formula that fails.
@@ -285,7 +284,7 @@ pub fn build_with_warnings<'a>(
     Ok(BuiltStiffness { curve, warnings })
 }
 
-/// ISO 6336-1 values of a gear and its mate, solid bodies.
+/// Returns the ISO 6336-1 values of a gear and its mate, with solid bodies.
 ///
 /// # Errors
 /// [`StiffnessError`] names the value or the formula that fails.
@@ -330,8 +329,8 @@ pub fn iso_of(
     })
 }
 
-/// `k (1 + a xi + b xi^2)` with `k` (N/m) in the middle of the path, where `xi` is 0; three points carry it exactly. Beyond
-/// the ends of the path it is held.
+/// Builds `k (1 + a xi + b xi^2)` with `k` (N/m) in the middle of the path, where `xi` is 0; three points define it
+/// exactly. It is constant beyond the ends of the path.
 fn parabola(
     k: f64,
     [slope, curvature]: [f64; 2],
@@ -386,8 +385,8 @@ fn check_table(
     }
 }
 
-/// Stiffness per width (N/m per m) of the linear Hertz contact of two equal bodies,
-/// `pi E / (4 (1 - nu^2))`: the stiffness that no tooth pair can exceed.
+/// Returns the stiffness per width (N/m per m) of the linear Hertz contact of two equal bodies, `pi E / (4 (1 -
+/// nu^2))`, which no tooth pair can exceed.
 pub fn hertz_limit(material: &Material) -> f64 {
     PI * material.plane_strain() / 4.0
 }

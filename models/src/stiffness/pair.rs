@@ -20,51 +20,51 @@ use super::tooth::{ToothLoad, ToothModel, ToothProfile};
 pub struct ComplianceRow {
     /// Path coordinate (m).
     pub s: f64,
-    /// Tooth of gear 1.
+    /// Compliance of the tooth of gear 1.
     pub tooth1: f64,
-    /// Body of gear 1.
+    /// Compliance of the body of gear 1.
     pub foundation1: f64,
-    /// Tooth of gear 2 or of the rack.
+    /// Compliance of the tooth of gear 2 or of the rack.
     pub tooth2: f64,
-    /// Body of gear 2 or of the rack.
+    /// Compliance of the body of gear 2 or of the rack.
     pub foundation2: f64,
-    /// Line contact.
+    /// Compliance of the line contact.
     pub hertz: f64,
 }
 
 impl ComplianceRow {
-    /// Compliance of the pair (m/N).
+    /// Returns the compliance of the pair (m/N).
     pub fn pair(&self) -> f64 {
         self.tooth1 + self.foundation1 + self.tooth2 + self.foundation2 + self.hertz
     }
 
-    /// Stiffness of the pair (N/m).
+    /// Returns the stiffness of the pair (N/m).
     pub fn stiffness(&self) -> f64 {
         1.0 / self.pair()
     }
 }
 
-/// Rows over the path and the warnings met on the way.
+/// Compliances over the path, and the warnings of their computation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComplianceTable {
-    /// Equally spaced from the start to the end of contact.
+    /// Rows, equally spaced from the start to the end of contact.
     pub rows: Vec<ComplianceRow>,
-    /// Between pairs one, two, ... base pitches apart.
+    /// Compliances between pairs one, two, ... base pitches apart.
     pub coupling: Vec<Coupling>,
-    /// Limits of the formulas that are not kept.
+    /// Limits of the formulas that are exceeded.
     pub warnings: Vec<StiffnessWarning>,
 }
 
 /// Compliance between two pairs a given number of base pitches apart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coupling {
-    /// Means of their path coordinates (m), equally spaced where both stand on the path.
+    /// Means of their path coordinates (m), equally spaced where both are on the path.
     pub s: Vec<f64>,
-    /// Approach of one per force on the other (m/N).
+    /// Approach of one pair per force on the other (m/N).
     pub compliance: Vec<f64>,
 }
 
-/// The compliances at `points` (at least two) equally spaced points of the path, for reports.
+/// Computes the compliances at `points` (at least two) equally spaced points of the path, for reports.
 ///
 /// # Errors
 /// [`StiffnessError`] names the value or the formula that fails.
@@ -169,7 +169,7 @@ pub fn compliance_table(
     })
 }
 
-/// `points` (at least two) equally spaced values from `first` to `last`.
+/// Returns `points` (at least two) equally spaced values from `first` to `last`.
 fn spaced(first: f64, last: f64, points: usize) -> impl Iterator<Item = f64> {
     let steps = points.max(2) - 1;
     (0..=steps).map(move |i| first + (last - first) * i as f64 / steps as f64)
@@ -180,7 +180,7 @@ struct Side {
     profile: ToothProfile,
     foundation: Foundation,
     fit: Option<RingFit>,
-    /// The body as all teeth feel it; none for a rigid one.
+    /// Body shared by all teeth; `None` for a rigid one.
     body: Option<RingBody>,
     material: Material,
     width: f64,
@@ -244,7 +244,7 @@ impl Side {
             .compliance(model, &self.material, self.width, load, from)
     }
 
-    /// Compliance of the body under one tooth (m/N).
+    /// Returns the compliance of the body under one tooth (m/N).
     fn body(&self, load: &ToothLoad) -> Result<f64, StiffnessError> {
         if let Some(fit) = &self.fit {
             return fit.compliance(&self.material, self.width, load.beta);
@@ -255,7 +255,7 @@ impl Side {
             .unwrap_or_else(|| self.ring(0, load, load)))
     }
 
-    /// Compliance of the elastic ring (m/N) between two teeth `pitches` apart.
+    /// Returns the compliance of the elastic ring (m/N) between two teeth `pitches` apart.
     fn ring(&self, pitches: usize, lower: &ToothLoad, upper: &ToothLoad) -> f64 {
         self.body.as_ref().map_or(0.0, |body| {
             let root = |load: &ToothLoad| body.root_load(self.profile.lever(load), load.beta);
@@ -263,8 +263,8 @@ impl Side {
         })
     }
 
-    /// Compliance of the body between two teeth (m/N): the ring's, in proportion to the compliances
-    /// that the chosen formula has under either tooth, so that the whole stays positive definite.
+    /// Returns the compliance of the body between two teeth (m/N): that of the ring, scaled by the compliances of the
+    /// chosen formula under either tooth, so that the whole stays positive definite.
     fn between(
         &self,
         pitches: usize,

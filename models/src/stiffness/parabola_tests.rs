@@ -1,4 +1,4 @@
-//! The parabola along the path: its values, its slope, where it is none.
+//! The parabola along the path: its values, its slope, its refusals.
 
 use super::*;
 
@@ -8,7 +8,8 @@ const PATH: Path = Path {
     base_pitch: 1e-2,
 };
 
-/// `k (1 + a xi + b xi^2)` and its slope by the path coordinate at every place, held beyond the ends.
+/// The parabola has the values `k (1 + a xi + b xi^2)` and their slope by the path coordinate at every position, and
+/// is constant beyond the ends.
 #[test]
 fn a_parabola_has_its_values_and_its_slope() {
     let (k, a, b) = (2e8, 0.5, -0.3);
@@ -34,7 +35,7 @@ fn a_parabola_has_its_values_and_its_slope() {
     assert!(level.is_constant());
 }
 
-/// Not positive at an end, or only between the ends.
+/// A parabola that is not positive at an end, or between the ends, is refused.
 #[test]
 fn a_parabola_that_is_not_positive_is_refused() {
     for along in [

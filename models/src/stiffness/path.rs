@@ -1,10 +1,10 @@
-//! The path of contact, and the pairs that are in contact along it in parallel.
+//! The path of contact, and the pairs in contact along it, in parallel.
 
 use super::curve::{PairOrMesh, StiffnessCurve};
 use super::error::{StiffnessError, positive};
 use crate::geometry::Pair;
 
-/// The path of contact: what a stiffness curve needs of a pair.
+/// Path of contact of a pair, for its stiffness curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Path {
     /// Start of contact (m).
@@ -26,12 +26,12 @@ impl From<&Pair> for Path {
 }
 
 impl Path {
-    /// Transverse contact ratio.
+    /// Returns the transverse contact ratio.
     pub fn contact_ratio(&self) -> f64 {
         (self.end - self.start) / self.base_pitch
     }
 
-    /// Path coordinates (m) of all pairs in contact when one pair stands at `s` (m).
+    /// Returns the path coordinates (m) of all pairs in contact when one pair is at `s` (m).
     pub fn pairs_in_contact(&self, s: f64) -> impl Iterator<Item = f64> + use<> {
         let Path {
             start,
@@ -57,8 +57,8 @@ impl Path {
     }
 }
 
-/// Stiffness of the mesh (N/m) when one pair stands at `s` (m): the force of all pairs in contact per
-/// common approach, or the curve itself when it is that of the mesh.
+/// Returns the stiffness of the mesh (N/m) when one pair is at `s` (m): the force of all pairs in contact per common
+/// approach, or the curve itself when it is that of the mesh.
 pub fn mesh_stiffness(curve: &StiffnessCurve, path: impl Into<Path>, s: f64) -> f64 {
     match curve.of() {
         PairOrMesh::Mesh => curve.eval(s).0,
@@ -69,8 +69,8 @@ pub fn mesh_stiffness(curve: &StiffnessCurve, path: impl Into<Path>, s: f64) -> 
     }
 }
 
-/// Path coordinate (m) and share of the load of every pair in contact when one pair stands at `s` (m),
-/// flanks without deviations; equal shares for the stiffness of a mesh.
+/// Returns the path coordinate (m) and the load share of every pair in contact when one pair is at `s` (m), for flanks
+/// without deviations; equal shares for the stiffness of a mesh.
 pub fn load_shares(curve: &StiffnessCurve, path: impl Into<Path>, s: f64) -> Vec<(f64, f64)> {
     let at: Vec<f64> = path.into().pairs_in_contact(s).collect();
     let weights = match curve.of() {
@@ -83,9 +83,8 @@ pub fn load_shares(curve: &StiffnessCurve, path: impl Into<Path>, s: f64) -> Vec
         .collect()
 }
 
-/// Forces (N/m) of the pairs at the path coordinates `at` (m), successive by one base pitch, per common
-/// approach: the solution of `C N = 1` with the compliances of the pairs and between them, over the
-/// pairs that press.
+/// Returns the forces (N/m) of the pairs at the path coordinates `at` (m), one base pitch apart, per common approach:
+/// the solution of `C N = 1` with the compliances of the pairs and between them, over the loaded pairs.
 fn pressed_together(curve: &StiffnessCurve, at: &[f64]) -> Vec<f64> {
     let mut pressing: Vec<usize> = (0..at.len()).collect();
     loop {
@@ -118,7 +117,7 @@ fn pressed_together(curve: &StiffnessCurve, at: &[f64]) -> Vec<f64> {
     }
 }
 
-/// Gaussian elimination of a small symmetric positive definite system, row by row.
+/// Solves a small symmetric positive definite system by Gaussian elimination, row by row.
 fn eliminate(c: &mut [f64], b: &mut [f64]) {
     let n = b.len();
     for k in 0..n {

@@ -1,4 +1,4 @@
-//! Whole pairs against published numbers and stored finite-element results.
+//! Whole pairs compared with published numbers and stored finite-element results.
 
 use super::tooth::ToothProfile;
 use super::*;
@@ -14,7 +14,7 @@ fn params(teeth: u32, module: f64, tip_radius: f64, bore_radius: f64) -> GearPar
     }
 }
 
-/// Case A of the stored finite-element data: z 20/30, m 4 mm, b 10 mm, centre distance 100.1 mm.
+/// Builds case A of the stored finite-element data: z 20/30, m 4 mm, b 10 mm, centre distance 100.1 mm.
 fn case_a() -> (Gear, Gear, Pair) {
     let one = Gear::new(params(20, 4e-3, 0.3, 15e-3)).unwrap();
     let two = Gear::new(params(30, 4e-3, 0.3, 25e-3)).unwrap();

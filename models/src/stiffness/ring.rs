@@ -29,32 +29,32 @@ use crate::geometry::{Gear, Rack};
 
 use super::material::Material;
 
-/// Harmonics are summed until `n theta_f` reaches this: the rest is about 1e-5 of the compliance.
+/// Largest `n theta_f` of the summed harmonics: the rest is about 1e-5 of the compliance.
 const LAST_PHASE: f64 = 150.0;
 
-/// Radius of the ring that stands for a rack, in heights of its body.
+/// Radius of the ring that represents a rack, in heights of its body.
 const RACK_RADIUS: f64 = 60.0;
 
-/// Uniform normal stress, linear normal stress and uniform shear stress of a unit force at the root.
+/// Uniform normal stress, linear normal stress and uniform shear stress from a unit force at the root.
 pub(super) type RootLoad = [f64; 3];
 
 /// Influence between the teeth of one body.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RingBody {
-    /// Radius that the teeth stand on (m).
+    /// Radius of the roots of the teeth (m).
     radius: f64,
-    /// Towards their tips along it: 1, or -1 on the inside of a rim.
+    /// Direction of the tips along the radius: 1, or -1 on the inside of a rim.
     outward: f64,
     /// Half angle of a tooth at the root (rad).
     theta_f: f64,
-    /// `[m][i][j]`: mean displacement of kind `i` of a tooth by unit load of kind `j` on the tooth `m`
-    /// pitches before it, per width (m^2/N).
+    /// Mean displacement of kind `i` of a tooth per unit load of kind `j` on the tooth `m` pitches before it,
+    /// `[m][i][j]`, per width (m^2/N).
     influence: Vec<[[f64; 3]; 3]>,
 }
 
 impl RingBody {
-    /// The body of a gear held at its bore, at its seat when it is solid, or at the outside of its rim; `pitches` is the greatest
-    /// distance between teeth of interest.
+    /// Builds the body of a gear supported at its bore, at its seat when it is solid, or at the outside of its rim;
+    /// `pitches` is the largest distance between teeth of interest.
     pub(super) fn of_gear(gear: &Gear, material: &Material, pitches: usize) -> RingBody {
         let radii = [gear.seat_radius(), gear.r_root()];
         let pitch = std::f64::consts::TAU / f64::from(gear.teeth());
@@ -62,7 +62,7 @@ impl RingBody {
         Self::new(radii, theta_f, pitch, material, pitches)
     }
 
-    /// The body of a rack held at its back.
+    /// Builds the body of a rack supported at its back.
     pub(super) fn of_rack(rack: &Rack, material: &Material, pitches: usize) -> RingBody {
         let height = rack.params().body_height;
         let radius = RACK_RADIUS * height;
@@ -121,8 +121,8 @@ impl RingBody {
         }
     }
 
-    /// What a unit force does at the root that crosses the centreline at `lever` (m) above the root
-    /// circle and is inclined by `beta` (rad) to the normal of the centreline.
+    /// Returns the root stresses from a unit force that crosses the centreline at `lever` (m) above the root circle
+    /// and is inclined by `beta` (rad) to the normal of the centreline.
     pub(super) fn root_load(&self, lever: f64, beta: f64) -> RootLoad {
         let (sin, cos) = beta.sin_cos();
         let t = self.theta_f;
@@ -132,7 +132,7 @@ impl RingBody {
         [-sin / sinc, linear, shear]
     }
 
-    /// Compliance (m/N) between a tooth with the load `lower` and the one `pitches` further, on the side
+    /// Returns the compliance (m/N) between a tooth with the load `lower` and the one `pitches` further, on the side
     /// that its force comes from, with `upper`; `pitches` = 0 for the tooth itself.
     pub(super) fn between(
         &self,
@@ -152,29 +152,30 @@ impl RingBody {
     }
 }
 
-/// Displacements of the rim by its stresses, one harmonic, in units of `R/(2 G)`.
+/// Displacements of the rim under its stresses, for one harmonic, in units of `R/(2 G)`.
 struct Rim {
-    /// Radial by normal stress.
+    /// Radial displacement by normal stress.
     normal: f64,
-    /// Tangential by normal stress, and radial by shear.
+    /// Tangential displacement by normal stress, and radial displacement by shear.
     mixed: f64,
-    /// Tangential by shear.
+    /// Tangential displacement by shear.
     shear: f64,
 }
 
-/// A ring with teeth at the radius 1, held at `alpha`: within them, or without as the rim of an internal gear.
+/// A ring with teeth at the radius 1, supported at `alpha`: inside them, or outside as the rim of an internal gear.
 struct Harmonics {
     kappa: f64,
     alpha: f64,
 }
 
 impl Harmonics {
-    /// Sign of the direction in which the teeth stand on the ring.
+    /// Returns the sign of the direction of the teeth on the ring.
     fn outward(&self) -> f64 {
         if self.alpha < 1.0 { 1.0 } else { -1.0 }
     }
 
-    /// Displacement towards the tips by uniform tension, and tangential one by uniform shear (torsion).
+    /// Returns the displacement towards the tips by uniform tension, and the tangential one by uniform shear
+    /// (torsion).
     fn uniform(&self) -> [f64; 2] {
         let (k, a2) = (self.kappa, self.alpha * self.alpha);
         // u_r = rho - alpha^2/rho, u_theta = 1/rho - rho/alpha^2.
@@ -186,7 +187,7 @@ impl Harmonics {
         self.both(n).0
     }
 
-    /// The harmonic, and what reciprocity makes equal to `mixed`: the radial displacement by shear.
+    /// Returns the harmonic, and the radial displacement by shear, which reciprocity makes equal to `mixed`.
     fn both(&self, n: u32) -> (Rim, f64) {
         let (k, a) = (self.kappa, self.alpha);
         let exponent = n as i32;

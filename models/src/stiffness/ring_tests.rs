@@ -22,8 +22,8 @@ fn gear(teeth: u32, bore_radius: f64) -> Gear {
     .unwrap()
 }
 
-/// Maxwell and Betti: displacement by shear and displacement by pressure agree, and every harmonic
-/// takes energy. Nothing in the formulas enforces it.
+/// Maxwell and Betti's reciprocity holds: displacement by shear and displacement by pressure agree, and every harmonic
+/// has positive energy, although the formulas do not enforce it.
 #[test]
 fn every_harmonic_is_reciprocal_and_takes_energy() {
     for alpha in [1e-3, 0.2, 0.7, 0.97, 1.02, 1.3, 4.0, 1e3] {
@@ -36,8 +36,8 @@ fn every_harmonic_is_reciprocal_and_takes_energy() {
     }
 }
 
-/// Waves that are short against the ring feel a half-plane: `2 G u = (kappa + 1)/2 sigma/k` and
-/// `(kappa - 1)/2` across.
+/// Waves that are short compared with the ring have the compliance of a half-plane: `2 G u = (kappa + 1)/2 sigma/k`
+/// and `(kappa - 1)/2` across.
 #[test]
 fn short_waves_feel_a_half_plane() {
     for (n, alpha) in [(200, 0.5), (2000, 0.5), (200, 1.5), (2000, 1.5)] {
@@ -57,8 +57,8 @@ fn short_waves_feel_a_half_plane() {
     }
 }
 
-/// A thin sleeve, `t << R`, under one wave `n << R/t`: it is sheared like a flat layer, `tau t/G`, and
-/// compressed like a confined one.
+/// A thin sleeve, `t << R`, under one wave `n << R/t` is sheared like a flat layer, `tau t/G`, and compressed like a
+/// confined one.
 #[test]
 fn a_sleeve_on_its_seat_is_a_flat_layer() {
     let t = 1e-4;
@@ -73,8 +73,8 @@ fn a_sleeve_on_its_seat_is_a_flat_layer() {
     );
 }
 
-/// A rim of large radius held outside is a layer held at its back, as a ring held inside is: what both differ by falls with
-/// the radius.
+/// A rim of large radius supported outside is a layer supported at its back, as a ring supported inside is: their
+/// difference falls with the radius.
 #[test]
 fn a_large_rim_is_a_large_ring() {
     let (height, theta, pitch) = (0.012, 3e-3, 12e-3);
@@ -98,8 +98,7 @@ fn a_large_rim_is_a_large_ring() {
     assert!(near < 0.05 && far < 0.27 * near, "{near:e} {far:e}");
 }
 
-/// Seen from the next tooth but four a disc with a small bore is a torsion spring:
-/// `delta = r_b^2/(4 pi G b) (1/a^2 - 1/R^2)`.
+/// Between distant teeth a disc with a small bore is a torsion spring: `delta = r_b^2/(4 pi G b) (1/a^2 - 1/R^2)`.
 #[test]
 fn a_small_bore_leaves_the_torsion_of_the_disc() {
     let (g, width) = (gear(30, 1e-3), 1e-2);
@@ -114,8 +113,8 @@ fn a_small_bore_leaves_the_torsion_of_the_disc() {
     }
 }
 
-/// The load at the root has the force and the torque of the load on the tooth: work on rigid motions
-/// is that of the load, by quadrature over the arc.
+/// The load at the root has the force and the torque of the load on the tooth: its work on rigid motions is that of
+/// the load, by quadrature over the arc.
 #[test]
 fn the_root_carries_the_load() {
     let g = gear(20, 15e-3);
@@ -165,8 +164,8 @@ fn all_teeth_of_a_body_are_one_elastic_body() {
     }
 }
 
-/// Within its range the fit of Sainsot and Velex is this solution to a sixth of the compliance, stiffest for thin rims
-/// (finite elements side with this one, see the tests of coupling).
+/// Within its range the fit of Sainsot and Velex agrees with this solution to a sixth of the compliance, and is
+/// stiffest for thin rims (finite elements agree with this solution, see the tests of coupling).
 #[test]
 fn agrees_with_the_published_fit_in_its_range() {
     for teeth in [30, 50, 80] {
@@ -190,7 +189,7 @@ fn agrees_with_the_published_fit_in_its_range() {
     }
 }
 
-/// The radius of the ring that stands for a rack does not matter.
+/// The radius of the ring that represents a rack does not matter.
 #[test]
 fn a_rack_is_a_flat_body() {
     let rack = Rack::new(RackParams {

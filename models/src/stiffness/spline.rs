@@ -1,4 +1,4 @@
-//! Values along the path of contact, evaluated in constant time without allocation.
+//! Interpolated values along the path of contact, evaluated in constant time without allocation.
 //!
 //! Between knots the curve is a cubic, twice continuously differentiable, or a straight line; outside
 //! its range it is held at the end values (slope zero), or continued periodically. The slopes `m_i` at
@@ -13,22 +13,22 @@
 
 use super::error::StiffnessError;
 
-/// What happens outside the knots.
+/// Continuation outside the knots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ends {
-    /// Held at the end values.
+    /// Constant continuation by the end values.
     #[default]
     Clamped,
-    /// Continued with the period `s_last - s_first`; first and last value must agree.
+    /// Periodic continuation with the period `s_last - s_first`; first and last value must agree.
     Periodic,
 }
 
-/// What happens between the knots.
+/// Interpolation between the knots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
-    /// Cubic spline, C2.
+    /// Cubic spline with continuous second derivative.
     #[default]
     Cubic,
     /// Straight lines; the slope jumps at every knot.
@@ -42,12 +42,12 @@ pub(super) struct Spline {
     range: [f64; 2],
     pieces: Vec<Piece>,
     last: f64,
-    /// Interval in which each of equally wide buckets begins; empty when the intervals are equal.
+    /// Index of the interval at the start of each of equally wide buckets; empty when the intervals are equal.
     buckets: Vec<u32>,
     buckets_per_metre: f64,
 }
 
-/// `k = c0 + u (c1 + u (c2 + u c3))`, `u = s - begin`.
+/// Cubic piece `k = c0 + u (c1 + u (c2 + u c3))`, `u = s - begin`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Piece {
     begin: f64,
@@ -56,7 +56,7 @@ struct Piece {
 }
 
 impl Spline {
-    /// The same `value` everywhere.
+    /// Returns a constant curve.
     pub(super) fn constant(value: f64) -> Spline {
         Spline {
             ends: Ends::Clamped,
@@ -133,17 +133,17 @@ impl Spline {
         })
     }
 
-    /// Whether the value does not vary.
+    /// Returns true if the value is constant.
     pub(super) fn is_constant(&self) -> bool {
         self.pieces.is_empty()
     }
 
-    /// Path coordinates (m) between which the curve varies; `None` for a constant one.
+    /// Returns the range of path coordinates (m) in which the curve varies; `None` for a constant one.
     pub(super) fn range(&self) -> Option<[f64; 2]> {
         (!self.is_constant()).then_some(self.range)
     }
 
-    /// Value and its slope per metre at `s` (m). Constant time, no allocation.
+    /// Returns value and slope per metre at `s` (m), in constant time without allocation.
     #[inline]
     pub(super) fn eval(&self, s: f64) -> (f64, f64) {
         let Some(first) = self.pieces.first() else {
@@ -182,17 +182,17 @@ impl Spline {
         )
     }
 
-    /// Least value as (where in m, value).
+    /// Returns the smallest value as (position in m, value).
     pub(super) fn minimum(&self) -> (f64, f64) {
         self.extreme(|a, b| a < b)
     }
 
-    /// Greatest value as (where in m, value).
+    /// Returns the largest value as (position in m, value).
     pub(super) fn maximum(&self) -> (f64, f64) {
         self.extreme(|a, b| a > b)
     }
 
-    /// The best value over all knots and all stationary points of the cubics.
+    /// Returns the extreme value over all knots and all stationary points of the cubics.
     fn extreme(&self, better: impl Fn(f64, f64) -> bool) -> (f64, f64) {
         let mut best = (self.range[1], self.last);
         for piece in &self.pieces {
@@ -249,7 +249,7 @@ fn check_points(s: &[f64], k: &[f64], ends: Ends) -> Result<(), StiffnessError> 
     Ok(())
 }
 
-/// Slopes at the knots of the interpolating cubic spline.
+/// Returns the slopes at the knots of the interpolating cubic spline.
 fn spline_slopes(s: &[f64], k: &[f64], ends: Ends) -> Vec<f64> {
     let n = s.len() - 1;
     let h: Vec<f64> = s.windows(2).map(|w| w[1] - w[0]).collect();
@@ -283,7 +283,7 @@ fn spline_slopes(s: &[f64], k: &[f64], ends: Ends) -> Vec<f64> {
     m
 }
 
-/// Slope at point `at` of the polynomial through all points (Lagrange).
+/// Returns the slope at point `at` of the polynomial through all points (Lagrange).
 fn end_slope(s: &[f64], k: &[f64], at: usize) -> f64 {
     let mut slope = 0.0;
     for j in 0..s.len() {
@@ -302,7 +302,7 @@ fn end_slope(s: &[f64], k: &[f64], at: usize) -> f64 {
     slope
 }
 
-/// Periodic spline by Sherman-Morrison on the cyclic system; `n >= 2` intervals.
+/// Solves for the slopes of a periodic spline by Sherman-Morrison on the cyclic system; `n >= 2` intervals.
 fn periodic_slopes(h: &[f64], d: &[f64]) -> Vec<f64> {
     let n = h.len();
     let before = |i: usize| (i + n - 1) % n;
@@ -335,7 +335,7 @@ fn periodic_slopes(h: &[f64], d: &[f64]) -> Vec<f64> {
     rhs
 }
 
-/// Thomas algorithm; the systems here are strictly diagonally dominant, so no pivoting is needed.
+/// Solves by the Thomas algorithm; the systems here are strictly diagonally dominant, so that no pivoting is needed.
 fn solve_symmetric_tridiagonal(diagonal: &[f64], off: &[f64], rhs: &mut [f64]) {
     let n = diagonal.len();
     let mut pivots = diagonal.to_vec();

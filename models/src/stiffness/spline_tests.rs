@@ -84,7 +84,7 @@ fn linear_table_passes_its_points() {
     );
 }
 
-/// Very uneven intervals exhaust the buckets; the walk must still find the interval.
+/// The interval is found on very uneven spacings, which exhaust the buckets.
 #[test]
 fn finds_the_interval_on_any_spacing() {
     let s = [0.0, 1e-9, 2e-9, 1.0, 1.0 + 1e-9, 5.0];

@@ -29,13 +29,13 @@ use crate::geometry::{Gear, Rack};
 
 use super::material::Material;
 
-/// Samples of the fillet and of the flank: the integrals are then exact to about 1e-6.
+/// Number of samples of the fillet and of the flank: the integrals are then exact to about 1e-6.
 const SAMPLES: usize = 1000;
 
-/// Fillet tangent against the centreline at which Cornell places the root section (rad).
+/// Angle of the fillet tangent to the centreline at Cornell's root section (rad).
 const CORNELL_FILLET_ANGLE: f64 = 75.0 * std::f64::consts::PI / 180.0;
 
-/// How a tooth deflects above its root section.
+/// Model of the deflection of a tooth above its root section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ToothModel {
@@ -48,7 +48,7 @@ pub enum ToothModel {
 }
 
 impl ToothModel {
-    /// The name used in scenes and reports.
+    /// Returns the name in scenes and reports.
     pub fn id(self) -> &'static str {
         match self {
             ToothModel::WeberBanaschek => "weber-banaschek",
@@ -58,7 +58,7 @@ impl ToothModel {
     }
 }
 
-/// Where and how a tooth is loaded; heights are counted along the centreline from the root section of
+/// Position and direction of the load on a tooth; heights are counted along the centreline from the root section of
 /// the whole profile (chord of the root circle).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToothLoad {
@@ -71,12 +71,12 @@ pub struct ToothLoad {
 }
 
 impl ToothLoad {
-    /// Height at which the line of action crosses the centreline (m).
+    /// Returns the height at which the line of action crosses the centreline (m).
     pub fn crossing(&self) -> f64 {
         self.height - self.half_thickness * self.beta.tan()
     }
 
-    /// Distance from contact point to centreline along the line of action (m).
+    /// Returns the distance from contact point to centreline along the line of action (m).
     pub fn depth(&self) -> f64 {
         self.half_thickness / self.beta.cos()
     }
@@ -97,7 +97,7 @@ pub struct ToothProfile {
 }
 
 impl ToothProfile {
-    /// The profile of a gear, transverse section.
+    /// Samples the profile of a gear in the transverse section.
     pub fn of_gear(gear: &Gear) -> ToothProfile {
         Self::sampled_gear(gear, SAMPLES)
     }
@@ -121,7 +121,7 @@ impl ToothProfile {
         profile
     }
 
-    /// The profile of a rack, transverse section.
+    /// Samples the profile of a rack in the transverse section.
     pub fn of_rack(rack: &Rack) -> ToothProfile {
         let (root, form, tip) = (-rack.root_depth(), -rack.form_depth(), rack.tip_height());
         let n = SAMPLES as f64;
@@ -167,7 +167,7 @@ impl ToothProfile {
         profile
     }
 
-    /// Load at the distance `height_from_centre` (m) along the centreline from the gear centre.
+    /// Returns the load at the distance `height_from_centre` (m) along the centreline from the gear centre.
     fn load(&self, height_from_centre: f64, half_thickness: f64, beta: f64) -> ToothLoad {
         ToothLoad {
             beta,
@@ -176,7 +176,7 @@ impl ToothProfile {
         }
     }
 
-    /// Load on the involute of `gear` at radius `r` (m).
+    /// Returns the load on the involute of `gear` at radius `r` (m).
     pub fn load_on_gear(&self, gear: &Gear, r: f64) -> ToothLoad {
         let theta = gear.half_angle_at(r);
         let alpha = (gear.r_base() / r).min(1.0).acos();
@@ -188,24 +188,24 @@ impl ToothProfile {
         )
     }
 
-    /// Load on the straight flank of `rack` at `height` (m) above its reference line.
+    /// Returns the load on the straight flank of `rack` at `height` (m) above its reference line.
     pub fn load_on_rack(&self, rack: &Rack, height: f64) -> ToothLoad {
         let t = rack.half_thickness_at(height);
         self.load(height, t, rack.transverse_pressure_angle())
     }
 
-    /// Height of the root chord above the gear centre (or the rack's reference line) (m).
+    /// Returns the height of the root chord above the gear centre (or the rack's reference line) (m).
     pub fn origin(&self) -> f64 {
         self.origin
     }
 
-    /// Height of Cornell's root section above the root chord (m): where the fillet tangent makes
-    /// 75 degrees with the centreline; the root chord itself where the fillet never gets so flat.
+    /// Returns the height of Cornell's root section above the root chord (m): where the fillet tangent makes 75
+    /// degrees with the centreline; the root chord itself where the fillet never becomes so flat.
     pub fn cornell_section(&self) -> f64 {
         self.cornell
     }
 
-    /// Height above the root circle (above the root line of a rack) at which the line of action crosses
+    /// Returns the height above the root circle (above the root line of a rack) at which the line of action crosses
     /// the centreline (m).
     pub(super) fn lever(&self, load: &ToothLoad) -> f64 {
         load.crossing() - self.crown
@@ -218,7 +218,7 @@ impl ToothProfile {
             - 1
     }
 
-    /// Half thickness (m) at height `x` (m) above the root chord.
+    /// Returns half the thickness (m) at height `x` (m) above the root chord.
     pub fn half_thickness(&self, x: f64) -> f64 {
         let i = self.locate(x);
         let u = ((x - self.x[i]) / (self.x[i + 1] - self.x[i])).clamp(0.0, 1.0);
@@ -232,7 +232,7 @@ impl ToothProfile {
         std::array::from_fn(|j| self.sums[i][j] + step[j])
     }
 
-    /// Compliance (m/N) of a tooth of `width` (m) above the section at height `from` (m).
+    /// Returns the compliance (m/N) of a tooth of `width` (m) above the section at height `from` (m).
     pub fn compliance(
         &self,
         model: ToothModel,
@@ -266,12 +266,12 @@ impl ToothProfile {
     }
 }
 
-/// Cornell's distinction: a tooth wider than five root thicknesses is in plane strain.
+/// Returns true for a tooth wider than five root thicknesses, which is in plane strain (Cornell).
 pub(super) fn is_wide(width: f64, root_thickness: f64) -> bool {
     width > 5.0 * root_thickness
 }
 
-/// Integrals over one cell by Simpson's rule, the thickness varying linearly in it.
+/// Integrates over one cell by Simpson's rule, with linear thickness.
 fn cell(a: (f64, f64), b: (f64, f64)) -> [f64; 4] {
     let h = b.0 - a.0;
     let middle = (0.5 * (a.0 + b.0), 0.5 * (a.1 + b.1));
@@ -299,7 +299,7 @@ mod tests {
         .unwrap()
     }
 
-    /// A prismatic cantilever loaded square to its axis: the textbook deflection.
+    /// A prismatic cantilever loaded perpendicular to its axis has the textbook deflection.
     #[test]
     fn prismatic_cantilever() {
         let (l, t, b) = (30e-3, 4e-3, 12e-3);
@@ -324,7 +324,7 @@ mod tests {
         assert!((cornell(80e-3) / (b * strain) - 1.0).abs() < 1e-12);
     }
 
-    /// The published plane-strain coefficients for nu = 0.3: 10.92, 3.1 and 0.294.
+    /// The plane-strain coefficients agree with the published ones for nu = 0.3: 10.92, 3.1 and 0.294.
     #[test]
     fn weber_banaschek_coefficients() {
         let g = gear(23);

@@ -1,5 +1,5 @@
-//! Whatever the bytes: a deck is read or declined, its gears are found or declined, and nothing panics,
-//! hangs or takes memory out of proportion. Includes come from the same bytes.
+//! Fuzz target of decks: any bytes are read or declined, gears are found or declined, and nothing panics, hangs or
+//! uses memory out of proportion. Includes come from the same bytes.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! Whatever the bytes: a mesh of Gmsh is read or declined, and what is read hangs together.
+//! Fuzz target of Gmsh meshes: any bytes are read or declined, and a mesh that is read is consistent.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,5 @@
-//! Whatever the bytes: a table is read or refused with a place in its text, and what is read ascends in time and is finite.
+//! Fuzz target of tables: any bytes are read or refused with a position in the text, and a table that is read is
+//! finite and ascending in time.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

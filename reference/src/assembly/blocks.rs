@@ -53,7 +53,7 @@ impl Pattern {
         Pattern { starts, columns }
     }
 
-    /// Number of nodes.
+    /// Returns the number of nodes.
     pub fn nodes(&self) -> usize {
         self.starts.len() - 1
     }
@@ -86,19 +86,19 @@ impl Pattern {
     }
 }
 
-/// What couples two nodes.
+/// Coupling between two nodes in a matrix.
 pub trait Entry: Copy {
-    /// Nothing.
+    /// The zero entry.
     const ZERO: Self;
     /// Entry of nodes `a` and `b` in the row-major matrix of an element of `nodes`.
     fn of_element(matrix: &[f64], nodes: usize, a: usize, b: usize) -> Self;
     /// The sum with another.
     fn plus(&mut self, other: Self);
-    /// `E x`.
+    /// Returns the product `E x`.
     fn times(&self, x: &[f64; 3]) -> [f64; 3];
-    /// `E^T x`.
+    /// Returns the product `E^T x`.
     fn transposed_times(&self, x: &[f64; 3]) -> [f64; 3];
-    /// The 3x3 block that it stands for, row by row.
+    /// Returns the 3x3 block of the entry, row by row.
     fn block(&self) -> [f64; 9];
 }
 
@@ -177,13 +177,13 @@ pub type BlockMatrix = NodalMatrix<[f64; 9]>;
 pub type ScalarMatrix = NodalMatrix<f64>;
 
 impl<E: Entry> NodalMatrix<E> {
-    /// All zero.
+    /// Creates a matrix of zeros.
     pub fn zeros(pattern: Arc<Pattern>) -> Self {
         let entries = vec![E::ZERO; pattern.columns.len()];
         NodalMatrix { pattern, entries }
     }
 
-    /// Where the entries stand.
+    /// Returns the positions of the entries.
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
     }
@@ -255,7 +255,7 @@ impl ScalarMatrix {
         }
     }
 
-    /// Lumps every entry between a held and a free node onto both of them: row sums stay.
+    /// Lumps every entry between a fixed and a free node onto both of them: row sums are preserved.
     pub fn decouple(&mut self, held: impl Fn(usize) -> bool) {
         for row in 0..self.pattern.nodes() {
             let range = self.pattern.row(row);

@@ -24,7 +24,7 @@ use std::sync::Arc;
 /// Stiffness and mass over all nodes of a mesh.
 #[derive(Clone, Debug)]
 pub struct Assembly {
-    /// Stiffness [N/m].
+    /// Stiffness matrix [N/m].
     pub stiffness: BlockMatrix,
     /// Consistent mass [kg], times the unit matrix of three axes.
     pub mass: ScalarMatrix,
@@ -36,7 +36,7 @@ pub struct Assembly {
 /// Memory of a node in stiffness and mass, assembled and reduced, with up to 27 neighbours [bytes].
 const NODE_BYTES: f64 = 5e3;
 
-/// Assembles a mesh.
+/// Assembles the matrices of a mesh.
 ///
 /// # Panics
 /// If an element names a node that the mesh does not have.

@@ -1,4 +1,4 @@
-//! The rigid tie of bore nodes to the hub point, and the matrices over what stays free.
+//! Rigid tie of the bore nodes to the hub point, and the matrices over the free coordinates.
 //!
 //! `u = T r`: a free node keeps its three displacements, a held node follows the hub. Reduced coordinates are
 //! `3 place + axis` of the free nodes in ascending order, then one per motion that the hub is free in;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// A motion that the hub may be free in, about or along axes through the origin of the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HubMotion {
-    /// Turning about z.
+    /// Rotation about z.
     Turn,
     /// Turning about a unit axis.
     TurnAbout(Vec3),
@@ -32,13 +32,13 @@ impl HubMotion {
     }
 }
 
-/// Which mass matrix.
+/// Kind of the mass matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MassKind {
     /// As the elements integrate it.
     Consistent,
-    /// Diagonal.
+    /// Lumped, diagonal mass matrix.
     Lumped,
 }
 
@@ -57,14 +57,14 @@ pub struct Tie {
 /// Reduced matrices: lower triangles, diagonal included.
 #[derive(Clone, Debug)]
 pub struct Reduced {
-    /// Stiffness.
+    /// Stiffness matrix over the free coordinates.
     pub stiffness: SparseColMat<usize, f64>,
-    /// Mass.
+    /// Mass matrix over the free coordinates.
     pub mass: SparseColMat<usize, f64>,
 }
 
 impl Reduced {
-    /// The same with some coordinates held at zero: their rows and columns are struck out.
+    /// Returns the matrices with some coordinates fixed at zero: their rows and columns are removed.
     ///
     /// # Panics
     /// If `held` has fewer values than there are coordinates.
@@ -100,7 +100,7 @@ impl Reduced {
 }
 
 impl Tie {
-    /// Marks a node that the hub holds.
+    /// Mark of a node that is tied to the hub.
     pub const HELD: u32 = u32::MAX;
 
     /// Ties the bore nodes; the hub is free in the motions listed. None: the bore is clamped.

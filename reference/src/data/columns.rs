@@ -1,6 +1,6 @@
-//! Which column is which quantity: by what the user says, else by its name.
+//! Assignment of columns to quantities: by the request of the user, otherwise by name.
 //!
-//! Without being told, a column is known by the names of gearbench's own files (`docs/data.md`) and by those of the keys
+//! By default a column is recognised by the names of gearbench's own files (`docs/data.md`) and by those of the keys
 //! of a scene: `t`, `force`, `speed_pinion`, each with its unit in brackets or as an ending.
 
 use super::table::{Row, Rows, TableError, shown};
@@ -8,7 +8,7 @@ use super::units::{self, Dimension};
 use super::{ForceKind, Quantity, Request, Subjects};
 use std::f64::consts::TAU;
 
-/// What a column is.
+/// Role of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     Time,
@@ -21,7 +21,7 @@ pub(super) struct Column {
     pub role: Role,
     /// Its place in a row.
     pub index: usize,
-    /// Its header.
+    /// Header of the column.
     pub name: String,
     /// Its unit as written; `None` until a line of units has been looked for.
     pub unit: Option<(String, f64)>,

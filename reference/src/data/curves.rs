@@ -8,7 +8,7 @@ use super::read::Numbers;
 use super::table::{MOST_ROWS, Row, Rows, TableError, shown};
 use super::units;
 
-/// Ordinates over abscissae.
+/// A curve: ordinates over abscissae.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
     /// Name of the abscissa, with its SI unit as the ending.
@@ -17,9 +17,9 @@ pub struct Curve {
     pub ordinate: String,
     /// Texts of its rows: heading and text.
     pub texts: Vec<(String, String)>,
-    /// Abscissae, strictly ascending.
+    /// Abscissae of the curve, strictly ascending.
     pub x: Vec<f64>,
-    /// Ordinates.
+    /// Ordinates of the curve.
     pub y: Vec<f64>,
 }
 

@@ -33,7 +33,7 @@ pub use read::{Request, read};
 pub use table::{Delimiter, TableError, decode};
 pub use units::{Dimension, factor};
 
-/// What a history is of; gears and meshes by their place in the scene, from 0.
+/// Quantity of a history; gears and meshes are numbered by their position in the scene, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Quantity {
     /// Normal contact force of a mesh, the magnitude of the sum over its tooth pairs [N].
@@ -46,12 +46,12 @@ pub enum Quantity {
     Angle(usize),
     /// Torque of the contact forces on a gear about its axis [N m], force along the slide of a rack [N].
     Torque(usize),
-    /// Torque of the mount that holds or drives a gear [N m], of a rack its force along the slide [N].
+    /// Torque of the mount that fixes or drives a gear [N m], for a rack its force along the motion [N].
     MountTorque(usize),
 }
 
 impl Quantity {
-    /// What it is called in prose.
+    /// Returns the name of the quantity in prose.
     pub fn words(self) -> &'static str {
         match self {
             Quantity::Force(_) => "contact force",
@@ -67,7 +67,7 @@ impl Quantity {
 /// Which part of a contact force a history has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ForceKind {
-    /// The force itself, normal to the flanks.
+    /// Contact force normal to the flanks.
     #[default]
     Normal,
     /// Its part in the plane of rotation.
@@ -77,7 +77,7 @@ pub enum ForceKind {
 /// A history with its own times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// What it is of.
+    /// Quantity of the history.
     pub quantity: Quantity,
     /// Times [s], strictly increasing, from 0 on.
     pub time: Vec<f64>,
@@ -85,16 +85,16 @@ pub struct Channel {
     pub value: Vec<f64>,
 }
 
-/// A reference: histories, where they come from, and what was done to them.
+/// A reference: histories with their source and processing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reference {
     /// Id in records, metrics and tolerances.
     pub id: String,
-    /// Name for legends.
+    /// Name of the reference in legends.
     pub title: String,
     /// Where the data come from: program, file, who made it and how.
     pub source: String,
-    /// What a reader has to know to judge them; may be empty.
+    /// Note for the assessment of the reference; may be empty.
     pub note: String,
     /// Command that makes them again.
     pub command: Option<String>,
@@ -104,14 +104,14 @@ pub struct Reference {
     pub cpu_s: Option<f64>,
     /// The histories, each quantity once.
     pub channels: Vec<Channel>,
-    /// What was done to the data between their file and here, a line each: units, kind of force, offset, filter.
+    /// Processing of the data from their file to here, one line each: units, kind of force, offset, filter.
     pub processing: Vec<String>,
-    /// Conditions that the file states of itself, by the keys of a scene, such as `gears.pinion.speed_rad_s`.
+    /// Conditions that the file states itself, by the keys of a scene, such as `gears.pinion.speed_rad_s`.
     pub stated: Vec<(String, f64)>,
 }
 
 impl Reference {
-    /// The history of a quantity, if there is one.
+    /// Returns the history of a quantity, if there is one.
     pub fn channel(&self, quantity: Quantity) -> Option<&Channel> {
         self.channels.iter().find(|c| c.quantity == quantity)
     }
@@ -145,8 +145,8 @@ pub struct MeshSubject {
     pub gears: [String; 2],
     /// Base helix angle [rad].
     pub base_helix: f64,
-    /// Base radius of its second gear [m], over which a transmission error that is an angle of it becomes one along the
-    /// line of action; `None` of a rack.
+    /// Base radius of the second gear [m], which converts a transmission error in rad to one along the line of action;
+    /// `None` for a rack.
     pub base_radius: Option<f64>,
 }
 
@@ -157,8 +157,8 @@ pub struct Subjects {
     pub gears: Vec<GearSubject>,
     /// Meshes in its order.
     pub meshes: Vec<MeshSubject>,
-    /// How the first gear of the first mesh turns, where it does so steadily: a table over its angle of rotation becomes one
-    /// over time.
+    /// Rotation of the first gear of the first mesh at constant speed, which converts a table over its angle of
+    /// rotation to one over time.
     pub turning: Option<Turning>,
 }
 
@@ -172,7 +172,7 @@ pub struct Turning {
 }
 
 impl Subjects {
-    /// What a quantity is called with its subject, such as `speed of pinion`.
+    /// Returns the name of a quantity with its subject, such as `speed of pinion`.
     pub fn told(&self, quantity: Quantity) -> String {
         let mesh = |m: usize| match self.meshes.get(m) {
             Some(mesh) if m > 0 => format!(" of {}-{}", mesh.gears[0], mesh.gears[1]),
@@ -191,7 +191,7 @@ impl Subjects {
         }
     }
 
-    /// What its values are measured in.
+    /// Returns the dimension of the values of a quantity.
     pub fn dimension(&self, quantity: Quantity) -> Dimension {
         let slides = |g: usize| self.gears.get(g).is_some_and(|g| g.slides.is_some());
         match quantity {

@@ -1,12 +1,13 @@
-//! What is done to histories: offset, moving average, window, even times, in this order.
+//! Processing of histories: offset, moving average, window, resampling, in this order.
 //!
-//! The moving average is that of the samples joined by lines over a window of time about each sample, which is narrower
-//! at both ends so that it stays centred: it moves no feature in time. It is taken of the reference alone; a run that is
-//! held against it keeps its own force, so a window is to be short beside what the force does.
+//! The moving average is that of the linearly interpolated samples over a window of time about each sample, which is
+//! narrower at both ends so that it stays centred: it moves no feature in time. It applies to the reference alone; a
+//! run that is compared with it keeps its own force, so that a window has to be short compared with the features of
+//! the force.
 
 use super::Channel;
 
-/// What is done to histories.
+/// Processing of histories before a comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Processing {
     /// Added to all times [s].
@@ -24,16 +25,16 @@ pub struct Processing {
 /// Even times at most.
 const MOST: f64 = 1e7;
 
-/// What was expected, what was found, a way out.
-type Trouble = (String, String, String);
+/// Expected content, actual content and remedy of a problem.
+type ProcessingProblem = (String, String, String);
 
 impl Processing {
-    /// Does it, and says so in lines; every history keeps `least` samples.
+    /// Applies the processing and describes it in lines; every history keeps at least `least` samples.
     pub(super) fn apply(
         &self,
         channels: &mut Vec<Channel>,
         least: usize,
-    ) -> Result<Vec<String>, Trouble> {
+    ) -> Result<Vec<String>, ProcessingProblem> {
         let mut lines = Vec::new();
         if self.offset != 0.0 {
             lines.push(format!("times moved by {:e} s", self.offset));

@@ -1,4 +1,4 @@
-//! A table into histories: numbers, times, and what is wrong with them.
+//! Conversion of a table to histories: numbers, times, and their errors.
 
 use super::columns::{self, Column, Columns, Role, columns};
 use super::process::Processing;
@@ -9,7 +9,7 @@ use super::{Channel, ForceKind, Quantity, Reference, Subjects};
 /// Samples that a history has at least.
 const LEAST: usize = 3;
 
-/// What the user says of a table.
+/// User settings for the reading of a table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Column of time; `None` finds it by its name.
@@ -20,13 +20,13 @@ pub struct Request {
     pub time_unit: Option<String>,
     /// Units of quantities likewise.
     pub units: Vec<(Quantity, String)>,
-    /// Which part of the contact force is given; `None` takes what the name of the column says, else the normal force.
+    /// Part of the contact force in the table; `None` uses the name of the column, otherwise the normal force.
     pub force_kind: Option<ForceKind>,
-    /// What stands between cells; `None` finds it.
+    /// Delimiter between cells; `None` detects it.
     pub delimiter: Option<Delimiter>,
-    /// Whether numbers have commas; `None` finds it.
+    /// True if numbers have decimal commas; `None` detects it.
     pub decimal_comma: Option<bool>,
-    /// What is done to the histories.
+    /// Processing of the histories.
     pub processing: Processing,
 }
 
@@ -54,12 +54,12 @@ fn of(list: &[(Quantity, String)], quantity: Quantity) -> Option<&str> {
 /// Numbers with points or commas, the same in the whole table.
 pub(super) struct Numbers {
     comma: Option<bool>,
-    /// Commas stand between cells, and nobody says that numbers have them too.
+    /// True if commas separate cells and the user does not request decimal commas.
     between_cells: bool,
 }
 
 impl Numbers {
-    /// Those of a table whose sign the user says, or not.
+    /// Determines the number format of a table from the setting of the user, if any.
     pub(super) fn of(rows: &Rows<'_>, decimal_comma: Option<bool>) -> Self {
         Numbers {
             comma: decimal_comma,
@@ -121,7 +121,7 @@ impl Numbers {
     }
 }
 
-/// Whether a cell reads as a whole number with commas between its thousands, such as `1,000` or `-12,345,678`.
+/// Returns true if a cell is a whole number with thousands separators, such as `1,000` or `-12,345,678`.
 fn is_thousands(cell: &str) -> bool {
     let mut groups = cell.trim_start_matches(['+', '-']).split(',');
     let digits = |g: &str| !g.is_empty() && g.bytes().all(|b| b.is_ascii_digit());
@@ -130,7 +130,7 @@ fn is_thousands(cell: &str) -> bool {
     first && others.peek().is_some() && others.all(|g| digits(g) && g.len() == 3)
 }
 
-/// Histories of a table, with what was done to them; id, title and source are the caller's.
+/// Reads the histories of a table and describes their processing; the caller sets id, title and source.
 ///
 /// Units become those of SI, transverse forces normal ones. Samples are those of the file: a cell that is empty is a
 /// sample that its history does not have.

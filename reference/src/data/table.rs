@@ -1,8 +1,8 @@
-//! The text of a CSV file: what stands before the names, the names, the rows.
+//! Text of a CSV file: preamble, header line and rows.
 //!
-//! UTF-8 with or without a byte order mark, else Latin-1; commas, semicolons or tabs; lines that begin with `#` and empty
-//! lines are passed over wherever they stand; `sep=;` in the first line is what a spreadsheet writes. Cells may stand in
-//! double quotes, but not over several lines.
+//! Encodings are UTF-8 with or without a byte order mark, or Latin-1. Delimiters are commas, semicolons or tabs. Lines
+//! that begin with `#` and empty lines are ignored anywhere; spreadsheets write `sep=;` in the first line. Cells may
+//! be in double quotes, but not over several lines.
 
 use std::fmt;
 use std::ops::Range;
@@ -12,7 +12,7 @@ pub(super) const MOST_ROWS: usize = 10_000_000;
 /// Columns that are read at most.
 const MOST_COLUMNS: usize = 10_000;
 
-/// What stands between cells.
+/// Delimiter between the cells of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the variants are the signs")]
 pub enum Delimiter {
@@ -30,7 +30,7 @@ impl Delimiter {
         }
     }
 
-    /// What it is called.
+    /// Returns the name of the delimiter.
     pub fn words(self) -> &'static str {
         match self {
             Delimiter::Comma => "comma",
@@ -40,7 +40,7 @@ impl Delimiter {
     }
 }
 
-/// Why a table is refused: where, what was expected, what was found, a way out.
+/// Refusal of a table: position, expected and actual content, and remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TableError {
     /// Line, from 1; 0 where it is about the whole file.
@@ -49,11 +49,11 @@ pub struct TableError {
     pub at: Range<usize>,
     /// The column by number, from 1, and name; empty where it is about a whole line.
     pub column: String,
-    /// What was expected.
+    /// Expected content.
     pub expected: String,
-    /// What was found.
+    /// Actual content.
     pub found: String,
-    /// What to do about it.
+    /// Remedy of the problem.
     pub help: String,
 }
 
@@ -71,7 +71,7 @@ impl fmt::Display for TableError {
 
 impl std::error::Error for TableError {}
 
-/// A word of a file for a message: cut, and without what a terminal would take for a command.
+/// Shortens text of a file for a message and removes terminal control characters.
 pub(super) fn shown(text: &str) -> String {
     let cut: String = text.chars().take(40).collect();
     format!("`{}`", cut.escape_debug())
@@ -142,7 +142,7 @@ pub(super) fn comments(text: &str) -> impl Iterator<Item = &str> {
 }
 
 impl<'t> Rows<'t> {
-    /// The rows of a text; a delimiter that is not given is the one that the line of names has.
+    /// Splits a text into rows; by default the delimiter is that of the header line.
     pub fn of(text: &'t str, given: Option<Delimiter>) -> Self {
         let mut heads = lines(text, 0).filter(|(_, l)| !passed_over(l));
         let (mut start, mut head) = heads.next().unwrap_or((text.len(), ""));
@@ -223,7 +223,7 @@ impl<'t> Rows<'t> {
         at
     }
 
-    /// A refusal of a row, or of one of its cells.
+    /// Creates a refusal of a row, or of one of its cells.
     pub fn error(
         &self,
         row: &Row,
@@ -244,7 +244,7 @@ impl<'t> Rows<'t> {
         }
     }
 
-    /// The same with the cell as its place.
+    /// Creates a refusal of a cell, with the position of the cell.
     pub fn error_in(
         &self,
         row: &Row,

@@ -1,9 +1,9 @@
-//! Tables as people have them, and what is refused.
+//! Tables of common formats, and refusals.
 
 use super::*;
 use std::f64::consts::PI;
 
-/// A helical pinion and a wheel; a rack where it is asked for.
+/// Returns a helical pinion and a wheel, or a rack.
 fn subjects(base_helix: f64, rack: Option<f64>) -> Subjects {
     let gear = |name: &str, slides| GearSubject {
         name: name.into(),
@@ -20,7 +20,8 @@ fn subjects(base_helix: f64, rack: Option<f64>) -> Subjects {
     }
 }
 
-/// A table over the angle of rotation of the first gear, or over mesh cycles, is one over time by its speed.
+/// A table over the angle of rotation of the first gear, or over mesh cycles, is converted to one over time by its
+/// speed.
 #[test]
 fn angles_of_rotation_and_mesh_cycles_are_times() {
     let turning = |speed| Subjects {
@@ -105,7 +106,7 @@ fn a_measured_press() {
     }
 }
 
-/// What gearbench writes itself, and what other programs write: without a word about columns.
+/// Columns of gearbench and of other programs are recognised by their names without settings.
 #[test]
 fn columns_are_known_by_their_names() {
     let own = "time_s,contact_force_n,omega1_rad_s,omega2_rad_s,hub_angle_pinion_rad,transmission_error_m\n\
@@ -140,8 +141,8 @@ fn columns_are_known_by_their_names() {
     );
 }
 
-/// A transverse force becomes the normal one by the base helix angle, whether the user or the header says so; a normal one
-/// stays.
+/// A transverse force becomes the normal one by the base helix angle, whether the user or the header declares it; a
+/// normal one is unchanged.
 #[test]
 fn transverse_forces_become_normal_ones() {
     let beta = 16.9_f64.to_radians();
@@ -165,7 +166,7 @@ fn transverse_forces_become_normal_ones() {
     );
 }
 
-/// A rack's speed may be told as its mate would turn.
+/// The speed of a rack may be given as the angular velocity of its mate.
 #[test]
 fn angular_velocities_of_racks() {
     let read_as = |header: &str| {
@@ -187,7 +188,7 @@ fn columns_have_times_of_their_own() {
     assert_eq!(found.end(), 3.0);
 }
 
-/// Line, column, what was expected and found.
+/// Refusals have line, column, expected and actual content.
 #[test]
 fn refusals_say_where_and_what() {
     let head = "t [ms],force [N]\n0,1\n1,2\n";
@@ -272,7 +273,7 @@ fn refusals_say_where_and_what() {
     assert!(spur(head, &twice).is_err());
 }
 
-/// The cell that is at fault is the one that is pointed to.
+/// The refusal marks the invalid cell.
 #[test]
 fn refusals_point_to_the_cell() {
     let text = "t [ms],force [N]\r\n0,1\r\n1,2\r\n\r\n2,bad\r\n";
@@ -280,7 +281,7 @@ fn refusals_point_to_the_cell() {
     assert_eq!((e.line, &text[e.at.clone()]), (5, "bad"));
 }
 
-/// Conditions that a file states of itself, as `gearbench reference` writes them.
+/// A file may state its conditions, as `gearbench reference` writes them.
 #[test]
 fn files_state_their_conditions() {
     let text = "# command: gearbench reference\n# gears.pinion.speed_rad_s = 60\n# remark = 3\n# gears.x = nan\nt [s],force [N]\n0,1\n1,2\n2,3\n";
@@ -291,7 +292,7 @@ fn files_state_their_conditions() {
     );
 }
 
-/// `1,000` between quotes in a table with commas is a thousand to who wrote it, and was one.
+/// `1,000` between quotes in a comma-separated table is refused as ambiguous, because it may be a thousand.
 #[test]
 fn thousands_are_no_decimals() {
     let text = "time [s],force [N]\n0,\"1,000\"\n1,\"2,000\"\n2,\"3,000\"\n";

@@ -1,11 +1,11 @@
-//! Units of columns: what headers write, and the factor to SI.
+//! Units of columns: notations in headers, and the factors to SI.
 //!
 //! A unit stands in brackets at the end of a header, `Fn [kN]` or `t (ms)`, after a slash, `t / ms` (DIN 1313), or as the
 //! ending of gearbench's own columns, `omega1_rad_s`.
 
 use std::f64::consts::{PI, TAU};
 
-/// What a column is measured in.
+/// Physical dimension of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the variants are the quantities")]
 pub enum Dimension {
@@ -21,7 +21,7 @@ pub enum Dimension {
 }
 
 impl Dimension {
-    /// What histories are measured in.
+    /// Dimensions of histories.
     pub const OF_HISTORIES: [Dimension; 7] = [
         Dimension::Time,
         Dimension::Force,
@@ -31,7 +31,7 @@ impl Dimension {
         Dimension::Turning,
         Dimension::Velocity,
     ];
-    /// What columns of tables are measured in.
+    /// Dimensions of all columns of tables.
     const ALL: [Dimension; 9] = [
         Dimension::Time,
         Dimension::Force,
@@ -45,7 +45,7 @@ impl Dimension {
     ];
 }
 
-/// Units with their factors to SI, the unit of SI first; then what endings of names are written like.
+/// Units with their factors to SI, the SI unit first; then the notations of name endings.
 type Row = (
     &'static [(&'static str, f64)],
     &'static [(&'static str, f64)],
@@ -190,8 +190,8 @@ pub(super) fn ending(name: &str, dimension: Dimension) -> Option<(&str, &str, f6
     })
 }
 
-/// The longest ending of a name that is a unit of one of some dimensions: the name before it, the ending without its line,
-/// the factor, and the dimension.
+/// Returns the longest ending of a name that is a unit of one of some dimensions: the name before it, the ending
+/// without its underscore, the factor, and the dimension.
 pub(super) fn longest_ending<'n>(
     name: &'n str,
     among: &[Dimension],

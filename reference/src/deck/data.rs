@@ -1,4 +1,4 @@
-//! What a deck says, with dense numbers inside and the deck's labels beside them.
+//! Content of a deck, with internal numbers and the labels of the deck.
 
 #![expect(
     missing_docs,
@@ -6,7 +6,7 @@
 )]
 
 use super::error::Place;
-use super::reader::Others;
+use super::reader::NonSolidElements;
 use super::units::Units;
 use crate::mesh::{ElementKind, Face, Mesh};
 use gearbench_models::Vec3;
@@ -46,29 +46,29 @@ pub struct ElementBlock {
     pub place: Place,
 }
 
-/// What a deck says of a material that is more than isotropic linear elasticity.
+/// Property of a material beyond isotropic linear elasticity.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Beyond {
-    /// The keyword line.
+pub struct NonlinearProperty {
+    /// Keyword line of the property.
     pub keyword: String,
     /// Why it changes the body.
     pub reason: String,
     pub place: Place,
 }
 
-/// A material; what the deck left out is `None`.
+/// A material; `None` marks values that the deck does not give.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeckMaterial {
     /// Young's modulus [Pa] and Poisson's ratio.
     pub elastic: Option<(f64, f64)>,
-    /// Density [kg/m^3].
+    /// Density of the material [kg/m^3].
     pub density: Option<f64>,
-    /// What goes beyond; a body of such a material is declined.
-    pub beyond: Option<Beyond>,
+    /// Property beyond linear elasticity; a body of such a material is declined.
+    pub beyond: Option<NonlinearProperty>,
     pub place: Place,
 }
 
-/// `*SOLID SECTION`.
+/// Section from a `*SOLID SECTION` keyword.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
     pub set: String,
@@ -76,7 +76,7 @@ pub struct Section {
     pub place: Place,
 }
 
-/// `*RIGID BODY`.
+/// Rigid body from a `*RIGID BODY` keyword.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidBody {
     pub set: String,
@@ -114,12 +114,12 @@ pub struct InitialVelocity {
     pub value: f64,
 }
 
-/// `*SURFACE INTERACTION`.
+/// Contact property from a `*SURFACE INTERACTION` keyword.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interaction {
     /// Slope of a linear pressure over overclosure [Pa/m].
     pub stiffness: Option<f64>,
-    /// Keywords that say more, such as friction: passed over, for they change no body.
+    /// Further keywords, such as friction, which are ignored because they do not change a body.
     pub more: Vec<String>,
     pub place: Place,
 }
@@ -131,11 +131,11 @@ pub enum ContactKind {
     SurfaceToSurface,
     /// Nodes of the slave surface.
     NodeToSurface,
-    /// Another way, or one that programs differ in where it is not said.
+    /// Another formulation, or one for which programs have different defaults.
     Other,
 }
 
-/// `*CONTACT PAIR`.
+/// Contact pair from a `*CONTACT PAIR` keyword.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactPair {
     pub slave: String,
@@ -145,16 +145,16 @@ pub struct ContactPair {
     pub place: Place,
 }
 
-/// What a step computes.
+/// Procedure of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Procedure {
-    /// `*STATIC`.
+    /// Static step, `*STATIC`.
     Static {
         direct: bool,
         /// First increment and period, if given.
         times: Option<[f64; 2]>,
     },
-    /// `*DYNAMIC`.
+    /// Dynamic step, `*DYNAMIC`.
     Dynamic {
         direct: bool,
         explicit: bool,
@@ -163,9 +163,9 @@ pub enum Procedure {
         /// First increment and period [s], if given.
         times: Option<[f64; 2]>,
     },
-    /// `*FREQUENCY`.
+    /// Frequency step, `*FREQUENCY`.
     Frequency { modes: u32 },
-    /// Another one, or none.
+    /// Another procedure, or none.
     Other,
 }
 
@@ -181,7 +181,7 @@ impl Procedure {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     pub nlgeom: bool,
-    /// About the state that the steps before led to.
+    /// True for a perturbation about the state at the end of the previous steps.
     pub perturbation: bool,
     /// Greatest number of increments, if given.
     pub increments: Option<u32>,
@@ -194,7 +194,7 @@ pub struct Step {
     pub place: Place,
 }
 
-/// A deck that was read. Names are in lower case, for decks do not tell cases apart.
+/// A deck that was read. Names are in lower case, because decks are not case-sensitive.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deck {
     /// File, as it was named.
@@ -203,17 +203,17 @@ pub struct Deck {
     pub heading: Vec<String>,
     /// Units of the deck; everything here is in SI units.
     pub units: Units,
-    /// How they were found, in words.
+    /// Description of how the units were determined.
     pub units_from: String,
     /// Names of the instances of its assembly.
     pub instances: Vec<String>,
     /// Keywords that change no body and were passed over, with how often they occur.
     pub passed_over: BTreeMap<String, u32>,
-    /// What else a user should know of how it was read.
+    /// Further notes on the reading for the user.
     pub notes: Vec<String>,
     /// Elements that are no solids, by their labels: while the deck is read, see `reader/others.rs`.
-    pub(crate) others: Others,
-    /// Positions [m].
+    pub(crate) others: NonSolidElements,
+    /// Positions of the nodes [m].
     pub nodes: Vec<Vec3>,
     /// Labels of the nodes.
     pub node_labels: Labels,
@@ -238,8 +238,8 @@ pub struct Deck {
 }
 
 impl Deck {
-    /// What a user should know of how the deck was read, a line each: units, what was passed over, and what was
-    /// taken for something else.
+    /// Returns notes on the reading of the deck for the user, one per line: units, ignored keywords, and replaced
+    /// element types.
     pub fn told(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if !self.units_from.is_empty() {
@@ -280,7 +280,7 @@ impl Deck {
         self.written(self.element_labels[element as usize])
     }
 
-    /// The whole deck as one mesh, with its node sets and the surfaces as sets of faces.
+    /// Returns the whole deck as one mesh, with its node sets and the surfaces as sets of faces.
     pub fn mesh(&self) -> Mesh {
         let mut mesh = Mesh {
             nodes: self.nodes.clone(),

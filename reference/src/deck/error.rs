@@ -1,37 +1,37 @@
 //! Why a deck is declined, and the lines that messages name.
 
-use crate::refusal::Refused;
+use crate::refusal::Refusal;
 
-/// What kind of trouble a [`DeckError`] reports.
+/// Kind of the problem in a [`DeckError`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum DeckErrorKind {
     /// A file cannot be read.
     Io,
     /// A line is malformed.
     Syntax,
-    /// The deck is well-formed but uses what is not supported.
+    /// The deck is well-formed but uses an unsupported feature.
     Unsupported,
     /// Something named is not defined, or defined twice.
     Reference,
     /// A stated limit is passed.
     Limit,
-    /// The mesh is not what a gear needs.
+    /// The mesh is not suitable for a gear.
     Gear,
     /// A flank is no grid of faces.
     Grid,
-    /// A body has no material, or a part of one.
+    /// A body or a part of it has no material.
     Material,
 }
 
 /// A deck was declined.
-pub type DeckError = Refused<DeckErrorKind>;
+pub type DeckError = Refusal<DeckErrorKind>;
 
 /// A line of a deck.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Place {
     /// File, as the deck was named.
     pub file: std::sync::Arc<str>,
-    /// Line, from 1.
+    /// Line number, from 1.
     pub line: usize,
 }
 
@@ -45,7 +45,7 @@ impl Place {
         found: impl Into<String>,
         help: impl Into<String>,
     ) -> DeckError {
-        Refused::new(kind, context, expected, found, help).at(&self.file, self.line)
+        Refusal::new(kind, context, expected, found, help).at(&self.file, self.line)
     }
 }
 

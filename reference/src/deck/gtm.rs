@@ -45,16 +45,16 @@ impl GtmRequirement {
     }
 }
 
-/// A requirement that a deck does not meet.
+/// A requirement of the GTM preprocessing that a deck does not meet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// Requirement.
+    /// Requirement that is not met.
     pub requirement: GtmRequirement,
-    /// Line that it is about, if there is one.
+    /// Position of the problem, if it has one.
     pub place: Option<Place>,
-    /// What was found.
+    /// Actual content.
     pub found: String,
-    /// What to do about it.
+    /// Remedy of the problem.
     pub way_out: String,
 }
 
@@ -68,7 +68,7 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Checks a deck against the requirements of the GTM preprocessing; a deck without findings meets them all.
+/// Checks a deck against the requirements of the GTM preprocessing; the list is empty for a deck that meets them all.
 pub fn check_gtm(deck: &Deck) -> Vec<Finding> {
     let mut check = Check {
         deck,

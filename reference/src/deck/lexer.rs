@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// Includes within includes that are followed.
 pub const MAX_INCLUDE_DEPTH: usize = 16;
 
-/// Includes that a deck may have in all: a few files that include each other several times would never end.
+/// Largest number of includes of a deck: a few files that include each other several times would never end.
 pub const MAX_INCLUDES: usize = 1000;
 
 /// Text [bytes] that a deck may have in all, includes counted each time.
@@ -30,7 +30,7 @@ pub(crate) struct KeywordOption {
     pub(crate) value: Option<String>,
 }
 
-/// A keyword line.
+/// A keyword line with its options.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Keyword {
     /// First line of it.
@@ -42,11 +42,11 @@ pub(crate) struct Keyword {
     pub(crate) options: Vec<KeywordOption>,
 }
 
-/// A data line.
+/// A data line with its fields.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Data {
     pub(crate) place: Place,
-    /// Fields without outer blanks; a comma at the end opens no further one.
+    /// Fields without surrounding blanks; a trailing comma does not add a field.
     pub(crate) fields: Vec<String>,
 }
 
@@ -79,7 +79,7 @@ macro_rules! errors {
 
 errors!(syntax Syntax, unsupported Unsupported, reference Reference);
 
-/// A line that says something.
+/// A line with content.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Line {
     Keyword(Keyword),
@@ -99,7 +99,7 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// The next line that is not blank and not a comment, trimmed; within one file.
+    /// Returns the next trimmed line that is neither blank nor a comment, within one file.
     ///
     /// # Errors
     /// A line beyond [`MAX_LINE_BYTES`].
@@ -187,7 +187,7 @@ impl<'a> Lexer<'a> {
         Ok(())
     }
 
-    /// The last line seen, for errors at the end of the deck.
+    /// Returns the position of the last line, for errors at the end of the deck.
     pub(crate) fn place(&self) -> Place {
         match self.stack.last() {
             Some(s) => Place {
@@ -209,7 +209,7 @@ impl<'a> Lexer<'a> {
         Ok(self.ahead.as_ref())
     }
 
-    /// The next line.
+    /// Returns the next line of the deck.
     pub(crate) fn next(&mut self) -> Result<Option<Line>, DeckError> {
         match self.ahead.take() {
             Some(line) => Ok(Some(line)),
@@ -364,7 +364,7 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// Whether an included file, by its name as [`join`] makes it, is outside the folder of the deck that includes it.
+/// Returns true if an included file, by its name from [`join`], is outside the folder of the deck.
 pub(super) fn is_foreign(deck: &str, included: &str) -> bool {
     let folder = |name: &str| name.rfind(['/', '\\']).map_or(0, |end| end + 1);
     let own = &deck[..folder(deck)];
@@ -377,7 +377,7 @@ pub(super) fn is_foreign(deck: &str, included: &str) -> bool {
     }
 }
 
-/// An included file's name seen from where the including file's name counts.
+/// Resolves the name of an included file relative to the including file.
 fn join(including: &str, input: &str) -> String {
     let absolute = input.starts_with(['/', '\\']) || input.get(1..2) == Some(":");
     match including.rfind(['/', '\\']) {

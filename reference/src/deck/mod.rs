@@ -7,10 +7,11 @@
 //! | [`check_gtm`] | what a deck lacks for the preprocessing of elastic gears |
 //! | [`write`](write()), [`write_impact`] | a gear, or two in contact, as a deck that CalculiX runs |
 //!
-//! What is read is what makes a body: solid elements, parts and their instances, sets, surfaces, isotropic materials;
-//! and what an impact of gears needs: rigid bores, linear penalty contact, initial velocities, static, dynamic and
-//! frequency steps. What changes no body is passed over and counted, what would change it is declined with its line
-//! ([`Deck::told`]). Syntax after the manuals of Abaqus (keywords) and CalculiX CrunchiX 2.20 (input deck format).
+//! The reader supports the parts of a deck that define a body (solid elements, parts and their instances, sets,
+//! surfaces, isotropic materials) and those of an impact of gears: rigid bores, linear penalty contact, initial
+//! velocities, static, dynamic and frequency steps. Keywords that do not change a body are ignored and counted; those
+//! that would are declined with their line ([`Deck::told`]). The syntax follows the manuals of Abaqus (keywords) and
+//! CalculiX CrunchiX 2.20 (input deck format).
 
 mod data;
 mod error;
@@ -23,8 +24,8 @@ mod units;
 mod writer;
 
 pub use data::{
-    Beyond, Boundary, ContactKind, ContactPair, Deck, DeckMaterial, ElementBlock, InitialVelocity,
-    Interaction, Label, Labels, Procedure, RigidBody, Section, Step, Target,
+    Boundary, ContactKind, ContactPair, Deck, DeckMaterial, ElementBlock, InitialVelocity,
+    Interaction, Label, Labels, NonlinearProperty, Procedure, RigidBody, Section, Step, Target,
 };
 pub use error::{DeckError, DeckErrorKind, Place};
 pub use gears::{BodyShape, DeckGear, gears, gears_known, gears_with};
@@ -39,9 +40,9 @@ use std::borrow::Cow;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Reads a deck from a file, `.inp` or a mesh of Gmsh `.msh`, text or binary, told apart by what they begin with, both perhaps
-/// packed by gzip; includes count from the folder of the including file.
-/// Everything is converted to SI units, from those that are found ([`Deck::units_from`]).
+/// Reads a deck from a file: `.inp`, or a mesh of Gmsh `.msh`, text or binary, distinguished by their first bytes,
+/// both optionally compressed by gzip. Includes are relative to the folder of the including file. All data are
+/// converted to SI units, from those that are determined ([`Deck::units_from`]).
 pub fn read(path: impl AsRef<Path>) -> Result<Deck, DeckError> {
     read_in(path, None)
 }
@@ -53,8 +54,8 @@ pub fn read_in(path: impl AsRef<Path>, units: Option<Units>) -> Result<Deck, Dec
     read_bytes_in(&name, &bytes, units, &mut text_of)
 }
 
-/// Reads a deck from its text. `resolver` is asked for the text of included files, by their names joined with
-/// the folder of the including file's name.
+/// Reads a deck from its text. `resolver` returns the text of included files, by their names joined with the folder of
+/// the including file.
 pub fn read_str(name: &str, text: &str, resolver: &mut Resolver<'_>) -> Result<Deck, DeckError> {
     read_str_in(name, text, None, resolver)
 }
@@ -77,7 +78,7 @@ pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Deck, DeckError> {
     })
 }
 
-/// Reads what is no gzip. Titles of decks in other encodings than UTF-8 are no reason to decline.
+/// Reads bytes that are not compressed. Titles in encodings other than UTF-8 are accepted.
 fn read_bytes_in(
     name: &str,
     bytes: &[u8],
@@ -107,7 +108,7 @@ fn is_gzip(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0x1f, 0x8b])
 }
 
-/// Memory that a deck takes over the bytes of its text: the text itself, nodes, elements and their labels.
+/// Memory of a deck relative to the bytes of its text: the text itself, nodes, elements and their labels.
 const MEMORY_OVER_TEXT: f64 = 4.0;
 
 fn check_memory(bytes: usize) -> io::Result<()> {

@@ -32,7 +32,7 @@ const SECTIONS: [&str; 5] = [
     "$Elements",
 ];
 
-/// Whether a file is such a mesh.
+/// Returns true if a file is a mesh of Gmsh.
 pub(super) fn is_msh(bytes: &[u8]) -> bool {
     let mark = "\u{feff}".as_bytes();
     let text = bytes.strip_prefix(mark).unwrap_or(bytes);

@@ -3,25 +3,25 @@
 //! | what | owns |
 //! |---|---|
 //! | `assembly` | parts, instances and where they stand |
-//! | `others` | elements that are no solids, and their sets |
+//! | `non_solids` | elements that are no solids, and their sets |
 //! | `passed` | keywords that change no body, and those that do |
 //! | `finish` | what can only be checked at the end of the deck |
 //!
-//! A keyword that is not known here is declined with its line: passing it over might read a different body than
-//! the deck describes. Those that are known to change no body are passed over and counted.
+//! An unknown keyword is declined with its line: without it the reader might build a different body than the deck
+//! describes. Known keywords that do not change a body are ignored and counted.
 
 mod assembly;
 mod contact;
 mod finish;
 mod model;
-mod others;
+mod non_solids;
 mod passed;
 mod properties;
 mod step;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use others::{MARK, Others};
+pub(crate) use non_solids::{MARK, NonSolidElements};
 
 use super::data::{Deck, Label, Step, Target};
 use super::error::{DeckError, DeckErrorKind, Place, quote};
@@ -29,7 +29,7 @@ use super::lexer::{Data, Keyword, Lexer, Line, Resolver, is_foreign};
 use super::units::{Units, in_si};
 use std::collections::{BTreeMap, HashSet};
 
-/// Reads a deck; includes are asked from the resolver. Without `units` they are found.
+/// Reads a deck; the resolver returns includes. Without `units` they are determined.
 pub(crate) fn read(
     name: &str,
     text: &str,
@@ -54,8 +54,8 @@ pub(crate) fn read(
     Ok(in_si(reader.deck, units))
 }
 
-/// The error without what it quotes of a file outside the folder of the deck: that may be any file of the machine, and
-/// messages end in the logs of others.
+/// Removes text quoted from a file outside the folder of the deck from an error: it may be any file of the machine,
+/// and messages end in logs.
 fn without_foreign_text(deck: &str, error: DeckError) -> DeckError {
     if *error.file == *deck || !is_foreign(deck, &error.file) {
         return error;
@@ -185,7 +185,7 @@ impl Reader<'_> {
         Ok(Target::Set(name))
     }
 
-    /// Whether a field is a label, perhaps of an instance as `pinion-1.5`, and not a name.
+    /// Returns true if a field is a label, possibly of an instance as `pinion-1.5`, and not a name.
     fn is_label(&self, field: &str) -> bool {
         if field.starts_with(|c: char| c.is_ascii_digit()) && !field.contains('.') {
             return true;
@@ -231,7 +231,7 @@ impl Reader<'_> {
         self.labelled(k, data, field, instance, ("a node", "*NODE"), of)
     }
 
-    /// Number of an element; of one that is no solid with [`others::MARK`].
+    /// Returns the number of an element, with [`non_solids::MARK`] for one that is not a solid.
     fn element_in(
         &self,
         k: &Keyword,
@@ -243,7 +243,7 @@ impl Reader<'_> {
         self.labelled(k, data, field, instance, ("an element", "*ELEMENT"), of)
     }
 
-    /// The number that a label in a field stands for; `what` it is of, and the keyword that defines it.
+    /// Returns the internal number of a label in a field; `what` is its kind, with the keyword that defines it.
     fn labelled(
         &self,
         k: &Keyword,
@@ -293,8 +293,8 @@ fn known<T>(
     ))
 }
 
-/// The values of the options asked for, in that order; others are declined, `pass_over` is for those that
-/// change nothing here.
+/// Returns the values of the requested options, in that order; other options are declined, except those in
+/// `pass_over`, which have no effect here.
 fn options<'k, const N: usize>(
     k: &'k Keyword,
     names: [&str; N],

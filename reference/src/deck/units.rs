@@ -1,9 +1,9 @@
-//! Units of a deck, found from its material or its size, and the conversion to SI units.
+//! Units of a deck, determined from its material or its size, and the conversion to SI units.
 //!
-//! Decks say no units. `sqrt(E / rho)` is a speed, so that it tells lengths over times: of solids 500 to 15,000 m/s.
-//! The density then tells the mass: of solids 500 to 25,000 kg/m^3. Both ranges span less than the factors between
-//! the systems below, so at most one of them fits. With the modulus alone, or nothing but a size, it is a guess,
-//! and told as one.
+//! Decks do not state units. `sqrt(E / rho)` is a speed, so that it determines the ratio of length to time: for solids
+//! 500 to 15,000 m/s. The density then determines the mass: for solids 500 to 25,000 kg/m^3. Both ranges span less
+//! than the factors between the systems below, so that at most one of them fits. With the modulus alone, or only a
+//! size, the system is a guess, and reported as such.
 
 use super::data::{Deck, Target};
 use std::collections::HashSet;
@@ -11,7 +11,7 @@ use std::collections::HashSet;
 /// A system of units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
-    /// Name, as `mm-t-s`.
+    /// Name of the system of units, such as `mm-t-s`.
     pub name: &'static str,
     /// Unit of length [m].
     pub length: f64,
@@ -36,7 +36,7 @@ impl Units {
         time: 1.0,
     };
 
-    /// Those that are told apart.
+    /// All systems of units that are distinguished.
     pub const ALL: [Units; 5] = [
         Units::SI,
         // MPa, t/mm^3.
@@ -95,10 +95,10 @@ const DENSITIES: std::ops::Range<f64> = 500.0..25e3;
 /// Greatest extent [m] of a body of unknown units: above it the numbers count as millimetres.
 const GREATEST: f64 = 3.0;
 
-/// Begin of the reason where only one system of units fits.
+/// Start of the reason where only one system of units fits.
 const CERTAIN: &str = "from ";
 
-/// The deck in SI units, from those that are given or found.
+/// Converts the deck to SI units, from given or determined units.
 pub(super) fn in_si(mut deck: Deck, units: Option<Units>) -> Deck {
     let found = found(&deck);
     let (units, from) = match units {
@@ -179,7 +179,7 @@ fn found(deck: &Deck) -> (Units, String) {
     (units, reason)
 }
 
-/// Converts all that a deck says to SI units.
+/// Converts all quantities of a deck to SI units.
 fn convert(deck: &mut Deck, units: Units) {
     deck.units = units;
     if units == Units::SI {

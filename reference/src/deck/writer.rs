@@ -1,4 +1,4 @@
-//! Decks as CalculiX runs them and Abaqus reads them: one gear, or an impact of two.
+//! Writer of decks for CalculiX and Abaqus: one gear, or an impact of two.
 //!
 //! Output is a function of the input alone. Positions are printed in fixed notation with the shortest digits
 //! that give the same bits back (17 at most): [`read_str`](super::read_str) returns the mesh bit for bit.
@@ -46,12 +46,12 @@ pub enum WriteError {
     },
 }
 
-/// What a deck of one gear has besides the gear.
+/// Additional data of a deck of one gear.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GearDeck {
     /// Text under `*HEADING`.
     pub title: String,
-    /// Modes of a frequency step with the bore held; without it the deck has no step.
+    /// Number of modes of a frequency step with fixed bore; `None` writes no step.
     pub modes: Option<u32>,
 }
 
@@ -64,7 +64,7 @@ pub fn write(
     options: &GearDeck,
 ) -> Result<(), WriteError> {
     heading(out, &options.title)?;
-    let gear = Numbered {
+    let gear = NumberedGear {
         gear,
         suffix: "",
         first_node: 1,
@@ -83,14 +83,14 @@ pub fn write(
 }
 
 /// A gear with its labels and the number in its names.
-struct Numbered<'a> {
+struct NumberedGear<'a> {
     gear: &'a GearMesh,
     suffix: &'a str,
     first_node: u32,
     first_element: u32,
 }
 
-impl Numbered<'_> {
+impl NumberedGear<'_> {
     fn mesh(&self, out: &mut dyn Write, place: &dyn Fn(Vec3) -> Vec3) -> Result<(), WriteError> {
         let (mesh, suffix) = (&self.gear.mesh, self.suffix);
         writeln!(out, "*NODE, NSET=nall{suffix}")?;

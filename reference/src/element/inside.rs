@@ -1,4 +1,4 @@
-//! Is an element turned inside out at one of its integration points?
+//! Check for elements that are inverted at one of their integration points.
 
 use super::{Point, jacobian, stiffness_rule};
 use crate::mesh::ElementKind;
@@ -8,7 +8,7 @@ use gearbench_models::Vec3;
 pub(crate) struct Inside(Vec<Point>);
 
 impl Inside {
-    /// Prepares the points.
+    /// Prepares the integration points.
     pub(crate) fn new(kind: ElementKind) -> Self {
         let rule = stiffness_rule(kind).into_iter();
         Inside(rule.map(|(xi, w)| Point::new(kind, xi, w)).collect())

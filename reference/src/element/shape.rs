@@ -8,7 +8,7 @@ use crate::mesh::{ElementKind, Shape};
 /// Most nodes an element has.
 pub const MAX_NODES: usize = 20;
 
-/// Natural coordinates of the nodes of hexahedra; those of corners are +-1, of mid-side nodes one is 0.
+/// Natural coordinates of the nodes of hexahedra: +-1 at corners, with one 0 at mid-side nodes.
 const HEXAHEDRON: [[f64; 3]; MAX_NODES] = [
     [-1.0, -1.0, -1.0],
     [1.0, -1.0, -1.0],
@@ -32,7 +32,7 @@ const HEXAHEDRON: [[f64; 3]; MAX_NODES] = [
     [-1.0, 1.0, 0.0],
 ];
 
-/// Corners of wedges.
+/// Natural coordinates of the corners of wedges.
 const WEDGE: [[f64; 3]; 6] = [
     [0.0, 0.0, -1.0],
     [1.0, 0.0, -1.0],
@@ -42,7 +42,7 @@ const WEDGE: [[f64; 3]; 6] = [
     [0.0, 1.0, 1.0],
 ];
 
-/// Corners of tetrahedra.
+/// Natural coordinates of the corners of tetrahedra.
 const TETRAHEDRON: [[f64; 3]; 4] = [
     [0.0, 0.0, 0.0],
     [1.0, 0.0, 0.0],
@@ -83,7 +83,7 @@ pub fn gradients(kind: ElementKind, xi: [f64; 3], out: &mut [[f64; 3]; MAX_NODES
     }
 }
 
-/// Value and gradient of one node's function.
+/// Returns value and gradient of the shape function of one node.
 fn shape(kind: ElementKind, node: usize, xi: [f64; 3]) -> (f64, [f64; 3]) {
     match kind.shape() {
         Shape::Hexahedron => hexahedron(kind, &HEXAHEDRON[node], xi),

@@ -1,7 +1,7 @@
-//! What a full-order gear is made of: its mesh in the assembled position, stiffness, mass, and the inertia
-//! that couples its nodes to the hub. Nothing here changes in time.
+//! Data of a full-order gear: its mesh in the assembled position, stiffness, mass, and the inertia that couples its
+//! nodes to the hub. All of them are constant in time.
 
-use super::held::{self, Held};
+use super::tied_nodes::{self, TiedNodes};
 use crate::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::element::ElementError;
@@ -29,47 +29,48 @@ pub struct Body {
     pub place: Vec<u32>,
     /// Flanks, in the gear's own frame (before it is turned into the assembled position).
     pub flanks: Flanks,
-    /// Elements, for pictures.
+    /// Elements of the mesh, for figures.
     pub cells: Arc<Cells>,
-    /// Which mass matrix.
+    /// Kind of the mass matrix.
     pub mass: MassKind,
     /// Stiffness and mass over the coordinates in the frame: `3 free`, then the hub's if it is free.
     pub reduced: Reduced,
-    /// Inertia [kg m^2] or mass [kg] of the whole gear with what is added at the hub.
+    /// Inertia [kg m^2] or mass [kg] of the whole gear, including that added at the hub.
     pub inertia: f64,
-    /// Inertia of the hub's coordinate with itself: held nodes and what is added.
+    /// Inertia of the hub coordinate: that of the fixed nodes and that added.
     pub hub_inertia: f64,
-    /// What is added at the hub.
+    /// Inertia added at the hub.
     pub added_inertia: f64,
-    /// Nodal masses times the places of held nodes, `M_fb X_b`, per place in `free` that has any [kg m].
+    /// Products of nodal masses and positions of nodes tied to the hub, `M_fb X_b`, per affected entry of `free` [kg
+    /// m].
     pub pull: Vec<(u32, [f64; 3])>,
-    /// Stiffness between held and free nodes summed over the held ones, row by row, per place in `free` that has any:
-    /// the force of the elements on the hub is that of these nodes alone [N/m].
+    /// Stiffness between tied and free nodes, summed over the tied ones, row by row, per affected entry of `free`: the
+    /// force of the elements on the hub is that of these nodes alone [N/m].
     pub grip: Vec<(u32, [f64; 9])>,
-    /// Mass of the held nodes, coupling included, as if the nodes beside them moved rigidly [kg].
+    /// Mass of the nodes tied to the hub, including the coupling, as if their neighbours moved rigidly [kg].
     pub held_mass: f64,
-    /// The same times the place [kg m].
+    /// First moment of that mass [kg m].
     pub held_moment: Vec3,
-    /// What the hub holds, where it moves in several directions or about a tilted axis: the matrices are then those of the free
-    /// nodes alone.
-    pub held: Option<Held>,
-    /// What is added at such a hub: mass [kg], inertias about its axes [kg m^2].
+    /// Coupling of the tied nodes, where the hub moves in several directions or about a tilted axis: the matrices are
+    /// then those of the free nodes alone.
+    pub held: Option<TiedNodes>,
+    /// Mass [kg] and inertia about the hub axes [kg m^2] added at such a hub.
     pub added: (f64, Vec3),
 }
 
-/// What is added at a hub of several directions.
+/// Mass and inertia added at a hub with several directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Added {
+pub struct AddedInertia {
     /// In its own motion [kg m^2], of a rack [kg].
     pub own: f64,
-    /// Mass [kg].
+    /// Added mass [kg].
     pub mass: f64,
-    /// About each axis beside that of the own motion [kg m^2].
+    /// Added inertia about each axis except that of the own motion [kg m^2].
     pub tilting: f64,
 }
 
-/// Memory of a gear of `n` unknowns, `FACTORED n^(4/3)`: the fill of nested dissection in three dimensions (George 1973),
-/// with the matrices beside it; measured from 64,000 to 213,000 unknowns [bytes].
+/// Memory of a gear of `n` unknowns, `FACTORED n^(4/3)`: the fill of nested dissection in three dimensions (George
+/// 1973), including the matrices; measured from 64,000 to 213,000 unknowns [bytes].
 const FACTORED: f64 = 163.0;
 
 /// Memory of an unknown of a gear with lumped mass, which is never factorised: stiffness, mass and the reduced matrices;
@@ -105,14 +106,14 @@ impl Body {
         Ok(body)
     }
 
-    /// The same on a hub that moves in several directions, or about a tilted axis.
+    /// Builds a body on a hub that moves in several directions, or about a tilted axis.
     pub fn floating(
         mesh: GearMesh,
         material: &Material,
         placement: &Placement,
         hub: &Hub,
         mass: MassKind,
-        added: Added,
+        added: AddedInertia,
     ) -> Result<Body, ElementError> {
         let axes = &hub.axes;
         let pose = placement.pose(0.0);
@@ -125,12 +126,12 @@ impl Body {
             mesh,
             material,
             place,
-            (motion, &held::motions()),
+            (motion, &tied_nodes::motions()),
             hub.is_driven(),
             (mass, added.own),
         )?;
         let at_hub = (added.mass, Vec3::new(added.tilting, added.tilting, about));
-        let (reduced, held) = Held::split(&body.reduced, image_of_held, axes, at_hub);
+        let (reduced, held) = TiedNodes::split(&body.reduced, image_of_held, axes, at_hub);
         (body.reduced, body.held, body.added) = (reduced, Some(held), at_hub);
         Ok(body)
     }
@@ -309,7 +310,7 @@ fn held_masses(
     (0..).zip(free).filter_map(of).collect()
 }
 
-/// [`Body::grip`].
+/// Computes [`Body::grip`].
 fn grip(assembly: &Assembly, place: &[u32], free: usize) -> Vec<(u32, [f64; 9])> {
     let mut sums = vec![[0.0; 9]; free];
     let blocks = assembly.stiffness.entries();

@@ -1,31 +1,32 @@
 //! Newton corrections where the hub moves in several directions: that of the nodes on a held hub, bordered by the hub's.
 //!
-//! In the frame the nodes have the constant matrix `A = c_m M_ff + c_k K_ff` ([`super::correction`]) and are coupled to the six
-//! unit motions of the held nodes by the constant `B = c_m M_f6 + c_k K_f6`. With `V`, the unit motions by the hub's coordinates
-//! where it stands, and the hub's own `H` (mass of the rigid body, bearing, damping),
+//! In the frame the nodes have the constant matrix `A = c_m M_ff + c_k K_ff` ([`super::correction`]) and are coupled
+//! to the six unit motions of the tied nodes by the constant `B = c_m M_f6 + c_k K_f6`. With the unit motions `V` by
+//! the present hub coordinates, and the matrix `H` of the hub (mass of the rigid body, bearing, damping),
 //!
 //! ```text
 //! Y = A^-1 B,   S = H + V^T (c_k K_66 - B^T Y) V,   P = S^-1
 //! x_h = P (b_h - V^T Y^T b_f),   x_f = A^-1 b_f - Y V x_h
 //! ```
 //!
-//! `Y` is solved for once for a step size. The inverse over some coordinates is that of the nodes on a held hub and `r P r^T`,
-//! `r = -Y V` at nodes, the unit at the hub. Left out of `A`, beside what [`super::correction`] leaves out, are spin terms.
+//! `Y` is computed once for a step size. The inverse over some coordinates is that of the nodes on a fixed hub plus `r
+//! P r^T`, with `r = -Y V` at nodes and the unit at the hub. Spin terms are left out of `A`, in addition to the terms
+//! that [`super::correction`] leaves out.
 
 use super::correction::{Correction, same};
 use super::frame::Frame;
-use super::held::Held;
+use super::frame_pose::FramePose;
 use super::kinematics::node3;
-use super::stand::Stand;
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use super::tied_nodes::TiedNodes;
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 use gearbench_models::Vec3;
 use gearbench_models::gear::HubBody;
-use gearbench_models::kinematics::{Lateral, Motion};
+use gearbench_models::kinematics::{Motion, OutOfPlane};
 use nalgebra::Matrix6;
 
 type Vector6 = nalgebra::Vector6<f64>;
 
-/// `Y` and `B^T Y` for one set of weights.
+/// Solutions `Y` and `B^T Y` for one set of weights.
 #[derive(Debug)]
 struct Factor {
     key: [f64; 2],
@@ -44,14 +45,14 @@ pub struct Border {
     /// As many as the nodes' correction keeps.
     factors: Vec<Factor>,
     /// The hub without spin terms.
-    plain: Lateral,
+    plain: OutOfPlane,
     inner: Vec<u32>,
     forces: Vec<f64>,
     block: Vec<f64>,
 }
 
 /// The hub's part at a state: `V`, `P`, the frame.
-struct Now {
+struct BorderState {
     frame: Frame,
     unit: Matrix6<f64>,
     inverse: Matrix6<f64>,
@@ -65,7 +66,7 @@ impl Border {
             n,
             own: hub.coordinates(),
             factors: Vec::new(),
-            plain: Lateral {
+            plain: OutOfPlane {
                 spins: false,
                 ..(**lateral).clone()
             },
@@ -76,7 +77,12 @@ impl Border {
     }
 
     /// Makes `Y` for weights the first of `factors`.
-    fn prepare(&mut self, nodes: &mut Correction, held: &Held, c: Coeffs) -> Result<(), Singular> {
+    fn prepare(
+        &mut self,
+        nodes: &mut Correction,
+        held: &TiedNodes,
+        c: Coeffs,
+    ) -> Result<(), Singular> {
         let key = [c.m, c.k];
         if let Some(i) = self.factors.iter().position(|f| same(&f.key, &key)) {
             self.factors.swap(0, i);
@@ -116,25 +122,25 @@ impl Border {
     fn now(
         &self,
         hub: &HubBody,
-        held: &Held,
-        at: At<'_>,
+        held: &TiedNodes,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
-    ) -> Result<Now, Singular> {
-        let stand = Stand::of(hub, at);
+    ) -> Result<BorderState, Singular> {
+        let frame_pose = FramePose::of(hub, at);
         let mut unit = Matrix6::zeros();
         for (k, d) in hub.free_directions().enumerate() {
-            let axis = stand.turn.tr_mul(&stand.axes[d]);
+            let axis = frame_pose.turn.tr_mul(&frame_pose.axes[d]);
             let first = if d < 3 { 0 } else { 3 };
             unit.fixed_view_mut::<3, 1>(first, k).copy_from(&axis);
         }
-        let mass = self.plain.mass_matrix(&stand.motion.x);
+        let mass = self.plain.mass_matrix(&frame_pose.motion.x);
         let inner = unit.transpose() * (c.k * held.stiffness - self.factors[0].carried) * unit;
         let mut matrix = inner;
         for (j, dj) in hub.free_directions().enumerate() {
             let mut along = Motion::default();
             (along.x[dj], along.v[dj]) = (c.k, c.d);
-            let change = self.plain.force_change(&stand.motion, &along);
+            let change = self.plain.force_change(&frame_pose.motion, &along);
             for (i, di) in hub.free_directions().enumerate() {
                 matrix[(i, j)] += c.m * mass[di][dj] - change[di];
             }
@@ -147,8 +153,8 @@ impl Border {
         }
         // What rounds the condensed matrix leaves its inverse symmetric.
         let matrix = 0.5 * (matrix + matrix.transpose());
-        Ok(Now {
-            frame: stand.frame(),
+        Ok(BorderState {
+            frame: frame_pose.frame(),
             unit,
             inverse: matrix.try_inverse().ok_or(Singular)?,
         })
@@ -158,8 +164,8 @@ impl Border {
     pub fn solve(
         &mut self,
         nodes: &mut Correction,
-        (hub, held): (&HubBody, &Held),
-        at: At<'_>,
+        (hub, held): (&HubBody, &TiedNodes),
+        at: StateView<'_>,
         (c, hub_damping): (Coeffs, f64),
         x: &mut [f64],
     ) -> Result<(), Singular> {
@@ -186,7 +192,7 @@ impl Border {
     /// Response of hub and nodes to a load on the hub's condensed matrix, set or added at the hub, added at the nodes.
     fn respond(
         &self,
-        now: &Now,
+        now: &BorderState,
         load: Vector6,
         hub: &mut [f64],
         nodes: &mut [f64],
@@ -212,7 +218,7 @@ impl Border {
     }
 
     /// Row of a coordinate towards the hub, `r`.
-    fn towards(&self, now: &Now, coordinate: u32) -> Vector6 {
+    fn towards(&self, now: &BorderState, coordinate: u32) -> Vector6 {
         let Some(i) = (coordinate as usize).checked_sub(self.own) else {
             let mut unit = Vector6::zeros();
             unit[coordinate as usize] = 1.0;
@@ -236,8 +242,8 @@ impl Border {
     pub fn flexibility(
         &mut self,
         nodes: &mut Correction,
-        (hub, held): (&HubBody, &Held),
-        at: At<'_>,
+        (hub, held): (&HubBody, &TiedNodes),
+        at: StateView<'_>,
         (c, hub_damping): (Coeffs, f64),
         (coordinates, g): (&[u32], &mut [f64]),
     ) -> Result<(), Singular> {
@@ -272,8 +278,8 @@ impl Border {
     pub fn add_response(
         &mut self,
         nodes: &mut Correction,
-        (hub, held): (&HubBody, &Held),
-        at: At<'_>,
+        (hub, held): (&HubBody, &TiedNodes),
+        at: StateView<'_>,
         (c, hub_damping): (Coeffs, f64),
         (coordinates, forces): (&[u32], &[f64]),
         x: &mut [f64],

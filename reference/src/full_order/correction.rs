@@ -15,20 +15,20 @@ use std::collections::HashMap;
 /// Memory for kept columns [bytes]; they are dropped when it is full.
 const COLUMN_BYTES: usize = 1 << 30;
 
-/// The factor for one set of weights.
+/// Factor of the matrix for one set of weights.
 #[derive(Debug)]
 struct Factor {
     key: [f64; 3],
     cholesky: Cholesky,
-    /// Place of the column of a node (its place among the free ones) in `columns`.
+    /// Column in `columns` of each node, by its index among the free ones.
     of_node: HashMap<u32, usize>,
     /// Three columns of `A^-1` per kept node, coordinates in the frame, hub last.
     columns: Vec<f64>,
-    /// The column of the hub's coordinate, once it is asked for.
+    /// Column of the hub coordinate; computed when needed.
     hub: Vec<f64>,
 }
 
-/// Factors and buffers.
+/// Factors of the Newton matrix, with their buffers.
 #[derive(Debug)]
 pub struct Correction {
     /// Coordinates of the hub: 0 or 1.
@@ -63,7 +63,7 @@ impl Correction {
         }
     }
 
-    /// Factorisations so far.
+    /// Returns the number of factorisations so far.
     pub fn factorisations(&self) -> u64 {
         self.count
     }

@@ -7,7 +7,7 @@
 use gearbench_models::Vec3;
 use nalgebra::Matrix3;
 
-/// Where the frame stands.
+/// Pose of the floating frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Frame {
     /// Turned about z; cosine and sine of the angle.
@@ -21,9 +21,9 @@ pub enum Frame {
     Moved(Vec3),
     /// Turned about any axis and shifted.
     Posed {
-        /// From the assembled position to where it stands.
+        /// Rotation from the assembled position.
         turn: Matrix3<f64>,
-        /// [m]
+        /// Position of the origin [m].
         shift: Vec3,
     },
 }
@@ -101,7 +101,7 @@ impl Frame {
         }
     }
 
-    /// Displacement in space of a node that the hub holds.
+    /// Returns the displacement in space of a node tied to the hub.
     #[inline]
     pub fn carried(self, position: &Vec3) -> [f64; 3] {
         match self {

@@ -23,7 +23,7 @@ use super::kinematics::{add3, dot3, node3};
 use super::lines::Lines;
 use crate::assembly::tie::{MassKind, Tie};
 use crate::vector::dot;
-use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
+use gearbench_integrators::system::{Coeffs, Energy, Power, Singular, StateView};
 use gearbench_models::Vec3;
 use gearbench_models::gear::{
     CoupledMass, DeformedLines, FlankSurface, GearModel, HubBody, HubState, LargeGear, MeshedBody,
@@ -35,14 +35,14 @@ use std::cell::RefCell;
 /// Buffers over all nodes, three components each.
 #[derive(Debug)]
 pub(super) struct Nodal {
-    /// Elastic displacement in the frame, or a velocity; held nodes stay as they were set.
+    /// Elastic displacement in the frame, or a velocity; entries of tied nodes are not changed.
     pub(super) u: Vec<f64>,
-    /// What stiffness or mass makes of it.
+    /// Product of stiffness or mass with `u`.
     pub(super) g: Vec<f64>,
     /// A second direction, for tangents.
     pub(super) du: Vec<f64>,
     pub(super) dg: Vec<f64>,
-    /// Over the coordinates.
+    /// Momentum over the coordinates.
     pub(super) momentum: Vec<f64>,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct Nodal {
 pub struct FullOrder {
     pub(super) hub: HubBody,
     pub(super) body: Body,
-    /// Coordinates of the hub, 0 or 1 where it moves in no more than one direction; those of the nodes follow.
+    /// Number of hub coordinates, 0 or 1 where it moves in at most one direction; those of the nodes follow.
     pub(super) own: usize,
     pub(super) scratch: RefCell<Nodal>,
     pub(super) correction: RefCell<Correction>,
@@ -60,8 +60,8 @@ pub struct FullOrder {
 }
 
 impl FullOrder {
-    /// A body on its hub with its base radius [m], or `cos(alpha)` for a rack. The hub's inertia becomes
-    /// that of the mesh with what is added.
+    /// Creates a body on its hub with its base radius [m], or `cos(alpha)` for a rack. The inertia of the hub becomes
+    /// that of the mesh plus that added.
     pub fn new(mut hub: Hub, effective_base_radius: f64, body: Body) -> Self {
         hub.inertia = body.inertia;
         if let Some(held) = &body.held {
@@ -121,13 +121,13 @@ impl FullOrder {
         }
     }
 
-    /// The same gear, touching along lines of its flanks.
+    /// Returns the gear with contact along lines of its flanks.
     #[must_use]
     pub fn with_lines(self, lines: Lines) -> Self {
         FullOrder { lines, ..self }
     }
 
-    /// The finite elements.
+    /// Returns the finite-element body.
     pub fn body(&self) -> &Body {
         &self.body
     }
@@ -156,7 +156,7 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
+    fn row(&self, at: StateView<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         let Some((corners, weights)) = self.corners(p) else {
             return 0.0;
         };
@@ -183,7 +183,7 @@ impl GearModel for FullOrder {
         prescribed
     }
 
-    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn forces(&mut self, at: StateView<'_>, f: &mut [f64]) {
         if let Some(held) = self.held() {
             return self.floating_forces(held, at, f);
         }
@@ -207,7 +207,7 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         if let Some(held) = self.held() {
             return self.floating_tangent(held, at, [dq, dv], df);
         }
@@ -263,7 +263,7 @@ impl GearModel for FullOrder {
 
     fn correct(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         rhs_to_x: &mut [f64],
@@ -271,7 +271,7 @@ impl GearModel for FullOrder {
         FullOrder::solve(self, at, (c, hub_damping), rhs_to_x)
     }
 
-    fn energy(&self, at: At<'_>) -> Energy {
+    fn energy(&self, at: StateView<'_>) -> Energy {
         if let Some(held) = self.held() {
             return self.floating_energy(held, at);
         }
@@ -291,7 +291,7 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn powers(&self, at: At<'_>) -> Power {
+    fn powers(&self, at: StateView<'_>) -> Power {
         if self.held().is_some() {
             return self.floating_powers(at);
         }
@@ -301,7 +301,7 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn hub_state(&self, at: At<'_>) -> HubState {
+    fn hub_state(&self, at: StateView<'_>) -> HubState {
         if self.held().is_some() {
             return self.floating_state(at);
         }
@@ -327,10 +327,10 @@ impl GearModel for FullOrder {
         }
     }
 
-    /// What the elements pull at the nodes that the hub holds, and the inertia of these. Where their mass is coupled to
-    /// that of the nodes beside them (consistent mass, no drive), those are taken to move rigidly in this: the share
-    /// of one layer of elements in the acceleration of the rest is left out.
-    fn mount_reaction(&self, at: At<'_>, _forces: &[f64], _contact: &Wrench) -> Wrench {
+    /// Returns the reaction from the elastic forces on the nodes tied to the hub and the inertia of these. Where their
+    /// mass is coupled to that of their neighbours (consistent mass, no drive), the neighbours are assumed to move
+    /// rigidly in this: the share of one layer of elements in the acceleration of the rest is neglected.
+    fn mount_reaction(&self, at: StateView<'_>, _forces: &[f64], _contact: &Wrench) -> Wrench {
         if self.held().is_some() {
             return self.floating_reaction(at);
         }
@@ -394,7 +394,7 @@ impl GearModel for FullOrder {
 
 impl FullOrder {
     /// Power that a prescribed motion puts into the nodes [W].
-    pub(super) fn driven_power(&self, at: At<'_>) -> f64 {
+    pub(super) fn driven_power(&self, at: StateView<'_>) -> f64 {
         if !matches!(self.hub.mount, Mount::Driven(_)) {
             return 0.0;
         }

@@ -4,10 +4,10 @@
 use super::frame::{Frame, unit_motion};
 use super::gear::FullOrder;
 use crate::assembly::tie::Tie;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use gearbench_models::Vec3;
 use gearbench_models::error::Reason;
-use gearbench_models::gear::{BodyLoad, Displaced, FlankNodes, MeshedBody};
+use gearbench_models::gear::{BodyLoad, DisplacedNodes, FlankNodes, MeshedBody};
 use gearbench_models::geometry::Flanks;
 use gearbench_models::geometry::swept::Cells;
 use gearbench_models::kinematics::{Locus, Point};
@@ -19,9 +19,9 @@ impl FullOrder {
         self.hub.slide.as_ref()
     }
 
-    pub(super) fn frame(&self, at: At<'_>) -> Frame {
+    pub(super) fn frame(&self, at: StateView<'_>) -> Frame {
         if self.held().is_some() {
-            return self.stand(at).frame();
+            return self.frame_pose(at).frame();
         }
         Frame::at(self.hub.displacement(at.t, at.q), self.slide())
     }
@@ -80,11 +80,11 @@ impl FullOrder {
         }
     }
 
-    /// What of a point lies above the face between its nodes [m]: the smooth flank's rise, which turns with the
-    /// frame; zero on a faceted flank.
+    /// Returns the offset of a point from the face between its nodes [m]: the rise of the smooth flank, which rotates
+    /// with the frame; zero on a faceted flank.
     pub(super) fn bulge(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         p: &Point,
         corners: &[u32; 4],
         weights: &[f64; 4],
@@ -115,7 +115,7 @@ impl FullOrder {
 }
 
 impl FlankNodes for FullOrder {
-    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
+    fn positions(&self, at: StateView<'_>, nodes: &[u32], out: &mut [Vec3]) {
         let frame = self.frame(at);
         let d = &at.q[self.own..];
         for (&node, x) in nodes.iter().zip(out) {
@@ -136,7 +136,7 @@ impl MeshedBody for FullOrder {
         Ok(self.body.cells.clone())
     }
 
-    fn displaced(&self, at: At<'_>, _: &BodyLoad) -> Result<Displaced, Reason> {
+    fn displaced(&self, at: StateView<'_>, _: &BodyLoad) -> Result<DisplacedNodes, Reason> {
         let frame = self.frame(at);
         let nodes: Vec<u32> = (0..self.body.position.len() as u32).collect();
         let mut x = vec![Vec3::zeros(); nodes.len()];
@@ -144,7 +144,7 @@ impl MeshedBody for FullOrder {
         let rigid: Vec<Vec3> = (self.body.position.iter())
             .map(|p| self.hub.centre + p + Vec3::from(frame.carried(p)))
             .collect();
-        Ok(Displaced {
+        Ok(DisplacedNodes {
             displacement: x.iter().zip(&rigid).map(|(x, rigid)| x - rigid).collect(),
             rigid,
         })

@@ -1,19 +1,19 @@
-//! What only a gear of many coupled coordinates can do: solves with its mass matrix, and the condensed correction of a
-//! few of its coordinates.
+//! Capabilities of a gear with many coupled coordinates: solves with its mass matrix, and the condensed correction of
+//! a few of its coordinates.
 
 use super::FullOrder;
 use super::frame::unit_motion;
 use super::gear::Nodal;
 use super::kinematics::dot3;
 use crate::assembly::tie::Tie;
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 use gearbench_models::gear::{CoupledMass, LargeGear};
 
 impl FullOrder {
     /// `x <- A^-1 x`.
     pub(super) fn solve(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         (c, hub_damping): (Coeffs, f64),
         x: &mut [f64],
     ) -> Result<(), Singular> {
@@ -28,7 +28,7 @@ impl FullOrder {
 }
 
 impl CoupledMass for FullOrder {
-    fn solve(&self, at: At<'_>, f_to_a: &mut [f64]) {
+    fn solve(&self, at: StateView<'_>, f_to_a: &mut [f64]) {
         let mass_only = Coeffs {
             m: 1.0,
             d: 0.0,
@@ -40,7 +40,7 @@ impl CoupledMass for FullOrder {
         }
     }
 
-    fn apply(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply(&self, at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         if let Some(held) = self.held() {
             return self.floating_mass(held, at, x, y);
         }
@@ -69,7 +69,7 @@ impl CoupledMass for FullOrder {
 impl LargeGear for FullOrder {
     fn condensed(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         coordinates: &[u32],
@@ -85,7 +85,7 @@ impl LargeGear for FullOrder {
 
     fn add_response(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         (coordinates, forces): (&[u32], &[f64]),

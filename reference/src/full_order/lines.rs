@@ -13,7 +13,7 @@ use super::frame::unit_motion;
 use super::kinematics::dot3;
 use crate::mesh::GearMesh;
 use crate::reduction::{Surface, near_field_of_flanks};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use gearbench_models::error::Reason;
 use gearbench_models::gear::DeformedLines;
 use gearbench_models::gear::elastic::lines::{LinesOfFlanks, Strips};
@@ -22,7 +22,7 @@ use gearbench_models::kinematics::{Pose, Row};
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 
-/// The lines of a gear; none where its contact asks for none.
+/// Lines of the flanks of a gear; empty where its contact does not use them.
 #[derive(Debug, Default)]
 pub struct Lines {
     flanks: Flanks,
@@ -32,12 +32,12 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Whether there are none.
+    /// Returns true if there are no lines.
     pub fn is_empty(&self) -> bool {
         self.sums.is_empty()
     }
 
-    /// Nodes of a line; no flank node is held, its surface has seen to that.
+    /// Returns the nodes of a line; the surface has checked that no flank node is tied to the hub.
     fn of(&self, line: u32) -> &[(u32, [f64; 3])] {
         self.sums.get(line as usize).map_or(&[], Vec::as_slice)
     }
@@ -87,7 +87,7 @@ impl DeformedLines for FullOrder {
         &self.lines.near_field
     }
 
-    fn outward(&self, at: At<'_>, line: u32) -> (f64, f64) {
+    fn outward(&self, at: StateView<'_>, line: u32) -> (f64, f64) {
         let (frame, d) = (self.frame(at), &at.q[self.own..]);
         let (mut outward, mut by_hub) = (0.0, 0.0);
         for (node, direction) in self.lines.of(line) {
@@ -101,7 +101,7 @@ impl DeformedLines for FullOrder {
         (outward, by_hub)
     }
 
-    fn row(&self, at: At<'_>, lines: &[u32; 4], weights: &[f64; 4], row: &mut Row) {
+    fn row(&self, at: StateView<'_>, lines: &[u32; 4], weights: &[f64; 4], row: &mut Row) {
         let frame = self.frame(at);
         for (&line, w) in lines.iter().zip(weights) {
             for (node, direction) in self.lines.of(line) {

@@ -6,7 +6,7 @@
 //! | [`body`] | mesh, stiffness and mass, prepared |
 //! | `gear`, `kinematics`, `large` | the gear model: coordinates, forces, energy; where its nodes are and how they move; coupled masses |
 //! | `lines` | its flanks as lines, for contact on half-spaces |
-//! | `stand`, `held`, `floating`, `border` | hubs that move in several directions: where they stand, what they hold, forces and mass, corrections |
+//! | `frame_pose`, `held`, `floating`, `border` | hubs that move in several directions: where they stand, what they hold, forces and mass, corrections |
 //! | `correction` | Newton corrections: factor kept per step size, flexibility of the nodes in contact |
 //! | `table` | the line in the table of models |
 
@@ -15,13 +15,13 @@ mod border;
 mod correction;
 mod floating;
 mod frame;
+mod frame_pose;
 mod gear;
-mod held;
 mod kinematics;
 mod large;
 mod lines;
-mod stand;
 pub(crate) mod table;
+mod tied_nodes;
 
 #[cfg(test)]
 mod tests;

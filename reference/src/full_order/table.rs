@@ -1,6 +1,6 @@
 //! The line of `fe` in the table of gear models.
 
-use super::body::{Added, Body};
+use super::body::{AddedInertia, Body};
 use super::gear::FullOrder;
 use super::lines::Lines;
 use crate::assembly::tie::MassKind;
@@ -22,11 +22,11 @@ const PARAMETERS: [ParameterInfo; 12] = mesh_source::with_own(&[optional(
     "\"consistent\" (default) or \"lumped\", which explicit methods want",
 )]);
 
-/// Its parameters as a struct; the row of its table says what they mean.
+/// Parameters of the model; the row of its table describes them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FullOrderParameters {
-    /// Mass matrix; `None` is the consistent one.
+    /// Mass matrix; `None` selects the consistent one.
     pub mass: Option<MassKind>,
     /// Where the mesh comes from.
     #[serde(flatten)]
@@ -38,7 +38,7 @@ impl ModelParameters for FullOrderParameters {
     const KEYS: &'static [ParameterInfo] = &PARAMETERS;
 }
 
-/// Its row.
+/// Row of the model in the table.
 pub const ROW: Model = Model {
     id: MODEL,
     title: "full finite elements: every node moves, contact over the flank faces",
@@ -111,7 +111,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let own = context.added_inertia;
     let body = if floats {
         let [added, tilting] = added_of(context)?;
-        let added = Added {
+        let added = AddedInertia {
             own,
             mass: match context.body {
                 Toothing::Gear(_) => added,
@@ -134,7 +134,7 @@ mod tests {
     use crate::test_support;
     use gearbench_models::Vec3;
     use gearbench_models::gear::elastic::lines::Strips;
-    use gearbench_models::kinematics::{BodyMass, Lateral};
+    use gearbench_models::kinematics::{BodyMass, OutOfPlane};
     use gearbench_models::spec::{Bearing, Freedom, Mount, Parameters, Value};
     use gearbench_models::stiffness::Material;
     use nalgebra::Matrix3;
@@ -147,9 +147,9 @@ mod tests {
         let body = Toothing::Gear(gear);
         let mut hub = test_support::hub(Mount::Revolute, None);
         hub.axes = [Vec3::y(), Vec3::z(), Vec3::x()];
-        let mut directions = [const { Freedom::Held }; 6];
+        let mut directions = [const { Freedom::Fixed }; 6];
         directions[..2].fill(Freedom::Free);
-        hub.lateral = Some(Arc::new(Lateral {
+        hub.lateral = Some(Arc::new(OutOfPlane {
             directions,
             bearing: Bearing::default(),
             body: BodyMass {

@@ -1,4 +1,4 @@
-//! Joins teeth to one mesh: numbers, sets, flanks.
+//! Assembly of teeth to one mesh: node numbers, sets, flanks.
 //!
 //! Nodes are numbered tooth by tooth, inside a tooth point by point of the section, and there from -z to +z:
 //! neighbours have near numbers.

@@ -37,7 +37,7 @@ pub fn rack(rack: &Rack, params: &GearMeshParams) -> Result<GearMesh, MeshError>
     plan(Body::Rack(rack), params)?.build()
 }
 
-/// Checks what is asked for.
+/// Checks the requested parameters.
 fn plan<'a>(body: Body<'a>, p: &'a GearMeshParams) -> Result<Plan<'a>, MeshError> {
     check_kind(p.kind)?;
     let layers = check_counts(p)?;
@@ -91,7 +91,7 @@ pub(super) fn refine(kind: ElementKind) -> usize {
     if kind.nodes() == 20 { 2 } else { 1 }
 }
 
-/// Everything that is known before nodes are made.
+/// Data that are known before nodes are created.
 pub(super) struct Plan<'a> {
     pub(super) body: Body<'a>,
     pub(super) params: &'a GearMeshParams,
@@ -102,12 +102,12 @@ pub(super) struct Plan<'a> {
     pub(super) all_teeth: u32,
     /// The last tooth joins the first.
     pub(super) closed: bool,
-    /// Pitches by which the first of them stands from tooth 0.
+    /// Number of pitches between tooth 0 and the first tooth.
     pub(super) first_turn: i64,
     pub(super) layers: usize,
 }
 
-/// Where the points of a section stand in a plane.
+/// Positions of the points of a section in a plane.
 pub(super) struct Layer {
     /// (radius, angle) or (height, distance) of every point.
     pub(super) rolled: Vec<[f64; 2]>,
@@ -118,7 +118,7 @@ pub(super) struct Layer {
 /// A section with its elements over the width.
 pub(super) struct Template {
     pub(super) section: Section,
-    /// For every point and plane whether a node stands there.
+    /// True for every point and plane with a node.
     pub(super) used: Vec<bool>,
     /// Of all planes, or of each where they differ.
     layers: Vec<Layer>,
@@ -288,7 +288,7 @@ impl Plan<'_> {
         [amount * tangent_at.sin(), -amount * tangent_at.cos()]
     }
 
-    /// All nodes of one tooth, as [point][plane].
+    /// Computes all nodes of one tooth, as [point][plane].
     pub(super) fn positions(&self, t: &Template, turn: i64, out: &mut Vec<Vec3>) {
         out.clear();
         for p in 0..t.section.points.len() {
@@ -360,7 +360,8 @@ mod tests {
     use super::*;
     use crate::mesh::tests::{small, spur};
 
-    /// No sound input is known that gives a bad element: one is made by hand.
+    /// An inverted element, constructed by hand because no valid input is known to give one, is refused with its
+    /// position.
     #[test]
     fn an_element_turned_inside_out_is_refused_with_its_place() {
         let (g, p) = (spur(20), small());

@@ -17,7 +17,7 @@ use gearbench_models::geometry::{Gear, Side};
 /// Part of the form radius by which a base circle may lie above it.
 const FORM_SLACK: f64 = 1e-6;
 
-/// Refuses sections in which one side would be undercut: its base circle lies above the form circle.
+/// Refuses sections with undercut on one side: its base circle lies above the form circle.
 fn check_undercut(g: &Gear, section: &Gear, height: f64) -> Result<(), MeshError> {
     for side in Side::BOTH {
         let (base, form) = (g.flank(side).base_radius, section.r_form());
@@ -39,7 +39,7 @@ pub(super) fn at_height(g: &Gear, height: f64) -> Result<Gear, MeshError> {
         .map_err(|why| MeshError::Section { height, why })
 }
 
-/// The section in the middle, which says what belongs to what, and those in all planes.
+/// Returns the section in the middle, which defines the topology, and those in all planes.
 pub(super) fn over_width(
     g: &Gear,
     planes: &[f64],

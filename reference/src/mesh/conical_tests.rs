@@ -28,7 +28,7 @@ fn seed(modifications: Modifications) -> Gear {
     .unwrap()
 }
 
-/// A small one with a cone and a helix.
+/// Builds a small gear with a cone and a helix.
 fn cone(
     teeth: u32,
     helix: f64,
@@ -128,8 +128,8 @@ const GAUSS: [(f64, f64); 3] = [
     (0.774_596_669_241_483_4, 5.0 / 9.0),
 ];
 
-/// Volume and polar moment by sections: that of the cylindrical gear at each height, what the helicoids have more than its
-/// flanks, and what fillets follow of that.
+/// Returns volume and polar moment by sections: those of the cylindrical gear at each height, the difference of the
+/// helicoids from its flanks, and that of the fillets.
 fn integrals(g: &Gear) -> [f64; 2] {
     let integrate = |from: f64, to: f64, panels: usize, f: &dyn Fn(f64) -> [f64; 2]| {
         let h = (to - from) / panels as f64;
@@ -164,8 +164,8 @@ fn integrals(g: &Gear) -> [f64; 2] {
     })
 }
 
-/// What both fillets of a tooth have more than those of the cylindrical gear, which they follow: all at the form circle, by
-/// the square of the length that is left to the middle of the space.
+/// Returns the difference of both fillets of a tooth from those of the cylindrical gear: the whole offset at the form
+/// circle, decreasing with the square of the length to the middle of the space.
 fn followed_fillets(g: &Gear, section: &Gear, z: f64) -> [f64; 2] {
     let at_form = Side::BOTH.map(|side| g.half_angle_of_section(side, section.r_form(), z));
     let off = at_form[0] + at_form[1] - 2.0 * section.half_angle_at(section.r_form());

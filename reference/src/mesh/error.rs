@@ -16,7 +16,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// The part in words, and what to change when its elements go wrong.
+    /// Returns the name of the part, and the parameter to change when its elements are invalid.
     fn words(self) -> (&'static str, &'static str) {
         match self {
             Part::Flank => (
@@ -47,7 +47,7 @@ impl std::fmt::Display for Part {
     }
 }
 
-/// Refusal of a mesh: what is wrong and what to change.
+/// Refusal of a mesh: the problem and the parameter to change.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[expect(missing_docs, reason = "the messages say what they are about")]
 pub enum MeshError {

@@ -28,7 +28,7 @@ impl FaceCorners {
         }
     }
 
-    /// What the two sides of a face between elements have in common: its corners in ascending order; a triangle has
+    /// Returns a key that both sides of a face between elements share: its corners in ascending order; a triangle has
     /// `u32::MAX` for the fourth.
     pub fn key(self) -> [u32; 4] {
         let mut key = self.nodes;
@@ -45,7 +45,8 @@ impl Deref for FaceCorners {
     }
 }
 
-/// Faces that belong to one element only, in the order of the elements, which are counted through the blocks.
+/// Returns the faces that belong to one element only, in the order of the elements, which are counted through the
+/// blocks.
 ///
 /// Faces of neighbours have to have the same corners: a quadrilateral against two triangles is surface on both
 /// sides.
@@ -78,7 +79,8 @@ mod tests {
     use crate::mesh::{Mesh, push};
     use gearbench_models::Vec3;
 
-    /// A cube, a wedge on its side, and a tetrahedron on the wedge: one quadrilateral and one triangle are shared.
+    /// The surface of a cube, a wedge on its side and a tetrahedron on the wedge lacks the quadrilateral and the
+    /// triangle between them.
     #[test]
     fn the_surface_of_mixed_kinds_leaves_out_what_is_between() {
         let mut mesh = Mesh::new(

@@ -1,7 +1,7 @@
 //! Graded subdivisions of the unit interval.
 
-/// Ends of `n` intervals of [0, 1], each `ratio` times as long as the one before; `refine` = 2 also gives
-/// their middles.
+/// Returns the ends of `n` intervals of [0, 1], each `ratio` times as long as the previous one; `refine` = 2 also
+/// gives their middles.
 pub(super) fn geometric(n: usize, ratio: f64, refine: usize) -> Vec<f64> {
     let mut ends = Vec::with_capacity(n + 1);
     let (mut sum, mut size) = (0.0, 1.0);
@@ -46,7 +46,7 @@ pub(super) fn refined(ends: &[f64], refine: usize) -> Vec<f64> {
     all
 }
 
-/// Ratio with which `n` intervals that begin with `first` fill the length `total`, held within `bounds`.
+/// Returns the ratio with which `n` intervals that begin with `first` fill the length `total`, limited to `bounds`.
 pub(super) fn ratio_from_first(n: usize, first: f64, total: f64, bounds: (f64, f64)) -> f64 {
     let (mut lo, mut hi) = bounds;
     let sum = |q: f64| (0..n).fold((0.0, first), |(s, h), _| (s + h, h * q)).0;

@@ -29,14 +29,14 @@ pub enum ElementKind {
     C3D15,
 }
 
-/// What an element looks like, whatever its order.
+/// Shape of an element, whatever its order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Shape {
-    /// Six quadrilaterals.
+    /// Six quadrilateral faces.
     Hexahedron,
     /// Two triangles, three quadrilaterals.
     Wedge,
-    /// Four triangles.
+    /// Four triangular faces.
     Tetrahedron,
 }
 
@@ -91,7 +91,7 @@ const WEDGE_FACES: [&[usize]; 5] = [
 const TETRAHEDRON_FACES: [&[usize]; 4] = [&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]];
 
 impl ElementKind {
-    /// All kinds.
+    /// All kinds of elements.
     pub const ALL: [Self; 8] = [
         Self::C3D8,
         Self::C3D8I,
@@ -103,10 +103,10 @@ impl ElementKind {
         Self::C3D15,
     ];
 
-    /// Those that the meshes of gears and racks here are built of.
+    /// Kinds that generated meshes of gears and racks use.
     pub const HEXAHEDRA: [Self; 4] = [Self::C3D8, Self::C3D8I, Self::C3D20, Self::C3D20R];
 
-    /// Name in decks.
+    /// Returns the name in decks.
     pub fn name(self) -> &'static str {
         match self {
             Self::C3D8 => "C3D8",
@@ -157,7 +157,7 @@ impl ElementKind {
         }
     }
 
-    /// Whether it has nodes at the middles of its edges.
+    /// Returns true if the element has nodes at the middles of its edges.
     pub fn is_quadratic(self) -> bool {
         self.nodes() > self.corners()
     }

@@ -1,4 +1,4 @@
-//! Meshes of solid elements: nodes, elements, named sets, and what makes a mesh a gear.
+//! Meshes of solid elements: nodes, elements, named sets, and the additional data of a gear mesh.
 //!
 //! Conventions, stated once:
 //!
@@ -62,7 +62,7 @@ pub(crate) fn letter(side: Side) -> char {
 /// A face of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Face {
-    /// Element.
+    /// Element number.
     pub element: u32,
     /// Face from 0, `S1` and on in decks; see [`ElementKind::face`].
     pub face: u8,
@@ -78,7 +78,7 @@ pub struct Block {
 }
 
 impl Block {
-    /// Number of elements.
+    /// Returns the number of elements.
     pub fn element_count(&self) -> usize {
         self.connectivity.len() / self.kind.nodes()
     }
@@ -103,18 +103,18 @@ pub fn push(blocks: &mut Vec<Block>, kind: ElementKind, nodes: impl IntoIterator
 /// A mesh of solid elements, in blocks of one kind each. Elements are counted through the blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// Positions [m].
+    /// Positions of the nodes [m].
     pub nodes: Vec<Vec3>,
-    /// Elements.
+    /// Blocks of elements.
     pub blocks: Vec<Block>,
-    /// Named node sets.
+    /// Node sets by name.
     pub node_sets: BTreeMap<String, Vec<u32>>,
     /// Named sets of faces.
     pub face_sets: BTreeMap<String, Vec<Face>>,
 }
 
 impl Mesh {
-    /// A mesh of one kind of element without sets.
+    /// Creates a mesh of one kind of element without sets.
     pub fn new(kind: ElementKind, nodes: Vec<Vec3>, connectivity: Vec<u32>) -> Self {
         Mesh {
             nodes,
@@ -124,7 +124,7 @@ impl Mesh {
         }
     }
 
-    /// Number of elements.
+    /// Returns the number of elements.
     pub fn element_count(&self) -> usize {
         self.blocks.iter().map(Block::element_count).sum()
     }
@@ -159,13 +159,13 @@ impl Mesh {
         self.blocks.iter().flat_map(Block::elements)
     }
 
-    /// Nodes of all elements, one element after the other.
+    /// Iterates over the nodes of all elements, one element after the other.
     pub fn connectivity(&self) -> impl Iterator<Item = u32> + '_ {
         let blocks = self.blocks.iter();
         blocks.flat_map(|b| b.connectivity.iter().copied())
     }
 
-    /// The kind of all elements; nothing of a mesh of several kinds.
+    /// Returns the kind of all elements, or `None` for a mesh of several kinds.
     pub fn kind(&self) -> Option<ElementKind> {
         let (first, others) = self.blocks.split_first()?;
         let same = others.iter().all(|b| b.kind == first.kind);
@@ -189,7 +189,7 @@ impl Mesh {
         FaceCorners::of(kind, face.face as usize, nodes)
     }
 
-    /// Faces that belong to one element only, in the order of the elements: the surface.
+    /// Returns the surface: the faces that belong to one element only, in the order of the elements.
     pub fn boundary(&self) -> Vec<Face> {
         faces::boundary(&self.blocks)
     }
@@ -198,11 +198,11 @@ impl Mesh {
 /// A toothed body as finite elements, in its own frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GearMesh {
-    /// Nodes and elements.
+    /// Nodes and elements of the gear.
     pub mesh: Mesh,
     /// Number of teeth of the whole gear (of a rack: all its teeth).
     pub teeth: u32,
-    /// Nodes that the hub holds rigidly: the bore, or the back of a rack.
+    /// Nodes that are rigidly tied to the hub: the bore, or the back of a rack.
     pub bore: Vec<u32>,
     /// Flanks as structured grids; a foreign mesh may have fewer than two per tooth. Numbers from that of the nodes on
     /// are those of tied points.
@@ -211,13 +211,13 @@ pub struct GearMesh {
     pub tied: Vec<TiedPoint>,
 }
 
-/// A point of a flank that follows the nodes of the face it lies on: nodes with their weights, which add up to 1. Its
-/// displacement is the weighted sum of theirs, and a force on it goes to them by the same weights.
+/// A flank point tied to the nodes of its face: nodes with their weights, which add up to 1. Its displacement is the
+/// weighted sum of theirs, and a force on it is distributed to them by the same weights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TiedPoint(pub Vec<(u32, f64)>);
 
 impl GearMesh {
-    /// The nodes that a point of a flank follows, with their weights; a node follows itself.
+    /// Returns the nodes to which a flank point is tied, with their weights; a node is tied to itself.
     pub fn follows(&self, point: u32) -> Vec<(u32, f64)> {
         match (point as usize).checked_sub(self.mesh.nodes.len()) {
             None => vec![(point, 1.0)],

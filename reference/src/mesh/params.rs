@@ -1,4 +1,4 @@
-//! What a user says about a mesh: counts, grading, kind of element.
+//! Parameters of a mesh: numbers of elements, grading, kind of element.
 
 use super::ElementKind;
 
@@ -33,7 +33,7 @@ impl Tooth {
 }
 
 impl Default for Tooth {
-    /// Enough for tooth deflections within a few per cent.
+    /// Returns numbers of elements for tooth deflections within a few per cent.
     fn default() -> Self {
         Tooth {
             flank: 8,
@@ -56,8 +56,8 @@ pub struct FineTeeth {
     pub others: Tooth,
 }
 
-/// A place of the flank about which its elements are short, as a contact wants them: of equal length about as far as
-/// `reach`, and beyond it in proportion to the distance.
+/// A position of the flank around which elements are short, for contact: of equal length over about `reach`, and
+/// beyond it proportional to the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focus {
     /// Part of the flank's arc length from the form circle, 0 to 1.
@@ -84,7 +84,7 @@ pub struct Web {
 /// How a gear or a rack is meshed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GearMeshParams {
-    /// Kind of element.
+    /// Kind of the elements.
     pub kind: ElementKind,
     /// Elements of a tooth.
     pub tooth: Tooth,
@@ -106,8 +106,9 @@ pub struct GearMeshParams {
     pub rim_growth: Option<f64>,
     /// A thinner disc between hub and rim; of a gear only.
     pub web: Option<Web>,
-    /// Mesh one pitch of a gear only: tooth 0 between the middles of its tooth spaces. The faces there are the node sets
-    /// `cut_low` and `cut_high`; node `i` of `cut_high` is node `i` of `cut_low` turned by one pitch.
+    /// True for a mesh of one pitch of a gear only: tooth 0 between the middles of its tooth spaces. The faces there
+    /// are the node sets `cut_low` and `cut_high`; node `i` of `cut_high` is node `i` of `cut_low` rotated by one
+    /// pitch.
     pub sector: bool,
     /// Mesh these teeth with [`GearMeshParams::tooth`], the others coarser.
     pub fine_teeth: Option<FineTeeth>,

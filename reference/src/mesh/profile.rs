@@ -23,7 +23,7 @@ pub(super) enum Body<'a> {
 }
 
 impl Body<'_> {
-    /// Whether the left side of the unrolled tooth is the clockwise one: the teeth point to the axis.
+    /// Returns true if the left side of the unrolled tooth is the clockwise one: the teeth point to the axis.
     pub(super) fn points_inwards(self) -> bool {
         matches!(self, Body::Gear(g) if g.is_internal())
     }

@@ -36,7 +36,7 @@ pub struct ElementQuality {
     pub scaled_jacobian: f64,
     /// Longest over shortest edge.
     pub aspect_ratio: f64,
-    /// Volume [m^3].
+    /// Volume of the element [m^3].
     pub volume: f64,
     /// Its polar moment about the z axis [m^5].
     pub polar_moment: f64,
@@ -57,7 +57,7 @@ fn scaled([a, b, c]: [Vec3; 3]) -> f64 {
     a.cross(&b).dot(&c) / (a.norm() * b.norm() * c.norm())
 }
 
-/// Tests elements of one kind.
+/// Quality test of elements of one kind.
 pub(super) struct ElementCheck {
     kind: ElementKind,
     corners: Vec<Corner>,
@@ -204,7 +204,7 @@ mod tests {
     use super::*;
     use crate::test_support::brick;
 
-    /// An equal-sided tetrahedron and wedge have 1, a flat corner 0, one turned inside out less; volumes are exact.
+    /// An equilateral tetrahedron and wedge have quality 1, a flat corner 0, an inverted one less; volumes are exact.
     #[test]
     fn wedges_and_tetrahedra_are_measured_as_hexahedra_are() {
         let h = 0.75_f64.sqrt();

@@ -1,4 +1,4 @@
-//! Hexahedra cut into tetrahedra: what other meshers make, on the same body.
+//! Division of hexahedra into tetrahedra, as a substitute for other mesh generators on the same body.
 
 use super::{ElementKind, Mesh};
 use crate::element::{MAX_NODES, natural, values};

@@ -32,11 +32,11 @@ const LINEAR_WEDGE: [usize; 6] = [0, 2, 1, 3, 5, 4];
 /// Values of a field, one per node or per element.
 #[derive(Clone, Copy, Debug)]
 pub enum Values<'a> {
-    /// Numbers.
+    /// Scalar values.
     Scalars(&'a [f64]),
     /// Whole numbers.
     Integers(&'a [i32]),
-    /// Vectors, as displacements.
+    /// Vectors, such as displacements.
     Vectors(&'a [Vec3]),
 }
 
@@ -50,12 +50,12 @@ impl Values<'_> {
     }
 }
 
-/// A named field.
+/// A named field of a file.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'a> {
-    /// Name in ParaView.
+    /// Name of the field in ParaView.
     pub name: &'a str,
-    /// Its values.
+    /// Values of the field.
     pub values: Values<'a>,
 }
 
@@ -163,8 +163,8 @@ fn escaped(text: &str) -> String {
     (text.replace('&', "&amp;").replace('<', "&lt;")).replace('"', "&quot;")
 }
 
-/// Where nodes stand on a gear, for [`write`]: `bore` is 1 on the bore; `flank` is the number of the tooth from 1
-/// on its left flank and minus that on its right one; `cut` is -1 and 1 on the cuts of a sector; 0 elsewhere.
+/// Returns node fields of a gear for [`write`]: `bore` is 1 on the bore; `flank` is the number of the tooth from 1 on
+/// its left flank and minus that on its right one; `cut` is -1 and 1 on the cuts of a sector; 0 elsewhere.
 pub fn membership(mesh: &Mesh) -> [(&'static str, Vec<i32>); 3] {
     let mut found = ["bore", "flank", "cut"].map(|name| (name, vec![0; mesh.nodes.len()]));
     for (name, nodes) in &mesh.node_sets {

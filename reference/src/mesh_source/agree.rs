@@ -1,7 +1,7 @@
-//! What a recognised mesh has otherwise than the gear of the scene.
+//! Comparison of a recognised mesh with the gear of the scene.
 
 use crate::deck::{Deck, DeckGear};
-use crate::recognise::{Found, Recognised, RecognisedRack};
+use crate::recognise::{RecognisedBody, RecognisedGear, RecognisedRack};
 use gearbench_models::geometry::{Gear, Rack};
 use gearbench_models::spec::Body as Toothing;
 
@@ -10,14 +10,14 @@ const NEAR: f64 = 0.1;
 /// How far its base helix angle, and a rack's pressure angle, may be [rad].
 const NEAR_ANGLE: f64 = 0.01;
 
-/// What a recognised gear has otherwise than the scene says.
+/// A difference between a recognised gear and the scene.
 pub(super) struct Disagreement {
     what: &'static str,
-    /// Keys of the scene's gear that say it.
+    /// Keys of the scene's gear that define the quantity.
     keys: &'static str,
     shown: String,
     said: String,
-    /// The mesh's length over that of the scene, where it is one.
+    /// Ratio of the length in the mesh to that in the scene, if it is a length.
     ratio: f64,
 }
 
@@ -48,17 +48,17 @@ impl Disagreement {
     }
 }
 
-/// What a recognised body has otherwise than the scene says. Small differences are left to the scene: contact is between the
-/// flanks of the mesh, loads and mesh layout are those of its gear.
+/// Returns the first difference between a recognised body and the scene. Small differences are accepted: contact is
+/// between the flanks of the mesh, loads and mesh layout are those of the gear of the scene.
 pub(super) fn disagreement(gear: &DeckGear, body: &Toothing) -> Option<Disagreement> {
     match (gear.found.as_ref()?, body) {
-        (Found::Gear(found), Toothing::Gear(said)) => of_gear(found, said),
-        (Found::Rack(found), Toothing::Rack(said)) => of_rack(found, said),
+        (RecognisedBody::Gear(found), Toothing::Gear(said)) => of_gear(found, said),
+        (RecognisedBody::Rack(found), Toothing::Rack(said)) => of_rack(found, said),
         _ => None,
     }
 }
 
-/// A quantity, the keys that say it, the mesh's value and the scene's.
+/// A quantity, the keys that define it, the value of the mesh and that of the scene.
 type Pair = (&'static str, &'static str, f64, f64);
 
 /// The first length that is off by more than a part of the module.
@@ -91,7 +91,7 @@ fn angle_off(angles: &[Pair]) -> Option<Disagreement> {
     })
 }
 
-fn of_gear(found: &Recognised, said: &Gear) -> Option<Disagreement> {
+fn of_gear(found: &RecognisedGear, said: &Gear) -> Option<Disagreement> {
     let fit = &found.fit;
     let thickness = 2.0 * said.r_base() * said.half_angle_base();
     let mut lengths = vec![

@@ -8,7 +8,7 @@ use gearbench_models::gear::table::GearContext;
 pub struct Reader<'a> {
     /// Id of the model.
     pub model: &'static str,
-    /// What it is built from.
+    /// Context from which the gear is built.
     pub context: &'a GearContext<'a>,
 }
 
@@ -18,7 +18,7 @@ impl Reader<'_> {
         BuildError::parameter(self.model, key, why)
     }
 
-    /// A number above 0, if one is given.
+    /// Returns a positive number, if one is given.
     pub fn positive(&self, key: &str, value: Option<f64>) -> Result<Option<f64>, BuildError> {
         match value {
             Some(x) if !(x.is_finite() && x > 0.0) => {
@@ -38,7 +38,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A whole number from `least` to `most`, if one is given.
+    /// Returns a whole number from `least` to `most`, if one is given.
     pub fn count(
         &self,
         key: &str,

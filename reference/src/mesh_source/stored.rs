@@ -1,16 +1,16 @@
-//! The gear of a scene in a file: which of its bodies, what the scene says of it, and what does not agree.
+//! Selection of the gear of a scene in a file, and comparison of the file with the scene.
 //!
-//! The keys of the gear itself lead the search, as far as they say something of a mesh: number of teeth and bore radius. The
-//! mesh then has to be one of that gear: base radius (module, pressure angle, teeth), base helix, thickness at the base
-//! circle (profile shift, thinning), tip radius, bore radius and face width are held against it. What no key of a gear
-//! says, units and the place in the file, `units`, `axis`, `axis_point_m` and `flank_radii_m` say.
+//! The keys of the gear guide the search where they describe a mesh: number of teeth and bore radius. The mesh has to
+//! be one of that gear: base radius (module, pressure angle, teeth), base helix, thickness at the base circle (profile
+//! shift, thinning), tip radius, bore radius and face width are compared. Data that no key of a gear has, units and
+//! the position in the file, are given by `units`, `axis`, `axis_point_m` and `flank_radii_m`.
 
 use super::agree::disagreement;
 use super::{MeshParameters, Reader};
 use crate::deck::{self, BodyShape, Deck, DeckError, DeckGear, Units};
 use crate::file_kind::{self, Input};
 use crate::mesh::{ElementKind, GearMesh};
-use crate::recognise::{Found, Known};
+use crate::recognise::{RecognisedBody, SpecifiedBody};
 use gearbench_models::Vec3;
 use gearbench_models::error::BuildError;
 use gearbench_models::spec::Body as Toothing;
@@ -21,8 +21,8 @@ use std::path::Path;
 pub struct Stored {
     /// The mesh in the gear's own frame.
     pub mesh: GearMesh,
-    /// What was recognised of it, where no sets name its flanks.
-    pub found: Option<Found>,
+    /// Result of the recognition, where no sets name the flanks.
+    pub found: Option<RecognisedBody>,
     /// How the file was read, a line each.
     pub notes: Vec<String>,
 }
@@ -88,8 +88,8 @@ pub(super) fn stored(
     })
 }
 
-/// What the scene says of the body.
-fn known(reader: &Reader<'_>, given: &MeshParameters) -> Result<Known, BuildError> {
+/// Returns the specification of the body from the scene.
+fn known(reader: &Reader<'_>, given: &MeshParameters) -> Result<SpecifiedBody, BuildError> {
     let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
     let axis = given.axis.map(Vec3::from);
     if axis.is_some_and(|a| !(finite(a.as_slice()) && a.norm() > 0.0)) {
@@ -106,7 +106,7 @@ fn known(reader: &Reader<'_>, given: &MeshParameters) -> Result<Known, BuildErro
             "expected two radii in metres, the smaller one above 0 first",
         ));
     }
-    Ok(Known {
+    Ok(SpecifiedBody {
         teeth: match reader.context.body {
             Toothing::Gear(g) => Some(g.teeth()),
             Toothing::Rack(r) => Some(r.teeth()),

@@ -1,4 +1,4 @@
-//! Parameters of meshes, and what files have to agree with.
+//! Parameters of meshes, and agreement of files with scenes.
 
 use super::{MeshParameters, Reader, Source, Stored};
 use crate::mesh::{self, Mesh};
@@ -8,7 +8,7 @@ use gearbench_models::geometry::{GearParams, Side};
 use gearbench_models::spec::{Body, Mount, Parameters};
 use gearbench_models::stiffness::Material;
 
-/// Given counts and those by default are multiplied alike, and what was asked for beside stays.
+/// Given and default counts are multiplied by the same factor, and other settings are preserved.
 #[test]
 fn counts_are_multiplied() {
     let given = MeshParameters {
@@ -57,7 +57,8 @@ fn of_file(path: &str) -> MeshParameters {
     }
 }
 
-/// What the scene says of a file is taken where it agrees, sense of the axis and ends of the flanks with it.
+/// The specification of a file in the scene is used where it agrees, including the sense of the axis and the ends of
+/// the flanks.
 #[test]
 fn what_a_scene_says_of_a_file_is_taken() {
     let body = of_gmsh(|_| {});
@@ -84,7 +85,7 @@ fn what_a_scene_says_of_a_file_is_taken() {
     assert!(low >= middle - 1e-6, "{low} {middle}");
 }
 
-/// What does not agree is refused with both figures and the way out.
+/// Disagreement is refused with both figures and the remedy.
 #[test]
 fn what_does_not_agree_is_refused() {
     let body = of_gmsh(|_| {});
@@ -213,7 +214,7 @@ fn without(given: &MeshParameters) {
     std::fs::remove_file(given.mesh.as_deref().unwrap()).unwrap();
 }
 
-/// A dent in a flank leaves no grid on it: it is said, and a scene does without the mesh rather than without the flank.
+/// A flank with a dent has no grid: a note says so, and a scene refuses the mesh instead of omitting the flank.
 #[test]
 fn flanks_that_cannot_touch_are_refused() {
     let gear = test_support::gear(18, 4e-3, |p| p.bore_radius = 15e-3);
@@ -242,7 +243,7 @@ fn flanks_that_cannot_touch_are_refused() {
     }
 }
 
-/// Racks are read without their sets, and held against the scene's.
+/// Racks are read without their sets, and compared with that of the scene.
 #[test]
 fn racks_have_to_agree() {
     let own = test_support::rack(6, 3e-3, |p| p.face_width = 8e-3);

@@ -122,7 +122,7 @@ pub(super) fn residuals<T: Scalar>(
         .collect()
 }
 
-/// `A B`.
+/// Returns the product `A B`.
 pub(super) fn product<T: Scalar>(a: MatRef<'_, T>, b: MatRef<'_, T>) -> Mat<T> {
     let mut c = Mat::zeros(a.nrows(), b.ncols());
     let one = T::real(1.0);
@@ -130,7 +130,7 @@ pub(super) fn product<T: Scalar>(a: MatRef<'_, T>, b: MatRef<'_, T>) -> Mat<T> {
     c
 }
 
-/// `A^H B`.
+/// Returns the product `A^H B`.
 pub(super) fn adjoint_product<T: Scalar>(a: MatRef<'_, T>, b: MatRef<'_, T>) -> Mat<T> {
     let mut c = Mat::zeros(a.ncols(), b.ncols());
     let one = T::real(1.0);

@@ -34,7 +34,7 @@ pub struct Options {
     /// Vectors per step; should be the largest multiplicity or more. `None`: 8, and 4 for the harmonics of a
     /// cyclic gear, whose modes are simple.
     pub block: Option<usize>,
-    /// Whether the inertia of a shifted matrix shall prove that no mode is missing (one more factorisation).
+    /// True if the inertia of a shifted matrix shall prove that no mode is missing (one more factorisation).
     pub verify: bool,
 }
 
@@ -68,7 +68,7 @@ pub struct Modes<T: Scalar = f64> {
     pub vectors: Mat<T>,
     /// `|K phi - omega^2 M phi| / |K phi|` of each mode; of a rigid-body mode over `|sigma M phi|` instead.
     pub residuals: Vec<f64>,
-    /// Work done.
+    /// Counters of the work.
     pub report: Report,
 }
 
@@ -80,7 +80,7 @@ impl<T: Scalar> Modes<T> {
     }
 }
 
-/// Modes that cannot be found.
+/// Error of a search for modes.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[expect(missing_docs, reason = "the messages say what they are about")]
 pub enum ModesError {
@@ -115,7 +115,7 @@ pub enum ModesError {
     TooLarge(#[from] TooMuchMemory),
 }
 
-/// Vectors of the size of a mode that are held at a time, per mode.
+/// Number of stored vectors of the size of a mode, per mode.
 const BASIS: f64 = 4.0;
 
 /// Shift relative to the median of `K_ii / M_ii`, which is about the square of the highest frequency: far above
@@ -162,7 +162,7 @@ pub fn lowest(pair: &Reduced, count: usize, options: &Options) -> Result<Modes, 
     find(pair, Target::Count(count), options)
 }
 
-/// A body of so few unknowns has all its modes in no time.
+/// Number of unknowns below which all modes of a body are computed.
 const FEW_UNKNOWNS: usize = 600;
 
 /// The lowest modes, or all up to a bound, of a pair of lower triangles.
@@ -228,7 +228,7 @@ pub(crate) fn find(pair: &Reduced, target: Target, options: &Options) -> Result<
 /// Squares of frequencies that differ by less, relatively, are those of a pair: rounding decides which is the lower.
 const PAIR: f64 = 1e-6;
 
-/// Counts the modes below a gap near the end of those found.
+/// Counts the modes below a gap near the end of the computed ones.
 fn verify(
     k: &Symmetric<f64>,
     m: &Symmetric<f64>,

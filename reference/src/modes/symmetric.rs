@@ -14,7 +14,7 @@ pub struct Symmetric<T> {
     start: Vec<usize>,
     rows: Vec<u32>,
     values: Vec<T>,
-    /// Stored zeros are left out of the product but kept in sums: what came in.
+    /// The input matrix. Stored zeros are left out of the product but kept in sums.
     whole: SparseColMat<usize, T>,
 }
 
@@ -60,7 +60,7 @@ impl<T: Scalar> Symmetric<T> {
         })
     }
 
-    /// Rows and columns.
+    /// Returns the number of rows and columns.
     pub fn size(&self) -> usize {
         self.start.len() - 1
     }

@@ -155,7 +155,7 @@ fn bad_input_is_declined() {
     assert!(lowest(&negative, 3, &options).is_err());
 }
 
-/// Two equal chains, of which only the lowest pair is asked for.
+/// The lowest pair of modes of two equal chains is found when only that pair is requested.
 #[test]
 fn a_lone_pair_is_found_without_a_count_between_its_halves() {
     let n = 400;

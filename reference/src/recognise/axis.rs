@@ -21,7 +21,7 @@ const HULL: usize = 1440;
 /// How far the nodes of the hull may be from their circle, over its radius, where the axis is first guessed.
 const ROUND: f64 = 2e-3;
 
-/// Directions that coordinates' last digits tell from a coordinate axis count as along it.
+/// Deviation of a direction from a coordinate axis that counts as rounding of coordinates.
 const ALONG: f64 = 1e-9;
 
 /// An axis of rotation.
@@ -36,7 +36,7 @@ pub struct Axis {
 /// A cylinder about the axis with the corner nodes that lie on it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cylinder {
-    /// Radius [m].
+    /// Radius of the cylinder [m].
     pub radius: f64,
     /// Root mean square and largest distance of its nodes [m].
     pub residual: [f64; 2],
@@ -44,8 +44,8 @@ pub struct Cylinder {
     pub nodes: Vec<u32>,
 }
 
-/// Two unit vectors that make a right-handed system with a direction: those of the coordinates where it runs along one of
-/// them.
+/// Returns two unit vectors that form a right-handed system with a direction: coordinate axes where the direction is
+/// one.
 pub(crate) fn across(d: Vec3) -> [Vec3; 2] {
     if d == Vec3::z() {
         return [Vec3::x(), Vec3::y()];
@@ -68,7 +68,7 @@ impl Axis {
         across(self.direction)
     }
 
-    /// Position in the frame of the axis: two coordinates across it and one along it.
+    /// Returns the position in the frame of the axis: two coordinates across it and one along it.
     pub fn seen(&self, x: &Vec3) -> Vec3 {
         let [e, f] = self.across();
         let w = x - self.point;
@@ -104,8 +104,8 @@ impl Axis {
         }
     }
 
-    /// The direction turned to its positive sense; what the digits of coordinates cannot tell from a coordinate axis
-    /// is one.
+    /// Returns the direction in its positive sense; a direction that differs from a coordinate axis by rounding of
+    /// coordinates is replaced by it.
     fn settled(mut self) -> Self {
         let d = self.direction;
         let most = d.iamax();

@@ -1,19 +1,19 @@
 //! Which faces are flanks: those whose corners lie on the involute that most of them share.
 //!
-//! First the involute through what lies between [`CORE`] parts of the tooth's height, then all that lies on it, down to
-//! the fillet and up to the tip. Where the user says between which radii the flanks lie, only what lies there counts, and
-//! more of the tooth may have been taken away there than by usual reliefs.
+//! First the involute is fitted to the faces within [`CORE`] of the tooth height, then to all on it, down to the
+//! fillet and up to the tip. Where the user specifies the radii of the flanks, only faces between these count, and
+//! more material may be missing there than by typical reliefs.
 
 use super::axis::{Axis, Cylinder};
 use super::involute::{FlankPoint, Involute};
 use super::skin::Skin;
 use super::teeth::{self, Polar, Teeth, wrapped};
-use super::{ACROSS, CORE, FINE, Patch, RELIEF, Recognised, extent, median};
+use super::{ACROSS, CORE, FINE, Patch, RELIEF, RecognisedGear, extent, median};
 use crate::vector::snapped;
 use gearbench_models::geometry::Side;
 use std::collections::HashSet;
 
-/// What may be missing within the radii that the user gives, over the tooth's height.
+/// Tolerance of missing flank within the radii given by the user, relative to the tooth height.
 const WIDE: f64 = 0.1;
 
 /// Nodes nearer than this part of the tooth's height to a given radius are within it.
@@ -22,9 +22,9 @@ const EDGE: f64 = 1e-4;
 /// The involute and the corner nodes that lie on it.
 pub(super) struct Flanks {
     fit: Involute,
-    /// Side of each face of the shell that stands across the circle.
+    /// Side of each face of the shell that is inclined to the circle.
     sides: Vec<(u32, Side)>,
-    /// Node and flank of what belongs to the flanks.
+    /// Node and flank of the members of the flanks.
     members: HashSet<(u32, u32, Side)>,
 }
 
@@ -141,7 +141,7 @@ impl Flanks {
         shell: &[u32],
         bore: Cylinder,
         bore_nodes: Vec<u32>,
-    ) -> Recognised {
+    ) -> RecognisedGear {
         let Flanks {
             mut fit,
             sides,
@@ -201,7 +201,7 @@ impl Flanks {
         axis.point += middle * axis.direction;
         let size = active[1];
         axis.point = axis.point.map(|x| snapped(x, size));
-        Recognised {
+        RecognisedGear {
             axis,
             fit,
             tip,

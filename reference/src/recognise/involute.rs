@@ -24,9 +24,9 @@ pub struct FlankPoint {
     pub angle: f64,
     /// Place along the axis [m].
     pub height: f64,
-    /// Tooth, counter-clockwise.
+    /// Tooth number, counter-clockwise.
     pub tooth: u32,
-    /// Which flank.
+    /// Side of the flank.
     pub side: Side,
 }
 
@@ -107,15 +107,15 @@ impl Involute {
         p.side.sign() * (turn - TAU * (turn / TAU).round())
     }
 
-    /// Distance of a point outwards from its flank, along the normal [m]; a point within the base circle is held
-    /// against the base point.
+    /// Returns the distance of a point outwards from its flank, along the normal [m]; for a point within the base
+    /// circle, from the base point.
     pub fn distance(&self, p: &FlankPoint) -> f64 {
         let away = self.offset(p) - self.half_angle_at(self.roll(p.radius));
         self.base_radius * away * self.base_helix_angle().cos()
     }
 
-    /// Fits to points; `None` where they do not say enough (fewer than eight, one radius only, or within the base
-    /// circle). Where all have one height the twist stays as it is.
+    /// Fits an involute to points; `None` where they are insufficient (fewer than eight, one radius only, or within
+    /// the base circle). Where all have one height the twist is not changed.
     pub fn fitted(&self, points: &[FlankPoint]) -> Option<Self> {
         if points.len() < 8 {
             return None;
@@ -179,8 +179,8 @@ impl Involute {
         Some(fit)
     }
 
-    /// As [`Involute::fitted`], then again without the points that stand further off than six times the scatter of most:
-    /// reliefs, fillets. Nothing nearer than `fine` [m] is left out.
+    /// Fits as [`Involute::fitted`], then again without the points at more than six times the median deviation:
+    /// reliefs, fillets. Points nearer than `fine` [m] are never left out.
     pub fn fitted_to_most(&self, points: &[FlankPoint], fine: f64) -> Option<Self> {
         let mut fit = self.fitted(points)?;
         let mut kept = points.len();

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `skin` | faces at the surface, their normals, pieces that hang together |
 //! | `axis` | axis of rotation from end faces, hull, tip and bore |
-//! | `known` | what the user says of a body, held against what is found |
+//! | `specified_body` | what the user says of a body, held against what is found |
 //! | `teeth` | toothed shell, bore, number of teeth |
 //! | `flanks` | which faces are flanks |
 //! | [`rack`] | a rack: planes of flanks, pitch, back |
@@ -12,15 +12,15 @@
 //! | [`tied`] | grids of points on flanks whose faces are no grid |
 //! | [`standard`] | module, pressure angle and profile shift that these may stand for |
 //!
-//! Only corners of elements are measured: mid-side nodes may lie on chords. A flank is what lies on the fitted
-//! involute; what the tip has lost by relief or crowning still belongs to it, within a fiftieth of the tooth's height.
+//! Only corners of elements are used: mid-side nodes may lie on chords. A flank consists of the faces on the fitted
+//! involute; material removed from the tip by relief or crowning is tolerated within a fiftieth of the tooth height.
 
 mod axis;
 mod flanks;
 pub mod involute;
-mod known;
 pub mod rack;
 mod skin;
+mod specified_body;
 pub mod standard;
 mod teeth;
 #[cfg(test)]
@@ -30,10 +30,10 @@ pub mod tied;
 pub(crate) use axis::across;
 pub use axis::{Axis, Cylinder};
 pub use involute::{FlankPoint, Involute};
-pub use known::{Known, Misfit};
 pub use rack::RecognisedRack;
 pub use skin::{Facet, Skin};
-pub use standard::{Given, Reading};
+pub use specified_body::{Misfit, SpecifiedBody};
+pub use standard::{ToolCandidate, ToolSpec};
 
 use flanks::Flanks;
 use gearbench_models::Vec3;
@@ -43,13 +43,13 @@ use teeth::Polar;
 /// Part of the tooth's height that is fitted first: above fillets, below most reliefs.
 const CORE: [f64; 2] = [0.45, 0.75];
 
-/// A face of a flank stands across the circle by more than this.
+/// Inclination to the circle above which a face belongs to a flank.
 const ACROSS: f64 = 0.3;
 
 /// Nodes nearer to the involute than this part of the tooth's height are on it: digits of decks.
 const FINE: f64 = 1e-5;
 
-/// What the tip's relief may take away, over the tooth's height.
+/// Largest part removed by a tip relief, relative to the tooth height.
 const RELIEF: f64 = 0.02;
 
 /// A flank: its faces, all of whose corners lie on the involute.
@@ -57,7 +57,7 @@ const RELIEF: f64 = 0.02;
 pub struct Patch {
     /// Tooth, from 0, counter-clockwise.
     pub tooth: u32,
-    /// Which flank.
+    /// Side of the flank.
     pub side: Side,
     /// Faces, by their place in the surface.
     pub faces: Vec<u32>,
@@ -79,16 +79,16 @@ impl Patch {
 
 /// A gear as its surface shows it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Recognised {
+pub struct RecognisedGear {
     /// Axis of rotation; its point lies in the middle of the flanks' width.
     pub axis: Axis,
     /// The involute: angles from the first of [`Axis::across`], heights from the point of the axis.
     pub fit: Involute,
-    /// Tip cylinder.
+    /// Cylinder of the tips.
     pub tip: Cylinder,
     /// Root cylinder: the lowest node of each tooth space.
     pub root: Cylinder,
-    /// Bore.
+    /// Cylinder of the bore.
     pub bore: Cylinder,
     /// All nodes of the bore, mid-side nodes too.
     pub bore_nodes: Vec<u32>,
@@ -100,14 +100,14 @@ pub struct Recognised {
     pub flanks: Vec<Patch>,
 }
 
-impl Recognised {
+impl RecognisedGear {
     /// Position in the gear's own frame: axis z through the origin in the middle of the width, tooth 0 on +x.
     pub fn own(&self, x: &Vec3) -> Vec3 {
         crate::vector::turned(self.axis.seen(x), -self.fit.phase)
     }
 
-    /// By which part the base pitch may be off: its standard error, and what a slope of the profile within the residual
-    /// makes of it.
+    /// Returns the relative uncertainty of the base pitch: its standard error, and the effect of a slope of the
+    /// profile within the residual.
     pub fn uncertainty(&self) -> f64 {
         let run = self.fit.roll(self.active[1]) - self.fit.roll(self.active[0]);
         let slope = 2.0 * self.fit.residual[0] / run;
@@ -117,7 +117,7 @@ impl Recognised {
     }
 
     /// Tools that fit, the likeliest first.
-    pub fn readings(&self, given: Given) -> Vec<Reading> {
+    pub fn readings(&self, given: ToolSpec) -> Vec<ToolCandidate> {
         let radii = [self.tip.radius, self.root.radius];
         standard::readings(&self.fit, radii, self.uncertainty(), given)
     }
@@ -125,51 +125,51 @@ impl Recognised {
 
 /// A toothed body as its surface shows it.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Found {
-    /// A gear.
-    Gear(Box<Recognised>),
-    /// A rack.
+pub enum RecognisedBody {
+    /// A recognised gear.
+    Gear(Box<RecognisedGear>),
+    /// A recognised rack.
     Rack(Box<RecognisedRack>),
 }
 
-impl Found {
-    /// What was recognised of a gear.
-    pub fn gear(&self) -> Option<&Recognised> {
+impl RecognisedBody {
+    /// Returns the gear, if it is one.
+    pub fn gear(&self) -> Option<&RecognisedGear> {
         match self {
-            Found::Gear(gear) => Some(gear),
-            Found::Rack(_) => None,
+            RecognisedBody::Gear(gear) => Some(gear),
+            RecognisedBody::Rack(_) => None,
         }
     }
 
-    /// What was recognised of a rack.
+    /// Returns the rack, if it is one.
     pub fn rack(&self) -> Option<&RecognisedRack> {
         match self {
-            Found::Gear(_) => None,
-            Found::Rack(rack) => Some(rack),
+            RecognisedBody::Gear(_) => None,
+            RecognisedBody::Rack(rack) => Some(rack),
         }
     }
 
-    /// Nodes that the hub holds: of the bore, or of the back; mid-side nodes too.
+    /// Returns the nodes that are tied to the hub: of the bore, or of the back, including mid-side nodes.
     pub fn held(&self) -> &[u32] {
         match self {
-            Found::Gear(gear) => &gear.bore_nodes,
-            Found::Rack(rack) => &rack.back_nodes,
+            RecognisedBody::Gear(gear) => &gear.bore_nodes,
+            RecognisedBody::Rack(rack) => &rack.back_nodes,
         }
     }
 
     /// Flanks, tooth by tooth, left before right.
     pub fn flanks(&self) -> &[Patch] {
         match self {
-            Found::Gear(gear) => &gear.flanks,
-            Found::Rack(rack) => &rack.flanks,
+            RecognisedBody::Gear(gear) => &gear.flanks,
+            RecognisedBody::Rack(rack) => &rack.flanks,
         }
     }
 
     /// Axis of its own z axis.
     pub fn axis(&self) -> Axis {
         match self {
-            Found::Gear(gear) => gear.axis,
-            Found::Rack(rack) => Axis {
+            RecognisedBody::Gear(gear) => gear.axis,
+            RecognisedBody::Rack(rack) => Axis {
                 direction: rack.axes[2],
                 point: Vec3::zeros(),
             },
@@ -181,13 +181,13 @@ impl Found {
 ///
 /// # Errors
 /// What was looked for and not found, or what is not as it is said.
-pub fn body(skin: &Skin<'_>, known: &Known) -> Result<Found, Misfit> {
+pub fn body(skin: &Skin<'_>, known: &SpecifiedBody) -> Result<RecognisedBody, Misfit> {
     let gear = match recognise(skin, known) {
         Err(Misfit::Missing(why)) => why,
-        found => return found.map(|g| Found::Gear(Box::new(g))),
+        found => return found.map(|g| RecognisedBody::Gear(Box::new(g))),
     };
     match rack::recognise(skin, known) {
-        Ok(found) => Ok(Found::Rack(Box::new(found))),
+        Ok(found) => Ok(RecognisedBody::Rack(Box::new(found))),
         Err(Misfit::Missing(why)) => Err(Misfit::Missing(format!("{gear}; {why}"))),
         Err(against) => Err(against),
     }
@@ -197,7 +197,7 @@ pub fn body(skin: &Skin<'_>, known: &Known) -> Result<Found, Misfit> {
 ///
 /// # Errors
 /// What was looked for and not found, or what is not as it is said.
-pub fn recognise(skin: &Skin<'_>, known: &Known) -> Result<Recognised, Misfit> {
+pub fn recognise(skin: &Skin<'_>, known: &SpecifiedBody) -> Result<RecognisedGear, Misfit> {
     let corners = skin.corner_nodes();
     let mut refused = None;
     let said = known.unit_axis();
@@ -228,8 +228,8 @@ fn about(
     skin: &Skin<'_>,
     corners: &[u32],
     direction: Vec3,
-    known: &Known,
-) -> Result<Recognised, Refusal> {
+    known: &SpecifiedBody,
+) -> Result<RecognisedGear, Refusal> {
     let no = |far: u8, why: &str| (far, why.to_owned());
     let round = axis::along(skin, corners, direction).map(|(axis, _)| axis);
     let axis = round.or_else(|| known.point.map(|point| Axis { direction, point }));
@@ -301,7 +301,7 @@ pub(crate) fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::MAX, f64::MIN], |e, v| [e[0].min(v), e[1].max(v)])
 }
 
-/// The upper median of the finite ones among values.
+/// Returns the upper median of the finite values.
 pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
     values.sort_by(f64::total_cmp);

@@ -26,7 +26,7 @@ use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 use std::f64::consts::PI;
 
-/// A rack as its surface shows it. Positions are seen in its own frame: the reference line is y, the teeth point to -x,
+/// A rack recognised from its surface. Positions are in its own frame: the reference line is y, the teeth point to -x,
 /// tooth 0 is centred on y = 0, z = 0 is the middle of the width.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecognisedRack {
@@ -107,7 +107,7 @@ impl RecognisedRack {
         x.y - steps * self.pitch + x.z * self.helix_angle.tan() - sense(side) * half
     }
 
-    /// Length of a flank's gradient: what a distance along y is over one along the normal.
+    /// Returns the length of a flank's gradient: the ratio of a distance along y to one along the normal.
     fn steepness(&self) -> f64 {
         1.0_f64
             .hypot(self.pressure_angle.tan())
@@ -115,7 +115,7 @@ impl RecognisedRack {
     }
 }
 
-/// Which way a flank of a rack faces along y: left ones meet left flanks of gears, towards -y.
+/// Returns the direction along y that a flank of a rack faces: left ones touch left flanks of gears, towards -y.
 fn sense(side: Side) -> f64 {
     -side.sign()
 }

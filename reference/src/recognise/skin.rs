@@ -57,7 +57,7 @@ impl Facet {
 pub struct Skin<'a> {
     /// Positions of all nodes of the body [m].
     pub nodes: &'a [Vec3],
-    /// Faces.
+    /// Faces of the surface.
     pub facets: Vec<Facet>,
     /// Outward unit normal of each face.
     pub normals: Vec<Vec3>,

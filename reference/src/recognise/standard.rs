@@ -16,7 +16,7 @@ use super::involute::Involute;
 use gearbench_models::geometry::inv;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Normal pressure angles that are tried, the usual one first [deg].
+/// Normal pressure angles that are tried, the most common one first [deg].
 const ANGLES: [f64; 7] = [20.0, 14.5, 15.0, 17.5, 22.5, 25.0, 30.0];
 
 /// Modules of ISO 54, both series [mm].
@@ -26,15 +26,15 @@ const MODULES: [f64; 36] = [
     40.0, 45.0, 50.0,
 ];
 
-/// Whether a module [m] is one of ISO 54 within a part of it.
+/// Returns true if a module [m] is one of ISO 54 within a relative tolerance.
 pub fn is_standard(module: f64, near: f64) -> bool {
     MODULES
         .iter()
         .any(|m| (1e3 * module / m - 1.0).abs() < near)
 }
 
-/// Normal pressure angles [rad] at which a normal base pitch [m] has a module of ISO 54 within a part of it, the usual
-/// one first.
+/// Returns the normal pressure angles [rad] at which a normal base pitch [m] has a module of ISO 54 within a relative
+/// tolerance, the most common one first.
 pub fn angles(normal_base_pitch: f64, near: f64) -> impl Iterator<Item = f64> {
     ANGLES
         .into_iter()
@@ -42,9 +42,9 @@ pub fn angles(normal_base_pitch: f64, near: f64) -> impl Iterator<Item = f64> {
         .filter(move |a| is_standard(normal_base_pitch / (PI * a.cos()), near))
 }
 
-/// What the user knows of the tool.
+/// Specification of the tool by the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Given {
+pub struct ToolSpec {
     /// Normal module [m].
     pub module: Option<f64>,
     /// Normal pressure angle [rad].
@@ -53,33 +53,33 @@ pub struct Given {
 
 /// A tool that the toothing may have been cut with.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
+pub struct ToolCandidate {
     /// Normal module [m].
     pub module: f64,
     /// Normal pressure angle [rad].
     pub pressure_angle: f64,
     /// Helix angle at the reference circle, right hand positive [rad].
     pub helix_angle: f64,
-    /// Profile shift coefficient.
+    /// Profile shift coefficient of the reading.
     pub profile_shift: f64,
-    /// Addendum factor.
+    /// Addendum factor of the reading.
     pub addendum: f64,
-    /// Dedendum factor.
+    /// Dedendum factor of the reading.
     pub dedendum: f64,
-    /// The module is one of ISO 54.
+    /// True if the module is one of ISO 54.
     pub standard: bool,
 }
 
-/// The tools that fit, the likeliest first: at least one. `radii` of tip and root [m]; `near` is the part by which the base
-/// pitch may be off.
-pub fn readings(fit: &Involute, radii: [f64; 2], near: f64, given: Given) -> Vec<Reading> {
+/// Returns the tools that fit, the most probable first: at least one. `radii` are those of tip and root [m]; `near` is
+/// the relative uncertainty of the base pitch.
+pub fn readings(fit: &Involute, radii: [f64; 2], near: f64, given: ToolSpec) -> Vec<ToolCandidate> {
     let normal = fit.base_pitch() * fit.base_helix_angle().cos();
     let at = |angle: f64| reading(fit, radii, near, angle);
     match (given.module, given.pressure_angle) {
         (_, Some(angle)) => vec![at(angle)],
         (Some(module), None) => vec![at((normal / (PI * module)).clamp(-1.0, 1.0).acos())],
         (None, None) => {
-            let found: Vec<Reading> = angles(normal, near).map(at).collect();
+            let found: Vec<ToolCandidate> = angles(normal, near).map(at).collect();
             match found.is_empty() {
                 true => vec![at(ANGLES[0].to_radians())],
                 false => found,
@@ -88,7 +88,7 @@ pub fn readings(fit: &Involute, radii: [f64; 2], near: f64, given: Given) -> Vec
     }
 }
 
-fn reading(fit: &Involute, [tip, root]: [f64; 2], near: f64, angle: f64) -> Reading {
+fn reading(fit: &Involute, [tip, root]: [f64; 2], near: f64, angle: f64) -> ToolCandidate {
     let helix_base = fit.base_helix_angle();
     let exact = fit.base_pitch() * helix_base.cos() / (PI * angle.cos());
     let helix = (helix_base.sin() / angle.cos()).clamp(-1.0, 1.0).asin();
@@ -96,7 +96,7 @@ fn reading(fit: &Involute, [tip, root]: [f64; 2], near: f64, angle: f64) -> Read
     let transverse = (angle.tan() / helix.cos()).atan();
     let thickness = 2.0 * r * (fit.half_angle - inv(transverse));
     let profile_shift = (thickness * helix.cos() / exact - FRAC_PI_2) / (2.0 * angle.tan());
-    Reading {
+    ToolCandidate {
         module: exact,
         pressure_angle: angle,
         helix_angle: helix,

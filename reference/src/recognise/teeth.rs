@@ -14,7 +14,7 @@ const LEVELS: usize = 24;
 /// How far the middle of a tooth may be from its even place [pitches]; far more than any pitch error.
 const UNEVEN: f64 = 0.15;
 
-/// Fewest teeth.
+/// Smallest number of teeth.
 const FEWEST: usize = 3;
 
 /// How far the nodes of a bore may be from their circle, over its radius, where they are looked for.
@@ -49,7 +49,7 @@ pub fn turned_normal(skin: &Skin<'_>, axis: &Axis, face: usize) -> [f64; 3] {
     ]
 }
 
-/// Pieces of the surface that run along the axis: first the one that reaches furthest out, the toothed shell.
+/// Returns pieces of the surface along the axis: first the outermost one, the toothed shell.
 pub fn shells(skin: &Skin<'_>, axis: &Axis, polar: &Polar) -> Option<Vec<Vec<u32>>> {
     let mut pieces = skin.pieces(|f| skin.normals[f].dot(&axis.direction).abs() < END);
     let reach = |piece: &Vec<u32>| {
@@ -64,8 +64,8 @@ pub fn shells(skin: &Skin<'_>, axis: &Axis, polar: &Polar) -> Option<Vec<Vec<u32
     Some(pieces)
 }
 
-/// The innermost piece that is a cylinder about the axis, seen from within, or the one whose radius is next to a given one:
-/// its faces and its corner nodes.
+/// Returns faces and corner nodes of the innermost piece that is a cylinder about the axis seen from within, or of the
+/// one whose radius is nearest to a given one.
 pub fn bore(
     skin: &Skin<'_>,
     axis: &Axis,
@@ -112,14 +112,14 @@ pub fn wrapped(angle: f64) -> f64 {
 pub struct Teeth {
     /// Angle of the first [rad]; the others follow evenly, counter-clockwise.
     pub first: f64,
-    /// How many.
+    /// Number of teeth.
     pub count: u32,
-    /// Tooth of each face that belongs to one, by the faces of the body.
+    /// Tooth of each face of the body, for faces that belong to one.
     pub of_face: Vec<Option<u32>>,
 }
 
-/// Counts the teeth: what of the shell stays apart above a height, the count that holds over most heights and whose
-/// pieces stand evenly; a `wished` count first.
+/// Counts the teeth: pieces of the shell that are separate above a height, with the count that is constant over most
+/// heights and evenly spaced; a `wished` count has priority.
 pub fn count(
     skin: &Skin<'_>,
     polar: &Polar,
@@ -165,7 +165,7 @@ pub fn count(
     Err(why)
 }
 
-/// Pieces as teeth, if they stand evenly.
+/// Returns pieces as teeth, if they are evenly spaced.
 fn evenly(skin: &Skin<'_>, polar: &Polar, pieces: &[Vec<u32>]) -> Result<Teeth, String> {
     let count = pieces.len();
     let centre = |piece: &Vec<u32>| {

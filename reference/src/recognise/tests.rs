@@ -1,4 +1,4 @@
-//! Gears found again from their surface: generated ones and those of stored decks, turned, moved and shuffled.
+//! Recognition of gears from their surface: generated ones and those of stored decks, rotated, moved and shuffled.
 
 use super::*;
 use crate::deck;
@@ -31,13 +31,13 @@ pub(crate) fn strange(mesh: &Mesh, turn: Vec3, shift: Vec3) -> Mesh {
     )
 }
 
-pub(crate) fn found(mesh: &Mesh) -> Recognised {
+pub(crate) fn found(mesh: &Mesh) -> RecognisedGear {
     let skin = Skin::of(&mesh.nodes, &mesh.blocks);
-    recognise(&skin, &Known::default()).unwrap_or_else(|e| panic!("{e}"))
+    recognise(&skin, &SpecifiedBody::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Largest relative error of base pitch, base helix, base thickness, tip and root radius.
-fn errors(found: &Recognised, g: &Gear) -> [f64; 5] {
+fn errors(found: &RecognisedGear, g: &Gear) -> [f64; 5] {
     let fit = &found.fit;
     let part = |a: f64, b: f64| (a / b - 1.0).abs();
     let thickness = 2.0 * g.r_base() * g.half_angle_base();
@@ -106,7 +106,7 @@ fn generated_gears_are_found_again() {
                 assert!((found.bore.radius / g.params().bore_radius - 1.0).abs() < 1e-9);
                 let axis = Rotation3::new(turn) * Vec3::z();
                 assert!(found.axis.direction.cross(&axis).norm() < 1e-9);
-                let reading = found.readings(Given::default())[0];
+                let reading = found.readings(ToolSpec::default())[0];
                 assert!((reading.module / 3e-3 - 1.0).abs() < 1e-9 && reading.standard);
                 assert!((reading.profile_shift - shift).abs() < 1e-7, "{reading:?}");
                 assert!((reading.helix_angle - helix.to_radians()).abs() < 1e-9);
@@ -157,14 +157,14 @@ fn calculix_gears_are_found_without_their_sets() {
             assert!(found.fit.base_helix_angle().abs() < 1e-7);
             assert!(found.fit.residual[0] < 1e-9, "{:?}", found.fit);
             assert_eq!(found.flanks.len(), 2 * found.fit.teeth as usize);
-            let reading = found.readings(Given::default())[0];
+            let reading = found.readings(ToolSpec::default())[0];
             near("module", reading.module, common("module_m"));
             assert!((reading.profile_shift - number("x")).abs() < 1e-5);
         }
     }
 }
 
-/// What digits of a deck, reliefs and facets leave: five digits, and a tip relief of a hundredth of the module.
+/// Recognition is insensitive to nodes rounded to five digits, facets, and a tip relief of a hundredth of the module.
 #[test]
 fn rounded_nodes_and_relieved_tips_cost_little() {
     let params = gearbench_models::geometry::GearParams {
@@ -209,12 +209,14 @@ fn rounded_nodes_and_relieved_tips_cost_little() {
     );
 }
 
-/// What is no gear is refused with what was missing; a gear without a bore likewise.
+/// A body that is not a gear is refused with the missing part, as is a gear without a bore.
 #[test]
 fn other_bodies_are_refused() {
     let of = |mesh: &Mesh| {
         let skin = Skin::of(&mesh.nodes, &mesh.blocks);
-        recognise(&skin, &Known::default()).unwrap_err().to_string()
+        recognise(&skin, &SpecifiedBody::default())
+            .unwrap_err()
+            .to_string()
     };
     let cube = crate::test_support::brick(ElementKind::C3D8, [3, 4, 5], [1.0, 2.0, 3.0]);
     assert!(
@@ -222,7 +224,7 @@ fn other_bodies_are_refused() {
         "{}",
         of(&cube)
     );
-    assert!(recognise(&Skin::new(&[], []), &Known::default()).is_err());
+    assert!(recognise(&Skin::new(&[], []), &SpecifiedBody::default()).is_err());
 }
 
 #[test]
@@ -243,7 +245,7 @@ fn tetrahedra_are_found_with_grids_on_their_flanks() {
             Vec3::x(),
         );
         let skin = Skin::of(&mesh.nodes, &mesh.blocks);
-        let found = recognise(&skin, &Known::default()).unwrap();
+        let found = recognise(&skin, &SpecifiedBody::default()).unwrap();
         let off = errors(&found, &g);
         assert!(off.iter().all(|e| *e < 1e-9), "{off:?}");
         assert_eq!(found.flanks.len(), 38);
@@ -327,7 +329,7 @@ fn gmsh_gears_are_found() {
         let [gear] = &gears[..] else {
             panic!("{} bodies", gears.len())
         };
-        let found = gear.found.as_ref().and_then(Found::gear).unwrap();
+        let found = gear.found.as_ref().and_then(RecognisedBody::gear).unwrap();
         let g = Gear::new(gearbench_models::geometry::GearParams {
             teeth,
             module: 4e-3,
@@ -343,7 +345,7 @@ fn gmsh_gears_are_found() {
         assert!((gear.centre - Vec3::new(5e-3, 30e-3, -12e-3)).norm() < 1e-7);
         assert_eq!(gear.mesh.flanks.len(), 2 * teeth as usize);
         assert!(!gear.mesh.tied.is_empty());
-        let reading = found.readings(Given::default());
+        let reading = found.readings(ToolSpec::default());
         assert!(reading.len() == 1 && (reading[0].module / 4e-3 - 1.0).abs() < 1e-4);
     }
 }

@@ -11,7 +11,7 @@
 //! off it as the corners of its face do: chords leave no facets in the contact. `xi_p` is the foot of its perpendicular on the
 //! face.
 
-use super::{Facet, FlankPoint, Patch, Recognised, Skin};
+use super::{Facet, FlankPoint, Patch, RecognisedGear, Skin};
 use crate::mesh::TiedPoint;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
@@ -34,11 +34,12 @@ pub struct TiedGrid {
     pub columns: usize,
     /// Positions [m], row by row.
     pub positions: Vec<Vec3>,
-    /// What each follows.
+    /// Nodes to which each point is tied.
     pub points: Vec<TiedPoint>,
 }
 
-/// A toothing whose flanks unroll to a plane: what a grid on them has to know. Positions are in its own frame.
+/// A toothing whose flanks unroll to a plane: the interface for a grid of points on them. Positions are in its own
+/// frame.
 pub trait Unroll {
     /// Place along the profile [m], from the root to the tip; equal steps of it need be no equal steps of arc.
     fn along(&self, x: &Vec3) -> f64;
@@ -48,14 +49,15 @@ pub trait Unroll {
     fn between(&self, range: [f64; 2], part: f64) -> f64;
     /// Distance of a position outwards from a flank, along its normal [m].
     fn distance(&self, x: &Vec3, tooth: u32, side: Side) -> f64;
-    /// The point of a flank at a place along the profile and one along z, moved outwards along its normal [m].
+    /// Returns the point of a flank at a position along the profile and one along z, moved outwards along its normal
+    /// [m].
     fn point(&self, tooth: u32, side: Side, along: f64, z: f64, away: f64) -> Vec3;
-    /// What grows from the root to the tip, on the whole tooth [m].
+    /// Returns a height that grows from the root to the tip, on the whole tooth [m].
     fn height(&self, x: &Vec3) -> f64;
 }
 
 /// Along the profile counts the length of roll `l`, arcs are `l^2 / (2 r_b)`.
-impl Unroll for Recognised {
+impl Unroll for RecognisedGear {
     fn along(&self, x: &Vec3) -> f64 {
         self.fit.roll(x.xy().norm())
     }

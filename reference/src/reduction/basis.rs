@@ -10,17 +10,17 @@
 //! with the complex shape `u` of harmonic `n` and the normal `n_k` of tooth 0: normals turn with their tooth.
 //! [`of_mesh`] takes any mesh: modes of the whole.
 //!
-//! A free gear has one mode without frequency, `e / sqrt(J)` with the rigid motion `e` and `J = e^T M e`; it is
-//! checked and left out. All others hold no momentum, `phi^T M e = 0`. A hub that is free beside its own motion has as many
+//! A free gear has one mode of zero frequency, `e / sqrt(J)` with the rigid motion `e` and `J = e^T M e`; it is
+//! checked and left out. All others have no momentum, `phi^T M e = 0`. A hub with out-of-plane freedom has as many
 //! rigid modes as free directions (`rigid`).
 
 mod cyclic;
 
 use super::error::ReductionError;
 use super::integrals::Moments;
-use super::rigid::{self, Moved, RigidMass};
+use super::rigid::{self, ModeMotion, RigidMass};
 use super::surface::Surface;
-use super::{Basis, Mounting, Wanted, compliance, integrals, near_field};
+use super::{Basis, ModeSelection, Mounting, compliance, integrals, near_field};
 use crate::assembly::tie::{MassKind, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::limits;
@@ -30,39 +30,39 @@ use crate::modes::{self, Options, Target};
 use crate::vector::dot;
 use cyclic::{cyclic_momentum, cyclic_shape};
 use gearbench_models::gear::elastic::inertia::Integrals;
-use gearbench_models::gear::elastic::reduced::{LateralShapes, Residual};
+use gearbench_models::gear::elastic::reduced::{OutOfPlaneShapes, Residual};
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 
-/// Modes whose squared frequencies differ by less than this fraction are one: rounding and the tolerance of the
-/// search leave less.
+/// Relative difference of squared frequencies below which modes form a family: rounding and the tolerance of the
+/// search are smaller.
 const EQUAL: f64 = 1e-7;
 
 /// How far the lowest mode of a free gear may be from its rigid motion.
 const RIGID: f64 = 1e-6;
 
-impl Wanted {
-    /// The search for these modes and `rigid` further ones, of a body with so many `unknowns`.
+impl ModeSelection {
+    /// Returns the search target for these modes and `rigid` further ones, for a body with a number of `unknowns`.
     fn target(self, rigid: usize, unknowns: usize) -> Target {
         match self {
-            Wanted::Count(n) => Target::Count((n + rigid).min(unknowns)),
-            Wanted::UpTo(f) => Target::Above((std::f64::consts::TAU * f).powi(2)),
+            ModeSelection::Count(n) => Target::Count((n + rigid).min(unknowns)),
+            ModeSelection::UpTo(f) => Target::Above((std::f64::consts::TAU * f).powi(2)),
         }
     }
 }
 
-/// What one mode leaves behind.
+/// Stored result of one mode.
 struct Shape {
     omega2: f64,
     /// Along the directions of all flank nodes.
     flanks: Vec<f64>,
     hub: f64,
-    /// `phi^T M e` over the nodes, without what is added at the hub.
+    /// Inertia coupling `phi^T M e` over the nodes, without the inertia added at the hub.
     momentum: f64,
     /// `phi^T M e_x` and `phi^T M e_y`, likewise.
     linear: [f64; 2],
-    /// In the directions beside the own one.
-    moved: Moved,
+    /// Motion of hub and gear in the out-of-plane directions.
+    moved: ModeMotion,
 }
 
 /// Modes of a gear by its whole mesh.
@@ -70,7 +70,7 @@ pub fn of_mesh(
     mesh: &GearMesh,
     material: &Material,
     mounting: &Mounting,
-    wanted: Wanted,
+    wanted: ModeSelection,
     along_profile: bool,
 ) -> Result<Basis, ReductionError> {
     let nodes = Surface::new(mesh)?;
@@ -101,8 +101,8 @@ pub fn of_mesh(
     let target = wanted.target(motions.len(), tie.coordinates());
     let found = modes::find(&reduced, target, &Options::default())?;
     let skip = motions.len();
-    let lateral =
-        (mounting.is_lateral()).then(|| rigid::OfMesh::new(mounting, &mesh.mesh.nodes, &mass));
+    let lateral = (mounting.is_lateral())
+        .then(|| rigid::MeshRigidMotions::new(mounting, &mesh.mesh.nodes, &mass));
     // A mode over the coordinates of the tie, and at all nodes.
     let expand = |mode: usize, full: &mut [f64]| -> Vec<f64> {
         let mut vector: Vec<f64> = found.vectors.col(mode).iter().copied().collect();
@@ -129,7 +129,7 @@ pub fn of_mesh(
                     let along = masses.iter().zip(full[axis..].iter().step_by(3));
                     along.map(|(m, u)| m * u).sum()
                 }),
-                moved: (lateral.as_ref()).map_or_else(Moved::default, |l| l.moved(&full, hub)),
+                moved: (lateral.as_ref()).map_or_else(ModeMotion::default, |l| l.moved(&full, hub)),
             }
         })
         .collect();
@@ -159,7 +159,7 @@ pub fn of_sector(
     sector: &GearMesh,
     material: &Material,
     mounting: &Mounting,
-    wanted: Wanted,
+    wanted: ModeSelection,
     along_profile: bool,
 ) -> Result<Basis, ReductionError> {
     let nodes = Surface::of_sector(sector)?;
@@ -188,7 +188,7 @@ pub fn of_sector(
     let mut found = search.find(target, &Options::default())?;
     let lateral = mounting.is_lateral().then(|| {
         let nodes = &sector.mesh.nodes;
-        rigid::OfSector::new(mounting, nodes, &sector.bore, &mass, sector.teeth)
+        rigid::SectorRigidMotions::new(mounting, nodes, &sector.bore, &mass, sector.teeth)
     });
     if let Some(lateral) = &lateral {
         lateral.clean(&mut found);
@@ -197,7 +197,7 @@ pub fn of_sector(
     let shapes = (0..found.modes.len())
         .map(|mode| Shape {
             linear: cyclic_momentum(&found, mode, &masses),
-            moved: (lateral.as_ref()).map_or_else(Moved::default, |l| l.moved(&found, mode)),
+            moved: (lateral.as_ref()).map_or_else(ModeMotion::default, |l| l.moved(&found, mode)),
             ..cyclic_shape(&found, mode, &nodes, &rigid, &pull, bore)
         })
         .collect();
@@ -218,12 +218,16 @@ pub fn of_sector(
     finish(nodes, mounting, body, shapes, (residual, integrals))
 }
 
-/// Memory of a number of a mode shape at the flank nodes: as it is found, as it is kept in the basis, and in a model [bytes].
+/// Memory of a number of a mode shape at the flank nodes: during the search, in the basis, and in a model [bytes].
 const SHAPE_BYTES: f64 = 24.0;
 
 /// Checks the memory of the shapes at the flank nodes of all teeth before modes are searched.
-fn check_shapes(surface: &Surface, wanted: Wanted, unknowns: usize) -> Result<(), ReductionError> {
-    let Wanted::Count(modes) = wanted else {
+fn check_shapes(
+    surface: &Surface,
+    wanted: ModeSelection,
+    unknowns: usize,
+) -> Result<(), ReductionError> {
+    let ModeSelection::Count(modes) = wanted else {
         return Ok(());
     };
     // There are no more modes than unknowns.
@@ -235,17 +239,17 @@ fn check_shapes(surface: &Surface, wanted: Wanted, unknowns: usize) -> Result<()
     Ok(limits::check(what, bytes, way_out)?)
 }
 
-/// What of a gear does not depend on its modes.
+/// Data of a gear that do not depend on its modes.
 struct Body {
     inertia: f64,
     unbalance: [f64; 2],
     unknowns: usize,
     near_field: Option<Vec<Vec<f64>>>,
-    /// Of a hub that is free beside its own motion, without modes.
-    lateral: Option<LateralShapes>,
+    /// Data of a hub with out-of-plane freedom, without modes.
+    lateral: Option<OutOfPlaneShapes>,
 }
 
-/// `M e_x`, one entry per node: the mass matrix is the same along all axes.
+/// Computes `M e_x`, one entry per node: the mass matrix is equal along all axes.
 fn nodal_masses(assembly: &Assembly) -> Vec<f64> {
     let n = assembly.lumped.len();
     let mut image = vec![0.0; 3 * n];
@@ -255,7 +259,7 @@ fn nodal_masses(assembly: &Assembly) -> Vec<f64> {
 
 /// Takes out the rigid modes of a hub that is free in several directions, and keeps how the others move it.
 fn take_rigid(
-    body: &mut LateralShapes,
+    body: &mut OutOfPlaneShapes,
     mounting: &Mounting,
     shapes: &mut Vec<Shape>,
 ) -> Result<(), ReductionError> {

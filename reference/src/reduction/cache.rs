@@ -2,11 +2,11 @@
 //!
 //! A program [chooses](choose) its cache; a library leaves no files behind unasked, and so do tests.
 //!
-//! A file is named by the hash of everything its basis depends on ([`Request::key`]), the version of the computation
-//! included: nothing is ever out of date, files are only no longer asked for. They lie in `$GEARBENCH_CACHE`, else in
-//! the folder `gearbench` where the platform keeps caches (`$XDG_CACHE_HOME` or `~/.cache`, `~/Library/Caches`,
-//! `%LOCALAPPDATA%`); `GEARBENCH_CACHE=off` switches the cache off. Beyond [`LIMIT`] the files that were not used for
-//! longest go. A cache that cannot be read or written costs time, never a result.
+//! The name of a file is the hash of all data on which its basis depends ([`Request::key`]), including the version of
+//! the computation: no file is ever out of date, it is only no longer used. Files are in `$GEARBENCH_CACHE`, otherwise
+//! in the folder `gearbench` of the platform's caches (`$XDG_CACHE_HOME` or `~/.cache`, `~/Library/Caches`,
+//! `%LOCALAPPDATA%`); `GEARBENCH_CACHE=off` switches the cache off. Beyond [`LIMIT`] the least recently used files are
+//! deleted. A cache that cannot be read or written costs time, never a result.
 
 use super::store::{self, Meta};
 use super::{Basis, Request};
@@ -31,7 +31,7 @@ pub fn trouble() -> Option<&'static str> {
     TROUBLE.get().map(String::as_str)
 }
 
-/// Age at which what a broken run left half written goes.
+/// Age after which unfinished files of an interrupted run are deleted.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
 /// A folder of bases, or none.
@@ -43,8 +43,8 @@ pub struct Cache {
 
 /// A basis, and whether it had been computed before.
 #[derive(Clone, Debug)]
-pub struct Cached {
-    /// The basis.
+pub struct CachedBasis {
+    /// Basis from the cache.
     pub basis: Arc<Basis>,
     /// It was read from the cache.
     pub hit: bool,
@@ -80,15 +80,15 @@ impl Cache {
         self.folder.as_deref()
     }
 
-    /// The basis of a request, from the cache or computed; `source` says in words where the mesh is from.
+    /// Returns the basis of a request, from the cache or computed; `source` describes the source of the mesh.
     pub fn basis<E>(
         &self,
         request: &Request<'_>,
         source: &str,
         compute: impl FnOnce() -> Result<Basis, E>,
-    ) -> Result<Cached, E> {
+    ) -> Result<CachedBasis, E> {
         let Some(folder) = &self.folder else {
-            return Ok(Cached {
+            return Ok(CachedBasis {
                 basis: Arc::new(compute()?),
                 hit: false,
             });
@@ -101,7 +101,7 @@ impl Cache {
             // The time of the last use: what is used stays.
             let opened = fs::File::options().append(true).open(&path);
             let _ = opened.and_then(|f| f.set_modified(SystemTime::now()));
-            return Ok(Cached {
+            return Ok(CachedBasis {
                 basis: stored.basis,
                 hit: true,
             });
@@ -116,7 +116,7 @@ impl Cache {
                 let _ = TROUBLE.set(format!("{}: {e}", folder.display()));
             }
         }
-        Ok(Cached { basis, hit: false })
+        Ok(CachedBasis { basis, hit: false })
     }
 
     /// Removes the files that were not used for longest beyond the limit, the newest last of all.
@@ -163,7 +163,7 @@ impl Cache {
 
 static IN_USE: OnceLock<Cache> = OnceLock::new();
 
-/// Chooses the cache of this process; without it nothing is kept on disk. Only the first choice counts.
+/// Selects the cache of this process; without it nothing is stored on disk. Only the first selection has an effect.
 pub fn choose(cache: Cache) {
     let _ = IN_USE.set(cache);
 }

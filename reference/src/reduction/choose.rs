@@ -1,10 +1,9 @@
-//! Pass 2: which modes are kept, and with what damping.
+//! Selection of the modes of a model and of their damping (pass 2).
 //!
-//! Modes of a family are kept or truncated together: the two of a pair of equal frequency, without which teeth that are
-//! alike would yield differently. Larger families are not needed for that, and ranking pairs by the mean over all
-//! teeth keeps what one kind of shape makes over the harmonics together by itself where it is alike. Families are
-//! ranked by frequency, lowest first, or by flank compliance,
-//! largest first: the mean over the family of
+//! Modes of a family are kept or truncated together: the two of a pair of equal frequency, without which equal teeth
+//! would have different compliances. Larger families are not needed for that; the ranking of pairs by the mean over
+//! all teeth keeps similar shapes of all harmonics together. Families are ranked by frequency, lowest first, or by
+//! flank compliance, largest first: the mean over the family of
 //!
 //! ```text
 //! c_i = sum_k A_k b_ki^2 / (omega_i^2 sum_k A_k)
@@ -20,21 +19,21 @@
 mod lines;
 mod teeth;
 
-pub use teeth::{Made, in_mesh, made_for};
+pub use teeth::{FittedModes, in_mesh, made_for};
 
-use super::{Basis, Kept, ReductionError, without_modes};
+use super::{Basis, KeptModes, ReductionError, without_modes};
 use gearbench_models::contact::points::reference_areas;
-use gearbench_models::gear::elastic::reduced::{LateralShapes, Reduced};
+use gearbench_models::gear::elastic::reduced::{OutOfPlaneShapes, Reduced};
 use gearbench_models::spec::PointRule;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// By what modes are ranked.
+/// Criterion by which modes are ranked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Criterion {
-    /// Lowest frequency first.
+    /// Rank by frequency, lowest first.
     Frequency,
     /// Largest flank compliance first.
     #[default]
@@ -57,7 +56,7 @@ impl Criterion {
 /// Which modes to keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// Rank.
+    /// Criterion of the ranking.
     pub by: Criterion,
     /// At most so many.
     pub count: usize,
@@ -69,8 +68,8 @@ pub struct Choice {
     pub even_over_width: bool,
 }
 
-/// Part of the Nyquist frequency of a step up to which modes are kept: kicks at steps `h` drive a mode near
-/// `omega h = pi` in resonance.
+/// Fraction of the Nyquist frequency of a step up to which modes are kept: impulses at steps `h` drive a mode near
+/// `omega h = pi` into resonance.
 const PART_OF_NYQUIST: f64 = 0.64;
 
 /// Highest angular frequency [rad/s] that a step of `h` [s] carries.
@@ -121,9 +120,9 @@ fn means(basis: &Basis, even_over_width: bool) -> (Vec<f64>, f64) {
 /// Modes that are kept or truncated together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
-    /// Its modes.
+    /// Modes of the family.
     pub modes: std::ops::Range<usize>,
-    /// By what it is ranked, the best have most: minus the frequency [rad/s], or the compliance per mode [m/N].
+    /// Rank, largest first: minus the frequency [rad/s], or the compliance per mode [m/N].
     pub rank: f64,
 }
 
@@ -138,7 +137,7 @@ pub fn ranked(basis: &Basis, choice: &Choice) -> Vec<Family> {
     ranked_by(basis, choice, &compliances)
 }
 
-/// The same by compliances of all modes; with none by frequency.
+/// Ranks by the compliances of all modes, or, without any, by frequency.
 fn ranked_by(basis: &Basis, choice: &Choice, compliances: &[f64]) -> Vec<Family> {
     let mut families = Vec::new();
     let mut first = 0;
@@ -160,8 +159,9 @@ fn ranked_by(basis: &Basis, choice: &Choice, compliances: &[f64]) -> Vec<Family>
 /// Part of the modes that are chosen for the hub, where it moves aside of its own motion.
 const FOR_HUB: f64 = 0.25;
 
-/// What each mode gives of the compliance of a hub in its lateral directions, each direction by the sum over all modes:
-/// a bearing feels what modes chosen for the flanks alone would leave out. `None` for a hub that only turns.
+/// Returns the compliance of each mode at a hub in its out-of-plane directions, each direction relative to the sum
+/// over all modes: a bearing depends on modes that a selection for the flanks alone would leave out. `None` for a hub
+/// that only rotates.
 fn hub_compliances(basis: &Basis) -> Option<Vec<f64>> {
     let lateral = basis.lateral.as_ref()?;
     let of = |d: usize| {
@@ -180,8 +180,9 @@ fn hub_compliances(basis: &Basis) -> Option<Vec<f64>> {
     Some(sums)
 }
 
-/// The modes of a choice, ascending; of a hub that moves aside a quarter of them are those that move it most. A family that has no room any more is passed over for smaller ones, but not
-/// where all modes below some frequency are meant.
+/// Returns the selected modes, ascending; for a hub with out-of-plane freedom a quarter of them are those that move it
+/// most. A family that exceeds the limit is skipped in favour of smaller ones, except where all modes below some
+/// frequency are requested.
 pub fn choose(basis: &Basis, choice: &Choice) -> Vec<usize> {
     let mut kept = Vec::new();
     let by_frequency = choice.by == Criterion::Frequency;
@@ -225,7 +226,7 @@ impl ModalDamping {
     }
 }
 
-impl Made {
+impl FittedModes {
     /// These modes as the elastic gear takes them, as [`reduced`].
     pub fn reduced(
         &self,
@@ -247,7 +248,8 @@ pub fn reduced(
     with_kept(basis, kept, damping, residual.then_some(&[]))
 }
 
-/// The same; with the residual compliance where the rows of the teeth are given that the modes are made for, none of a choice.
+/// Returns the model of selected modes; with `residual`, the rows of the teeth for which modes were fitted, with the
+/// residual compliance.
 fn with_kept(
     basis: &Basis,
     kept: &[usize],
@@ -276,7 +278,7 @@ fn with_kept(
     }
     let hub = pick(&basis.hub);
     let residual = if let Some(made_for) = residual {
-        let kept = Kept {
+        let kept = KeptModes {
             made_for,
             omega: &omega,
             shapes: &shapes,
@@ -312,7 +314,7 @@ impl Basis {
         self.normals.len() * self.per_node()
     }
 
-    /// Directions of a flank node: outwards, and along the profile where it is known.
+    /// Returns the number of directions of a flank node: outwards, and along the profile where it is included.
     pub fn per_node(&self) -> usize {
         1 + usize::from(self.along_profile)
     }
@@ -329,10 +331,10 @@ impl Basis {
         self.compliance.flanks.between(i, j, self.directions())
     }
 
-    /// How some of its modes move a hub that is free beside its own motion.
-    fn lateral_of(&self, kept: &[usize]) -> Option<Arc<LateralShapes>> {
+    /// Returns the motion of a hub with out-of-plane freedom in some of its modes.
+    fn lateral_of(&self, kept: &[usize]) -> Option<Arc<OutOfPlaneShapes>> {
         let lateral = self.lateral.as_ref()?;
-        Some(Arc::new(LateralShapes {
+        Some(Arc::new(OutOfPlaneShapes {
             hub: kept.iter().map(|&i| lateral.hub[i]).collect(),
             ..(**lateral).clone()
         }))
@@ -354,7 +356,7 @@ impl Basis {
         let rows = self.shapes.chunks_exact(modes.max(1));
         let lateral = self.lateral.as_ref().map(|lateral| {
             let hub = [0, 1, 2, 3, 4, 5].map(|d| each(&|i| lateral.hub[i][d]));
-            Arc::new(LateralShapes {
+            Arc::new(OutOfPlaneShapes {
                 hub: (0..count)
                     .map(|k| [0, 1, 2, 3, 4, 5].map(|d| hub[d][k]))
                     .collect(),

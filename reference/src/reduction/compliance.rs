@@ -53,7 +53,7 @@ use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 use gearbench_models::stiffness::Material;
 use rayon::prelude::*;
-use relief::Held;
+use relief::FixedHubCompliance;
 use std::sync::{Mutex, PoisonError};
 
 /// Right-hand sides at a time.
@@ -74,7 +74,7 @@ fn held_of_assembly(
     assembly: &Assembly,
     surface: &Surface,
     mounting: &Mounting,
-) -> Result<Held, ReductionError> {
+) -> Result<FixedHubCompliance, ReductionError> {
     let nodes = &gear.mesh.nodes;
     let n = surface.directions.len();
     check_whole(surface)?;
@@ -141,7 +141,7 @@ fn held_of_assembly(
         let u = response.col(q).iter();
         pulls[p].iter().zip(u).map(|(a, b)| a * b).sum()
     };
-    Ok(Held {
+    Ok(FixedHubCompliance {
         flanks: FlankCompliance::Full(compliance),
         motions: n,
         arms: arms(surface, &motions),
@@ -151,7 +151,7 @@ fn held_of_assembly(
     })
 }
 
-/// The free motions of a hub; that of a held one.
+/// Returns the free motions of a hub, or the fixed motion of a fixed one.
 fn relieved(mounting: &Mounting) -> Vec<HubMotion> {
     let motions = mounting.motions();
     match motions.is_empty() {
@@ -160,7 +160,7 @@ fn relieved(mounting: &Mounting) -> Vec<HubMotion> {
     }
 }
 
-/// Compliance of a whole gear from one sector of it; `surface` is that of [`Surface::of_sector`].
+/// Computes the compliance of a whole gear from one sector of it; `surface` is that of [`Surface::of_sector`].
 pub fn of_sector(
     sector: &GearMesh,
     material: &Material,
@@ -170,7 +170,7 @@ pub fn of_sector(
     Ok(held_of_sector(sector, material, surface, mounting)?.mounted(mounting))
 }
 
-/// The same with the hub held.
+/// Computes the compliance with fixed hub.
 ///
 /// With the forces on tooth 0 alone the load of every harmonic is that tooth's, and the teeth respond by the inverse
 /// transform, in the frame turned with each:
@@ -183,7 +183,7 @@ fn held_of_sector(
     material: &Material,
     surface: &Surface,
     mounting: &Mounting,
-) -> Result<Held, ReductionError> {
+) -> Result<FixedHubCompliance, ReductionError> {
     let teeth = sector.teeth as usize;
     if surface.nodes() == 0 || !surface.nodes().is_multiple_of(teeth.max(1)) {
         return Err(ReductionError::Mismatch(format!(
@@ -215,7 +215,7 @@ fn held_of_sector(
         }
     }
     symmetrise_blocks(&mut blocks, teeth, m);
-    Ok(Held {
+    Ok(FixedHubCompliance {
         flanks: FlankCompliance::Cyclic {
             teeth,
             per_tooth,
@@ -226,13 +226,13 @@ fn held_of_sector(
     })
 }
 
-/// What inertia relief needs of a gear made of copies of a sector: each motion has a harmonic of its own.
+/// Computes the data of inertia relief for a gear of equal sectors: each motion has a harmonic of its own.
 fn relief_of_sector(
     cyclic: &Sector,
     sector: &GearMesh,
     columns: &[Column],
     mounting: &Mounting,
-) -> Result<Held, ReductionError> {
+) -> Result<FixedHubCompliance, ReductionError> {
     let (teeth, m) = (sector.teeth as usize, columns.len());
     let directions: Vec<usize> = mounting.directions().collect();
     let directions = match directions.is_empty() {
@@ -284,7 +284,7 @@ fn relief_of_sector(
             }
         }
     }
-    Ok(Held {
+    Ok(FixedHubCompliance {
         flanks: FlankCompliance::Full(Vec::new()),
         motions: n,
         arms: Vec::new(),
@@ -348,7 +348,7 @@ fn work(load: &Load, u: impl Fn(usize) -> f64) -> f64 {
     load.iter().map(of).sum()
 }
 
-/// What a unit force along each direction is at the nodes; what the hub holds takes its part away.
+/// Returns the nodal loads of a unit force along each direction, without the part on nodes tied to the hub.
 fn loads(surface: &Surface, tie: &Tie) -> Result<Vec<Load>, ReductionError> {
     let place = |node: u32| {
         let place = tie.place.get(node as usize).copied();
@@ -367,7 +367,7 @@ fn loads(surface: &Surface, tie: &Tie) -> Result<Vec<Load>, ReductionError> {
     Ok(surface.directions.iter().enumerate().map(load).collect())
 }
 
-/// Places among the free nodes and directions of the first `count` ones.
+/// Returns the indices among the free nodes and the directions of the first `count` columns.
 fn columns(
     surface: &Surface,
     count: usize,

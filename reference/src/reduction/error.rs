@@ -1,4 +1,4 @@
-//! What a reduction declines.
+//! Errors of a reduction.
 
 use crate::element::ElementError;
 use crate::limits::TooMuchMemory;

@@ -1,4 +1,4 @@
-//! What a choice of modes costs in accuracy, before any scene is run: a model impact.
+//! Estimate of the accuracy of a selection of modes, before any scene is run: a model impact.
 //!
 //! The gear hits its mirror image, which is to say a wall, with one row of flank nodes (one node, where contact does
 //! not lie evenly over the width), along the normal:
@@ -7,11 +7,11 @@
 //! m y'' = -F,   q_i'' + omega_i^2 q_i = -b_i F,   y + sum_i b_i q_i = (R + A / 20) F   while F > 0
 //! ```
 //!
-//! over the modes that are kept: `m = J / effective base radius^2` (a held gear moves as if it were free to), `A` the
-//! static compliance of the whole mesh there, `R` what the kept modes leave of it; a twentieth of `A` stands for the
-//! contact law. The reference keeps every mode of the basis. The estimate is the relative L2 difference of the force
-//! histories, root mean square over rows of a left and a right flank. Speed has no part in it: until contact ends the
-//! system is linear.
+//! over the kept modes, with `m = J / effective base radius^2` (a fixed gear is treated as free), the static
+//! compliance `A` of the whole mesh there, and the residual compliance `R`; a twentieth of `A` represents the contact
+//! law. The reference keeps every mode of the basis. The estimate is the relative L2 difference of the force
+//! histories, root mean square over rows of a left and a right flank. It does not depend on the speed: until contact
+//! ends the system is linear.
 
 use super::choose::{Choice, Family, ranked};
 use super::{Basis, ReductionError};
@@ -19,7 +19,7 @@ use gearbench_models::geometry::Side;
 
 /// Rows of a flank that are hit.
 const ROWS: usize = 5;
-/// Compliance of the contact law over the static one of the mesh.
+/// Compliance of the contact law relative to the static one of the mesh.
 const LAW: f64 = 0.05;
 /// Steps per radian of the fastest motion of the contact.
 const STEPS_PER_RADIAN: f64 = 5.0;
@@ -94,7 +94,7 @@ impl<'a> Impacts<'a> {
         (sum / self.probes.len() as f64).sqrt()
     }
 
-    /// The fewest modes of a choice's ranking whose estimate meets a target.
+    /// Returns the smallest selection in the ranking whose estimate meets a target.
     pub fn fewest(&self, choice: &Choice, target: f64) -> Result<Vec<usize>, ReductionError> {
         let families: Vec<Family> = ranked(self.basis, choice);
         let first = |count: usize| -> Vec<usize> {

@@ -1,4 +1,4 @@
-//! What the flanks of a mesh tell of its toothing: teeth, radii, module.
+//! Toothing data from the flanks of a mesh: teeth, radii, module.
 //!
 //! The flanks of a gear carry an involute ([`crate::recognise::involute`]): base radius, base helix and base thickness by
 //! least squares over the flank nodes, end reliefs left out; module and pressure angle are those of
@@ -8,7 +8,7 @@
 use super::Basis;
 use super::store::Motion;
 use crate::recognise::standard::{is_standard, readings};
-use crate::recognise::{self, FlankPoint, Given, Involute, Reading};
+use crate::recognise::{self, FlankPoint, Involute, ToolCandidate, ToolSpec};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
 use std::f64::consts::PI;
@@ -22,27 +22,27 @@ const FINE: f64 = 1e-7;
 /// A toothing as its flank nodes show it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Toothing {
-    /// Largest radius of a flank node [m], of an internal gear the smallest one; of a rack the height of its tips above the
-    /// reference line.
+    /// Largest radius of a flank node [m], for an internal gear the smallest one; for a rack the height of its tips
+    /// above the reference line.
     pub tip: f64,
     /// Radius at the other end of the flanks [m]; of a rack the height there, negative below the reference line.
     pub low: f64,
-    /// Base radius [m]; of a rack its base pitch over 2 pi, what a gear's base radius is per tooth.
+    /// Base radius [m]; for a rack its base pitch over 2 pi, the equivalent of a base radius per tooth.
     pub base: f64,
     /// Width of the flanks [m].
     pub width: f64,
-    /// Normal module [m] at the pressure angle; of a rack the transverse one.
+    /// Normal module [m] at the pressure angle; for a rack the transverse one.
     pub module: f64,
-    /// Normal pressure angle [rad], of a gear the likeliest; of a rack the transverse one.
+    /// Normal pressure angle [rad], for a gear the most probable; for a rack the transverse one.
     pub pressure_angle: f64,
-    /// The module is one of ISO 54.
+    /// True if the module is one of ISO 54.
     pub standard: bool,
     /// Every flank runs parallel to z: spur toothing without crowning.
     pub straight: bool,
     /// The involute through the flank nodes of a gear.
     pub involute: Option<Involute>,
     /// Tools that it may have been cut with, the likeliest first; dedendum factors count to the lowest flank node.
-    pub readings: Vec<Reading>,
+    pub readings: Vec<ToolCandidate>,
 }
 
 impl Toothing {
@@ -91,7 +91,7 @@ impl Toothing {
                 involute = Involute::guess(teeth, base, twist).fitted_to_most(&points, FINE * tip);
                 // What a pinion-type cutter was is not told by the gear.
                 tools = (involute.as_ref().filter(|_| !inward)).map_or(Vec::new(), |fit| {
-                    readings(fit, [tip, low], NEAR, Given::default())
+                    readings(fit, [tip, low], NEAR, ToolSpec::default())
                 });
                 let base = involute.map_or(base, |fit| fit.base_radius);
                 match tools.first() {
@@ -143,7 +143,7 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     recognise::median(values).unwrap_or(f64::NAN)
 }
 
-/// Least distance along the displacement of two flanks of one side.
+/// Returns the smallest distance of two flanks of one side along the displacement.
 fn rack_pitch(basis: &Basis) -> f64 {
     let of = |side: Side| {
         let own = basis.flanks.grids().iter().filter(|g| g.side == side);

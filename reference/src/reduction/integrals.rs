@@ -82,7 +82,7 @@ impl Moments {
         sum
     }
 
-    /// Integrals without modes.
+    /// Returns the integrals without modes.
     pub(super) fn integrals(&self) -> Integrals {
         let trace = self.second[0] + self.second[4] + self.second[8];
         let mut tensor = self.second.map(|s| -s);
@@ -162,7 +162,7 @@ pub(super) fn of_mesh(
     Some(out)
 }
 
-/// Symmetric and skew parts of what should be that: the difference is rounding.
+/// Fills the symmetric and skew matrices, without their parts of the other symmetry, which are rounding.
 fn fill(out: &mut Integrals, modes: usize, entry: impl Fn(usize, usize) -> (f64, f64)) {
     out.planar = vec![0.0; modes * modes];
     out.gyroscopic = vec![0.0; modes * modes];

@@ -38,12 +38,12 @@ mod error;
 mod estimate;
 mod geometry;
 mod integrals;
-#[cfg(test)]
-mod lateral_tests;
 mod mounting;
 mod near_field;
 mod of_gear;
 mod open;
+#[cfg(test)]
+mod out_of_plane_tests;
 mod parameters;
 #[cfg(test)]
 mod reaction_tests;
@@ -65,15 +65,15 @@ pub use geometry::Toothing;
 pub use mounting::{DIRECTIONS, Mounting, mount_text};
 pub(crate) use near_field::of_flanks as near_field_of_flanks;
 pub(crate) use of_gear::added_of;
-pub use of_gear::{OfGear, mounting_of, of_gear};
+pub use of_gear::{GearReductionInput, mounting_of, of_gear};
 pub use parameters::ElasticParameters;
 pub use request::Request;
 pub(crate) use surface::Surface;
-pub(crate) use truncation::{Kept, without_modes};
+pub(crate) use truncation::{KeptModes, without_modes};
 
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::inertia::Integrals;
-use gearbench_models::gear::elastic::reduced::{LateralShapes, Residual};
+use gearbench_models::gear::elastic::reduced::{OutOfPlaneShapes, Residual};
 use gearbench_models::geometry::Flanks;
 use std::sync::Arc;
 
@@ -84,49 +84,51 @@ pub struct Basis {
     pub flanks: Flanks,
     /// Outward unit normal at each flank node, own frame.
     pub normals: Vec<Vec3>,
-    /// Shapes and compliances have a second row behind the outward one of each node: along the profile.
+    /// True if shapes and compliances have a second row after the outward one of each node: along the profile.
     pub along_profile: bool,
     /// The hub is free in the mount's direction.
     pub free: bool,
-    /// Inertia [kg m^2] (rack: mass [kg]) with what is added at the hub.
+    /// Inertia [kg m^2] (rack: mass [kg]) including that added at the hub.
     pub inertia: f64,
-    /// What is added at the hub.
+    /// Inertia added at the hub.
     pub added_inertia: f64,
     /// Unknowns of the finite elements.
     pub unknowns: usize,
-    /// Angular frequencies of all modes found, ascending, rigid motion left out [rad/s].
+    /// Angular frequencies of all computed modes, ascending, without rigid motion [rad/s].
     pub omega: Vec<f64>,
     /// Modes that must be kept or truncated together have the same number: those of equal frequency.
     pub family: Vec<u32>,
     /// Shapes at the flank nodes along their directions, `direction * modes + mode` [1/sqrt(kg)]; see
     /// [`Basis::shapes_at`].
     pub shapes: Vec<f64>,
-    /// Turn (displacement) of a free hub in each mode; zeros for a held hub.
+    /// Rotation (displacement) of a free hub in each mode; zeros for a fixed hub.
     pub hub: Vec<f64>,
-    /// Inertia coupling with the prescribed motion of a held hub; zeros for a free hub.
+    /// Inertia coupling with the prescribed motion of a fixed hub; zeros for a free hub.
     pub participation: Vec<f64>,
     /// Momentum of each mode by unit velocity of its coordinate, along the own x and y [sqrt(kg)].
     pub momentum: Vec<[f64; 2]>,
     /// Mass of the mesh times the place of its centre of mass, own x and y [kg m].
     pub unbalance: [f64; 2],
-    /// Compliance of the whole mesh: nothing is truncated yet.
+    /// Compliance of the whole mesh, before truncation.
     pub compliance: Residual,
-    /// Displacement of rows of nodes by line loads, as in
-    /// [`Reduced`](gearbench_models::gear::elastic::reduced::Reduced); `None` where that
-    /// cannot be told: helical teeth of other elements than hexahedra of eight nodes.
+    /// Displacement of rows of nodes under line loads, as in
+    /// [`Reduced`](gearbench_models::gear::elastic::reduced::Reduced); `None` where it cannot be computed: helical
+    /// teeth of elements other than hexahedra of eight nodes.
     pub near_field: Option<Arc<Vec<Vec<f64>>>>,
-    /// Inertia integrals of all modes over the mesh, without what is added at the hub; `None` where they are too many.
+    /// Inertia integrals of all modes over the mesh, without the inertia added at the hub; `None` where they are too
+    /// many.
     pub integrals: Option<Arc<Integrals>>,
-    /// Mass [kg], and inertia about the axes beside the own one [kg m^2], added at a hub that is free beside its own motion.
+    /// Mass [kg], and inertia about the axes other than the own one [kg m^2], added at a hub with out-of-plane
+    /// freedom.
     pub added: [f64; 2],
-    /// Of a hub that is free beside its own motion.
-    pub lateral: Option<Arc<LateralShapes>>,
+    /// Data of a hub with out-of-plane freedom.
+    pub lateral: Option<Arc<OutOfPlaneShapes>>,
 }
 
-/// Which modes are wanted, rigid motion not counted.
+/// Selection of the modes to compute, without rigid motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Wanted {
-    /// So many of the lowest (one more if the last is half of a pair).
+pub enum ModeSelection {
+    /// Number of the lowest modes (one more if the last is half of a pair).
     Count(usize),
     /// All up to this frequency [Hz].
     UpTo(f64),

@@ -4,22 +4,21 @@ use crate::assembly::tie::HubMotion;
 use gearbench_models::Vec3;
 use gearbench_models::error::Reason;
 
-/// The motion of the hub in the gear's own frame, whether the mount leaves it free, and in which directions beside it the
-/// hub is free.
+/// Motion of the hub in the gear frame, its freedom, and the free out-of-plane directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mounting {
     /// Turning about z, or the displacement of a rack along its own y.
     pub motion: HubMotion,
-    /// The mount leaves the motion free; else it is held or prescribed.
+    /// True if the mount leaves the motion free; otherwise it is fixed or prescribed.
     pub free: bool,
     /// Inertia [kg m^2] (rack: mass [kg]) added at the hub.
     pub added_inertia: f64,
-    /// Directions beside its own motion in which the hub is free: translations along the own x, y, z, rotations about them.
+    /// Free out-of-plane directions of the hub: translations along x, y, z of the gear frame, rotations about them.
     /// See [`Mounting::lateral`].
     pub lateral: [bool; 6],
     /// Mass added at the hub, which moves in the free translations [kg].
     pub added_mass: f64,
-    /// Inertia added at the hub about each axis beside that of the own motion [kg m^2].
+    /// Inertia added at the hub about each axis except that of the own motion [kg m^2].
     pub added_tilting: f64,
 }
 
@@ -52,7 +51,7 @@ impl Mounting {
         }
     }
 
-    /// The same hub, free in these directions beside its own motion, which is not looked at.
+    /// Sets the free out-of-plane directions; the entry of the own motion is not used.
     ///
     /// # Errors
     /// The basis turns with its gear: x and y of a hub that turns are free together or held together, and so are the tilts
@@ -73,8 +72,8 @@ impl Mounting {
         Ok(self)
     }
 
-    /// The same hub with a mass [kg], and an inertia about the axes beside the own one [kg m^2], added. Of a rack the mass is
-    /// what was added to its slide already.
+    /// Adds a mass [kg], and an inertia about the axes other than the own one [kg m^2]. For a rack the mass is that
+    /// already added to its motion.
     #[must_use]
     pub fn with_added(self, mass: f64, tilting: f64) -> Self {
         Mounting {
@@ -95,19 +94,19 @@ impl Mounting {
         }
     }
 
-    /// The hub is free beside its own motion.
+    /// Returns true if the hub has out-of-plane freedom.
     pub fn is_lateral(&self) -> bool {
         self.lateral.contains(&true)
     }
 
-    /// The free directions, the own one first.
+    /// Iterates over the free directions, the own one first.
     pub fn directions(&self) -> impl Iterator<Item = usize> + '_ {
         let own = self.free.then_some(self.own());
         let lateral = (0..6).filter(|d| self.lateral[*d]);
         own.into_iter().chain(lateral)
     }
 
-    /// The motion in one of the six directions.
+    /// Returns the motion in one of the six directions.
     pub fn motion_of(&self, direction: usize) -> HubMotion {
         match direction {
             d if d == self.own() => self.motion,
@@ -116,12 +115,12 @@ impl Mounting {
         }
     }
 
-    /// The motions that are free, the own one first.
+    /// Returns the free motions, the own one first.
     pub fn motions(&self) -> Vec<HubMotion> {
         self.directions().map(|d| self.motion_of(d)).collect()
     }
 
-    /// What is added at the hub in each of the six directions [kg], [kg m^2].
+    /// Returns the inertia added at the hub in each of the six directions [kg], [kg m^2].
     pub fn added(&self) -> [f64; 6] {
         let (m, i) = (self.added_mass, self.added_tilting);
         let mut added = [m, m, m, i, i, i];
@@ -129,7 +128,7 @@ impl Mounting {
         added
     }
 
-    /// What is added in each of the free motions.
+    /// Returns the inertia added in each of the free motions.
     pub fn added_in_motions(&self) -> Vec<f64> {
         let added = self.added();
         self.directions().map(|d| added[d]).collect()
@@ -151,7 +150,7 @@ pub(super) fn field(motion: HubMotion, nodes: &[Vec3]) -> Vec<f64> {
 /// Names of the six directions.
 pub const DIRECTIONS: [&str; 6] = ["x", "y", "z", "tilt_x", "tilt_y", "tilt_z"];
 
-/// A mount in words with commas: `free` or `held`, then the directions beside the own motion that are free.
+/// Formats a mount with commas: `free` or `held`, then the free out-of-plane directions.
 pub fn mount_text(free: bool, lateral: &[bool; 6]) -> String {
     let beside = DIRECTIONS.iter().zip(lateral).filter(|(_, free)| **free);
     let own = if free { "free" } else { "held" };

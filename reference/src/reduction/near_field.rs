@@ -1,4 +1,4 @@
-//! The near field of a mesh: what a line load on a flank does to the rows of nodes about it, beyond any support.
+//! Near field of a mesh: displacement of the rows of nodes around a line load on a flank, without any support.
 //!
 //! The same elements on a half-space, in plane strain, under the same load at a node, with the displacements of Flamant's
 //! solution on the boundary of the patch:
@@ -8,11 +8,11 @@
 //! B = (1 + nu)/(pi E),    C = (1 - 2 nu) (1 + nu)/(pi E)
 //! ```
 //!
-//! at the distance `r` and the angle `t` from the inward normal (K. L. Johnson, *Contact Mechanics* (1985), 2.2). On the
-//! surface of the half-space itself the displacement is `-A ln |x|`, which the elements have from a few rows on; the rows
-//! next to the load are theirs alone. With these, static compliance loses what is of the mesh alone and gains what is
-//! Hertz's: [`lines`](gearbench_models::gear::elastic::lines). Elements that are no such lattice answer themselves, cut out
-//! of the body: `body`.
+//! at the distance `r` and the angle `t` from the inward normal (K. L. Johnson, *Contact Mechanics* (1985), 2.2). On
+//! the surface of the half-space itself the displacement is `-A ln |x|`, which the elements reproduce from a few rows
+//! on; only the rows next to the load differ. With these, the part of the mesh is removed from the static compliance
+//! and the Hertzian part is added: [`lines`](gearbench_models::gear::elastic::lines). For elements that do not form
+//! such a lattice the patch is cut out of the body: `body`.
 
 mod body;
 
@@ -43,8 +43,8 @@ const PER_OCTAVE: f64 = 4.0;
 /// Displacement over `A` of rows, from the loaded one on, in units of the length of the elements.
 type Kernel = [f64; REACH + 1];
 
-/// Displacement over `A` of each row of nodes by a line load at each row, of lengths in m: per flank of the mesh, in the
-/// order of its surface, `rows x rows`. Nothing where that cannot be told.
+/// Computes the displacement over `A` of each row of nodes by a line load at each row, with lengths in m: per flank of
+/// the mesh, in the order of its surface, `rows x rows`. `None` where it cannot be computed.
 ///
 /// # Errors
 /// Memory; elements that cannot be integrated.
@@ -162,7 +162,7 @@ fn between(
     Ok(std::array::from_fn(|k| (1.0 - u) * low[k] + u * high[k]))
 }
 
-/// The kernel of elements one long and `depth` deep.
+/// Computes the kernel of elements of length one and depth `depth`.
 fn patch(depth: f64, kind: ElementKind, poisson: f64) -> Result<Kernel, ElementError> {
     // Young's modulus such that A is one.
     let material = Material {
@@ -246,8 +246,8 @@ fn patch(depth: f64, kind: ElementKind, poisson: f64) -> Result<Kernel, ElementE
     }))
 }
 
-/// Stiffness of an element one long, `depth` deep and one wide that does not strain across: `[inward, along]` of the nodes
-/// about it, from the surface down.
+/// Returns the plane-strain stiffness of an element of length one, depth `depth` and width one: `[inward, along]` of
+/// its nodes, from the surface down.
 fn plane_strain(
     depth: f64,
     kind: ElementKind,

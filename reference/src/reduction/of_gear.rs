@@ -1,9 +1,9 @@
 //! Which reduction a gear of a scene needs: its mesh and its mount.
 
-use super::{Mounting, Request, Wanted};
+use super::{ModeSelection, Mounting, Request};
 use crate::mesh::GearMesh;
 use crate::mesh_source::{MeshParameters, Reader, Source};
-use crate::recognise::Found;
+use crate::recognise::RecognisedBody;
 use gearbench_models::Vec3;
 use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::table::GearContext;
@@ -12,24 +12,24 @@ use gearbench_models::stiffness::Material;
 
 /// The mesh of a gear, how its hub is mounted.
 #[derive(Clone, Debug)]
-pub struct OfGear {
-    /// The mesh.
+pub struct GearReductionInput {
+    /// Mesh of the gear.
     pub mesh: GearMesh,
-    /// The mesh is one sector of a gear whose teeth are all alike.
+    /// True if the mesh is one sector of a gear with equal teeth.
     pub sector: bool,
-    /// The mount.
+    /// Mount of the gear.
     pub mounting: Mounting,
     /// Friction loads its flanks.
     pub slides: bool,
-    /// What was recognised of a mesh that was read.
-    pub found: Option<Found>,
+    /// Result of the recognition of a mesh from a file.
+    pub found: Option<RecognisedBody>,
     /// How the mesh was read, a line each.
     pub notes: Vec<String>,
 }
 
-impl OfGear {
-    /// What its basis is computed from.
-    pub fn request(&self, material: Material, wanted: Wanted) -> Request<'_> {
+impl GearReductionInput {
+    /// Returns the request from which the basis is computed.
+    pub fn request(&self, material: Material, wanted: ModeSelection) -> Request<'_> {
         Request {
             mesh: &self.mesh,
             sector: self.sector,
@@ -46,7 +46,7 @@ pub fn of_gear(
     model: &'static str,
     context: &GearContext<'_>,
     mesh: &MeshParameters,
-) -> Result<OfGear, BuildError> {
+) -> Result<GearReductionInput, BuildError> {
     let reader = Reader { model, context };
     let source = Source::read(&reader, mesh)?;
     let (found, notes) = match &source {
@@ -57,7 +57,7 @@ pub fn of_gear(
         Some(sector) => (sector, true),
         None => (source.whole(&reader)?, false),
     };
-    Ok(OfGear {
+    Ok(GearReductionInput {
         mesh,
         sector,
         mounting: mounting_of(context)?,
@@ -84,7 +84,7 @@ pub fn mounting_of(context: &GearContext<'_>) -> Result<Mounting, BuildError> {
         .map_err(|why| BuildError::gear(context.name, GearPart::Mount, why))
 }
 
-/// The lateral directions in which the mount leaves a hub free, in the gear's own frame; driven ones are held.
+/// Returns the free out-of-plane directions of a hub, in the gear frame; driven ones are fixed.
 pub(super) fn free_in_own_frame(context: &GearContext<'_>) -> [bool; 6] {
     let Some(lateral) = &context.hub.lateral else {
         return [false; 6];
@@ -97,8 +97,8 @@ pub(super) fn free_in_own_frame(context: &GearContext<'_>) -> [bool; 6] {
     of_hub.map(|d| d != context.hub.moving() && lateral.directions[d] == Freedom::Free)
 }
 
-/// What the body of a hub has beyond the mesh that stands on it: mass [kg], and inertia about each axis across its own
-/// [kg m^2]. The mesh has that of the toothing without the core of a solid gear.
+/// Returns the mass and inertia of the body of a hub beyond its mesh: mass [kg], and inertia about each axis across
+/// its own [kg m^2]. The mesh has that of the toothing without the core of a solid gear.
 pub(crate) fn added_of(context: &GearContext<'_>) -> Result<[f64; 2], BuildError> {
     let Some(lateral) = &context.hub.lateral else {
         return Ok([0.0; 2]);

@@ -1,4 +1,4 @@
-//! Stored reductions in a scene: opened once, and held against the gear that takes them.
+//! Stored reductions in a scene: opened once, and compared with the gear that uses them.
 
 use super::Toothing;
 use super::mounting::mount_text;
@@ -16,7 +16,7 @@ type Version = (PathBuf, Option<SystemTime>, u64);
 
 static OPEN: Mutex<Option<HashMap<Version, Arc<Stored>>>> = Mutex::new(None);
 
-/// Reads a file, or takes what was read of it before when it has not changed since.
+/// Reads a file, or returns its content from an earlier call if it has not changed since.
 pub fn open(path: &Path) -> Result<Arc<Stored>, StoreError> {
     let data = std::fs::metadata(path).ok();
     let version = (
@@ -42,7 +42,7 @@ const NEAR_BASE: f64 = 0.01;
 /// Inertias may differ by this factor.
 const OTHER_BODY: f64 = 20.0;
 
-/// What of a stored reduction does not suit a gear, with a way out behind a semicolon.
+/// Returns the first property of a stored reduction that does not suit a gear, with a remedy after a semicolon.
 pub fn misfit(stored: &Stored, context: &GearContext<'_>) -> Option<String> {
     let (meta, basis) = (&stored.meta, &stored.basis);
     let (motion, teeth, tip, base, width, module) = match context.body {

@@ -48,7 +48,7 @@ impl ElasticParameters {
     /// Modes kept of a mesh by default.
     pub const MODES: usize = 100;
 
-    /// Keeps at most so many modes, whatever was asked for before.
+    /// Limits the number of kept modes, whatever was requested before.
     pub fn with_modes(&mut self, n: usize) {
         self.max_frequency_hz = None;
         self.target_error = None;

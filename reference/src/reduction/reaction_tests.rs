@@ -1,14 +1,14 @@
-//! Mount reactions of the elastic gear against the rows of the finite elements at the nodes that the hub holds.
+//! Mount reactions of the elastic gear compared with the rows of the finite elements at the nodes tied to the hub.
 
 use super::choose::{self, ModalDamping};
 use super::surface::Surface;
-use super::{Mounting, Wanted, basis};
+use super::{ModeSelection, Mounting, basis};
 use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Tie};
 use crate::mesh::{self, GearMesh};
 use crate::modes::{self, Options};
 use crate::test_support::{coarse, hub, noise, rack, stub};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::{FlankDisplacement, GearModel};
@@ -31,7 +31,7 @@ fn bodies() -> [(GearMesh, Mounting, Mount, Option<Vec3>); 4] {
     ]
 }
 
-/// With all modes the mount exerts what stiffness and mass give at the held nodes, in motion as at rest.
+/// With all modes the mount reaction equals the stiffness and mass forces at the tied nodes, in motion as at rest.
 #[test]
 fn with_all_modes_reactions_are_those_of_the_held_nodes() {
     for (mesh, mounting, mount, slide) in bodies() {
@@ -44,7 +44,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
         let all = tie.coordinates();
         let found = modes::lowest(&r, all, &Options::default()).unwrap();
         let rigid = usize::from(free);
-        let wanted = Wanted::Count(all - rigid);
+        let wanted = ModeSelection::Count(all - rigid);
         let basis = basis::of_mesh(&mesh, &Material::STEEL, &mounting, wanted, false).unwrap();
         let kept: Vec<usize> = (0..all - rigid).collect();
         let data = choose::reduced(&basis, &kept, &ModalDamping::default(), false).unwrap();
@@ -63,7 +63,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
             q[0] = 0.4;
         }
         let v = vec![0.0; n];
-        let at = At {
+        let at = StateView {
             t: 0.0,
             q: &q,
             v: &v,

@@ -1,4 +1,4 @@
-//! The nodes behind a reduction, for pictures: what modes and forces on flanks do to the whole mesh.
+//! Full mesh behind a reduction, for figures: displacements of all nodes from modes and flank forces.
 //!
 //! A reduction keeps what happens at the flanks. Here the rest is found again from the mesh: shapes of the kept modes at all
 //! nodes, and the static displacement that the modes which were cut follow with,
@@ -11,12 +11,12 @@
 //! stiffness `K_c` of the held hub (as in `compliance`). Along the normals of the flanks that is the displacement that
 //! the gear itself computes with.
 //!
-//! Modes are computed again, by the route that the basis came from, and only once somebody asks. The two of a pair of equal
-//! frequency come out as any two of their plane: at the flanks they are turned to those of the basis.
+//! Modes are computed again, by the method of the basis, and only when needed. The two of a pair of equal frequency
+//! are arbitrary in their plane: they are rotated to agree with those of the basis at the flanks.
 
 mod modes;
 
-use super::choose::Made;
+use super::choose::FittedModes;
 use super::error::ReductionError;
 use super::mounting::field;
 use super::{Basis, Mounting, Surface};
@@ -39,35 +39,35 @@ use std::sync::{Arc, OnceLock};
 
 /// Where the whole mesh comes from.
 #[derive(Clone, Debug)]
-pub(super) enum Whole {
+pub(super) enum MeshExtent {
     /// It is generated; the mesh at hand is a sector of it.
     Generated(Box<(Toothing, GearMeshParams)>),
     /// The mesh at hand is the whole.
     AtHand,
 }
 
-/// What the nodes of a reduced gear follow from.
+/// Data from which the nodal displacements of a reduced gear follow.
 #[derive(Debug)]
-pub(super) struct OfMesh {
+pub(super) struct MeshRecovery {
     pub(super) mesh: GearMesh,
-    pub(super) whole: Whole,
+    pub(super) whole: MeshExtent,
     pub(super) material: Material,
     pub(super) mounting: Mounting,
     pub(super) basis: Arc<Basis>,
-    /// Modes of the basis that are kept, ascending; those that made ones lie in.
+    /// Kept modes of the basis, ascending; fitted modes are combinations of these.
     pub(super) kept: Vec<usize>,
     /// Modes that are made of these.
-    pub(super) made: Option<Made>,
+    pub(super) made: Option<FittedModes>,
     /// With the compliance of the others.
     pub(super) residual: bool,
     /// Forces act on lines over strips of the width.
     pub(super) strips: Option<Strips>,
-    pub(super) found: OnceLock<Result<Found, Reason>>,
+    pub(super) found: OnceLock<Result<RecoveredModes, Reason>>,
 }
 
 /// The mesh with all that displaces it.
 #[derive(Debug)]
-pub(super) struct Found {
+pub(super) struct RecoveredModes {
     nodes: Vec<Vec3>,
     cells: Arc<Cells>,
     /// Shapes of the kept modes, three components per node.
@@ -77,13 +77,13 @@ pub(super) struct Found {
     lines: Option<Vec<Sum>>,
     tie: Tie,
     factor: Cholesky,
-    /// Rigid motions that are free: displacements, mass times these, their static response on the held hub.
+    /// Free rigid motions: displacements, mass times these, and their static response on the fixed hub.
     rigid: Vec<[Vec<f64>; 3]>,
     /// Inverse of the inertias of the rigid motions.
     inverse: Mat<f64>,
 }
 
-impl Recovery for OfMesh {
+impl Recovery for MeshRecovery {
     fn cells(&self) -> Result<Arc<Cells>, Reason> {
         Ok(self.found()?.cells.clone())
     }
@@ -108,16 +108,16 @@ fn add(by: f64, x: &[f64], y: &mut [f64]) {
     }
 }
 
-impl OfMesh {
-    fn found(&self) -> Result<&Found, Reason> {
+impl MeshRecovery {
+    fn found(&self) -> Result<&RecoveredModes, Reason> {
         let found = self.found.get_or_init(|| self.find());
         found.as_ref().map_err(Clone::clone)
     }
 
-    fn find(&self) -> Result<Found, Reason> {
+    fn find(&self) -> Result<RecoveredModes, Reason> {
         let whole = match &self.whole {
-            Whole::AtHand => self.mesh.clone(),
-            Whole::Generated(of) => {
+            MeshExtent::AtHand => self.mesh.clone(),
+            MeshExtent::Generated(of) => {
                 let (body, params) = of.as_ref();
                 let whole = match body {
                     Toothing::Gear(gear) => mesh::gear(gear, params),
@@ -135,7 +135,7 @@ impl OfMesh {
     }
 
     /// All that displaces a mesh.
-    fn on(&self, whole: &GearMesh) -> Result<Found, ReductionError> {
+    fn on(&self, whole: &GearMesh) -> Result<RecoveredModes, ReductionError> {
         let nodes = &whole.mesh.nodes;
         let surface = Surface::new(whole)?;
         let surface = match self.basis.along_profile {
@@ -171,7 +171,7 @@ impl OfMesh {
             dot(&rigid[i][0], &rigid[j][1]) + if i == j { added[i] } else { 0.0 }
         });
         let identity = Mat::<f64>::identity(rigid.len(), rigid.len());
-        let mut found = Found {
+        let mut found = RecoveredModes {
             nodes: nodes.clone(),
             cells: Arc::new(vtu::cells(&whole.mesh)),
             shapes: Vec::new(),
@@ -183,8 +183,8 @@ impl OfMesh {
             rigid,
         };
         let shapes = match self.whole {
-            Whole::AtHand => self.modes_of(whole, &assembly)?,
-            Whole::Generated(..) => self.modes_by_sector(whole)?,
+            MeshExtent::AtHand => self.modes_of(whole, &assembly)?,
+            MeshExtent::Generated(..) => self.modes_by_sector(whole)?,
         };
         let shapes = self.like_basis(&found, shapes)?;
         found.shapes = match &self.made {
@@ -195,7 +195,7 @@ impl OfMesh {
     }
 
     /// `(P^T K_c^-1 P - Phi Omega^-2 Phi^T) f`.
-    fn add_static(&self, found: &Found, load: &BodyLoad, u: &mut [f64]) {
+    fn add_static(&self, found: &RecoveredModes, load: &BodyLoad, u: &mut [f64]) {
         let (basis, surface) = (&self.basis, &found.surface);
         let per_node = basis.per_node();
         let count = found.lines.as_ref().map_or(basis.normals.len(), Vec::len);
@@ -239,7 +239,7 @@ impl OfMesh {
             .collect();
         found.take_rigid(&momenta, &mut w);
         let own: Vec<(f64, f64)> = match &self.made {
-            Some(Made { basis, .. }) => {
+            Some(FittedModes { basis, .. }) => {
                 let omega = basis.omega.iter().copied();
                 omega.zip(basis.hub.iter().copied()).collect()
             }
@@ -256,7 +256,7 @@ impl OfMesh {
     }
 }
 
-impl Found {
+impl RecoveredModes {
     fn times_inverse(&self, x: &[f64]) -> Vec<f64> {
         let row = |i: usize| (0..x.len()).map(|j| self.inverse[(i, j)] * x[j]).sum();
         (0..x.len()).map(row).collect()
@@ -271,7 +271,7 @@ impl Found {
 }
 
 /// Shapes of modes that are made of the first of a basis.
-fn combined(made: &Made, shapes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+fn combined(made: &FittedModes, shapes: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let count = made.basis.omega.len();
     let length = shapes.first().map_or(0, Vec::len);
     let mut out = vec![vec![0.0; length]; count];

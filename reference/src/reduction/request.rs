@@ -1,7 +1,7 @@
 //! All that a basis depends on.
 
 use super::store::SCHEMA;
-use super::{Basis, Mounting, ReductionError, Wanted, basis};
+use super::{Basis, ModeSelection, Mounting, ReductionError, basis};
 use crate::assembly::tie::HubMotion;
 use crate::hash::Hash;
 use crate::mesh::GearMesh;
@@ -11,19 +11,19 @@ use gearbench_models::stiffness::Material;
 /// than rounding: bases that older programs computed are then no longer taken from the cache.
 pub const ALGORITHM: u64 = 3;
 
-/// What a basis is computed from.
+/// Data from which a basis is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
-    /// The mesh.
+    /// Mesh of the gear.
     pub mesh: &'a GearMesh,
     /// The mesh is the sector of tooth 0 of a gear whose teeth are all alike.
     pub sector: bool,
-    /// Material.
+    /// Material of the gear.
     pub material: Material,
     /// How the hub is mounted.
     pub mounting: Mounting,
-    /// Modes to find.
-    pub wanted: Wanted,
+    /// Selection of the modes to compute.
+    pub wanted: ModeSelection,
     /// Flank nodes also move along the profile, where friction loads them.
     pub along_profile: bool,
 }
@@ -74,11 +74,11 @@ impl Request<'_> {
         h.count(SCHEMA as usize);
         h.hash(self.body_hash());
         match self.wanted {
-            Wanted::Count(n) => {
+            ModeSelection::Count(n) => {
                 h.text("count");
                 h.count(n);
             }
-            Wanted::UpTo(f) => {
+            ModeSelection::UpTo(f) => {
                 h.text("up to");
                 h.number(f);
             }
@@ -86,7 +86,7 @@ impl Request<'_> {
         h
     }
 
-    /// Hash of everything but the modes wanted: mesh, material, mounting.
+    /// Returns the hash of everything except the requested modes: mesh, material, mounting.
     pub fn body_hash(&self) -> Hash {
         let mut h = Hash::START;
         h.hash(self.mesh_hash());
@@ -123,7 +123,7 @@ impl Request<'_> {
         h
     }
 
-    /// Computes the basis.
+    /// Computes the basis of the request.
     pub fn compute(&self) -> Result<Basis, ReductionError> {
         let route = match self.sector {
             true => basis::of_sector,

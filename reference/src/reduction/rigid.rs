@@ -24,11 +24,11 @@ use crate::vector::dot;
 use faer::prelude::Solve;
 use faer::{Mat, c64};
 use gearbench_models::Vec3;
-use gearbench_models::gear::elastic::reduced::LateralShapes;
+use gearbench_models::gear::elastic::reduced::OutOfPlaneShapes;
 
-/// What the hub and the whole gear do in a mode, in the six directions; zero where the hub is not free.
+/// Motion of the hub and momentum of the whole gear in a mode, in the six directions; zero where the hub is not free.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Moved {
+pub(super) struct ModeMotion {
     /// Displacement of the hub.
     pub hub: [f64; 6],
     /// Momentum of the whole gear.
@@ -43,7 +43,7 @@ pub(super) struct RigidMass {
 
 impl RigidMass {
     /// Of the free directions of a gear.
-    pub fn of(body: &LateralShapes, mounting: &Mounting) -> Self {
+    pub fn of(body: &OutOfPlaneShapes, mounting: &Mounting) -> Self {
         let directions: Vec<usize> = mounting.directions().collect();
         let all = rigid_mass(body);
         let n = directions.len();
@@ -67,7 +67,7 @@ impl RigidMass {
 }
 
 /// The mass matrix of a rigid body in the six directions, about the origin.
-pub(super) fn rigid_mass(body: &LateralShapes) -> [[f64; 6]; 6] {
+pub(super) fn rigid_mass(body: &OutOfPlaneShapes) -> [[f64; 6]; 6] {
     let (m, c) = (body.mass, Vec3::from(body.centre));
     let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
     let mut out = [[0.0; 6]; 6];
@@ -83,8 +83,9 @@ pub(super) fn rigid_mass(body: &LateralShapes) -> [[f64; 6]; 6] {
     out
 }
 
-/// The rigid body of a gear with what is added at its hub, and no modes yet; the moments are those of the whole mesh.
-pub(super) fn body(moments: &Moments, mounting: &Mounting) -> LateralShapes {
+/// Returns the rigid body of a gear with the inertia added at its hub, without modes; the moments are those of the
+/// whole mesh.
+pub(super) fn body(moments: &Moments, mounting: &Mounting) -> OutOfPlaneShapes {
     let mesh = moments.integrals();
     let added = mounting.added();
     let mass = mesh.mass + mounting.added_mass;
@@ -98,7 +99,7 @@ pub(super) fn body(moments: &Moments, mounting: &Mounting) -> LateralShapes {
         };
         mesh.tensor[k] + own + mass * c[i] * c[j]
     });
-    LateralShapes {
+    OutOfPlaneShapes {
         free: mounting.lateral,
         hub: Vec::new(),
         mass,
@@ -109,10 +110,10 @@ pub(super) fn body(moments: &Moments, mounting: &Mounting) -> LateralShapes {
 
 /// A body made of equal sectors without the rounding of its sums: its centre of mass lies on the axis, and all lines across
 /// that are alike.
-pub(super) fn round(body: LateralShapes) -> LateralShapes {
+pub(super) fn round(body: OutOfPlaneShapes) -> OutOfPlaneShapes {
     let i = &body.inertia;
     let across = 0.5 * (i[0] + i[4]);
-    LateralShapes {
+    OutOfPlaneShapes {
         centre: [0.0, 0.0, body.centre[2]],
         inertia: [across, 0.0, 0.0, 0.0, across, 0.0, 0.0, 0.0, i[8]],
         ..body
@@ -120,7 +121,7 @@ pub(super) fn round(body: LateralShapes) -> LateralShapes {
 }
 
 /// Rigid motions of a whole mesh in the free directions.
-pub(super) struct OfMesh {
+pub(super) struct MeshRigidMotions {
     directions: Vec<usize>,
     added: Vec<f64>,
     fields: Vec<Vec<f64>>,
@@ -128,7 +129,7 @@ pub(super) struct OfMesh {
     inverse: Mat<f64>,
 }
 
-impl OfMesh {
+impl MeshRigidMotions {
     pub fn new(mounting: &Mounting, nodes: &[Vec3], mass: &ScalarMatrix) -> Self {
         let directions: Vec<usize> = mounting.directions().collect();
         let added = mounting.added_in_motions();
@@ -144,7 +145,7 @@ impl OfMesh {
         let rigid = Mat::from_fn(n, n, |i, j| {
             dot(&fields[i], &images[j]) + if i == j { added[i] } else { 0.0 }
         });
-        OfMesh {
+        MeshRigidMotions {
             inverse: rigid.partial_piv_lu().solve(Mat::<f64>::identity(n, n)),
             directions,
             added,
@@ -160,9 +161,9 @@ impl OfMesh {
             .collect()
     }
 
-    /// What a shape moves.
-    pub fn moved(&self, full: &[f64], hub: &[f64]) -> Moved {
-        let mut moved = Moved::default();
+    /// Returns the motion of hub and gear in a shape.
+    pub fn moved(&self, full: &[f64], hub: &[f64]) -> ModeMotion {
+        let mut moved = ModeMotion::default();
         let momenta = self.momenta(full, hub);
         for ((d, h), p) in self.directions.iter().zip(hub).zip(momenta) {
             (moved.hub[*d], moved.momentum[*d]) = (*h, p);
@@ -191,7 +192,7 @@ pub(super) struct CyclicMotion {
     /// The direction of its real part, and that of its imaginary part in harmonic 1.
     pub directions: [usize; 2],
     pub field: Vec<c64>,
-    /// What is added at the hub per sector.
+    /// Inertia added at the hub per sector.
     added: f64,
 }
 
@@ -239,7 +240,7 @@ pub(super) fn image(mass: &ScalarMatrix, u: &[c64]) -> Vec<c64> {
         .collect()
 }
 
-/// `a^H b`.
+/// Returns the scalar product `a^H b`.
 pub(super) fn hermitian<'a>(
     a: impl Iterator<Item = &'a c64>,
     b: impl Iterator<Item = &'a c64>,
@@ -249,16 +250,16 @@ pub(super) fn hermitian<'a>(
 }
 
 /// Rigid motions of a gear made of copies of a sector, in the free directions.
-pub(super) struct OfSector {
+pub(super) struct SectorRigidMotions {
     teeth: u32,
-    /// Those of harmonic 0, then those of harmonic 1.
+    /// Motions of harmonic 0, then those of harmonic 1.
     of_harmonic: [Vec<CyclicMotion>; 2],
     images: [Vec<Vec<c64>>; 2],
-    /// Entries of the nodes that the hub holds.
+    /// Entries of the nodes tied to the hub.
     bore: Vec<usize>,
 }
 
-impl OfSector {
+impl SectorRigidMotions {
     pub fn new(
         mounting: &Mounting,
         nodes: &[Vec3],
@@ -269,7 +270,7 @@ impl OfSector {
         let all = cyclic_motions(mounting, mounting.directions(), nodes, teeth);
         let (along, across): (Vec<_>, Vec<_>) = all.into_iter().partition(|m| m.harmonic == 0);
         let of_harmonic = [along, across];
-        OfSector {
+        SectorRigidMotions {
             teeth,
             images: of_harmonic.each_ref().map(|motions| {
                 let images = motions.iter().map(|m| image(mass, &m.field));
@@ -282,7 +283,7 @@ impl OfSector {
         }
     }
 
-    /// Motion of the hub in a shape of a harmonic: what its bore follows.
+    /// Returns the motion of the hub in a shape of a harmonic, from its bore.
     fn hub(&self, harmonic: usize, u: &[c64]) -> Mat<c64> {
         let motions = &self.of_harmonic[harmonic];
         let at = |x: &[c64]| -> Vec<c64> { self.bore.iter().map(|i| x[*i]).collect() };
@@ -294,7 +295,7 @@ impl OfSector {
         gram.partial_piv_lu().solve(right)
     }
 
-    /// Momenta `E^H M u` of a shape of a sector, with what is added at the hub.
+    /// Returns the momenta `E^H M u` of a shape of a sector, including the inertia added at the hub.
     fn momenta(&self, harmonic: usize, u: &[c64], hub: &Mat<c64>) -> Vec<c64> {
         let motions = self.of_harmonic[harmonic].iter();
         (motions.zip(&self.images[harmonic]).enumerate())
@@ -328,9 +329,9 @@ impl OfSector {
         }
     }
 
-    /// What a mode moves.
-    pub fn moved(&self, found: &CyclicModes, mode: usize) -> Moved {
-        let mut moved = Moved::default();
+    /// Returns the motion of hub and gear in a mode.
+    pub fn moved(&self, found: &CyclicModes, mode: usize) -> ModeMotion {
+        let mut moved = ModeMotion::default();
         let m = &found.modes[mode];
         let harmonic = m.harmonic as usize;
         let Some(motions) = self.of_harmonic.get(harmonic).filter(|m| !m.is_empty()) else {

@@ -1,30 +1,30 @@
 //! One basis for all gears of a process that need the same: a comparison builds a scene once per entry, with the
 //! same meshes.
 //!
-//! Who comes second waits for the first. A basis with more modes serves those who want fewer; they take the lowest
-//! of it, so a result does not depend on who came before.
+//! A second request waits for the first. A basis with more modes serves requests for fewer; these use the lowest modes
+//! of it, so that a result does not depend on earlier requests.
 
-use super::{Basis, ReductionError, Request, Wanted, cache};
+use super::{Basis, ModeSelection, ReductionError, Request, cache};
 use crate::hash::Hash;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::collections::HashMap;
 use std::panic::resume_unwind;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// The largest basis so far and what it holds.
-type Slot = Arc<Mutex<Option<(Wanted, Arc<Basis>)>>>;
+/// Largest basis so far, with the selection of modes that it covers.
+type Slot = Arc<Mutex<Option<(ModeSelection, Arc<Basis>)>>>;
 
 static BASES: Mutex<Option<HashMap<Hash, Slot>>> = Mutex::new(None);
 
-impl Wanted {
-    /// Whether what was asked for `self` holds what `other` asks for.
-    fn holds(self, other: Wanted, found: &Basis) -> bool {
+impl ModeSelection {
+    /// Returns true if the modes selected by `self` include those of `other`.
+    fn holds(self, other: ModeSelection, found: &Basis) -> bool {
         let highest = found.omega.last().copied().unwrap_or(0.0) / std::f64::consts::TAU;
         match (self, other) {
-            (Wanted::Count(n), Wanted::Count(m)) => n >= m,
-            (Wanted::UpTo(f), Wanted::UpTo(g)) => f >= g,
-            (Wanted::Count(_), Wanted::UpTo(g)) => highest > g,
-            (Wanted::UpTo(_), Wanted::Count(m)) => found.omega.len() >= m,
+            (ModeSelection::Count(n), ModeSelection::Count(m)) => n >= m,
+            (ModeSelection::UpTo(f), ModeSelection::UpTo(g)) => f >= g,
+            (ModeSelection::Count(_), ModeSelection::UpTo(g)) => highest > g,
+            (ModeSelection::UpTo(_), ModeSelection::Count(m)) => found.omega.len() >= m,
         }
     }
 }
@@ -52,7 +52,7 @@ pub fn basis_of(request: &Request<'_>) -> Result<Arc<Basis>, ReductionError> {
     Ok(found)
 }
 
-/// Runs a job on threads that nothing else uses, while the caller does nothing but wait.
+/// Runs a job on dedicated threads, while the calling thread only waits.
 ///
 /// A thread of rayon that waits for a part of its work takes up other work meanwhile. With the slot of a basis locked
 /// that could be a gear that waits for the same slot, and both would wait for ever.
@@ -64,11 +64,11 @@ fn apart<R: Send>(job: impl FnOnce() -> R + Send) -> R {
     done.unwrap_or_else(|panic| resume_unwind(panic))
 }
 
-/// Number of modes of a basis that `wanted` asks for, whole families.
-pub fn lowest(basis: &Basis, wanted: Wanted) -> usize {
+/// Returns the number of modes of a basis that `wanted` selects, in whole families.
+pub fn lowest(basis: &Basis, wanted: ModeSelection) -> usize {
     let mut count = match wanted {
-        Wanted::Count(n) => n.min(basis.omega.len()),
-        Wanted::UpTo(f) => {
+        ModeSelection::Count(n) => n.min(basis.omega.len()),
+        ModeSelection::UpTo(f) => {
             let limit = std::f64::consts::TAU * f;
             basis.omega.partition_point(|w| *w <= limit)
         }
@@ -99,7 +99,7 @@ mod tests {
             sector: true,
             material: Material::STEEL,
             mounting: Mounting::gear(true, 0.0),
-            wanted: Wanted::Count(20),
+            wanted: ModeSelection::Count(20),
         };
         let found: Vec<_> = (0..64)
             .into_par_iter()

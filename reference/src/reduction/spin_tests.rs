@@ -1,10 +1,10 @@
 //! A turning gear stretches as a rotating ring on a rigid hub does.
 
 use super::choose::{self, ModalDamping};
-use super::{Mounting, Wanted, basis};
+use super::{ModeSelection, Mounting, basis};
 use crate::mesh::sector;
 use crate::test_support::{counted, gear, hub};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use gearbench_models::gear::elastic::{Elastic, SpinTerms};
 use gearbench_models::gear::{FlankDisplacement, GearModel};
 use gearbench_models::kinematics::Placement;
@@ -13,9 +13,9 @@ use gearbench_models::stiffness::Material;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Radial displacement over the square of the speed [m s^2] at the outer radius `b` of a thin ring held at `a`, with a load
-/// per area there: `u = A r + B/r - (1 - nu^2) rho r^3 / (8 E)` (S. Timoshenko, J. N. Goodier, *Theory of Elasticity*, 3rd ed.,
-/// 1970, art. 32).
+/// Returns the radial displacement over the square of the speed [m s^2] at the outer radius `b` of a thin ring
+/// supported at `a`, with a load per area there: `u = A r + B/r - (1 - nu^2) rho r^3 / (8 E)` (S. Timoshenko, J. N.
+/// Goodier, *Theory of Elasticity*, 3rd ed., 1970, art. 32).
 fn stretch(steel: &Material, a: f64, b: f64, load: f64) -> f64 {
     let (e, nu, rho) = (steel.young, steel.poisson, steel.density);
     let body = (1.0 - nu * nu) * rho / (8.0 * e);
@@ -29,7 +29,8 @@ fn stretch(steel: &Material, a: f64, b: f64, load: f64) -> f64 {
     big_a * b + big_b / b - body * b.powi(3)
 }
 
-/// What a gear of 60 mm with so many teeth stretches less than a ring whose teeth are loads alone, over that.
+/// Returns the relative difference of the expansion of a gear of 60 mm from that of a ring whose teeth are loads
+/// alone.
 fn off_the_ring(teeth: u32) -> f64 {
     let steel = Material::STEEL;
     let g = gear(teeth, 0.06 / f64::from(teeth), |p| {
@@ -38,7 +39,8 @@ fn off_the_ring(teeth: u32) -> f64 {
     });
     let mesh = sector(&g, &counted(3, 24, 1)).unwrap();
     let mounting = Mounting::gear(false, 0.0);
-    let basis = basis::of_sector(&mesh, &steel, &mounting, Wanted::Count(1500), false).unwrap();
+    let basis =
+        basis::of_sector(&mesh, &steel, &mounting, ModeSelection::Count(1500), false).unwrap();
     let all: Vec<usize> = (0..basis.omega.len()).collect();
     let data = choose::reduced(&basis, &all, &ModalDamping::default(), false).unwrap();
     let speed = 1e3;
@@ -52,7 +54,7 @@ fn off_the_ring(teeth: u32) -> f64 {
     let (mut q, v) = (vec![0.0; n], vec![0.0; n]);
     for _ in 0..4 {
         let mut f = vec![0.0; n];
-        let at = At {
+        let at = StateView {
             t: 0.0,
             q: &q,
             v: &v,
@@ -88,8 +90,8 @@ fn off_the_ring(teeth: u32) -> f64 {
     1.0 - found / exact
 }
 
-/// The feet of the teeth hold the rim together: a part of their height, which vanishes with it. What is left is of the radial modes
-/// above those that were found.
+/// A rotating gear expands like a ring, more closely the finer its teeth: the feet of the teeth stiffen the rim, over
+/// a part of their height, which vanishes with it. The rest is from radial modes above the computed ones.
 #[test]
 fn a_turning_gear_stretches_as_a_ring_the_finer_its_teeth() {
     let [coarse, fine] = [120, 360].map(off_the_ring);

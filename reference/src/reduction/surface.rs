@@ -14,7 +14,7 @@ use gearbench_models::contact::points::{nodal_normals, reference_areas};
 use gearbench_models::geometry::{FlankGrid, Flanks, along_profile};
 use gearbench_models::spec::PointRule;
 
-/// A point follows a node by more than this weight where that node may not be held.
+/// Weight above which a point counts as tied to a node, where that node must not be tied to the hub.
 const TOUCHES: f64 = 1e-9;
 
 /// The flank nodes of a gear.
@@ -22,29 +22,29 @@ const TOUCHES: f64 = 1e-9;
 pub struct Surface {
     /// Flanks in the gear's own frame with the numbers of the flank nodes.
     pub flanks: Flanks,
-    /// Node of the mesh per flank node (of the sector, where the gear is made of copies of one); numbers from that of the
-    /// mesh's nodes on are tied points.
+    /// Node of the mesh per flank node (of the sector, for a gear of equal sectors); numbers from the number of nodes
+    /// of the mesh on are tied points.
     pub mesh_nodes: Vec<u32>,
-    /// What tied points follow.
-    tied: Tied,
+    /// Nodes to which tied points are tied.
+    tied: TiedPoints,
     /// Directions in which nodes move, own frame: the outward unit normals of the smooth undeformed flanks.
     pub directions: Vec<Vec3>,
     /// Each normal is followed by the direction along the profile; `mesh_nodes` come twice then.
     pub along_profile: bool,
-    /// Area of the flank that each node stands for [m^2].
+    /// Flank area of each node [m^2].
     pub areas: Vec<f64>,
 }
 
 /// Points of flanks that follow several nodes: their numbers go on after those of the nodes.
 #[derive(Clone, Debug, PartialEq)]
-struct Tied {
+struct TiedPoints {
     nodes: usize,
     points: Vec<TiedPoint>,
 }
 
-impl Tied {
+impl TiedPoints {
     fn of(gear: &GearMesh) -> Self {
-        Tied {
+        TiedPoints {
             nodes: gear.mesh.nodes.len(),
             points: gear.tied.clone(),
         }
@@ -79,7 +79,7 @@ impl Surface {
         for &node in &gear.bore {
             held[node as usize] = true;
         }
-        let tied = Tied::of(gear);
+        let tied = TiedPoints::of(gear);
         let holds = |node: u32| match tied.get(node) {
             Some(point) => {
                 let nodes = point.0.iter().filter(|(_, w)| w.abs() > TOUCHES);
@@ -151,7 +151,7 @@ impl Surface {
         })
     }
 
-    /// The flank nodes of a whole gear made of copies of a sector that holds tooth 0.
+    /// Returns the flank nodes of a whole gear from a sector with tooth 0.
     pub fn of_sector(sector: &GearMesh) -> Result<Self, ReductionError> {
         let own = Self::new(sector)?;
         if let Some(g) = own.flanks.grids().iter().find(|g| g.tooth != 0) {
@@ -185,7 +185,7 @@ impl Surface {
         })
     }
 
-    /// The same nodes, each with its direction along the profile behind its normal.
+    /// Returns the surface with the direction along the profile of each node after its normal.
     #[must_use]
     pub fn with_profile(self) -> Self {
         let directions = self.directions.iter();
@@ -235,8 +235,8 @@ impl Surface {
         }
     }
 
-    /// Nodes of the mesh that move a flank node, given by its place in `mesh_nodes`, each with its weight: itself, or
-    /// those of the face that it lies on.
+    /// Iterates over the nodes of the mesh that move a flank node, given by its index in `mesh_nodes`, each with its
+    /// weight: itself, or those of its face.
     pub fn follows(&self, place: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
         let node = self.mesh_nodes[place];
         let tied = self.tied.get(node);

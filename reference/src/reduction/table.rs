@@ -3,8 +3,8 @@
 use super::choose::{self, Choice, Criterion, ModalDamping};
 use super::estimate::Impacts;
 use super::parameters::ElasticParameters;
-use super::recovery::{OfMesh, Whole};
-use super::{Basis, ReductionError, Wanted, open, shared};
+use super::recovery::{MeshExtent, MeshRecovery};
+use super::{Basis, ModeSelection, ReductionError, open, shared};
 use crate::mesh_source::{self, Reader, Source, optional};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
@@ -60,7 +60,7 @@ pub(super) const PARAMETERS: [ParameterInfo; 22] = mesh_source::with_own(&[
     ),
 ]);
 
-/// Its row.
+/// Row of the model in the table.
 pub const ROW: Model = Model {
     id: MODEL,
     title: "reduced finite elements: a few modes and the static compliance of the others",
@@ -72,7 +72,7 @@ pub const ROW: Model = Model {
     build,
 };
 
-/// Most modes that are asked for.
+/// Largest number of requested modes.
 const MOST_MODES: usize = 5000;
 /// Step that the modes shall bear by default [s].
 const STEP: f64 = 1e-6;
@@ -105,31 +105,31 @@ fn even_over_width(context: &GearContext<'_>) -> bool {
     }
 }
 
-/// How many modes are asked for.
-struct Asked {
+/// Requested number of modes.
+struct ModeRequest {
     count: Option<usize>,
-    /// [Hz].
+    /// Largest frequency [Hz].
     max_frequency: Option<f64>,
-    /// An error says how many.
+    /// True if a target for the error determines the number.
     target: bool,
 }
 
 /// A basis, how many of its modes may be kept, and among how many of the lowest; the mesh it is of.
-type Found = (Arc<Basis>, usize, usize, Option<OfMesh>);
+type BasisResult = (Arc<Basis>, usize, usize, Option<MeshRecovery>);
 
 /// The basis of the mesh that the parameters name.
 fn computed(
     reader: &Reader<'_>,
     given: &ElasticParameters,
-    asked: &Asked,
-) -> Result<Found, BuildError> {
+    asked: &ModeRequest,
+) -> Result<BasisResult, BuildError> {
     // A frequency alone keeps all modes below it; a target may take any number.
     let (count, wanted) = match (asked.count, asked.max_frequency) {
-        (None, Some(f)) => (usize::MAX, Wanted::UpTo(f)),
-        (None, None) if asked.target => (usize::MAX, Wanted::Count(LEAST_CANDIDATES)),
+        (None, Some(f)) => (usize::MAX, ModeSelection::UpTo(f)),
+        (None, None) if asked.target => (usize::MAX, ModeSelection::Count(LEAST_CANDIDATES)),
         (count, _) => {
             let count = count.unwrap_or(ElasticParameters::MODES);
-            (count, Wanted::Count(LEAST_CANDIDATES.max(2 * count)))
+            (count, ModeSelection::Count(LEAST_CANDIDATES.max(2 * count)))
         }
     };
     let of = super::of_gear(MODEL, reader.context, &given.mesh)?;
@@ -138,11 +138,11 @@ fn computed(
     let candidates = shared::lowest(&basis, wanted);
     let whole = match Source::read(reader, &given.mesh)? {
         Source::Generated(params) if of.sector => {
-            Whole::Generated(Box::new((reader.context.body.clone(), *params)))
+            MeshExtent::Generated(Box::new((reader.context.body.clone(), *params)))
         }
-        _ => Whole::AtHand,
+        _ => MeshExtent::AtHand,
     };
-    let mesh = OfMesh {
+    let mesh = MeshRecovery {
         mesh: of.mesh,
         whole,
         material: reader.context.material,
@@ -157,8 +157,8 @@ fn computed(
     Ok((basis, count, candidates, Some(mesh)))
 }
 
-/// The basis of a stored reduction, held against the gear and what is asked of it.
-fn stored(reader: &Reader<'_>, path: &str, asked: &Asked) -> Result<Found, BuildError> {
+/// Returns the basis of a stored reduction, compared with the gear and the request.
+fn stored(reader: &Reader<'_>, path: &str, asked: &ModeRequest) -> Result<BasisResult, BuildError> {
     let mut own = mesh_source::PARAMETERS.iter().map(|p| p.key);
     if let Some(key) = own.find(|k| reader.context.parameters.contains_key(*k)) {
         return Err(reader.error(
@@ -207,7 +207,8 @@ fn stored(reader: &Reader<'_>, path: &str, asked: &Asked) -> Result<Found, Build
     }
 }
 
-/// The eigenmodes of a choice; with a target for the error of the force history, as few as reach it.
+/// Returns the selected eigenmodes; with a target for the error of the force history, the smallest number that meets
+/// it.
 fn kept_of(
     reader: &Reader<'_>,
     basis: &Basis,
@@ -245,7 +246,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     }
     let damping = damping(&reader, &given)?;
     let vibration_cut_off = reader.not_negative("vibration_cut_off", given.vibration_cut_off)?;
-    let asked = Asked {
+    let asked = ModeRequest {
         count,
         max_frequency,
         target: target.is_some(),
@@ -314,7 +315,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     );
     let mut gear = gear.map_err(|e| reader.error("mesh", e))?;
     if let Some(mesh) = mesh {
-        gear = gear.with_recovery(Arc::new(OfMesh {
+        gear = gear.with_recovery(Arc::new(MeshRecovery {
             kept,
             made,
             residual,

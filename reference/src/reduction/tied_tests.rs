@@ -4,7 +4,7 @@ use crate::deck;
 use crate::mesh::{self, ElementKind, GearMesh, Mesh};
 use crate::recognise::tests::strange;
 use crate::reduction::surface::Surface;
-use crate::reduction::{Basis, Mounting, Request, Wanted};
+use crate::reduction::{Basis, ModeSelection, Mounting, Request};
 use crate::test_support::{bare, coarse, stub};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::FlankGrid;
@@ -22,7 +22,7 @@ fn basis(mesh: &GearMesh) -> Basis {
         sector: false,
         material: Material::STEEL,
         mounting: Mounting::gear(true, 0.0),
-        wanted: Wanted::Count(20),
+        wanted: ModeSelection::Count(20),
     };
     request.compute().unwrap()
 }

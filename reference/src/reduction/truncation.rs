@@ -1,4 +1,4 @@
-//! What the kept modes carry is taken from the static compliance: the rest is the residual compliance
+//! Residual compliance: the static compliance without the part that the kept modes carry.
 //!
 //! ```text
 //! R = A - B Omega^-2 B^T,     r = a - B Omega^-2 h
@@ -11,7 +11,7 @@ use super::error::ReductionError;
 use crate::vector::dot;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
-use gearbench_models::gear::elastic::lessened::Lessened;
+use gearbench_models::gear::elastic::deflated::Deflated;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 
 /// Teeth may differ by this fraction of the largest compliance of a node and still count as alike.
@@ -19,19 +19,19 @@ const ALIKE: f64 = 1e-6;
 
 /// Kept modes at the flank nodes and the hub.
 #[derive(Clone, Copy, Debug)]
-pub struct Kept<'a> {
+pub struct KeptModes<'a> {
     /// Angular frequencies [rad/s].
     pub omega: &'a [f64],
     /// Outward shapes at the flank nodes, `node * modes + mode` [1/sqrt(kg)].
     pub shapes: &'a [f64],
-    /// Turn (displacement) of a free hub in each mode; zeros for a held hub.
+    /// Rotation (displacement) of a free hub in each mode; zeros for a fixed hub.
     pub hub: &'a [f64],
     /// Rows of the teeth that the modes are made for; none where all teeth have the same of them.
     pub made_for: &'a [u32],
 }
 
-/// The static compliance without what the kept modes carry.
-pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, ReductionError> {
+/// Subtracts the part that the kept modes carry from the static compliance.
+pub fn without_modes(total: &Residual, kept: KeptModes<'_>) -> Result<Residual, ReductionError> {
     let (nodes, modes) = (total.hub.len(), kept.omega.len());
     if kept.shapes.len() != nodes * modes || kept.hub.len() != modes {
         return Err(ReductionError::Mismatch(format!(
@@ -68,8 +68,8 @@ pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, Reduc
         && !kept.made_for.is_empty()
         && modes > 0
     {
-        let less = Lessened::new(rest.flanks, modes, s, kept.made_for);
-        rest.flanks = FlankCompliance::Lessened(Box::new(less));
+        let less = Deflated::new(rest.flanks, modes, s, kept.made_for);
+        rest.flanks = FlankCompliance::Deflated(Box::new(less));
         return Ok(rest);
     }
     match &mut rest.flanks {
@@ -90,7 +90,7 @@ pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, Reduc
             }
             symmetrise_blocks(blocks, z, m);
         }
-        FlankCompliance::Lessened(_) => {
+        FlankCompliance::Deflated(_) => {
             return Err(ReductionError::Mismatch(
                 "modes are taken from the compliance of a whole mesh, but some were taken before"
                     .into(),
@@ -115,14 +115,14 @@ fn subtract(c: &mut [f64], a: &[f64], b: &[f64], m: usize, modes: usize) {
     );
 }
 
-/// Largest compliance of a node of tooth 0 with itself.
+/// Returns the largest compliance of a node of tooth 0 with itself.
 fn largest(blocks: &[f64], z: usize, m: usize) -> f64 {
     debug_assert_eq!(blocks.len(), z * m * m);
     (0..m).map(|i| blocks[i * m + i]).fold(0.0, f64::max)
 }
 
-/// Whether all teeth keep the same: the compliance of each node with itself tells, for half a pair leaves nodal
-/// diameters where it stands.
+/// Checks that all teeth have equal modes, by the compliance of each node with itself: half a pair leaves nodal
+/// diameters.
 fn alike(s: &[f64], scale: f64, z: usize, m: usize, modes: usize) -> Result<(), ReductionError> {
     let own = |k: usize| -> f64 { s[k * modes..][..modes].iter().map(|x| x * x).sum() };
     for i in 0..m {
@@ -152,7 +152,7 @@ pub(super) fn symmetrise(c: &mut [f64], n: usize) {
     }
 }
 
-/// The same for the blocks of a cyclic gear: block `z - d` is block `d` transposed.
+/// Symmetrises the blocks of a cyclic gear: block `z - d` is block `d` transposed.
 pub(super) fn symmetrise_blocks(blocks: &mut [f64], z: usize, m: usize) {
     for d in 0..=z / 2 {
         let opposite = (z - d) % z;

@@ -8,7 +8,7 @@ use faer::sparse::linalg::cholesky as sparse;
 use faer::{Conj, MatMut, Par, Side};
 use std::sync::Arc;
 
-/// From this many stored entries on, two threads factorise faster than one.
+/// Number of stored entries above which two threads factorise faster than one.
 const PARALLEL_FROM: usize = 4_000_000;
 
 /// Cholesky factor of a sparse positive definite matrix.
@@ -96,7 +96,7 @@ impl<T: Scalar> Cholesky<T> {
         Ok(())
     }
 
-    /// Unknowns.
+    /// Returns the number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.symbolic.unknowns()
     }
@@ -119,8 +119,8 @@ impl<T: Scalar> Cholesky<T> {
         self.solve_many_in(x, par, &mut SolveMemory::default());
     }
 
-    /// The same in memory that is used again: pages that are fresh for every block of right-hand sides cost as much as the
-    /// solution of a block.
+    /// Solves for several right-hand sides in reused memory: new pages for every block of right-hand sides cost as
+    /// much as the solution of a block.
     ///
     /// # Panics
     /// If `x` has another number of rows than the matrix.
@@ -141,7 +141,7 @@ impl<T: Scalar> Cholesky<T> {
     }
 }
 
-/// Memory of solutions for several right-hand sides, which grows to what is needed and stays.
+/// Memory of solutions for several right-hand sides, which grows as needed and is reused.
 #[derive(Default)]
 pub struct SolveMemory {
     /// Its requirement in bytes and alignment, and the memory.
@@ -168,7 +168,7 @@ impl SolveMemory {
 }
 
 impl Cholesky<f64> {
-    /// Solves in place for one right-hand side. Nothing is allocated after the first call.
+    /// Solves in place for one right-hand side, without allocation after the first call.
     ///
     /// # Panics
     /// If `x` has another length than the matrix has rows.

@@ -1,4 +1,4 @@
-//! Fill-reducing order of elimination, found on the graph of nodes.
+//! Fill-reducing elimination order, computed on the graph of nodes.
 //!
 //! The unknowns of one node have the same neighbours; taken together they make the graph three times smaller
 //! and its edges nine times fewer, and keep a node's columns side by side in the factor. The order is refined
@@ -28,7 +28,7 @@ struct NodeGraph {
     first: Vec<usize>,
     /// Where the neighbours of each node begin.
     start: Vec<usize>,
-    /// Neighbours, both ways, a node itself left out.
+    /// Neighbours in both directions, without the node itself.
     neighbours: Vec<u32>,
 }
 
@@ -45,7 +45,7 @@ impl NodeGraph {
         &self.neighbours[self.start[node]..self.start[node + 1]]
     }
 
-    /// The same graph, vertices weighted by their unknowns.
+    /// Returns the graph with vertices weighted by their unknowns.
     fn weighted(&self) -> Graph {
         Graph {
             start: self.start.iter().map(|&s| s as u32).collect(),
@@ -124,7 +124,7 @@ fn scramble(i: usize) -> u64 {
     z ^ (z >> 31)
 }
 
-/// The better of the two orders for the pattern of a lower triangle: the one whose factor costs less.
+/// Returns the better of two orders for the pattern of a lower triangle: the one with the cheaper factor.
 pub fn best(pattern: SymbolicSparseColMatRef<'_, usize>) -> Order {
     let graph = NodeGraph::new(pattern);
     let by_degree = evaluate(&graph, &minimum_degree_of(&graph.weighted()));
@@ -212,7 +212,7 @@ fn minimum_degree_of(graph: &Graph) -> Vec<u32> {
     }
 }
 
-/// Turns an order of nodes into a postordered one of unknowns and counts the fill.
+/// Converts an order of nodes into a postordered one of unknowns and counts the fill.
 fn evaluate(graph: &NodeGraph, nodes: &[u32]) -> Order {
     let (parent, _) = elimination_tree(graph, nodes);
     let nodes: Vec<u32> = postorder(&parent).into_iter().map(|i| nodes[i]).collect();

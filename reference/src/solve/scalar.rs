@@ -1,4 +1,4 @@
-//! Real and complex numbers under one name.
+//! Real and complex numbers under one trait.
 
 /// Numbers a matrix may consist of: `f64`, or [`faer::c64`] for Hermitian matrices.
 pub trait Scalar:
@@ -13,13 +13,13 @@ pub trait Scalar:
     + std::ops::SubAssign
     + std::ops::MulAssign
 {
-    /// A real number.
+    /// Converts a real number.
     fn real(x: f64) -> Self;
     /// A complex number; a real type takes its real part.
     fn complex(re: f64, im: f64) -> Self;
     /// Real and imaginary part.
     fn parts(self) -> [f64; 2];
-    /// The complex conjugate.
+    /// Returns the complex conjugate.
     fn conjugate(self) -> Self;
     /// Square of the modulus.
     fn modulus2(self) -> f64;

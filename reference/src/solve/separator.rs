@@ -182,7 +182,7 @@ impl Graph {
         best.map_or_else(Vec::new, |b| b.1)
     }
 
-    /// The vertex that a search in breadth from another one meets last.
+    /// Returns the last vertex of a breadth-first search from another one.
     fn farthest(&self, from: usize) -> usize {
         let mut queued = vec![false; self.vertices()];
         let mut queue = vec![from];
@@ -274,7 +274,7 @@ impl<'a> Separator<'a> {
         self.weights[2] as f64 + 10.0 * excess + 0.3 * uneven * self.weights[2] as f64 + uneven
     }
 
-    /// What the separator loses if `v` leaves it for `side`.
+    /// Returns the decrease of the separator if `v` leaves it for `side`.
     fn gain(&self, v: usize, side: u8) -> i64 {
         let pulled: i64 = self
             .graph
@@ -301,7 +301,7 @@ impl<'a> Separator<'a> {
         }
     }
 
-    /// One pass of moves, undone back to the best state seen; whether that is better than before.
+    /// Makes one pass of moves and reverts to the best state; returns true if that is an improvement.
     fn pass(&mut self) -> bool {
         let n = self.graph.vertices();
         let mut heap: BinaryHeap<(i64, u32, u8)> = BinaryHeap::new();

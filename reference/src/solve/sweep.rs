@@ -6,7 +6,7 @@
 
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
-/// Columns taken together.
+/// Number of columns that are processed together.
 const GROUP: usize = 4;
 
 /// Solves `L y = x` in place.
@@ -144,7 +144,7 @@ fn four_dots(c: [&[f64]; GROUP], b: &[f64]) -> [f64; GROUP] {
     total
 }
 
-/// Product of one column with `b`.
+/// Returns the product of one column with `b`.
 fn dot(c: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
     let (c, c_rest) = c.as_chunks::<LANES>();

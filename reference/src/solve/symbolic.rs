@@ -17,7 +17,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 /// Wider merges than faer's: our matrices come in blocks of three columns, and wide blocks sweep faster.
 const RELAXATION: &[(usize, f64)] = &[(12, 0.6), (24, 0.3), (48, 0.12), (usize::MAX, 0.03)];
 
-/// Memory of a stored number of a factor with what making it takes beside [bytes].
+/// Memory per stored number of a factor, including that of its computation [bytes].
 const FACTOR_BYTES: f64 = 14.0;
 
 /// Analysis of a pattern: order, fill, supernodes. Serves every matrix of the pattern, real or complex.
@@ -79,7 +79,7 @@ impl Symbolic {
         })
     }
 
-    /// Unknowns.
+    /// Returns the number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.inner.nrows()
     }
@@ -94,7 +94,7 @@ impl Symbolic {
         self.inner.len_val()
     }
 
-    /// Whether a matrix has the pattern that was analysed.
+    /// Returns true if a matrix has the analysed pattern.
     pub fn fits(&self, pattern: SymbolicSparseColMatRef<'_, usize>) -> bool {
         pattern.ncols() == self.unknowns() && fingerprint(pattern) == self.fingerprint
     }
@@ -109,7 +109,7 @@ impl Symbolic {
         self.inner.perm().map_or((&[], &[]), PermRef::arrays)
     }
 
-    /// Supernodes of the factor; the analysis always asks for them.
+    /// Returns the supernodes of the factor, which the analysis always computes.
     pub(super) fn supernodes(&self) -> Option<&SymbolicSupernodalCholesky<usize>> {
         match self.inner.raw() {
             SymbolicCholeskyRaw::Supernodal(s) => Some(s),

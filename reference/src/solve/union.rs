@@ -1,4 +1,4 @@
-//! Two lower triangles on one pattern.
+//! Union of the patterns of two lower triangles.
 
 use super::Scalar;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};

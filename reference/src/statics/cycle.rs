@@ -2,12 +2,13 @@
 
 use super::loaded::{LoadedContact, LoadedPair, StaticsError};
 
-/// What loads the gears.
+/// Load of the gears over a mesh cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Load {
-    /// The same approach [m] at every position.
+    /// Equal approach [m] at every position.
     Approach(f64),
-    /// The same force [N] along the line of action in the transverse plane: torque over transverse base radius.
+    /// Equal force [N] along the line of action in the transverse plane at every position: torque over transverse base
+    /// radius.
     Force(f64),
 }
 
@@ -29,7 +30,7 @@ pub struct MeshCycle {
 }
 
 impl MeshCycle {
-    /// Solves `count` positions.
+    /// Solves for `count` positions.
     pub fn solve(
         pair: &mut LoadedPair,
         load: Load,
@@ -87,8 +88,8 @@ impl MeshCycle {
         self.tangent.iter().sum::<f64>() / (self.tangent.len() as f64 * self.face_width)
     }
 
-    /// Secant stiffness of one pair over the width [N/m^2] at its positions [m] along the path, ascending: the
-    /// pairs of all positions put in a row. Zero where the pair does not touch is left out.
+    /// Returns the secant stiffness of one pair over the width [N/m^2] at its positions [m] along the path, ascending,
+    /// from the pairs of all positions. Positions without contact are left out.
     pub fn pair_stiffness(&self) -> Vec<(f64, f64)> {
         let mut curve: Vec<(f64, f64)> = Vec::new();
         for p in &self.positions {
@@ -107,7 +108,7 @@ impl MeshCycle {
         at.pair(0) / (at.approach * self.face_width)
     }
 
-    /// Largest secant stiffness of one pair over the width [N/m^2], `c'` of ISO 6336.
+    /// Returns the largest secant stiffness of one pair over the width [N/m^2], `c'` of ISO 6336.
     pub fn single_stiffness(&self) -> f64 {
         self.pair_stiffness().iter().fold(0.0, |m, p| p.1.max(m))
     }

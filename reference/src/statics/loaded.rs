@@ -1,4 +1,4 @@
-//! Two gears held at their hubs: equilibrium at a position and an approach, or under a force.
+//! Two gears with fixed hubs: equilibrium at a position and an approach, or under a force.
 
 use gearbench_integrators::equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
 use gearbench_integrators::system::State;
@@ -12,13 +12,13 @@ use gearbench_models::spec::{Body, MeshLayout, Modelling, Mount, Profile, SceneS
 
 /// Largest last Newton correction over the approach.
 const TOLERANCE: f64 = 1e-9;
-/// The force asked for is met to this part of it.
+/// Relative tolerance of the requested force.
 const FORCE_TOLERANCE: f64 = 1e-7;
 /// Equilibria that a force may take: halving alone comes to the edge with fewer.
 const FORCE_TRIALS: u32 = 100;
 /// Width of a bracket over the approach below which the force jumps inside it.
 const EDGE: f64 = 1e-10;
-/// How far surfaces through nodes may stand before the flanks, over the base pitch.
+/// Largest distance of surfaces through nodes in front of the flanks, relative to the base pitch.
 const AHEAD: f64 = 1e-4;
 /// First guess of the mesh stiffness over the width [N/m^2]: a steel pair.
 const FIRST_GUESS: f64 = 1.4e10;
@@ -62,10 +62,10 @@ pub enum StaticsError {
     },
 }
 
-/// What one tooth pair carries.
+/// Force of one tooth pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairForce {
-    /// Base pitches by which the pair stands ahead of the reference pair on the path.
+    /// Number of base pitches by which the pair is ahead of the reference pair on the path.
     pub offset: i64,
     /// Its part of the force [N].
     pub force: f64,
@@ -96,7 +96,7 @@ impl LoadedContact {
     }
 }
 
-/// Two gears of a scene, both held at their hubs.
+/// Two gears of a scene, both with fixed hubs.
 pub struct LoadedPair {
     scene: Scene,
     state: State,
@@ -113,8 +113,8 @@ pub struct LoadedPair {
 }
 
 impl LoadedPair {
-    /// Takes gears, models and contact of a scene with one mesh. Mounts, loads and speeds are replaced by held
-    /// hubs, damping and friction are left out; the flank that carries is the one of the mesh's start.
+    /// Builds the pair from gears, models and contact of a scene with one mesh. Mounts, loads and speeds are replaced
+    /// by fixed hubs, damping and friction are left out; the loaded flank is that of the mesh's start.
     pub fn new(
         spec: &SceneSpec,
         modelling: &Modelling,
@@ -185,7 +185,7 @@ impl LoadedPair {
         self.state.q.len()
     }
 
-    /// Equilibria found so far, and the Newton iterations they took.
+    /// Returns the numbers of computed equilibria and of their Newton iterations.
     pub fn work(&self) -> [u64; 2] {
         [self.equilibria, self.iterations]
     }
@@ -313,7 +313,7 @@ impl LoadedPair {
         Ok((above - below) / (2.0 * h))
     }
 
-    /// All contacts of the equilibrium that was found last.
+    /// Returns all contacts of the last equilibrium.
     pub fn contacts(&mut self) -> Vec<ContactForce> {
         self.scene.contact_forces(self.state.at())
     }
@@ -350,8 +350,8 @@ impl LoadedPair {
     }
 }
 
-/// The balance between two sides of an approach at which the force jumps: what is missing on the lower side is carried
-/// by what the upper side has more.
+/// Returns the equilibrium between two sides of an approach at which the force jumps: interpolated to the requested
+/// force.
 fn on_edge(low: &LoadedContact, high: LoadedContact, force: f64) -> LoadedContact {
     let part = (force - low.force) / (high.force - low.force);
     let mut pairs = high.pairs;

@@ -270,7 +270,8 @@ fn refusals_say_what_to_do() {
     ));
 }
 
-/// Where the force jumps over the approach there is a balance for every force, the ones in the jump on its edge.
+/// Every force has an equilibrium at every position; where the force jumps over the approach, it is interpolated at
+/// the jump.
 #[test]
 fn every_load_has_a_balance_at_every_position() {
     let (spec, modelling) = (pair(Side::Left), rigid(iso(), 1.0));

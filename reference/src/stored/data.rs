@@ -4,8 +4,8 @@ use super::ExternalReference;
 use crate::data::{Channel, Quantity, Reference};
 
 impl ExternalReference {
-    /// Its histories of contact force and speeds; `gears` are the places of its two gears in a scene. A rack that is held
-    /// stands still.
+    /// Returns the histories of contact force and speeds; `gears` are the positions of its two gears in a scene. A
+    /// fixed rack is at rest.
     pub fn data(&self, gears: [usize; 2]) -> Reference {
         let h = &self.history;
         let channel = |quantity, value: &[f64]| Channel {

@@ -3,7 +3,7 @@
 use super::{GearData, ImpactParameters, RackData};
 use serde_json::Value;
 
-/// The solver, and what it computed in the crate's own units and names.
+/// Reads the solver, and the parameters of its results in the units and names of this crate.
 pub(super) fn read(text: &str) -> Result<(String, ImpactParameters), String> {
     let raw: Value = serde_json::from_str(text).map_err(|e| e.to_string())?;
     let at = |path: &str| raw.pointer(path).ok_or(format!("{path} is missing"));

@@ -11,12 +11,12 @@ pub struct History {
     pub contact_force: Vec<f64>,
     /// Components of that sum on gear 1 [N]; where the table has none of the axial force, it is 0.
     pub force: [Vec<f64>; 3],
-    /// Moment of the contact forces on gear 1 about the middle of its axis [N m]; tables of spur gears have the one about z
-    /// alone, the others are 0.
+    /// Moment of the contact forces on gear 1 about the middle of its axis [N m]; tables of spur gears have the
+    /// component about z alone, the others are 0.
     pub moment: [Vec<f64>; 3],
     /// Momentum mean of the angular velocity of gear 1 (angular momentum over inertia) [rad/s].
     pub omega1_mean: Vec<f64>,
-    /// The same of gear 2 [rad/s].
+    /// Mean angular velocity of gear 2 [rad/s].
     pub omega2_mean: Vec<f64>,
     /// Angular velocity of the bore of gear 1 [rad/s].
     pub omega1_hub: Vec<f64>,
@@ -27,8 +27,8 @@ pub struct History {
 }
 
 impl History {
-    /// Reads the CSV; the header names the columns, in any order, further ones are passed over. A rack held at
-    /// its back does not turn: its table has no columns of that.
+    /// Reads the CSV; the header names the columns, in any order, and further ones are ignored. A rack with fixed back
+    /// does not rotate: its table has no such columns.
     pub fn read(text: &str, rack: bool) -> Result<Self, String> {
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         let header = reader.headers().map_err(|e| e.to_string())?.clone();

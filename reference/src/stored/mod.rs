@@ -32,26 +32,26 @@ pub enum ReferenceError {
 /// A finite-element run of another program, with all that is needed to judge and to repeat it.
 #[derive(Clone, Debug)]
 pub struct ExternalReference {
-    /// Id, `program/case`.
+    /// Identifier `program/case`.
     pub id: &'static str,
     /// One line for legends and lists.
     pub title: &'static str,
-    /// Program and version.
+    /// Program that computed the reference, with its version.
     pub solver: String,
-    /// Who computed what and how: the text of its `SOURCE.md`.
+    /// Text of its `SOURCE.md`: origin and method of the computation.
     pub source: &'static str,
     /// Command that computes it again, from the root of the repository.
     pub regenerate: &'static str,
-    /// What a reader has to know to judge it.
+    /// Note for the assessment of the reference.
     pub note: &'static str,
     /// Estimated relative error of its own force history [-].
     pub own_error: Option<f64>,
-    /// Input deck, gzip.
+    /// Input deck, compressed by gzip.
     pub deck: &'static [u8],
-    /// What the deck was made from.
+    /// Parameters of the reference.
     pub parameters: ImpactParameters,
     /// Figures computed from the results when they were made.
     pub summary: Summary,
-    /// Histories.
+    /// Computed histories.
     pub history: History,
 }

@@ -1,4 +1,4 @@
-//! What a stored reference was computed from, and the figures computed from its results.
+//! Parameters of a stored reference, and the figures computed from its results.
 
 use serde::Deserialize;
 
@@ -8,14 +8,14 @@ pub struct GearData {
     /// Number of teeth.
     #[serde(rename = "z")]
     pub teeth: u32,
-    /// Profile shift coefficient.
+    /// Profile shift coefficient of the gear.
     #[serde(rename = "x")]
     pub profile_shift: f64,
     /// Helix angle, right hand positive [deg].
     #[serde(default, rename = "beta_deg")]
     pub helix_angle_deg: f64,
-    /// Turn of the gear with its axis, about its centre, from where it stands with its axis along z: direction times angle
-    /// [rad].
+    /// Rotation of the gear with its axis, about its centre, from the position with the axis along z: direction times
+    /// angle [rad].
     #[serde(default, rename = "tilt_rad")]
     pub tilt: [f64; 3],
     /// Radius of the bore, which is a rigid hub [m].
@@ -35,7 +35,7 @@ pub struct GearData {
     pub speed: f64,
 }
 
-/// A rack of a reference, its back held; teeth point to -x.
+/// Rack of a reference with fixed back; teeth point to -x.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RackData {
     /// Number of teeth.
@@ -46,16 +46,16 @@ pub struct RackData {
     pub distance: f64,
 }
 
-/// What an impact of two gears, or of a gear on a rack, was computed from.
+/// Parameters of an impact of two gears, or of a gear on a rack.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImpactParameters {
     /// Name of the case.
     pub case: String,
-    /// Finite element.
+    /// Type of the finite elements.
     pub element: String,
-    /// Both gears; only the first if it meets a rack.
+    /// Both gears; only the first for an impact on a rack.
     pub gears: Vec<GearData>,
-    /// The rack, if there is one instead of a second gear.
+    /// The rack, for an impact without a second gear.
     pub rack: Option<RackData>,
     /// Normal module [m].
     pub module: f64,
@@ -63,21 +63,21 @@ pub struct ImpactParameters {
     pub pressure_angle: f64,
     /// Face width [m].
     pub face_width: f64,
-    /// Addendum factor.
+    /// Addendum factor of both gears.
     pub addendum: f64,
-    /// Dedendum factor.
+    /// Dedendum factor of both gears.
     pub dedendum: f64,
     /// Tip radius factor of the rack tool.
     pub tip_radius: f64,
     /// Young's modulus [Pa].
     pub young: f64,
-    /// Poisson's ratio.
+    /// Poisson's ratio of the material.
     pub poisson: f64,
-    /// Density [kg/m^3].
+    /// Density of the material [kg/m^3].
     pub density: f64,
     /// Pressure over overclosure of the contact [Pa/m].
     pub penalty: f64,
-    /// Friction coefficient.
+    /// Coefficient of friction.
     pub friction: f64,
     /// Centre distance, or distance from the axis to the rack's reference line [m].
     pub centre_distance: f64,
@@ -87,8 +87,8 @@ pub struct ImpactParameters {
     pub path_coordinate: f64,
     /// Gap of the exact involutes at t = 0, in the transverse plane and without tilts [m].
     pub gap_exact: f64,
-    /// Gap of the faceted flanks of the touching pair at t = 0 [m]: what smooth flanks have to start with
-    /// to touch at the same time.
+    /// Gap of the faceted flanks of the first contact at t = 0 [m]: the initial gap for smooth flanks that touch at
+    /// the same time.
     pub gap_effective: f64,
     /// Time step [s].
     pub step: f64,
@@ -96,8 +96,9 @@ pub struct ImpactParameters {
     pub hht_alpha: f64,
 }
 
-/// Figures computed from the results when they were made: gears 1 and 2, momentum means and bores (`hub`) at the end of
-/// the run, energies, the impact of rigid bodies for comparison. What a held rack has not is 0 or `None`.
+/// Figures computed from the results when they were made: gears 1 and 2, momentum means and bores (`hub`) at the end
+/// of the run, energies, the impact of rigid bodies for comparison. Quantities that a fixed rack does not have are 0
+/// or `None`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "the keys of `summary.json`, with their units")]

@@ -1,17 +1,17 @@
-//! The stored references. A further one is a folder with its files and one line in [`REFERENCES`].
+//! Table of the stored references. A further one is a folder with its files and one line in [`REFERENCES`].
 
 use super::{ExternalReference, History, ReferenceError, format};
 
 /// A stored reference before it is read: the embedded files.
 #[derive(Clone, Copy, Debug)]
 pub struct StoredReference {
-    /// Id, `program/case`.
+    /// Identifier `program/case`.
     pub id: &'static str,
     /// One line for legends and lists.
     pub title: &'static str,
     /// Command that computes it again, from the root of the repository.
     pub regenerate: &'static str,
-    /// What a reader has to know to judge it.
+    /// Note for the assessment of the reference.
     pub note: &'static str,
     /// Estimated relative error of its own force history, by its mesh, elements and contact together [-].
     pub own_error: Option<f64>,

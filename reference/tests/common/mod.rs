@@ -1,4 +1,4 @@
-//! Pairs of held gears and their contact.
+//! Pairs of fixed gears and their contact.
 
 use gearbench_models::geometry::{Gear, Side};
 use gearbench_models::law::Damping;
@@ -8,7 +8,7 @@ use gearbench_models::spec::{
 };
 use gearbench_models::stiffness::{Material, PairStiffness};
 
-/// Two gears at a distance, both held.
+/// Returns a scene of two fixed gears at a distance.
 pub fn scene(gears: [Gear; 2], material: Material, distance: f64) -> SceneSpec {
     let held = |(i, gear)| GearSpec {
         name: format!("gear {}", i + 1),
@@ -40,7 +40,7 @@ pub fn scene(gears: [Gear; 2], material: Material, distance: f64) -> SceneSpec {
     }
 }
 
-/// Both gears of one model, with a linear contact without losses.
+/// Returns both gears of one model, with a linear contact without losses.
 pub fn modelling(
     model: ModelSpec,
     stiffness: PairStiffness,

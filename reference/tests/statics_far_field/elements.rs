@@ -1,9 +1,9 @@
-//! A gear held at its bore, by finite elements, under loads spread over its flanks.
+//! A gear with fixed bore, by finite elements, under loads distributed over its flanks.
 
 use gearbench_models::geometry::{Gear, Side};
 use gearbench_models::stiffness::Material;
 use gearbench_reference::mesh::{self, GearMeshParams, Tooth};
-use gearbench_reference::reduction::{Basis, Mounting, Request, Wanted};
+use gearbench_reference::reduction::{Basis, ModeSelection, Mounting, Request};
 use std::f64::consts::PI;
 
 /// Elements along the flank; all other counts follow.
@@ -22,7 +22,7 @@ fn params(flank: usize) -> GearMeshParams {
     }
 }
 
-/// A gear held at its bore, by finite elements.
+/// A gear with fixed bore, by finite elements.
 pub struct Elements<'a> {
     gear: &'a Gear,
     basis: Basis,
@@ -43,7 +43,7 @@ impl Elements<'_> {
             sector: true,
             material,
             mounting: Mounting::gear(false, 0.0),
-            wanted: Wanted::Count(0),
+            wanted: ModeSelection::Count(0),
         }
         .compute()
         .unwrap();
@@ -158,7 +158,7 @@ impl Elements<'_> {
         })
     }
 
-    /// Between a tooth touched at `low` and the one `m` pitches on, touched at `high` [m^2/N].
+    /// Returns the compliance between a tooth loaded at `low` and the one `m` pitches on, loaded at `high` [m^2/N].
     pub fn coupling(&self, m: u32, low: f64, high: f64) -> f64 {
         let outer = |high: f64| {
             self.continued(low, &|low| {

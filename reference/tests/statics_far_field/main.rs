@@ -1,5 +1,5 @@
-//! Mesh stiffness and static transmission error by finite elements with Hertz's contact put in exactly: what the
-//! stiffness of rigid gears is held against.
+//! Mesh stiffness and static transmission error by finite elements with an analytical Hertzian contact, as reference
+//! for the stiffness of rigid gears.
 //!
 //! ```text
 //! cargo test --release -p gearbench-reference --test statics_far_field -- --nocapture --ignored   # 5 minutes
@@ -35,7 +35,7 @@ struct Case {
     width: f64,
     /// `None`: where the backlash is 0.1 mm.
     distance: Option<f64>,
-    /// 0: solid.
+    /// Bore radius; 0 for a solid gear.
     bore: f64,
     material: Material,
 }
@@ -125,7 +125,7 @@ impl Case {
 
 /// Compliances of the pairs in contact at one position.
 struct Position {
-    /// Part of the mesh cycle that it stands for.
+    /// Fraction of the mesh cycle of the position.
     weight: f64,
     /// `T_1 + T_2` of each pair and its relative radius of curvature.
     own: Vec<(f64, f64)>,
@@ -182,7 +182,7 @@ impl Position {
     }
 }
 
-/// Solution for ones.
+/// Solves for a right-hand side of ones.
 fn solve(mut c: Vec<f64>, n: usize) -> Vec<f64> {
     let mut b = vec![1.0; n];
     for k in 0..n {
@@ -210,14 +210,14 @@ const LOADS: [f64; 2] = [100e3, 300e3];
 /// In each zone of a number of pairs.
 const POSITIONS: u32 = 16;
 
-/// Places of the first pair on the path at which one pair more and one less is in contact, over a base pitch.
+/// Returns the ranges of the first pair on the path with one pair more and one less in contact, over a base pitch.
 fn zones(pair: &Pair) -> [[f64; 2]; 2] {
     let (start, pitch) = (pair.s_start(), pair.base_pitch());
     let more = (pair.s_end() - start) % pitch;
     [[start, start + more], [start + more, start + pitch]]
 }
 
-/// What a mesh cycle gives, in N/(mm um) and um.
+/// Results of a mesh cycle, in N/(mm um) and um.
 #[derive(Clone, Copy)]
 struct Cycle {
     at_pitch_point: f64,

@@ -1,4 +1,4 @@
-//! Two fingerprints held against each other.
+//! Comparison of two fingerprints.
 
 use super::{BITS, List};
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 pub struct Renames(Vec<(Option<String>, String, String)>);
 
 impl Renames {
-    /// Reads the lines.
+    /// Reads the lines of renamed keys.
     ///
     /// # Panics
     /// If a line is none.
@@ -30,7 +30,7 @@ impl Renames {
         Renames(lines.map(read).collect())
     }
 
-    /// An old list under the new names.
+    /// Returns an old list under the new names.
     #[must_use]
     pub fn apply(&self, old: &List) -> List {
         let mut new = List::default();
@@ -49,18 +49,18 @@ impl Renames {
     }
 }
 
-/// What differs under one key.
+/// Difference of two lists under one key.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Difference {
-    /// Another value: old, new.
+    /// The value changed: old, new.
     Changed(String, String),
-    /// New.
+    /// The key is new.
     Added(String),
-    /// Gone.
+    /// The key was removed.
     Removed(String),
 }
 
-/// All keys whose values are not the same text.
+/// Returns all keys with different values.
 #[must_use]
 pub fn differences(old: &List, new: &List) -> BTreeMap<String, Difference> {
     let mut found = BTreeMap::new();
@@ -76,7 +76,8 @@ pub fn differences(old: &List, new: &List) -> BTreeMap<String, Difference> {
     found
 }
 
-/// What is stored: without the bits, which differ between machines, and of long lists the sums alone.
+/// Returns the stored form of a list: without the bits, which differ between machines, and of long lists only the
+/// sums.
 #[must_use]
 pub fn golden_form(list: &List) -> List {
     let left_out = [BITS, ".first", ".last", ".len"];
@@ -84,16 +85,16 @@ pub fn golden_form(list: &List) -> List {
     List(kept.map(|(k, v)| (k.clone(), v.clone())).collect())
 }
 
-/// Relative difference of numbers that rounding may make.
+/// Relative difference of numbers that is attributed to rounding.
 const ALLOWED: f64 = 1e-9;
 
-/// The unit at the end of a key, `_j` or `_rel`; what has the same stands beside each other in size.
+/// Returns the unit at the end of a key, `_j` or `_rel`; values of one unit are compared in size.
 fn unit(name: &str) -> &str {
     name.rfind('_').map_or("", |i| &name[i..])
 }
 
-/// What is no longer as stored: numbers with a point beyond 1e-9 of themselves or of the largest of the same unit
-/// beside them (of pure numbers, of one), anything else unless equal. New keys may come.
+/// Returns the differences from a stored list: numbers with a decimal point are compared within 1e-9 of themselves or
+/// of the largest neighbour of the same unit (for pure numbers, of one), anything else exactly. New keys are accepted.
 #[must_use]
 pub fn off_golden(stored: &List, now: &List) -> BTreeMap<String, Difference> {
     let number = |v: &str| v.contains(['.', 'e']).then(|| v.parse::<f64>().ok())?;

@@ -1,4 +1,4 @@
-//! Files of results as flat lists.
+//! Result files as flat lists of keys and values.
 
 use super::BITS;
 use serde_json::value::RawValue;
@@ -6,16 +6,16 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Lists of numbers up to this length are written number by number.
+/// Largest length of lists of numbers that are written number by number.
 const SHORT: usize = 6;
 
-/// Parts of names whose values are times, or follow from them.
+/// Parts of names whose values are times, or depend on times.
 const TIMED: [&str; 10] = [
     "wall", "setup", "repeats", "machine", "commit", "created", "command", "cost", "solve_s",
     "cpu_s",
 ];
 
-/// Keys of a choice that follow from measured times: what is cheapest, and what is known of it alone.
+/// Keys of a choice that depend on measured times: the cheapest candidate, and data of it alone.
 const CHOSEN: [&str; 6] = [
     "chosen",
     "predicted_error",
@@ -25,7 +25,7 @@ const CHOSEN: [&str; 6] = [
     "cheapest",
 ];
 
-/// Keys and values, ordered.
+/// Keys and values in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct List(pub BTreeMap<String, String>);
 
@@ -39,7 +39,7 @@ impl List {
         assert!(before.is_none(), "{key} is there twice");
     }
 
-    /// Reads what [`List::to_text`] or [`List::to_grouped_text`] wrote; lines that begin with `#` are remarks.
+    /// Reads the output of [`List::to_text`] or [`List::to_grouped_text`]; lines that begin with `#` are comments.
     #[must_use]
     pub fn of_text(text: &str) -> List {
         let (mut list, mut within) = (List::default(), "");
@@ -56,7 +56,7 @@ impl List {
         list
     }
 
-    /// One line per key.
+    /// Formats the list with one line per key.
     #[must_use]
     pub fn to_text(&self) -> String {
         self.0.iter().fold(String::new(), |mut text, (k, v)| {
@@ -65,7 +65,7 @@ impl List {
         })
     }
 
-    /// What keys share up to their last point once, on a line of its own above their ends.
+    /// Formats the list with the common part of keys up to their last point on a line of its own.
     #[must_use]
     pub fn to_grouped_text(&self) -> String {
         let (mut text, mut within) = (String::new(), "");
@@ -95,7 +95,7 @@ impl List {
     }
 }
 
-/// FNV-1a.
+/// Returns the FNV-1a hash.
 fn hash(bytes: impl IntoIterator<Item = u8>) -> String {
     let step = |h: u64, b: u8| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3);
     let h = bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, step);
@@ -106,7 +106,7 @@ fn is_timed(name: &str) -> bool {
     TIMED.iter().any(|t| name.contains(t))
 }
 
-/// Adds a file under its key; `folder` is taken out of texts.
+/// Adds a file under its key; `folder` is removed from texts.
 pub(super) fn file(list: &mut List, key: &str, path: &Path, folder: &str) {
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     let read = || {
@@ -185,7 +185,7 @@ fn json(list: &mut List, key: &str, raw: &str) {
     }
 }
 
-/// Points: lists of numbers in a list.
+/// Returns the rows of a list of lists of numbers.
 fn table_of_numbers<'a>(items: &[&'a str]) -> Option<Vec<&'a str>> {
     let row = |item: &'a str| serde_json::from_str::<Vec<&'a RawValue>>(item).ok();
     let rows: Option<Vec<_>> = items.iter().map(|i| row(i)).collect();
@@ -193,7 +193,7 @@ fn table_of_numbers<'a>(items: &[&'a str]) -> Option<Vec<&'a str>> {
     (all.len() > SHORT && all.iter().all(|x| x.parse::<f64>().is_ok())).then_some(all)
 }
 
-/// A number by its value, whatever way it was written; anything else as it is.
+/// Returns a number in a canonical form; other text is unchanged.
 fn leaf(text: &str) -> String {
     match (text.parse::<i64>(), text.parse::<f64>()) {
         (Err(_), Ok(x)) => format!("{x:?}"),

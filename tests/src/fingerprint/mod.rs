@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// End of the keys that hold a hash of bits: equal on one machine, not between machines.
 pub const BITS: &str = ".bits";
 
-/// Far beyond what any run takes [s].
+/// Time limit far above that of any run [s].
 const PATIENCE: &str = "900000";
 
 /// One part of the fingerprint: commands that share a folder.
@@ -39,7 +39,7 @@ const fn part(study: &'static str, name: &'static str, commands: &'static str) -
     }
 }
 
-/// Every study; every model in at least one of them.
+/// Commands of every study; every model occurs in at least one of them.
 const PARTS: &[Part] = &[
     part(
         "compare",
@@ -138,7 +138,7 @@ const PARTS: &[Part] = &[
     ),
 ];
 
-/// Names of the studies, in order.
+/// Returns the names of the studies, in order.
 #[must_use]
 pub fn studies() -> Vec<&'static str> {
     let mut all: Vec<_> = PARTS.iter().map(|p| p.study).collect();
@@ -146,7 +146,7 @@ pub fn studies() -> Vec<&'static str> {
     all
 }
 
-/// Runs the parts of one study, or all, in folders of their own within `folder`.
+/// Runs the parts of one study, or all, in separate folders within `folder`.
 ///
 /// # Panics
 /// Where files cannot be read or written, or a command of the table does not exist.

@@ -41,19 +41,19 @@ const PRINTED: [[[f64; 2]; 4]; 2] = [
     ],
 ];
 
-/// What acts while the inertia stands `x` beyond the edge of the backlash.
+/// Branch of the damping law for a distance `x` beyond the edge of the backlash.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Branch {
     Flight,
-    /// The damper pushes with the torque of the spring.
+    /// The damper force has reached that of the spring.
     Saturated,
     Closed,
-    /// The damper would pull with more than the spring pushes.
+    /// The damper would pull more than the spring pushes.
     Released,
 }
 
 impl Branch {
-    /// Stiffness and damping.
+    /// Returns stiffness and damping of the branch.
     fn constants(self) -> [f64; 2] {
         match self {
             Branch::Flight | Branch::Released => [0.0, 0.0],
@@ -62,7 +62,7 @@ impl Branch {
         }
     }
 
-    /// `x` and its rate a time later.
+    /// Returns `x` and its rate after a time.
     fn after(self, [x, v]: [f64; 2], t: f64) -> [f64; 2] {
         let [k, c] = self.constants();
         if k == 0.0 {
@@ -78,7 +78,7 @@ impl Branch {
         ]
     }
 
-    /// Positive while it holds.
+    /// Returns a function that is positive while the branch is valid.
     fn holds(self, bounded: bool, [x, v]: [f64; 2]) -> f64 {
         match self {
             // To the edge on the other side.
@@ -91,7 +91,7 @@ impl Branch {
     }
 }
 
-/// Angle and speed at a time.
+/// Returns angle and speed at a time.
 fn exact(bounded: bool, until: f64) -> [f64; 2] {
     let (mut t, mut side) = (0.0, 1.0);
     let (mut branch, mut state) = (Branch::Closed, [PHI0 - 0.5 * B, 0.0]);
@@ -131,10 +131,10 @@ fn exact(bounded: bool, until: f64) -> [f64; 2] {
     }
 }
 
-/// The gears, with a law.
+/// Gears of the example, with a damping law.
 struct Gears {
     scene: Scene,
-    /// Angles of the wheel over those of the example.
+    /// Ratio of the angles of the wheel to those of the example.
     epsilon: f64,
 }
 
@@ -188,7 +188,8 @@ impl Gears {
         Gears { scene, epsilon }
     }
 
-    /// Largest error of angle and speed of a run, over the largest of both in the example, and the ledger of the last run.
+    /// Returns the largest error of angle and speed of a run, relative to the largest of both in the example, and the
+    /// ledger of the last run.
     fn error(&mut self, bounded: bool, method: &str, resolution: Resolution) -> (f64, Ledger) {
         let (mut worst, mut ledger) = (0.0_f64, Ledger::default());
         for t in TIMES {
@@ -217,7 +218,8 @@ fn the_closed_form_is_what_was_computed_apart() {
     }
 }
 
-/// Scenes with rigid gears, by methods that step through contact and, where the whole is linear, from event to event.
+/// Rigid gears satisfy both laws under methods that step through contact and, where the whole is linear, from event to
+/// event.
 #[test]
 fn rigid_gears_have_both_laws_of_damping_in_their_backlash() {
     for bounded in [true, false] {
@@ -238,7 +240,7 @@ fn rigid_gears_have_both_laws_of_damping_in_their_backlash() {
     }
 }
 
-/// Each step sees one smooth force: the order of a method holds through all switches of the bounded damper.
+/// Each step has one smooth force: the order of a method is preserved through all switches of the bounded damper.
 #[test]
 fn the_order_of_a_method_holds_through_the_switches() {
     let mut gears = Gears::new(true);

@@ -1,4 +1,4 @@
-//! What mounts exert on their gears: balance at rest, the power of a drive, momentum in motion.
+//! Reactions of mounts: static equilibrium, power of a drive, momentum in motion.
 
 use gearbench_integrators::{
     EquilibriumOptions, Outputs, Report, Resolution, SecondOrderSystem, State, TimePlan,
@@ -12,7 +12,7 @@ use gearbench_tests::*;
 
 const NAMES: [&str; 2] = ["pinion", "wheel"];
 
-/// Force in the transverse plane and torque of a gear's mount.
+/// Returns force in the transverse plane and torque of a gear's mount.
 fn reaction(scene: &mut Scene, s: &State, name: &str) -> [f64; 3] {
     ["bearing_x", "bearing_y", "mount_torque"].map(|c| channel(scene, s, &format!("{c}:{name}")))
 }
@@ -89,8 +89,8 @@ fn the_torque_of_a_drive_is_its_power_over_its_speed() {
     }
 }
 
-/// Teeth are masses on a circle: the mount's force is what their centre of mass needs, less the contact force. The
-/// reference is a second difference of where all the teeth are.
+/// The mount force of a gear with movable teeth, masses on a circle, is that required by their centre of mass, less
+/// the contact force. The reference is a second difference of the positions of all teeth.
 #[test]
 fn movable_teeth_load_their_bearing_with_their_inertia() {
     let (m, count, reference) = (4.8e-3, [20_i64, 30], [0.035, 0.052]);

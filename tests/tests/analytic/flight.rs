@@ -1,4 +1,5 @@
-//! Flight within the backlash: the scene as oscillators and a rest, how long nothing touches, and what that saves.
+//! Flight within the backlash: the scene as oscillators and a remainder, the duration without contact, and the saved
+//! work.
 
 use gearbench_integrators::{
     AcceptedStep, Control, NullSink, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan,
@@ -8,7 +9,7 @@ use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, Mount, Profile, SceneSpec, mesh_layout};
 use gearbench_tests::*;
 
-/// Case A in the middle of `backlash`, hammering.
+/// Returns case A in the middle of `backlash`, with impacts on both sides.
 pub fn hammer(backlash: f64) -> SceneSpec {
     let mut a = case_a(0.0);
     a.meshes[0].start.gap = 0.0;
@@ -19,7 +20,7 @@ pub fn hammer(backlash: f64) -> SceneSpec {
     spec
 }
 
-/// The spec with the centre distance that leaves a normal backlash.
+/// Returns the specification at the centre distance of a normal backlash.
 fn at_backlash(mut spec: SceneSpec, wanted: f64) -> SceneSpec {
     let (mut lo, mut hi) = (0.1, 0.1015);
     for _ in 0..60 {
@@ -38,7 +39,7 @@ fn smallest_gap(scene: &Scene, s: &State) -> f64 {
     all.iter().map(|(_, c)| c.gap).fold(f64::INFINITY, f64::min)
 }
 
-/// The rest is the acceleration without the oscillators, whatever acts.
+/// The remainder is the acceleration without the oscillators, whatever acts.
 #[test]
 fn oscillators_and_rest_make_the_acceleration() {
     let mut spec = case_a(-2e-6);
@@ -61,7 +62,8 @@ fn oscillators_and_rest_make_the_acceleration() {
     assert_eq!(split.free_until(&s), 0.0);
 }
 
-/// Random speeds, loads and positions: just before the time told nothing touches, just after it something does.
+/// At random speeds, loads and positions no contact closes just before the predicted time, and one closes just after
+/// it.
 #[test]
 fn the_time_of_flight_is_that_of_the_first_touch() {
     let mut numbers = Numbers::new(7);
@@ -112,7 +114,7 @@ fn the_time_of_flight_is_that_of_the_first_touch() {
     assert!(ends > 250, "{ends} flights end, {never} do not");
 }
 
-/// Knots end a flight.
+/// A breakpoint of a load ends a flight.
 #[test]
 fn loads_that_change_end_a_flight() {
     let ramp = |start: f64| {
@@ -155,7 +157,7 @@ fn gears_with_teeth_of_their_own_have_no_split() {
     assert!(error.to_string().contains("oscillators"), "{error}");
 }
 
-/// Counts impacts by the contact force at the ends of steps.
+/// Sink that counts impacts by the contact force at the ends of steps.
 pub struct Impacts {
     force: usize,
     out: Outputs,
@@ -184,7 +186,7 @@ impl Sink for Impacts {
     }
 }
 
-/// Ten times the backlash, ten times the flight between impacts: the work per impact stays.
+/// With ten times the backlash, and so ten times the flight between impacts, the work per impact is unchanged.
 #[test]
 fn the_cost_of_hammering_follows_contact_time() {
     for events in [true, false] {

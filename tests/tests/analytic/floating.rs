@@ -8,7 +8,7 @@ use gearbench::studies::modes::{Wanted, vibrations};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::scene::Scene;
 
-/// The first model of a scene, and its natural frequencies without and with rigid motions [Hz].
+/// Returns the first model of a scene, and its natural frequencies without and with rigid motions [Hz].
 fn frequencies(file: &SceneFile) -> (usize, Vec<f64>) {
     let choice = file.model("rigid").unwrap();
     let spec = file.spec_for(choice);

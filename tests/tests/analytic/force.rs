@@ -1,4 +1,4 @@
-//! The force is a pure function, event functions say when its branch ends, and elastic laws switch without a jump.
+//! The force is a pure function, event functions mark the end of its branch, and elastic laws switch without a jump.
 
 use gearbench_integrators::{Change, Events, SecondOrderSystem, State};
 use gearbench_models::law::{Damping, Friction};
@@ -21,7 +21,7 @@ fn pairs() -> Vec<[ModelSpec; 2]> {
     ]
 }
 
-/// A scene somewhere around touching, with the pinion ahead by `depth` [m].
+/// Builds a scene near first contact, with the pinion ahead by `depth` [m].
 fn around_touch(
     models: &[ModelSpec; 2],
     contact: &ContactSpec,

@@ -1,4 +1,4 @@
-//! Flight in closed form: the motion itself, that nothing touches on the way, and what it saves every method.
+//! Closed-form flight: the motion itself, no contact during it, and the work that it saves for every method.
 
 use crate::flight::{Impacts, hammer};
 use gearbench_integrators::observers::Tee;
@@ -33,7 +33,7 @@ pub fn with_points() -> ContactSpec {
     }
 }
 
-/// Pairs with a closed form, by name.
+/// Returns pairs with a closed form, by name.
 fn pairs() -> Vec<(&'static str, [ModelSpec; 2], ContactSpec)> {
     let teeth = movable(1e8, 4.8e-3, 0.0);
     let damped = movable(5.3e8, 4.8e-3, 60.0);
@@ -51,7 +51,8 @@ fn pairs() -> Vec<(&'static str, [ModelSpec; 2], ContactSpec)> {
     ]
 }
 
-/// Case A flying in its backlash, with loads, one hub in three driven, and gears that vibrate by `size` [m].
+/// Returns case A in flight within its backlash, with loads, one hub in three driven, and gears that vibrate by `size`
+/// [m].
 fn flying(models: &[ModelSpec; 2], contact: &ContactSpec, size: f64, seed: u64) -> (Scene, State) {
     let mut numbers = Numbers::new(seed);
     let mut spec = hammer(100e-6);
@@ -87,7 +88,7 @@ fn flying(models: &[ModelSpec; 2], contact: &ContactSpec, size: f64, seed: u64) 
     (scene, s)
 }
 
-/// Until the time told nothing touches, whatever vibrates; the loop's motion is that of a fine integration.
+/// No contact closes before the predicted time, whatever vibrates, and the motion is that of a fine integration.
 #[test]
 fn a_free_flight_is_the_motion_and_nothing_touches_on_it() {
     for (name, models, contact) in pairs() {
@@ -138,7 +139,7 @@ fn a_free_flight_is_the_motion_and_nothing_touches_on_it() {
     }
 }
 
-/// What has no closed form is not flown through.
+/// Motions without a closed form are integrated in steps.
 #[test]
 fn motions_without_a_closed_form_are_stepped_through() {
     let flies = |change: &dyn Fn(&mut SceneSpec), models: [ModelSpec; 2]| {
@@ -177,8 +178,7 @@ fn finish(spec: &SceneSpec, models: &[ModelSpec; 2], id: &str, resolution: Resol
     run(&mut scene, id, resolution, 0.004).unwrap(id)
 }
 
-/// Rigid gears without loads fly straight, which every method does exactly: the closed form changes nothing but the
-/// work.
+/// The straight flight of rigid gears without loads is exact for every method: the closed form changes only the work.
 #[test]
 fn free_flights_change_nothing_where_a_method_is_exact() {
     let spec = hammer(50e-6);
@@ -247,7 +247,8 @@ fn runs_with_free_flights_converge_to_the_same_motion() {
     }
 }
 
-/// Ten times the backlash, ten times the flight between impacts: the work per impact stays, with every method.
+/// With ten times the backlash, and so ten times the flight between impacts, the work per impact is unchanged with
+/// every method.
 #[test]
 fn the_cost_of_hammering_follows_contact_time_with_every_method() {
     for row in METHODS.iter().filter(|m| !m.info.linear_part) {

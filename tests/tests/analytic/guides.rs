@@ -6,7 +6,7 @@ use gearbench_integrators::{Coeffs, Events, Resolution, SecondOrderSystem, State
 use gearbench_models::law::{DryFriction, FrictionForm};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    BodySpec, Carried, Guide, Load, Mount, Profile, SceneSpec, ShaftSpec, Station,
+    BodySpec, Guide, Load, Mount, Profile, SceneSpec, ShaftSpec, Station, StationMember,
 };
 use gearbench_tests::*;
 
@@ -20,7 +20,7 @@ fn friction(force: f64, form: FrictionForm) -> Option<DryFriction> {
     Some(DryFriction::new(force, form).unwrap())
 }
 
-/// A pinion that is held and a rack of 2 kg within a backlash of 2 mm, on a guide.
+/// Returns a fixed pinion and a rack of 2 kg within a backlash of 2 mm, on a guide.
 fn guided_rack(guide: Guide, speed: f64, force: f64) -> SceneSpec {
     let mut spec = pair_of(
         gear("pinion", spur(20), 0.0, 0.0),
@@ -41,7 +41,7 @@ fn run_to(scene: &mut Scene, method: &str, resolution: Resolution, t: f64) -> (S
     (end, ledger)
 }
 
-/// A mass on a spring and a damper under a constant force, by every method.
+/// A rack on a guide moves as a mass on a spring and a damper under a constant force, with every method.
 #[test]
 fn a_rack_on_a_spring_and_a_damper_is_an_oscillator() {
     let guide = Guide {
@@ -81,7 +81,8 @@ fn a_rack_on_a_spring_and_a_damper_is_an_oscillator() {
     assert!((told - exerted).abs() < 1e-9 * force, "{told} {exerted}");
 }
 
-/// A force below the sliding force is held: the rack gives way by `-l ln(1 - F/F_c)` and stays; smoothed friction creeps.
+/// A force below the sliding force is carried: the rack moves by `-l ln(1 - F/F_c)` and stops; smoothed friction
+/// creeps.
 #[test]
 fn what_sticks_stays_where_it_is() {
     let (force, sliding, length) = (90.0, 100.0, 2e-6);
@@ -156,7 +157,8 @@ fn friction_slows_down_evenly_and_holds() {
     }
 }
 
-/// What friction takes is the sliding force over the way; the ledger closes with a spring beside it and turns of the motion.
+/// Friction dissipates the sliding force times the distance; the ledger closes with a spring and with reversals of the
+/// motion.
 #[test]
 fn the_ledger_has_the_work_of_friction() {
     let guide = Guide {
@@ -187,7 +189,8 @@ fn the_ledger_has_the_work_of_friction() {
     assert_eq!(a, b);
 }
 
-/// A guided gear, its mate and a guided body on an elastic shaft: tangents beside differences, corrections beside tangents.
+/// For a guided gear, its mate and a guided body on an elastic shaft, tangents agree with finite differences, and
+/// corrections with tangents.
 #[test]
 fn tangents_and_corrections_know_guides() {
     let guide = |stiffness, form| Guide {
@@ -204,11 +207,11 @@ fn tangents_and_corrections_know_guides() {
         stations: vec![
             Station {
                 place: 0.0,
-                carries: Carried::Body(Box::new(body)),
+                carries: StationMember::Body(Box::new(body)),
             },
             Station {
                 place: 0.1,
-                carries: Carried::Gear(0),
+                carries: StationMember::Gear(0),
             },
         ],
         sections: vec![gearbench_models::spec::Section {
@@ -273,7 +276,7 @@ fn tangents_and_corrections_know_guides() {
     }
 }
 
-/// Guides that cannot be are refused.
+/// Invalid guides are refused.
 #[test]
 fn guides_that_cannot_be() {
     let refused = |spec: &SceneSpec, word: &str| {

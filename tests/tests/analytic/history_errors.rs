@@ -21,7 +21,7 @@ const SPEED: f64 = 20.0;
 /// Stiffness of the pair [N/m]: per width, of 10 mm.
 const K: f64 = 2e8;
 
-/// The impact under a damping ratio: dashpot [N s/m], touch-down [s], and the force after it.
+/// An impact with a damping ratio: dashpot [N s/m], first contact [s], and the force after it.
 struct Impact {
     dashpot: f64,
     touch: f64,
@@ -61,7 +61,7 @@ fn impact(ratio: f64) -> Impact {
 }
 
 impl Impact {
-    /// The exact history, in so many pieces.
+    /// Returns the exact history in a number of pieces.
     fn exact(&self, pieces: u32) -> TimeSeries {
         let mut force = ForceHistory::default();
         for k in 0..pieces {
@@ -118,7 +118,7 @@ impl Impact {
     }
 }
 
-/// Slope of log(error) over log(resolution).
+/// Returns the slope of log(error) over log(resolution).
 fn slope(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();

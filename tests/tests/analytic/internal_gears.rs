@@ -1,5 +1,5 @@
-//! An external gear in an internal one: gaps beside a direct search over both flanks, forces beside slopes of the energy
-//! through the whole mesh cycle, exchanged, turned and mirrored gears, the rim as a body.
+//! An external gear in an internal one: gaps compared with a direct search over both flanks, forces compared with
+//! slopes of the energy through the whole mesh cycle, exchanged, rotated and mirrored gears, and the rim as a body.
 
 use gearbench_integrators::{Events, Outputs, Report, SecondOrderSystem, State};
 use gearbench_models::geometry::{Gear, GearParams, Internal, Modifications, Side, TipRelief};
@@ -39,7 +39,7 @@ fn at(name: &str, params: GearParams, position: [f64; 3]) -> GearSpec {
     }
 }
 
-/// A pinion in a ring, whose axis lies off the pinion's in a direction [rad].
+/// Returns a pinion in a ring whose axis is offset from that of the pinion in a direction [rad].
 fn pair(pinion: GearParams, ring: GearParams, direction: f64, side: Side) -> SceneSpec {
     let off = [DISTANCE * direction.cos(), DISTANCE * direction.sin(), 0.0];
     pair_of(
@@ -82,7 +82,7 @@ fn toothing(g: &GearSpec) -> &Gear {
     }
 }
 
-/// The gears rolled on, by an angle of the pinion, and pressed together [m] on the flank of a side.
+/// Returns the state after rolling by an angle of the pinion, with an overlap [m] on the flank of a side.
 fn rolled(scene: &Scene, spec: &SceneSpec, roll: f64, (side, press): (Side, f64)) -> State {
     let mut s = scene.initial();
     let radii = [0, 1].map(|i| signed_effective_radius(&spec.gears[i].body));
@@ -114,7 +114,8 @@ fn varying(slices: usize) -> ContactSpec {
     }
 }
 
-/// Gap of open flanks of two teeth, by points of either flank: how far the mate's involute through each has to turn.
+/// Returns the gap of open flanks of two teeth from points of either flank: the rotation that brings the mate's
+/// involute to each point.
 fn direct(pinion: &Gear, ring: &Gear, [one, two]: [f64; 2]) -> f64 {
     let n = 40_000;
     let mut least = f64::INFINITY;
@@ -318,7 +319,7 @@ fn forces_are_the_slopes_of_the_energy_through_the_mesh_cycle() {
     }
 }
 
-/// Forces on the hubs of pinion and ring.
+/// Returns the forces on the hubs of pinion and ring.
 fn on_hubs(scene: &mut Scene, spec: &SceneSpec, s: &State) -> [f64; 2] {
     let mut f = vec![0.0; s.q.len()];
     scene.force(s.at(), &mut f);
@@ -372,8 +373,8 @@ fn exchanged_turned_and_mirrored_gears_carry_the_same() {
     }
 }
 
-/// Rigid involutes have no transmission error, and the torques of plain flanks of constant stiffness stand in the ratio of the
-/// base radii.
+/// Rigid involutes have no transmission error, and the torques of plain flanks of constant stiffness have the ratio of
+/// the base radii.
 #[test]
 fn the_ratio_of_rigid_gears_is_exact() {
     let spec = plain(Side::Left);

@@ -1,4 +1,4 @@
-//! Scenes that start in the equilibrium of their loads: nothing but the train as a whole accelerates.
+//! Scenes that start in the equilibrium of their loads: only the train as a whole accelerates.
 
 use crate::pin_starts::PINS;
 use gearbench::experiment::small_signals::assemble;
@@ -8,7 +8,7 @@ use gearbench_integrators::{NullSink, Resolution, TimePlan, Work, method};
 use gearbench_models::error::{BuildError, MeshPart, Subject};
 use gearbench_models::scene::Scene;
 
-/// A shipped scene, with `loaded = true` in its start or not, and other changes to its text.
+/// Returns a shipped scene with or without `loaded = true` in its start, and with other changes to its text.
 pub(crate) fn shipped(name: &str, loaded: bool, changes: &[(&str, &str)]) -> SceneFile {
     let shipped = SHIPPED.iter().find(|s| s.name == name).unwrap();
     let mut text = shipped.text.to_owned();
@@ -24,7 +24,7 @@ pub(crate) fn shipped(name: &str, loaded: bool, changes: &[(&str, &str)]) -> Sce
     SceneFile::unbuilt(name, &text, Origin::Shipped, true).unwrap()
 }
 
-/// A model of such a scene.
+/// Builds a model of such a scene.
 pub(crate) fn scene(
     name: &str,
     label: &str,
@@ -111,7 +111,8 @@ fn a_start_without_loads_is_refused() {
     assert!(error.reason.cause.contains("no load acts"), "{error}");
 }
 
-/// Largest force that is not balanced, over the largest load: of a train that is free but for what accelerates it as a whole.
+/// Returns the largest unbalanced force relative to the largest load; for a free train without the part that
+/// accelerates it as a whole.
 fn imbalance(scene: &mut Scene, free: bool) -> f64 {
     let s = scene.initial();
     let n = s.q.len();
@@ -148,7 +149,7 @@ fn imbalance(scene: &mut Scene, free: bool) -> f64 {
 /// Duration [s] in which a train that started in equilibrium keeps its forces, since teeth pass by little.
 const SHORT: f64 = 2e-5;
 
-/// Largest change of the force of a mesh after a short run, relative to the largest force.
+/// Returns the largest change of the force of a mesh after a short run, relative to the largest force.
 fn force_change(scene: &mut Scene) -> f64 {
     let forces = |scene: &mut Scene, s: &State| {
         let mut sums = vec![0.0; scene.meshes().len()];
@@ -173,7 +174,7 @@ fn force_change(scene: &mut Scene) -> f64 {
     changes.fold(0.0, f64::max) / largest
 }
 
-/// Ways to carry a pinion and a wheel under load.
+/// Supports of a pinion and a wheel under load.
 const MOUNTS: [(&str, &str, &str); 5] = [
     (
         "driven pinion",
@@ -211,7 +212,7 @@ const LAWS: [&str; 6] = [
     "law = \"flores\", e = 0.7",
 ];
 
-/// The pair of a user's scene with a mount and a damping law.
+/// Returns the pair of a user scene with a mount and a damping law.
 fn user_pair((pinion, wheel): (&str, &str), law: &str) -> SceneFile {
     let text = format!(
         "schema = 1\nname = \"pair\"\nduration_s = 5e-3\n\
@@ -229,7 +230,7 @@ fn user_pair((pinion, wheel): (&str, &str), law: &str) -> SceneFile {
     SceneFile::unbuilt("pair", &text, Origin::Shipped, true).unwrap_or_else(|e| panic!("{e:?}"))
 }
 
-/// Models, mounts and damping laws: all start in equilibrium.
+/// All models, mounts and damping laws start in equilibrium.
 #[test]
 fn every_model_mount_and_damping_law_starts_in_equilibrium() {
     for (mount, pinion, wheel) in MOUNTS {
@@ -295,7 +296,7 @@ fn every_set_on_a_carrier_starts_in_equilibrium() {
     }
 }
 
-/// Contact torque [N m] on the pinion at the start and after each of some steps, relative to the load and less one.
+/// Returns the relative error of the contact torque [N m] on the pinion at the start and after each of some steps.
 fn torque_errors(scene: &mut Scene, torque: f64, id: &str, h: f64) -> Vec<f64> {
     let mut method = method(id).unwrap();
     let (mut s, mut work) = (scene.initial(), Work::default());
@@ -311,8 +312,9 @@ fn torque_errors(scene: &mut Scene, torque: f64, id: &str, h: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Kicks every microsecond deflect the highest modes less than a steady force does. Started in static equilibrium the contact
-/// torque of elastic gears was 0.24 % less than the load and vibrated; it starts at the rest position of the method.
+/// Impulses every microsecond deflect the highest modes less than a steady force does. From static equilibrium the
+/// contact torque of elastic gears was 0.24 % less than the load and vibrated; the run starts at the rest position of
+/// the method.
 #[test]
 fn trigonometric_starts_at_rest_under_load() {
     let torque = 50.0;

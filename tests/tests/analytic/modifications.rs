@@ -1,5 +1,5 @@
-//! Flanks that vary over the width: helix slope beside a tilt of the axis, twisted and measured flanks beside a direct
-//! computation of their distance from the mate.
+//! Flanks that vary over the width: helix slope compared with a tilt of the axis, twisted and measured flanks compared
+//! with a direct computation of their distance from the mate.
 
 use super::space::{helical, helical_pair, on_bearings};
 use gearbench_integrators::{SecondOrderSystem, State};
@@ -19,7 +19,8 @@ fn toothing(spec: &SceneSpec, k: usize) -> &Gear {
     }
 }
 
-/// Spur gears with modifications of the pinion, a pair of left flanks touching at the path coordinate `s` if they were plain.
+/// Returns spur gears with modifications of the pinion, with a pair of left flanks at the path coordinate `s` that
+/// would touch without modifications.
 fn pair_with(modifications: Modifications, s: Option<f64>) -> SceneSpec {
     let pinion = GearParams {
         modifications,
@@ -38,7 +39,7 @@ fn pair_with(modifications: Modifications, s: Option<f64>) -> SceneSpec {
     )
 }
 
-/// Height and normal force of every contact, from below.
+/// Returns height and normal force of every contact, from below.
 fn loads(scene: &mut Scene, s: &State) -> Vec<(f64, f64)> {
     let forces = scene.contact_forces(s.at());
     let mut loads: Vec<_> = forces.iter().map(|f| (f.x.z, f.normal_force)).collect();
@@ -113,8 +114,8 @@ fn a_helix_slope_is_a_tilt_in_the_plane_of_action() {
     }
 }
 
-/// Distance of a modified flank of the pinion from the involute of the wheel in one transverse plane: the least over a fine
-/// net of points, each moved into the material along its normal.
+/// Returns the distance of a modified flank of the pinion from the involute of the wheel in one transverse plane: the
+/// minimum over a fine set of points, each moved into the material along its normal.
 fn direct(one: &Gear, two: &Gear, angles: [f64; 2], zeta: f64) -> f64 {
     let n = 40_000;
     let (low, high) = (one.roll_length_form(), one.roll_length_tip());
@@ -207,7 +208,7 @@ fn gaps_of_varied_flanks_are_their_least_distance() {
     assert!(worst.iter().all(|w| *w < 2e-10), "{worst:?}");
 }
 
-/// A topography that was sampled from crownings gives the forces of the crownings.
+/// A topography sampled from crownings gives the forces of the crownings.
 #[test]
 fn a_sampled_crowning_bears_as_the_crowning() {
     let crowned = Modifications {

@@ -12,7 +12,7 @@ use gearbench_models::spec::{
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use gearbench_tests::*;
 
-/// A pair with its teeth apart on both flanks, for motions without contact.
+/// Builds a pair with open flanks on both sides, for motions without contact.
 fn free(load: Load) -> Scene {
     let mut spec = case_a(30e-6);
     spec.gears[0].speed = 0.0;
@@ -26,7 +26,7 @@ fn free(load: Load) -> Scene {
     build(&spec, &[rigid(), rigid()], &contact(1e10))
 }
 
-/// Times of the ends of accepted steps.
+/// Sink that records the times of the ends of accepted steps.
 #[derive(Default)]
 struct Times(Vec<f64>);
 

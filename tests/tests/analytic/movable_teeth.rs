@@ -1,4 +1,4 @@
-//! Movable teeth with closed-form deviations of the teeth out of contact, against all teeth integrated.
+//! Movable teeth with closed-form deviations of the teeth out of contact, compared with all teeth integrated.
 
 use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_integrators::observers::ledger::Ledger;
@@ -15,7 +15,7 @@ use gearbench_tests::*;
 const K: f64 = 5.3e8;
 const M: f64 = 4.8e-3;
 
-/// Records momentum, energy, hub motion and force of a scene at the ends of accepted steps on a grid.
+/// Sink that records momentum, energy, hub motion and force of a scene at the ends of accepted steps on a grid.
 struct Watch {
     out: Outputs,
     every: f64,
@@ -96,7 +96,7 @@ fn watch(
     (w, s, scene)
 }
 
-/// Largest difference of two records, channel by channel, over the largest value of the channel.
+/// Returns the largest difference of two records, channel by channel, relative to the largest value of the channel.
 fn difference(a: &Watch, b: &Watch) -> f64 {
     assert_eq!(a.rows.len(), b.rows.len());
     let columns = a.rows[0].len();
@@ -112,7 +112,7 @@ fn difference(a: &Watch, b: &Watch) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The pinion drives against a load on the wheel, in either direction of turning.
+/// Returns a pinion that drives against a load on the wheel, in either direction of rotation.
 pub fn loaded(direction: f64, speed: f64, torque: f64) -> SceneSpec {
     let side = if direction > 0.0 {
         Side::Left
@@ -158,7 +158,8 @@ fn active_teeth_equal_all_teeth_over_an_impact() {
     }
 }
 
-/// A contact damped so that motion under load forgets its past: two runs can be compared for long.
+/// Returns a contact with so much damping that motion under load becomes independent of its start, so that long runs
+/// can be compared.
 fn damped(per_width: f64) -> ContactSpec {
     ContactSpec {
         damping: Damping::KelvinVoigtRatio { ratio: 0.1 },
@@ -200,7 +201,7 @@ fn active_teeth_equal_all_teeth_over_revolutions_under_load() {
     }
 }
 
-/// An idler between two gears, driven by the first against a load on the last.
+/// Returns an idler between two gears, driven by the first against a load on the last.
 fn train(torque: f64) -> SceneSpec {
     let mut first = gear("first", spur(20), 0.0, 200.0);
     first.loads = vec![Load::Applied(Profile::Constant(torque))];
@@ -305,8 +306,8 @@ fn the_cost_does_not_grow_with_the_number_of_teeth() {
     assert!(n(200) <= n(25) + 2, "{} against {}", n(200), n(25));
 }
 
-/// Large gears at 1.2 MN of tooth force, 4 % of the module of deflection: no tooth in contact is handed over, so that no
-/// energy jumps, and the losses of both ways are the same.
+/// Large gears at 1.2 MN of tooth force, 4 % of the module of deflection: no tooth in contact is handed over, so that
+/// the energy has no jump, and the losses of both methods are equal.
 #[test]
 fn active_teeth_equal_all_teeth_at_a_meganewton() {
     let text = "schema = 1\nname = \"big\"\nduration_s = 0.012\n\

@@ -51,19 +51,19 @@ fn damped(per_width: f64, damping: Damping) -> ContactSpec {
     }
 }
 
-/// Keeps the ends of steps.
+/// Sink that records the ends of steps.
 #[derive(Default)]
-struct Kept(Vec<State>);
+struct StateSink(Vec<State>);
 
-impl Sink for Kept {
+impl Sink for StateSink {
     fn accepted(&mut self, _sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         self.0.push(step.to.clone());
         Control::Continue
     }
 }
 
-/// Springs inside a gear add nothing to the sum of the forces on it: what is left is the load and what contacts, looked at
-/// with all their points and rows, exert on its hub.
+/// Springs inside a gear do not change the sum of the forces on it: the rest is the load and the contact forces on its
+/// hub, computed from all their points and rows.
 #[test]
 fn forces_without_candidates_are_those_of_the_candidates() {
     let teeth = movable(8e8, 8e-3, 100.0);
@@ -118,7 +118,7 @@ fn forces_without_candidates_are_those_of_the_candidates() {
     ];
     for (name, spec, models, contact) in cases {
         let mut scene = build(&spec, &models, &contact);
-        let mut kept = Kept::default();
+        let mut kept = StateSink::default();
         let plan = TimePlan::new(2e-3, Resolution::Tolerance(1e-5));
         let begin = scene.initial();
         watched(&mut scene, begin, "dopri5", &plan, &mut kept);
@@ -154,7 +154,7 @@ fn one_spring(damping: Damping) -> ContactSpec {
     }
 }
 
-/// Newton's law along steps, by differences of what they say of the velocities inside.
+/// Sink that checks Newton's law along steps, by differences of the velocities inside.
 struct Newton {
     worst: f64,
     steps: usize,
@@ -274,7 +274,7 @@ fn what_is_not_one_constant_spring_has_no_closed_form() {
     }
 }
 
-/// Force [N] and transmission error [m] on a grid.
+/// Returns force [N] and transmission error [m] on a grid.
 fn series(scene: &mut Scene, rtol: f64) -> ([Vec<f64>; 2], Work) {
     let end = 0.01;
     let grid = (0..=2000).map(|i| end * f64::from(i) / 2000.0).collect();
@@ -293,7 +293,7 @@ fn series(scene: &mut Scene, rtol: f64) -> ([Vec<f64>; 2], Work) {
     ([column(Channel::Mesh(0, OfMesh::Force)), error], work)
 }
 
-/// What `cargo bench --bench real_time` measures the time of: ten mesh cycles within 0.1 %.
+/// Ten mesh cycles within 0.1 %, whose time `cargo bench --bench real_time` measures, take at most this work.
 #[test]
 fn ten_loaded_mesh_cycles_within_a_thousandth_take_so_much_work() {
     let at_load = Damping::RatioAtLoad { ratio: 0.05 };

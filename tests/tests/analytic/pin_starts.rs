@@ -1,4 +1,4 @@
-//! Planetary sets whose planets stand on elastic pins: they start with the velocity of their carrier, and keep it.
+//! Planetary sets with planets on elastic pins: they start with the velocity of their carrier, and keep it.
 
 use crate::loaded_start::scene;
 use gearbench_integrators::observers::ledger::Ledger;
@@ -14,7 +14,7 @@ const DISTANCE: f64 = 0.081;
 const CARRIER: f64 = 200.0 / 9.0;
 const SPEEDS: [f64; 6] = [100.0, -40.0, -40.0, -40.0, 0.0, CARRIER];
 
-/// Free directions of the pins, and what a gear has for them.
+/// Free directions of the pins, and the settings of a gear for them.
 pub(crate) const PINS: [(&str, &str); 4] = [
     ("", ""),
     (
@@ -31,7 +31,7 @@ pub(crate) const PINS: [(&str, &str); 4] = [
     ),
 ];
 
-/// The shipped set on such pins.
+/// Builds the shipped set on such pins.
 fn on_pins(pins: &str, label: &str, loaded: bool) -> Scene {
     let planet = "bore_radius_m = 0.015\n";
     let with = format!("{planet}mass_kg = {MASS}\n{pins}\n");
@@ -48,7 +48,8 @@ fn on_pins(pins: &str, label: &str, loaded: bool) -> Scene {
     scene("planetary", label, loaded, &changes).unwrap()
 }
 
-/// Kinetic energy of bodies that roll at the speeds asked for, planets on elastic pins where they are [J].
+/// Returns the kinetic energy of bodies that roll at the given speeds, with planets on elastic pins at their positions
+/// [J].
 fn closed_form(scene: &mut Scene, s: &State, free: &str) -> f64 {
     let gears = scene.gears().iter().zip(SPEEDS);
     let turns: f64 = gears

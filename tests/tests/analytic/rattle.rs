@@ -14,15 +14,15 @@ use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use gearbench_tests::*;
 use std::f64::consts::TAU;
 
-/// Whether the flanks have parted from a time on.
-struct Parted {
+/// Sink that detects a loss of contact after a given time.
+struct SeparationSink {
     from: f64,
     force: usize,
     parted: bool,
     out: Outputs,
 }
 
-impl Sink for Parted {
+impl Sink for SeparationSink {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         if step.to.t < self.from {
             return Control::Continue;
@@ -39,7 +39,7 @@ impl Sink for Parted {
     fn restarted(&mut self, _: &mut dyn SecondOrderSystem, _: &State, _: &State) {}
 }
 
-/// Mean speed of the driven pinion and frequency of its swing.
+/// Returns the mean speed of the driven pinion and the frequency of its oscillation.
 fn swing(spec: &SceneSpec) -> [f64; 2] {
     match &spec.gears[0].mount {
         Mount::Driven(Profile::Harmonic {
@@ -49,7 +49,7 @@ fn swing(spec: &SceneSpec) -> [f64; 2] {
     }
 }
 
-/// The scene with another amplitude of the pinion's speed [rad/s], the wheel in step at the start.
+/// Returns the scene with another amplitude of the pinion's speed [rad/s], with the wheel in step at the start.
 fn with_amplitude(spec: &SceneSpec, amplitude: f64) -> SceneSpec {
     let [mean, frequency] = swing(spec);
     let mut spec = spec.clone();
@@ -63,7 +63,7 @@ fn with_amplitude(spec: &SceneSpec, amplitude: f64) -> SceneSpec {
     spec
 }
 
-/// Drag over inertia of the wheel of a built scene [rad/s2].
+/// Returns the drag over inertia of the wheel of a built scene [rad/s2].
 fn drag(spec: &SceneSpec, scene: &Scene) -> f64 {
     let [Load::Applied(Profile::Constant(torque))] = &spec.gears[1].loads[..] else {
         panic!("a constant drag");
@@ -71,8 +71,8 @@ fn drag(spec: &SceneSpec, scene: &Scene) -> f64 {
     torque / scene.gears()[1].model.hub().inertia
 }
 
-/// The amplitude of the pinion's speed from which on flanks part after a period to settle, over that of the closed form with
-/// stiff teeth; by bisection of so many halves.
+/// Returns the amplitude of the pinion's speed above which flanks lose contact after a period to settle, relative to
+/// that of the closed form with stiff teeth, by a number of bisections.
 fn onset(
     spec: &SceneSpec,
     modelling: &Modelling,
@@ -104,7 +104,7 @@ fn onset(
                 *v = speed;
             }
         });
-        let mut sink = Parted {
+        let mut sink = SeparationSink {
             from: settle / frequency,
             force: named(scene, "force:0"),
             parted: false,

@@ -1,4 +1,4 @@
-//! What a record holds of gears and meshes: all of them, each in its unit.
+//! Content of a record for gears and meshes: all of them, each in its unit.
 
 use gearbench::experiment::run::{Job, run};
 use gearbench_integrators::Scheme;
@@ -41,7 +41,7 @@ fn column<'s>(series: &'s TimeSeries, name: &str) -> &'s [f64] {
     &found.unwrap_or_else(|| panic!("no column {name}")).values
 }
 
-/// A rack's speed stands in the record in [m/s], and over the reference radius of its mate in [rad/s].
+/// The speed of a rack is recorded in [m/s], and over the reference radius of its mate in [rad/s].
 #[test]
 fn speeds_of_racks_are_angular_where_the_record_says_so() {
     let mut spec = pair_of(

@@ -1,4 +1,4 @@
-//! Scenes that cannot be assembled: every message names the cause and a way out.
+//! Scenes that cannot be assembled: every message has the cause and a remedy.
 
 use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_models::geometry::Side;
@@ -11,7 +11,7 @@ use gearbench_models::spec::{
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use gearbench_tests::*;
 
-/// The message with which a scene is refused; it must contain all of the words.
+/// Checks that a scene is refused with a message that contains all of the words.
 fn refused(spec: &SceneSpec, gears: &[ModelSpec], contact: &ContactSpec, words: &[&str]) {
     let message = match try_build(spec, gears, contact) {
         Ok(_) => panic!("was built, expected a refusal with {words:?}"),
@@ -22,7 +22,7 @@ fn refused(spec: &SceneSpec, gears: &[ModelSpec], contact: &ContactSpec, words: 
     }
 }
 
-/// The scene of rigid gears, changed, is refused.
+/// Checks that a changed scene of rigid gears is refused.
 fn scene(change: impl FnOnce(&mut SceneSpec), words: &[&str]) {
     let mut spec = case_a(3e-6);
     change(&mut spec);
@@ -30,7 +30,7 @@ fn scene(change: impl FnOnce(&mut SceneSpec), words: &[&str]) {
     refused(&spec, &gears, &contact(1.5e10), words);
 }
 
-/// The model of the pinion is refused.
+/// Checks that a model of the pinion is refused.
 fn model(pinion: ModelSpec, words: &[&str]) {
     let gears = [pinion, rigid()];
     refused(&case_a(3e-6), &gears, &contact(1.5e10), words);

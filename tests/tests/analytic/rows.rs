@@ -12,7 +12,8 @@ use gearbench_models::spec::{
 };
 use gearbench_tests::*;
 
-/// Largest error of the rows of all candidates over the largest entry, and the number of candidates.
+/// Returns the largest error of the rows of all candidates relative to the largest entry, and the number of
+/// candidates.
 fn worst_row_error(scene: &Scene, s: &State) -> (f64, usize) {
     let found = candidates(scene, s);
     let (scale, _) = scales(scene);
@@ -38,7 +39,7 @@ fn worst_row_error(scene: &Scene, s: &State) -> (f64, usize) {
     (worst, found.len())
 }
 
-/// Gears of a train turn in alternate directions; a rack goes along with its gear.
+/// Returns the sign of rotation: gears of a train rotate in alternate directions; a rack moves with its gear.
 fn rolling_sign(index: usize, g: &GearSpec) -> f64 {
     if matches!(g.body, Body::Rack(_)) || index.is_multiple_of(2) {
         1.0
@@ -47,7 +48,8 @@ fn rolling_sign(index: usize, g: &GearSpec) -> f64 {
     }
 }
 
-/// A state with the gears rolled together by an angle of the first and every coordinate off by deflections.
+/// Returns a state with the gears rolled together by an angle of the first, and every coordinate displaced by
+/// deflections.
 fn rolled(scene: &mut Scene, spec: &SceneSpec, roll: f64, numbers: &mut Numbers) -> State {
     let mut s = scene.initial();
     let (sq, sv) = scales(scene);
@@ -66,7 +68,7 @@ fn rolled(scene: &mut Scene, spec: &SceneSpec, roll: f64, numbers: &mut Numbers)
     s
 }
 
-/// Turns a scene through some pitches and checks every candidate at each place.
+/// Rotates a scene through some pitches and checks every candidate at each position.
 fn check(name: &str, spec: &SceneSpec, models: &[ModelSpec], tolerance: f64) {
     let mut scene = build(spec, models, &contact(1.5e10));
     let mut numbers = Numbers::new(7);
@@ -239,7 +241,8 @@ fn gear_and_rack_on_both_flanks() {
     }
 }
 
-/// Three gears, the second meshing with both others at right angles, so that tooth flanks lie at odd angles.
+/// Returns three gears, the second meshing with both others at right angles, so that tooth flanks have arbitrary
+/// angles.
 fn idler_train() -> SceneSpec {
     let first = gear("first", spur(20), 0.0, 5.0);
     let idler = gear("idler", spur(30), 0.1001, 0.0);

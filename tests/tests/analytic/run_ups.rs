@@ -1,4 +1,4 @@
-//! Run-ups between speeds that are named: the speeds follow the ramp whatever the loads of the scene are.
+//! Run-ups between given speeds: the speeds follow the ramp whatever the loads of the scene are.
 
 use gearbench::experiment::conditions::Conditions;
 use gearbench::experiment::configuration::Configuration;
@@ -7,7 +7,7 @@ use gearbench::scene_file::{Origin, SceneFile};
 use gearbench::studies::run_up::{Look, Plan, Ramp, study};
 use gearbench_integrators::table::DOPRI5;
 
-/// A two-stage gearbox between a motor and a machine with a load.
+/// Returns a two-stage gearbox between a motor and a machine with a load.
 fn gearbox(motor: &str, machine: &str) -> SceneFile {
     let text = format!(
         "schema = 1\nname = \"two_stage\"\nduration_s = 0.02\n\
@@ -26,8 +26,8 @@ fn gearbox(motor: &str, machine: &str) -> SceneFile {
     SceneFile::unbuilt("two_stage", &text, Origin::Shipped, true).unwrap()
 }
 
-/// Whatever the loads take, the driver gives it: the gearbox reaches the speed of the ramp. Found are at most 0.3 % of the change of
-/// speed beside it.
+/// The drive supplies the torque of the loads: the gearbox reaches the speed of the ramp. The largest measured
+/// difference is 0.3 % of the change of speed.
 #[test]
 fn a_run_up_reaches_its_speeds_whatever_the_loads() {
     let (from, to, over) = (50.0, 400.0, 0.2);

@@ -1,4 +1,4 @@
-//! Gears that run under load: slices, passivity, slow running against statics, torque ratio, order of the gears.
+//! Gears that run under load: slices, passivity, slow running compared with statics, torque ratio, order of the gears.
 
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{
@@ -20,7 +20,7 @@ mod graded;
 mod half_space;
 mod statics;
 
-/// The gears of the FZG test rig, type C, under a torque that is in balance on both.
+/// Returns the gears of the FZG test rig, type C, under a torque in balance on both.
 fn fzg(speed: f64, torque: f64) -> SceneSpec {
     let mut spec = fzg_c(speed);
     for (g, torque) in spec.gears.iter_mut().zip([torque, 1.5 * torque]) {
@@ -29,7 +29,7 @@ fn fzg(speed: f64, torque: f64) -> SceneSpec {
     spec
 }
 
-/// The same gears, the wheel first.
+/// Returns the same gears with the wheel first.
 fn exchanged(mut spec: SceneSpec) -> SceneSpec {
     spec.gears.swap(0, 1);
     spec
@@ -52,13 +52,13 @@ fn statics(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec) -> Loaded
     LoadedPair::new(spec, &modelling, &table).unwrap()
 }
 
-/// Energies and forces over a run.
+/// Sink that records energies and forces over a run.
 #[derive(Default)]
 struct Watch {
     contact: Option<f64>,
     /// Integral of the contact's power, magnitudes.
     power: f64,
-    /// From this time on.
+    /// Time from which the recording starts.
     after: f64,
     peak: f64,
     error: Option<[f64; 2]>,
@@ -67,12 +67,12 @@ struct Watch {
     out: Outputs,
 }
 
-/// A quantity of a gear of a pair.
+/// Returns a quantity of a gear of a pair.
 fn of_gear(out: &Outputs, gear: usize, what: OfGear) -> f64 {
     out.channels[OfMesh::ALL.len() + OfGear::ALL.len() * gear + what as usize]
 }
 
-/// Transmission error of a pair along the line of action [m].
+/// Returns the transmission error of a pair along the line of action [m].
 fn transmission_error(spec: &SceneSpec, out: &Outputs) -> f64 {
     let r = [0, 1].map(|i| effective_radius(&spec.gears[i].body));
     let at = |i: usize| of_gear(out, i, OfGear::Displacement);
@@ -292,9 +292,9 @@ fn slow_running_tends_to_statics() {
     }
 }
 
-/// What is left of slow running falls with the speed: as a pair comes in at its tip edge the slope of the static
-/// transmission error jumps, and the gears overshoot by the speed times that jump over their own frequency. Free gears
-/// would stand still before it is gone, their rotation has less energy than the teeth; the wheel is driven.
+/// The dynamic part of slow running falls with the speed: where a pair comes into contact at its tip edge the slope of
+/// the static transmission error jumps, and the gears overshoot by the speed times that jump over their own frequency.
+/// Free gears would stop before it vanishes, since their rotation has less energy than the teeth; the wheel is driven.
 #[test]
 fn the_overshoot_of_slow_running_falls_with_the_speed() {
     let contact = varying(Damping::KelvinVoigtRatio { ratio: 0.05 });

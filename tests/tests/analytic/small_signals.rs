@@ -1,20 +1,20 @@
-//! Natural frequencies of scenes about their loaded state, as `gearbench modes` finds them: closed forms, loads and the train
-//! that they accelerate, constraints, order.
+//! Natural frequencies of scenes about their loaded state, as `gearbench modes` computes them: closed forms, loads and
+//! the accelerated train, constraints, order.
 
 use crate::shafts::{bar, body, coupling, on, shaft};
 use gearbench::studies::modes::{Wanted, vibrations};
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    Bearing, Carried, ContactSpec, Freedom, LateralSpec, Load, ModelSpec, Modelling, Mount,
-    Profile, SceneSpec, effective_radius,
+    Bearing, ContactSpec, Freedom, Load, ModelSpec, Modelling, Mount, OutOfPlaneSpec, Profile,
+    SceneSpec, StationMember, effective_radius,
 };
 use gearbench_models::stiffness::Material;
 use gearbench_reports::modes::{About, ModelModes};
 use gearbench_tests::*;
 use std::f64::consts::TAU;
 
-/// What the study finds of a scene with one model for all gears.
+/// Returns the result of the study for a scene with one model for all gears.
 pub fn vibrations_of(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec) -> ModelModes {
     let modelling = Modelling {
         gears: vec![model.clone(); spec.gears.len()],
@@ -31,7 +31,7 @@ pub fn vibrations_of(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec)
     found
 }
 
-/// Frequencies that swing [Hz].
+/// Returns the frequencies of oscillations [Hz].
 fn swinging(found: &ModelModes) -> Vec<f64> {
     let all = found.modes.iter().map(|m| m.frequency_hz);
     all.filter(|f| *f > 0.0).collect()
@@ -41,7 +41,7 @@ fn torque(value: f64) -> Vec<Load> {
     vec![Load::Applied(Profile::Constant(value))]
 }
 
-/// Gears of case A that start apart, with torques on both.
+/// Returns gears of case A that start with open flanks, with torques on both.
 fn loaded_pair(torques: [f64; 2]) -> SceneSpec {
     let mut spec = case_a(3e-5);
     for (g, t) in spec.gears.iter_mut().zip(torques) {
@@ -51,7 +51,7 @@ fn loaded_pair(torques: [f64; 2]) -> SceneSpec {
     spec
 }
 
-/// Inertias and base radii of both gears.
+/// Returns inertias and base radii of both gears.
 fn pair_data(spec: &SceneSpec) -> [[f64; 2]; 2] {
     [0, 1].map(|i| {
         let g = &spec.gears[i];
@@ -103,7 +103,7 @@ fn a_pair_swings_on_its_mesh() {
     }
 }
 
-/// Without loads gears that start apart stay apart, and pressed ones are taken as they stand.
+/// Without loads gears with open flanks remain so, and closed contacts are used as they are.
 #[test]
 fn without_loads_the_start_is_the_state() {
     let apart = vibrations_of(&case_a(3e-5), &rigid(), &contact(2e10));
@@ -161,11 +161,11 @@ fn bearings_carry_what_meshes_press() {
     (bearing.stiffness[0][0], bearing.stiffness[1][1]) = (k, k);
     let mut directions: [Freedom; 6] = Default::default();
     (directions[0], directions[1]) = (Freedom::Free, Freedom::Free);
-    spec.gears[1].lateral = Some(Box::new(LateralSpec {
+    spec.gears[1].lateral = Some(Box::new(OutOfPlaneSpec {
         directions,
         bearing,
         mass: Some(2.0),
-        ..LateralSpec::default()
+        ..OutOfPlaneSpec::default()
     }));
     let tight = vibrations_of(&spec, &rigid(), &contact(2e10));
     let lowest = swinging(&tight);
@@ -293,7 +293,7 @@ fn planets_swing_in_pairs() {
             g.inertia = Some(if g.name == "sun" { 4e-4 } else { 2.5e-4 });
         }
         spec.gears[0].loads = torque(50.0);
-        if let Carried::Body(carrier) = &mut spec.shafts[0].stations[0].carries {
+        if let StationMember::Body(carrier) = &mut spec.shafts[0].stations[0].carries {
             carrier.speed = 0.0;
             if held {
                 carrier.mount = Mount::Fixed;

@@ -1,4 +1,4 @@
-//! Static equilibrium of scenes: a torque held by a tooth contact, against springs in series.
+//! Static equilibrium of scenes: a torque carried by a tooth contact, compared with springs in series.
 
 use gearbench_integrators::{EquilibriumError, EquilibriumOptions, State, equilibrium};
 use gearbench_models::scene::Scene;
@@ -8,7 +8,7 @@ use gearbench_tests::*;
 /// Contact stiffness per width [N/m per m], and over the width of 20 mm.
 const PER_WIDTH: f64 = 5e10;
 
-/// Case A with a torque [N m] on the pinion and the wheel held, overlapping by 5 um at the pitch point.
+/// Returns case A with a torque [N m] on the pinion and the wheel fixed, overlapping by 5 um at the pitch point.
 fn held(torque: f64, wheel: Mount) -> SceneSpec {
     let mut spec = case_a(-5e-6);
     spec.gears[0].speed = 0.0;
@@ -17,7 +17,7 @@ fn held(torque: f64, wheel: Mount) -> SceneSpec {
     spec
 }
 
-/// Torque of the pinion over its base radius [N], and contact stiffness over the width [N/m].
+/// Returns the torque of the pinion over its base radius [N], and the contact stiffness over the width [N/m].
 fn force_and_stiffness(spec: &SceneSpec, torque: f64) -> (f64, f64) {
     let gearbench_models::spec::Body::Gear(g) = &spec.gears[0].body else {
         panic!("a gear")

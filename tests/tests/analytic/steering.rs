@@ -10,21 +10,21 @@ use gearbench_integrators::{
 use gearbench_models::scene::Scene;
 use gearbench_tests::*;
 
-/// What a model tells of the reversal.
+/// Result of a model for the reversal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Clunk {
-    /// Time of the strike [s].
+    /// Time of the impact [s].
     strikes: f64,
     /// Peak of the contact force [N].
     peak: f64,
-    /// When the flanks part again, the onset of rattle [s].
+    /// Time of the loss of contact, the onset of rattle [s].
     leaves: f64,
 }
 
-/// Force that rounding does not leave at the ends of contacts [N].
+/// Force below which the end of a contact is not distinguished from rounding [N].
 const LEAST: f64 = 1e-3;
 
-/// Looks for the first stay on the flanks that drive the rack back.
+/// Sink that finds the first period of contact on the flanks that drive the rack back.
 struct Watch {
     force: usize,
     on_rack: usize,
@@ -75,7 +75,7 @@ impl Sink for Watch {
     }
 }
 
-/// A run of a model of the scene.
+/// Runs a model of the scene.
 fn of(label: &str, (method, resolution): (&str, Resolution), until: f64) -> (Clunk, Ledger, State) {
     let file = scene_file::load_for("steering_rattle", Selection::Labels(Some(label))).unwrap();
     let model = file.model(label).unwrap();
@@ -93,7 +93,7 @@ const TIGHT: (&str, Resolution) = ("dopri5", Resolution::Tolerance(1e-10));
 const EXACT: (&str, Resolution) = ("trigonometric", Resolution::Step(5e-7));
 const UNTIL: f64 = 1.6e-3;
 
-/// Energy in, lost to friction, dampers and the column, and kept; the same to the last bit again.
+/// The energy balance of supplied, dissipated and stored energy closes, and runs repeat to the last bit.
 #[test]
 fn the_books_of_a_reversal_close_with_friction_and_runs_repeat() {
     for (label, method, most) in [
@@ -119,7 +119,7 @@ fn the_books_of_a_reversal_close_with_friction_and_runs_repeat() {
     }
 }
 
-/// All models against full finite elements.
+/// All models are compared with full finite elements.
 #[test]
 #[ignore = "a minute: 1300 steps of full finite elements"]
 fn clunk_and_onset_of_rattle_beside_finite_elements() {

@@ -1,4 +1,4 @@
-//! `tangent_times` against differences of the force; `correction` holds `correct` against the dense inverse of
+//! `tangent_times` compared with differences of the force; `correction` compares `correct` with the dense inverse of
 //! `m M + d D + k K`.
 
 mod correction;
@@ -65,7 +65,8 @@ fn pairs() -> Vec<[ModelSpec; 2]> {
     ]
 }
 
-/// A scene pressed together by some deflections and approaching, both with a viscous load, located or not.
+/// Returns a scene with overlapping flanks that approach, both gears with a viscous load, with or without event
+/// location.
 fn pressed(
     models: &[ModelSpec; 2],
     contact: &ContactSpec,
@@ -75,7 +76,7 @@ fn pressed(
     pressed_at(models, contact, located, depth, None)
 }
 
-/// The same with the pair of the start somewhere else on the path, or before it [m].
+/// Returns the same scene with the pair of the start at another position on the path, or before it [m].
 fn pressed_at(
     models: &[ModelSpec; 2],
     contact: &ContactSpec,
@@ -117,7 +118,7 @@ fn force(scene: &mut Scene, s: &State) -> Vec<f64> {
     f
 }
 
-/// Largest error of the tangent in some directions over the size of the change.
+/// Returns the largest error of the tangent in some directions relative to the size of the change.
 fn tangent_error(scene: &mut Scene, s: &State) -> f64 {
     let (sq, sv) = scales(scene);
     let mut numbers = Numbers::new(5);

@@ -1,5 +1,5 @@
-//! Springs of movable teeth against the equations of Ebrahimi and Eberhard (2006), total inertia, and
-//! stiffness over the contact radius.
+//! Springs of movable teeth compared with the equations of Ebrahimi and Eberhard (2006), total inertia, and stiffness
+//! over the contact radius.
 
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{
@@ -135,7 +135,7 @@ fn teeth_start_with_their_driven_hub() {
     assert_eq!(out.energy.strain, 0.0);
 }
 
-/// `k(r)` falls from root to tip.
+/// Returns a model whose `k(r)` falls from root to tip.
 fn by_radius(damping: f64) -> ModelSpec {
     let gear = Gear::new(spur(20)).unwrap();
     let r = [gear.r_form(), gear.r_reference(), gear.r_tip()];
@@ -195,7 +195,8 @@ fn a_run_that_starts_anew_lets_go_of_old_contacts() {
     assert_eq!(engaged_teeth(&scene, &s), 0);
 }
 
-/// Teeth of the first gear that use `k(r)`: those whose spring answers with another stiffness than at rest.
+/// Returns the number of teeth of the first gear that use `k(r)`: those whose spring stiffness differs from that
+/// without contact.
 fn engaged_teeth(scene: &Scene, s: &State) -> usize {
     let gear = &scene.gears()[0];
     let own = gear.at(s.at());
@@ -206,7 +207,7 @@ fn engaged_teeth(scene: &Scene, s: &State) -> usize {
         if let Some(i) = i {
             q[i] = own.q[i] + 1e-4;
         }
-        let at = gearbench_integrators::At { q: &q, ..own };
+        let at = gearbench_integrators::StateView { q: &q, ..own };
         gear.model.energy(at).strain
     };
     let rest = strain(None);

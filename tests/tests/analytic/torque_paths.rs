@@ -1,4 +1,4 @@
-//! Paths of torque, load sharing and the balance of power in records, beside closed forms.
+//! Torque paths, load sharing and the power balance in records, compared with closed forms.
 //!
 //! Mesh stiffness is constant, so that a train that has come to rest in itself carries the torques that statics say: nothing
 //! excites it.
@@ -19,7 +19,7 @@ fn gear(name: &str, teeth: u32, more: &str) -> String {
     )
 }
 
-/// The run of a scene; its text has gears, shafts and meshes.
+/// Runs a scene from a text with gears, shafts and meshes.
 fn run_of(text: &str, duration: f64) -> Run {
     let text = format!(
         "schema = 1\nname = \"paths\"\ntitle = \"Paths\"\nduration_s = {duration:?}\n{text}{CONTACT}"
@@ -66,7 +66,7 @@ fn near(what: &str, found: f64, wanted: f64, within: f64) {
     );
 }
 
-/// In less out, dissipated and stored, as the ledger of the run has it.
+/// Checks that input less output, dissipated and stored power balance, as in the ledger of the run.
 fn balances(run: &Run, within: f64) {
     let (p, ledger) = (paths(run), &run.ledger);
     let work = p.work_in_j - p.work_out_j;
@@ -85,7 +85,7 @@ fn balances(run: &Run, within: f64) {
     assert!(p.has_settled(), "{}", p.change_rel);
 }
 
-/// A torque that nothing balances accelerates a train: its mean speeds rise, and shares of the input say nothing.
+/// An unbalanced torque accelerates a train: its mean speeds rise, and shares of the input are meaningless.
 #[test]
 fn a_train_that_accelerates_has_not_settled() {
     let text = gear(

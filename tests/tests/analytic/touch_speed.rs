@@ -1,5 +1,5 @@
-//! Restitution laws where a contact closes without speed: its touch speed is zero for as long as it stays closed, and small
-//! vibrations about the load have the damping ratio `-ln(e)/pi` of the documentation, whatever the law.
+//! Restitution laws where a contact closes without speed: its impact speed is zero for as long as it stays closed, and
+//! small vibrations about the load have the damping ratio `-ln(e)/pi` of the documentation, whatever the law.
 
 use gearbench_integrators::{Resolution, State, TimePlan};
 use gearbench_models::geometry::{GearParams, Side};
@@ -14,8 +14,9 @@ const INERTIA: f64 = 3.102e-4;
 /// Stiffness of a tooth pair per width [N/m^2].
 const PER_WIDTH: f64 = 1.4e10;
 
-/// Gears of module 4 mm times a size, a torque on the pinion and the wheel held, touching at rest; the wheel may come
-/// first. Lengths grow with the size, masses and forces as they do at equal density and stress.
+/// Returns gears of module 4 mm times a size, with a torque on the pinion and the wheel fixed, in contact at rest; the
+/// wheel may be the first gear. Lengths are proportional to the size, masses and forces as at equal density and
+/// stress.
 fn touching(teeth: [u32; 2], size: f64, exchanged: bool) -> SceneSpec {
     let distance = 2e-3 * f64::from(teeth[0] + teeth[1]) + 1e-4;
     let of = |i: usize| {
@@ -53,7 +54,7 @@ fn law(damping: Damping, exponent: f64) -> ContactSpec {
     }
 }
 
-/// `chi` and the restitution of a law, from the table of its sources.
+/// Returns `chi` and the restitution of a law, from the published table.
 fn factor(damping: Damping) -> [f64; 2] {
     match damping {
         Damping::HuntCrossley { e } => [1.5 * (1.0 - e), e],
@@ -64,8 +65,8 @@ fn factor(damping: Damping) -> [f64; 2] {
     }
 }
 
-/// The documented motion from touch at rest, `m x'' = F - k x^n (1 + chi x' / max(v_L, |x'|))`, to a time: the
-/// approach and its speed, and the extremes of the approach on the way.
+/// Computes the documented motion from contact at rest, `m x'' = F - k x^n (1 + chi x' / max(v_L, |x'|))`, to a time:
+/// the approach and its speed, and the extremes of the approach.
 fn documented(
     spec: &SceneSpec,
     damping: Damping,
@@ -109,14 +110,14 @@ fn documented(
     ([x, v.abs()], extremes)
 }
 
-/// Mean decay of the swing per half cycle, over pi.
+/// Returns the mean decay of the oscillation per half cycle, over pi.
 fn decay(extremes: &[f64]) -> f64 {
     let swing = |i: usize| (extremes[i + 1] - extremes[i]).abs();
     let n = extremes.len() - 2;
     (swing(0) / swing(n)).ln() / (n as f64 * PI)
 }
 
-/// Approach and its speed where a scene ends.
+/// Returns the approach and its speed at the end of a scene.
 fn end(
     spec: &SceneSpec,
     contact: &ContactSpec,
@@ -184,7 +185,8 @@ fn contacts_that_close_at_rest_have_the_documented_damping() {
     }
 }
 
-/// The same gears with the wheel first, and gears of twice the size, end alike: nothing depends on rounding at the touch.
+/// The same gears with the wheel first, and gears of twice the size, have equal results: nothing depends on rounding
+/// at first contact.
 #[test]
 fn contacts_that_close_at_rest_keep_exchange_and_size() {
     for damping in [Damping::HuntCrossley { e: 0.9 }, Damping::Flores { e: 0.7 }] {

@@ -9,7 +9,7 @@ use gearbench_models::spec::{
 };
 use gearbench_tests::*;
 
-/// Settles a damped scene in static equilibrium: Newton with a little mass, that held rigid gears allow.
+/// Settles a damped scene in static equilibrium, by Newton's method with a small mass, which fixed rigid gears permit.
 fn settle(scene: &mut Scene) -> State {
     let mut s = scene.initial();
     s.v.fill(0.0);
@@ -33,7 +33,7 @@ fn settle(scene: &mut Scene) -> State {
     s
 }
 
-/// First gear, idler and last gear; `side` is the flank of the idler on the last gear.
+/// Returns first gear, idler and last gear; `side` is the flank of the idler on the last gear.
 fn train(models: [ModelSpec; 3], mounts: [Mount; 3], torques: [f64; 2], side: Side) -> Scene {
     let [first_torque, idler_torque] = torques;
     let mut first = gear("first", spur(20), 0.0, 0.0);

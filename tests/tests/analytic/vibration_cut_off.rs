@@ -1,4 +1,4 @@
-//! Gears put to rest in flight: what is kept, what is booked, and the bound of what that changes.
+//! Removal of vibration in flight: conserved and booked quantities, and the bound of the resulting change.
 
 use crate::flight::hammer;
 use crate::free_flight::{toy, with_points};
@@ -14,14 +14,14 @@ use gearbench_tests::*;
 
 const FACE: f64 = 0.01;
 
-/// Speed of approach along the line of action, of the momentum means.
+/// Returns the speed of approach along the line of action, from the momentum means.
 fn approach(scene: &Scene, out: &Outputs) -> f64 {
     let speed = |name: &str| out.channels[gearbench_tests::named(scene, name)];
     let base = 20f64.to_radians().cos();
     base * (0.04 * speed("speed:pinion") + 0.06 * speed("speed:wheel"))
 }
 
-/// Reduced mass of case A on the line of action.
+/// Returns the reduced mass of case A on the line of action.
 fn mass() -> f64 {
     let spec = case_a(0.0);
     let base = 20f64.to_radians().cos();
@@ -31,14 +31,14 @@ fn mass() -> f64 {
     yielding.recip()
 }
 
-/// One impact: its largest force and the speed of approach after it.
+/// An impact: its largest force and the speed of approach after it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Blow {
     peak: f64,
     after: f64,
 }
 
-/// Impacts between flights that last.
+/// Sink that records the impacts between flights.
 struct Blows<'a> {
     scene: &'a Scene,
     force: usize,
@@ -165,7 +165,7 @@ fn the_vibration_cut_off_changes_impacts_by_less_than_its_bound() {
     }
 }
 
-/// Momentum stays, the energy of the oscillators goes, and what rests is left alone.
+/// The momentum is conserved, the energy of the oscillators is removed, and gears without vibration are not changed.
 #[test]
 fn the_vibration_cut_off_keeps_momentum() {
     for load in [0.0, 3.0] {

@@ -11,7 +11,7 @@ use gearbench_models::spec::{
 };
 use gearbench_tests::*;
 
-/// The pinion driven against a load on the wheel, from rest against each other.
+/// Returns a pinion driven against a load on the wheel, from contact at rest.
 fn driven(speed: f64, torque: f64) -> SceneSpec {
     let mut spec = case_a(0.0);
     let side = if speed > 0.0 { Side::Left } else { Side::Right };
@@ -29,11 +29,11 @@ fn damped(per_width: f64) -> ContactSpec {
     }
 }
 
-/// States before and after the run was switched or handed over.
+/// Sink that records the states before and after switches or hand-overs.
 #[derive(Default)]
-struct Switches(Vec<[State; 2]>);
+struct TransitionSink(Vec<[State; 2]>);
 
-impl Sink for Switches {
+impl Sink for TransitionSink {
     fn accepted(&mut self, _sys: &mut dyn SecondOrderSystem, _step: &AcceptedStep<'_>) -> Control {
         Control::Continue
     }
@@ -57,7 +57,7 @@ fn pairs_come_in_and_leave_open_and_touch_beside_the_path() {
             let l = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
             let mut scene = build(&spec, &[rigid(), rigid()], &damped(1.5e10));
             let row = gearbench_integrators::method(id).unwrap().info();
-            let (start, mut switches) = (scene.initial(), Switches::default());
+            let (start, mut switches) = (scene.initial(), TransitionSink::default());
             let pitches = 6.0;
             let t_end = pitches * std::f64::consts::TAU / 20.0 / speed.abs();
             let plan = TimePlan::new(t_end, resolution(row, 2e-6, 1e-6));
@@ -174,7 +174,7 @@ fn hammering_in_the_backlash_keeps_the_energy() {
         let spec = case_a(34e-6);
         let both = [model.clone(), model.clone()];
         let mut scene = build(&spec, &both, &contact(2e10));
-        let (start, mut switches) = (scene.initial(), Switches::default());
+        let (start, mut switches) = (scene.initial(), TransitionSink::default());
         let plan = TimePlan::new(3e-3, Resolution::Tolerance(1e-9));
         let (_, work) = watched(&mut scene, start, "dopri5", &plan, &mut switches);
         // Both flanks take part, again and again.
@@ -268,7 +268,7 @@ fn impact_speeds_belong_to_their_own_impact() {
         let effective_radii = [0, 1].map(|i| effective_radius(&spec.gears[i].body));
         let closing = |s: &State| s.v[0] * effective_radii[0] + s.v[1] * effective_radii[1];
         let first = closing(&s).abs();
-        let mut switches = Switches::default();
+        let mut switches = TransitionSink::default();
         let plan = TimePlan::new(1.2e-3, Resolution::Tolerance(1e-9));
         watched(&mut scene, s, "dopri5", &plan, &mut switches);
         // Free flights between impacts: their relative speeds fall by r each time.

@@ -1,5 +1,6 @@
-//! What every model of the joined table has to keep, under every method that takes it: an impact keeps the energy, gears
-//! gain the impulse of their contact torques, tangents are derivatives of forces, Newton corrections their inverse.
+//! Properties of every model of the joined table under every method that supports it: an impact conserves the energy,
+//! gears receive the impulse of their contact torques, tangents are derivatives of forces, and Newton corrections
+//! invert them.
 
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
@@ -10,11 +11,11 @@ use gearbench_models::scene::Scene;
 use gearbench_tests::*;
 use std::collections::BTreeSet;
 
-/// After the impact, before the opposite flanks meet.
+/// End after the impact, before the opposite flanks touch, and initial gap.
 const T_END: f64 = 1.5e-4;
 const GAP: f64 = 3.1e-6;
 
-/// Whether a gear has so many coordinates that one method stands for all: implicit, with few steps.
+/// Returns true if a gear has so many coordinates that a single method is tested: implicit, with few steps.
 fn is_large(scene: &Scene) -> bool {
     scene.gears().iter().any(|g| g.model.large().is_some())
 }
@@ -23,7 +24,7 @@ fn stands_for_all(info: &MethodInfo) -> bool {
     info.implicit && info.stepping == Stepping::Fixed && !info.dissipative
 }
 
-/// Resolution, and the largest relative change of the energy under a method without dissipation.
+/// Returns the resolution, and the largest relative change of the energy under a method without dissipation.
 fn resolution_of(info: &MethodInfo, large: bool) -> (Resolution, f64) {
     match (info.stepping, info.order) {
         _ if large => (Resolution::Step(2e-6), 5e-3),
@@ -87,7 +88,7 @@ fn impacts_keep_energy_and_momentum_under_every_method() {
     }
 }
 
-/// A subject whose flanks overlap, its own coordinates off their rest.
+/// Returns a subject with overlapping flanks and displaced own coordinates.
 fn overlapping(subject: &Subject) -> (Scene, gearbench_integrators::State) {
     let mut scene = subject.scene(-8e-6);
     let mut s = scene.initial();
@@ -102,7 +103,8 @@ fn overlapping(subject: &Subject) -> (Scene, gearbench_integrators::State) {
     (scene, s)
 }
 
-/// Central differences of the force along random directions, in work over the largest of a gear.
+/// Tangents agree with central differences of the force along random directions, in work relative to the largest of a
+/// gear.
 #[test]
 fn tangents_are_derivatives_of_forces() {
     for subject in subjects() {
@@ -141,7 +143,7 @@ fn tangents_are_derivatives_of_forces() {
     }
 }
 
-/// The Newton matrix times the correction of a random right-hand side gives that back.
+/// The Newton matrix times the correction of a random right-hand side equals that right-hand side.
 #[test]
 fn corrections_invert_the_newton_matrix() {
     for subject in subjects() {

@@ -13,10 +13,10 @@ use gearbench_reference::MODELS;
 use gearbench_reference::statics::LoadedPair;
 use gearbench_tests::*;
 
-/// Turn of the pinion [rad] by which the flanks overlap.
+/// Rotation of the pinion [rad] by which the flanks overlap.
 const CLOSED: f64 = 3e-4;
 
-/// A model on a small generated mesh; modes of the elastic one.
+/// Returns a model on a small generated mesh, with modes of the elastic one.
 pub(crate) fn meshed(id: &str, modes: Option<usize>) -> ModelSpec {
     let mesh = [
         ("flank_elements", 6),
@@ -57,7 +57,7 @@ fn scene_of(spec: &SceneSpec, modes: usize) -> Scene {
         .unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Case A at rest with a torque [N m] on the pinion and the wheel held.
+/// Returns case A at rest with a torque [N m] on the pinion and the wheel fixed.
 fn pressed(torque: f64) -> SceneSpec {
     let mut spec = case_of_body(0.0);
     spec.gears[0].speed = 0.0;
@@ -66,7 +66,8 @@ fn pressed(torque: f64) -> SceneSpec {
     spec
 }
 
-/// Gears that swing while they press on each other, so little that the same points touch all the time.
+/// Gears that vibrate in contact, with such a small amplitude that the same points touch all the time, have the
+/// declared order.
 #[test]
 fn swinging_in_contact_has_the_declared_order() {
     let mut scene = scene_of(&pressed(60.0), 8);
@@ -241,7 +242,7 @@ fn forces_of_finite_elements_are_the_gradient_of_their_energy() {
             let mut scene =
                 Scene::build(&spec, &modelling, MODELS).unwrap_or_else(|e| panic!("{e}"));
             let s = scene.initial();
-            let fades = |c: &gearbench_models::contact::Candidate| c.fade < 1.0 && c.gap < 0.0;
+            let fades = |c: &gearbench_models::contact::Candidate| c.taper < 1.0 && c.gap < 0.0;
             leaving += candidates(&scene, &s)
                 .iter()
                 .filter(|(_, c)| fades(c))

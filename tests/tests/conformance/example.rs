@@ -1,4 +1,4 @@
-//! The example of a model of one's own, joined to the table by one line, through the studies.
+//! The example of a user-defined model, joined to the table by one line, in all studies.
 
 use clap::Parser;
 use gearbench::cli::{Cli, run};
@@ -7,7 +7,7 @@ use gearbench_tests::elastic_web;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Runs a study of a scene, and where it ends well reads its record.
+/// Runs a study of a scene, and reads its record if it succeeds.
 fn study(folder: &Path, command: &str) -> Option<Results> {
     let (study, options) = command.split_once(' ').unwrap_or((command, ""));
     let scene = folder.join("example.toml");

@@ -1,5 +1,5 @@
-//! The impact of case A in contact of tooth pairs, where laws and order are known exactly: every model of the joined table
-//! that brings no flanks, under every method.
+//! The impact of case A in contact of tooth pairs, where laws and order are known exactly: every model of the joined
+//! table without own flanks, under every method.
 
 use gearbench_integrators::{
     AcceptedStep, Control, Method, MethodInfo, Outputs, Resolution, SecondOrderSystem, Sink,
@@ -12,11 +12,11 @@ use gearbench_models::spec::{ContactSpec, effective_radius, mesh_layout};
 use gearbench_models::stiffness::{IsoVariation, PairOrMesh, PairStiffness};
 use gearbench_tests::*;
 
-/// After the impact, before the opposite flanks meet.
+/// End after the impact, before the opposite flanks touch, and initial gap.
 const T_END: f64 = 1.5e-4;
 const GAP: f64 = 3.1e-6;
 
-/// Models in contact of tooth pairs.
+/// Returns the models in contact of tooth pairs.
 fn of_pairs() -> Vec<Model> {
     let pairs = subjects().into_iter().filter(|s| !s.flanks);
     let mut models: Vec<Model> = pairs.map(|s| s.model).collect();
@@ -24,17 +24,17 @@ fn of_pairs() -> Vec<Model> {
     models
 }
 
-/// Case A with one model for both gears.
+/// Builds case A with one model for both gears.
 fn scene_of(model: &Model, contact: &ContactSpec) -> Scene {
     build(&case_a(GAP), &[usual(model), usual(model)], contact)
 }
 
-/// The methods that run it.
+/// Returns the methods that support a model.
 fn of_model(model: &Model) -> Vec<&'static Method> {
     methods_of(&mut scene_of(model, &contact(usual_stiffness(model))))
 }
 
-/// A step that resolves the impact well beyond 1e-6 of its energy.
+/// Returns a step that resolves the impact well beyond 1e-6 of its energy.
 fn fine(info: &MethodInfo) -> Resolution {
     match (info.stepping, info.order) {
         (Stepping::Adaptive, _) => Resolution::Tolerance(1e-9),
@@ -44,7 +44,7 @@ fn fine(info: &MethodInfo) -> Resolution {
     }
 }
 
-/// Follows `L1/r_b1 - L2/r_b2` at every accepted step.
+/// Sink that checks `L1/r_b1 - L2/r_b2` at every accepted step.
 struct Invariant {
     per_speed: [f64; 2],
     channels: [usize; 2],

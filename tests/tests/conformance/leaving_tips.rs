@@ -1,6 +1,6 @@
-//! Impacts of full finite elements keep their energy along the whole path of contact, tips that points leave over included:
-//! a point that leaves fades out, and a force that lacked the gradient of its fading made up 1 % of the kinetic energy
-//! of an impact (1.2 % where the next pair is at its start), at any step.
+//! Impacts of full finite elements conserve their energy along the whole path of contact, including tips that points
+//! leave: a point that leaves is tapered, and a force without the gradient of the taper generated 1 % of the kinetic
+//! energy of an impact (1.2 % where the next pair is at its start), at any step.
 
 use super::elastic::{meshed, modelling};
 use gearbench_integrators::{Outputs, Report, Resolution, TimePlan};
@@ -13,7 +13,7 @@ use gearbench_models::stiffness::Material;
 use gearbench_reference::MODELS;
 use gearbench_tests::*;
 
-/// An impact at 20 rad/s with the pair at this part of the path.
+/// Returns an impact at 20 rad/s with the pair at a fraction of the path.
 fn at_place(place: f64) -> SceneSpec {
     let mut spec = case_of_body(2e-6);
     let layout = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
@@ -22,7 +22,8 @@ fn at_place(place: f64) -> SceneSpec {
     spec
 }
 
-/// What Newmark's method makes up in one impact over the kinetic energy, at steps [s], one pass over faceted flanks.
+/// Returns the energy error of Newmark's method in one impact relative to the kinetic energy, at steps [s], with one
+/// pass over faceted flanks.
 fn residuals(model: &ModelSpec, place: f64, steps: &[f64]) -> Vec<f64> {
     let modelling = modelling(model, SurfaceKind::Faceted);
     let mut scene =
@@ -41,7 +42,8 @@ fn residuals(model: &ModelSpec, place: f64, steps: &[f64]) -> Vec<f64> {
     steps.iter().map(of_step).collect()
 }
 
-/// The value at a step of zero for a place, told, the error falling with the square of the step, by the two shortest.
+/// Extrapolates the value for a position to a step of zero from the two shortest steps, and prints it; the error falls
+/// with the square of the step.
 fn extrapolated(place: f64, steps: &[f64], values: &[f64]) -> f64 {
     let [.., h, g] = steps else { unreachable!() };
     let [.., x, y] = values else { unreachable!() };

@@ -1,8 +1,8 @@
-//! Losses of gears that rub, against the quasi-static integral over a mesh cycle and against the loss factor H_v of
-//! H. Ohlendorf (Dissertation, TU Munich 1958; ISO/TR 14179-2); friction does not chatter.
+//! Losses of gears with friction, compared with the quasi-static integral over a mesh cycle and with the loss factor
+//! H_v of H. Ohlendorf (Dissertation, TU Munich 1958; ISO/TR 14179-2); friction does not chatter.
 
 use gearbench_integrators::observers::ledger::Ledger;
-use gearbench_integrators::system::{At, Coeffs};
+use gearbench_integrators::system::{Coeffs, StateView};
 use gearbench_integrators::{
     AcceptedStep, Control, Events, Outputs, Report, Resolution, SecondOrderSystem, Sink, TimePlan,
 };
@@ -22,7 +22,7 @@ const MU: f64 = 0.05;
 const SPEED: f64 = 60.0;
 const TORQUE: f64 = 141.15;
 
-/// The gears of the FZG test rig, type C, the pinion driven.
+/// Returns the gears of the FZG test rig, type C, with the pinion driven.
 fn driven() -> SceneSpec {
     let mut spec = fzg_c(SPEED);
     spec.gears[0].mount = Mount::Driven(Profile::Constant(SPEED));
@@ -69,7 +69,7 @@ fn scene_of(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec) -> Scene
     Scene::build(spec, &modelling, &table).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Mean power [W] that friction takes over a mesh cycle when the wheel turns evenly and is in balance all the time.
+/// Returns the mean power [W] of friction over a mesh cycle when the wheel rotates uniformly and is always in balance.
 fn quasi_static(spec: &SceneSpec, model: &ModelSpec, friction: Friction) -> f64 {
     let mut scene = scene_of(spec, model, &rubbing(Some(friction), 0.0));
     let (cycle, positions) = (TAU / 16.0 / SPEED, 200);
@@ -86,7 +86,7 @@ fn quasi_static(spec: &SceneSpec, model: &ModelSpec, friction: Friction) -> f64 
         for _ in 0..60 {
             let q = [0.5 * (open + pressed)];
             let mut f = [0.0];
-            let at = At { q: &q, ..s.at() };
+            let at = StateView { q: &q, ..s.at() };
             scene.force(at, &mut f);
             if f[0] > 0.0 {
                 open = q[0]
@@ -101,20 +101,20 @@ fn quasi_static(spec: &SceneSpec, model: &ModelSpec, friction: Friction) -> f64 
     sum / f64::from(positions)
 }
 
-/// What a run tells of its losses.
+/// Losses of a run.
 struct Losses {
     after: f64,
     begun: Option<(f64, f64)>,
     ended: (f64, f64),
-    /// Flips of the sign of the friction of a pair of teeth.
+    /// Number of sign changes of the friction of a pair of teeth.
     flips: u32,
-    /// By the teeth of a pair.
-    rub: HashMap<[i64; 2], f64>,
-    /// The scene once more.
+    /// Friction force by the teeth of a pair.
+    friction_force: HashMap<[i64; 2], f64>,
+    /// A second copy of the scene for evaluations.
     probe: Scene,
 }
 
-/// The ledger, with what stands in it from a time on.
+/// Sink with the ledger, and its content from a time on.
 struct Watch {
     ledger: Ledger,
     losses: Losses,
@@ -130,19 +130,22 @@ impl Sink for Watch {
             l.ended = now;
         }
         let forces = l.probe.contact_forces(step.to.at());
-        let mut rub = HashMap::<_, f64>::new();
+        let mut friction_force = HashMap::<_, f64>::new();
         for c in &forces {
-            *rub.entry(c.teeth.map(|t| t.index)).or_default() += c.friction;
+            *friction_force.entry(c.teeth.map(|t| t.index)).or_default() += c.friction;
         }
-        for (teeth, rub) in rub {
-            let before = l.rub.insert(teeth, rub).unwrap_or(0.0);
-            l.flips += u32::from(rub * before < 0.0 && step.to.t >= l.after);
+        for (teeth, friction_force) in friction_force {
+            let before = l
+                .friction_force
+                .insert(teeth, friction_force)
+                .unwrap_or(0.0);
+            l.flips += u32::from(friction_force * before < 0.0 && step.to.t >= l.after);
         }
         control
     }
 }
 
-/// Runs a scene over mesh cycles, of which the first do not count.
+/// Runs a scene over mesh cycles, of which the first are not counted.
 fn watch([mut scene, probe]: [Scene; 2], step: f64, cycles: [f64; 2]) -> Watch {
     let cycle = TAU / 16.0 / SPEED;
     let mut watch = Watch {
@@ -152,7 +155,7 @@ fn watch([mut scene, probe]: [Scene; 2], step: f64, cycles: [f64; 2]) -> Watch {
             begun: None,
             ended: (0.0, 0.0),
             flips: 0,
-            rub: HashMap::new(),
+            friction_force: HashMap::new(),
             probe,
         },
     };
@@ -166,14 +169,15 @@ fn watch([mut scene, probe]: [Scene; 2], step: f64, cycles: [f64; 2]) -> Watch {
 }
 
 impl Losses {
-    /// Mean power over the time that counts [W].
+    /// Returns the mean power over the counted time [W].
     fn power(&self) -> f64 {
         let begun = self.begun.unwrap();
         (self.ended.1 - begun.1) / (self.ended.0 - begun.0)
     }
 }
 
-/// Loss factor of spur gears: what friction of coefficient one takes of the power when pairs share the load evenly.
+/// Returns the loss factor of spur gears: the loss at a friction coefficient of one relative to the power when pairs
+/// share the load equally.
 fn loss_factor(spec: &SceneSpec) -> f64 {
     let l = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
     let ratio = 1.5;
@@ -228,7 +232,8 @@ fn losses_are_those_of_the_quasi_static_integral_and_of_the_loss_factor() {
     }
 }
 
-/// Gears at rest under torques that are all but in balance: what the balance lacks is so much of what friction holds.
+/// Returns gears at rest under torques that are nearly in balance: the imbalance is a fraction of the limit of
+/// friction.
 fn resting(of_limit: f64) -> SceneSpec {
     let mut spec = driven();
     let layout = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
@@ -246,7 +251,7 @@ fn resting(of_limit: f64) -> SceneSpec {
     spec
 }
 
-/// How far the wheel turns from a time on [rad].
+/// Sink that measures the rotation of the wheel from a time on [rad].
 struct Drift {
     wheel: usize,
     after: f64,

@@ -23,10 +23,10 @@ use gearbench_tests::{Impulse, slope, watched};
 
 type Case = (SceneFile, ExternalReference);
 
-/// Parameters of the elastic model that are not those of the scene.
-type Other<'a> = &'a [(&'a str, Value)];
+/// Parameters of the elastic model that replace those of the scene.
+type ParameterOverrides<'a> = &'a [(&'a str, Value)];
 
-fn change(modelling: &mut Modelling, other: Other<'_>) {
+fn change(modelling: &mut Modelling, other: ParameterOverrides<'_>) {
     for gear in &mut modelling.gears {
         for (key, value) in other {
             gear.parameters.insert((*key).into(), value.clone());
@@ -37,7 +37,7 @@ fn change(modelling: &mut Modelling, other: Other<'_>) {
 fn run(
     (scene, external): &Case,
     label: &str,
-    other: Other<'_>,
+    other: ParameterOverrides<'_>,
     method: Option<(&str, f64)>,
 ) -> Run {
     let mut plan = Plan {
@@ -63,7 +63,7 @@ fn run(
     compare(&plan, &Runner::default()).unwrap().runs.remove(0)
 }
 
-/// Errors of a run: force history, impulse, peak.
+/// Returns the errors of a run: force history, impulse, peak.
 fn errors(what: &str, run: &Run, of: &Run) -> [f64; 3] {
     let reference = of.finished().and(Ok(of.series.as_ref())).unwrap().unwrap();
     let m = metrics::compare(run.finished().unwrap(), reference, "fe");
@@ -138,7 +138,7 @@ fn few_modes_on_half_spaces_are_full_finite_elements_on_half_spaces() {
     }
 }
 
-/// Change of energy over an impact, and of the gears' momenta against the impulse of the torques; relative.
+/// Returns the relative change of energy over an impact, and of the gears' momenta from the impulse of the torques.
 fn balance(scene: &mut Scene, h: f64, t_end: f64) -> (f64, f64) {
     let start = scene.initial();
     let (mut ledger, mut impulse) = (Ledger::default(), Impulse::new(scene, &start));

@@ -18,7 +18,7 @@ use gearbench_reports::record::Run;
 use gearbench_tests::{Impulse, watched};
 use std::sync::LazyLock;
 
-/// A scene of which these models are built, and its reference.
+/// Loads a scene with these models, and its reference.
 pub(crate) fn load(name: &str, labels: &str) -> (SceneFile, ExternalReference) {
     let wanted = scene_file::Selection::Labels(Some(labels));
     let scene = scene_file::load_for(name, wanted).unwrap_or_else(|e| panic!("{e:?}"));
@@ -26,7 +26,7 @@ pub(crate) fn load(name: &str, labels: &str) -> (SceneFile, ExternalReference) {
     (scene, external)
 }
 
-/// The run of a model of a scene under its own integrator.
+/// Runs a model of a scene under its own integrator.
 fn run(
     (scene, external): &(SceneFile, ExternalReference),
     label: &str,
@@ -52,7 +52,7 @@ fn run(
     compare(&plan, &Runner::default()).unwrap().runs.remove(0)
 }
 
-/// Case A on fine flanks with the usual points: made once.
+/// Case A on fine flanks with the default points, run once.
 static CASE_A: LazyLock<((SceneFile, ExternalReference), Run)> = LazyLock::new(|| {
     let case = load("spur_impact", "fe");
     let usual = run(&case, "fe", None);
@@ -66,7 +66,7 @@ struct Limits {
     rebound: f64,
 }
 
-/// Prints how far a run is from CalculiX and holds it to limits.
+/// Prints the errors of a run relative to CalculiX and checks them against limits.
 #[allow(clippy::print_stdout)]
 fn check(what: &str, run: &Run, external: &ExternalReference, limits: &Limits) {
     let m = run.against("calculix").unwrap();
@@ -183,9 +183,9 @@ fn case_c_the_rack_and_helical_gears() {
     }
 }
 
-/// What velocity Verlet keeps exactly beside the impulse of the torques by the trapezoidal rule: the work of the forces
-/// between half steps, `K_(n+1/2) - K_(n-1/2) = f_n . (q_(n+1) - q_(n-1)) / 2`; and the physical energy, which it keeps
-/// to second order.
+/// Quantities that velocity Verlet conserves exactly, with the impulse of the torques by the trapezoidal rule: the
+/// work of the forces between half steps, `K_(n+1/2) - K_(n-1/2) = f_n . (q_(n+1) - q_(n-1)) / 2`; and the physical
+/// energy, which it conserves to second order.
 #[derive(Default)]
 struct Ledger {
     out: Outputs,

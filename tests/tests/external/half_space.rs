@@ -13,12 +13,12 @@ use gearbench_models::spec::{PointContact, Value};
 use gearbench_reference::reference;
 use gearbench_reports::record::Metrics;
 
-/// Parameters of the gears beside those of the scene.
-type Other<'a> = &'a [(&'a str, Value)];
+/// Parameters of the gears in addition to those of the scene.
+type ParameterOverrides<'a> = &'a [(&'a str, Value)];
 
-/// The elastic gears of the shipped impact, with other parameters (`mesh = "generated"` for the usual mesh) and on
-/// half-spaces if asked for, else with the penalty and the facets of the scene.
-fn errors(what: &str, other: Other<'_>, half_spaces: bool) -> Metrics {
+/// Returns the errors of the elastic gears of the shipped impact with other parameters (`mesh = "generated"` for the
+/// default mesh), on half-spaces if requested, otherwise with the penalty and the facets of the scene.
+fn errors(what: &str, other: ParameterOverrides<'_>, half_spaces: bool) -> Metrics {
     let (scene, _) = load("spur_impact", "elastic");
     let external = reference("calculix/case-a-graded").unwrap();
     let mut plan = Plan {

@@ -1,4 +1,4 @@
-//! Against results of other programs and of the literature: CalculiX impacts stored in `reference/`.
+//! Comparison with results of other programs and of the literature: CalculiX impacts stored in `reference/`.
 //!
 //! The calibrated models must stay within what their fit reached; nothing here is a golden value of our own.
 
@@ -18,13 +18,13 @@ use gearbench_models::gear::table::MODELS;
 use gearbench_reference::{ExternalReference, reference};
 use gearbench_reports::record::Metrics;
 
-/// What the models of a scene are judged by: its first reference.
+/// Returns the reference of the models of a scene: its first one.
 fn stored(scene: &scene_file::SceneFile) -> ExternalReference {
     let named = scene.reference().expect("the scene names a reference");
     reference(named.stored().expect("it is stored")).expect("it is known")
 }
 
-/// The reference on whose mesh models of a scene run: its last one.
+/// Returns the reference on whose mesh models of a scene run: its last one.
 fn on_one_mesh(scene: &scene_file::SceneFile) -> ExternalReference {
     let named = scene
         .references
@@ -33,7 +33,7 @@ fn on_one_mesh(scene: &scene_file::SceneFile) -> ExternalReference {
     reference(named.stored().expect("it is stored")).expect("it is known")
 }
 
-/// Metrics of each model of a scene against its reference, by label, under a tight adaptive method.
+/// Returns the metrics of each model of a scene relative to its reference, by label, under a strict adaptive method.
 fn against_reference(name: &str) -> (Vec<(String, Metrics)>, ExternalReference) {
     let labels = Some("rigid,movable-teeth");
     let scene = scene_file::load_for(name, scene_file::Selection::Labels(labels));

@@ -1,4 +1,4 @@
-//! Every class of failure driven on purpose, through the real scene wherever the shipped laws can produce it.
+//! Every class of failure, caused on purpose, through the real scene wherever the shipped laws can produce it.
 //!
 //! The table: `cargo test --release -p gearbench-tests --test failures -- --nocapture`.
 #![allow(clippy::print_stdout)]
@@ -18,16 +18,16 @@ use gearbench_reports::metrics::{Metric, compare};
 use gearbench_reports::record::{Results, Run, Status, StudyHeader, Tolerance};
 use gearbench_tests::*;
 use std::sync::LazyLock;
-use wrong_laws::{Wrong, WrongScene};
+use wrong_laws::{WrongLaw, WrongScene};
 
-/// After the impact of case A, before the opposite flanks meet.
+/// End after the impact of case A, before the opposite flanks touch, and initial gap.
 const T_END: f64 = 1.5e-4;
 const GAP: f64 = 3.1e-6;
 const STIFFNESS: f64 = 1.54e10;
 
-/// How to run a scene.
+/// A scene with the settings of its run.
 #[derive(Clone)]
-struct Way {
+struct FailureCase {
     scene: SceneSpec,
     model: ModelSpec,
     contact: ContactSpec,
@@ -36,9 +36,9 @@ struct Way {
     max_steps: u64,
 }
 
-impl Way {
+impl FailureCase {
     fn rigid() -> Self {
-        Way {
+        FailureCase {
             scene: case_a(GAP),
             model: rigid(),
             contact: contact(STIFFNESS),
@@ -49,7 +49,7 @@ impl Way {
     }
 
     fn movable() -> Self {
-        Way {
+        FailureCase {
             model: movable(5.3e8, 4.8e-3, 0.0),
             contact: contact(5e10),
             ..Self::rigid()
@@ -90,8 +90,8 @@ impl Way {
         .unwrap_or_else(|e| panic!("{text}: {e}"))
     }
 
-    /// The same scene under a wrong law; of the record only what a verdict says.
-    fn run_wrong(&self, wrong: Wrong, text: &str, resolution: Resolution) -> Run {
+    /// Runs the same scene under a wrong law; the record has only the data of a verdict.
+    fn run_wrong(&self, wrong: WrongLaw, text: &str, resolution: Resolution) -> Run {
         let scene = Scene::build(&self.scene, &self.modelling(), &models()).unwrap();
         let effective_radii = [0, 1].map(|i: usize| effective_radius(&self.scene.gears[i].body));
         let mut monitor = RunMonitor::new(&self.scene, &scene, vec![0.0, self.t_end], true);
@@ -126,67 +126,67 @@ fn step(h: f64) -> Resolution {
     Resolution::Step(h)
 }
 
-/// A class of failure: what is expected, how it is driven, and the run.
-struct Driven(Status, &'static str, Run);
+/// A class of failure: the expected status, its cause, and the run.
+struct FailureRun(Status, &'static str, Run);
 
-/// A pinion that a torque turns back half a micrometre after its flanks met, 55 us after the start.
-fn grazing() -> Way {
-    let mut way = Way::rigid();
-    way.scene.meshes[0].start.gap = 20e-6;
-    let pinion = &mut way.scene.gears[0];
+/// Returns a pinion whose motion a torque reverses half a micrometre after first contact, 55 us after the start.
+fn grazing() -> FailureCase {
+    let mut case = FailureCase::rigid();
+    case.scene.meshes[0].start.gap = 20e-6;
+    let pinion = &mut case.scene.gears[0];
     let r = effective_radius(&pinion.body);
     // It returns after v^2 / (2 a).
     let v = pinion.speed * r;
     let a = v * v / (2.0 * 20.5e-6);
     let torque = -a / r * pinion.inertia.unwrap();
     pinion.loads = vec![Load::Applied(Profile::Constant(torque))];
-    way.events = false;
-    way
+    case.events = false;
+    case
 }
 
-/// Flanks that come together slowly, with a damper whose force is there at once: 0.07 s after the start the step that
-/// resolves the jump to this tolerance is smaller than what time resolves.
-fn jump() -> Way {
-    let mut way = Way::rigid();
-    way.scene.gears[0].speed = 0.02;
-    way.scene.meshes[0].start.gap = 5e-5;
-    way.contact.damping = Damping::KelvinVoigtRatio { ratio: 0.5 };
-    way.events = false;
-    way.t_end = 0.1;
-    way
+/// Returns flanks that approach slowly, with a damper whose force jumps: 0.07 s after the start the step that resolves
+/// the jump to this tolerance is below the resolution of time.
+fn jump() -> FailureCase {
+    let mut case = FailureCase::rigid();
+    case.scene.gears[0].speed = 0.02;
+    case.scene.meshes[0].start.gap = 5e-5;
+    case.contact.damping = Damping::KelvinVoigtRatio { ratio: 0.5 };
+    case.events = false;
+    case.t_end = 0.1;
+    case
 }
 
-/// Stiff restitution: in long steps Newton's method goes to and fro between contact and none.
-fn restitution() -> Way {
-    let mut way = Way::rigid();
-    way.contact.exponent = 1.5;
-    way.contact.damping = Damping::HuntCrossley { e: 0.3 };
-    way.events = false;
-    way.t_end = 1e-2;
-    way
+/// Returns stiff restitution: in long steps Newton's method alternates between contact and none.
+fn restitution() -> FailureCase {
+    let mut case = FailureCase::rigid();
+    case.contact.exponent = 1.5;
+    case.contact.damping = Damping::HuntCrossley { e: 0.3 };
+    case.events = false;
+    case.t_end = 1e-2;
+    case
 }
 
-/// The same with a common rotation.
-fn fast(mut way: Way) -> Way {
-    let [a, b] = [0, 1].map(|i: usize| effective_radius(&way.scene.gears[i].body));
-    way.scene.gears[0].speed += 300.0;
-    way.scene.gears[1].speed -= 300.0 * a / b;
-    way
+/// Returns the same scene with a common rotation.
+fn fast(mut case: FailureCase) -> FailureCase {
+    let [a, b] = [0, 1].map(|i: usize| effective_radius(&case.scene.gears[i].body));
+    case.scene.gears[0].speed += 300.0;
+    case.scene.gears[1].speed -= 300.0 * a / b;
+    case
 }
 
-fn lasting(t_end: f64, way: Way) -> Way {
-    Way { t_end, ..way }
+fn lasting(t_end: f64, case: FailureCase) -> FailureCase {
+    FailureCase { t_end, ..case }
 }
 
-/// All of them, run once.
-static DRIVEN: LazyLock<Vec<Driven>> = LazyLock::new(drive);
+/// All classes of failure, run once.
+static DRIVEN: LazyLock<Vec<FailureRun>> = LazyLock::new(drive);
 
-fn drive() -> Vec<Driven> {
-    let rigid = Way::rigid();
-    let movable = Way::movable();
-    let clipped = Way {
+fn drive() -> Vec<FailureRun> {
+    let rigid = FailureCase::rigid();
+    let movable = FailureCase::movable();
+    let clipped = FailureCase {
         events: false,
-        ..Way::rigid()
+        ..FailureCase::rigid()
     };
     let fine = rigid.run("rk4", step(1e-7));
     let reference = fine.series.clone().unwrap();
@@ -215,84 +215,84 @@ fn drive() -> Vec<Driven> {
     against_contact(&mut missed, &touched);
 
     let graze = lasting(1.6e-4, grazing());
-    let glue = Wrong::Glue {
+    let glue = WrongLaw::Glue {
         stiffness: 1e7,
         range: 2e-6,
     };
     vec![
-        Driven(Status::Converged, "a tolerance of 1e-8", tight),
-        Driven(Status::Unchecked, "steps of 0.1 us", fine),
-        Driven(Status::Inaccurate, "ten steps per contact", coarse),
+        FailureRun(Status::Converged, "a tolerance of 1e-8", tight),
+        FailureRun(Status::Unchecked, "steps of 0.1 us", fine),
+        FailureRun(Status::Inaccurate, "ten steps per contact", coarse),
         // Movable teeth are stable up to 3.8 us.
-        Driven(
+        FailureRun(
             Status::EnergyGrowth,
             "1.1 times the largest stable step",
             movable.run("velocity-verlet", step(4.2e-6)),
         ),
         // What the teeth make up is nothing beside the energy of gears that turn fast.
-        Driven(
+        FailureRun(
             Status::EnergyGrowth,
             "the same on gears that turn fast",
             fast(movable.clone()).run("velocity-verlet", step(4.2e-6)),
         ),
-        Driven(
+        FailureRun(
             Status::BlowUp,
             "26 times the largest stable step",
             movable.run("velocity-verlet", step(1e-4)),
         ),
-        Driven(
+        FailureRun(
             Status::BlowUp,
             "a force that is no number (test only)",
-            clipped.run_wrong(Wrong::NoNumber, "rk4", step(1e-7)),
+            clipped.run_wrong(WrongLaw::NoNumber, "rk4", step(1e-7)),
         ),
-        Driven(
+        FailureRun(
             Status::NewtonFailure,
             "restitution in steps of ten contacts",
             restitution().run("newmark", step(1e-3)),
         ),
-        Driven(
+        FailureRun(
             Status::StepUnderflow,
             "a damper's jump at a tolerance of 1e-15",
             jump().run("dopri5", Resolution::Tolerance(1e-15)),
         ),
-        Driven(
+        FailureRun(
             Status::Chatter,
             "a contact that lets go at once (test only)",
-            rigid.run_wrong(Wrong::Flips, "rk4", step(1e-6)),
+            rigid.run_wrong(WrongLaw::Flips, "rk4", step(1e-6)),
         ),
-        Driven(
+        FailureRun(
             Status::Tunnelling,
             "a step of one pitch",
             lasting(0.05, clipped.clone()).run("semi-implicit-euler", step(0.0157)),
         ),
-        Driven(
+        FailureRun(
             Status::Tunnelling,
             "a contact that begins and ends within a step",
             graze.run("velocity-verlet", step(4.1e-5)),
         ),
-        Driven(
+        FailureRun(
             Status::Tunnelling,
             "no contact where the converged solution has one",
             missed,
         ),
-        Driven(
+        FailureRun(
             Status::AdhesiveForce,
             "a law that pulls (test only)",
             clipped.run_wrong(glue, "rk4", step(1e-7)),
         ),
-        Driven(
+        FailureRun(
             Status::Timeout,
             "a bound of ten steps",
-            Way {
+            FailureCase {
                 max_steps: 10,
-                ..Way::rigid()
+                ..FailureCase::rigid()
             }
             .run("rk4", step(1e-7)),
         ),
     ]
 }
 
-/// Text without numbers that are none.
+/// Returns true if a text has no invalid numbers.
 fn is_finite_text(text: &str) -> bool {
     text.split(|c: char| !c.is_alphanumeric())
         .all(|word| !["nan", "inf", "infinity"].contains(&word.to_lowercase().as_str()))
@@ -301,7 +301,7 @@ fn is_finite_text(text: &str) -> bool {
 #[test]
 fn every_class_is_driven_and_labelled() {
     let list = &*DRIVEN;
-    for Driven(status, how, run) in list {
+    for FailureRun(status, how, run) in list {
         println!(
             "{:16} {how:48} {}: {}",
             status.as_str(),
@@ -309,7 +309,7 @@ fn every_class_is_driven_and_labelled() {
             run.message.as_deref().unwrap_or("-")
         );
     }
-    for Driven(status, how, run) in list {
+    for FailureRun(status, how, run) in list {
         assert_eq!(run.status, *status, "{how}: {:?}", run.message);
         // All but success says when or how much, and what to do.
         let said = run.message.as_deref().unwrap_or_default();
@@ -325,7 +325,7 @@ fn every_class_is_driven_and_labelled() {
     }
 }
 
-/// The record of all of them, with its tables and its page, holds numbers only.
+/// The record of all failures, with its tables and its page, has valid numbers only.
 #[test]
 fn records_of_failures_hold_finite_numbers() {
     let mut runs: Vec<Run> = DRIVEN.iter().map(|d| d.2.clone()).collect();
@@ -369,13 +369,13 @@ fn records_of_failures_hold_finite_numbers() {
     assert!(files > 3, "{files} files");
 }
 
-/// Teeth that a step throws far beyond their gears: windows that follow them tooth by tooth would never arrive. Nothing
-/// watches the run.
+/// Teeth that a step moves far beyond their gears end a run: windows that follow them tooth by tooth would never
+/// arrive.
 #[test]
 fn movable_teeth_that_blow_up_come_to_an_end() {
-    let way = Way::movable();
+    let case = FailureCase::movable();
     for (text, h) in [("velocity-verlet", 8e-6), ("semi-implicit-euler", 3e-5)] {
-        let mut scene = Scene::build(&way.scene, &way.modelling(), &models()).unwrap();
+        let mut scene = Scene::build(&case.scene, &case.modelling(), &models()).unwrap();
         let mut s = scene.initial();
         let plan = TimePlan {
             events: false,
@@ -393,16 +393,16 @@ fn movable_teeth_that_blow_up_come_to_an_end() {
     }
 }
 
-/// Teeth that deflect by more than a tenth of the module are warned of, in the message of a run that is else fine: no
-/// contact law and no linear tooth holds there.
+/// A deflection of more than a tenth of the module gives a warning in the message of an otherwise successful run: no
+/// contact law and no linear tooth is valid there.
 #[test]
 fn deflections_beyond_a_tenth_of_the_module_are_warned_of() {
     for (speed, warned) in [(20.0, false), (1500.0, true)] {
-        let mut way = Way::rigid();
-        way.scene.gears[0].speed = speed;
+        let mut case = FailureCase::rigid();
+        case.scene.gears[0].speed = speed;
         // The flanks part again before the others meet.
-        way.t_end = 0.9 * T_END;
-        let run = way.run("dopri5", Resolution::Tolerance(1e-8));
+        case.t_end = 0.9 * T_END;
+        let run = case.run("dopri5", Resolution::Tolerance(1e-8));
         let message = run.message.unwrap_or_default();
         println!("{speed} rad/s: {:?} {message}", run.status);
         assert_eq!(message.contains("of the module"), warned, "{message}");

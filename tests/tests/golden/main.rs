@@ -1,4 +1,4 @@
-//! Golden: every study on small scenes, all models, against what was stored.
+//! Golden results: every study on small scenes, with all models, compared with stored values.
 
 use gearbench_reference::reduction::cache::{self, Cache};
 use gearbench_tests::fingerprint::{List, Renames, fingerprint, off_golden};

@@ -1,10 +1,11 @@
-//! Dashpots at flanks beside damped modes: velocity Verlet takes the first implicitly, the second at predicted velocities.
+//! Dashpots at flanks with damped modes: velocity Verlet evaluates the first implicitly, the second at predicted
+//! velocities.
 
 use super::{entry, hold, with_modes};
 use gearbench::experiment::configuration::Configuration;
 use gearbench_models::spec::Value;
 
-/// Elastic gears of few modes with dashpots [N s/m^3], and modes damped by a ratio.
+/// Returns elastic gears of few modes with dashpots [N s/m^3], and modes damped by a ratio.
 fn damped(dashpots: f64, ratio: f64) -> Configuration {
     let mut entry = with_modes(entry("spur_impact", "elastic"), 10);
     for gear in &mut entry.modelling.gears {
@@ -19,7 +20,7 @@ fn damped(dashpots: f64, ratio: f64) -> Configuration {
     entry
 }
 
-/// Modes that are damped at predicted velocities beside dashpots that are not: the limit is that of the modes.
+/// The stability limit with implicit dashpots is that of the modes, which are damped at predicted velocities.
 #[test]
 fn limits_with_dashpots_are_found_by_stepping() {
     let entries = [1e9, 1.6e10].map(|dashpots| damped(dashpots, 0.02));

@@ -1,5 +1,5 @@
-//! Limits in the scene itself, whose contacts open and close. Movable teeth with the published 3.6e9 N/m: explicit
-//! methods fail beyond their limit, implicit ones go on with steps ten times as long.
+//! Stability limits in the scene itself, whose contacts open and close. With movable teeth of the published 3.6e9 N/m,
+//! explicit methods fail beyond their limit; implicit ones run with steps ten times as long.
 
 use super::entry;
 use gearbench::experiment::configuration::Configuration;
@@ -68,7 +68,7 @@ fn explicit_methods_fail_where_implicit_ones_hold() {
     }
 }
 
-/// Thirty-five modes in the scene itself: undamped modes that no contact holds any more still grow beyond the limit.
+/// Thirty-five undamped modes in the scene itself that no contact supports any more still grow beyond the limit.
 #[test]
 fn elastic_gears_fail_in_the_scene_where_theory_says() {
     let e = super::with_modes(entry("spur_impact", "elastic"), 35);

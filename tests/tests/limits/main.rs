@@ -1,4 +1,4 @@
-//! The largest stable step of methods on the models of the shipped scenes: theory, and what stepping finds.
+//! Largest stable step of methods on the models of the shipped scenes: theory compared with stepping.
 //!
 //! The table: `cargo test --release -p gearbench-tests --test limits -- --nocapture`.
 #![allow(clippy::print_stdout)]
@@ -13,7 +13,7 @@ use gearbench_models::spec::Value;
 mod dashpots;
 mod in_the_scene;
 
-/// An entry of a shipped scene.
+/// Returns an entry of a shipped scene.
 fn entry(scene: &str, label: &str) -> Configuration {
     let scene = load_for(scene, Selection::Labels(Some(label))).unwrap_or_else(|e| panic!("{e:?}"));
     Configuration::of(&scene, scene.model(label).unwrap())
@@ -28,7 +28,7 @@ fn with_modes(mut entry: Configuration, modes: u32) -> Configuration {
     entry
 }
 
-/// Prints limits and holds them to theory.
+/// Prints limits and compares them with theory.
 fn hold(entries: &[Configuration], methods: &[&str], bound: f64) -> Vec<StepLimit> {
     let cases: Vec<Case> = entries.iter().map(Case::of).collect();
     let methods: Vec<MethodSpec> = methods.iter().map(|m| m.parse().unwrap()).collect();

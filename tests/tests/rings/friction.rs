@@ -6,7 +6,7 @@ use gearbench_models::law::Friction;
 use gearbench_models::spec::{Load, Profile};
 use gearbench_tests::{rigid, run};
 
-/// Through some mesh cycles, without load in excess.
+/// Returns a pair for some mesh cycles in equilibrium of its loads.
 fn loaded() -> SceneSpec {
     let mut spec = pair(0.0);
     let ratio = 22.0 / 61.0;

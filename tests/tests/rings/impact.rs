@@ -1,4 +1,4 @@
-//! One impact of a pinion on a ring: elastic gears beside full finite elements, ledgers.
+//! One impact of a pinion on a ring: elastic gears compared with full finite elements, and ledgers.
 
 use super::*;
 use gearbench::experiment::conditions::Conditions;
@@ -48,7 +48,8 @@ fn errors(what: &str, run: &Run, of: &Run) -> [f64; 3] {
     e
 }
 
-/// What is left with many modes is that deflected flanks of finite elements touch a little beside where undeformed ones do.
+/// With many modes the remaining difference is that deflected flanks of finite elements touch slightly beside the
+/// contact point of undeformed ones.
 #[test]
 fn modes_with_residual_compliance_are_full_finite_elements() {
     let scene = scene();

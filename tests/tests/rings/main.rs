@@ -23,7 +23,7 @@ use gearbench_tests::{contact, gear, pair_of, spur, start};
 /// Centre distance of the pair [m].
 const DISTANCE: f64 = 0.078;
 
-/// Pinion and ring of the scene `ring_pair`, 22 and 61 teeth.
+/// Returns the parameters of pinion and ring of the scene `ring_pair`, 22 and 61 teeth.
 fn params(helix_angle: f64) -> [GearParams; 2] {
     let of = |teeth, profile_shift| GearParams {
         module: 4e-3 * helix_angle.cos(),
@@ -47,7 +47,7 @@ fn params(helix_angle: f64) -> [GearParams; 2] {
     [of(22, 0.2), ring]
 }
 
-/// They stand with the axis of the ring off that of the pinion in a direction [rad].
+/// Returns the pair with the axis of the ring offset from that of the pinion in a direction [rad].
 fn pair_in(direction: f64, [pinion, ring]: [GearParams; 2], side: Side, gap: f64) -> SceneSpec {
     let off = [DISTANCE * direction.cos(), DISTANCE * direction.sin(), 0.0];
     pair_of(
@@ -69,7 +69,7 @@ fn exchanged(mut spec: SceneSpec) -> SceneSpec {
     spec
 }
 
-/// A model of so many elements along a flank and over the width, with further parameters.
+/// Returns a model with a number of elements along a flank and over the width, with further parameters.
 fn meshed(id: &str, [flank, width]: [f64; 2], further: &[(&str, f64)]) -> ModelSpec {
     let counts = [("flank_elements", flank), ("width_elements", width)];
     let all = counts.iter().chain(further);
@@ -105,7 +105,7 @@ fn built(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec) -> Scene {
     Scene::build(spec, &modelling, gearbench::models::models()).unwrap()
 }
 
-/// The gears of a pair rolled on by an angle of the first, and pressed together on the flank of a side [m].
+/// Returns the gears of a pair rolled by an angle of the first, with an overlap on the flank of a side [m].
 fn rolled(scene: &Scene, spec: &SceneSpec, roll: f64, (side, press): (Side, f64)) -> State {
     let mut s = scene.initial();
     let radii = [0, 1].map(|i| signed_effective_radius(&spec.gears[i].body));
@@ -120,7 +120,7 @@ fn rolled(scene: &Scene, spec: &SceneSpec, roll: f64, (side, press): (Side, f64)
     s
 }
 
-/// Energy of contact and elements [J].
+/// Returns the energy of contact and elements [J].
 fn potential_energy(scene: &mut Scene, s: &State) -> f64 {
     let mut out = Outputs::default();
     scene.output(s.at(), &mut out);

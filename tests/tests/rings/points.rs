@@ -17,7 +17,7 @@ fn flanked(rows: f64, columns: f64) -> ModelSpec {
     }
 }
 
-/// Distance of a point from the exact involute helicoid of the tooth of gear `k` [m].
+/// Returns the distance of a point from the exact involute helicoid of the tooth of gear `k` [m].
 fn exact_gap(spec: &SceneSpec, scene: &Scene, s: &State, k: usize, c: &Candidate) -> f64 {
     let Body::Gear(g) = &spec.gears[k].body else {
         unreachable!("there is no rack")

@@ -1,9 +1,9 @@
-//! Forces of elastic pairs beside differences of the energy.
+//! Forces of elastic pairs compared with differences of the energy.
 
 use super::*;
 use gearbench_tests::{Numbers, scales};
 
-/// Forces on hubs and modes at a state with deformed gears.
+/// Checks forces on hubs and modes at a state with deformed gears.
 fn check(name: &str, spec: &SceneSpec, contact: &ContactSpec, width: f64, bound: f64) {
     let mut scene = built(spec, &elastic([8.0, width], 20.0), contact);
     let (size, _) = scales(&scene);

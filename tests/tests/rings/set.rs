@@ -1,5 +1,5 @@
-//! Sets of three planets between a sun and a ring, six meshes: elastic gears beside full finite elements on fixed axes, and on a
-//! carrier, where energy and angular momentum are kept.
+//! Sets of three planets between a sun and a ring, with six meshes: elastic gears compared with full finite elements
+//! on fixed axes, and on a carrier, where energy and angular momentum are conserved.
 
 use super::*;
 use gearbench::scene_file::{Selection, load_for};
@@ -10,22 +10,22 @@ use gearbench_models::spec::{Load, Mount, Profile, mesh_layout};
 use gearbench_tests::{run_from, with};
 use std::collections::BTreeMap;
 
-/// Where the gears stand in the scene.
+/// Indices of the gears in the scene.
 const SUN: usize = 0;
 const RING: usize = 4;
 
-/// Angle by which one planet stands off its place [rad].
+/// Angle of one planet from its nominal position [rad].
 const OFF_PLACE: f64 = 5e-5;
 
-/// The set of the scene `planetary`.
+/// Returns the set of the scene `planetary`.
 fn set() -> SceneSpec {
     let scene = load_for("planetary", Selection::Labels(Some("rigid")));
     scene.unwrap_or_else(|e| panic!("{e:?}")).spec
 }
 
-/// The same with its carrier held: all gears turn about axes of their own, ring and sun are held and strained against each
-/// other, and a planet stands off its place by some micrometres, so that stiffness alone says what each mesh bears. The first
-/// mesh starts at a part of the base pitch from the pitch point.
+/// Returns the set with its carrier fixed: all gears rotate about their own axes, ring and sun are fixed and strained
+/// against each other, and a planet is offset by some micrometres, so that stiffness alone determines the load of each
+/// mesh. The first mesh starts at a fraction of the base pitch from the pitch point.
 fn on_fixed_axes(part: f64) -> SceneSpec {
     let mut spec = set();
     spec.shafts.clear();
@@ -46,13 +46,13 @@ fn on_fixed_axes(part: f64) -> SceneSpec {
 }
 
 /// A set in equilibrium.
-struct Balanced {
+struct SetEquilibrium {
     /// Force of each tooth pair [N], by mesh and tooth of its first gear.
     pairs: BTreeMap<(usize, i64), f64>,
     unknowns: usize,
 }
 
-impl Balanced {
+impl SetEquilibrium {
     fn of(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec) -> Self {
         let mut scene = built(spec, model, contact);
         let mut s = scene.initial();
@@ -62,7 +62,7 @@ impl Balanced {
             let sum = sums.entry((c.mesh, c.teeth[0].index));
             *sum.or_insert(Vec3::zeros()) += c.force;
         }
-        Balanced {
+        SetEquilibrium {
             pairs: sums.into_iter().map(|(pair, f)| (pair, f.norm())).collect(),
             unknowns: s.q.len(),
         }
@@ -78,15 +78,15 @@ impl Balanced {
     }
 }
 
-/// Through a mesh cycle, with so many positions.
+/// Computes a mesh cycle with a number of positions.
 fn through_a_cycle(name: &str, contact: &ContactSpec, positions: u32) {
     let elements = [8.0, 1.0];
     let mut worst = [0.0_f64; 2];
     for i in 0..positions {
         let part = (f64::from(i) + 0.5) / f64::from(positions) - 0.5;
         let spec = on_fixed_axes(part);
-        let found = Balanced::of(&spec, &elastic(elements, 40.0), contact);
-        let fe = Balanced::of(&spec, &meshed("fe", elements, &[]), contact);
+        let found = SetEquilibrium::of(&spec, &elastic(elements, 40.0), contact);
+        let fe = SetEquilibrium::of(&spec, &meshed("fe", elements, &[]), contact);
         let (meshes, of_fe) = (found.of_meshes(), fe.of_meshes());
         let most = of_fe.iter().fold(0.0_f64, |m, f| m.max(*f));
         for (a, b) in meshes.iter().zip(&of_fe) {
@@ -118,7 +118,7 @@ fn sets_on_fixed_axes_are_those_of_full_finite_elements() {
     through_a_cycle("half-spaces", &half_space, 6);
 }
 
-/// Kinetic, strain and contact energy of a scene [J], turns and momenta of all hubs.
+/// Returns kinetic, strain and contact energy of a scene [J], and rotations and momenta of all hubs.
 fn ledger(scene: &mut Scene, s: &State) -> (f64, Vec<f64>, Vec<f64>) {
     let mut out = Outputs::default();
     scene.output(s.at(), &mut out);
@@ -131,7 +131,7 @@ fn ledger(scene: &mut Scene, s: &State) -> (f64, Vec<f64>, Vec<f64>) {
     (e.kinetic + e.strain + e.contact, turns, momenta)
 }
 
-/// Wherever the carrier stands, contacts are those of the same gears on fixed axes.
+/// Whatever the position of the carrier, contacts are those of the same gears on fixed axes.
 #[test]
 fn contacts_go_round_with_the_carrier() {
     let pressed = |mut spec: SceneSpec| {
@@ -175,7 +175,8 @@ fn contacts_go_round_with_the_carrier() {
     }
 }
 
-/// A set that floats: ring and carrier turn freely under torques in balance, so that nothing holds its angular momentum.
+/// Returns a floating set: ring and carrier rotate freely under balanced torques, so that its angular momentum is
+/// conserved.
 fn floating() -> SceneSpec {
     let mut spec = set();
     spec.gears[RING].mount = Mount::Revolute;
@@ -219,7 +220,7 @@ fn elastic_sets_keep_energy_and_angular_momentum() {
     }
 }
 
-/// Nothing of a scene of finite elements goes round.
+/// Full finite elements on a carrier are refused.
 #[test]
 fn full_finite_elements_on_a_carrier_are_refused() {
     let spec = set();

@@ -1,5 +1,5 @@
-//! Statics of elastic pairs: beside full finite elements of the same mesh, beside the geometry of rigid flanks, exchanged,
-//! turned.
+//! Statics of elastic pairs: compared with full finite elements of the same mesh and with the geometry of rigid
+//! flanks, exchanged and rotated.
 
 use super::*;
 use gearbench_models::geometry::Modifications;
@@ -7,7 +7,7 @@ use gearbench_models::spec::{PointRule, mesh_layout};
 use gearbench_models::stiffness::Material;
 use gearbench_reference::statics::{Load, LoadedContact, LoadedPair};
 
-/// Equilibrium with the pinion at a position [m] and an approach [m] or a force, the gears built where they stand.
+/// Returns the equilibrium with the pinion at a position [m] and an approach [m] or a force.
 fn equilibrium_at(
     spec: &SceneSpec,
     model: &ModelSpec,
@@ -24,7 +24,7 @@ fn equilibrium_at(
     }
 }
 
-/// Positions over a base pitch about the pitch point, and the length of the line of action [m].
+/// Returns positions over a base pitch about the pitch point, and the length of the line of action [m].
 fn positions(spec: &SceneSpec, count: u32) -> (Vec<f64>, f64) {
     let l = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
     let part = |i: u32| f64::from(i) / f64::from(count) - 0.5;
@@ -32,7 +32,7 @@ fn positions(spec: &SceneSpec, count: u32) -> (Vec<f64>, f64) {
     (all.collect(), l.length)
 }
 
-/// Equilibria at positions over a base pitch.
+/// Returns equilibria at positions over a base pitch.
 fn cycle(
     spec: &SceneSpec,
     model: &ModelSpec,
@@ -45,7 +45,7 @@ fn cycle(
     all.into_iter().map(at).collect()
 }
 
-/// Force at the same approach, elastic gears of some modes beside full finite elements.
+/// Compares the force at the same approach of elastic gears of some modes with full finite elements.
 fn beside_fe(name: &str, contact: &ContactSpec, approaches: [f64; 2], limit: f64) {
     let spec = pair(0.0);
     for approach in approaches {
@@ -84,7 +84,7 @@ fn forces_are_those_of_full_finite_elements() {
     );
 }
 
-/// Teeth thinner at root and tip.
+/// Returns parameters of teeth that are thinner at root and tip.
 fn crowned(p: &GearParams) -> GearParams {
     GearParams {
         modifications: Modifications {
@@ -142,7 +142,7 @@ fn nearly_rigid_rings_have_the_transmission_error_of_their_flanks() {
 
 const APPROACH: f64 = 1e-5;
 
-/// The same numbers whichever gear comes first, and wherever the pair stands.
+/// Results do not depend on the order of the gears or on the position of the pair.
 #[test]
 fn exchanged_and_turned_pairs_have_the_same_forces() {
     for (name, contact) in [

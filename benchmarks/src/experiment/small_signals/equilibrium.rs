@@ -16,7 +16,7 @@
 use super::NotSolved;
 use super::space::{Modes, Space};
 use gearbench_integrators::system::{SecondOrderSystem, State};
-use gearbench_models::scene::{Linearised, Scene};
+use gearbench_models::scene::{LinearisedScene, Scene};
 use nalgebra::DVector;
 
 /// Part of the highest eigenvalue below which a motion has no stiffness.
@@ -40,7 +40,7 @@ pub struct Loaded {
     /// The state.
     pub state: State,
     /// The scene to first order there.
-    pub linear: Linearised,
+    pub linear: LinearisedScene,
     /// Motions without the rigid ones.
     pub space: Space,
     /// Modes without the rigid motions.
@@ -66,7 +66,7 @@ pub(super) fn pressed(scene: &mut Scene, s: &State) -> Vec<f64> {
 type Motions = (Space, Vec<DVector<f64>>, Vec<f64>);
 
 /// Motions of the mechanism.
-fn motions(scene: &mut Scene, s: &State, linear: &Linearised) -> Result<Motions, NotSolved> {
+fn motions(scene: &mut Scene, s: &State, linear: &LinearisedScene) -> Result<Motions, NotSolved> {
     let mut space = Space::new(&linear.mass)?;
     space.hold(&scene.constraints());
     let mechanism = scene.mechanism(s.at(), &linear.mass);

@@ -31,7 +31,7 @@ use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart};
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Carried, Load, Modelling, Mount, Profile, SceneSpec};
+use gearbench_models::spec::{Load, Modelling, Mount, Profile, SceneSpec, StationMember};
 
 /// Coordinates that a scene may have: matrices are dense.
 pub const MOST: usize = 1500;
@@ -85,7 +85,7 @@ pub fn settled(spec: &SceneSpec) -> SceneSpec {
         settle(&mut g.mount, &mut g.loads);
     }
     for station in spec.shafts.iter_mut().flat_map(|s| &mut s.stations) {
-        if let Carried::Body(body) = &mut station.carries {
+        if let StationMember::Body(body) = &mut station.carries {
             settle(&mut body.mount, &mut body.loads);
         }
     }

@@ -3,7 +3,7 @@
 use super::Loaded;
 use super::damping::{Damped, damped};
 use gearbench_integrators::system::State;
-use gearbench_models::scene::{Linearised, Scene, StrainIn};
+use gearbench_models::scene::{LinearisedScene, Scene, StrainIn};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 
@@ -74,7 +74,7 @@ pub struct Energies {
 }
 
 /// Energies of a displacement `x` at unit rate.
-pub fn energies(scene: &mut Scene, s: &State, linear: &Linearised, x: &[f64]) -> Energies {
+pub fn energies(scene: &mut Scene, s: &State, linear: &LinearisedScene, x: &[f64]) -> Energies {
     let n = x.len();
     let column = nalgebra::DMatrix::from_column_slice(n, 1, x);
     let momentum = &linear.mass * column;

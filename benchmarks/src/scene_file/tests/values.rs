@@ -393,10 +393,10 @@ fn bearings_and_axes() {
         [
             Freedom::Free,
             Freedom::Free,
-            Freedom::Held,
+            Freedom::Fixed,
             Freedom::Driven(Profile::Constant(0.01)),
             Freedom::Free,
-            Freedom::Held,
+            Freedom::Fixed,
         ]
     );
     assert_eq!((lateral.added_mass, lateral.spin), (0.2, SpinTerms::Off));

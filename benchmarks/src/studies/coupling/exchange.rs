@@ -88,7 +88,11 @@ struct Given<'h> {
 }
 
 impl Given<'_> {
-    fn power(&mut self, sys: &mut dyn SecondOrderSystem, at: gearbench_integrators::At<'_>) -> f64 {
+    fn power(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        at: gearbench_integrators::StateView<'_>,
+    ) -> f64 {
         sys.output(at, &mut self.out);
         self.out.power.external
     }
@@ -108,7 +112,7 @@ impl Sink for Given<'_> {
         v.resize(step.from.q.len(), 0.0);
         for (theta, weight) in GAUSS {
             step.dense.eval(theta, &mut q, &mut v);
-            let at = gearbench_integrators::At {
+            let at = gearbench_integrators::StateView {
                 t: step.from.t + theta * h,
                 q: &q,
                 v: &v,

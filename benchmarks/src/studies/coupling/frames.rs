@@ -10,12 +10,12 @@
 //!
 //! so that `u''` is the acceleration of the course and nothing else changes. Coordinates stay coordinates, which methods step
 //! like others: a frame along a line or a parabola without any error. Kicks that dashpots answer to implicitly do not move it
-//! ([`HalfKick::filter`]).
+//! ([`HalfStepImpulse::filter`]).
 
 use super::course::Course;
 use gearbench_integrators::system::{
-    At, Change, Events, HalfKick, Layout, ModalSplit, Outputs, Report, SecondOrderSystem, State,
-    Touch,
+    Change, Events, HalfStepImpulse, Layout, MemberContact, ModalSplit, Outputs, Report,
+    SecondOrderSystem, State, StateView,
 };
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, SceneSpec};
@@ -163,7 +163,7 @@ impl<'a> Led<'a> {
     }
 
     /// What the gears exert on each frame, without the loads on its hub [N m] or [N].
-    pub fn forces(&mut self, at: At<'_>, out: &mut Vec<f64>) {
+    pub fn forces(&mut self, at: StateView<'_>, out: &mut Vec<f64>) {
         self.scene.force(at, &mut self.f);
         out.clear();
         let of = |frame: &Frame| frame.total(&self.f) - frame.load(at.t, frame.mean(at.v));
@@ -186,7 +186,7 @@ impl<'a> Led<'a> {
     }
 
     /// The filter of a kick that moves no hub.
-    fn without_hubs(&mut self, kick: &HalfKick<'_>) -> Vec<f64> {
+    fn without_hubs(&mut self, kick: &HalfStepImpulse<'_>) -> Vec<f64> {
         let mut filter = std::mem::take(&mut self.filter);
         filter.clear();
         filter.extend_from_slice(kick.filter);
@@ -207,18 +207,18 @@ impl SecondOrderSystem for Led<'_> {
         self.scene.scales(q, v);
     }
 
-    fn characteristic_time(&self, at: At<'_>) -> f64 {
+    fn characteristic_time(&self, at: StateView<'_>) -> f64 {
         self.scene.characteristic_time(at)
     }
 
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         self.scene.force(at, f);
         self.lead(at.t, f);
     }
 
-    fn force_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, f: &mut [f64]) {
+    fn force_after(&mut self, at: StateView<'_>, kick: &HalfStepImpulse<'_>, f: &mut [f64]) {
         let filter = self.without_hubs(kick);
-        let kick = HalfKick {
+        let kick = HalfStepImpulse {
             filter: &filter,
             ..*kick
         };
@@ -227,15 +227,15 @@ impl SecondOrderSystem for Led<'_> {
         self.lead(at.t, f);
     }
 
-    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]) {
+    fn solve_mass(&mut self, at: StateView<'_>, f_to_a: &mut [f64]) {
         self.scene.solve_mass(at, f_to_a);
     }
 
-    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         self.scene.apply_mass(at, x, y);
     }
 
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         self.scene.tangent_times(at, dq, dv, df);
         for frame in self.frames {
             let by = frame.total(df) / frame.inertia;
@@ -264,7 +264,7 @@ impl Events for Led<'_> {
         self.scene.begin(s, located);
     }
 
-    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, at: StateView<'_>, out: &mut [f64]) {
         self.scene.event_functions(at, out);
     }
 
@@ -290,14 +290,14 @@ impl ModalSplit for Led<'_> {
         self.scene.prepare(lag);
     }
 
-    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
         self.scene.remainder(at, a);
         self.lead_accelerations(a, |course| course.acceleration(at.t));
     }
 
-    fn remainder_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, a: &mut [f64]) {
+    fn remainder_after(&mut self, at: StateView<'_>, kick: &HalfStepImpulse<'_>, a: &mut [f64]) {
         let filter = self.without_hubs(kick);
-        let kick = HalfKick {
+        let kick = HalfStepImpulse {
             filter: &filter,
             ..*kick
         };
@@ -306,7 +306,7 @@ impl ModalSplit for Led<'_> {
         self.lead_accelerations(a, |course| course.acceleration(at.t));
     }
 
-    fn steady(&mut self, at: At<'_>, a: &mut [f64]) -> f64 {
+    fn steady(&mut self, at: StateView<'_>, a: &mut [f64]) -> f64 {
         let until = self.scene.steady(at, a);
         self.lead_accelerations(a, |_| 0.0);
         until
@@ -327,7 +327,7 @@ impl Report for Led<'_> {
         self.scene.has_jumps()
     }
 
-    fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+    fn output(&mut self, at: StateView<'_>, out: &mut Outputs) {
         let mut forces = std::mem::take(&mut out.channels);
         self.forces(at, &mut forces);
         let powers = forces.iter().zip(self.frames);
@@ -335,11 +335,11 @@ impl Report for Led<'_> {
         out.channels = forces;
     }
 
-    fn sample(&mut self, at: At<'_>, out: &mut Outputs) {
+    fn sample(&mut self, at: StateView<'_>, out: &mut Outputs) {
         self.scene.sample(at, out);
     }
 
-    fn touches(&mut self, at: At<'_>, out: &mut Vec<Touch>) {
+    fn touches(&mut self, at: StateView<'_>, out: &mut Vec<MemberContact>) {
         self.scene.touches(at, out);
     }
 }

@@ -4,7 +4,7 @@
 //! (K - omega^2 M) x = 0,    C x = 0
 //! ```
 //!
-//! with the scene's own mass, tangents and constraints ([`small signals`](gearbench_models::scene::Linearised)) where its
+//! with the scene's own mass, tangents and constraints ([`small signals`](gearbench_models::scene::LinearisedScene)) where its
 //! loads have come to rest ([`loaded`](crate::experiment::small_signals::loaded)). Modes are named by where their energy lies.
 //!
 //! | module | owns |

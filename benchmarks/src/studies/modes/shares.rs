@@ -1,6 +1,6 @@
 //! How members move in a mode, its shares of energy, and what it is called for these.
 
-use gearbench_integrators::system::{At, State};
+use gearbench_integrators::system::{State, StateView};
 use gearbench_models::gear::GearModel;
 use gearbench_models::scene::{Scene, StrainIn};
 use gearbench_models::spec::SceneSpec;
@@ -41,7 +41,7 @@ pub fn shape(scene: &Scene, s: &State, x: &[f64]) -> Vec<MemberShape> {
 }
 
 /// Turn of a hub with what own coordinates turn it by.
-fn turn(model: &dyn GearModel, _own: At<'_>, along: &[f64]) -> f64 {
+fn turn(model: &dyn GearModel, _own: StateView<'_>, along: &[f64]) -> f64 {
     along[0] + model.hub().over_shapes(along)
 }
 

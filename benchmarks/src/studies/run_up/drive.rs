@@ -17,7 +17,7 @@ use gearbench_integrators::system::State;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Carried, Load, Modelling, Mount, Profile, SceneSpec};
+use gearbench_models::spec::{Load, Modelling, Mount, Profile, SceneSpec, StationMember};
 
 /// Why a scene has no such run-up, and a way out.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +40,7 @@ fn members(spec: &mut SceneSpec) -> Vec<Driven<'_>> {
         })
         .collect();
     for station in spec.shafts.iter_mut().flat_map(|s| &mut s.stations) {
-        if let Carried::Body(body) = &mut station.carries {
+        if let StationMember::Body(body) = &mut station.carries {
             all.push(Driven {
                 mount: &mut body.mount,
                 loads: &mut body.loads,

@@ -1,7 +1,7 @@
 //! What was recognised of a body whose flanks no set names, in words and for programs.
 
 use super::report::some;
-use gearbench_reference::recognise::{Found, Recognised, RecognisedRack};
+use gearbench_reference::recognise::{RecognisedBody, RecognisedGear, RecognisedRack};
 use serde_json::{Value, json};
 
 /// A number with so many digits, without the sign of a zero.
@@ -19,10 +19,10 @@ fn triple(x: [f64; 3]) -> String {
 }
 
 /// What no set names, for programs.
-pub(super) fn found_of(found: &Found) -> Value {
+pub(super) fn found_of(found: &RecognisedBody) -> Value {
     let vector = |x: &gearbench_models::Vec3| [x.x, x.y, x.z];
     match found {
-        Found::Gear(f) => json!({
+        RecognisedBody::Gear(f) => json!({
             "axis": vector(&f.axis.direction),
             "centre_m": vector(&f.axis.point),
             "tip_radius_m": f.tip.radius,
@@ -30,7 +30,7 @@ pub(super) fn found_of(found: &Found) -> Value {
             "bore_radius_m": f.bore.radius,
             "flank_radii_m": f.active,
         }),
-        Found::Rack(f) => json!({
+        RecognisedBody::Rack(f) => json!({
             "axis": vector(&f.axes[2]),
             "pitch_direction": vector(&f.axes[1]),
             "centre_m": vector(&f.origin),
@@ -48,14 +48,14 @@ pub(super) fn found_of(found: &Found) -> Value {
 }
 
 /// What no set names.
-pub(super) fn of_found(found: &Found) -> String {
+pub(super) fn of_found(found: &RecognisedBody) -> String {
     match found {
-        Found::Gear(gear) => of_found_gear(gear),
-        Found::Rack(rack) => of_found_rack(rack),
+        RecognisedBody::Gear(gear) => of_found_gear(gear),
+        RecognisedBody::Rack(rack) => of_found_rack(rack),
     }
 }
 
-fn of_found_gear(f: &Recognised) -> String {
+fn of_found_gear(f: &RecognisedGear) -> String {
     let mm = |x: f64| 1e3 * x;
     let at = f.axis.point.map(mm);
     format!(

@@ -22,11 +22,12 @@ use gearbench_models::spec::{Body, GearSpec, Parameters};
 use gearbench_models::stiffness::Material;
 use gearbench_reference::deck::{self, BodyShape, DeckGear};
 use gearbench_reference::mesh::GearMesh;
-use gearbench_reference::recognise::{Found, Known};
+use gearbench_reference::recognise::{RecognisedBody, SpecifiedBody};
 use gearbench_reference::reduction::choose::{self, Choice, Criterion};
 use gearbench_reference::reduction::store::{self, Meta, Motion};
 use gearbench_reference::reduction::{
-    Basis, ElasticParameters, Mounting, ReductionError, Request, Toothing, Wanted, cache, of_gear,
+    Basis, ElasticParameters, ModeSelection, Mounting, ReductionError, Request, Toothing, cache,
+    of_gear,
 };
 use mounting::mounted;
 use serde_json::json;
@@ -50,7 +51,7 @@ struct Job {
     material: Material,
     mounting: Mounting,
     /// What was recognised of it, where no sets name its flanks.
-    found: Option<Found>,
+    found: Option<RecognisedBody>,
     /// What a reader should know of the input.
     notes: Vec<String>,
 }
@@ -115,10 +116,10 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     let deck = deck::read_in(input, args.units).map_err(bad)?;
     let mut notes = deck.told();
     notes.extend(deck::check_gtm(&deck).iter().map(ToString::to_string));
-    let known = Known {
+    let known = SpecifiedBody {
         axis: args.axis.map(Vec3::from),
         point: args.axis_point.map(Vec3::from),
-        ..Known::default()
+        ..SpecifiedBody::default()
     };
     let alone = deck::gears_known(&deck, None, &known);
     if alone.is_err() || alone.is_ok_and(|all| all.iter().any(Result::is_err)) {
@@ -128,7 +129,7 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     let one = gears.len() == 1;
     // What is said of the axis is of the gear that is named: it need not fit the others.
     let is_named = |g: &DeckGear| args.gear.as_ref().is_some_and(|name| *name == g.name);
-    if known != Known::default() && gears.iter().flatten().any(is_named) {
+    if known != SpecifiedBody::default() && gears.iter().flatten().any(is_named) {
         gears.retain(|g| g.as_ref().is_ok_and(is_named));
     }
     let gears = gears.into_iter().collect::<Result<_, _>>().map_err(bad)?;
@@ -352,11 +353,13 @@ fn reduce(args: &Arguments, job: &Job) -> Result<Done, Refusal> {
         _ => Criterion::Frequency,
     };
     let wanted = match (most, args.max_frequency) {
-        (_, Some(f)) => Wanted::UpTo(f),
-        (None, None) => Wanted::Count(MODES),
+        (_, Some(f)) => ModeSelection::UpTo(f),
+        (None, None) => ModeSelection::Count(MODES),
         // Among twice as many there is something to choose from.
-        (Some(n), None) if by == Criterion::FlankCompliance => Wanted::Count(MODES.max(2 * n)),
-        (Some(n), None) => Wanted::Count(n.max(1)),
+        (Some(n), None) if by == Criterion::FlankCompliance => {
+            ModeSelection::Count(MODES.max(2 * n))
+        }
+        (Some(n), None) => ModeSelection::Count(n.max(1)),
     };
     let request = Request {
         along_profile: args.along_profile,

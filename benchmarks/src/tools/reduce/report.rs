@@ -5,7 +5,7 @@ use super::{Done, Job, hub};
 use crate::cli::terminal::say;
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
 use gearbench_reference::mesh;
-use gearbench_reference::recognise::{Involute, Reading};
+use gearbench_reference::recognise::{Involute, ToolCandidate};
 use gearbench_reference::reduction::store::Motion;
 use gearbench_reference::reduction::{Basis, DIRECTIONS, Toothing, mount_text};
 use serde_json::{Value, json};
@@ -192,8 +192,8 @@ fn of_involute(fit: &Involute) -> String {
 }
 
 /// The likeliest tool, and what else would give the same flanks.
-fn of_tools(tool: &Reading, others: &[Reading]) -> String {
-    let pair = |t: &Reading| {
+fn of_tools(tool: &ToolCandidate, others: &[ToolCandidate]) -> String {
+    let pair = |t: &ToolCandidate| {
         format!(
             "normal module {:.4} mm at {:.1} degrees with x = {}",
             1e3 * t.module,
@@ -341,7 +341,7 @@ fn of_compliance(basis: &Basis) -> Option<String> {
     let layout = match c.flanks {
         FlankCompliance::Full(_) => "between all flank nodes",
         FlankCompliance::Cyclic { .. } => "of one tooth on all",
-        FlankCompliance::Lessened(_) => "of one tooth on all, less some modes",
+        FlankCompliance::Deflated(_) => "of one tooth on all, less some modes",
     };
     Some(format!(
         "{layout}; {own:.4e} m/N in the middle of a flank of tooth {}, {:.1} % of it in the modes",

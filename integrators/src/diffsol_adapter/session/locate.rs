@@ -1,18 +1,18 @@
-//! Where in the last step of a solver events lie, on its interpolant.
+//! Location of events in the last step of a solver, on its interpolant.
 
-use super::{Failed, Session};
+use super::{Session, SessionError};
 use crate::diffsol_adapter::kernel::{Kernel, copy, read};
 use crate::events::dips::SHORT;
 use crate::events::{Root, Watch};
 
 impl Session<'_, '_> {
-    /// Runs `find` on the event functions over the last step, at fractions of it, whose length [s] it is told with the
-    /// system's characteristic time. Leaves `to` where it looked last.
+    /// Runs `find` on the event functions over the last step, at fractions of it, with the length of the step [s] and
+    /// the characteristic time of the system. The state at the last evaluated fraction remains in `to`.
     fn on_step<T>(
         &mut self,
         kernel: &dyn Kernel,
         find: impl FnOnce(&mut Watch, [f64; 2], &mut dyn FnMut(f64, &mut [f64])) -> T,
-    ) -> Result<T, Failed> {
+    ) -> Result<T, SessionError> {
         let (s, to, y, watch) = (&*self.s, &mut self.to, self.y.get_mut(), &mut self.watch);
         let shared = self.shared;
         let h = to.t - s.t;
@@ -31,8 +31,8 @@ impl Session<'_, '_> {
         failed.map_or(Ok(found), |e| Err(e.into()))
     }
 
-    /// Whether event functions fell and rose again in the last step.
-    pub(super) fn dipped(&mut self, kernel: &dyn Kernel) -> Result<bool, Failed> {
+    /// Returns true if event functions fell and rose again in the last step.
+    pub(super) fn dipped(&mut self, kernel: &dyn Kernel) -> Result<bool, SessionError> {
         let end = self.to.t;
         let dipped = self.on_step(kernel, |watch, [h, time], look| {
             h > SHORT * time && watch.any_dipped(look)
@@ -42,9 +42,9 @@ impl Session<'_, '_> {
         Ok(dipped)
     }
 
-    /// Finds the first event in the last step and leaves the state there in `to`. False when it lies at the
-    /// start of the step.
-    pub(super) fn locate(&mut self, kernel: &dyn Kernel) -> Result<bool, Failed> {
+    /// Finds the first event in the last step and stores its state in `to`. Returns false when it lies at the start of
+    /// the step.
+    pub(super) fn locate(&mut self, kernel: &dyn Kernel) -> Result<bool, SessionError> {
         self.on_step(kernel, |watch, [h, time], look| {
             loop {
                 let Root::Inside(theta) = watch.first_root(1e-15, &mut *look) else {

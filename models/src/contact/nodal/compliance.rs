@@ -1,50 +1,50 @@
-//! The residual compliance `R` of the nodes of a solve, gear by gear: its inverse, and its root `C C^T = R`.
+//! The residual compliance `R` of the nodes of a solve, gear by gear, with its inverse and its root `C C^T = R`.
 
 use crate::cholesky::{append_inverse, cholesky_padded, dot, padded};
 
-/// Relative pivot below which a direction of the compliance is none.
+/// Relative pivot below which a direction of the compliance counts as rigid.
 const RANK: f64 = 1e-13;
 
-/// Relative pivot of the compliance from which on its inverse serves.
+/// Relative pivot of the compliance above which its inverse is accurate enough.
 const REGULAR: f64 = 1e-8;
 
-/// Nodes of one gear in the solve.
+/// Range of the nodes of one gear in the solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Block {
-    /// Its first node.
+    /// Index of the first node.
     pub start: usize,
-    /// Its number of nodes.
+    /// Number of nodes of the gear.
     pub len: usize,
 }
 
-/// The compliance of the present nodes.
+/// Residual compliance of the present nodes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Compliance {
     pub blocks: Vec<Block>,
     numbers: Vec<u32>,
-    /// Number of nodes.
+    /// Number of nodes of both gears.
     pub n: usize,
-    /// `R` of the blocks, one `len x len` matrix after the other.
+    /// Blocks of `R`, one `len x len` matrix after the other [m/N].
     pub matrix: Vec<f64>,
-    /// Their inverses, rows padded, where all are regular.
+    /// Inverses of the blocks, with padded rows, where all are regular.
     pub inverse: Vec<f64>,
-    /// Whether they are, once asked for; the inverses are then those of the present nodes.
+    /// True if all blocks are regular; `None` until it is known. The inverses then belong to the present nodes.
     regular: Option<bool>,
-    /// Whether `root` is that of the present nodes.
+    /// True if `root` belongs to the present nodes.
     rooted: bool,
     /// Lower triangles `C` of the blocks, one `len x len` matrix after the other.
     root: Vec<f64>,
-    /// Of the factorisations.
+    /// Factors of the blocks.
     factor: Vec<f64>,
     line: Vec<f64>,
-    /// The nodes before these, and where each block that was the same then finds its inverse there.
-    before: Before,
+    /// The previous nodes, and the position of the inverse of each unchanged block among them.
+    before: PreviousNodes,
     kept: Vec<Option<usize>>,
 }
 
-/// What was known of the nodes before the present ones.
+/// Compliance and inverse of the previous nodes.
 #[derive(Clone, Debug, Default)]
-struct Before {
+struct PreviousNodes {
     blocks: Vec<Block>,
     numbers: Vec<u32>,
     matrix: Vec<f64>,
@@ -52,8 +52,8 @@ struct Before {
     regular: bool,
 }
 
-impl Before {
-    /// Takes what a compliance knows, and leaves it empty.
+impl PreviousNodes {
+    /// Moves the content of a compliance here and leaves it empty.
     fn take_from(&mut self, c: &mut Compliance) {
         std::mem::swap(&mut self.blocks, &mut c.blocks);
         std::mem::swap(&mut self.numbers, &mut c.numbers);
@@ -127,7 +127,7 @@ impl Compliance {
         self.regular = None;
     }
 
-    /// The inverse, where it is not there yet; whether the compliance is regular.
+    /// Computes the inverse, if needed, and returns true if the compliance is regular.
     pub fn take_inverse(&mut self) -> bool {
         if let Some(regular) = self.regular {
             return regular;
@@ -163,7 +163,7 @@ impl Compliance {
         regular
     }
 
-    /// `C`, where it is not there yet.
+    /// Computes the root `C`, if needed.
     pub fn take_root(&mut self) {
         if self.rooted {
             return;
@@ -178,7 +178,7 @@ impl Compliance {
         }
     }
 
-    /// `small = I + C^T S C`, its lower triangle; `stiffness`, full rows of `S`, becomes `S C`.
+    /// Computes the lower triangle of `small = I + C^T S C`; `stiffness`, full rows of `S`, becomes `S C`.
     pub fn congruence(&self, stiffness: &mut [f64], small: &mut Vec<f64>) {
         let n = self.n;
         small.clear();
@@ -219,7 +219,7 @@ impl Compliance {
         }
     }
 
-    /// `y += C^T f`.
+    /// Adds `C^T f` to `y`.
     pub fn add_root_transposed(&self, f: &[f64], y: &mut [f64]) {
         let mut begin = 0;
         for b in &self.blocks {
@@ -235,7 +235,7 @@ impl Compliance {
         }
     }
 
-    /// `u = C y`.
+    /// Computes the displacements `u = C y`.
     pub fn displace(&self, y: &[f64], u: &mut Vec<f64>) {
         u.clear();
         u.resize(self.n, 0.0);
@@ -250,7 +250,7 @@ impl Compliance {
     }
 }
 
-/// `C` with `R = C C^T` in place; directions in which `R` has nothing but rounding are left out.
+/// Computes the root `C` of `R = C C^T` in place; directions in which `R` consists of rounding are left out.
 fn root_of(r: &mut [f64], n: usize) {
     let largest = (0..n).fold(0.0_f64, |m, i| m.max(r[i * n + i]));
     for j in 0..n {

@@ -1,24 +1,24 @@
-//! When Newton's method on the forces of points with dashpots ends.
+//! Convergence control of Newton's method for the forces of points with dashpots.
 
 use super::spring::Spring;
 
-/// Iterations after which steps that do not lessen the residual are halved.
+/// Number of iterations after which steps that do not reduce the residual are halved.
 const PATIENCE: usize = 8;
-/// Shortest part of a step.
+/// Smallest fraction of a Newton step.
 const SHORTEST: f64 = 1e-3;
 
-/// The course of an iteration.
+/// State of one Newton iteration.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Descent {
     iteration: usize,
-    /// Normal laws are linear piece by piece.
+    /// True if normal laws are piecewise linear.
     linear: bool,
-    /// Slopes of the points where the step began.
+    /// Slopes of the laws of the points at the start of the step.
     pieces: Vec<(f64, f64)>,
-    /// Largest norm of what was lacking, and the norm before the step.
+    /// Largest norm of the residual, and its norm before the step.
     first: f64,
     before: f64,
-    /// A step that was cut short ends on the piece where it began without being at its solution.
+    /// True for a full step. A shortened step ends on the piece where it began without solving it.
     whole: bool,
 }
 
@@ -27,7 +27,7 @@ fn slopes(s: &Spring) -> (f64, f64) {
 }
 
 impl Descent {
-    /// Begins; `linear`: laws are linear piece by piece and nothing rubs.
+    /// Starts an iteration; `linear` is true if laws are piecewise linear and there is no friction.
     pub fn begin(&mut self, linear: bool) {
         self.iteration = 0;
         self.linear = linear;
@@ -37,7 +37,8 @@ impl Descent {
         self.whole = true;
     }
 
-    /// Whether the forces, of this norm, are found, where what they lack has the given norm; else a step begins.
+    /// Returns true if the iteration has converged, from the norms of the residual and of the forces; otherwise starts
+    /// a step.
     pub fn ends(&mut self, norm: f64, forces: f64, springs: &[Spring]) -> bool {
         let pieces = self.pieces.iter().zip(springs);
         let same = self.iteration > 0 && { pieces }.all(|(p, s)| *p == slopes(s));
@@ -59,14 +60,14 @@ impl Descent {
         false
     }
 
-    /// Whether a step of this length is to be halved, after which what is lacking has the given norm.
+    /// Returns true if a step of this length, after which the residual has the given norm, has to be halved.
     pub fn halves(&mut self, length: f64, norm: f64) -> bool {
         self.whole = length == 1.0;
         self.iteration > PATIENCE + 1 && norm > self.before && length > SHORTEST
     }
 }
 
-/// Euclidean norm.
+/// Returns the Euclidean norm.
 pub(super) fn norm_of(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

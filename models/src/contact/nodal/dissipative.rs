@@ -1,10 +1,10 @@
-//! Dashpots and friction at points, in one solve with the residual compliance and, at the end of a kick, with the
+//! Dashpots and friction at points, in one solve with the residual compliance and, at the end of an impulse, with the
 //! velocities.
 //!
-//! A point pushes with its law at its gap and the rate of the gap, and rubs with the force of friction at its sliding
-//! speed, `N_p = n(g_p, r_p)`, `T_p = t(N_p, s_p)`. All three answer to the forces: the gap by the residual compliance
-//! `R`, and, where a method asks for the forces at the end of a half kick of length `tau`, rate and sliding speed by the
-//! inverse mass `Y`,
+//! The normal force of a point follows from its law at its gap and the rate of the gap, its friction from the sliding
+//! speed, `N_p = n(g_p, r_p)`, `T_p = t(N_p, s_p)`. All three arguments depend on the forces: the gap by the residual
+//! compliance `R`, and, where a method needs the forces at the end of a half impulse of length `tau`, rate and sliding
+//! speed by the inverse mass `Y`,
 //!
 //! ```text
 //! g = g0 + w . R F,   r = r* + tau w . Y F,   s = s* + tau z . Y F,   F = sum_p w_p N_p + z_p T_p
@@ -13,22 +13,23 @@
 //! over *ports*: the nodes of the gears, outwards (`w`) and along the profile (`z`), and behind them the hubs that are free
 //! to move, whose weights are the effective radii. `r*` and `s*` are the rates before the contact acts.
 //!
-//! **Rates follow.** As a gap closes the nodes that are held by residual compliance give way, and what is left for the
-//! dashpot is what the point itself is squeezed by. With the stiffness `K` of the points, quasi-statically,
+//! **Rates follow quasi-statically.** As a gap closes, the nodes on residual compliance are displaced, and the dashpot
+//! receives the rest of the rate, the compression of the point itself. With the stiffness `K` of the points,
 //!
 //! ```text
 //! r = D b,    D = (I + W^T R W K)^-1,    b = r* + tau W^T Y F
 //! ```
 //!
-//! with the rates `b` before residual compliance. Linearly `F = (I + K W^T R W)^-1 (K g0 + c D b)` loses `b . D^T c D b`,
-//! never less than nothing, which is what nodes with their masses lose as far as these are slow beside `c/K`. (With `b`
-//! in the place of `r` an impact loses twice as much as that of finite elements.) Sliding speeds follow nothing.
+//! with the rates `b` before residual compliance. Linearly `F = (I + K W^T R W)^-1 (K g0 + c D b)` dissipates `b . D^T
+//! c D b`, which is never negative. Nodes with masses dissipate the same as far as they are slow compared with `c/K`.
+//! (With `b` in place of `r` an impact loses twice as much as that of finite elements.) Sliding speeds have no such
+//! correction.
 //!
-//! The kicks at both sides of an instant then make the implicit midpoint
-//! rule for the dashpots, `v+ - v- = h M^-1 B^T N((v+ + v-)/2)`, and for friction alike: of second order, and stable
-//! whatever `c h / m`, so that friction holds what sticks without chatter however steep its regularisation is (E.
-//! Hairer, Ch. Lubich, G. Wanner, *Geometric Numerical Integration*, 2006, ch. II.1; for dampers in
-//! position-explicit methods T. J. R. Hughes, *The Finite Element Method*, 1987, sec. 9.1.2).
+//! The impulses on both sides of an instant are then the implicit midpoint rule for the dashpots, `v+ - v- = h M^-1
+//! B^T N((v+ + v-)/2)`, and for friction likewise: of second order, and stable whatever `c h / m`, so that sticking
+//! friction does not chatter however steep its regularisation is (E. Hairer, Ch. Lubich, G. Wanner, *Geometric
+//! Numerical Integration*, 2006, ch. II.1; for dampers in position-explicit methods T. J. R. Hughes, *The Finite
+//! Element Method*, 1987, sec. 9.1.2).
 //!
 //! Newton's method on `F`, with the slopes `k = -dn/dg`, `c = -dn/dr`, `f = dt/dN`, `d = -dt/ds` of the points at hand:
 //!
@@ -44,49 +45,49 @@ use super::spring::Spring;
 use gearbench_integrators::dense_solve::{Lu, solve_in_place};
 use gearbench_integrators::system::Singular;
 
-/// Newton iterations before the solve is given up.
+/// Largest number of Newton iterations.
 const MOST_ITERATIONS: usize = 100;
 
-/// A direction of a point over the ports of both gears: four nodes and a hub each.
+/// Direction of a point over the ports of both gears: four nodes and one hub each.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct OverPorts {
-    /// Ports; those without weight are any.
+pub struct PortDirection {
+    /// Indices of the ports; entries without weight are arbitrary.
     pub ports: [u32; 10],
-    /// Their weights: of nodes as in the gap, of hubs the effective radius, less.
+    /// Weights of the ports: those of nodes as in the gap, those of hubs the negative effective radius.
     pub weights: [f64; 10],
 }
 
-/// A point over the ports.
+/// A point with its directions over the ports.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Ported {
-    /// Along the normal.
-    pub normal: OverPorts,
-    /// Along the profile; without weights where there is no friction.
-    pub sliding: OverPorts,
+pub struct PortPoint {
+    /// Direction along the normal.
+    pub normal: PortDirection,
+    /// Direction along the profile, without weights if there is no friction.
+    pub sliding: PortDirection,
 }
 
-/// What ports do under forces on them.
+/// Compliance and mobility of the ports under forces on them.
 #[derive(Clone, Debug, Default)]
 pub struct Ports {
     /// Number of ports.
     pub n: usize,
-    /// Gear by gear.
+    /// Ranges of the ports of each gear.
     pub blocks: Vec<Block>,
-    /// `R` of the blocks, one `len x len` matrix after the other [m/N].
+    /// Blocks of `R`, one `len x len` matrix after the other [m/N].
     pub compliance: Vec<f64>,
-    /// `tau Y` alike [m/s/N]; empty where rates do not answer.
+    /// Blocks of `tau Y` [m/s/N]; empty where rates do not depend on the forces.
     pub mobility: Vec<f64>,
-    /// `T`, a row of all ports for each node, where nodes follow: as ports move inwards by `y`, the gap of a point closes
-    /// by `w . (y - T y)`; else empty.
+    /// Matrix `T`, one row of all ports for each node, where nodes follow quasi-statically: when ports move inwards by
+    /// `y`, the gap of a point closes by `w . (y - T y)`. Empty otherwise.
     pub following: Vec<f64>,
-    /// Port of each of those nodes.
+    /// Port index of each of those nodes.
     pub of_nodes: Vec<u32>,
-    /// `(I - T) tau Y`, full rows; empty where nothing follows or rates do not answer.
+    /// Full rows of `(I - T) tau Y`; empty where no nodes follow or rates do not depend on the forces.
     answer: Vec<f64>,
 }
 
 impl Ports {
-    /// Sets what rates answer with, from mobility and following.
+    /// Computes the matrix of the rate response from mobility and following nodes.
     fn combine(&mut self) {
         self.answer.clear();
         if self.mobility.is_empty() || self.following.is_empty() {
@@ -120,13 +121,13 @@ impl Ports {
     }
 }
 
-/// The solve and its buffers.
+/// Solve for normal forces with dashpots and for friction, with its buffers.
 #[derive(Clone, Debug, Default)]
 pub struct DissipativeSolve {
-    /// The ports; to be set before a solve.
+    /// Ports, to be set before a solve.
     pub ports: Ports,
-    /// The points over them, in the order of the springs.
-    pub points: Vec<Ported>,
+    /// Directions of the points over the ports, in the order of the springs.
+    pub points: Vec<PortPoint>,
     force: Vec<f64>,
     gaps: Vec<f64>,
     rates: Vec<f64>,
@@ -139,7 +140,7 @@ pub struct DissipativeSolve {
     factor: Lu,
 }
 
-/// `y = A x` block by block.
+/// Multiplies block by block: `y = A x`.
 fn apply(blocks: &[Block], matrix: &[f64], x: &[f64], y: &mut Vec<f64>) {
     y.clear();
     y.resize(x.len(), 0.0);
@@ -157,13 +158,13 @@ fn apply(blocks: &[Block], matrix: &[f64], x: &[f64], y: &mut Vec<f64>) {
     }
 }
 
-impl OverPorts {
+impl PortDirection {
     fn along(&self, y: &[f64]) -> f64 {
         let ports = self.ports.iter().zip(&self.weights);
         ports.map(|(&i, w)| w * y[i as usize]).sum()
     }
 
-    /// `y += x w`.
+    /// Adds the multiple `x w` of the direction to `y`.
     fn add(&self, x: f64, y: &mut [f64]) {
         for (&i, w) in self.ports.iter().zip(&self.weights) {
             y[i as usize] += x * w;
@@ -172,8 +173,8 @@ impl OverPorts {
 }
 
 impl DissipativeSolve {
-    /// Forces of the springs by their laws at gap and rates; `gap0`, `rate` and `slip` of the springs are those without
-    /// contact. Leaves the gaps in them. Begins with the forces that the springs have.
+    /// Solves for the forces of the springs at gap and rates; `gap0`, `rate` and `slip` of the springs are values
+    /// without contact. The gaps are stored in the springs. The iteration starts from the forces of the springs.
     ///
     /// # Errors
     /// [`Singular`] where numbers are not finite or the iteration does not end.
@@ -214,7 +215,7 @@ impl DissipativeSolve {
         Err(Singular)
     }
 
-    /// Residual displacements `u = -R F` of all ports, which come with them.
+    /// Returns the residual displacements `u = -R F` of all ports, with the ports.
     pub fn displacements(&mut self) -> (&Ports, &[f64]) {
         let Ports {
             blocks, compliance, ..
@@ -224,8 +225,8 @@ impl DissipativeSolve {
         (&self.ports, &self.gaps)
     }
 
-    /// Gaps and forces of the points under the forces on the ports; returns the norm of what these lack, in units of
-    /// displacement.
+    /// Computes gaps and forces of the points under the forces on the ports; returns the norm of the residual, in
+    /// units of displacement.
     fn residual(&mut self, springs: &mut [Spring]) -> f64 {
         let p = &self.ports;
         apply(&p.blocks, &p.compliance, &self.force, &mut self.gaps);
@@ -247,14 +248,14 @@ impl DissipativeSolve {
             p.normal.add(s.force.n, &mut self.line);
             if let Some(friction) = &s.friction {
                 let slip = s.slip + p.sliding.along(&self.slips);
-                s.rub = friction.force(s.force.n, slip);
-                p.sliding.add(s.rub.f, &mut self.line);
+                s.friction_force = friction.force(s.force.n, slip);
+                p.sliding.add(s.friction_force.f, &mut self.line);
             }
         }
         norm_of(&self.line)
     }
 
-    /// The matrix of the present pieces.
+    /// Assembles the matrix of the present linear pieces.
     fn linearise(&mut self, springs: &[Spring]) {
         let n = self.ports.n;
         self.matrix.clear();
@@ -263,7 +264,7 @@ impl DissipativeSolve {
             self.matrix[i * n + i] = 1.0;
         }
         for (i, s) in springs.iter().enumerate() {
-            let Ported { normal, sliding } = self.points[i];
+            let PortPoint { normal, sliding } = self.points[i];
             let slopes = [-s.force.dn_dg, -s.force.dn_dgdot];
             if slopes != [0.0; 2] {
                 if slopes[1] == 0.0 || self.ports.answer.is_empty() {
@@ -273,19 +274,19 @@ impl DissipativeSolve {
                     self.follow(&normal, slopes[1]);
                 }
                 self.add_outer(&normal, 1.0);
-                if s.rub.df_dn != 0.0 {
-                    self.add_outer(&sliding, s.rub.df_dn);
+                if s.friction_force.df_dn != 0.0 {
+                    self.add_outer(&sliding, s.friction_force.df_dn);
                 }
             }
-            if s.rub.df_dv != 0.0 && !self.ports.mobility.is_empty() {
-                self.respond(&sliding, [0.0, -s.rub.df_dv]);
+            if s.friction_force.df_dv != 0.0 && !self.ports.mobility.is_empty() {
+                self.respond(&sliding, [0.0, -s.friction_force.df_dv]);
                 self.add_outer(&sliding, 1.0);
             }
         }
     }
 
-    /// `line = k R w + c tau Y w` in the blocks that `touched` names: both matrices are symmetric.
-    fn respond(&mut self, of: &OverPorts, [k, c]: [f64; 2]) {
+    /// Computes `line = k R w + c tau Y w` in the blocks that `touched` lists; both matrices are symmetric.
+    fn respond(&mut self, of: &PortDirection, [k, c]: [f64; 2]) {
         let p = &self.ports;
         self.line.clear();
         self.line.resize(p.n, 0.0);
@@ -321,7 +322,7 @@ impl DissipativeSolve {
     }
 
     /// Adds `c (w . (I - T) tau Y)` over all ports to `line`.
-    fn follow(&mut self, of: &OverPorts, c: f64) {
+    fn follow(&mut self, of: &PortDirection, c: f64) {
         let p = &self.ports;
         for (&i, &w) in of.ports.iter().zip(&of.weights) {
             if w != 0.0 {
@@ -335,8 +336,8 @@ impl DissipativeSolve {
         self.touched.push((0, p.n));
     }
 
-    /// Adds `factor w line^T` to the matrix.
-    fn add_outer(&mut self, of: &OverPorts, factor: f64) {
+    /// Adds the outer product `factor w line^T` to the matrix.
+    fn add_outer(&mut self, of: &PortDirection, factor: f64) {
         for (&i, &w) in of.ports.iter().zip(&of.weights) {
             if w == 0.0 {
                 continue;
@@ -350,7 +351,7 @@ impl DissipativeSolve {
         }
     }
 
-    /// Factorises for [`Self::tangent`] at the forces of the springs, without a kick.
+    /// Factorises for [`Self::tangent`] at the forces of the springs, without impulse.
     ///
     /// # Errors
     /// [`Singular`].
@@ -362,15 +363,16 @@ impl DissipativeSolve {
         self.factor.set(&mut self.matrix, self.ports.n)
     }
 
-    /// What forces change by when gaps and rates do: of each point the changes of its normal force and of its friction
-    /// were its neighbours to stay, in their place those that come out. Friction changes by those of the normal force in
-    /// any case.
+    /// Converts changes of the forces of each point, at fixed neighbours, to the changes with all couplings, in place.
+    /// `changes` has the normal force and the friction of each point. Friction changes with the normal force in any
+    /// case.
     pub fn tangent(&mut self, springs: &[Spring], changes: &mut [[f64; 2]]) {
         self.step.clear();
         self.step.resize(self.ports.n, 0.0);
         for ((s, p), [n, t]) in springs.iter().zip(&self.points).zip(&*changes) {
             p.normal.add(*n, &mut self.step);
-            p.sliding.add(*t + s.rub.df_dn * n, &mut self.step);
+            p.sliding
+                .add(*t + s.friction_force.df_dn * n, &mut self.step);
         }
         self.factor.solve(&mut self.step);
         let Ports {
@@ -379,7 +381,7 @@ impl DissipativeSolve {
         apply(blocks, compliance, &self.step, &mut self.gaps);
         for ((s, p), [n, t]) in springs.iter().zip(&self.points).zip(changes) {
             *n += s.force.dn_dg * p.normal.along(&self.gaps);
-            *t += s.rub.df_dn * *n;
+            *t += s.friction_force.df_dn * *n;
         }
     }
 }

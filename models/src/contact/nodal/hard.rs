@@ -1,4 +1,4 @@
-//! Hard contact: no penalty, gaps that do not close beyond zero.
+//! Hard contact without penalty: gaps that do not become negative.
 //!
 //! One multiplier per slave node, its force `lambda_k`, and the gap there averaged with the node's shape function over
 //! the areas `A_p` of the points (mortar; of points at nodes the gap itself):
@@ -18,30 +18,30 @@ use super::spring::Spring;
 use crate::cholesky::{backward, cholesky, dot, forward};
 use gearbench_integrators::system::Singular;
 
-/// Changes of the set of closed nodes after which they are taken one by one.
+/// Number of changes of the set of closed nodes after which nodes are added one by one.
 const MOST_CHANGES: usize = 30;
-/// Relative gap or force below which rounding could have decided whether a node is closed.
+/// Relative gap or force below which rounding may have decided whether a node is closed.
 const DOUBT: f64 = 1e-12;
 
-/// Entry of `c`: constraint, point, weight.
+/// Entry of the constraint matrix `c`: constraint, point, weight.
 pub type Share = (u32, u32, f64);
 
-/// The solve and its buffers.
+/// Solve of the linear complementarity problem, with its buffers.
 #[derive(Clone, Debug, Default)]
 pub struct HardSolve {
     m: usize,
-    /// `G_0` and `G` [m], `lambda` [N].
+    /// Gaps `G_0` and `G` [m], multipliers `lambda` [N].
     gap0: Vec<f64>,
     gap: Vec<f64>,
     force: Vec<f64>,
-    /// `W` and `W R`, by constraint.
+    /// Rows of `W` and of `W R`, by constraint.
     rows: Vec<f64>,
     responses: Vec<f64>,
-    /// `C`, row-major.
+    /// Compliance `C` between constraints, row-major [m/N].
     c: Vec<f64>,
     shares: Vec<Share>,
     closed: Vec<bool>,
-    /// Numbers of the closed constraints, their part of `C`, a right-hand side.
+    /// Indices of the closed constraints, their part of `C`, and a right-hand side.
     set: Vec<usize>,
     small: Vec<f64>,
     rhs: Vec<f64>,
@@ -49,9 +49,8 @@ pub struct HardSolve {
 }
 
 impl HardSolve {
-    /// Solves for the forces of the points and the residual displacements, returned by node. `shares` are the entries
-    /// of `c` for `m` constraints, `compliance` `R` of each block, `closed` the constraints that the search begins
-    /// with.
+    /// Solves for the forces of the points and returns the residual displacements by node. `shares` are the entries of
+    /// `c` for `m` constraints, `compliance` is `R` of each block, `closed` is the initial set of closed constraints.
     ///
     /// # Errors
     /// [`Singular`] where `C` is not positive definite.
@@ -101,17 +100,17 @@ impl HardSolve {
         Ok(&self.u)
     }
 
-    /// Forces of the constraints [N].
+    /// Returns the forces of the constraints [N].
     pub fn forces(&self) -> &[f64] {
         &self.force
     }
 
-    /// Gaps of the constraints [m].
+    /// Returns the gaps of the constraints [m].
     pub fn gaps(&self) -> &[f64] {
         &self.gap
     }
 
-    /// Turns changes `h` of the points' gaps before residual compliance into changes of their forces.
+    /// Converts changes `h` of the gaps before residual compliance into changes of the forces, point by point.
     ///
     /// # Errors
     /// [`Singular`] where `C` is not positive definite.
@@ -138,7 +137,7 @@ impl HardSolve {
         Ok(())
     }
 
-    /// `G_0`, `W`, `W R` and `C`.
+    /// Computes `G_0`, `W`, `W R` and `C`.
     fn take_rows(&mut self, n: usize, blocks: &[Block], compliance: &[f64], springs: &[Spring]) {
         let m = self.m;
         self.gap0.clear();
@@ -174,7 +173,7 @@ impl HardSolve {
         }
     }
 
-    /// The closed part of `C` into `small`.
+    /// Copies the closed part of `C` into `small`.
     fn take_set(&mut self) {
         self.set.clear();
         self.set.extend((0..self.m).filter(|k| self.closed[*k]));
@@ -186,7 +185,7 @@ impl HardSolve {
         }
     }
 
-    /// Forces that close the closed constraints, and all gaps.
+    /// Computes the forces that close the closed constraints, and all gaps.
     fn close(&mut self) -> Result<(), Singular> {
         self.take_set();
         self.rhs.clear();
@@ -211,7 +210,7 @@ impl HardSolve {
         Ok(())
     }
 
-    /// The primal-dual active set; false where it does not settle.
+    /// Runs the primal-dual active-set method; returns false where the set does not converge.
     fn change_sets(&mut self) -> Result<bool, Singular> {
         for _ in 0..MOST_CHANGES {
             self.close()?;
@@ -232,7 +231,7 @@ impl HardSolve {
         Ok(false)
     }
 
-    /// Closes the deepest constraint, one at a time; what would pull is opened on the way.
+    /// Closes the deepest constraint, one at a time, and opens constraints with tensile forces.
     fn one_by_one(&mut self) -> Result<(), Singular> {
         self.closed.fill(false);
         let mut held = vec![0.0; self.m];
@@ -268,7 +267,7 @@ impl HardSolve {
         Err(Singular)
     }
 
-    /// Whether rounding may have decided on a constraint.
+    /// Returns true if rounding may have decided on a constraint.
     fn is_doubtful(&self) -> bool {
         let deepest = self.gap0.iter().fold(0.0_f64, |m, g| m.max(-g));
         let strongest = self.force.iter().fold(0.0_f64, |m, f| m.max(*f));
@@ -287,7 +286,7 @@ mod tests {
     use super::*;
     use crate::law::Law;
 
-    /// Points on nodes of their own, compliances of a smooth body with and without neighbours that rise.
+    /// Builds points on separate nodes of a smooth body, with and without neighbours that rise under load.
     fn problem(m: usize, coupling: f64) -> (Vec<f64>, Vec<Spring>) {
         let distance = |i: usize, j: usize| (i as f64 - j as f64).abs();
         let mut r = Vec::new();

@@ -8,8 +8,8 @@
 //! g = g_rigid - W_s a_s - W_m a_m,      a = B q + r T + u,      u = -R F,      F = sum_p W_p N_p
 //! ```
 //!
-//! `T` is what loads apply to the hub; a viscous load is left out of `r T`, or gaps would know speeds. All of this
-//! derives from one potential of displacements and modal coordinates,
+//! `T` is the applied load on the hub; a viscous load is left out of `r T`, because gaps would otherwise depend on
+//! speeds. All of this derives from one potential of displacements and modal coordinates,
 //!
 //! ```text
 //! Pi = min_u  u^T R^-1 u / 2 + sum_p phi(g_p)
@@ -36,18 +36,18 @@
 mod compliance;
 mod descent;
 mod dissipative;
-mod few;
 mod hard;
 mod nodes;
+mod point_based;
 mod points;
 mod solve;
 mod spring;
 
 pub use compliance::Block;
-pub use dissipative::{DissipativeSolve, OverPorts, Ported, Ports};
-pub use few::FewPoints;
+pub use dissipative::{DissipativeSolve, PortDirection, PortPoint, Ports};
 pub use hard::{HardSolve, Share};
 pub use nodes::{GearNodes, weighted};
-pub use points::{GapBound, LineTerms, NodalParty, NodalPoint, NodalPoints};
+pub use point_based::PointBasedSolve;
+pub use points::{GapBound, LineTerms, NodalGearState, NodalPoint, NodalPoints};
 pub use solve::NodalSolve;
 pub use spring::{Spring, UNUSED, deepest};

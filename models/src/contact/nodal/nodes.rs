@@ -1,15 +1,15 @@
-//! The nodes of a gear that take part in contact at a state.
+//! The flank nodes of a gear that take part in contact at a state.
 
 use super::spring::UNUSED;
 use crate::gear::FlankDisplacement;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
-/// Flank nodes of a gear near contact, with what is known of them. Buffers grow and stay.
+/// Flank nodes of a gear near contact, with their displacements and forces. Buffers are reused.
 #[derive(Clone, Debug, Default)]
 pub struct GearNodes {
-    /// The gear's node numbers, in the order in which they were met.
+    /// Node numbers of the gear, in the order of registration.
     pub nodes: Vec<u32>,
-    /// The same along the profile, where the gear knows that.
+    /// Numbers of the same nodes for displacements along the profile, where the gear supports these.
     pub along: Vec<u32>,
     /// Outward displacement before residual compliance, `B q + r T` [m].
     pub displacement: Vec<f64>,
@@ -17,27 +17,27 @@ pub struct GearNodes {
     pub residual: Vec<f64>,
     /// Force into the tooth [N].
     pub force: Vec<f64>,
-    /// Force against the direction along the profile [N].
-    pub rub: Vec<f64>,
-    /// Index in the solve; [`UNUSED`] for nodes that no solved point lies on.
+    /// Friction force against the direction along the profile [N].
+    pub friction_force: Vec<f64>,
+    /// Index of the node in the solve; [`UNUSED`] for nodes without solved points.
     pub index: Vec<u32>,
-    /// Load `T` on the hub [N m] or [N].
+    /// Load `T` on the hub [N m or N].
     pub load: f64,
-    /// A bound of the displacements before residual compliance [m], once asked for.
+    /// Bound of the displacements before residual compliance [m]; `None` until it is needed.
     bound: Option<f64>,
-    /// Slot of each of the gear's flank nodes, valid where its stamp is the present one.
+    /// Slot of each flank node of the gear, valid if its stamp is the present one.
     slots: Vec<(u32, u32)>,
     stamp: u32,
-    /// Residual displacements and forces of the last evaluation by flank node: where an active set begins.
+    /// Residual displacements and forces of the last evaluation by flank node, from which an active-set search starts.
     last: Vec<f64>,
-    /// How much those displacements had changed since the evaluation before [m], where the node had been met there too, and
-    /// the stamp of the last one.
+    /// Change of those displacements since the evaluation before [m], for nodes registered in both, with the stamp of
+    /// the last evaluation.
     changes: Vec<(f64, u32)>,
     pressed: Vec<f64>,
 }
 
 impl GearNodes {
-    /// Begins an evaluation with a load on the hub.
+    /// Starts an evaluation with a load on the hub.
     pub fn begin(&mut self, load: f64) {
         for ((&node, &u), &f) in self.nodes.iter().zip(&self.residual).zip(&self.force) {
             let (change, stamp) = &mut self.changes[node as usize];
@@ -52,7 +52,7 @@ impl GearNodes {
         self.displacement.clear();
         self.residual.clear();
         self.force.clear();
-        self.rub.clear();
+        self.friction_force.clear();
         self.index.clear();
         self.load = load;
         self.bound = None;
@@ -63,16 +63,21 @@ impl GearNodes {
         }
     }
 
-    /// A bound of the displacements of flank nodes before residual compliance [m].
+    /// Returns a bound of the displacements of flank nodes before residual compliance [m].
     #[inline]
-    pub fn bound(&mut self, field: &dyn FlankDisplacement, at: At<'_>) -> f64 {
+    pub fn bound(&mut self, field: &dyn FlankDisplacement, at: StateView<'_>) -> f64 {
         *self.bound.get_or_insert_with(|| {
             field.bound(at) + (field.largest_hub_compliance() * self.load).abs()
         })
     }
 
-    /// Slots of consecutive nodes that were not met before; the first of them.
-    pub fn meet_new(&mut self, field: &dyn FlankDisplacement, at: At<'_>, nodes: &[u32]) -> u32 {
+    /// Registers consecutive nodes that are not registered yet, and returns the slot of the first.
+    pub fn meet_new(
+        &mut self,
+        field: &dyn FlankDisplacement,
+        at: StateView<'_>,
+        nodes: &[u32],
+    ) -> u32 {
         let first = self.nodes.len();
         let all = first + nodes.len();
         self.nodes.extend_from_slice(nodes);
@@ -94,7 +99,7 @@ impl GearNodes {
         }
         self.residual.resize(all, 0.0);
         self.force.resize(all, 0.0);
-        self.rub.resize(all, 0.0);
+        self.friction_force.resize(all, 0.0);
         self.index.resize(all, UNUSED);
         if let Some(&most) = nodes.iter().max()
             && most as usize >= self.last.len()
@@ -106,11 +111,11 @@ impl GearNodes {
         first as u32
     }
 
-    /// Slots of nodes; their displacements are found when they are met for the first time.
+    /// Registers nodes and returns their slots; displacements are computed when a node is registered first.
     pub fn meet<const N: usize>(
         &mut self,
         field: &dyn FlankDisplacement,
-        at: At<'_>,
+        at: StateView<'_>,
         nodes: &[u32; N],
     ) -> [u32; N] {
         // Those that are new are met together.
@@ -135,7 +140,7 @@ impl GearNodes {
         slots
     }
 
-    /// Values at slots; zeros for those of a gear without a field.
+    /// Returns the values at slots, or zeros for a gear without a field.
     #[inline]
     pub fn at(values: &[f64], slots: &[u32; 4]) -> [f64; 4] {
         if slots[0] == UNUSED {
@@ -144,7 +149,7 @@ impl GearNodes {
         slots.map(|s| values[s as usize])
     }
 
-    /// Total displacement at slots [m].
+    /// Returns the total displacement at slots [m].
     #[inline]
     pub fn total(&self, slots: &[u32; 4]) -> [f64; 4] {
         let (a, u) = (
@@ -154,13 +159,13 @@ impl GearNodes {
         [a[0] + u[0], a[1] + u[1], a[2] + u[2], a[3] + u[3]]
     }
 
-    /// Whether the node at a slot carried a force in the last evaluation that met it.
+    /// Returns true if the node at a slot was loaded in the last evaluation in which it was registered.
     #[inline]
     pub fn was_pressed(&self, slot: u32) -> bool {
         self.pressed[self.nodes[slot as usize] as usize] > 0.0
     }
 
-    /// Residual displacement of the node at a slot if it goes on as in the last two evaluations [m].
+    /// Extrapolates the residual displacement of the node at a slot from the last two evaluations [m].
     #[inline]
     pub fn expected(&self, slot: u32) -> f64 {
         let node = self.nodes[slot as usize] as usize;
@@ -170,7 +175,7 @@ impl GearNodes {
     }
 }
 
-/// `w . a`.
+/// Returns the weighted sum `w . a`.
 #[inline]
 pub fn weighted(w: &[f64; 4], a: &[f64; 4]) -> f64 {
     w[0] * a[0] + w[1] * a[1] + w[2] * a[2] + w[3] * a[3]

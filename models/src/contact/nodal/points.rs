@@ -1,58 +1,58 @@
-//! What a search hands over: points with the nodes that they lie on.
+//! Result of a search for nodal contact: points with the nodes of their faces.
 
 use super::nodes::{GearNodes, weighted};
 use crate::Vec3;
-use crate::contact::party::Party;
+use crate::contact::gear_state::GearState;
 use crate::gear::FlankDisplacement;
 use crate::geometry::Side;
 use crate::kinematics::{Point, Tooth};
 
 /// A gear of a mesh in the search for nodal points.
-pub struct NodalParty<'a> {
+pub struct NodalGearState<'a> {
     /// The gear and its state.
-    pub party: Party<'a>,
-    /// Its field, where it has one.
+    pub gear_state: GearState<'a>,
+    /// Flank displacement field, for a gear that has one.
     pub field: Option<&'a dyn FlankDisplacement>,
-    /// Its active nodes; empty without a field.
+    /// Active nodes of the gear; empty without a field.
     pub nodes: &'a mut GearNodes,
 }
 
-impl NodalParty<'_> {
-    /// A bound of the displacements of its flank nodes before residual compliance [m].
+impl NodalGearState<'_> {
+    /// Returns a bound of the displacements of the flank nodes before residual compliance [m].
     #[inline]
     pub fn bound(&mut self) -> f64 {
         self.field
-            .map_or(0.0, |field| self.nodes.bound(field, self.party.at))
+            .map_or(0.0, |field| self.nodes.bound(field, self.gear_state.at))
     }
 }
 
-/// Which points are wanted beyond those that touch without residual compliance: between loaded nodes the residual
-/// displacement may rise outwards.
+/// Bound of the gaps of points that a search returns. Between loaded nodes the residual displacement may bulge
+/// outwards, so that points with positive gaps before residual compliance may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GapBound {
     /// Deepest overlap found so far [m].
     pub depth: f64,
-    /// Gap [m] up to which points are wanted whatever the overlap.
+    /// Gap [m] up to which points are returned whatever the overlap.
     pub least: f64,
 }
 
 impl GapBound {
-    /// Part of the deepest overlap.
+    /// Fraction of the deepest overlap up to which positive gaps are returned.
     const BESIDE: f64 = 0.125;
 
-    /// Largest gap before residual compliance that is wanted [m].
+    /// Returns the largest gap before residual compliance of the returned points [m].
     #[inline]
     pub fn gap(&self) -> f64 {
         self.least.max(Self::BESIDE * self.depth)
     }
 
-    /// [`Self::gap`] after a search that finds overlaps up to a depth [m].
+    /// Returns [`Self::gap`] after a search with overlaps up to a depth [m].
     #[inline]
     pub fn gap_after(&self, depth: f64) -> f64 {
         self.least.max(Self::BESIDE * self.depth.max(depth))
     }
 
-    /// Whether a point of that gap is wanted; it may deepen the overlap.
+    /// Returns true if a point of that gap is needed, and updates the deepest overlap.
     #[inline]
     pub fn takes(&mut self, gap0: f64) -> bool {
         self.depth = self.depth.max(-gap0);
@@ -60,19 +60,19 @@ impl GapBound {
     }
 }
 
-/// Points of a scene's meshes.
+/// Nodal contact points of the meshes of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct NodalPoints {
-    /// The points.
+    /// Contact points of all meshes.
     pub points: Vec<NodalPoint>,
-    /// Points on partners that neither have a field nor move as one with their hub.
+    /// Points on partners that have no field and do not move rigidly with their hub.
     pub partners: Vec<Point>,
-    /// What contacts along lines of flanks have of their own.
+    /// Additional terms of contacts along lines of flanks.
     pub lines: Vec<LineTerms>,
 }
 
 impl NodalPoints {
-    /// Forgets all.
+    /// Removes all points.
     pub fn clear(&mut self) {
         self.points.clear();
         self.partners.clear();
@@ -80,72 +80,72 @@ impl NodalPoints {
     }
 }
 
-/// How a contact along a line of both flanks answers to the displacements of the gears of its mesh.
+/// Derivatives of a contact along a line of both flanks by the displacements of the gears of its mesh.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LineTerms {
-    /// Slope of the gap of undeformed flanks by the displacement of either gear.
+    /// Slope of the gap of undeformed flanks by the displacement of each gear.
     pub effective_radii: [f64; 2],
-    /// Slopes of the weights of the nodes of either gear by its displacement.
+    /// Slopes of the weights of the nodes of each gear by its displacement.
     pub slopes: [[f64; 4]; 2],
-    /// Slopes of the logarithm of the law's force.
+    /// Slopes of the logarithm of the force of the law.
     pub ln_force: [f64; 2],
-    /// Lines of a gear that [says where its nodes are](crate::gear::DeformedLines) in the place of slots; their weights
-    /// are those of the point, and what follows them with the hub is in the effective radius.
+    /// Lines of a gear with [deformed lines](crate::gear::DeformedLines) in place of slots. Their weights are those of
+    /// the point; their dependence on the hub is part of the effective radius.
     pub deformed: [Option<[u32; 4]>; 2],
-    /// By how much its slope is larger where these nodes turn with their gear: the moment about the hub goes by that, whatever
-    /// the hub itself feels.
+    /// Increase of the slope for nodes that rotate with their gear: it determines the moment about the hub, whatever
+    /// the force on the hub coordinate.
     pub with_nodes: [f64; 2],
     /// Relative radius of curvature [m].
     pub radius: f64,
 }
 
 impl LineTerms {
-    /// Slope of the gap by the displacement of gear `k`, its nodes displaced outwards by `a`.
+    /// Returns the slope of the gap by the displacement of gear `k`, with outward node displacements `a`.
     #[inline]
     pub fn effective_radius(&self, k: usize, a: &[f64; 4]) -> f64 {
         self.effective_radii[k] - weighted(&self.slopes[k], a)
     }
 }
 
-/// A point of one flank held against the other, with the nodes that both lie on.
+/// Contact point of one flank on the other, with the nodes of both faces.
 #[derive(Clone, Copy, Debug)]
 pub struct NodalPoint {
-    /// Mesh of the scene.
+    /// Index of the mesh in the scene.
     pub mesh: u32,
-    /// A mark of its flank side, as [`Candidate::slot`](crate::contact::Candidate).
+    /// Mark of the flank side, as in [`Candidate::slot`](crate::contact::Candidate).
     pub slot: u8,
-    /// Which gear of the mesh the point belongs to; the other is the master.
+    /// Index of the gear of the mesh with the point (slave); the other is the master.
     pub slave: u8,
-    /// Its place among [`NodalPoints::partners`], if it has one.
+    /// Index in [`NodalPoints::partners`], if any.
     pub partner: Option<u32>,
-    /// Its place among [`NodalPoints::lines`], if it is a line.
+    /// Index in [`NodalPoints::lines`], if it is a line.
     pub line: Option<u32>,
     /// Teeth of the first and second gear of the mesh.
     pub teeth: [Tooth; 2],
-    /// Position [m], undeformed where its gear has a field.
+    /// Position [m], undeformed if its gear has a field.
     pub x: Vec3,
-    /// Normal of the rigid master, out of its tooth: of unit length, or of the factor of a point that leaves.
+    /// Normal of the rigid master, out of its tooth: of unit length, or of the length of the taper factor.
     pub normal: Vec3,
-    /// How the place on the master's face answers to the point's motion [1/m].
+    /// Derivative of the position on the face of the master by the displacement of the point [1/m].
     pub sensitivity: [Vec3; 2],
-    /// Place on the master's face, 0 to 1.
+    /// Position on the face of the master, 0 to 1 in both directions.
     pub place: [f64; 2],
-    /// Corners of the faces among the [`GearNodes`] of both gears; [`UNUSED`](super::UNUSED) without a field.
+    /// Corners of the faces as indices in the [`GearNodes`] of both gears; [`UNUSED`](super::UNUSED) without a field.
     pub slots: [[u32; 4]; 2],
-    /// Their weights.
+    /// Weights of the corners.
     pub weights: [[f64; 4]; 2],
-    /// Gap before residual compliance [m], times the factor of a point that leaves over the tip.
+    /// Gap before residual compliance [m], times the taper factor of a point that leaves contact over the tip.
     pub gap0: f64,
     /// Stiffness of the law, [N/m] for a linear law.
     pub stiffness: f64,
-    /// What the law's damper per area is multiplied by [m^2].
+    /// Factor of the damper per area of the law [m^2].
     pub share: f64,
-    /// `grad m / m` of the factor of a point that leaves over the tip, by its position; else zero [1/m].
-    pub fading: Vec3,
+    /// Relative gradient `grad m / m` of the taper factor by the position of the point [1/m]; zero without taper.
+    pub taper_gradient: Vec3,
 }
 
 impl NodalPoint {
-    /// Side of the flanks.
+    /// Returns the flank side.
     #[inline]
     pub fn side(&self) -> Side {
         if self.slot == 0 {
@@ -155,14 +155,15 @@ impl NodalPoint {
         }
     }
 
-    /// Index of the slave in the mesh, then of the master.
+    /// Returns the index of the slave in the mesh, then that of the master.
     #[inline]
     pub fn sides(&self) -> [usize; 2] {
         let slave = usize::from(self.slave);
         [slave, 1 - slave]
     }
 
-    /// Slope of the master's outward displacements `a` at the corners of the face, by the place on it [m].
+    /// Returns the slopes of the master's outward displacements `a` at the corners of the face by the position on it
+    /// [m].
     #[inline]
     pub fn slope(&self, a: [f64; 4]) -> [f64; 2] {
         let [s, t] = self.place;
@@ -172,16 +173,17 @@ impl NodalPoint {
         ]
     }
 
-    /// Direction `d` of the force on the slave, for displacements `a` of the master's corners and a gap [m].
+    /// Returns the direction `d` of the force on the slave, for displacements `a` of the master's corners and a gap
+    /// [m].
     #[inline]
     pub fn direction(&self, a: [f64; 4], gap: f64) -> Vec3 {
         let [s, t] = self.slope(a);
-        self.normal - s * self.sensitivity[0] - t * self.sensitivity[1] + gap * self.fading
+        self.normal - s * self.sensitivity[0] - t * self.sensitivity[1] + gap * self.taper_gradient
     }
 
-    /// Multiplies the gap and all that it is made of with a factor `m`, whose gradient by the position is given: `m g`
-    /// takes the place of `g`, and `d = m (n - w_a e_a - w_b e_b) + g grad m`.
-    pub fn fade(&mut self, factor: f64, gradient: Vec3) {
+    /// Multiplies the gap and its derivatives by a taper factor `m` with the given gradient by the position: `m g`
+    /// replaces `g`, and `d = m (n - w_a e_a - w_b e_b) + g grad m`.
+    pub fn taper(&mut self, factor: f64, gradient: Vec3) {
         self.gap0 *= factor;
         self.normal *= factor;
         for x in self.weights.as_flattened_mut() {
@@ -190,6 +192,6 @@ impl NodalPoint {
         for e in &mut self.sensitivity {
             *e *= factor;
         }
-        self.fading = gradient / factor;
+        self.taper_gradient = gradient / factor;
     }
 }

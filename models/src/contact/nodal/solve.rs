@@ -1,4 +1,4 @@
-//! Contact with residual compliance, solved for on the nodes.
+//! Node-based solve of contact with residual compliance.
 //!
 //! The potential `u^T R^-1 u / 2 + sum_p phi(g_p)`, `g_p = g0_p - w_p . u`, is strictly convex. For a linear law and a
 //! set of closed points its minimum is that of one small linear system,
@@ -9,7 +9,7 @@
 //!
 //! and the closed points are found by iteration: a point is closed where its gap is negative. The inverse of `R` is
 //! kept while the nodes stay the same. Points of any other law that are fewer than nodes are solved for
-//! [by their gaps](FewPoints). Where `R` is all but singular, `R = C C^T`, `u = C y` and
+//! [by their gaps](PointBasedSolve). Where `R` is all but singular, `R = C C^T`, `u = C y` and
 //! `(I + C^T S C) y = -C^T f0` take its place. Other laws take Newton's method on `y` with a line search on the norm of
 //! the gradient `y + C^T F`.
 //!
@@ -20,49 +20,49 @@
 //! decide on that set the search for it begins afresh.
 
 use super::compliance::{Block, Compliance};
-use super::few::FewPoints;
-use super::spring::{Gathered, Spring, add_points, deepest, elastic_at};
-use crate::cholesky::{Banded, backward, cholesky, dot, forward, padded};
+use super::point_based::PointBasedSolve;
+use super::spring::{CachedDisplacements, Spring, add_points, deepest, elastic_at};
+use crate::cholesky::{BandedMatrix, backward, cholesky, dot, forward, padded};
 use gearbench_integrators::system::Singular;
 
-/// Changes of the set of closed points after which Newton's method with a line search takes over.
+/// Number of changes of the set of closed points after which Newton's method with a line search is used.
 const MOST_CHANGES: usize = 30;
 
-/// Newton iterations before the solve is given up.
+/// Largest number of Newton iterations.
 const MOST_ITERATIONS: usize = 100;
 
-/// Relative gap below which rounding could have decided whether a point is closed.
+/// Relative gap below which rounding may have decided whether a point is closed.
 const DOUBT: f64 = 1e-12;
 
-/// The solve and its buffers.
+/// Solve for gaps, elastic forces and residual displacements, with its buffers.
 #[derive(Clone, Debug, Default)]
 pub struct NodalSolve {
     compliance: Compliance,
-    /// `S`, then `S C`; full rows.
+    /// Matrix `S`, then `S C`; full rows.
     stiffness: Vec<f64>,
-    /// `I + C^T S C` and its factor.
+    /// Matrix `I + C^T S C` and its factor.
     small: Vec<f64>,
-    /// `R^-1 + S` and its factor.
-    regular: Banded,
+    /// Matrix `R^-1 + S` and its factor.
+    regular: BandedMatrix,
     closed: Vec<bool>,
     y: Vec<f64>,
     trial: Vec<f64>,
     nodal: Vec<f64>,
     /// Residual displacements [m].
     u: Vec<f64>,
-    few: FewPoints,
-    /// The last solve was that of a few points.
+    point_based: PointBasedSolve,
+    /// True if the last solve was point-based.
     by_points: bool,
 }
 
 impl NodalSolve {
-    /// The compliance changes: what [`Self::set_nodes`] keeps is of no use any more.
+    /// Invalidates the data stored by [`Self::set_nodes`] after a change of the compliance.
     pub fn forget(&mut self) {
         self.compliance.forget();
     }
 
-    /// Takes the nodes: their `numbers`, by which they are known again, block by block. `fill` writes `R` of a block whose nodes
-    /// are not those that it had, row-major.
+    /// Sets the nodes by their `numbers`, block by block. `fill` writes `R` of a block, row-major, if its nodes differ
+    /// from the previous ones.
     pub fn set_nodes(
         &mut self,
         blocks: &[Block],
@@ -72,8 +72,8 @@ impl NodalSolve {
         self.compliance.set(blocks, numbers, fill);
     }
 
-    /// Solves for gaps and elastic forces of the points and for the residual displacements, returned by node. `guess`
-    /// are displacements near those sought, or zeros.
+    /// Solves for gaps and elastic forces of the points and returns the residual displacements by node. `guess` has
+    /// approximate displacements, or zeros.
     ///
     /// # Errors
     /// [`Singular`] where numbers are not finite or Newton's method stalls.
@@ -89,29 +89,30 @@ impl NodalSolve {
         Ok(&self.u)
     }
 
-    /// Residual displacements under the elastic forces of the last solve, by node.
+    /// Returns the residual displacements under the elastic forces of the last solve, by node.
     pub fn displacements(&self) -> &[f64] {
         &self.u
     }
 
-    /// `R` of the nodes, block by block.
+    /// Returns `R` of the nodes, block by block.
     pub fn compliance(&self) -> &[f64] {
         &self.compliance.matrix
     }
 
-    /// Number of nodes.
+    /// Returns the number of nodes.
     pub fn nodes(&self) -> usize {
         self.compliance.n
     }
 
-    /// The solve by points, where the last one was.
-    pub fn few(&mut self) -> Option<&mut FewPoints> {
-        self.by_points.then_some(&mut self.few)
+    /// Returns the point-based solve, if the last solve was one.
+    pub fn point_based(&mut self) -> Option<&mut PointBasedSolve> {
+        self.by_points.then_some(&mut self.point_based)
     }
 
-    /// Residual displacements under the forces that points have now, after a solve [by points](Self::few).
+    /// Computes the residual displacements under the present forces of the points, after a [point-based](Self::point_based)
+    /// solve.
     pub fn displaced(&self, springs: &[Spring], u: &mut Vec<f64>) {
-        self.few.displace(springs, self.compliance.n, u);
+        self.point_based.displace(springs, self.compliance.n, u);
     }
 
     fn find(&mut self, springs: &mut [Spring]) -> Result<(), Singular> {
@@ -119,16 +120,19 @@ impl NodalSolve {
         self.by_points = false;
         if !linear && springs.len() < self.compliance.n {
             let compliance = (&*self.compliance.blocks, &*self.compliance.matrix);
-            self.by_points = self.few.press(springs, compliance, self.compliance.n)?;
+            self.by_points = self
+                .point_based
+                .press(springs, compliance, self.compliance.n)?;
             if self.by_points {
-                self.few.displace(springs, self.compliance.n, &mut self.u);
+                self.point_based
+                    .displace(springs, self.compliance.n, &mut self.u);
                 return Ok(());
             }
         }
         if linear {
             for attempt in 0..2 {
                 self.closed.clear();
-                let mut here = Gathered::default();
+                let mut here = CachedDisplacements::default();
                 for s in springs.iter() {
                     let gap = s.gap0 - here.along(s, &self.u);
                     self.closed.push(gap < 0.0);
@@ -145,7 +149,7 @@ impl NodalSolve {
         self.newton(springs)
     }
 
-    /// Iterates on the set of closed points of a linear law; false where it does not settle.
+    /// Iterates on the set of closed points of a linear law; returns false where it does not converge.
     fn closed_points(&mut self, springs: &mut [Spring]) -> Result<bool, Singular> {
         for _ in 0..MOST_CHANGES {
             let closed = std::mem::take(&mut self.closed);
@@ -158,7 +162,7 @@ impl NodalSolve {
             };
             self.closed = closed;
             solved?;
-            let mut here = Gathered::default();
+            let mut here = CachedDisplacements::default();
             let mut settled = true;
             for (s, closed) in springs.iter_mut().zip(&mut self.closed) {
                 s.gap = s.gap0 - here.along(s, &self.u);
@@ -176,7 +180,7 @@ impl NodalSolve {
         Ok(false)
     }
 
-    /// Displacements of closed points by the inverse of the compliance.
+    /// Solves for the displacements of closed points with the inverse of the compliance.
     fn solve_regular<'a>(
         &mut self,
         points: impl Iterator<Item = (&'a Spring, f64, f64)> + Clone,
@@ -209,7 +213,7 @@ impl NodalSolve {
         Ok(())
     }
 
-    /// The same by its root.
+    /// Solves for the displacements of closed points with the root of the compliance, where it is nearly singular.
     fn solve_rooted<'a>(
         &mut self,
         points: impl Iterator<Item = (&'a Spring, f64, f64)>,
@@ -229,7 +233,7 @@ impl NodalSolve {
         Ok(())
     }
 
-    /// Newton's method from `y = 0`.
+    /// Runs Newton's method from `y = 0`.
     fn newton(&mut self, springs: &mut [Spring]) -> Result<(), Singular> {
         self.compliance.take_root();
         self.y.clear();
@@ -276,7 +280,7 @@ impl NodalSolve {
         Err(Singular)
     }
 
-    /// Gaps, forces and, in `trial`, the gradient at `y`; returns its norm.
+    /// Computes gaps, forces and, in `trial`, the gradient at `y`; returns its norm.
     fn gradient(&mut self, springs: &mut [Spring]) -> f64 {
         self.compliance.displace(&self.y, &mut self.u);
         self.nodal.clear();
@@ -295,7 +299,7 @@ impl NodalSolve {
         dot(&self.trial, &self.trial).sqrt()
     }
 
-    /// `I + C^T S C` and its factor at the forces of the points.
+    /// Assembles and factorises `I + C^T S C` at the forces of the points.
     ///
     /// # Errors
     /// [`Singular`] where numbers are not finite.
@@ -306,7 +310,8 @@ impl NodalSolve {
         self.factorise()
     }
 
-    /// The same at the stiffness by which points [hold](Spring::holding) their nodes.
+    /// Assembles and factorises `I + C^T S C` with the stiffness of each point that [supports](Spring::holding) its
+    /// nodes.
     ///
     /// # Errors
     /// [`Singular`] where numbers are not finite.
@@ -318,7 +323,7 @@ impl NodalSolve {
         self.factorise()
     }
 
-    /// Takes from the rates of gaps what the nodes follow, at the last factor, which is that of
+    /// Subtracts the quasi-static motion of the nodes from the rates of gaps, with the factor of
     /// [`Self::linearise_holding`].
     pub fn follow(&mut self, springs: &[Spring], rates: &mut [f64], nodes: &mut Vec<f64>) {
         nodes.clear();
@@ -333,7 +338,8 @@ impl NodalSolve {
         }
     }
 
-    /// `x <- (I + R S)^-1 R x` with the last factor: how nodes give way, inwards, when forces on them grow by `x`.
+    /// Applies the compliance in contact with the last factor, `x <- (I + R S)^-1 R x`: the inward displacement of the
+    /// nodes under additional forces `x`.
     pub fn apply_compliance(&mut self, x: &mut [f64]) {
         self.nodal.clear();
         self.nodal.extend_from_slice(x);
@@ -346,7 +352,7 @@ impl NodalSolve {
         x.copy_from_slice(&self.trial);
     }
 
-    /// `S` and, in `nodal`, `f0`, from points with stiffness and force without displacement.
+    /// Assembles `S` and, in `nodal`, `f0`, from points with stiffness and force at zero displacement.
     fn assemble<'a>(&mut self, points: impl Iterator<Item = (&'a Spring, f64, f64)>) {
         let n = self.compliance.n;
         self.stiffness.clear();
@@ -361,14 +367,14 @@ impl NodalSolve {
         );
     }
 
-    /// `small = I + C^T S C`, factorised.
+    /// Assembles and factorises `small = I + C^T S C`.
     fn factorise(&mut self) -> Result<(), Singular> {
         (self.compliance).congruence(&mut self.stiffness, &mut self.small);
         cholesky(&mut self.small, self.compliance.n)
     }
 }
 
-/// Whether a point is so near to opening or closing that rounding may have decided.
+/// Returns true if a point is so close to opening or closing that rounding may have decided.
 fn is_doubtful(springs: &[Spring]) -> bool {
     let depth = springs.iter().fold(0.0_f64, |d, s| d.max(-s.gap0));
     springs.iter().any(|s| s.gap.abs() < DOUBT * depth)

@@ -1,43 +1,43 @@
-//! Points of a nodal solve, and what they add to its equations.
+//! Points of a nodal solve, and their contributions to its equations.
 
 use crate::law::{Friction, FrictionForce, Law, LawForce};
 
-/// Mark of what a gear without a field does not have.
+/// Index of missing nodes, for a gear without a field.
 pub const UNUSED: u32 = u32::MAX;
 
-/// A point of the solve.
+/// A contact point of the solve: nodes, weights, law and results.
 #[derive(Clone, Copy, Debug)]
 pub struct Spring {
-    /// Solved nodes; those it does not lie on have no weight.
+    /// Indices of the solved nodes; unused entries have no weight.
     pub nodes: [u32; 8],
-    /// Their weights.
+    /// Weights of the nodes.
     pub weights: [f64; 8],
     /// Gap before residual compliance [m].
     pub gap0: f64,
-    /// Its rate without contact [m/s].
+    /// Rate of the gap without contact [m/s].
     pub rate: f64,
-    /// Sliding speed of the slave over the master without contact [m/s].
+    /// Sliding speed of the slave relative to the master without contact [m/s].
     pub slip: f64,
-    /// Its friction, if it has some.
+    /// Friction of the point, if any.
     pub friction: Option<Friction>,
-    /// Stiffness of the law.
+    /// Stiffness of the contact law.
     pub stiffness: f64,
-    /// Its law, with the damper of the point.
+    /// Contact law with the damper of the point.
     pub law: Law,
     /// Result: gap with residual compliance [m].
     pub gap: f64,
-    /// Result: normal force and derivatives; zero where it is open.
+    /// Result: normal force and derivatives; zero for an open point.
     pub force: LawForce,
     /// Result: friction on the slave, along the profile.
-    pub rub: FrictionForce,
+    pub friction_force: FrictionForce,
     /// Result: gap [m] and normal force [N] of the elastic law alone.
     pub elastic: (f64, f64),
-    /// Result: its stiffness there [N/m].
+    /// Result: stiffness of the elastic law at that gap [N/m].
     pub elastic_stiffness: f64,
 }
 
 impl Spring {
-    /// A point on nodes with weights, a gap and a rate without contact, a stiffness and a law; nothing of it is solved yet.
+    /// Creates a point from nodes with weights, gap and rate without contact, stiffness and law, before any solve.
     pub fn new(
         (nodes, weights): ([u32; 8], [f64; 8]),
         (gap0, rate): (f64, f64),
@@ -55,20 +55,20 @@ impl Spring {
             law,
             gap: gap0,
             force: LawForce::default(),
-            rub: FrictionForce::default(),
+            friction_force: FrictionForce::default(),
             elastic: (gap0, 0.0),
             elastic_stiffness: 0.0,
         }
     }
 
-    /// Its first and last node that weigh anything.
+    /// Returns the first and last node with a weight.
     pub(super) fn span(&self) -> Option<(usize, usize)> {
         let all = self.nodes.iter().zip(self.weights);
         let own = all.filter(|(_, w)| *w != 0.0).map(|(n, _)| *n as usize);
         Some((own.clone().min()?, own.max()?))
     }
 
-    /// `w . u`.
+    /// Returns the weighted displacement `w . u`.
     #[inline]
     pub fn along(&self, u: &[f64]) -> f64 {
         let mut sum = 0.0;
@@ -78,8 +78,8 @@ impl Spring {
         sum
     }
 
-    /// Stiffness by which the point holds its nodes as its gap moves [N/m]; grows from zero with the overlap, so that
-    /// what follows from it has no jump where points close.
+    /// Returns the stiffness with which the point supports its nodes [N/m]. It grows from zero with the overlap, so
+    /// that rates have no jump where points close.
     #[inline]
     pub fn holding(&self, deepest: f64) -> f64 {
         let gap = self.elastic.0;
@@ -89,7 +89,7 @@ impl Spring {
         self.elastic_stiffness * (-gap / (HOLDS * deepest)).min(1.0)
     }
 
-    /// `f += x w`.
+    /// Adds the multiple `x w` to `f`.
     #[inline]
     pub fn add(&self, x: f64, f: &mut [f64]) {
         for (&i, w) in self.nodes.iter().zip(&self.weights) {
@@ -98,24 +98,25 @@ impl Spring {
     }
 }
 
-/// Part of the deepest elastic overlap from which on a point holds its nodes with all its stiffness, when rates are told.
+/// Fraction of the deepest elastic overlap above which a point supports its nodes with its full stiffness in the
+/// computation of rates.
 const HOLDS: f64 = 0.1;
 
-/// Deepest overlap of points under their elastic forces [m].
+/// Returns the deepest overlap of points under their elastic forces [m].
 pub fn deepest(springs: &[Spring]) -> f64 {
     springs.iter().fold(0.0, |d, s| d.max(-s.elastic.0))
 }
 
-/// Displacements at the nodes of a point, kept for its neighbours on the same faces.
+/// Displacements at the nodes of a point, cached for its neighbours on the same faces.
 #[derive(Default)]
-pub(super) struct Gathered {
+pub(super) struct CachedDisplacements {
     nodes: [u32; 8],
     u: [f64; 8],
     filled: bool,
 }
 
-impl Gathered {
-    /// `w . u` of a point.
+impl CachedDisplacements {
+    /// Returns the weighted displacement `w . u` of a point.
     #[inline]
     pub(super) fn along(&mut self, s: &Spring, u: &[f64]) -> f64 {
         if !self.filled || self.nodes != s.nodes {
@@ -131,8 +132,8 @@ impl Gathered {
     }
 }
 
-/// Adds stiffness `k w w^T` and force `f w` of points to a matrix and a vector, face by face; `place` says where an entry of
-/// the matrix stands, if anywhere.
+/// Adds stiffness `k w w^T` and force `f w` of points to a matrix and a vector, face by face; `place` returns the
+/// storage position of an entry of the matrix, if it has one.
 #[inline]
 pub(super) fn add_points<'a>(
     points: impl Iterator<Item = (&'a Spring, f64, f64)>,
@@ -177,7 +178,7 @@ pub(super) fn add_points<'a>(
     }
 }
 
-/// Force of the elastic law of a point at a gap; zero where it is open.
+/// Returns the force of the elastic law of a point at a gap; zero for an open point.
 #[inline]
 pub(super) fn elastic_at(s: &Spring, gap: f64) -> LawForce {
     if gap >= 0.0 {

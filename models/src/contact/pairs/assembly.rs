@@ -1,4 +1,5 @@
-//! Lines of action of a mesh from its geometry: normals, tangent points, path coordinates, partners.
+//! Construction of the lines of action of a mesh from its geometry: normals, tangent points, path coordinates,
+//! partners.
 
 use super::lines::{Line, LinesOfAction, MeshGeometry, PathMap, Slice, side_index};
 use super::separation::Separation;
@@ -9,7 +10,8 @@ use crate::kinematics::MeshView;
 use crate::law::Law;
 use crate::stiffness::{PairOrMesh, StiffnessCurve};
 
-/// By how many teeth both gears go on from a left pair to the next, whose path coordinate is larger on the first gear.
+/// Returns the step of the tooth numbers of both gears from a left pair to the next, in the direction of increasing
+/// path coordinate of the first gear.
 fn counting(views: &[MeshView; 2]) -> [i64; 2] {
     let up = |view: &MeshView| view.path_per_displacement() > 0.0;
     let one = if up(&views[0]) { 1 } else { -1 };
@@ -113,7 +115,7 @@ impl LinesOfAction {
         loa
     }
 
-    /// The same for flanks in space.
+    /// Builds the lines for flanks in space.
     #[must_use]
     pub fn in_space(mut self, spatial: Spatial) -> Self {
         self.spatial = Some(Box::new(spatial));
@@ -123,12 +125,13 @@ impl LinesOfAction {
         self
     }
 
-    /// Whether contact rows turn with the hubs: flanks are looked at in space, or hubs move sideways.
+    /// Returns true if contact rows rotate with the hubs: axes are not parallel, or hubs move out of the plane.
     pub fn is_spatial(&self) -> bool {
         self.planar || self.spatial.is_some()
     }
 
-    /// The clearances of the mesh, one per line; none that are linear in the displacements of hubs that move sideways.
+    /// Returns the clearances of the mesh, one per line; empty for hubs that move out of the plane, whose clearances
+    /// are not linear.
     pub fn clearances(&self) -> Vec<LineClearance> {
         if self.is_spatial() {
             return Vec::new();
@@ -148,8 +151,8 @@ impl LinesOfAction {
         self.lines.iter().map(of).collect()
     }
 
-    /// Whether all pairs stand on one spring of constant stiffness and have one gap: the pair nearest to the middle of
-    /// the path touches within it, on plain involutes.
+    /// Returns true if all pairs share one spring of constant stiffness and have one gap: the pair nearest to the
+    /// middle of the path touches within it, on plain involutes.
     pub(crate) fn is_one_constant_spring(&self) -> bool {
         let middle = 0.5 * (self.zone[0] + self.zone[1]);
         let beside = 0.5 * self.mesh.base_pitch;
@@ -161,7 +164,7 @@ impl LinesOfAction {
             && self.lines.iter().all(|line| line.plain && inside(line))
     }
 
-    /// The gap of plain flanks of a side, all slices alike.
+    /// Returns the gap of plain flanks of a side, which is equal for all slices.
     pub(crate) fn clearance_of(&self, side: Side) -> Option<LineClearance> {
         let line = self.lines.iter().find(|line| line.side == side)?;
         Some(self.plain_clearance(line))
@@ -174,7 +177,7 @@ impl LinesOfAction {
         }
     }
 
-    /// Gap of pair 0 of a flank at the assembled position [m], without modifications.
+    /// Returns the gap of pair 0 of a flank at the assembled position [m], without modifications.
     pub fn assembled_gap(&self, side: Side) -> f64 {
         let j = self.partner[side_index(side)];
         let a = self.mesh.views[0].path_coordinate(side, self.mesh.views[0].assembled);

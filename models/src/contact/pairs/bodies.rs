@@ -1,7 +1,7 @@
-//! Forces and event functions of tooth pairs of two rigid bodies that move in space.
+//! Forces and event functions of tooth pairs between two rigid bodies that move in space.
 //!
-//! A contact presses on both bodies along one line: the forces of all pairs on gear b are one wrench, those on gear a its
-//! opposite, and gap rates are those of two points that move with the twist of gear b over gear a,
+//! A contact acts on both bodies along one line: the forces of all pairs on gear b are one wrench, those on gear a its
+//! opposite, and gap rates are those of two points that move with the twist of gear b relative to gear a,
 //!
 //! ```text
 //! F = sum N n,    M = sum (x - o) x N n,    dg/dt = n . (v + w x (x - o))
@@ -11,26 +11,26 @@
 //! same forces of the same pairs with all that pictures, tangents and friction need.
 
 use super::lines::{Line, LinesOfAction, MeshedGears, PairState, ZONE_EVENTS, all_open};
-use super::spatial::Touch;
+use super::spatial::NearestPoints;
 use crate::Vec3;
-use crate::contact::party::Party;
+use crate::contact::gear_state::GearState;
 use crate::law::{Law, OPEN, touch_speed};
 
-/// Velocity and spin of gear b over gear a.
+/// Velocity and angular velocity of gear b relative to gear a.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Twist {
-    /// Point that the velocity is of [m].
+    /// Reference point of the velocity [m].
     pub(crate) origin: Vec3,
-    /// [m/s]
+    /// Velocity of the reference point [m/s].
     pub(crate) velocity: Vec3,
-    /// [rad/s]
+    /// Angular velocity [rad/s].
     pub(crate) spin: Vec3,
 }
 
-/// A mesh of rigid bodies at a state where events are located.
+/// A mesh of rigid bodies at a state with event location.
 pub(crate) struct MeshedBodies<'a> {
     pub(crate) law: &'a Law,
-    pub(crate) gears: [Party<'a>; 2],
+    pub(crate) gears: [GearState<'a>; 2],
     pub(crate) twist: Twist,
     /// Discrete state of the search.
     pub(crate) discrete: &'a [f64],
@@ -38,18 +38,24 @@ pub(crate) struct MeshedBodies<'a> {
     pub(crate) modes: &'a [f64],
 }
 
-/// A pair whose force is evaluated.
-struct Pressed {
-    touch: Touch,
+/// A tooth pair whose force is evaluated.
+struct LoadedPair {
+    touch: NearestPoints,
     rate: f64,
-    /// Touch speed [m/s].
+    /// Impact speed [m/s] of the damping law.
     speed: f64,
     stiffness: f64,
     stiffness_s: f64,
 }
 
 impl LinesOfAction {
-    fn contact(&self, mesh: &MeshedBodies<'_>, line: &Line, slot: usize, p: &PairState) -> Pressed {
+    fn contact(
+        &self,
+        mesh: &MeshedBodies<'_>,
+        line: &Line,
+        slot: usize,
+        p: &PairState,
+    ) -> LoadedPair {
         let touch = p
             .touch
             .unwrap_or_else(|| unreachable!("flanks in space touch at a point"));
@@ -61,7 +67,7 @@ impl LinesOfAction {
         let rate = (touch.normal).dot(&(velocity + spin.cross(&(touch.x - origin))));
         let (k, k_s) = self.stiffness.eval(self.middle(p.s));
         let weight = self.slices[line.slice].weight;
-        Pressed {
+        LoadedPair {
             touch,
             rate,
             speed: touch_speed(mesh.modes[2 * slot + 1], rate),
@@ -70,7 +76,7 @@ impl LinesOfAction {
         }
     }
 
-    /// Force and moment about the origin of the twist that the closed pairs exert on gear b.
+    /// Returns the force and the moment about the origin of the twist that the closed pairs exert on gear b.
     pub(crate) fn wrench_on_second(&self, mesh: &MeshedBodies<'_>) -> [Vec3; 2] {
         let gears = &MeshedGears::new(&mesh.gears[0], &mesh.gears[1]);
         let (mut force, mut moment) = (Vec3::zeros(), Vec3::zeros());
@@ -106,8 +112,8 @@ impl LinesOfAction {
         [force, moment]
     }
 
-    /// Event functions of the discrete state: of the zone, and of each pair in it by slot, in metres; others stay as they
-    /// are.
+    /// Computes the event functions of the discrete state: of the zone, and of each pair in it by slot, in metres.
+    /// Others are not changed.
     pub(crate) fn watch_bodies(
         &self,
         mesh: &MeshedBodies<'_>,

@@ -1,40 +1,40 @@
-//! Pairs of one line of action that bend the same bodies.
+//! Elastic coupling of pairs on one line of action through the common body.
 //!
-//! A pair's stiffness `k(s)` is that of the pair alone; a force on another pair of the same slice, `r`, opens its gap by
-//! `c_pr N_r`, what tooth roots, rim and disc that both stand on give:
+//! The stiffness `k(s)` of a pair is that of the pair alone; a force on another pair of the same slice, `r`, opens its
+//! gap by `c_pr N_r`, the deflection of tooth roots, rim and disc that both share:
 //!
 //! ```text
 //! g_p = g0_p + sum over r != p of c_pr N_r(g_r),    N = k d^n
 //! V = sum W(g_p) + sum over p < r of c_pr N_p N_r,  F = -dV/dq
 //! ```
 //!
-//! with elastic forces, so that the forces are those of one potential; a damper sees the rate of `g0`. What the
-//! compliance changes by along the path, `N_p N_r c_pr'(s) / 2` for each of both pairs, joins the parametric term.
+//! with elastic forces, so that the forces are those of one potential; a damper receives the rate of `g0`. The change
+//! of the compliance along the path, `N_p N_r c_pr'(s) / 2` for each of both pairs, is added to the parametric term.
 
 use super::lines::LinesOfAction;
 use crate::contact::candidate::Candidate;
 use gearbench_integrators::dense_solve::solve_in_place;
 
-/// Pairs of a line that are solved for together: more are never in contact at once.
+/// Largest number of pairs on a line that are in contact at once.
 pub const MOST_ON_LINE: usize = 6;
 const MOST: usize = MOST_ON_LINE;
 
-/// Corrections of the gaps before a pair's state is held to be settled.
+/// Largest number of Newton corrections of the gaps.
 const MAX_ITERATIONS: usize = 40;
 
 impl LinesOfAction {
-    /// Whether pairs bend one body.
+    /// Returns true if pairs are coupled through a common body.
     pub fn couples(&self) -> bool {
         self.stiffness.coupled_pitches() > 0
     }
 
-    /// Whether two candidates belong to one slice and flank side.
+    /// Returns true if two candidates belong to one slice and flank side.
     pub fn on_one_line(&self, a: &Candidate, b: &Candidate) -> bool {
         a.slot / self.pairs == b.slot / self.pairs
     }
 
-    /// Compliance between two candidates [m/N] and its derivative by the mean of how far both have moved along the
-    /// normal [1/N]; `None` where they share no body.
+    /// Returns the compliance between two candidates [m/N] and its derivative by the mean of both displacements along
+    /// the normal [1/N]; `None` where they have no common body.
     #[inline]
     pub fn compliance(&self, a: &Candidate, b: &Candidate) -> Option<(f64, f64)> {
         if a.slot == b.slot || !self.on_one_line(a, b) {
@@ -44,7 +44,8 @@ impl LinesOfAction {
         self.between(a.slot / self.pairs, teeth, [a.s, b.s])
     }
 
-    /// The same between two pairs of a line, by their teeth of the first gear and their path coordinates.
+    /// Returns the compliance between two pairs of a line, from their teeth of the first gear and their path
+    /// coordinates.
     #[inline]
     pub(super) fn between(&self, l: usize, teeth: [i64; 2], s: [f64; 2]) -> Option<(f64, f64)> {
         let pitches = teeth[0].abs_diff(teeth[1]) as usize;
@@ -56,8 +57,8 @@ impl LinesOfAction {
         Some((c / weight, slope / (weight * self.helix_cos)))
     }
 
-    /// Opens the gaps of candidates by what the forces of their neighbours give. `closed` says of a slot whether it
-    /// follows its smooth branch (`Some(true)`), is open, or is told by its gap (`None`).
+    /// Adds the elastic effect of neighbouring forces to the gaps of candidates. `closed` returns for a slot whether
+    /// it follows its smooth branch (`Some(true)`), is open, or depends on its gap (`None`).
     pub(super) fn couple(&self, found: &mut [Candidate], closed: impl Fn(usize) -> Option<bool>) {
         if !self.couples() {
             return;
@@ -84,7 +85,7 @@ impl LinesOfAction {
         }
     }
 
-    /// Compliances between the pairs of a line; false where there are none.
+    /// Computes the compliances between the pairs of a line; returns false where there are none.
     fn compliances(&self, l: usize, g: &Group, c: &mut [f64; MOST * MOST]) -> bool {
         let n = g.n;
         let mut coupled = false;
@@ -100,21 +101,22 @@ impl LinesOfAction {
         coupled
     }
 
-    /// Opens the gaps of pairs of a line by what the forces of their neighbours give.
+    /// Adds the elastic effect of neighbouring forces to the gaps of pairs of a line.
     pub(super) fn settle(&self, l: usize, g: &mut Group) {
         let mut c = [0.0; MOST * MOST];
         if g.n < 2 || !self.compliances(l, g, &mut c) {
             return;
         }
-        let settled = self.elastic.exponent() == 1.0 && settle_few(g, &c) || self.iterate(g, &c);
+        let settled =
+            self.elastic.exponent() == 1.0 && settle_two_loaded(g, &c) || self.iterate(g, &c);
         if !settled {
             // A stalled solve must not pass for a force.
             g.gap = [f64::NAN; MOST];
         }
     }
 
-    /// Semismooth Newton: `r = g - g0 - C N(g)`, `J = I - C dN/dg`; as many rounds as pairs open or close for a linear
-    /// law. False where it stalls.
+    /// Solves by a semismooth Newton method: `r = g - g0 - C N(g)`, `J = I - C dN/dg`. For a linear law it takes as
+    /// many iterations as pairs open or close. Returns false where it stalls.
     fn iterate(&self, g: &mut Group, c: &[f64; MOST * MOST]) -> bool {
         let n = g.n;
         let gap0 = g.gap;
@@ -166,24 +168,24 @@ impl LinesOfAction {
     }
 }
 
-/// Pairs of a line as their neighbours see them.
+/// Pairs of a line in the coupled solve.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Group {
     pub(super) n: usize,
-    /// Teeth of the first gear.
+    /// Tooth numbers of the first gear.
     tooth: [i64; MOST],
     /// Path coordinates [m].
     s: [f64; MOST],
-    /// [N/m] for a linear law.
+    /// Stiffness of each pair, in [N/m] for a linear law.
     stiffness: [f64; MOST],
-    /// [m]
+    /// Gap of each pair [m].
     pub(super) gap: [f64; MOST],
-    /// Follows its smooth branch, is open, or is told by its gap.
+    /// State of each pair: on its smooth branch, open, or dependent on its gap (`None`).
     closed: [Option<bool>; MOST],
 }
 
 impl Group {
-    /// Adds a pair; there is room for [`MOST_ON_LINE`].
+    /// Adds a pair; there is space for [`MOST_ON_LINE`].
     #[inline]
     pub(super) fn add(
         &mut self,
@@ -205,10 +207,10 @@ impl Group {
     }
 }
 
-/// The gaps of pairs with a linear law of which at most two press, without a matrix: two pairs that press are
-/// `g_1 + c k_2 g_2 = g0_1`, `c k_1 g_1 + g_2 = g0_2`. Round by round until those that press are those that were taken to.
-/// False, and nothing changed, where more press.
-fn settle_few(g: &mut Group, c: &[f64; MOST * MOST]) -> bool {
+/// Solves for the gaps of pairs with a linear law of which at most two are loaded, without a matrix: `g_1 + c k_2 g_2 =
+/// g0_1`, `c k_1 g_1 + g_2 = g0_2`. It iterates until the loaded pairs are those that were assumed. Returns false,
+/// without a change, where more are loaded.
+fn settle_two_loaded(g: &mut Group, c: &[f64; MOST * MOST]) -> bool {
     let n = g.n;
     let gap0 = g.gap;
     let mut gap = gap0;

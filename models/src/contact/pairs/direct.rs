@@ -1,48 +1,48 @@
-//! Forces and event functions of tooth pairs as a handful of scalars, for gears whose teeth move by one coordinate each.
+//! Forces and event functions of tooth pairs as scalars, for gears whose teeth move by one coordinate each.
 //!
-//! On the line of action the effective radius arm of a flank is the same all along: a pair's contact row is one number per
-//! gear, its gap and gap rate follow from the displacements and speeds of two teeth. Which pairs there are, and by which
-//! coordinates their teeth move, is in the discrete state and changes once in a thousand steps: it is kept in a [`Roster`]
-//! until then. Nothing is searched, and neither points nor rows are made. Candidates say the same of the same pairs, with
-//! all that pictures, tangents and friction need.
+//! On the line of action the effective radius arm of a flank is constant: the contact row of a pair is one number per
+//! gear, and its gap and gap rate follow from the displacements and speeds of two teeth. The pairs, and the
+//! coordinates by which their teeth move, follow from the discrete state, which changes once in a thousand steps: they
+//! are stored in a [`PairList`] until then. There is no search, and neither points nor rows are computed. Candidates
+//! give the same forces of the same pairs, with the additional data for figures, tangents and friction.
 
 use super::coupling::{Group, MOST_ON_LINE};
 use super::lines::{Line, LinesOfAction, ZONE_EVENTS, all_open};
 use crate::kinematics::{Hub, Tooth};
 use crate::law::{Law, touch_speed};
 
-/// In place of the number of a coordinate: the motion of the gear is prescribed.
+/// Coordinate index of a gear whose motion is prescribed.
 pub(crate) const PRESCRIBED: usize = usize::MAX;
 
-/// Of both gears. (A `map` over an array of two is a call for each of them.)
+/// Returns values for both gears. (A `map` over an array of two compiles to a call for each of them.)
 #[inline(always)]
 fn both<T>(of: impl Fn(usize) -> T) -> [T; 2] {
     [of(0), of(1)]
 }
 
-/// A pair that is looked at.
+/// A tooth pair in the list of a mesh.
 #[derive(Clone, Copy, Debug)]
-struct Listed {
+struct ListedPair {
     pair: i64,
     slot: usize,
-    /// Of the first gear.
+    /// Tooth number of the first gear.
     tooth: i64,
-    /// The scene's coordinates by which its teeth move, or [`PRESCRIBED`].
+    /// Coordinates of the scene by which its teeth move, or [`PRESCRIBED`].
     coordinates: [usize; 2],
 }
 
-/// The pairs of a mesh that are looked at, and one before and behind those of each line, as a discrete state has them.
+/// List of the pairs of a mesh for a discrete state, with one pair before and behind those of each line.
 #[derive(Debug, Default)]
-pub(crate) struct Roster {
-    /// What it was made from.
+pub(crate) struct PairList {
+    /// Discrete state of the list.
     key: Vec<f64>,
-    listed: Vec<Listed>,
-    /// Ends of the lines in [`Self::listed`].
+    listed: Vec<ListedPair>,
+    /// End of each line in [`Self::listed`].
     ends: Vec<usize>,
 }
 
-impl Roster {
-    /// Whether it is that of a discrete state, given in parts.
+impl PairList {
+    /// Returns true if the list belongs to a discrete state, given in parts.
     #[inline(always)]
     fn is_of(&self, parts: [&[f64]; 3]) -> bool {
         let mut key = self.key.iter();
@@ -57,17 +57,17 @@ impl Roster {
     }
 }
 
-/// A mesh at a state.
+/// A mesh at a state, for scalar forces.
 pub(crate) struct Mesh<'a> {
     pub(crate) law: &'a Law,
-    /// Effective radius arm of both gears on each line ([`LinesOfAction::arms`]).
+    /// Effective radius arms of both gears on each line ([`LinesOfAction::arms`]).
     pub(crate) arms: &'a [[f64; 2]],
-    /// The scene's coordinates and velocities.
+    /// Coordinates and velocities of the scene.
     pub(crate) q: &'a [f64],
     pub(crate) v: &'a [f64],
     /// Displacement and speed of gears whose motion is prescribed.
     pub(crate) prescribed: [[f64; 2]; 2],
-    /// The search's part of the discrete state, and the parts of both gears that say by which coordinates teeth move.
+    /// Discrete state of the search, and the parts of both gears that determine by which coordinates teeth move.
     pub(crate) discrete: [&'a [f64]; 3],
     /// Per slot `(mode, impact speed)`.
     pub(crate) modes: &'a [f64],
@@ -90,16 +90,16 @@ impl Mesh<'_> {
         }
     }
 
-    /// [Touch speed](touch_speed) of a contact [m/s].
+    /// Returns the [impact speed](touch_speed) of a contact [m/s].
     #[inline(always)]
-    fn impact_speed(&self, p: &Pressed) -> f64 {
+    fn impact_speed(&self, p: &LoadedPair) -> f64 {
         touch_speed(self.modes[2 * p.slot + 1], p.rate)
     }
 }
 
-/// A pair whose force is asked for.
+/// A tooth pair whose force is evaluated.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pressed {
+pub(crate) struct LoadedPair {
     slot: usize,
     tooth: i64,
     coordinates: [usize; 2],
@@ -108,17 +108,17 @@ pub(crate) struct Pressed {
     gap: f64,
     rate: f64,
     scale: [f64; 2],
-    /// Entries of the contact row.
+    /// Entries of the contact row of both gears.
     row: [f64; 2],
     stiffness: f64,
     stiffness_s: f64,
-    /// What both entries are multiplied by [N].
+    /// Factor of both entries in the force [N].
     on: [f64; 2],
-    /// Elastic force, which is what neighbours feel [N].
+    /// Elastic force, which acts on neighbouring pairs [N].
     elastic: f64,
 }
 
-impl Pressed {
+impl LoadedPair {
     #[inline(always)]
     fn add_to(&self, f: &mut [f64]) {
         for k in 0..2 {
@@ -129,9 +129,9 @@ impl Pressed {
     }
 }
 
-/// The force of a closed pair, what its potential changes by along the path included.
+/// Computes the force of a closed pair, with the parametric term of its stiffness along the path.
 #[inline(always)]
-fn press(law: &Law, mesh: &Mesh<'_>, p: &mut Pressed) {
+fn press(law: &Law, mesh: &Mesh<'_>, p: &mut LoadedPair) {
     let n = law
         .branch(mesh.modes[2 * p.slot])
         .smooth(p.gap, p.rate, mesh.impact_speed(p), p.stiffness)
@@ -143,9 +143,9 @@ fn press(law: &Law, mesh: &Mesh<'_>, p: &mut Pressed) {
     }
 }
 
-/// The event function of a pair [m].
+/// Returns the event function of a pair [m].
 #[inline(always)]
-fn watched(law: &Law, mesh: &Mesh<'_>, p: &Pressed) -> f64 {
+fn watched(law: &Law, mesh: &Mesh<'_>, p: &LoadedPair) -> f64 {
     let v0 = mesh.impact_speed(p);
     let mode = mesh.modes[2 * p.slot];
     if mode == 0.0 {
@@ -155,7 +155,7 @@ fn watched(law: &Law, mesh: &Mesh<'_>, p: &Pressed) -> f64 {
 }
 
 impl LinesOfAction {
-    /// Effective radius arms of both gears on each line, `d(x . n)/dq` of a point on it, as its hub tells them.
+    /// Returns the effective radius arms of both gears on each line, `d(x . n)/dq` of a point on it, from the hubs.
     pub(crate) fn arms(&self, of: [&Hub; 2]) -> Vec<[f64; 2]> {
         let lines = self.lines.iter();
         lines
@@ -163,17 +163,17 @@ impl LinesOfAction {
             .collect()
     }
 
-    /// Lists the pairs that a discrete state has. `coordinate` tells by which coordinate of the scene a tooth of the
+    /// Lists the pairs of a discrete state. `coordinate` returns the coordinate of the scene by which a tooth of the
     /// first or second gear moves.
     #[inline(always)]
     pub(crate) fn list(
         &self,
         mesh: &Mesh<'_>,
-        roster: &mut Roster,
+        pair_list: &mut PairList,
         coordinate: impl Fn(usize, Tooth) -> usize,
     ) {
-        if self.whole_mesh || !roster.is_of(mesh.discrete) {
-            self.list_afresh(mesh, roster, &coordinate);
+        if self.whole_mesh || !pair_list.is_of(mesh.discrete) {
+            self.list_afresh(mesh, pair_list, &coordinate);
         }
     }
 
@@ -181,19 +181,19 @@ impl LinesOfAction {
     fn list_afresh(
         &self,
         mesh: &Mesh<'_>,
-        roster: &mut Roster,
+        pair_list: &mut PairList,
         coordinate: &dyn Fn(usize, Tooth) -> usize,
     ) {
-        roster.key.clear();
+        pair_list.key.clear();
         for part in mesh.discrete {
-            roster.key.extend_from_slice(part);
+            pair_list.key.extend_from_slice(part);
         }
-        roster.listed.clear();
-        roster.ends.clear();
+        pair_list.listed.clear();
+        pair_list.ends.clear();
         for (l, line) in self.lines.iter().enumerate() {
             let listed = |pair: i64| {
                 let teeth = self.teeth(line.side, pair);
-                Listed {
+                ListedPair {
                     pair,
                     slot: self.slot(l, pair),
                     tooth: teeth[0].index,
@@ -209,27 +209,29 @@ impl LinesOfAction {
                 (own[0] as i64, own[1] as i64)
             };
             // Neither end is missing where a run that blows up has crossed both.
-            roster.listed.extend((lo - 1..=lo.max(hi + 1)).map(listed));
-            roster.ends.push(roster.listed.len());
+            pair_list
+                .listed
+                .extend((lo - 1..=lo.max(hi + 1)).map(listed));
+            pair_list.ends.push(pair_list.listed.len());
         }
     }
 
-    /// The pairs of a line, one before and one behind them included.
+    /// Returns the pairs of a line, with one before and one behind them.
     #[inline(always)]
-    fn of_line<'r>(&self, roster: &'r Roster, l: usize) -> &'r [Listed] {
-        let first = if l == 0 { 0 } else { roster.ends[l - 1] };
-        &roster.listed[first..roster.ends[l]]
+    fn of_line<'r>(&self, pair_list: &'r PairList, l: usize) -> &'r [ListedPair] {
+        let first = if l == 0 { 0 } else { pair_list.ends[l - 1] };
+        &pair_list.listed[first..pair_list.ends[l]]
     }
 
     #[inline(always)]
-    fn path(&self, line: &Line, of: &Listed, mesh: &Mesh<'_>) -> [f64; 2] {
+    fn path(&self, line: &Line, of: &ListedPair, mesh: &Mesh<'_>) -> [f64; 2] {
         both(|k| {
             let x = mesh.displacement(k, of.coordinates[k]);
             line.map[k].s(x, of.pair)
         })
     }
 
-    /// Gap of a pair [m], and the scales of its row.
+    /// Returns the gap of a pair [m] and the scales of its row.
     #[inline(always)]
     fn gap_and_scale(&self, line: &Line, pair: i64, s: [f64; 2]) -> (f64, [f64; 2]) {
         if line.plain && s[0] <= line.tips[0] && s[1] <= line.tips[1] {
@@ -240,12 +242,12 @@ impl LinesOfAction {
         (p.gap, p.scale)
     }
 
-    /// Adds the forces of the pairs that are closed.
+    /// Adds the forces of the closed pairs.
     pub(crate) fn add_forces(
         &self,
         mesh: &Mesh<'_>,
-        roster: &Roster,
-        found: &mut Vec<Pressed>,
+        pair_list: &PairList,
+        found: &mut Vec<LoadedPair>,
         f: &mut [f64],
     ) {
         for l in 0..self.lines.len() {
@@ -254,7 +256,7 @@ impl LinesOfAction {
             }
             let line = &self.lines[l];
             let law = mesh.law.shared(self.slices[line.slice].weight);
-            let of_line = self.of_line(roster, l);
+            let of_line = self.of_line(pair_list, l);
             let closed = of_line[1..of_line.len() - 1].iter();
             let closed = closed.filter(|of| mesh.modes[2 * of.slot] != 0.0);
             if !self.couples() {
@@ -282,19 +284,19 @@ impl LinesOfAction {
         }
     }
 
-    /// Event functions of the discrete state: of the zone, and of each pair in it by slot, in metres; others stay as
-    /// they are.
+    /// Computes the event functions of the discrete state: of the zone, and of each pair in it by slot, in metres.
+    /// Others are not changed.
     pub(crate) fn watch_listed(
         &self,
         mesh: &Mesh<'_>,
-        roster: &Roster,
-        found: &mut Vec<Pressed>,
+        pair_list: &PairList,
+        found: &mut Vec<LoadedPair>,
         zones: &mut [f64],
         slots: &mut [f64],
     ) {
         let dissipates = mesh.law.is_dissipative();
         for (l, line) in self.lines.iter().enumerate() {
-            let of_line = self.of_line(roster, l);
+            let of_line = self.of_line(pair_list, l);
             let n = of_line.len();
             let place = |i: usize| self.middle(self.path(line, &of_line[i], mesh));
             if !self.whole_mesh {
@@ -328,23 +330,23 @@ impl LinesOfAction {
         }
     }
 
-    /// A pair, but for its force.
+    /// Returns a pair without its force.
     #[inline(always)]
-    fn pressed(&self, l: usize, of: &Listed, path: [f64; 2], mesh: &Mesh<'_>) -> Pressed {
+    fn pressed(&self, l: usize, of: &ListedPair, path: [f64; 2], mesh: &Mesh<'_>) -> LoadedPair {
         let gap_and_scale = self.gap_and_scale(&self.lines[l], of.pair, path);
         self.pressed_at(l, of, path, gap_and_scale, mesh)
     }
 
-    /// The same where its gap and scales are known.
+    /// Returns a pair, without its force, from its gap and scales.
     #[inline(always)]
     fn pressed_at(
         &self,
         l: usize,
-        of: &Listed,
+        of: &ListedPair,
         path: [f64; 2],
         (gap, scale): (f64, [f64; 2]),
         mesh: &Mesh<'_>,
-    ) -> Pressed {
+    ) -> LoadedPair {
         let line = &self.lines[l];
         let [a, b] = mesh.arms[l];
         let row = [-scale[0] * a, scale[1] * b];
@@ -352,7 +354,7 @@ impl LinesOfAction {
         let s = self.middle(path);
         let (k, k_s) = self.stiffness.eval(s);
         let weight = self.slices[line.slice].weight;
-        Pressed {
+        LoadedPair {
             slot: of.slot,
             tooth: of.tooth,
             coordinates: of.coordinates,
@@ -368,9 +370,9 @@ impl LinesOfAction {
         }
     }
 
-    /// Opens the gaps of pairs of a line by what the forces of their neighbours give.
+    /// Adds the elastic effect of neighbouring forces to the gaps of pairs of a line.
     #[inline(always)]
-    fn couple_pressed(&self, l: usize, found: &mut [Pressed], closed: impl Fn(usize) -> bool) {
+    fn couple_pressed(&self, l: usize, found: &mut [LoadedPair], closed: impl Fn(usize) -> bool) {
         if found.len() < 2 || !self.couples() {
             return;
         }
@@ -384,9 +386,9 @@ impl LinesOfAction {
         }
     }
 
-    /// Joins what the compliance between the pairs of a line changes by along the path.
+    /// Adds the change of the compliance between the pairs of a line along the path to their forces.
     #[inline(always)]
-    fn press_along(&self, l: usize, found: &mut [Pressed]) {
+    fn press_along(&self, l: usize, found: &mut [LoadedPair]) {
         if found.len() < 2 {
             return;
         }

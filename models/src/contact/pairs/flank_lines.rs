@@ -1,8 +1,8 @@
-//! Contact of elastic gears along lines of their flanks: one line of pressure per tooth pair and strip of the width.
+//! Contact of elastic gears along lines of their flanks: one pressure line per tooth pair and strip of the width.
 //!
-//! Where the flanks touch is told by the [lines of action](LinesOfAction), with the exact separation of involutes beyond
-//! the path and of modified flanks; how the teeth give way there, by [lines](crate::gear::elastic::lines) of their meshes
-//! about that place. The gap before residual compliance
+//! The [lines of action](LinesOfAction) determine where the flanks touch, with the exact separation of involutes
+//! beyond the path and of modified flanks. The [lines](crate::gear::elastic::lines) of the meshes around that position
+//! determine the deflection of the teeth. The gap before residual compliance is
 //!
 //! ```text
 //! g = g_rigid(theta_1, theta_2) - w_1 . a_1 - w_2 . a_2
@@ -16,15 +16,16 @@
 //! N (dg_rigid/dtheta_k - ds_k/dtheta_k w_k' . a_k) - dV/dF_0 dF_0/ds_k ds_k/dtheta_k
 //! ```
 //!
-//! with the slope of `a_k` by `theta_k` as well where the nodes say themselves where they are
-//! ([`DeformedLines`](crate::gear::DeformedLines)). Nothing of it knows the facets of a mesh: geometry under load is that of the exact flank. That a tilting flank moves the
-//! contact along the profile, by `R` times the tilt, is left out: 1 % of the approach where teeth are loaded to
-//! 800 N/mm. A tip edge counts as the end of the flank, with the curvature that it has there.
+//! with the slope of `a_k` by `theta_k` as well for gears with explicit node positions
+//! ([`DeformedLines`](crate::gear::DeformedLines)). The facets of a mesh have no effect: geometry under load is that
+//! of the exact flank. The motion of the contact along the profile by the tilt of a flank, `R` times the tilt, is
+//! neglected: 1 % of the approach where teeth are loaded to 800 N/mm. A tip edge counts as the end of the flank, with
+//! its curvature there.
 
 use super::lines::{Line, LinesOfAction, MeshedGears, side_index};
 use crate::Vec3;
 use crate::contact::nodal::{
-    GapBound, GearNodes, LineTerms, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
+    GapBound, GearNodes, LineTerms, NodalGearState, NodalPoint, NodalPoints, UNUSED, weighted,
 };
 use crate::error::Reason;
 use crate::gear::elastic::lines::spread;
@@ -34,15 +35,15 @@ use crate::spec::Body;
 use std::f64::consts::{LN_2, PI};
 use std::sync::Arc;
 
-/// Least radius of curvature over the base pitch: near the base circle that of an involute vanishes. Those of concave flanks,
-/// on internal gears, are negative.
+/// Smallest radius of curvature relative to the base pitch: near the base circle that of an involute vanishes. The
+/// radii of concave flanks, on internal gears, are negative.
 const SHARPEST: f64 = 0.05;
 
-/// The lines of both flanks of a mesh with at least one elastic gear.
+/// Lines of both flanks of a mesh with at least one elastic gear.
 #[derive(Clone, Debug)]
 pub struct FlankLines {
     pairs: LinesOfAction,
-    /// Those of gears that give way; others are rigid.
+    /// Lines of the elastic gears; `None` for a rigid gear.
     gears: [Option<LineGear>; 2],
     /// `A_1 + A_2` [m^2/N].
     compliance: f64,
@@ -50,7 +51,7 @@ pub struct FlankLines {
     width: f64,
 }
 
-/// The flanks of a gear as lines.
+/// Flanks of a gear as lines.
 #[derive(Clone, Debug)]
 pub struct LineGear {
     /// `2 (1 - nu^2)/(pi E)` [m^2/N].
@@ -58,7 +59,7 @@ pub struct LineGear {
     teeth: i64,
     /// Index of the first tooth of a rack.
     first: Option<i64>,
-    /// Flank of each tooth, left and right.
+    /// Index of the flank of each tooth, left and right.
     of_tooth: Vec<[Option<u32>; 2]>,
     flanks: Vec<LineFlank>,
     near_field: Arc<Vec<Vec<f64>>>,
@@ -67,24 +68,24 @@ pub struct LineGear {
 
 #[derive(Clone, Debug)]
 struct LineFlank {
-    /// Heights of the lines by [`Tips`](crate::geometry::Tips), ascending.
+    /// Heights of the lines as [`Tips`](crate::geometry::Tips) measures them, ascending.
     heights: Vec<f64>,
-    /// Line by line, strip by strip.
+    /// Numbers of the nodes, line by line, strip by strip.
     nodes: Vec<u32>,
 }
 
-/// Where a contact lies on a flank, and how that changes with the displacement of the gear.
-struct Place {
+/// Position of a contact on a flank, with its derivatives by the displacement of the gear.
+struct FlankPosition {
     lines: [u32; 4],
     weights: [f64; 4],
     slopes: [f64; 4],
-    /// `ln b` of the width over which the mesh spreads the load, and its slope by the displacement.
+    /// Logarithm of the width over which the mesh distributes the load, and its slope by the displacement.
     ln_spread: (f64, f64),
 }
 
 impl LineGear {
-    /// The lines of a gear [reduced to such](crate::gear::elastic::reduced::Reduced::over_lines), of a material with
-    /// `2 (1 - nu^2)/(pi E)` [m^2/N].
+    /// Builds the lines of a gear [reduced to lines](crate::gear::elastic::reduced::Reduced::over_lines), of a
+    /// material with `2 (1 - nu^2)/(pi E)` [m^2/N].
     pub fn new(
         flanks: &Flanks,
         near_field: Arc<Vec<Vec<f64>>>,
@@ -133,12 +134,12 @@ impl LineGear {
         })
     }
 
-    /// Strips over the width.
+    /// Returns the number of strips over the width.
     pub fn strips(&self) -> usize {
         self.strips
     }
 
-    /// Flank of a tooth, if it is meshed; meshes number the teeth of a rack as if it closed on itself.
+    /// Returns the flank of a tooth, if it is meshed; meshes number the teeth of a rack as if it were closed.
     fn flank(&self, tooth: Tooth, side: usize) -> Option<usize> {
         let beyond = |first: i64| !(first..first + self.teeth).contains(&tooth.index);
         if self.first.is_some_and(beyond) {
@@ -148,9 +149,9 @@ impl LineGear {
         self.of_tooth.get(tooth)?[side].map(|f| f as usize)
     }
 
-    /// Where a height lies on a flank, with the slope of the height by the displacement.
+    /// Returns the position of a height on a flank, with the slope of the height by the displacement.
     #[inline]
-    fn place(&self, flank: usize, strip: usize, (height, slope): (f64, f64)) -> Place {
+    fn place(&self, flank: usize, strip: usize, (height, slope): (f64, f64)) -> FlankPosition {
         let f = &self.flanks[flank];
         let lines = f.heights.len();
         let element = (f.heights.partition_point(|h| *h <= height)).clamp(1, lines - 1) - 1;
@@ -171,7 +172,7 @@ impl LineGear {
             p += spread.weights[i] * of_row;
             by_place += spread.slopes[i] * of_row;
         }
-        Place {
+        FlankPosition {
             lines: std::array::from_fn(|i| f.nodes[(spread.first + i) * self.strips + strip]),
             weights: spread.weights,
             slopes: spread.slopes.map(|x| x * moves),
@@ -180,18 +181,18 @@ impl LineGear {
     }
 }
 
-/// Hertz's pressure on a line.
+/// Hertzian pressure on a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinePressure {
-    /// Half the width of the strip that is pressed [m].
+    /// Half-width of the contact strip [m].
     pub half_width: f64,
-    /// Pressure in its middle [Pa].
+    /// Maximum pressure [Pa].
     pub peak: f64,
 }
 
 impl FlankLines {
-    /// Pressure under a normal force [N] on a share of the width, with the relative radius of curvature [m]:
-    /// `b^2 = 2 R A q`, `p_0 = 2 q/(pi b)`.
+    /// Returns the pressure under a normal force [N] on a share of the width, with the relative radius of curvature
+    /// [m]: `b^2 = 2 R A q`, `p_0 = 2 q/(pi b)`.
     pub fn pressure(&self, radius: f64, share: f64, force: f64) -> LinePressure {
         let per_width = force / (share * self.width);
         let half_width = (2.0 * radius * self.compliance * per_width).sqrt();
@@ -201,7 +202,7 @@ impl FlankLines {
         }
     }
 
-    /// Of lines of action with a slice for each strip.
+    /// Builds the search from lines of action with one slice for each strip.
     pub fn new(pairs: LinesOfAction, gears: [Option<LineGear>; 2], face_width: f64) -> Self {
         let compliance = gears.iter().flatten().map(|g| g.compliance).sum();
         FlankLines {
@@ -212,37 +213,37 @@ impl FlankLines {
         }
     }
 
-    /// The lines of action.
+    /// Returns the lines of action.
     pub fn pairs(&self) -> &LinesOfAction {
         &self.pairs
     }
 
-    /// `A_1 + A_2` [m^2/N].
+    /// Returns the sum of both material compliances, `A_1 + A_2` [m^2/N].
     pub fn compliance(&self) -> f64 {
         self.compliance
     }
 
-    /// Width of the contact along the teeth [m].
+    /// Returns the width of the contact along the teeth [m].
     pub fn width(&self) -> f64 {
         self.width
     }
 
-    /// Appends the lines with a gap within the bound before residual compliance, and the nodes that they act on.
+    /// Appends the lines with a gap within the bound before residual compliance, and registers their nodes.
     pub fn nodal_points(
         &self,
-        mut sides: [NodalParty<'_>; 2],
+        mut sides: [NodalGearState<'_>; 2],
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         let deformed = sides
             .iter()
-            .any(|s| s.party.gear.deformed_lines().is_some());
+            .any(|s| s.gear_state.gear.deformed_lines().is_some());
         let limit = if deformed {
             f64::INFINITY
         } else {
             sides[0].bound() + sides[1].bound()
         };
-        let gears = &MeshedGears::new(&sides[0].party, &sides[1].party);
+        let gears = &MeshedGears::new(&sides[0].gear_state, &sides[1].gear_state);
         for (l, line) in self.pairs.lines.iter().enumerate() {
             if self.pairs.clearly_open(line, gears, limit) {
                 continue;
@@ -261,7 +262,7 @@ impl FlankLines {
         &self,
         line: &Line,
         p: &super::lines::PairState,
-        sides: &mut [NodalParty<'_>; 2],
+        sides: &mut [NodalGearState<'_>; 2],
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
@@ -300,8 +301,8 @@ impl FlankLines {
                 }
             };
             let Some(gear) = &self.gears[k] else { continue };
-            let NodalParty {
-                party,
+            let NodalGearState {
+                gear_state,
                 field,
                 nodes,
             } = &mut sides[k];
@@ -311,11 +312,11 @@ impl FlankLines {
             let place = gear.place(flank, line.slice, height);
             weights[k] = place.weights;
             if let Some(field) = *field {
-                slots[k] = nodes.meet(field, party.at, &place.lines);
+                slots[k] = nodes.meet(field, gear_state.at, &place.lines);
                 gap0 -= weighted(&weights[k], &GearNodes::at(&nodes.displacement, &slots[k]));
                 terms.slopes[k] = place.slopes;
-            } else if let Some(lines) = party.gear.deformed_lines() {
-                let outward = place.lines.map(|line| lines.outward(party.at, line));
+            } else if let Some(lines) = gear_state.gear.deformed_lines() {
+                let outward = place.lines.map(|line| lines.outward(gear_state.at, line));
                 let (a, by_hub) = (outward.map(|x| x.0), outward.map(|x| x.1));
                 gap0 -= weighted(&weights[k], &a);
                 let of_nodes = weighted(&weights[k], &by_hub);
@@ -355,7 +356,7 @@ impl FlankLines {
             gap0,
             stiffness: weight * self.width * ln_force.exp(),
             share: weight,
-            fading: Vec3::zeros(),
+            taper_gradient: Vec3::zeros(),
         });
     }
 }

@@ -1,15 +1,15 @@
-//! The lines of action of a mesh as data, and what a gear looks like to them.
+//! The lines of action of a mesh as data, and the kinematics of its gears.
 
 use super::separation::Separation;
-use super::spatial::{MeshPose, Spatial, Touch};
+use super::spatial::{MeshPose, NearestPoints, Spatial};
 use crate::Vec3;
-use crate::contact::party::Party;
+use crate::contact::gear_state::GearState;
 use crate::gear::{GearModel, ToothCoordinates};
 use crate::geometry::{Gear, RollMap, Side};
 use crate::kinematics::{HubFrame, MeshView, Tooth};
 use crate::law::Law;
 use crate::stiffness::StiffnessCurve;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use std::cell::OnceCell;
 
 /// A slice of the face width.
@@ -17,31 +17,31 @@ use std::cell::OnceCell;
 pub struct Slice {
     /// Position over the width in [-1, 1].
     pub zeta: f64,
-    /// Height along the axis [m], of the gear that is sliced where axes are not parallel.
+    /// Height along the axis [m]; of the sliced gear where axes are not parallel.
     pub z: f64,
-    /// Share of the stiffness.
+    /// Share of the slice in the stiffness.
     pub weight: f64,
     /// Offset of the path coordinates of both gears by the helix, of left and right flanks [m].
     pub offset: [[f64; 2]; 2],
-    /// How lengths of roll of both gears become path coordinates where these are others, on left and right flanks: of conical
-    /// gears.
+    /// Maps from lengths of roll of both gears to path coordinates where these differ, on left and right flanks of
+    /// conical gears.
     pub rolls: Option<Box<[[RollMap; 2]; 2]>>,
-    /// How far the left and the right flanks of both gears stand off the involutes.
+    /// Separation of the left and the right flanks of both gears from the involutes.
     pub separation: [[Separation; 2]; 2],
 }
 
-/// What a mesh of two gears looks like in its transverse plane.
+/// Geometry of a mesh in its transverse plane.
 #[derive(Clone, Debug)]
 pub struct MeshGeometry {
-    /// How the mesh sees gear a (never a rack) and gear b.
+    /// View of gear a (never a rack) and gear b from the mesh.
     pub views: [MeshView; 2],
-    /// The mesh's index in each gear's own count.
+    /// Index of the mesh in each gear's own count.
     pub mesh_of_gear: [u8; 2],
     /// Centre of gear a [m].
     pub centre_a: Vec3,
-    /// Axes that the mesh is laid out in: directions count from the first to the second, the gears turn about the third.
+    /// Axes of the mesh: directions count from the first to the second, the gears rotate about the third.
     pub axes: [Vec3; 3],
-    /// Direction from gear a to the pitch point in these [rad].
+    /// Direction from gear a to the pitch point in these axes [rad].
     pub direction: f64,
     /// Distance between the tangent points [m].
     pub length: f64,
@@ -51,36 +51,36 @@ pub struct MeshGeometry {
     pub zone: [f64; 2],
     /// Base helix angle of gear a [rad].
     pub base_helix: f64,
-    /// Gears whose teeth deviate from each other.
+    /// Gears whose teeth have individual deviations.
     pub deviating: [Option<Gear>; 2],
 }
 
-/// The lines of action of both flanks of a mesh.
+/// Lines of action of both flanks of a mesh.
 #[derive(Clone, Debug)]
 pub struct LinesOfAction {
     pub(super) mesh: MeshGeometry,
-    /// Tooth index of b that pair 0 joins to tooth 0 of a, for the left and the right flank.
+    /// Tooth index of b in pair 0, with tooth 0 of a, for the left and the right flank.
     pub partner: [i64; 2],
-    /// Teeth of both gears from one left pair to the next.
+    /// Steps of the tooth numbers of both gears from one left pair to the next.
     pub(super) counting: [i64; 2],
-    /// Stiffness of a pair along `s_a`, whole width.
+    /// Stiffness of a pair along `s_a`, for the whole width.
     pub stiffness: StiffnessCurve,
-    /// The law without its damping.
+    /// Contact law without its damping.
     pub(super) elastic: Law,
-    /// One spring for the mesh, whatever the number of pairs in contact.
+    /// True for one spring of the whole mesh, whatever the number of pairs in contact.
     pub whole_mesh: bool,
     /// Slices over the width; one for a spur gear.
     pub slices: Vec<Slice>,
-    /// Contact slots per line.
+    /// Number of contact slots per line.
     pub pairs: usize,
     /// Path coordinates `s_a` between which pairs may touch [m].
     pub(super) zone: [f64; 2],
     pub(super) helix_cos: f64,
     pub(super) per_base_pitch: f64,
     pub(super) lines: Vec<Line>,
-    /// The flanks in space, where axes are not parallel or hubs move sideways.
+    /// Flanks in space, where axes are not parallel or hubs move out of the plane.
     pub(super) spatial: Option<Box<Spatial>>,
-    /// Hubs move across and along axes that stay parallel, and how high both centres are at the start [m].
+    /// True if hubs translate and axes stay parallel, and the heights of both centres at the start [m].
     pub(super) planar: bool,
     pub(super) heights: [f64; 2],
 }
@@ -90,25 +90,26 @@ pub struct LinesOfAction {
 pub(super) struct Line {
     pub(super) side: Side,
     pub(super) slice: usize,
-    /// Unit normal from a to b, and its part in the transverse plane.
+    /// Unit normal from a to b, and its transverse part.
     pub(super) normal: Vec3,
     pub(super) transverse: Vec3,
-    /// Tangent point on gear a in the slice's plane.
+    /// Tangent point on gear a in the plane of the slice.
     pub(super) origin: Vec3,
-    /// `s = at_zero + per_displacement * displacement + per_pair * pair` for both gears, helix included.
+    /// Path coordinate `s = at_zero + per_displacement * displacement + per_pair * pair` for both gears, helix
+    /// included.
     pub(super) map: [PathMap; 2],
-    /// Whether the teeth count up with the pairs, for both gears.
+    /// True if the tooth numbers increase with the pairs, for both gears.
     pub(super) ascending: [bool; 2],
-    /// Neither flank is modified and no tooth deviates, so teeth that move as one have one gap,
-    /// `helix_cos (slack - per_displacement_a displacement_a - per_displacement_b displacement_b)`, and beyond their tips a
+    /// True if neither flank is modified and no tooth deviates. Teeth that move together then have one gap, `helix_cos
+    /// (slack - per_displacement_a displacement_a - per_displacement_b displacement_b)`, and beyond their tips a
     /// larger one.
     pub(super) plain: bool,
     pub(super) slack: f64,
-    /// Path coordinates of both gears beyond which the edge of the tip touches [m].
+    /// Path coordinates of both gears beyond which the tip edge touches [m].
     pub(super) tips: [f64; 2],
 }
 
-/// Path coordinate of a flank as a linear function of its tooth's displacement and the pair's number.
+/// Path coordinate of a flank as a linear function of its tooth's displacement and the pair number.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PathMap {
     pub(super) at_zero: f64,
@@ -123,32 +124,32 @@ impl PathMap {
     }
 }
 
-/// A gear at a state, as the lines of action see it.
-pub(super) struct Mover<'a> {
-    pub(super) at: At<'a>,
+/// Kinematics of a gear at a state, for the lines of action.
+pub(super) struct GearKinematics<'a> {
+    pub(super) at: StateView<'a>,
     pub(super) displacements: Displacements<'a>,
     gear: &'a dyn GearModel,
     frame: OnceCell<(HubFrame, f64)>,
 }
 
-/// Displacements of its teeth.
+/// Displacements of the teeth of a gear.
 #[derive(Clone, Copy)]
 pub(super) enum Displacements<'a> {
-    /// All teeth move with the hub.
+    /// All teeth move with the hub, by its displacement.
     OfHub(f64),
-    /// Each has its own.
+    /// Each tooth has its own displacement.
     OfTeeth(&'a dyn ToothCoordinates),
 }
 
-impl<'a> Mover<'a> {
+impl<'a> GearKinematics<'a> {
     #[inline]
-    pub(super) fn new(party: &Party<'a>) -> Self {
-        let Party { gear, at } = *party;
+    pub(super) fn new(gear_state: &GearState<'a>) -> Self {
+        let GearState { gear, at } = *gear_state;
         let displacements = match gear.teeth() {
             Some(teeth) => Displacements::OfTeeth(teeth),
             None => Displacements::OfHub(gear.hub().displacement_at(at)),
         };
-        Mover {
+        GearKinematics {
             at,
             displacements,
             gear,
@@ -156,7 +157,7 @@ impl<'a> Mover<'a> {
         }
     }
 
-    /// Axes of its hub, and the part of a tooth's displacement that moves these.
+    /// Returns the axes of the hub, and the part of a tooth's displacement that moves these.
     pub(super) fn frame(&self) -> &(HubFrame, f64) {
         self.frame.get_or_init(|| {
             let hub = self.gear.hub();
@@ -168,32 +169,32 @@ impl<'a> Mover<'a> {
 
 /// Both gears of a mesh at a state.
 pub(super) struct MeshedGears<'a> {
-    pub(super) of: [Mover<'a>; 2],
-    /// Nearest points tell how they move along the path.
+    pub(super) of: [GearKinematics<'a>; 2],
+    /// True if nearest points include the derivative of the path coordinate.
     pub(super) with_paths: bool,
     pose: OnceCell<MeshPose>,
 }
 
 impl<'a> MeshedGears<'a> {
     #[inline]
-    pub(super) fn new(a: &Party<'a>, b: &Party<'a>) -> Self {
+    pub(super) fn new(a: &GearState<'a>, b: &GearState<'a>) -> Self {
         MeshedGears {
-            of: [Mover::new(a), Mover::new(b)],
+            of: [GearKinematics::new(a), GearKinematics::new(b)],
             with_paths: true,
             pose: OnceCell::new(),
         }
     }
 
-    /// The gears of a mesh of which only gaps and gap rates are needed.
+    /// Creates the gears of a mesh of which only gaps and gap rates are needed.
     #[inline]
-    pub(super) fn for_gaps(a: &Party<'a>, b: &Party<'a>) -> Self {
+    pub(super) fn for_gaps(a: &GearState<'a>, b: &GearState<'a>) -> Self {
         MeshedGears {
             with_paths: false,
             ..Self::new(a, b)
         }
     }
 
-    /// Their hubs, of a mesh in space.
+    /// Returns the poses of the hubs of a mesh in space.
     #[inline]
     pub(super) fn pose(&self, spatial: &Spatial) -> &MeshPose {
         self.pose
@@ -201,7 +202,7 @@ impl<'a> MeshedGears<'a> {
     }
 }
 
-/// A pair at a state.
+/// A tooth pair at a state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PairState {
     pub(super) teeth: [Tooth; 2],
@@ -209,13 +210,13 @@ pub(super) struct PairState {
     pub(super) gap: f64,
     pub(super) scale: [f64; 2],
     pub(super) curvature: [f64; 2],
-    /// Where the flanks are nearest, in space.
-    pub(super) touch: Option<Touch>,
+    /// Nearest points of the flanks, in space.
+    pub(super) touch: Option<NearestPoints>,
 }
 
 pub(super) const ZONE_EVENTS: usize = 4;
 
-/// Whether no slot is closed; per slot `(mode, impact speed)`.
+/// Returns true if no slot is closed; per slot `(mode, impact speed)`.
 #[inline]
 pub(crate) fn all_open(modes: &[f64]) -> bool {
     let mut slot = 0;

@@ -38,9 +38,9 @@ mod walk;
 
 pub(crate) use bodies::{MeshedBodies, Twist};
 pub(crate) use coupling::MOST_ON_LINE;
-pub(crate) use direct::{Mesh, PRESCRIBED, Pressed, Roster};
+pub(crate) use direct::{LoadedPair, Mesh, PRESCRIBED, PairList};
 pub use flank_lines::{FlankLines, LineGear, LinePressure};
 pub(crate) use lines::all_open;
 pub use lines::{LinesOfAction, MeshGeometry, Slice};
 pub use separation::{Engagement, Separation};
-pub use spatial::{FlankForm, Helicoid, Plane, Spatial, SpatialGeometry, Touch};
+pub use spatial::{FlankForm, Helicoid, NearestPoints, Plane, Spatial, SpatialGeometry};

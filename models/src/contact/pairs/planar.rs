@@ -15,17 +15,17 @@
 //! ds_a = r_a/L (e . v - sigma (L - s) w),    ds_b = r_b/L (e . v + sigma s w) + sigma tan(beta) v_z
 //! ```
 //!
-//! (F. L. Litvin, A. Fuentes, *Gear Geometry and Applied Theory*, 2nd ed. 2004, ch. 10: a change of the centre distance leaves
-//! involutes conjugate.) What the flanks stand off their involutes adds `e_k'(s_k) ds_k` to the change of the gap: force and
-//! moment, which are one force along another line.
+//! (F. L. Litvin, A. Fuentes, *Gear Geometry and Applied Theory*, 2nd ed. 2004, ch. 10: a change of the centre
+//! distance leaves involutes conjugate.) The separation of the flanks from their involutes adds `e_k'(s_k) ds_k` to
+//! the change of the gap: force and moment, which are one force along another line.
 
 use super::lines::{Line, LinesOfAction, MeshedGears, PairState};
-use super::spatial::Touch;
+use super::spatial::NearestPoints;
 use crate::Vec3;
 use crate::geometry::Side;
 
 impl LinesOfAction {
-    /// Where a pair stands whose hubs have moved in the transverse plane and along their axes.
+    /// Returns a pair whose hubs have moved in the transverse plane and along their axes.
     pub(super) fn pair_in_plane(
         &self,
         line: &Line,
@@ -85,7 +85,7 @@ impl LinesOfAction {
         // The force acts where it has that moment too.
         let across = axis.cross(&normal);
         let beside = couple / across.norm_squared() * across;
-        p.touch = Some(Touch {
+        p.touch = Some(NearestPoints {
             gap: p.gap,
             x: place - beside,
             normal,
@@ -100,7 +100,8 @@ impl LinesOfAction {
         p
     }
 
-    /// The same for hubs that move across and along parallel axes; heights are those of both centres at the start.
+    /// Builds the lines for hubs that move across and along parallel axes; heights are those of both centres at the
+    /// start.
     #[must_use]
     pub fn in_plane(mut self, centres: [Vec3; 2]) -> Self {
         self.planar = true;

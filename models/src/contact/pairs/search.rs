@@ -3,21 +3,21 @@
 use super::lines::{LinesOfAction, MeshedGears, ZONE_EVENTS, all_open};
 use crate::Vec3;
 use crate::contact::candidate::Candidate;
-use crate::contact::party::{Party, Wanted, ZoneChange};
+use crate::contact::gear_state::{CandidateSelection, GearState, ZoneChange};
 use crate::geometry::Side;
 
 impl LinesOfAction {
-    /// Number of contact slots: an upper bound of simultaneous candidates.
+    /// Returns the number of contact slots, an upper bound of simultaneous candidates.
     pub fn slots(&self) -> usize {
         self.lines.len() * self.pairs
     }
 
-    /// Length of the search's discrete state.
+    /// Returns the length of the discrete state of the search.
     pub fn discrete(&self) -> usize {
         2 * self.lines.len()
     }
 
-    /// Number of the search's event functions.
+    /// Returns the number of event functions of the search.
     pub fn event_count(&self) -> usize {
         if self.whole_mesh {
             0
@@ -27,7 +27,7 @@ impl LinesOfAction {
     }
 
     /// Sets the discrete state from a state.
-    pub fn begin(&self, a: Party<'_>, b: Party<'_>, discrete: &mut [f64]) {
+    pub fn begin(&self, a: GearState<'_>, b: GearState<'_>, discrete: &mut [f64]) {
         let gears = &MeshedGears::new(&a, &b);
         for (line, m) in self.lines.iter().zip(discrete.chunks_exact_mut(2)) {
             let (lo, hi) = self.zone_now(line, gears);
@@ -39,37 +39,41 @@ impl LinesOfAction {
     /// Appends candidates.
     pub fn candidates(
         &self,
-        a: Party<'_>,
-        b: Party<'_>,
+        a: GearState<'_>,
+        b: GearState<'_>,
         discrete: &[f64],
-        wanted: Wanted<'_>,
+        selection: CandidateSelection<'_>,
         out: &mut Vec<Candidate>,
     ) {
         let gears = &MeshedGears::new(&a, &b);
         let first = out.len();
         for (l, line) in self.lines.iter().enumerate() {
-            let skip = match wanted {
-                Wanted::Closed(modes) => all_open(&modes[2 * l * self.pairs..][..2 * self.pairs]),
-                Wanted::Touching(reach) => self.clearly_open(line, gears, reach),
-                Wanted::Listed | Wanted::Watched(_) => false,
+            let skip = match selection {
+                CandidateSelection::Closed(modes) => {
+                    all_open(&modes[2 * l * self.pairs..][..2 * self.pairs])
+                }
+                CandidateSelection::Touching(reach) => self.clearly_open(line, gears, reach),
+                CandidateSelection::Listed | CandidateSelection::Watched(_) => false,
             };
             if skip {
                 continue;
             }
-            self.collect(l, gears, discrete, wanted, out);
+            self.collect(l, gears, discrete, selection, out);
         }
-        self.couple(&mut out[first..], |slot| match wanted {
-            Wanted::Closed(modes) | Wanted::Watched(modes) => Some(modes[2 * slot] != 0.0),
-            Wanted::Listed | Wanted::Touching(_) => None,
+        self.couple(&mut out[first..], |slot| match selection {
+            CandidateSelection::Closed(modes) | CandidateSelection::Watched(modes) => {
+                Some(modes[2 * slot] != 0.0)
+            }
+            CandidateSelection::Listed | CandidateSelection::Touching(_) => None,
         });
     }
 
-    /// Event functions of the discrete state, and gaps [m] of all pairs in it by slot; other entries of `gaps` stay as
-    /// they are.
+    /// Computes the event functions of the discrete state, and the gaps [m] of all its pairs by slot; other entries of
+    /// `gaps` are not changed.
     pub fn watch(
         &self,
-        a: Party<'_>,
-        b: Party<'_>,
+        a: GearState<'_>,
+        b: GearState<'_>,
         discrete: &[f64],
         event_functions: &mut [f64],
         gaps: &mut [f64],
@@ -88,11 +92,11 @@ impl LinesOfAction {
         }
     }
 
-    /// Event functions of the zone alone: what [`Self::watch`] sets beside gaps.
+    /// Computes the event functions of the zone alone, without the gaps of [`Self::watch`].
     pub fn watch_zones(
         &self,
-        a: Party<'_>,
-        b: Party<'_>,
+        a: GearState<'_>,
+        b: GearState<'_>,
         discrete: &[f64],
         event_functions: &mut [f64],
     ) {
@@ -102,7 +106,7 @@ impl LinesOfAction {
         }
     }
 
-    /// Evaluates the event functions of one line.
+    /// Computes the event functions of one line.
     #[inline]
     pub(super) fn watch_zone(
         &self,
@@ -116,7 +120,7 @@ impl LinesOfAction {
         self.set_zone_events([lo - 1, lo, hi, hi + 1].map(place), event_functions);
     }
 
-    /// Flips what event function `i` watches.
+    /// Switches the zone at event function `i`.
     pub fn transition(&self, event: usize, discrete: &mut [f64]) -> ZoneChange {
         let l = event / ZONE_EVENTS;
         let slot = |p: f64| l * self.pairs + (p as i64).rem_euclid(self.pairs as i64) as usize;
@@ -143,7 +147,7 @@ impl LinesOfAction {
         change
     }
 
-    /// Ends of the line of action of a flank [m], for pictures.
+    /// Returns the ends of the line of action of a flank [m], for figures.
     pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         let line = self.lines.iter().find(|l| l.side == side)?;
         // A rack has no tangent point, and those of an internal gear are both on one side: the line is shown as far as the path
@@ -156,7 +160,7 @@ impl LinesOfAction {
         Some([start, end].map(|s| line.origin + s * line.transverse))
     }
 
-    /// The point halfway along the path of contact and of the width [m], and the normal from gear a to gear b there.
+    /// Returns the midpoint of the path of contact and of the width [m], and the normal from gear a to gear b there.
     pub fn middle_of(&self, side: Side) -> Option<(Vec3, Vec3)> {
         let mut lines = self.lines.iter().filter(|l| l.side == side);
         let (first, last) = (lines.next()?, lines.next_back());
@@ -165,7 +169,7 @@ impl LinesOfAction {
         Some((origin + s * first.transverse, first.normal))
     }
 
-    /// Flank side of a candidate.
+    /// Returns the flank side of a candidate.
     pub fn side_of(&self, c: &Candidate) -> Side {
         self.lines[c.slot / self.pairs].side
     }

@@ -1,7 +1,7 @@
 //! Separation of a gear's flank from the involute of its mate, over the gear's own path coordinate.
 //!
-//! While the involutes touch on the line of action, the gap is `L - s_a - s_b`. Flanks that are modified, and tips that
-//! have run beyond the end of the path, stand off by the separation
+//! While the involutes touch on the line of action, the gap is `L - s_a - s_b`. Modified flanks, and tips beyond the
+//! end of the path, have the separation
 //!
 //! ```text
 //! e(s) = min over rho <= rho_tip of  d(rho) + s_m(P(rho, s)) + s - L
@@ -20,38 +20,38 @@
 //! mate's at `(r_m, L)`. A rack is the limit of an infinite radius: its flank moves parallel to its pitch line. Beyond it, an
 //! internal gear has a negative base radius, lengths of roll and path coordinates below zero, and the same equations.
 
-/// Samples of a separation beyond the tip.
+/// Number of samples of a separation beyond the tip.
 const EDGE_SAMPLES: usize = 49;
 
-/// Lengths of roll that the first search for the least separation tries.
+/// Number of lengths of roll in the first search for the smallest separation.
 const TRIED: usize = 33;
 
 /// Separation up to which a tip edge is followed, in base pitches: several times the deflection of any loaded mesh.
 const FOLLOWED: f64 = 0.03;
 
-/// A gear's own tooth and its mate's, as far as their flanks go.
+/// Geometry of a gear's tooth and its mate's in engagement.
 #[derive(Clone, Copy, Debug)]
 pub struct Engagement {
-    /// Base radius of the gear [m], negative of an internal one; `None` for a rack.
+    /// Base radius of the gear [m], negative for an internal gear; `None` for a rack.
     pub base_radius: Option<f64>,
     /// Base radius of its mate [m]; `None` for a rack.
     pub mate_base_radius: Option<f64>,
     /// Distance between the tangent points [m].
     pub length: f64,
-    /// Length of roll at the gear's tip, on its own path coordinate [m].
+    /// Length of roll at the tip of the gear, on its own path coordinate [m].
     pub tip: f64,
-    /// The same of its mate.
+    /// Length of roll at the tip of the mate, on its own path coordinate [m].
     pub mate_tip: f64,
     /// Transverse working pressure angle [rad].
     pub pressure_angle: f64,
     /// Cosine of the base helix angle.
     pub helix_cos: f64,
-    /// Base pitch [m].
+    /// Base pitch of both gears [m].
     pub base_pitch: f64,
 }
 
 impl Engagement {
-    /// The point of roll `rho` at path coordinate `s`, and its derivative by `s`.
+    /// Returns the point of roll `rho` at path coordinate `s`, and its derivative by `s`.
     fn point(&self, rho: f64, s: f64) -> ([f64; 2], [f64; 2]) {
         match self.base_radius {
             Some(rb) => {
@@ -68,8 +68,8 @@ impl Engagement {
         }
     }
 
-    /// How far beyond the tip its edge is followed on the mate's flank [m]: up to a separation that no load closes, or to
-    /// the mate's own tip.
+    /// Returns the distance beyond the tip over which its edge is followed on the mate's flank [m]: up to a separation
+    /// that no load closes, or to the tip of the mate.
     pub fn followed(&self) -> f64 {
         let follows = |u: f64| {
             self.of_point(self.tip, self.tip + u)
@@ -88,8 +88,8 @@ impl Engagement {
         near.max(1e-6 * self.base_pitch)
     }
 
-    /// Separation of the point of roll `rho` from the mate's involute in the transverse plane at path coordinate `s` [m],
-    /// and its derivative by `s`; `None` where the mate's involute does not reach.
+    /// Returns the separation of the point of roll `rho` from the mate's involute in the transverse plane at path
+    /// coordinate `s` [m], and its derivative by `s`; `None` beyond the mate's involute.
     fn of_point(&self, rho: f64, s: f64) -> Option<(f64, f64)> {
         let (p, dp) = self.point(rho, s);
         let Some(rm) = self.mate_base_radius else {
@@ -114,8 +114,8 @@ impl Engagement {
         Some((roll + rm * turned + s - self.length, 1.0 - along))
     }
 
-    /// The least of removed material and separation over the flank up to its tip: value and slope by `s` [m], both
-    /// normal to the flanks.
+    /// Returns the minimum of removed material plus separation over the flank up to its tip: value and slope by `s`
+    /// [m], both normal to the flanks.
     fn least(&self, s: f64, removed: &impl Fn(f64) -> f64) -> Option<(f64, f64)> {
         let at = |rho: f64| {
             self.of_point(rho, s)
@@ -153,18 +153,18 @@ impl Engagement {
     }
 }
 
-/// Separation over the gear's own path coordinate: zero up to the tip on a plain involute.
+/// Separation over the path coordinate of the gear: zero up to the tip on a plain involute.
 #[derive(Clone, Debug)]
 pub struct Separation {
-    /// Modified flank, up to the tip.
+    /// Separation of a modified flank, up to the tip.
     flank: Option<Table>,
-    /// Edge of the tip, beyond it.
+    /// Separation of the tip edge, beyond the tip.
     edge: Table,
 }
 
 impl Separation {
-    /// Of a gear in mesh. `removed` is the material removed over the length of roll [m] of a modified flank, sampled
-    /// `samples` times from `start` to the tip.
+    /// Computes the separation of a gear in mesh. `removed` is the material removed over the length of roll [m] of a
+    /// modified flank, sampled `samples` times from `start` to the tip.
     pub fn new(
         of: &Engagement,
         start: f64,
@@ -199,7 +199,7 @@ impl Separation {
         }
     }
 
-    /// The same with as much more removed everywhere [m].
+    /// Returns the separation with a constant amount of additional removed material [m].
     #[must_use]
     pub fn raised(&self, by: f64) -> Self {
         let mut raised = self.clone();
@@ -216,23 +216,23 @@ impl Separation {
         raised
     }
 
-    /// Whether it is zero up to the tip.
+    /// Returns true if the separation is zero up to the tip.
     pub fn is_plain(&self) -> bool {
         self.flank.is_none()
     }
 
-    /// Length of roll at the tip, and path coordinate up to which the edge is followed [m].
+    /// Returns the length of roll at the tip, and the path coordinate up to which the edge is followed [m].
     pub fn edge(&self) -> [f64; 2] {
         [self.edge.start, self.edge.end()]
     }
 
-    /// A value that the separation does not fall below anywhere [m].
+    /// Returns a lower bound of the separation [m].
     pub fn lowest(&self) -> f64 {
         // Its edge only stands off further.
         self.flank.as_ref().map_or(0.0, Table::lowest)
     }
 
-    /// Value [m], slope and curvature [1/m] at `s`.
+    /// Returns value [m], slope [-] and curvature [1/m] at `s`.
     #[inline]
     pub fn eval(&self, s: f64) -> [f64; 3] {
         if s > self.edge.start {
@@ -245,7 +245,7 @@ impl Separation {
     }
 }
 
-/// Values and slopes at equal steps; cubic (Hermite) between them, straight on outside.
+/// Values and slopes at equal steps, with cubic (Hermite) interpolation and linear extrapolation.
 #[derive(Clone, Debug)]
 struct Table {
     start: f64,
@@ -273,7 +273,7 @@ impl Table {
         self.start + self.step * (self.samples.len() - 1) as f64
     }
 
-    /// A value below all of the table, a tenth of its length beyond both ends included.
+    /// Returns a lower bound of the table, including a tenth of its length beyond both ends.
     fn lowest(&self) -> f64 {
         let span = self.end() - self.start;
         let beyond = [-0.1, 1.1].map(|x| self.eval(self.start + x * span)[0]);

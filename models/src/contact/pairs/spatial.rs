@@ -1,4 +1,5 @@
-//! Flanks of gears whose axes are not parallel, or whose hubs move sideways: where the slices of a pair touch.
+//! Contact between flanks of gears whose axes are not parallel, or whose hubs move out of the plane: nearest points of
+//! the slices of a pair.
 //!
 //! Each side of the teeth of a gear is an [involute helicoid](crate::geometry::InvoluteHelicoid), whose distance `D` from a
 //! point is known in closed form; those of both sides differ on conical gears.
@@ -34,40 +35,40 @@ use crate::Vec3;
 use crate::geometry::{Frame, PlaneAngle, Side};
 use crate::kinematics::HubFrame;
 pub use flanks::{FlankForm, Helicoid, Plane};
-use section::{Place, Section};
+use section::{Section, SectionPoint};
 use std::cell::Cell;
 
-/// Gap over the base pitch from which on one evaluation is enough: nothing touches.
+/// Gap relative to the base pitch above which one evaluation is enough, because no contact is possible.
 const FAR: f64 = 5e-3;
 
-/// Least length of roll, over the base pitch: nearer to the base circle no flank is looked at.
+/// Smallest length of roll relative to the base pitch: nearer to the base circle flanks are not evaluated.
 const LEAST_ROLL: f64 = 0.01;
 
-/// Pairs of a side whose last nearest points are kept: those that are looked at, for contact ratios below three.
+/// Number of pairs of a side whose last nearest points are stored, enough for contact ratios below three.
 const KEPT: usize = 4;
 
-/// Where the flanks of a slice come nearest.
+/// Nearest points of the flanks of a slice.
 #[derive(Clone, Copy, Debug)]
-pub struct Touch {
-    /// Of pairs that are far from each other a lower bound, what is removed left out [m].
+pub struct NearestPoints {
+    /// Gap [m]; for distant pairs a lower bound without the removed material.
     pub gap: f64,
-    /// [m]
+    /// Contact point [m].
     pub x: Vec3,
-    /// What the gap changes by: `dg = -n . (v_a - v_b)`; a unit vector on plain flanks.
+    /// Normal of the gap, `dg = -n . (v_a - v_b)`; a unit vector on plain flanks.
     pub normal: Vec3,
-    /// Lengths of roll of both flanks, as if they went on beyond their tips [m].
+    /// Lengths of roll of both flanks, continued beyond their tips [m].
     pub roll: [f64; 2],
-    /// How the path coordinate moves, `ds = f . v + m . w` with the velocity `v` at the contact point and the spin `w` of
-    /// gear b over gear a; zero where that is not asked for.
+    /// Derivative of the path coordinate, `ds = f . v + m . w` with the velocity `v` at the contact point and the
+    /// angular velocity `w` of gear b relative to gear a; zero where it is not needed.
     pub path: [Vec3; 2],
 }
 
-/// The flanks of a mesh in space.
+/// Flanks of a mesh in space.
 #[derive(Clone, Debug)]
 pub struct Spatial {
-    /// Those of both gears.
+    /// Flanks of both gears.
     flanks: [FlankForm; 2],
-    /// The gear whose transverse sections the slices are; never a rack.
+    /// Index of the gear whose transverse sections the slices are; never a rack.
     sliced: usize,
     /// Distance between the tangent points [m].
     length: f64,
@@ -75,22 +76,22 @@ pub struct Spatial {
     roll_scale: [[f64; 2]; 2],
     /// Base pitch [m].
     base_pitch: f64,
-    /// Angle (place on the slide) of tooth 0 of both gears at the assembled position.
+    /// Angle (position of a rack) of tooth 0 of both gears at the assembled position.
     phases: [f64; 2],
-    /// How far flanks stand out of their involutes at most [m], and the distance of unmodified flanks from which on a pair is
-    /// [`FAR`] open all the same.
+    /// Largest protrusion of the flanks beyond their involutes [m], and the distance of unmodified flanks above which
+    /// a pair is open by [`FAR`] all the same.
     stands_out: f64,
     far: f64,
-    /// Places on sections whose distance from the mate was evaluated so far.
+    /// Number of evaluated distances between a point of a section and the mate.
     evaluated: Cell<u64>,
 }
 
-/// The geometry of a mesh whose flanks touch anywhere in space.
+/// Geometry of a mesh whose flanks may touch anywhere in space.
 #[derive(Clone, Debug)]
 pub struct SpatialGeometry {
     /// Flanks of both gears.
     pub flanks: [FlankForm; 2],
-    /// The gear whose transverse sections the slices are; never a rack.
+    /// Index of the gear whose transverse sections the slices are; never a rack.
     pub sliced: usize,
     /// Distance between the tangent points [m].
     pub length: f64,
@@ -98,26 +99,27 @@ pub struct SpatialGeometry {
     pub roll_scale: [[f64; 2]; 2],
     /// Base pitch [m].
     pub base_pitch: f64,
-    /// Angle (place on the slide) of tooth 0 of both gears at the assembled position.
+    /// Angle (position of a rack) of tooth 0 of both gears at the assembled position.
     pub phases: [f64; 2],
 }
 
-/// Hubs of both gears at a state, and the nearest points found at it so far: slice by slice those of a pair lie close together.
+/// Hub poses of both gears at a state, and the nearest points found at it so far, which start the searches of
+/// neighbouring slices.
 #[derive(Debug)]
 pub(super) struct MeshPose {
     /// Hub of the mate of the sliced gear, in space.
     mate: HubFrame,
     /// Hub of the sliced gear in the axes of the mate's.
     sliced: Frame,
-    /// Base radii at the nearest points of pairs of left and right flanks, in the axes of the sliced gear and of its mate; the
-    /// last of a side comes after those of its pairs.
+    /// Base radii at the nearest points of pairs of left and right flanks, in the axes of the sliced gear and of its
+    /// mate. The last entry of a side is the most recent result.
     found: [[Cell<Option<[PlaneAngle; 2]>>; KEPT + 1]; 2],
-    /// Least distance of all pairs of left and right flanks [m], once it is asked for.
+    /// Smallest distance of all pairs of left and right flanks [m]; `None` until it is needed.
     least: [Cell<Option<f64>>; 2],
 }
 
 impl Spatial {
-    /// Of flanks and their arrangement.
+    /// Creates the search from the geometry of a mesh.
     pub fn new(of: SpatialGeometry) -> Self {
         let stands_out: f64 = of.flanks.iter().map(FlankForm::stands_out).sum();
         Spatial {
@@ -133,7 +135,7 @@ impl Spatial {
         }
     }
 
-    /// Hubs of both gears at a state.
+    /// Returns the hub poses of both gears at a state.
     pub(super) fn pose(&self, hubs: [&HubFrame; 2]) -> MeshPose {
         let [sliced, mate] = [self.sliced, 1 - self.sliced].map(|k| hubs[k]);
         MeshPose {
@@ -147,13 +149,13 @@ impl Spatial {
         }
     }
 
-    /// Tip radius of the sliced gear [m].
+    /// Returns the tip radius of the sliced gear [m].
     fn tip_radius(&self, side: Side) -> f64 {
         let own = self.sliced_flanks();
         own.tip(side, 0.0).hypot(own.flank(side).base_radius)
     }
 
-    /// Places on sections whose distance from the mate was evaluated so far.
+    /// Returns the number of evaluated distances.
     pub(super) fn evaluated(&self) -> u64 {
         self.evaluated.get()
     }
@@ -165,7 +167,7 @@ impl Spatial {
         }
     }
 
-    /// The slice at the height `z` of the sliced gear; teeth and their angles are those of gear a and gear b.
+    /// Returns the slice at the height `z` of the sliced gear, from teeth and angles of gear a and gear b.
     #[inline]
     fn section<'a>(
         &'a self,
@@ -190,10 +192,16 @@ impl Spatial {
         }
     }
 
-    /// The place of a section that is nearest to the mate, of unmodified flanks that go on beyond their tips, or a place that is
-    /// [`FAR`] from it; `guess` is a guess of its length of roll.
+    /// Returns the point of a section nearest to the mate, for unmodified flanks continued beyond their tips, or a
+    /// point that is [`FAR`] from it; `guess` is an approximate length of roll.
     #[inline]
-    fn nearest(&self, section: &Section<'_>, pair: i64, pose: &MeshPose, guess: f64) -> Place {
+    fn nearest(
+        &self,
+        section: &Section<'_>,
+        pair: i64,
+        pose: &MeshPose,
+        guess: f64,
+    ) -> SectionPoint {
         let least = LEAST_ROLL * self.base_pitch;
         let found = &pose.found[side_index(section.side)];
         let of_pair = &found[pair.rem_euclid(KEPT as i64) as usize];
@@ -208,15 +216,15 @@ impl Spatial {
         place
     }
 
-    /// Where the flanks of a section come nearest, by the place where those without modifications do.
+    /// Returns the nearest points of the flanks of a section, from those of the unmodified flanks.
     #[inline]
     fn touch(
         &self,
         section: &Section<'_>,
-        mut place: Place,
+        mut place: SectionPoint,
         pose: &MeshPose,
         with_path: bool,
-    ) -> Touch {
+    ) -> NearestPoints {
         let (i, j) = (self.sliced, 1 - self.sliced);
         let (own, mate, side, z) = (section.own, section.mate, section.side, section.z);
         let least = LEAST_ROLL * self.base_pitch;
@@ -238,7 +246,7 @@ impl Spatial {
         };
         // The outward normal of the sliced gear points from a to b where that is a.
         let sign = if j == 1 { -1.0 } else { 1.0 };
-        let touch = |gap: f64, x: &Vec3, outward: &Vec3| Touch {
+        let touch = |gap: f64, x: &Vec3, outward: &Vec3| NearestPoints {
             gap,
             x: pose.mate.point(x),
             normal: pose.mate.turn(&(sign * outward)),
@@ -262,8 +270,8 @@ impl Spatial {
         touch(place.near.distance + e, &place.x, &place.near.gradient)
     }
 
-    /// How the path coordinate moves with the motion of gear b over gear a.
-    fn path(&self, section: &Section<'_>, pose: &MeshPose, place: &Place) -> [Vec3; 2] {
+    /// Returns the derivative of the path coordinate by the motion of gear b relative to gear a.
+    fn path(&self, section: &Section<'_>, pose: &MeshPose, place: &SectionPoint) -> [Vec3; 2] {
         let (i, j) = (self.sliced, 1 - self.sliced);
         let (side, near, base) = (section.side, &place.near, &place.direction);
         let sigma = side.sign();
@@ -301,15 +309,15 @@ impl Spatial {
 }
 
 impl LinesOfAction {
-    /// Places on flanks in space whose distance from the mate was evaluated so far, each a correction of a nearest point; none on
-    /// lines of action.
+    /// Returns the number of evaluated distances between flanks in space, each a correction of a nearest point; zero
+    /// for lines of action.
     pub fn evaluated_places(&self) -> u64 {
         self.spatial
             .as_ref()
             .map_or(0, |spatial| spatial.evaluated())
     }
 
-    /// Whether all pairs of a side are open by more than `reach` [m], by the distance of one of them.
+    /// Returns true if all pairs of a side are open by more than `reach` [m], from the distance of one of them.
     ///
     /// On parallel axes the unmodified flanks of all pairs and slices are equally far from each other, and their nearest places
     /// lie in the plane of action, apart by what their teeth and heights are. Turned to parallel axes about the nearest place of
@@ -344,7 +352,7 @@ impl LinesOfAction {
             .is_some_and(|least| least > spatial.far.max(reach + spatial.stands_out))
     }
 
-    /// Least distance of the unmodified flanks of a side, if they are [`FAR`] from each other.
+    /// Returns the smallest distance of the unmodified flanks of a side, if they are [`FAR`] from each other.
     fn least_distance(&self, spatial: &Spatial, side: Side, gears: &MeshedGears<'_>) -> f64 {
         let mut lines = self.lines.iter().filter(|line| line.side == side);
         let count = self.slices.len();
@@ -369,8 +377,8 @@ impl LinesOfAction {
         distance - tilt * (extent + 4.0 * tilt * spatial.tip_radius(side))
     }
 
-    /// The slice of a pair and a guess of the length of roll of its nearest place, by path coordinates that only tell how far its
-    /// teeth have turned.
+    /// Returns the slice of a pair and an approximate length of roll of its nearest point, from path coordinates that
+    /// determine only the rotation of the teeth.
     #[inline]
     fn section_of_pair<'a>(
         &self,
@@ -400,8 +408,8 @@ impl LinesOfAction {
         )
     }
 
-    /// Where a pair stands: its teeth, lengths of roll and gap, by path coordinates that only tell how far its teeth have
-    /// turned.
+    /// Returns a pair with its teeth, lengths of roll and gap, from path coordinates that determine only the rotation
+    /// of the teeth.
     #[inline]
     pub(super) fn pair_in_space(
         &self,

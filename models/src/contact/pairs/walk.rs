@@ -1,16 +1,18 @@
-//! Along the lines of action: teeth, path coordinates, gaps and candidates of consecutive pairs.
+//! Consecutive pairs along the lines of action: teeth, path coordinates, gaps and candidates.
 
-use super::lines::{Displacements, Line, LinesOfAction, MeshedGears, Mover, PairState, side_index};
+use super::lines::{
+    Displacements, GearKinematics, Line, LinesOfAction, MeshedGears, PairState, side_index,
+};
 use crate::contact::candidate::Candidate;
-use crate::contact::party::Wanted;
+use crate::contact::gear_state::CandidateSelection;
 use crate::geometry::Side;
 use crate::kinematics::{Locus, Point, Tooth};
 
-/// Pairs whose path coordinates are asked for at once: those of a line, for contact ratios up to three.
+/// Number of pairs whose path coordinates are computed at once: those of a line, for contact ratios up to three.
 const BLOCK: usize = 4;
 
-/// The whole number nearest to `x`, within 32 bits: no gear turns through 2^31 teeth, a run that blows up
-/// might. (`round` is a library call on processors without SSE 4.1.)
+/// Rounds `x` to the nearest whole number within 32 bits: no gear turns through 2^31 teeth, except in a diverging run.
+/// (`round` is a library call on processors without SSE 4.1.)
 #[inline]
 fn nearest(x: f64) -> i64 {
     i64::from((x + 0.5_f64.copysign(x)) as i32)
@@ -35,9 +37,9 @@ impl LinesOfAction {
         ]
     }
 
-    /// Path coordinate of the flank of gear `k` in a pair [m].
+    /// Returns the path coordinate of the flank of gear `k` in a pair [m].
     #[inline(always)]
-    fn path_coordinate(&self, line: &Line, k: usize, gear: &Mover<'_>, pair: i64) -> f64 {
+    fn path_coordinate(&self, line: &Line, k: usize, gear: &GearKinematics<'_>, pair: i64) -> f64 {
         let displacement = match gear.displacements {
             Displacements::OfHub(displacement) => displacement,
             Displacements::OfTeeth(teeth) => {
@@ -47,13 +49,13 @@ impl LinesOfAction {
         line.map[k].s(displacement, pair)
     }
 
-    /// Path coordinates of the flanks of gear `k` in consecutive pairs from `first` on [m].
+    /// Computes the path coordinates of the flanks of gear `k` in consecutive pairs from `first` on [m].
     #[inline(always)]
     fn path_coordinates(
         &self,
         line: &Line,
         k: usize,
-        gear: &Mover<'_>,
+        gear: &GearKinematics<'_>,
         first: i64,
         out: &mut [f64],
     ) {
@@ -116,7 +118,7 @@ impl LinesOfAction {
         }
     }
 
-    /// Where a pair stands: its teeth, path coordinates and gap.
+    /// Returns a pair with its teeth, path coordinates and gap.
     #[inline(always)]
     pub(super) fn pair(
         &self,
@@ -132,12 +134,12 @@ impl LinesOfAction {
         }
     }
 
-    /// Path coordinates of both flanks of a pair [m].
+    /// Returns the path coordinates of both flanks of a pair [m].
     pub(super) fn both(&self, line: &Line, gears: &MeshedGears<'_>, pair: i64) -> [f64; 2] {
         [0, 1].map(|k| self.path_coordinate(line, k, &gears.of[k], pair))
     }
 
-    /// The same on the line of action.
+    /// Returns a pair on the line of action from its path coordinates.
     #[inline(always)]
     pub(super) fn pair_on_line(&self, line: &Line, pair: i64, s: [f64; 2]) -> PairState {
         let teeth = self.teeth(line.side, pair);
@@ -155,7 +157,7 @@ impl LinesOfAction {
         p
     }
 
-    /// Adds what the flanks of a pair stand off their involutes.
+    /// Adds the separations of the flanks of a pair from their involutes.
     pub(super) fn separate(&self, line: &Line, p: &mut PairState) {
         let separations = &self.slices[line.slice].separation[line.side.index()];
         for (k, separation) in separations.iter().enumerate() {
@@ -175,8 +177,8 @@ impl LinesOfAction {
         }
     }
 
-    /// Whether all pairs of a line are known to be open by more than `reach` [m] without an evaluation of each: where teeth move as
-    /// one. False says nothing.
+    /// Returns true if all pairs of a line are certainly open by more than `reach` [m], without an evaluation of each,
+    /// where all teeth move with the hub. False gives no information.
     #[inline(always)]
     pub(super) fn clearly_open(&self, line: &Line, gears: &MeshedGears<'_>, reach: f64) -> bool {
         let [a, b] = &gears.of;
@@ -214,20 +216,20 @@ impl LinesOfAction {
         [flank(0), flank(1)]
     }
 
-    /// Path coordinate of a contact on that of gear a, the same whichever gear is asked [m].
+    /// Returns the path coordinate of a contact on that of gear a [m], independent of the order of the gears.
     #[inline(always)]
     pub(super) fn middle(&self, s: [f64; 2]) -> f64 {
         0.5 * (s[0] + self.mesh.length - s[1])
     }
 
-    /// Height over a rack's reference line, which lies at `length / sin(alpha)` from gear a.
+    /// Returns the height above the reference line of a rack, which lies at `length / sin(alpha)` from gear a.
     pub(super) fn height_on_rack(&self, k: usize, s_a: f64) -> f64 {
         let (sin, cos) = self.mesh.views[k].working_pressure_angle.sin_cos();
         let rb = self.mesh.views[0].base_radius.unwrap_or(0.0);
         self.mesh.length / sin - (rb * cos + s_a * sin)
     }
 
-    /// Slot of the pair after the one in `slot`.
+    /// Returns the slot of the pair after the one in `slot`.
     #[inline(always)]
     fn next_slot(&self, l: usize, slot: usize) -> usize {
         if slot + 1 == (l + 1) * self.pairs {
@@ -257,7 +259,7 @@ impl LinesOfAction {
         let (k, k_s) = self.stiffness.eval(s);
         Candidate {
             aside: [crate::Vec3::zeros(); 2],
-            fade: 1.0,
+            taper: 1.0,
             slot,
             points,
             normal,
@@ -278,20 +280,20 @@ impl LinesOfAction {
         l: usize,
         gears: &MeshedGears<'_>,
         discrete: &[f64],
-        wanted: Wanted<'_>,
+        selection: CandidateSelection<'_>,
         out: &mut Vec<Candidate>,
     ) {
         let line = &self.lines[l];
-        let listed = !matches!(wanted, Wanted::Touching(_));
+        let listed = !matches!(selection, CandidateSelection::Touching(_));
         let range = self.pairs_of(l, gears, discrete, listed);
         self.each_pair(l, range, gears, |slot, pair, s| {
-            if let Wanted::Closed(modes) = wanted
+            if let CandidateSelection::Closed(modes) = selection
                 && modes[2 * slot] == 0.0
             {
                 return;
             }
             let p = self.pair(line, gears, pair, s);
-            if let Wanted::Touching(reach) = wanted
+            if let CandidateSelection::Touching(reach) = selection
                 && p.gap > reach
             {
                 return;
@@ -300,7 +302,7 @@ impl LinesOfAction {
         });
     }
 
-    /// Gaps of consecutive pairs of a line, by slot.
+    /// Computes the gaps of consecutive pairs of a line, by slot.
     pub(super) fn gaps_of_pairs(
         &self,
         l: usize,
@@ -314,7 +316,8 @@ impl LinesOfAction {
         });
     }
 
-    /// Event functions and gaps of a line; the displacements of teeth that move each on its own are read once for both.
+    /// Computes event functions and gaps of a line; the displacements of teeth with their own motion are read once for
+    /// both.
     pub(super) fn watch_line(
         &self,
         l: usize,
@@ -345,13 +348,14 @@ impl LinesOfAction {
         }
     }
 
-    /// Path coordinate of a pair on that of gear a, the same whichever gear comes first [m].
+    /// Returns the path coordinate of a pair on that of gear a [m], independent of the order of the gears.
     #[inline(always)]
     pub(super) fn place(&self, line: &Line, gears: &MeshedGears<'_>, pair: i64) -> f64 {
         self.middle(self.both(line, gears, pair))
     }
 
-    /// `s`: path coordinates of the pair before the first, the first, the last, the one after it.
+    /// Sets the event functions of a zone from `s`, the path coordinates of the pair before the first, the first, the
+    /// last, and the one after it.
     #[inline(always)]
     pub(super) fn set_zone_events(&self, s: [f64; 4], event_functions: &mut [f64]) {
         let scale = self.per_base_pitch;
@@ -361,7 +365,8 @@ impl LinesOfAction {
         event_functions[3] = (s[3] - self.zone[1]) * scale;
     }
 
-    /// Pairs that a line looks at: those in discrete state, or those in the zone now.
+    /// Returns the range of pairs that a line evaluates: those in the discrete state, or those in the zone at this
+    /// state.
     #[inline(always)]
     pub(super) fn pairs_of(
         &self,
@@ -383,14 +388,14 @@ impl LinesOfAction {
         }
     }
 
-    /// The pair nearest to the middle of the path, where pair 0 is at a path coordinate [m].
+    /// Returns the pair nearest to the middle of the path, where pair 0 is at a path coordinate [m].
     #[inline]
     pub(super) fn nearest_to_middle(&self, s0: f64) -> i64 {
         let middle = 0.5 * (self.zone[0] + self.zone[1]);
         nearest((middle - s0) * self.per_base_pitch)
     }
 
-    /// First and last pair in the zone at a state.
+    /// Returns the first and last pair in the zone at a state.
     pub(super) fn zone_now(&self, line: &Line, gears: &MeshedGears<'_>) -> (i64, i64) {
         // The teeth move little against the hub, so the pair nearest to the middle is a safe start.
         let guess = self.nearest_to_middle(self.place(line, gears, 0));

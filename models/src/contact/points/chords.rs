@@ -1,5 +1,4 @@
-//! What a profile may leave its chords by, and what flanks held against it may come nearer than at their ends: lower bounds
-//! of gaps at the cost of a scalar product.
+//! Lower bounds of gaps from the chords of a profile: one scalar product per bound.
 //!
 //! With the unit normal `n` and the distance `d` of a chord, all of the profile about its face stands out of it by at most
 //! `p`, so that a point `x` that faces it has a gap of `n . x - d - p` at least. Along a chord of the length `l` that touches
@@ -9,44 +8,44 @@
 //! l^2 kappa / 8
 //! ```
 //!
-//! in between, and by what the chord's own profile stands out of it.
+//! in between, and by the protrusion of the chord's own profile.
 
 use super::profile::{Vec2, outward};
 use crate::geometry::Side;
 
-/// Places along a face and half of both neighbours at which it is seen how far these stand out of its chord.
+/// Number of points along a face and half of both neighbours at which its protrusion beyond the chord is sampled.
 const SAMPLES: usize = 16;
 
-/// Room for what lies between these, and for curvature within a face.
+/// Safety factor for the profile between samples, and for curvature within a face.
 const ROOM: f64 = 1.5;
 
-/// Part of the length of a chord that is added.
+/// Fraction of the length of a chord added to its protrusion.
 const LEAST: f64 = 1e-3;
 
-/// The chord of a face.
+/// Chord of a face of a profile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chord {
-    /// Outward unit normal.
+    /// Outward unit normal of the chord.
     pub normal: Vec2,
-    /// Distance from the origin along it [m].
+    /// Distance of the chord from the origin along the normal [m].
     pub distance: f64,
-    /// How far the profile, from the middle of the face before to that of the next one, may stand out [m].
+    /// Largest protrusion of the profile [m], from the middle of the previous face to that of the next one.
     pub out: f64,
 }
 
-/// How a face bends.
+/// Curvature bound of a face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bulge {
-    /// How far it may stand out of its chord [m].
+    /// Largest protrusion beyond the chord [m].
     out: f64,
     /// Squared length of the chord [m^2].
     square: f64,
-    /// An eighth of the curvature [1/m].
+    /// One eighth of the curvature [1/m].
     per_square: f64,
 }
 
 impl Bulge {
-    /// How much less than at both its ends the gap of a face to faces of a master may be in between [m].
+    /// Returns a bound of the decrease of the gap between the ends of a face and faces of a master [m].
     #[inline]
     pub fn dip(&self, masters: [&Bulge; 2]) -> f64 {
         let [a, b] = masters.map(|m| m.per_square);
@@ -54,13 +53,13 @@ impl Bulge {
     }
 }
 
-/// A place on a cubic.
+/// Returns a point on a cubic.
 #[inline]
 pub(super) fn on_curve([c0, c1, c2, c3]: &[Vec2; 4], a: f64) -> Vec2 {
     c0 + a * (c1 + a * (c2 + a * c3))
 }
 
-/// Chords of the faces between nodes, and how these bend.
+/// Computes the chords of the faces between nodes, and their curvature bounds.
 pub(super) fn chords(side: Side, knots: &[Vec2], curves: &[[Vec2; 4]]) -> (Vec<Chord>, Vec<Bulge>) {
     let last = curves.len() - 1;
     let line = |row: usize| {
@@ -105,7 +104,8 @@ pub(super) fn chords(side: Side, knots: &[Vec2], curves: &[[Vec2; 4]]) -> (Vec<C
 mod tests {
     use super::*;
 
-    /// Faces of a circle about the origin, from one angle to another, as cubics by places and slopes of their ends.
+    /// Builds faces of a circle about the origin, from one angle to another, as cubics through points and slopes of
+    /// their ends.
     fn circle(radius: f64, angles: [f64; 2], faces: usize) -> (Vec<Vec2>, Vec<[Vec2; 4]>) {
         let step = (angles[1] - angles[0]) / faces as f64;
         let at = |i: usize| {

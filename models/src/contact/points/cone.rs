@@ -1,9 +1,10 @@
-//! Rows of the flanks of conical gears, whose radii grow along the axis: a squared radius tells a row only at a height.
+//! Row search on the flanks of conical gears, whose radii grow along the axis: a squared radius determines a row only
+//! at a given height.
 
 use super::surface::Shape;
 use crate::Vec3;
 
-/// The flanks of a conical gear.
+/// Radii of the nodes of a flank of a conical gear.
 #[derive(Clone, Debug)]
 pub(super) struct Cone {
     /// Tangent of the angle of the tip cone.
@@ -14,7 +15,7 @@ pub(super) struct Cone {
 }
 
 impl Cone {
-    /// Of the nodes of a flank, row by row.
+    /// Builds the table from the nodes of a flank, row by row.
     pub fn new(slope: f64, [rows, columns]: [usize; 2], positions: &[Vec3]) -> Self {
         let nodes = (0..columns).flat_map(|c| (0..rows).map(move |r| r * columns + c));
         Cone {
@@ -24,12 +25,13 @@ impl Cone {
         }
     }
 
-    /// Squared radius [m^2] of a point, carried along the tip cone to the middle of the face.
+    /// Returns the squared radius [m^2] of a point moved along the tip cone to the middle of the face.
     pub fn carried(&self, x: &Vec3) -> f64 {
         (x.xy().norm() - self.slope * x.z).powi(2)
     }
 
-    /// Row whose strip holds a squared radius at a place of a column of faces, and where in it, from 0 to 1.
+    /// Returns the row whose strip contains a squared radius at a position in a column of faces, and the position in
+    /// the strip, from 0 to 1.
     #[inline]
     pub fn row_at(&self, height: f64, (column, b): (usize, f64)) -> (usize, f64) {
         let (near, far) = self.squares[column * self.rows..].split_at(self.rows);
@@ -44,7 +46,7 @@ impl Cone {
 }
 
 impl Shape {
-    /// The same on a conical gear, whose tip cone has a slope; 0 of a cylindrical one.
+    /// Adds the tip cone of a conical gear by its slope; 0 for a cylindrical gear.
     #[must_use]
     pub fn on_cone(mut self, slope: f64) -> Self {
         if slope == 0.0 {

@@ -1,10 +1,10 @@
 //! Corners of the faces of twisted flanks, with the displacements of their nodes.
 
 use super::surface::Shape;
-use crate::contact::nodal::{GearNodes, NodalParty, UNUSED};
+use crate::contact::nodal::{GearNodes, NodalGearState, UNUSED};
 use crate::geometry::Flanks;
 
-/// Corners of a face among the nodes of its gear, with their displacements.
+/// Corners of a face as nodes of its gear, with their displacements.
 #[derive(Clone, Copy)]
 pub(super) struct Corners {
     pub face: (usize, usize),
@@ -13,9 +13,9 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    /// Those of a face; none without a field.
+    /// Registers the corners of a face; they are empty without a field.
     #[inline]
-    pub fn of(side: &mut NodalParty<'_>, shape: &Shape, row: usize, column: usize) -> Self {
+    pub fn of(side: &mut NodalGearState<'_>, shape: &Shape, row: usize, column: usize) -> Self {
         let Some(field) = side.field else {
             return Corners {
                 face: (row, column),
@@ -24,7 +24,7 @@ impl Corners {
             };
         };
         let nodes = shape.corners(row, column);
-        let slots = side.nodes.meet(field, side.party.at, &nodes);
+        let slots = side.nodes.meet(field, side.gear_state.at, &nodes);
         Corners {
             face: (row, column),
             slots,
@@ -45,7 +45,7 @@ impl Corners {
     }
 }
 
-/// Bilinear weights of the corners of a face.
+/// Returns the bilinear weights of the corners of a face.
 #[inline]
 pub(super) fn weights(a: f64, b: f64) -> [f64; 4] {
     Flanks::weights([2.0 * a - 1.0, 2.0 * b - 1.0])

@@ -1,4 +1,4 @@
-//! A gear of a mesh as the point search sees it: its flanks' shapes, and which of them may touch.
+//! A gear of a mesh in the point search: the shapes of its flanks, and the selection of those that may touch.
 //!
 //! Teeth are found as in the two-step search of the gear train module: the teeth about the line of centres
 //! first, then for each flank the one it faces. A flank stands at the path coordinate `s` of the involute
@@ -6,70 +6,71 @@
 
 use super::generated;
 use super::involute::{deviation_bound, off_involute, outermost, path_at_zero};
-use super::owner::Owner;
 use super::projection::MOST_PAST;
 use super::rule::Rule;
+use super::search_gear::SearchGear;
 use super::surface::Shape;
-use crate::contact::party::Party;
+use crate::contact::gear_state::GearState;
 use crate::error::Reason;
 use crate::geometry::{Flanks, Side, Tips};
 use crate::kinematics::{Placement, Pose};
 use crate::spec::{Body, SurfaceKind};
 use std::f64::consts::TAU;
 
-/// Part of the base pitch by which the nodes of a flank may lie off one involute and still be found as lying on it.
+/// Largest deviation of the nodes of a flank from one involute, relative to the base pitch, for the search by path
+/// coordinates.
 const OFF_INVOLUTE: f64 = 0.1;
 
-/// A flank's place in the sorted list of its side.
+/// Entry of a flank in the sorted list of its side.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
-    /// Path coordinate at zero displacement [m], in one turn for a gear.
+    /// Path coordinate at zero displacement [m], within one turn for a gear.
     s: f64,
     shape: usize,
     tooth: i64,
 }
 
-/// A gear with its flanks.
+/// A gear with its flanks, for the point search.
 #[derive(Clone, Debug)]
-pub(super) struct Flanked {
-    /// The flanks are the gear's own: it says where their nodes are.
+pub(super) struct FlankedGear {
+    /// True if the gear model has flanks of its own, whose node positions it computes.
     pub own: bool,
     pub rack: bool,
     pub tips: Tips,
     pub conical: bool,
     pub placement: Placement,
     pub shapes: Vec<Shape>,
-    /// The undeformed nodes, for gears that bring no flanks.
+    /// Undeformed nodes, for gear models without own flanks.
     pub grids: Flanks,
     pub mesh: u8,
     pub face_width: f64,
     teeth: i64,
-    /// Path coordinate per displacement of left flanks.
+    /// Derivative of the path coordinate of left flanks by the displacement.
     per_displacement: f64,
     /// Path coordinate of a whole turn [m]; infinite for a rack.
     turn: f64,
-    /// Flanks of both sides by their path coordinate.
+    /// Flanks of both sides, sorted by their path coordinate.
     sorted: [Vec<Entry>; 2],
-    /// Flanks that move with the hub alone: the largest path coordinate at zero displacement of any surface of either
-    /// side, in one base pitch.
+    /// Largest path coordinate at zero displacement of any surface of either side, within one base pitch; for flanks
+    /// that move with the hub alone.
     foremost: Option<[f64; 2]>,
-    /// Flanks move with the hub alone.
+    /// True if the flanks move with the hub alone.
     pub rigid: bool,
-    /// The flanks follow their involutes, near enough to be found by path coordinates.
+    /// True if the flanks follow their involutes closely enough for the search by path coordinates.
     pub involute: bool,
-    /// How far a flank stands outward of its involute at most, on the path coordinate [m]; for such flanks.
+    /// Largest outward deviation of such a flank from its involute, on the path coordinate [m].
     pub deviation_bound: f64,
-    /// Base radius [m], negative of an internal gear; `None` for a rack.
+    /// Base radius [m], negative for an internal gear; `None` for a rack.
     pub base_radius: Option<f64>,
 }
 
 /// A flank that may touch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Near {
+pub(super) struct NearbyFlank {
     pub shape: usize,
-    /// Unwrapped tooth.
+    /// Tooth number, counted on over turns.
     pub tooth: i64,
-    /// Path coordinate [m].
+    /// Path coordinate of the flank [m].
     pub s: f64,
 }
 
@@ -77,8 +78,8 @@ fn side_index(side: Side) -> usize {
     usize::from(side == Side::Right)
 }
 
-impl Flanked {
-    pub fn new(o: Owner<'_>, kind: SurfaceKind, rule: &Rule) -> Result<Self, Reason> {
+impl FlankedGear {
+    pub fn new(o: SearchGear<'_>, kind: SurfaceKind, rule: &Rule) -> Result<Self, Reason> {
         let (rack, tips) = (matches!(o.body, Body::Rack(_)), o.body.tips());
         let own = o.gear.flanks().is_some();
         let grids = match o.gear.flanks() {
@@ -148,7 +149,7 @@ impl Flanked {
         for list in &mut sorted {
             list.sort_by(|a, b| a.s.total_cmp(&b.s));
         }
-        Ok(Flanked {
+        Ok(FlankedGear {
             own,
             rack,
             tips,
@@ -176,28 +177,30 @@ impl Flanked {
         })
     }
 
-    /// The own frame of a tooth after a displacement [rad] or [m] from its assembled position.
+    /// Returns the frame of the gear after a displacement [rad or m] from the assembled position.
     #[inline]
-    pub fn pose(&self, party: &Party<'_>, displacement: f64) -> Pose {
-        let at = party.at;
-        (self.placement).pose_at(party.gear.hub(), at.t, at.q, displacement)
+    pub fn pose(&self, gear_state: &GearState<'_>, displacement: f64) -> Pose {
+        let at = gear_state.at;
+        (self.placement).pose_at(gear_state.gear.hub(), at.t, at.q, displacement)
     }
 
-    /// The largest path coordinate of the flanks of a side at a displacement, whole base pitches aside; none for flanks
-    /// that do not move with the hub alone.
+    /// Returns the largest path coordinate of the flanks of a side at a displacement, modulo the base pitch; `None`
+    /// for flanks that do not move with the hub alone.
     #[inline]
     pub fn foremost(&self, side: Side, displacement: f64) -> Option<f64> {
         let at_zero = self.foremost?[side_index(side)];
         Some(at_zero + side.sign() * self.per_displacement * displacement)
     }
 
-    /// Path coordinate per displacement of left flanks; right ones have the opposite.
+    /// Returns the derivative of the path coordinate of left flanks by the displacement; that of right flanks is the
+    /// opposite.
     #[inline]
     pub fn per_displacement(&self) -> f64 {
         self.per_displacement
     }
 
-    /// Height of the place of a flank that lies on the path of contact, its path coordinate being `s` [m]; of a gear.
+    /// Returns the height of the point of a flank on the path of contact, at the path coordinate `s` [m]; for a gear,
+    /// not a rack.
     #[inline]
     pub fn height_on_path(&self, s: f64) -> f64 {
         let rb = self.base_radius.unwrap_or(0.0);
@@ -211,14 +214,14 @@ impl Flanked {
         side: Side,
         displacement: f64,
         [low, high]: [f64; 2],
-        mut f: impl FnMut(Near),
+        mut f: impl FnMut(NearbyFlank),
     ) {
         let list = &self.sorted[side_index(side)];
         let shift = side.sign() * self.per_displacement * displacement;
         if self.rack {
             let first = list.partition_point(|e| e.s + shift < low);
             for e in list[first..].iter().take_while(|e| e.s + shift <= high) {
-                f(Near {
+                f(NearbyFlank {
                     shape: e.shape,
                     tooth: e.tooth,
                     s: e.s + shift,
@@ -245,7 +248,7 @@ impl Flanked {
             }
             let s = low + past;
             let turns = ((s - shift - e.s) / self.turn).round() as i64;
-            f(Near {
+            f(NearbyFlank {
                 shape: e.shape,
                 tooth: e.tooth
                     + (side.sign() * self.per_displacement.signum()) as i64 * self.teeth * turns,
@@ -256,7 +259,7 @@ impl Flanked {
 
     /// Calls `f` for all flanks of a side in the order of their path coordinates, those of a gear within half a turn
     /// of `s`.
-    pub fn each_about(&self, side: Side, displacement: f64, s: f64, f: impl FnMut(Near)) {
+    pub fn each_about(&self, side: Side, displacement: f64, s: f64, f: impl FnMut(NearbyFlank)) {
         self.each_near(
             side,
             displacement,
@@ -266,7 +269,7 @@ impl Flanked {
     }
 }
 
-/// Refuses grids that are none.
+/// Refuses invalid grids.
 fn check(flanks: &Flanks) -> Result<(), Reason> {
     if flanks.grids().is_empty() {
         return Err(("it brings no flank", "give the flanks that may touch").into());

@@ -1,5 +1,5 @@
-//! Flanks of gears that bring none: dense grids on the involute (or the straight rack flank), rigid with
-//! their tooth.
+//! Generated flanks for gear models without own flanks: fine grids on the involute (or the straight rack flank) that
+//! move rigidly with their tooth.
 //!
 //! ```text
 //! x = r (cos, sin)(theta_k +- half angle(r) + z tan(beta_b) / r_b),    r^2 = r_b^2 + s^2
@@ -13,14 +13,14 @@ use crate::Vec3;
 use crate::geometry::{FlankGrid, Flanks, Gear, Rack, Side};
 use crate::spec::Body;
 
-/// Nodes along the profile: the spline's error is far below a nanometre.
+/// Number of nodes along the profile: the error of the spline is far below a nanometre.
 const ROWS: usize = 49;
-/// Nodes over the width where the flank varies over it.
+/// Number of nodes over the width where the flank varies over it.
 const COLUMNS: usize = 17;
-/// The most of them.
+/// Largest number of nodes over the width.
 const MOST_COLUMNS: usize = 129;
 
-/// Grids of all flanks of a body.
+/// Returns the grids of all flanks of a body.
 pub(super) fn flanks(body: &Body) -> Flanks {
     match body {
         Body::Gear(g) => {
@@ -57,7 +57,7 @@ fn grid(
     }
 }
 
-/// Nodes over the width: no fewer than a measured flank has, and four over each end relief.
+/// Returns the number of nodes over the width: at least that of a measured flank, and four over each end relief.
 fn columns(g: &Gear) -> usize {
     let m = &g.params().modifications;
     let measured = m.topography.iter().flatten().map(|t| t.size()[1]);
@@ -79,10 +79,10 @@ fn gear(g: &Gear) -> Vec<FlankGrid> {
         return conical(g, size);
     }
     for tooth in 0..g.teeth() {
-        for seen in Side::BOTH {
-            let side = g.side_from_root(seen);
+        for relative_frame in Side::BOTH {
+            let side = g.side_from_root(relative_frame);
             let first = (all.len() * size[0] * size[1]) as u32;
-            all.push(grid(tooth, seen, first, size, |t, zeta| {
+            all.push(grid(tooth, relative_frame, first, size, |t, zeta| {
                 let z = 0.5 * g.face_width() * zeta;
                 let s = low + t * (high - low);
                 let r = rb.hypot(s);
@@ -100,7 +100,8 @@ fn gear(g: &Gear) -> Vec<FlankGrid> {
     all
 }
 
-/// Those of a conical gear: from the form circle of each section to the tip cone, on the helicoid of each side.
+/// Returns the grids of a conical gear: from the form circle of each section to the tip cone, on the helicoid of each
+/// side.
 fn conical(g: &Gear, size: [usize; 2]) -> Vec<FlankGrid> {
     let end = 0.5 * g.face_width();
     let height = |zeta: f64| end * zeta;

@@ -1,6 +1,6 @@
-//! Where a flank stands on the path coordinate, and how far it is from the involute that stands there.
+//! Position of a flank on the path coordinate, and its deviation from the involute at that position.
 
-use super::owner::Owner;
+use super::search_gear::SearchGear;
 use super::surface::Shape;
 use crate::Vec3;
 use crate::geometry::{FlankGrid, Side, inv};
@@ -8,13 +8,13 @@ use crate::kinematics::MeshView;
 use crate::spec::Body;
 use std::f64::consts::TAU;
 
-/// Places along a face at which a surface is compared with its involute.
+/// Number of points along a face at which a surface is compared with its involute.
 const SAMPLES: u32 = 8;
-/// Part of the largest deviation by which it may be larger between these.
+/// Relative margin of the largest deviation between these points.
 const BETWEEN_SAMPLES: f64 = 0.05;
 
-/// Angle [rad] on the base circle (own y [m] on a rack's reference line) of the undeformed flank's outermost
-/// node, carried there along the involute and to the middle of the width.
+/// Returns the angle [rad] on the base circle (the coordinate y [m] on a rack's reference line) of the outermost node
+/// of the undeformed flank, moved there along the involute and to the middle of the width.
 pub(super) fn outermost(body: &Body, view: &MeshView, g: &FlankGrid) -> f64 {
     let sign = g.side.sign();
     let own = |x: &Vec3| place_of(body, view, g.side, x);
@@ -45,9 +45,9 @@ pub(super) fn outermost(body: &Body, view: &MeshView, g: &FlankGrid) -> f64 {
     .unwrap_or(0.0)
 }
 
-/// How far apart on the path coordinate [m] the involutes through the nodes of a flank are; infinite for a flank
+/// Returns the spread on the path coordinate [m] of the involutes through the nodes of a flank; infinite for a flank
 /// without a node above the form circle.
-pub(super) fn off_involute(o: &Owner<'_>, g: &FlankGrid) -> f64 {
+pub(super) fn off_involute(o: &SearchGear<'_>, g: &FlankGrid) -> f64 {
     let base = o.view.base_radius.map(f64::abs);
     let per_place = base.unwrap_or_else(|| o.view.working_pressure_angle.cos());
     let mut places = (g.positions.iter()).filter_map(|x| place_of(o.body, &o.view, g.side, x));
@@ -64,7 +64,8 @@ pub(super) fn off_involute(o: &Owner<'_>, g: &FlankGrid) -> f64 {
     per_place * (high - low)
 }
 
-/// Where [`outermost`] would see a flank through a point of the own frame; `None` below the form circle.
+/// Returns the position as in [`outermost`] of a flank through a point of the gear frame; `None` below the form
+/// circle.
 fn place_of(body: &Body, view: &MeshView, side: Side, x: &Vec3) -> Option<f64> {
     let sign = side.sign();
     match body {
@@ -96,9 +97,9 @@ fn place_of(body: &Body, view: &MeshView, side: Side, x: &Vec3) -> Option<f64> {
     }
 }
 
-/// How far the surface of a flank, continued beyond the tip by `past` of its last face, stands outward of the
-/// involute through its outermost node, on the path coordinate [m].
-pub(super) fn deviation_bound(o: &Owner<'_>, shape: &Shape, outermost: f64, past: f64) -> f64 {
+/// Returns the largest outward deviation, on the path coordinate [m], of a flank surface from the involute through its
+/// outermost node. The surface is continued beyond the tip by `past` of its last face.
+pub(super) fn deviation_bound(o: &SearchGear<'_>, shape: &Shape, outermost: f64, past: f64) -> f64 {
     let sign = shape.side.sign();
     let per_place = match o.view.base_radius {
         Some(rb) => sign * rb,
@@ -135,8 +136,8 @@ pub(super) fn deviation_bound(o: &Owner<'_>, shape: &Shape, outermost: f64, past
     most + BETWEEN_SAMPLES * (most - least)
 }
 
-/// Path coordinate [m] of a flank at zero displacement and its tooth, from its [`outermost`] place.
-pub(super) fn path_at_zero(o: &Owner<'_>, side: Side, outermost: f64) -> (f64, i64) {
+/// Returns the path coordinate [m] of a flank at zero displacement and its tooth, from its [`outermost`] position.
+pub(super) fn path_at_zero(o: &SearchGear<'_>, side: Side, outermost: f64) -> (f64, i64) {
     let (sign, v) = (side.sign(), &o.view);
     let tooth = |centre: f64| (centre / v.pitch).round() as i64;
     match v.base_radius {

@@ -1,49 +1,49 @@
-//! The flanks of a mesh, and what of them is looked at.
+//! Flanks of a mesh, and the limits of the point search.
 
-use super::flanked::{Flanked, Near};
-use super::owner::Owner;
-use super::projection::Fade;
+use super::flanked::{FlankedGear, NearbyFlank};
+use super::poses::{Layout, MeshPoses};
+use super::projection::TipTaper;
 use super::rule::Rule;
-use super::stand::{Layout, Stand};
+use super::search_gear::SearchGear;
 use crate::contact::clearance::Clearance;
+use crate::contact::gear_state::GearState;
 use crate::contact::nodal::NodalPoint;
 use crate::contact::pairs::MeshGeometry;
-use crate::contact::party::Party;
 use crate::error::Reason;
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use crate::spec::{Body, Passes, PointContact};
 
-/// Part of the base pitch up to which undeformed flanks are looked at.
+/// Largest gap of undeformed flanks in the search, relative to the base pitch.
 const REACH: f64 = 0.02;
 
-/// Part of the base pitch by which teeth may touch before and after the path of contact.
+/// Distance before and behind the path of contact in which teeth may touch, relative to the base pitch.
 const BEFORE_AND_AFTER: f64 = 0.5;
 
-/// The flanks of both gears of a mesh.
+/// Flanks of both gears of a mesh, with penalties and limits of the search.
 #[derive(Debug)]
 pub(super) struct MeshFlanks {
-    pub gears: [Flanked; 2],
+    pub gears: [FlankedGear; 2],
     pub rule: Rule,
-    /// Penalty for the points of each gear [Pa/m]; 0 where they are not looked at.
+    /// Penalty for the points of each gear [Pa/m]; 0 for a gear whose points are not used.
     pub penalty: [f64; 2],
-    /// Gap up to which points are wanted [m].
+    /// Largest gap of returned points [m].
     pub reach: f64,
     /// Distance between the tangent points [m].
     pub length: f64,
     pub helix_cos: f64,
     pub base_pitch: f64,
-    /// All points within reach are wanted: gaps are averaged over them.
+    /// True if all points within reach are returned, because gaps are averaged over them.
     pub hard: bool,
-    /// Path coordinates of the first gear at which its flanks are looked at [m].
+    /// Range of path coordinates of the first gear in which its flanks are searched [m].
     pub zone: [f64; 2],
-    /// Of gears whose axes are not parallel or may move; `None`: both turn about parallel axes at one height.
+    /// Layout of gears whose axes are not parallel or may move; `None` for parallel fixed axes at one height.
     pub layout: Option<Layout>,
 }
 
 impl MeshFlanks {
     pub fn new(
-        owners: [Owner<'_>; 2],
+        search_gears: [SearchGear<'_>; 2],
         geometry: &MeshGeometry,
         settings: &PointContact,
     ) -> Result<Self, (Option<usize>, Reason)> {
@@ -51,8 +51,9 @@ impl MeshFlanks {
             return Err((None, problem));
         }
         let rule = Rule::new(settings.rule);
-        let flanked =
-            |k: usize| Flanked::new(owners[k], settings.surface, &rule).map_err(|e| (Some(k), e));
+        let flanked = |k: usize| {
+            FlankedGear::new(search_gears[k], settings.surface, &rule).map_err(|e| (Some(k), e))
+        };
         let gears = [flanked(0)?, flanked(1)?];
         let p = settings.penalty;
         let penalty = match settings.passes {
@@ -62,17 +63,17 @@ impl MeshFlanks {
             Passes::Auto if settings.hard => [0.0, p],
             Passes::Auto | Passes::Both => [0.5 * p, 0.5 * p],
         };
-        let layout = Layout::of(&owners, geometry, &gears);
+        let layout = Layout::of(&search_gears, geometry, &gears);
         let width = gears[0].face_width.min(gears[1].face_width);
         // Flanks of both sides of a conical gear have helix angles of their own.
-        let steepest = |o: &Owner<'_>| match o.body {
+        let steepest = |o: &SearchGear<'_>| match o.body {
             Body::Gear(g) if g.is_conical() => Side::BOTH
                 .map(|side| g.flank(side).tan_helix.abs())
                 .into_iter()
                 .fold(0.0, f64::max),
             _ => geometry.base_helix.tan().abs(),
         };
-        let steepest = steepest(&owners[0]).max(steepest(&owners[1]));
+        let steepest = steepest(&search_gears[0]).max(steepest(&search_gears[1]));
         let beside = BEFORE_AND_AFTER * geometry.base_pitch + 0.5 * width * steepest;
         let reach = settings.reach.unwrap_or(REACH * geometry.base_pitch);
         Ok(MeshFlanks {
@@ -89,37 +90,37 @@ impl MeshFlanks {
         })
     }
 
-    /// Path coordinates by which flanks may be apart and points still within reach [m].
+    /// Returns the largest distance of flanks on the path coordinate with points within reach [m].
     pub fn reach_along(&self) -> f64 {
         self.along(self.reach)
     }
 
-    /// How far flanks with a gap [m] are apart on the path coordinate [m].
+    /// Converts a gap [m] to a distance of flanks on the path coordinate [m].
     pub fn along(&self, gap: f64) -> f64 {
         gap / self.helix_cos
     }
 
-    pub fn tooth(&self, k: usize, near: &Near) -> Tooth {
+    pub fn tooth(&self, k: usize, near: &NearbyFlank) -> Tooth {
         Tooth {
             index: near.tooth,
             mesh: self.gears[k].mesh,
         }
     }
 
-    /// How both gears stand at a state.
+    /// Returns the poses of both gears at a state.
     #[inline]
-    pub fn stand(&self, parties: [&Party<'_>; 2]) -> Stand {
-        let displacements = parties.map(|p| p.gear.hub().displacement(p.at.t, p.at.q));
-        let poses = [0, 1].map(|k| self.gears[k].pose(parties[k], displacements[k]));
-        Stand {
+    pub fn poses(&self, gear_states: [&GearState<'_>; 2]) -> MeshPoses {
+        let displacements = gear_states.map(|p| p.gear.hub().displacement(p.at.t, p.at.q));
+        let poses = [0, 1].map(|k| self.gears[k].pose(gear_states[k], displacements[k]));
+        MeshPoses {
             beside: self.layout.map_or(0.0, |layout| layout.beside(&poses)),
             displacements,
             poses,
         }
     }
 
-    /// A lower bound of the gaps of all points of rigid flanks at displacements of hubs that are else at their assembled
-    /// position; `None` where flanks move otherwise or the search does not know.
+    /// Returns lower bounds of the gaps of all points of rigid flanks at hub displacements, with hubs otherwise at
+    /// their assembled position; `None` where flanks move otherwise or no bound is known.
     pub fn clearance(&self, displacements: [f64; 2]) -> Option<Clearance> {
         let mut gaps = [0.0; 2];
         for (side, gap) in Side::BOTH.into_iter().zip(&mut gaps) {
@@ -134,18 +135,19 @@ impl MeshFlanks {
         })
     }
 
-    /// Fades a point out that leaves over the tip. Averages of gaps take its area, all else its gap.
+    /// Applies the tip taper to a point that leaves contact over the tip: to its area for averages of gaps, otherwise
+    /// to its gap.
     #[inline]
-    pub fn fade(&self, point: &mut NodalPoint, fade: &Fade) {
-        if !fade.acts() {
+    pub fn taper(&self, point: &mut NodalPoint, taper: &TipTaper) {
+        if !taper.acts() {
         } else if self.hard {
-            point.stiffness *= fade.area();
+            point.stiffness *= taper.area();
         } else {
-            point.fade(fade.factor, fade.gradient);
+            point.taper(taper.factor, taper.gradient);
         }
     }
 
-    /// Part of the contact's damper that a point of gear `k` with an area [m^2] stands for.
+    /// Returns the factor of the damper of the contact for a point of gear `k` with an area [m^2].
     pub fn share(&self, k: usize, area: f64) -> f64 {
         area * self.penalty[k] / (self.penalty[0] + self.penalty[1])
     }

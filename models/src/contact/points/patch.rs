@@ -1,4 +1,4 @@
-//! Faces of a flank in its own frame as polynomials, for searches that ask one many times.
+//! Faces of a flank in its own frame as polynomials, for searches with many evaluations per face.
 //!
 //! What [`Face::eval`](super::surface::Face::eval) adds up of chords and bulges is
 //!
@@ -6,7 +6,7 @@
 //! X(a, b) = sum_{i<=3} a^i (p_i + b q_i) + b^2 (r_2 + a s_2) + b^3 (r_3 + a s_3)
 //! ```
 
-use super::surface::{Shape, Spot};
+use super::surface::{Shape, SurfacePoint};
 use crate::Vec3;
 use crate::kinematics::Pose;
 
@@ -15,13 +15,13 @@ use crate::kinematics::Pose;
 pub(super) struct Patch {
     p: [Vec3; 4],
     q: [Vec3; 4],
-    /// Of `b^2` and `b^3`.
+    /// Coefficients of `b^2` and `b^3`.
     r: [Vec3; 2],
     s: [Vec3; 2],
 }
 
 impl Patch {
-    /// All faces of a shape, row by row.
+    /// Returns all faces of a shape, row by row.
     pub fn all(shape: &Shape) -> Vec<Patch> {
         let columns = 0..shape.columns - 1;
         let faces = (0..shape.rows - 1).flat_map(|row| columns.clone().map(move |c| (row, c)));
@@ -55,9 +55,9 @@ impl Patch {
         Patch { p, q, r, s }
     }
 
-    /// Position, tangents and second derivatives.
+    /// Computes position, tangents and second derivatives.
     #[inline]
-    pub fn eval(&self, a: f64, b: f64) -> Spot {
+    pub fn eval(&self, a: f64, b: f64) -> SurfacePoint {
         let Patch { p, q, r, s } = self;
         let t = [
             p[0] + b * q[0],
@@ -67,7 +67,7 @@ impl Patch {
         ];
         let (r2, r3) = (r[0] + a * s[0], r[1] + a * s[1]);
         let square = b * b;
-        Spot {
+        SurfacePoint {
             x: t[0] + a * (t[1] + a * (t[2] + a * t[3])) + square * (r2 + b * r3),
             along: t[1] + a * (2.0 * t[2] + (3.0 * a) * t[3]) + square * (s[0] + b * s[1]),
             across: q[0] + a * (q[1] + a * (q[2] + a * q[3])) + b * (2.0 * r2 + (3.0 * b) * r3),
@@ -79,7 +79,7 @@ impl Patch {
         }
     }
 
-    /// Position alone.
+    /// Computes the position.
     #[inline]
     pub fn position(&self, a: f64, b: f64) -> Vec3 {
         let Patch { p, q, r, s } = self;

@@ -1,9 +1,9 @@
-//! Flanks that are the same in every transverse plane: a profile in two dimensions, and projections on it.
+//! Flanks that are equal in every transverse plane: a profile in two dimensions, and projections on it.
 //!
-//! The profile is a chain of cubics `p(a) = c_0 + c_1 a + c_2 a^2 + c_3 a^3` from row to row, in the gear's own frame;
-//! facets are the linear case. The closest point solves `p' . (x - p) = 0`. What holds of
-//! [projections on surfaces](super::projection) holds here: beyond an edge the neighbour is asked, between two facets
-//! that both send a point to the other the closest point is their common edge.
+//! The profile is a chain of cubics `p(a) = c_0 + c_1 a + c_2 a^2 + c_3 a^3` from row to row, in the gear frame;
+//! facets are the linear case. The closest point solves `p' . (x - p) = 0`. As for [projections on
+//! surfaces](super::projection), beyond an edge the neighbouring face is searched, and between two facets that both
+//! refer a point to the other the closest point is their common edge.
 
 use super::chords::{Bulge, Chord, chords, on_curve};
 use super::projection::{BEYOND_TIP, NEAR_EDGE, OVERLAP, RIM};
@@ -14,50 +14,51 @@ use crate::geometry::{Side, Tips};
 /// A point or direction in the transverse plane.
 pub(super) type Vec2 = nalgebra::Vector2<f64>;
 
-/// Transverse distance [m] within which the nodes of a row are one.
+/// Transverse distance [m] within which the nodes of a row coincide.
 const ONE: f64 = 1e-12;
-/// Newton step on a face [1] after which the closest point is found: what is left is of the size of its square.
+/// Newton step on a face [1] at which the search of the closest point ends: the remaining error is of the order of its
+/// square.
 const CLOSE: f64 = 1e-4;
-/// The same where the projection is a guess that is made better elsewhere.
+/// Newton step at which a projection ends that serves as an initial guess only.
 pub(super) const NEARLY: f64 = 1e-2;
-/// Newton iterations on a face.
+/// Largest number of Newton iterations on a face.
 const ITERATIONS: usize = 20;
-/// A profile, from the root to the tip.
+/// Profile of a flank from the root to the tip.
 #[derive(Clone, Debug)]
 pub(super) struct Profile {
     side: Side,
     tips: Tips,
     faceted: bool,
-    /// Coefficients of each face.
+    /// Polynomial coefficients of each face.
     curves: Vec<[Vec2; 4]>,
     chords: Vec<Chord>,
     bulges: Vec<Bulge>,
     /// Height of each node.
     heights: Vec<f64>,
-    /// Reciprocal differences of these.
+    /// Reciprocal differences of the heights.
     per_height: Vec<f64>,
-    /// Nodes.
+    /// Nodes of the profile.
     pub knots: Vec<Vec2>,
-    /// Points of each face along the profile; of the rule at nodes, the nodes.
+    /// Points of each face along the profile; for the rule at nodes, the nodes.
     pub points: Vec<Vec2>,
 }
 
-/// A projection on a profile.
+/// Projection of a point on a profile.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Foot {
+pub(super) struct ProfileProjection {
     pub row: usize,
-    /// Place on the face, 0 to 1 within it.
+    /// Position on the face, 0 to 1 within it.
     pub a: f64,
     /// Unit normal, out of the tooth.
     pub normal: Vec2,
-    /// Distance along it [m], positive outside.
+    /// Distance along the normal [m], positive outside.
     pub gap: f64,
-    /// How the place answers to a displacement of the point [1/m].
+    /// Derivative of the position by a displacement of the point [1/m].
     pub sensitivity: Vec2,
 }
 
 impl Profile {
-    /// The profile of a shape, if all its transverse planes show the same.
+    /// Returns the profile of a shape, if all its transverse planes are equal.
     pub fn new(shape: &Shape, rule: &Rule, tips: Tips) -> Option<Self> {
         let flat = |row: usize, column: usize, place| shape.undeformed(row, column, place).xy();
         let same = |a: Vec2, b: Vec2| (a - b).norm() < ONE;
@@ -75,7 +76,7 @@ impl Profile {
         Some(Self::of(shape, rule, tips, |row, a| flat(row, 0, [a, 0.0])))
     }
 
-    /// The profile of a shape through the places that `at(row, a)` gives of each face.
+    /// Returns the profile of a shape through the points `at(row, a)` of each face.
     pub fn of(
         shape: &Shape,
         rule: &Rule,
@@ -126,19 +127,19 @@ impl Profile {
         }
     }
 
-    /// Number of faces.
+    /// Returns the number of faces.
     #[inline]
     pub fn faces(&self) -> usize {
         self.curves.len()
     }
 
-    /// Height of a point, as those of the rows.
+    /// Returns the height of a point, measured as those of the rows.
     #[inline]
     pub fn height(&self, x: &Vec2) -> f64 {
         self.tips.height([x.x, x.y])
     }
 
-    /// Place of a point on the last face by its height, and the gradient of that [1/m].
+    /// Returns the position of a point on the last face by its height, and the gradient of the position [1/m].
     #[inline]
     pub fn tip_place(&self, x: &Vec2) -> (f64, Vec2) {
         let last = self.faces() - 1;
@@ -147,8 +148,8 @@ impl Profile {
         ((self.height(x) - self.heights[last]) * per, gradient)
     }
 
-    /// Face whose strip holds a height, looked for from a face on, and where in it, from 0 to 1 (beyond, outside the
-    /// profile).
+    /// Returns the face whose strip contains a height, searched from a given face on, and the position in the strip,
+    /// from 0 to 1 (beyond, outside the profile).
     #[inline]
     pub fn row_at(&self, height: f64, mut row: usize) -> (usize, f64) {
         while row + 1 < self.faces() && height >= self.heights[row + 1] {
@@ -160,7 +161,7 @@ impl Profile {
         (row, (height - self.heights[row]) * self.per_height[row])
     }
 
-    /// A face near a height, where rows are about equally high.
+    /// Returns a face near a height, for rows of nearly equal height.
     #[inline]
     pub fn near(&self, height: f64) -> usize {
         let last = self.heights.len() - 1;
@@ -169,19 +170,19 @@ impl Profile {
         ((part * last as f64) as usize).min(last - 1)
     }
 
-    /// Whether a height lies between its ends.
+    /// Returns true if a height lies between the ends of the profile.
     pub fn reaches(&self, height: f64) -> bool {
         (self.heights[0]..=self.heights[self.faces()]).contains(&height)
     }
 
-    /// The point of the profile at a height, at most at its ends.
+    /// Returns the point of the profile at a height, limited to its ends.
     pub fn at_height(&self, height: f64) -> Vec2 {
         let (row, a) = self.row_at(height, self.near(height));
         self.place(row, a.clamp(0.0, 1.0))
     }
 
-    /// A gap [m] that a point surely has, more than a face beyond root or tip infinite, and the face it was held
-    /// against.
+    /// Returns a lower bound of the gap of a point [m], infinite more than a face beyond root or tip, and the face for
+    /// which it was computed.
     #[inline]
     pub fn clearance(&self, x: &Vec2, from: usize) -> (f64, usize) {
         let (row, a) = self.row_at(self.height(x), from);
@@ -191,34 +192,35 @@ impl Profile {
         (self.clearance_bound(x, row), row)
     }
 
-    /// A gap [m] that a point facing a face surely has.
+    /// Returns a lower bound of the gap of a point opposite to a face [m].
     #[inline]
     pub fn clearance_bound(&self, x: &Vec2, row: usize) -> f64 {
         let chord = &self.chords[row];
         chord.normal.dot(x) - chord.distance - chord.out
     }
 
-    /// How much less than at both its ends a face's gap to faces of a master may be in between [m].
+    /// Returns a bound of the decrease of the gap between the ends of a face and faces of a master [m].
     #[inline]
     pub fn dip(&self, row: usize, master: &Profile, faces: [usize; 2]) -> f64 {
         self.bulges[row].dip(faces.map(|face| &master.bulges[face]))
     }
 
-    /// Place of a face's curve.
+    /// Returns a point of the curve of a face.
     #[inline]
     pub fn place(&self, row: usize, a: f64) -> Vec2 {
         on_curve(&self.curves[row], a)
     }
 
-    /// Closest point of a face's curve, continued beyond its ends, once a Newton step is smaller than `close`.
+    /// Finds the closest point of the curve of a face, continued beyond its ends, until a Newton step is smaller than
+    /// `close`.
     #[inline]
-    fn on_face(&self, x: &Vec2, row: usize, mut a: f64, close: f64) -> Foot {
+    fn on_face(&self, x: &Vec2, row: usize, mut a: f64, close: f64) -> ProfileProjection {
         let [c0, c1, c2, c3] = &self.curves[row];
         if self.faceted {
             let per = c1.dot(c1).recip();
             a = (c1.dot(&(x - c0)) * per).clamp(-2.0, 3.0);
             let normal = self.chords[row].normal;
-            return Foot {
+            return ProfileProjection {
                 row,
                 a,
                 normal,
@@ -241,7 +243,7 @@ impl Profile {
                 let tangent = tangent + step * bend;
                 let n = outward(self.side, &tangent);
                 let normal = n / n.norm();
-                return Foot {
+                return ProfileProjection {
                     row,
                     a: a + step,
                     normal,
@@ -253,8 +255,8 @@ impl Profile {
         }
     }
 
-    /// The edge between two faces as the closest point; the normal is the direction of the distance.
-    fn on_edge(&self, x: &Vec2, feet: [Foot; 2]) -> Foot {
+    /// Returns the edge between two faces as the closest point; the normal is the direction of the distance.
+    fn on_edge(&self, x: &Vec2, feet: [ProfileProjection; 2]) -> ProfileProjection {
         let foot = feet[0];
         let a = foot.a.clamp(0.0, 1.0);
         let r = x - self.place(foot.row, a);
@@ -265,7 +267,7 @@ impl Profile {
         } else {
             mean / mean.norm()
         };
-        Foot {
+        ProfileProjection {
             a,
             normal,
             gap: normal.dot(&r),
@@ -274,22 +276,29 @@ impl Profile {
         }
     }
 
-    /// The closest point, looked for from a place on a face on; `None` beyond the ends, at the tip by more than a face.
+    /// Finds the closest point, starting from a position on a face; `None` beyond the ends, at the tip by more than a
+    /// face.
     #[inline]
-    pub fn project(&self, x: &Vec2, row: usize, a: f64) -> Option<Foot> {
+    pub fn project(&self, x: &Vec2, row: usize, a: f64) -> Option<ProfileProjection> {
         self.projection(x, (row, a), CLOSE)
     }
 
-    /// The same, but for the cube of [`NEARLY`] in the gap over the length of a face and its square in the place.
+    /// Finds the closest point approximately, with an error of the cube of [`NEARLY`] in the gap relative to the
+    /// length of a face and of its square in the position.
     #[inline]
-    pub fn project_nearly(&self, x: &Vec2, row: usize, a: f64) -> Option<Foot> {
+    pub fn project_nearly(&self, x: &Vec2, row: usize, a: f64) -> Option<ProfileProjection> {
         self.projection(x, (row, a), NEARLY)
     }
 
     #[inline]
-    fn projection(&self, x: &Vec2, (row, a): (usize, f64), close: f64) -> Option<Foot> {
+    fn projection(
+        &self,
+        x: &Vec2,
+        (row, a): (usize, f64),
+        close: f64,
+    ) -> Option<ProfileProjection> {
         let mut foot = self.on_face(x, row, a, close);
-        let mut last: Option<Foot> = None;
+        let mut last: Option<ProfileProjection> = None;
         for _ in 0..self.faces() {
             let row = if foot.a > 1.0 + OVERLAP && foot.row + 1 < self.faces() {
                 foot.row + 1
@@ -315,9 +324,9 @@ impl Profile {
         Some(self.nearer(x, foot))
     }
 
-    /// Inside a convex flank a point near an edge may have a closest point on both facets: the nearer counts.
+    /// Returns the nearer of the closest points on both facets, for a point near an edge inside a convex flank.
     #[inline]
-    fn nearer(&self, x: &Vec2, foot: Foot) -> Foot {
+    fn nearer(&self, x: &Vec2, foot: ProfileProjection) -> ProfileProjection {
         if foot.gap >= 0.0 || !self.faceted {
             return foot;
         }
@@ -338,7 +347,7 @@ impl Profile {
     }
 }
 
-/// A tangent towards the tip turned outwards of the tooth.
+/// Rotates a tangent towards the tip into the outward normal of the tooth.
 #[inline]
 pub(super) fn outward(side: Side, along: &Vec2) -> Vec2 {
     side.sign() * Vec2::new(-along.y, along.x)

@@ -1,4 +1,4 @@
-//! Closest point of a flank to a point in space, and the gap along the flank's normal.
+//! Closest point of a flank to a point in space, and the gap along the normal of the flank.
 //!
 //! On a face the closest point solves `X_a . (x - X) = X_b . (x - X) = 0` (Newton). Where it lies beyond an
 //! edge the search goes on to the neighbouring face; between two faces that both send it to the other the
@@ -9,30 +9,30 @@
 //! continued: the area it stands for still lies partly on the flank.
 
 use super::patch::Patch;
-use super::surface::{Shape, Spot};
+use super::surface::{Shape, SurfacePoint};
 use crate::Vec3;
 use crate::kinematics::Pose;
 
-/// A projection.
+/// Projection of a point on a flank.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Hit {
+pub(super) struct Projection {
     pub row: usize,
     pub column: usize,
-    /// Place on the face, 0 to 1 within it.
+    /// Position on the face, 0 to 1 within it.
     pub a: f64,
     pub b: f64,
-    /// The closest point [m], with the derivatives there but for what the last correction moved the second ones by.
-    pub spot: Spot,
+    /// Closest point [m] with its derivatives; the second derivatives are those before the last correction.
+    pub spot: SurfacePoint,
     /// Unit normal of the flank, out of the tooth.
     pub normal: Vec3,
-    /// Distance along it [m], positive outside.
+    /// Distance along the normal [m], positive outside.
     pub gap: f64,
-    /// On an edge between faces, where the place moves in one direction only.
+    /// Edge between faces with the closest point, if any: the position then moves in one direction only.
     pub edge: Option<Edge>,
 }
 
-impl Hit {
-    /// How its place answers to a displacement of the point `x` against the flank [1/m].
+impl Projection {
+    /// Returns the derivative of the position by a displacement of the point `x` relative to the flank [1/m].
     #[inline]
     pub fn sensitivity(&self, x: &Vec3) -> [Vec3; 2] {
         let spot = &self.spot;
@@ -54,69 +54,78 @@ impl Hit {
     }
 }
 
-/// Along which lines of the grid an edge between faces runs.
+/// Grid lines along which an edge between faces runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Edge {
-    /// Between two rows, over the width.
+    /// Edge between two rows, over the width.
     Across,
-    /// Between two columns, along the profile.
+    /// Edge between two columns, along the profile.
     Along,
 }
 
-/// A flank in the deformed state.
+/// A flank in its deformed state.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Deformed<'a> {
+pub(super) struct DeformedSurface<'a> {
     pub shape: &'a Shape,
     pub x: &'a [Vec3],
     pub pose: &'a Pose,
-    /// The faces of an undeformed flank in its own frame, where they are at hand.
+    /// Faces of an undeformed flank in its own frame, if available.
     pub patches: Option<&'a [Patch]>,
 }
 
-/// Overlap of neighbouring faces: rounding only.
+/// Overlap of neighbouring faces, to cover rounding.
 pub(super) const OVERLAP: f64 = 1e-9;
-/// Part of a face by which a point may lie beyond the outer edges of the flank: elastic displacements along
-/// the edge would else lose points that stand on it.
+/// Fraction of a face by which a point may lie beyond the outer edges of the flank: otherwise elastic displacements
+/// along the edge would lose points on it.
 pub(super) const RIM: f64 = 0.01;
-/// Part of the last face by which a point may at most lie beyond the tip and still count.
+/// Largest fraction of the last face by which a point beyond the tip still counts.
 pub(super) const MOST_PAST: f64 = 0.5;
-/// Part of the last face up to which projections beyond the tip are taken. When a point is gone is decided by its height
-/// ([`Fade`]): the projection of a point that overlaps deeply, as before residual
-/// compliance, lies further out than its height, so this bound must never come first.
+/// Fraction of the last face up to which projections beyond the tip are returned. The height of a point decides when
+/// it has left ([`TipTaper`]). The projection of a point with a deep overlap, as before residual compliance, lies further
+/// out than its height, so that this bound must never be the stricter one.
 pub(super) const BEYOND_TIP: f64 = 1.0;
-/// Near an edge both faces are looked at, so that the gap over facets has no jump.
+/// Distance from an edge, as a fraction of a face, within which both faces are searched, so that the gap over facets
+/// has no jump.
 pub(super) const NEAR_EDGE: f64 = 0.1;
-/// Newton step on a face [1] after which the closest point is found: what is left is of the size of its square times what
-/// the face bends.
+/// Newton step on a face [1] at which the search of the closest point ends: the remaining error is of the order of its
+/// square times the curvature of the face.
 const CLOSE: f64 = 1e-4;
-/// Newton iterations on a face.
+/// Largest number of Newton iterations on a face.
 const ITERATIONS: usize = 20;
 
-/// Where a projection begins: a face and a place on it.
+/// Start of a projection: a face and a position on it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Begin {
+pub(super) struct ProjectionStart {
     pub row: usize,
     pub column: usize,
     pub place: [f64; 2],
 }
 
-/// How a point leaves over the tip: what its gap is multiplied by, and the gradient of that by the point's position.
+/// Tip taper of a point: the factor of its gap, and the gradient of the factor by the position of the point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fade {
+pub(super) struct TipTaper {
     pub factor: f64,
-    /// [1/m]
+    /// Gradient of the factor [1/m].
     pub gradient: Vec3,
 }
 
-impl Fade {
-    /// A point that is on the flank with all its length.
-    pub const NONE: Fade = Fade {
+impl TipTaper {
+    /// Taper of a point whose whole length is on the flank.
+    pub const NONE: TipTaper = TipTaper {
         factor: 1.0,
         gradient: Vec3::new(0.0, 0.0, 0.0),
     };
 
-    /// At the place `a` on the last face by its height in the master's frame, with the gradient of that, `past` half the
-    /// point's length over the face; `None` where the point is gone.
+    /// Computes the taper at the position `a` on the last face by its height in the frame of the master, with the
+    /// gradient of that; `past` is half the length of the point relative to the face. Returns `None` where the point
+    /// has left.
+    ///
+    /// The part `t = 1/2 + (1 - a) / (2 past)` of its length is on the flank. The gap is multiplied by `m = t sqrt(3 -
+    /// 2 t)`, so that the energy `k (m g)^2 / 2` of a linear law decreases with `m^2 = t^2 (3 - 2 t)`, smoothly at
+    /// both ends, without a jump of the force. The factor applies to the gap and not to the area, because the force is
+    /// then the derivative of one potential by the row of `m g`, whatever the law. The height determines the position,
+    /// because that of a point on the slave depends on the motion of the slave alone: no rotation of the master about
+    /// its axis changes it.
     ///
     /// Of its length the part `t = 1/2 + (1 - a) / (2 past)` is on the flank. The gap takes the factor
     /// `m = t sqrt(3 - 2 t)`, so that the energy `k (m g)^2 / 2` of a linear law fades with `m^2 = t^2 (3 - 2 t)`,
@@ -125,44 +134,44 @@ impl Fade {
     /// height because that of a point on the slave answers to the motion of the slave alone: no motion of the master
     /// about its axis changes it.
     #[inline]
-    pub fn new((a, gradient): (f64, Vec3), past: f64) -> Option<Fade> {
+    pub fn new((a, gradient): (f64, Vec3), past: f64) -> Option<TipTaper> {
         let t = 0.5 + 0.5 * (1.0 - a) / past;
         if t >= 1.0 {
-            return Some(Fade::NONE);
+            return Some(TipTaper::NONE);
         }
         if t <= 0.0 {
             return None;
         }
         let root = (3.0 - 2.0 * t).sqrt();
-        Some(Fade {
+        Some(TipTaper {
             factor: t * root,
             gradient: -1.5 * (1.0 - t) / (root * past) * gradient,
         })
     }
 
-    /// Whether the point is leaving.
+    /// Returns true if the point is in the taper.
     #[inline]
     pub fn acts(&self) -> bool {
         self.factor < 1.0
     }
 
-    /// The part of the point's area that is left.
+    /// Returns the remaining fraction of the area of the point.
     #[inline]
     pub fn area(&self) -> f64 {
         self.factor * self.factor
     }
 }
 
-/// -1, 0 or 1: where a coordinate lies of `[0, 1]`.
+/// Returns -1, 0 or 1 for a coordinate below, in or above `[0, 1]`.
 #[inline]
 fn beyond(t: f64) -> isize {
     isize::from(t > 1.0 + OVERLAP) - isize::from(t < -OVERLAP)
 }
 
-impl Deformed<'_> {
-    /// A face as a function of the place on it.
+impl DeformedSurface<'_> {
+    /// Returns a face as a function of the position on it.
     #[inline]
-    fn face(&self, row: usize, column: usize) -> impl Fn(f64, f64) -> Spot {
+    fn face(&self, row: usize, column: usize) -> impl Fn(f64, f64) -> SurfacePoint {
         let patch = (self.patches).map(|p| &p[row * (self.shape.columns - 1) + column]);
         let face = match patch {
             Some(patch) => Err(patch),
@@ -174,16 +183,16 @@ impl Deformed<'_> {
         }
     }
 
-    /// Unit normal out of the tooth.
+    /// Returns the unit normal out of the tooth.
     #[inline]
-    fn normal(&self, spot: &Spot) -> Vec3 {
+    fn normal(&self, spot: &SurfacePoint) -> Vec3 {
         let n = spot.across.cross(&spot.along);
         self.shape.side.sign() * n / n.norm()
     }
 
-    /// Closest point of the face's surface, continued beyond its edges.
+    /// Finds the closest point of the surface of a face, continued beyond its edges.
     #[inline]
-    fn on_face(&self, x: &Vec3, row: usize, column: usize, [mut a, mut b]: [f64; 2]) -> Hit {
+    fn on_face(&self, x: &Vec3, row: usize, column: usize, [mut a, mut b]: [f64; 2]) -> Projection {
         let face = self.face(row, column);
         let mut spot = face(a, b);
         for _ in 0..ITERATIONS {
@@ -210,7 +219,7 @@ impl Deformed<'_> {
             spot = face(a, b);
         }
         let normal = self.normal(&spot);
-        Hit {
+        Projection {
             row,
             column,
             a,
@@ -222,10 +231,10 @@ impl Deformed<'_> {
         }
     }
 
-    /// Closest point of the edge between the rows below and above node row `edge`, or, with `turned`, between
-    /// the columns beside node column `edge`; the normal is the direction of the distance.
+    /// Finds the closest point of the edge between the rows below and above node row `edge`, or, with `turned`,
+    /// between the columns on both sides of node column `edge`; the normal is the direction of the distance.
     #[inline(never)]
-    fn on_edge(&self, x: &Vec3, hits: [Hit; 2], turned: bool) -> Hit {
+    fn on_edge(&self, x: &Vec3, hits: [Projection; 2], turned: bool) -> Projection {
         let hit = hits[0];
         let face = self.face(hit.row, hit.column);
         let (mut a, mut b) = (hit.a.clamp(0.0, 1.0), hit.b.clamp(0.0, 1.0));
@@ -254,7 +263,7 @@ impl Deformed<'_> {
         } else {
             mean / mean.norm()
         };
-        Hit {
+        Projection {
             a,
             b,
             spot,
@@ -265,11 +274,11 @@ impl Deformed<'_> {
         }
     }
 
-    /// The closest point of the flank; `None` beyond its outer edges, at the tip by more than a face.
-    pub fn project(&self, x: &Vec3, begin: Begin) -> Option<Hit> {
+    /// Finds the closest point of the flank; `None` beyond its outer edges, at the tip by more than a face.
+    pub fn project(&self, x: &Vec3, begin: ProjectionStart) -> Option<Projection> {
         let (rows, columns) = (self.shape.rows - 1, self.shape.columns - 1);
         let mut hit = self.on_face(x, begin.row, begin.column, begin.place);
-        let mut last: Option<Hit> = None;
+        let mut last: Option<Projection> = None;
         for _ in 0..rows + columns {
             let row = hit
                 .row
@@ -303,16 +312,16 @@ impl Deformed<'_> {
         Some(self.nearer(x, hit))
     }
 
-    /// Drops projections beyond the outer edges.
+    /// Removes projections beyond the outer edges.
     #[inline]
-    fn inside(&self, hit: Hit) -> Option<Hit> {
+    fn inside(&self, hit: Projection) -> Option<Projection> {
         let along = (-RIM..=1.0 + BEYOND_TIP).contains(&hit.a);
         (along && (-RIM..=1.0 + RIM).contains(&hit.b)).then_some(hit)
     }
 
-    /// Inside a convex flank a point near an edge may have a closest point on both facets: the nearer counts.
+    /// Returns the nearer of the closest points on both facets, for a point near an edge inside a convex flank.
     #[inline]
-    fn nearer(&self, x: &Vec3, hit: Hit) -> Hit {
+    fn nearer(&self, x: &Vec3, hit: Projection) -> Projection {
         if hit.gap >= 0.0 || !self.shape.is_faceted() {
             return hit;
         }

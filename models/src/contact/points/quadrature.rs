@@ -1,6 +1,6 @@
-//! Gauss points of a face.
+//! Gauss-Legendre points of a face.
 
-/// Points in [-1, 1] and weights of the Gauss-Legendre rule with `n` points, exact to degree `2 n - 1`.
+/// Returns points in [-1, 1] and weights of the Gauss-Legendre rule with `n` points, exact to degree `2 n - 1`.
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     (0..n)
         .map(|i| {

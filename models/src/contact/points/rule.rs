@@ -1,30 +1,30 @@
-//! Where the points of a face are, and what they weigh.
+//! Integration rules for the points of a face: positions and weights.
 
 use super::quadrature::gauss_legendre;
 use crate::spec::PointRule;
 
-/// A point of a flank.
+/// Integration point of a flank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FlankPoint {
     pub row: usize,
     pub column: usize,
-    /// Place on the face, 0 to 1.
+    /// Position on the face, 0 to 1.
     pub a: f64,
     pub b: f64,
-    /// Reference area it stands for [m^2].
+    /// Reference area of the point [m^2].
     pub area: f64,
-    /// Length along the profile it stands for [m].
+    /// Length of the point along the profile [m].
     pub length: f64,
 }
 
-/// Points and weights on [0, 1] in both directions of a face; none for nodes.
+/// Points and weights on [0, 1] in both directions of a face; empty for points at nodes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rule {
-    /// Along the profile.
+    /// Points and weights along the profile.
     pub along: Vec<(f64, f64)>,
-    /// Over the width.
+    /// Points and weights over the width.
     pub across: Vec<(f64, f64)>,
-    /// Nodes count alike: each stands for a unit of area.
+    /// True if all nodes have a unit area.
     pub alike: bool,
 }
 

@@ -1,27 +1,27 @@
 //! The point search: candidates of a mesh at a state.
 
-use super::coarse::{CoarseStep, FlankBoxes, ToothIndices};
+use super::coarse_phase::{CoarseStep, FlankBoxes, ToothIndices};
 use super::mesh_flanks::MeshFlanks;
-use super::narrow::{Found, Scratch};
-use super::owner::Owner;
+use super::narrow_phase::{ProjectedPoint, Scratch};
+use super::search_gear::SearchGear;
 use super::spur::{Spur, SpurScratch};
-use super::twisted::Twisted;
+use super::twisted::TwistedFlanks;
 use super::twisted_pair::TwistedScratch;
 use crate::Vec3;
 use crate::contact::candidate::Candidate;
 use crate::contact::clearance::Clearance;
+use crate::contact::gear_state::{CandidateSelection, GearState, SearchWork};
 use crate::contact::nodal::{
-    GapBound, GearNodes, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
+    GapBound, GearNodes, NodalGearState, NodalPoint, NodalPoints, UNUSED, weighted,
 };
 use crate::contact::pairs::MeshGeometry;
-use crate::contact::party::{Party, SearchWork, Wanted};
 use crate::error::Reason;
 use crate::gear::FlankDisplacement;
 use crate::geometry::{Flanks, Side};
 use crate::spec::{CoarseSearch, PointContact};
 use std::cell::RefCell;
 
-/// Flank points of one gear against the flank surfaces of the other.
+/// Search for contact of flank points of one gear with the flank surfaces of the other.
 ///
 /// The search has no discrete state, no slots and no event functions: points open and close all the time, so the force
 /// is clipped and runs with it do not locate events.
@@ -29,29 +29,29 @@ use std::cell::RefCell;
 pub struct FlankPoints {
     flanks: MeshFlanks,
     lines: [Option<[Vec3; 2]>; 2],
-    /// Which flanks are looked at.
+    /// Coarse phase, which finds the pairs of flanks.
     coarse: Box<dyn CoarseStep>,
-    /// The search in the transverse plane, where flanks allow it.
+    /// Search in the transverse plane, where the flanks allow it.
     spur: Option<Spur>,
-    /// The search in twisted sections, where flanks allow that alone.
-    twisted: Option<Twisted>,
+    /// Search in twisted sections, where the flanks allow only that.
+    twisted: Option<TwistedFlanks>,
     scratch: RefCell<Scratch>,
     spur_scratch: RefCell<SpurScratch>,
     twisted_scratch: RefCell<TwistedScratch>,
 }
 
 impl FlankPoints {
-    /// Builds the search of a mesh. `lines` are the ends of its lines of action, for pictures.
+    /// Builds the search of a mesh. `lines` are the ends of its lines of action, for figures.
     ///
     /// # Errors
     /// What is wrong with the settings or with the flanks of a gear (0 or 1), and a way out.
     pub fn new(
-        owners: [Owner<'_>; 2],
+        search_gears: [SearchGear<'_>; 2],
         geometry: &MeshGeometry,
         settings: &PointContact,
         lines: [Option<[Vec3; 2]>; 2],
     ) -> Result<Self, (Option<usize>, Reason)> {
-        let flanks = MeshFlanks::new(owners, geometry, settings)?;
+        let flanks = MeshFlanks::new(search_gears, geometry, settings)?;
         let gears = &flanks.gears;
         let by_indices = match settings.coarse {
             CoarseSearch::Auto => gears.iter().all(|g| g.involute),
@@ -68,7 +68,7 @@ impl FlankPoints {
             .then(|| Spur::new(gears, &flanks.rule))
             .flatten();
         let twisted = (by_indices && spur.is_none())
-            .then(|| Twisted::new(gears, &flanks.rule, geometry.base_pitch, parallel))
+            .then(|| TwistedFlanks::new(gears, &flanks.rule, geometry.base_pitch, parallel))
             .flatten();
         Ok(FlankPoints {
             coarse,
@@ -85,36 +85,38 @@ impl FlankPoints {
     /// Appends candidates.
     pub fn candidates(
         &self,
-        a: Party<'_>,
-        b: Party<'_>,
-        wanted: Wanted<'_>,
+        a: GearState<'_>,
+        b: GearState<'_>,
+        selection: CandidateSelection<'_>,
         out: &mut Vec<Candidate>,
     ) {
-        let limit = match wanted {
-            Wanted::Closed(_) => 0.0,
-            Wanted::Listed | Wanted::Watched(_) => self.flanks.reach,
-            Wanted::Touching(gap) => gap.min(self.flanks.reach),
+        let limit = match selection {
+            CandidateSelection::Closed(_) => 0.0,
+            CandidateSelection::Listed | CandidateSelection::Watched(_) => self.flanks.reach,
+            CandidateSelection::Touching(gap) => gap.min(self.flanks.reach),
         };
-        let parties = [&a, &b];
+        let gear_states = [&a, &b];
         let mut scratch = self.scratch.borrow_mut();
-        (self.flanks).each_point(&*self.coarse, parties, limit, &mut scratch, |found| {
+        (self.flanks).each_point(&*self.coarse, gear_states, limit, &mut scratch, |found| {
             out.push(self.candidate(found));
         });
     }
 
-    /// Appends the points of a mesh with a gear that has a [flank displacement](crate::gear::FlankDisplacement), of a
-    /// gap within the gap_bound before residual compliance, and the nodes that they lie on.
+    /// Appends the points of a mesh with a gear that has a [flank displacement](crate::gear::FlankDisplacement), with
+    /// a gap within `gap_bound` before residual compliance, and registers their nodes.
     pub fn nodal_points(
         &self,
-        mut sides: [NodalParty<'_>; 2],
+        mut sides: [NodalGearState<'_>; 2],
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
-        let stand = self.flanks.stand([&sides[0].party, &sides[1].party]);
+        let poses = self
+            .flanks
+            .poses([&sides[0].gear_state, &sides[1].gear_state]);
         let apart = self
             .flanks
-            .clearance(stand.displacements)
-            .map_or(f64::NEG_INFINITY, |c| c.after([0.0; 2]) - stand.beside);
+            .clearance(poses.displacements)
+            .map_or(f64::NEG_INFINITY, |c| c.after([0.0; 2]) - poses.beside);
         if apart > self.flanks.reach {
             self.scratch.borrow_mut().work = SearchWork::default();
             return;
@@ -134,51 +136,51 @@ impl FlankPoints {
         }
         if let Some(spur) = &self.spur {
             let buffers = &mut self.spur_scratch.borrow_mut();
-            let work = spur.points(&self.flanks, sides, &stand, limit, buffers, gap_bound, out);
+            let work = spur.points(&self.flanks, sides, &poses, limit, buffers, gap_bound, out);
             self.scratch.borrow_mut().work = work;
             return;
         }
         if let Some(twisted) = &self.twisted {
             let buffers = &mut self.twisted_scratch.borrow_mut();
-            let work = twisted.points(&self.flanks, sides, &stand, limit, buffers, gap_bound, out);
+            let work = twisted.points(&self.flanks, sides, &poses, limit, buffers, gap_bound, out);
             self.scratch.borrow_mut().work = work;
             return;
         }
         let [a, b] = sides;
-        let parties = [a.party, b.party];
+        let gear_states = [a.gear_state, b.gear_state];
         let mut nodes = [(a.field, a.nodes), (b.field, b.nodes)];
-        let parts = parties.each_ref();
+        let parts = gear_states.each_ref();
         let mut scratch = self.scratch.borrow_mut();
         (self.flanks).each_point(&*self.coarse, parts, limit, &mut scratch, |found| {
-            self.nodal_point(found, &parties, &mut nodes, gap_bound, out);
+            self.nodal_point(found, &gear_states, &mut nodes, gap_bound, out);
         });
     }
 
-    /// A lower bound of the gaps of all points of rigid flanks at displacements of both hubs; `None` where flanks or hubs
-    /// move otherwise or the search does not know.
+    /// Returns lower bounds of the gaps of all points of rigid flanks at displacements of both hubs; `None` where
+    /// flanks or hubs move otherwise or no bound is known.
     pub fn clearance(&self, displacements: [f64; 2]) -> Option<Clearance> {
         let parallel = self.flanks.layout.is_none();
         parallel.then(|| self.flanks.clearance(displacements))?
     }
 
-    /// What the last evaluation looked at.
+    /// Returns the counters of the last evaluation.
     pub fn work(&self) -> SearchWork {
         self.scratch.borrow().work
     }
 
-    /// Ends of the line of action of a flank [m], for pictures.
+    /// Returns the ends of the line of action of a flank [m], for figures.
     pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         self.lines[usize::from(side == Side::Right)]
     }
 
     #[inline]
-    fn candidate(&self, found: &Found<'_>) -> Candidate {
-        let Found {
+    fn candidate(&self, found: &ProjectedPoint<'_>) -> Candidate {
+        let ProjectedPoint {
             k,
             flanks: [slave, _],
             point: p,
             hit,
-            fade,
+            taper,
             ..
         } = found;
         // The flank's normal points from the master to the slave, the candidate's from the first gear to
@@ -190,8 +192,8 @@ impl FlankPoints {
         let mut factor = 1.0;
         if hit.gap < 0.0 {
             // d(m g) = m n . (dx - dX) + g grad m . dx
-            factor = fade.factor;
-            aside[*k] = sign * hit.gap * fade.gradient;
+            factor = taper.factor;
+            aside[*k] = sign * hit.gap * taper.gradient;
         }
         let normal = sign * factor * hit.normal;
         Candidate {
@@ -200,7 +202,7 @@ impl FlankPoints {
             points,
             normal,
             aside,
-            fade: fade.factor,
+            taper: taper.factor,
             scale: [1.0, 1.0],
             curvature: [0.0; 2],
             gap: factor * hit.gap,
@@ -211,22 +213,22 @@ impl FlankPoints {
         }
     }
 
-    /// A point with the nodes that it lies on, on gears with a field.
+    /// Returns a point with the nodes of its faces, for gears with a field.
     fn nodal_point(
         &self,
-        found: &Found<'_>,
-        parties: &[Party<'_>; 2],
+        found: &ProjectedPoint<'_>,
+        gear_states: &[GearState<'_>; 2],
         nodes: &mut [(Option<&dyn FlankDisplacement>, &mut GearNodes); 2],
         gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
-        let Found {
+        let ProjectedPoint {
             k,
             flanks: [slave, master],
             point: p,
             x,
             hit,
-            fade,
+            taper,
             ..
         } = found;
         let (k, m) = (*k, 1 - k);
@@ -241,7 +243,7 @@ impl FlankPoints {
             if let Some(field) = field {
                 let corners = shape.corners(row, column);
                 weights[gear] = Flanks::weights([2.0 * a - 1.0, 2.0 * b - 1.0]);
-                slots[gear] = nodes.meet(*field, parties[gear].at, &corners);
+                slots[gear] = nodes.meet(*field, gear_states[gear].at, &corners);
                 let a = GearNodes::at(&nodes.displacement, &slots[gear]);
                 gap0 -= weighted(&weights[gear], &a);
             }
@@ -271,9 +273,9 @@ impl FlankPoints {
             gap0,
             stiffness: self.flanks.penalty[k] * p.area,
             share: self.flanks.share(k, p.area),
-            fading: Vec3::zeros(),
+            taper_gradient: Vec3::zeros(),
         };
-        self.flanks.fade(&mut point, fade);
+        self.flanks.taper(&mut point, taper);
         out.points.push(point);
     }
 }

@@ -1,62 +1,62 @@
-//! Flanks of both gears as profiles in the transverse plane, and the places over the width at which they meet.
+//! Flanks of both gears as profiles in the transverse plane, and the positions over the width of their points.
 
-use super::flanked::Flanked;
+use super::flanked::FlankedGear;
 use super::profile::{Profile, Vec2};
 use super::projection::RIM;
 use super::rule::Rule;
 use super::surface::Shape;
 use crate::kinematics::Pose;
 
-/// Flanks of both gears as profiles.
+/// Flanks of both gears as transverse profiles.
 #[derive(Clone, Debug)]
 pub(super) struct Spur {
     pub(super) profiles: [Vec<Profile>; 2],
-    /// Places over the width of the points of each gear, as slave.
+    /// Positions over the width of the points of each gear, as slave.
     pub(super) cells: [Vec<Cell>; 2],
-    /// Points along the profile of a face with their weights; none where points are nodes.
+    /// Points along the profile of a face with their weights; empty for points at nodes.
     pub(super) along: Vec<(f64, f64)>,
     pub(super) across: usize,
 }
 
-/// A place over the width.
+/// Position over the width of a line of points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
-    /// Height [m].
+    /// Height along the axis [m].
     pub(super) z: f64,
-    /// Column of the slave's face, place there, and index of the point among those of a face over the width (of the
-    /// rule at nodes, column of the node).
+    /// Column of the face of the slave, position there, and index of the point among those of a face over the width
+    /// (for the rule at nodes, column of the node).
     pub(super) column: usize,
     pub(super) b: f64,
     pub(super) index: usize,
-    /// Column of the master's face and place there.
+    /// Column of the face of the master, and position there.
     pub(super) on: usize,
     pub(super) b_on: f64,
 }
 
-/// Own frame of one gear seen from that of another.
+/// Rigid transformation in the transverse plane from the frame of one gear to that of another.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turn {
+pub(super) struct PlaneTransform {
     pub(super) cos: f64,
     pub(super) sin: f64,
     pub(super) shift: Vec2,
 }
 
-impl Turn {
-    /// Where both axes are parallel and the origins stand at one height.
+impl PlaneTransform {
+    /// Returns the transformation between frames with parallel axes and origins at one height.
     pub(super) fn between(from: &Pose, to: &Pose) -> Self {
         let d = from.origin - to.origin;
         let [x, y, _] = &to.axes;
-        Turn {
+        PlaneTransform {
             cos: from.axes[0].dot(x),
             sin: from.axes[0].dot(y),
             shift: Vec2::new(x.dot(&d), y.dot(&d)),
         }
     }
 
-    /// This one after another.
+    /// Composes this transformation after another.
     #[inline]
-    pub(super) fn after(&self, first: &Turn) -> Turn {
-        Turn {
+    pub(super) fn after(&self, first: &PlaneTransform) -> PlaneTransform {
+        PlaneTransform {
             cos: self.cos * first.cos - self.sin * first.sin,
             sin: self.sin * first.cos + self.cos * first.sin,
             shift: self.point(&first.shift),
@@ -64,9 +64,9 @@ impl Turn {
     }
 
     #[inline]
-    pub(super) fn inverse(&self) -> Turn {
+    pub(super) fn inverse(&self) -> PlaneTransform {
         let s = &self.shift;
-        Turn {
+        PlaneTransform {
             cos: self.cos,
             sin: -self.sin,
             shift: -Vec2::new(
@@ -86,9 +86,9 @@ impl Turn {
 }
 
 impl Spur {
-    /// Profiles of both gears, where their flanks allow it.
-    pub fn new(gears: &[Flanked; 2], rule: &Rule) -> Option<Self> {
-        let profiles = |g: &Flanked| -> Option<Vec<Profile>> {
+    /// Returns the profiles of both gears, where their flanks allow it.
+    pub fn new(gears: &[FlankedGear; 2], rule: &Rule) -> Option<Self> {
+        let profiles = |g: &FlankedGear| -> Option<Vec<Profile>> {
             let first = &g.shapes[0];
             let alike = |s: &Shape| s.z == first.z && s.z.is_sorted_by(|a, b| a < b);
             (g.rigid && g.shapes.iter().all(alike))
@@ -106,7 +106,8 @@ impl Spur {
     }
 }
 
-/// Places over the width at which points of a slave meet a master, or lie beside it by less than `beside` of a face.
+/// Lists the positions over the width at which points of a slave face a master, or are less than `beside` of a face
+/// away from it.
 pub(super) fn cells(slave: &Shape, master: &Shape, rule: &Rule, beside: f64) -> Vec<Cell> {
     let mut all = Vec::new();
     let mut add = |column: usize, b: f64, index: usize| {

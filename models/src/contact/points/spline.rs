@@ -1,4 +1,4 @@
-//! Cubic splines through the nodes of a flank, as the bulge over the chords.
+//! Cubic splines through the nodes of a flank, as bulges over the chords.
 //!
 //! On a chord `d` from node to node with `t` in [0, 1] the spline is `P_0 + t d + f(t)` with
 //!
@@ -12,7 +12,7 @@
 
 use crate::Vec3;
 
-/// End slopes `e_0`, `e_1` of each chord [m]; zeros for two points.
+/// Computes the end slopes `e_0`, `e_1` of each chord [m]; zeros for two points.
 pub(super) fn bulges(points: &[Vec3]) -> Vec<[Vec3; 2]> {
     let n = points.len();
     let d: Vec<Vec3> = points.windows(2).map(|p| p[1] - p[0]).collect();
@@ -36,7 +36,8 @@ pub(super) fn bulges(points: &[Vec3]) -> Vec<[Vec3; 2]> {
         .collect()
 }
 
-/// How far the nodes next to each chord of a line lie off it, with room for deformation [m].
+/// Returns, for each chord of a line, the distance of its neighbouring nodes from it, with a margin for deformation
+/// [m].
 pub(super) fn chord_bound(line: &[Vec3]) -> Vec<f64> {
     (0..line.len() - 1)
         .map(|r| {
@@ -50,7 +51,7 @@ pub(super) fn chord_bound(line: &[Vec3]) -> Vec<f64> {
         .collect()
 }
 
-/// Tangents of the not-a-knot spline with at least three chords `h` of slope `delta`.
+/// Computes the tangents of the not-a-knot spline with at least three chords `h` of slope `delta`.
 fn not_a_knot(h: &[f64], delta: &[Vec3]) -> Vec<Vec3> {
     let n = h.len() + 1;
     let (mut low, mut mid, mut up) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -83,7 +84,7 @@ fn not_a_knot(h: &[f64], delta: &[Vec3]) -> Vec<Vec3> {
     rhs
 }
 
-/// `f`, `f'` and `f''` at `t`.
+/// Returns `f`, `f'` and `f''` at `t`.
 #[inline]
 pub(super) fn bulge(e: &[Vec3; 2], t: f64) -> [Vec3; 3] {
     let r = 1.0 - t;
@@ -98,7 +99,7 @@ pub(super) fn bulge(e: &[Vec3; 2], t: f64) -> [Vec3; 3] {
 mod tests {
     use super::*;
 
-    /// A circle: the error falls with the fourth power of the chord.
+    /// On a circle the error falls with the fourth power of the chord length.
     #[test]
     fn fourth_order_on_a_circle() {
         let error = |n: usize| {

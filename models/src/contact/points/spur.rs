@@ -1,41 +1,41 @@
-//! The search where all flanks move with their hubs and look the same in every transverse plane: in two dimensions.
+//! Point search in two dimensions, where all flanks move with their hubs and are equal in every transverse plane.
 //!
-//! A point and a flank meet in the transverse plane whatever their place over the width, so that one projection serves
-//! all points of a line over it. Everything stands in the gears' own frames from the start; an evaluation needs one
-//! pose of each gear against the other. Along a pair of flanks the gap grows from the point that faces the other flank
-//! best: rows are looked at from there on outwards, and no further than displacements can close the gap.
+//! A point and a flank have the same transverse positions whatever their position over the width, so that one
+//! projection serves all points of a line over it. All data are in the gear frames from the start; an evaluation needs
+//! one pose of each gear relative to the other. Along a pair of flanks the gap grows from the point of smallest gap:
+//! rows are searched outwards from there, until displacements can no longer close the gap.
 
-use super::flanked::Near;
+use super::flanked::NearbyFlank;
 use super::mesh_flanks::MeshFlanks;
+use super::poses::MeshPoses;
 use super::profile::Vec2;
-use super::sections::Turn;
-use super::spur_face::{Held, Pair};
-use super::stand::Stand;
-use crate::contact::nodal::{GapBound, NodalParty, NodalPoints, UNUSED};
-use crate::contact::party::SearchWork;
+use super::sections::PlaneTransform;
+use super::spur_face::{FacePointSearch, Pair};
+use crate::contact::gear_state::SearchWork;
+use crate::contact::nodal::{GapBound, NodalGearState, NodalPoints, UNUSED};
 use crate::geometry::Side;
 
 pub(super) use super::sections::Spur;
 
-/// Buffers; they grow and stay.
+/// Buffers of the search, reused between evaluations.
 #[derive(Debug, Default)]
 pub(super) struct SpurScratch {
-    first: Vec<Near>,
-    pairs: Vec<Facing>,
-    /// Per gear: slot of the first node of each row, [`UNUSED`] where it was not met.
+    first: Vec<NearbyFlank>,
+    pairs: Vec<OppositeFlanks>,
+    /// Slot of the first node of each row, per gear; [`UNUSED`] for rows that are not registered.
     rows: [Vec<u32>; 2],
-    /// Gap that each row of the slave surely has [m], and the master's face it was held against.
+    /// Lower bound of the gap of each row of the slave [m], and the face of the master for which it was computed.
     clear: Vec<(f64, usize)>,
 }
 
 impl Spur {
-    /// The points of a mesh at a state, `limit` the largest gap that displacements can close.
+    /// Finds the points of a mesh at a state; `limit` is the largest gap that displacements can close.
     #[allow(clippy::too_many_arguments)]
     pub fn points(
         &self,
         of: &MeshFlanks,
-        mut sides: [NodalParty<'_>; 2],
-        stand: &Stand,
+        mut sides: [NodalGearState<'_>; 2],
+        poses: &MeshPoses,
         limit: f64,
         buffers: &mut SpurScratch,
         gap_bound: &mut GapBound,
@@ -43,12 +43,12 @@ impl Spur {
     ) -> SearchWork {
         let mut work = SearchWork::default();
         let SpurScratch { first, pairs, .. } = buffers;
-        facing(of, stand, limit, first, pairs);
+        facing(of, poses, limit, first, pairs);
         if !buffers.pairs.is_empty() {
-            let poses = stand.poses;
+            let poses = poses.poses;
             let turns = [
-                Turn::between(&poses[0], &poses[1]),
-                Turn::between(&poses[1], &poses[0]),
+                PlaneTransform::between(&poses[0], &poses[1]),
+                PlaneTransform::between(&poses[1], &poses[0]),
             ];
             let pairs = std::mem::take(&mut buffers.pairs);
             for (_, a, b, side) in &pairs {
@@ -72,21 +72,21 @@ impl Spur {
     }
 }
 
-/// A pair of flanks, how far they are apart along the path, and their side.
-pub(super) type Facing = (f64, Near, Near, Side);
+/// Pair of flanks: their distance along the path, the flanks, and their side.
+pub(super) type OppositeFlanks = (f64, NearbyFlank, NearbyFlank, Side);
 
-/// Flanks that face each other within the limit, the nearest pair first.
+/// Returns the opposite flanks within the limit, the nearest pair first.
 pub(super) fn facing(
     of: &MeshFlanks,
-    stand: &Stand,
+    poses: &MeshPoses,
     limit: f64,
-    first: &mut Vec<Near>,
-    pairs: &mut Vec<Facing>,
+    first: &mut Vec<NearbyFlank>,
+    pairs: &mut Vec<OppositeFlanks>,
 ) {
     pairs.clear();
     let limit =
-        of.along(limit) + of.gears[0].deviation_bound + of.gears[1].deviation_bound + stand.beside;
-    let by = &stand.displacements;
+        of.along(limit) + of.gears[0].deviation_bound + of.gears[1].deviation_bound + poses.beside;
+    let by = &poses.displacements;
     for side in Side::BOTH {
         first.clear();
         of.gears[0].each_near(side, by[0], of.zone, |near| first.push(near));
@@ -102,10 +102,10 @@ pub(super) fn facing(
 }
 
 impl Pair<'_> {
-    /// Points of both passes.
+    /// Finds the points of both passes, with either gear as slave.
     fn points(
         &self,
-        sides: &mut [NodalParty<'_>; 2],
+        sides: &mut [NodalGearState<'_>; 2],
         buffers: &mut SpurScratch,
         work: &mut SearchWork,
         gap_bound: &mut GapBound,
@@ -123,8 +123,8 @@ impl Pair<'_> {
         }
     }
 
-    /// Places in both own frames where the flanks face each other best: where the line of action crosses them, or,
-    /// where it leaves a flank, at the end of that flank.
+    /// Returns the positions of smallest gap in both gear frames: where the line of action crosses the flanks, or,
+    /// outside a flank, at the end of that flank.
     fn start(&self) -> [Vec2; 2] {
         let (first, second) = (self.profile(0), self.profile(1));
         let x = first.at_height(self.of.gears[0].height_on_path(self.near[0].s));
@@ -133,13 +133,13 @@ impl Pair<'_> {
         [x, y]
     }
 
-    /// Points of gear `k` against the other.
+    /// Finds the points of gear `k` on the other.
     #[allow(clippy::too_many_arguments)]
     fn hold(
         &self,
         k: usize,
         start: &Vec2,
-        sides: &mut [NodalParty<'_>; 2],
+        sides: &mut [NodalGearState<'_>; 2],
         buffers: &mut SpurScratch,
         work: &mut SearchWork,
         gap_bound: &mut GapBound,
@@ -205,7 +205,7 @@ impl Pair<'_> {
         };
         self.meet(k, low..=high, of_slave, slave_rows);
         self.meet(m, range.0..=range.1 + 1, of_master, master_rows);
-        let mut face = Held {
+        let mut face = FacePointSearch {
             pair: self,
             k,
             of_slave,

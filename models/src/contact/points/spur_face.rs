@@ -1,14 +1,14 @@
-//! Points of a face of one gear held against the profile of the other's flank.
+//! Points of a face of one gear on the profile of the other's flank.
 
-use super::flanked::Near;
+use super::flanked::NearbyFlank;
 use super::mesh_flanks::MeshFlanks;
 use super::profile::{Profile, Vec2};
-use super::projection::{Fade, MOST_PAST};
-use super::sections::{Spur, Turn};
+use super::projection::{MOST_PAST, TipTaper};
+use super::sections::{PlaneTransform, Spur};
 use super::surface::Shape;
 use crate::Vec3;
-use crate::contact::nodal::{GapBound, NodalParty, NodalPoint, NodalPoints, UNUSED};
-use crate::contact::party::SearchWork;
+use crate::contact::gear_state::SearchWork;
+use crate::contact::nodal::{GapBound, NodalGearState, NodalPoint, NodalPoints, UNUSED};
 use crate::geometry::Side;
 use crate::kinematics::Pose;
 
@@ -16,11 +16,11 @@ use crate::kinematics::Pose;
 pub(super) struct Pair<'a> {
     pub spur: &'a Spur,
     pub of: &'a MeshFlanks,
-    pub near: [Near; 2],
+    pub near: [NearbyFlank; 2],
     pub side: Side,
     pub poses: &'a [Pose; 2],
-    /// From the frame of the first gear to that of the second, and back.
-    pub turns: &'a [Turn; 2],
+    /// Transformations from the frame of the first gear to that of the second, and back.
+    pub turns: &'a [PlaneTransform; 2],
     pub limit: f64,
 }
 
@@ -33,12 +33,12 @@ impl Pair<'_> {
         &self.of.gears[k].shapes[self.near[k].shape]
     }
 
-    /// Meets rows of nodes of a gear.
+    /// Registers rows of nodes of a gear.
     pub fn meet(
         &self,
         k: usize,
         rows: std::ops::RangeInclusive<usize>,
-        side: &mut NodalParty<'_>,
+        side: &mut NodalGearState<'_>,
         slots: &mut [u32],
     ) {
         let Some(field) = side.field else { return };
@@ -52,7 +52,7 @@ impl Pair<'_> {
             }
             let new = (row..=end).take_while(|&r| slots[r] == UNUSED).count();
             let nodes = &shape.nodes[row * columns..(row + new) * columns];
-            let first = side.nodes.meet_new(field, side.party.at, nodes);
+            let first = side.nodes.meet_new(field, side.gear_state.at, nodes);
             for i in 0..new {
                 slots[row + i] = first + (i * columns) as u32;
             }
@@ -61,20 +61,20 @@ impl Pair<'_> {
     }
 }
 
-/// Points of one gear's flank held against the other's.
-pub(super) struct Held<'a, 'b, 'c> {
+/// Search for the points of one gear's flank on the other's.
+pub(super) struct FacePointSearch<'a, 'b, 'c> {
     pub pair: &'a Pair<'b>,
     pub k: usize,
-    pub of_slave: &'a mut NodalParty<'c>,
-    pub of_master: &'a mut NodalParty<'c>,
+    pub of_slave: &'a mut NodalGearState<'c>,
+    pub of_master: &'a mut NodalGearState<'c>,
     pub slave_rows: &'a mut Vec<u32>,
     pub master_rows: &'a mut Vec<u32>,
     pub clear: &'a [(f64, usize)],
 }
 
-impl Held<'_, '_, '_> {
-    /// Largest displacement of the nodes of rows that were met.
-    fn rise(side: &NodalParty<'_>, slots: &[u32], columns: usize) -> f64 {
+impl FacePointSearch<'_, '_, '_> {
+    /// Returns the largest displacement of the nodes of registered rows.
+    fn rise(side: &NodalGearState<'_>, slots: &[u32], columns: usize) -> f64 {
         let met = slots.iter().filter(|s| **s != UNUSED);
         met.fold(f64::NEG_INFINITY, |most, &slot| {
             let of_row = &side.nodes.displacement[slot as usize..][..columns];
@@ -82,10 +82,10 @@ impl Held<'_, '_, '_> {
         })
     }
 
-    /// Displacement at a place of a face; zero without a field.
+    /// Returns the displacement at a position on a face; zero without a field.
     #[inline]
     fn at(
-        side: &NodalParty<'_>,
+        side: &NodalGearState<'_>,
         rows: &[u32],
         (row, a): (usize, f64),
         (column, b): (usize, f64),
@@ -101,7 +101,7 @@ impl Held<'_, '_, '_> {
         below + a * (above - below)
     }
 
-    /// Slots of the corners of a face; none without a field.
+    /// Returns the slots of the corners of a face; [`UNUSED`] without a field.
     #[inline]
     fn corners(rows: &[u32], row: usize, column: usize) -> [u32; 4] {
         if rows[row] == UNUSED {
@@ -111,7 +111,7 @@ impl Held<'_, '_, '_> {
         [below, above, above + 1, below + 1]
     }
 
-    /// Points of a face of the slave.
+    /// Finds the points of a face of the slave.
     pub fn points(
         &mut self,
         row: usize,
@@ -177,7 +177,7 @@ impl Held<'_, '_, '_> {
             }
             let (height, gradient) = master.tip_place(&x);
             let gradient = m_pose.turn(&Vec3::new(gradient.x, gradient.y, 0.0));
-            let Some(fade) = Fade::new((height, gradient), past) else {
+            let Some(taper) = TipTaper::new((height, gradient), past) else {
                 continue;
             };
             work.projections += 1;
@@ -238,16 +238,16 @@ impl Held<'_, '_, '_> {
                     gap0,
                     stiffness: of.penalty[k] * area,
                     share: of.share(k, area),
-                    fading: Vec3::zeros(),
+                    taper_gradient: Vec3::zeros(),
                 };
-                of.fade(&mut point, &fade);
+                of.taper(&mut point, &taper);
                 out.points.push(point);
             }
         }
     }
 }
 
-/// Bilinear weights of the corners, as [`super::Flanks::weights`].
+/// Returns the bilinear weights of the corners, as [`super::Flanks::weights`].
 #[inline]
 fn weights(a: f64, b: f64) -> [f64; 4] {
     [(1.0 - a) * (1.0 - b), a * (1.0 - b), a * b, (1.0 - a) * b]

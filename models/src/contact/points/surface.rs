@@ -1,4 +1,4 @@
-//! One flank as a surface: its reference shape, its points, and a face of it in the deformed state.
+//! Surface of one flank: its reference shape, its points, and its faces in the deformed state.
 //!
 //! ```text
 //! X(a, b) = sum_i N_i(a, b) x_i + R B(a, b)
@@ -17,38 +17,39 @@ use crate::geometry::{FlankGrid, Flanks, Side, Tips};
 use crate::kinematics::Pose;
 use crate::spec::{PointRule, SurfaceKind};
 
-/// The reference shape of a flank in the gear's own frame.
+/// Reference shape of a flank in the frame of its gear.
 #[derive(Clone, Debug)]
 pub(super) struct Shape {
     pub tooth: u32,
     pub side: Side,
     pub rows: usize,
     pub columns: usize,
-    /// The gear's node numbers, row by row.
+    /// Node numbers of the gear, row by row.
     pub nodes: Vec<u32>,
     /// Undeformed nodes in the own frame, row by row [m].
     pub positions: Vec<Vec3>,
     /// Bulges of the chords along the profile, `row * columns + column`; empty for faceted surfaces.
     profile: Vec<[Vec3; 2]>,
-    /// Bulges of the chords over the width, `row * (columns - 1) + column`; empty without any.
+    /// Bulges of the chords over the width, `row * (columns - 1) + column`; empty for faceted surfaces.
     width: Vec<[Vec3; 2]>,
-    /// Height of each row by [`Tips`], ascending to the tip; on a cone, carried along it to the middle of the face.
+    /// Height of each row as [`Tips`] measures it, ascending to the tip; on a cone, moved along it to the middle of
+    /// the face.
     pub heights: Vec<f64>,
-    /// How radii grow along the axis of a conical gear.
+    /// Radii along the axis of a conical gear.
     pub cone: Option<Cone>,
-    /// z of each column [m].
+    /// Height z of each column [m].
     pub z: Vec<f64>,
     /// Length of the faces along the profile of each row [m].
     pub lengths: Vec<f64>,
-    /// How far the flank may leave the plane of a face of each row within the neighbouring rows [m].
+    /// Largest distance of the flank from the plane of a face of each row within the neighbouring rows [m].
     pub chord_bound: Vec<f64>,
-    /// Reference area of each point [m^2], in the order of [`Shape::points`]; ones for nodes that count alike.
+    /// Reference area of each point [m^2], in the order of [`Shape::points`]; ones for nodes with unit areas.
     pub areas: Vec<f64>,
     first_face: u32,
 }
 
 impl Shape {
-    /// The shape of grid `g` of `flanks`; `tips` says how to measure heights.
+    /// Builds the shape of grid `g` of `flanks`; `tips` defines the heights.
     pub fn new(flanks: &Flanks, g: usize, kind: SurfaceKind, rule: &Rule, tips: Tips) -> Self {
         let FlankGrid {
             tooth,
@@ -100,7 +101,7 @@ impl Shape {
         shape
     }
 
-    /// Areas of all points.
+    /// Computes the areas of all points.
     fn measure(&mut self, rule: &Rule) {
         let still = Pose::STILL;
         let element = |row: usize, column: usize, a: f64, b: f64| {
@@ -148,7 +149,7 @@ impl Shape {
         self.areas = areas;
     }
 
-    /// Outward unit normals at the nodes, row by row.
+    /// Returns the outward unit normals at the nodes, row by row.
     pub fn nodal_normals(&self) -> Vec<Vec3> {
         let still = Pose::STILL;
         (0..self.rows * self.columns)
@@ -162,7 +163,7 @@ impl Shape {
             .collect()
     }
 
-    /// Calls `f` for each point of the faces that `keep(row, column)` keeps, row by row.
+    /// Calls `f` for each point of the faces with `keep(row, column)`, row by row.
     #[inline]
     pub fn points(
         &self,
@@ -215,19 +216,19 @@ impl Shape {
         }
     }
 
-    /// Whether the faces are taken as they are.
+    /// Returns true if the faces are bilinear facets.
     #[inline]
     pub fn is_faceted(&self) -> bool {
         self.profile.is_empty()
     }
 
-    /// Number of a face among all of the gear.
+    /// Returns the number of a face among all faces of the gear.
     #[inline]
     pub fn face_number(&self, row: usize, column: usize) -> u32 {
         self.first_face + (row * (self.columns - 1) + column) as u32
     }
 
-    /// The gear's node numbers at the corners of a face, as in [`Flanks::corners`].
+    /// Returns the node numbers at the corners of a face, as in [`Flanks::corners`].
     #[inline]
     pub fn corners(&self, row: usize, column: usize) -> [u32; 4] {
         let i = row * self.columns + column;
@@ -240,7 +241,8 @@ impl Shape {
         ]
     }
 
-    /// A face in the deformed state: `x` the positions of the flank's nodes, `pose` the gear's frame.
+    /// Returns a face in the deformed state: `x` has the positions of the nodes of the flank, `pose` is the frame of
+    /// the gear.
     #[inline]
     pub fn face<'a>(&self, x: &[Vec3], pose: &'a Pose, row: usize, column: usize) -> Face<'a> {
         let i = row * self.columns + column;
@@ -257,13 +259,13 @@ impl Shape {
         }
     }
 
-    /// A point of the undeformed surface in the own frame.
+    /// Returns a point of the undeformed surface in the gear frame.
     pub fn undeformed(&self, row: usize, column: usize, [a, b]: [f64; 2]) -> Vec3 {
         let still = Pose::STILL;
         (self.face(&self.positions, &still, row, column)).position(self, a, b)
     }
 
-    /// Column whose strip holds a `z`, and where in it, from 0 to 1 (beyond, outside the flank).
+    /// Returns the column whose strip contains a `z`, and the position in it, from 0 to 1 (beyond, outside the flank).
     #[inline]
     pub fn column_at(&self, z: f64) -> (usize, f64) {
         let mut column = 0;
@@ -274,8 +276,8 @@ impl Shape {
         (column, (z - low) / (high - low))
     }
 
-    /// Row whose strip holds a height at a place over the width, [`Shape::column_at`], and where in it, from 0 to 1 (beyond,
-    /// outside the flank).
+    /// Returns the row whose strip contains a height at a position over the width, [`Shape::column_at`], and the
+    /// position in it, from 0 to 1 (beyond, outside the flank).
     #[inline]
     pub fn row_at(&self, height: f64, (column, b): (usize, f64)) -> (usize, f64) {
         if let Some(cone) = &self.cone {
@@ -288,7 +290,7 @@ impl Shape {
     }
 }
 
-/// A face in the deformed state.
+/// A face of a flank in the deformed state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face<'a> {
     pub row: usize,
@@ -300,9 +302,9 @@ pub(super) struct Face<'a> {
     twist: Vec3,
 }
 
-/// A point of a face with the derivatives by `a` and `b`.
+/// A point of a face with its derivatives by `a` and `b`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
+pub(super) struct SurfacePoint {
     pub x: Vec3,
     pub along: Vec3,
     pub across: Vec3,
@@ -311,10 +313,10 @@ pub(super) struct Spot {
 }
 
 impl Face<'_> {
-    /// Position, tangents and second derivatives.
+    /// Computes position, tangents and second derivatives.
     #[inline]
-    pub fn eval(&self, shape: &Shape, a: f64, b: f64) -> Spot {
-        let mut spot = Spot {
+    pub fn eval(&self, shape: &Shape, a: f64, b: f64) -> SurfacePoint {
+        let mut spot = SurfacePoint {
             x: self.origin + a * self.along + b * (self.across + a * self.twist),
             along: self.along + b * self.twist,
             across: self.across + a * self.twist,
@@ -353,7 +355,7 @@ impl Face<'_> {
         spot
     }
 
-    /// Position alone.
+    /// Computes the position.
     #[inline]
     pub fn position(&self, shape: &Shape, a: f64, b: f64) -> Vec3 {
         let mut x = self.origin + a * self.along + b * (self.across + a * self.twist);
@@ -374,7 +376,7 @@ impl Face<'_> {
         x
     }
 
-    /// Distance of a point from the plane through the face, outwards of the tooth [m].
+    /// Returns the distance of a point from the plane through the face, outwards of the tooth [m].
     #[inline]
     pub fn height_over(&self, side: Side, x: &Vec3) -> f64 {
         // Left: across x along points outwards.

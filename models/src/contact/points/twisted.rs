@@ -1,5 +1,5 @@
-//! Flanks that move with their hubs and show one profile in all transverse planes, turned in proportion to the height:
-//! helical teeth, and teeth with lead crowning as nearly such.
+//! Flanks that move with their hubs and whose transverse profile rotates in proportion to the height: helical teeth,
+//! and teeth with lead crowning as an approximation.
 //!
 //! At a height `z` the own frame is that of the section there, turned by the twist (of a rack: moved along by it),
 //!
@@ -7,9 +7,9 @@
 //! x(a, z) = S(z)^-1 p(a),      dx/dz = d:   tau (-y, x) of a gear, (0, sigma) of a rack
 //! ```
 //!
-//! so that one flank against the other is, seen from their sections, the pair of profiles of spur teeth in a pose that
-//! depends on `z`. A projection in the section, with the gap `g_t` along the normal `n_t` there, tells the closest point in
-//! space but for what is of second order in the gap: with `w = -n_t . d`
+//! so that one flank relative to the other is, in their sections, the pair of profiles of spur teeth in a pose that
+//! depends on `z`. A projection in the section, with the gap `g_t` along the normal `n_t` there, determines the
+//! closest point in space up to second order in the gap: with `w = -n_t . d`
 //!
 //! ```text
 //! cos^2 beta = 1/(1 + w^2),   g = g_t cos beta,   z' = z - g_t w cos^2 beta
@@ -24,76 +24,76 @@
 //!
 //! which is exact: what is of second order in the tilt is the distance alone.
 //!
-//! (F. L. Litvin, A. Fuentes, *Gear Geometry and Applied Theory*, 2nd ed. 2004, ch. 14, for helicoids). So sections say
-//! which points are wanted, and where the search in space begins; what is found in the end is that of the surfaces.
+//! (F. L. Litvin, A. Fuentes, *Gear Geometry and Applied Theory*, 2nd ed. 2004, ch. 14, for helicoids). Sections
+//! therefore select the points and the start of the search in space; the result is that of the surfaces.
 
-use super::flanked::Flanked;
+use super::flanked::FlankedGear;
 use super::mesh_flanks::MeshFlanks;
 use super::patch::Patch;
 use super::profile::{NEARLY, Profile, Vec2};
 use super::rule::Rule;
-use super::sections::{Cell, Turn, cells};
+use super::sections::{Cell, PlaneTransform, cells};
 use super::surface::Shape;
 use crate::Vec3;
 use crate::geometry::Tips;
 use crate::kinematics::Pose;
 
-/// Part of the base pitch by which a flank may leave its twisted profile and still be looked for by it.
+/// Largest deviation of a flank from its twisted profile, relative to the base pitch, for the search in sections.
 const OFF_TWIST: f64 = 0.01;
 
-/// Part of a face beside a flank up to which the search in space is asked about a point.
+/// Distance from a flank, as a fraction of a face, up to which the search in space evaluates a point.
 pub(super) const BESIDE: f64 = 0.2;
 
-/// The same for places over the width that axial shifts and tilts may bring to the flank.
+/// Distance from a flank over the width, as a fraction of a face, that axial shifts and tilts may bridge.
 const MAY_COME: f64 = 2.0;
 
-/// Largest part of a gap, and of displacements, that the section leaves out.
+/// Largest fraction of a gap, and of displacements, that the section neglects.
 const SECOND_ORDER: f64 = 0.02;
 
 /// Flanks of both gears as twisted profiles.
 #[derive(Clone, Debug)]
-pub(super) struct Twisted {
+pub(super) struct TwistedFlanks {
     pub profiles: [Vec<Profile>; 2],
-    /// Faces of each flank.
+    /// Faces of each flank as polynomials.
     pub patches: [Vec<Vec<Patch>>; 2],
     pub twists: [Twist; 2],
-    /// Points of the rule on each flank in its own frame, in the order of their areas.
+    /// Points of the rule on each flank in the gear frame, in the order of their areas.
     pub points: [Vec<Vec<Vec3>>; 2],
-    /// Places over the width of the points of each gear, as slave.
+    /// Positions over the width of the points of each gear, as slave.
     pub cells: [Vec<TwistedCell>; 2],
-    /// Points along the profile of a face with their weights; none where points are nodes.
+    /// Points along the profile of a face with their weights; empty for points at nodes.
     pub along: Vec<(f64, f64)>,
     pub across: usize,
-    /// How far both flanks may leave their twisted profiles at most [m].
+    /// Largest deviation of both flanks from their twisted profiles [m].
     pub off: f64,
-    /// Axes stay parallel and the middles of both gears at one height.
+    /// True if axes are parallel and the middles of both gears are at one height.
     pub parallel: bool,
 }
 
-/// A place over the width.
+/// Position over the width of a line of points, with its section transformations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TwistedCell {
     pub cell: Cell,
-    /// From the section of the slave to its own frame, and from the own frame of the master to its section.
-    from_slave: Turn,
-    to_master: Turn,
+    /// Transformation from the section of the slave to its frame, and from the frame of the master to its section.
+    from_slave: PlaneTransform,
+    to_master: PlaneTransform,
 }
 
-/// From a section of the slave to those of the master.
+/// Map from a section of the slave to those of the master.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SectionMap {
-    /// For parallel axes; nearly for others.
-    pub turn: Turn,
-    tilted: Option<Tilted>,
+    /// Transformation for parallel axes; an approximation for others.
+    pub turn: PlaneTransform,
+    tilted: Option<TiltTerms>,
 }
 
-/// What tilted axes add.
+/// Additional terms for tilted axes.
 #[derive(Clone, Copy, Debug)]
-struct Tilted {
-    /// To the section of the master at the height of the slave's axis; rows.
+struct TiltTerms {
+    /// Map to the section of the master at the height of the slave's axis, as rows.
     rows: [Vec2; 2],
     shift: Vec2,
-    /// How much higher other places stand.
+    /// Slope of the height over the section.
     slope: Vec2,
     twist: Twist,
 }
@@ -115,17 +115,17 @@ impl SectionMap {
     }
 }
 
-/// How sections stand against each other.
+/// Rotation of the sections of a flank along the axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Twist {
     rack: bool,
-    /// `tau` [rad/m] of a gear, `sigma` of a rack.
+    /// Twist rate `tau` [rad/m] of a gear, or slope `sigma` of a rack.
     pub rate: f64,
 }
 
 impl Twist {
-    /// That of the flanks of a gear, by the ends of one in the middle of the profile.
-    fn of(gear: &Flanked) -> Self {
+    /// Computes the twist of the flanks of a gear, from the ends of one flank in the middle of the profile.
+    fn of(gear: &FlankedGear) -> Self {
         let shape = &gear.shapes[0];
         let row = shape.rows / 2 * shape.columns;
         let [a, b] = [0, shape.columns - 1].map(|c| shape.positions[row + c]);
@@ -141,18 +141,18 @@ impl Twist {
         }
     }
 
-    /// From the section at a height to the own frame.
-    fn section(&self, z: f64) -> Turn {
+    /// Returns the transformation from the section at a height to the gear frame.
+    fn section(&self, z: f64) -> PlaneTransform {
         let by = self.rate * z;
         let (angle, shift) = if self.rack { (0.0, by) } else { (by, 0.0) };
-        Turn {
+        PlaneTransform {
             cos: angle.cos(),
             sin: angle.sin(),
             shift: Vec2::new(0.0, shift),
         }
     }
 
-    /// `d` at a place of a section.
+    /// Returns the derivative `d` by the height at a point of a section.
     #[inline]
     pub fn drift(&self, x: &Vec2) -> Vec2 {
         if self.rack {
@@ -163,11 +163,16 @@ impl Twist {
     }
 }
 
-impl Twisted {
-    /// Twisted profiles of both gears, where their flanks allow it.
-    pub fn new(gears: &[Flanked; 2], rule: &Rule, base_pitch: f64, parallel: bool) -> Option<Self> {
+impl TwistedFlanks {
+    /// Returns the twisted profiles of both gears, where their flanks allow it.
+    pub fn new(
+        gears: &[FlankedGear; 2],
+        rule: &Rule,
+        base_pitch: f64,
+        parallel: bool,
+    ) -> Option<Self> {
         let rising = |s: &Shape| s.z.is_sorted_by(|a, b| a < b);
-        let may_be = |g: &Flanked| g.rigid && !g.conical && g.shapes.iter().all(rising);
+        let may_be = |g: &FlankedGear| g.rigid && !g.conical && g.shapes.iter().all(rising);
         if !gears.iter().all(may_be) {
             return None;
         }
@@ -197,7 +202,7 @@ impl Twisted {
             with_turns.collect()
         };
         // Columns of all flanks of a gear stand at the same heights.
-        let alike = |g: &Flanked| g.shapes.iter().all(|s| s.z == g.shapes[0].z);
+        let alike = |g: &FlankedGear| g.shapes.iter().all(|s| s.z == g.shapes[0].z);
         let patches =
             [0, 1].map(|k| -> Vec<Vec<Patch>> { gears[k].shapes.iter().map(Patch::all).collect() });
         let points = [0, 1].map(|k| {
@@ -206,7 +211,7 @@ impl Twisted {
                 .map(|(shape, patches)| points(shape, patches, rule))
                 .collect()
         });
-        gears.iter().all(alike).then(|| Twisted {
+        gears.iter().all(alike).then(|| TwistedFlanks {
             profiles,
             patches,
             points,
@@ -219,12 +224,12 @@ impl Twisted {
         })
     }
 
-    /// The frame of the slave `k` as seen from that of the master.
-    pub fn seen(&self, slave: &Pose, master: &Pose) -> Pose {
+    /// Returns the frame of the slave `k` in that of the master.
+    pub fn relative_frame(&self, slave: &Pose, master: &Pose) -> Pose {
         if !self.parallel {
             return slave.seen_from(master);
         }
-        let turn = Turn::between(slave, master);
+        let turn = PlaneTransform::between(slave, master);
         Pose {
             axes: [
                 Vec3::new(turn.cos, turn.sin, 0.0),
@@ -235,15 +240,15 @@ impl Twisted {
         }
     }
 
-    /// From the section of the slave `k` at each of its cells to those of the master, in whose frame that of the slave is
-    /// `seen`.
-    pub fn maps(&self, k: usize, seen: &Pose, out: &mut Vec<SectionMap>) {
+    /// Computes the maps from the section of the slave `k` at each of its cells to those of the master; `relative_frame` is the
+    /// frame of the slave in that of the master.
+    pub fn maps(&self, k: usize, relative_frame: &Pose, out: &mut Vec<SectionMap>) {
         out.clear();
-        let [x, y, z] = &seen.axes;
-        let turn = Turn {
+        let [x, y, z] = &relative_frame.axes;
+        let turn = PlaneTransform {
             cos: x.x,
             sin: x.y,
-            shift: seen.origin.xy(),
+            shift: relative_frame.origin.xy(),
         };
         let twist = self.twists[1 - k];
         out.extend(self.cells[k].iter().map(|c| {
@@ -257,7 +262,7 @@ impl Twisted {
             let from = &c.from_slave;
             let first = from.cos * x + from.sin * y;
             let second = from.cos * y - from.sin * x;
-            let origin = seen.origin + from.shift.x * x + from.shift.y * y + c.cell.z * z;
+            let origin = relative_frame.origin + from.shift.x * x + from.shift.y * y + c.cell.z * z;
             let slope = Vec2::new(first.z, second.z);
             let to = twist.section(origin.z).inverse();
             let turned =
@@ -266,12 +271,12 @@ impl Twisted {
             let shift = to.point(&origin.xy());
             let length = a.norm();
             SectionMap {
-                turn: Turn {
+                turn: PlaneTransform {
                     cos: a.x / length,
                     sin: a.y / length,
                     shift,
                 },
-                tilted: Some(Tilted {
+                tilted: Some(TiltTerms {
                     rows: [Vec2::new(a.x, b.x), Vec2::new(a.y, b.y)],
                     shift,
                     slope,
@@ -281,20 +286,20 @@ impl Twisted {
         }));
     }
 
-    /// By how much the path coordinate of a left flank of the first gear grows from the middle to a height [m].
+    /// Returns the change of the path coordinate of a left flank of the first gear from the middle to a height [m].
     #[inline]
     pub fn path_by_height(&self, of: &MeshFlanks, z: f64) -> f64 {
         of.gears[0].base_radius.unwrap_or(0.0) * self.twists[0].rate * z
     }
 
-    /// The place on the profile of the slave `k` that faces the master best, in a section where the first gear's flank stands
-    /// at the path coordinate `s` [m]: where the line of action crosses it, or, where it leaves a flank, the end of that
-    /// flank. `turn` leads to the section of the master.
+    /// Returns the position of smallest gap on the profile of the slave `k`, in a section where the flank of the first
+    /// gear has the path coordinate `s` [m]: where the line of action crosses it, or, outside a flank, the end of that
+    /// flank. `turn` maps to the section of the master.
     pub fn facing(
         [first, second]: [&Profile; 2],
         k: usize,
         (of, s): (&MeshFlanks, f64),
-        turn: &Turn,
+        turn: &PlaneTransform,
     ) -> Vec2 {
         let back = turn.inverse();
         let [to_second, to_first] = if k == 0 { [turn, &back] } else { [&back, turn] };
@@ -314,20 +319,22 @@ impl Twisted {
         first.at_height(first.height(&to_first.point(&y)))
     }
 
-    /// Height over the middle of the master of a place in a section of the slave.
-    pub fn height(seen: &Pose, cell: &TwistedCell, x: &Vec2) -> f64 {
+    /// Returns the height over the middle of the master of a point in a section of the slave.
+    pub fn height(relative_frame: &Pose, cell: &TwistedCell, x: &Vec2) -> f64 {
         let own = cell.from_slave.point(x);
-        seen.point(&Vec3::new(own.x, own.y, cell.cell.z)).z
+        relative_frame
+            .point(&Vec3::new(own.x, own.y, cell.cell.z))
+            .z
     }
 
-    /// What of a gap [m] and of displacements [m] sections may miss.
+    /// Returns a bound of the error of sections for a gap [m] and displacements [m].
     #[inline]
     pub fn doubt(&self, gap: f64, displacements: f64) -> f64 {
         self.off + SECOND_ORDER * (gap.abs() + displacements)
     }
 }
 
-/// Points of the rule on a flank in its own frame, in the order of their areas.
+/// Returns the points of the rule on a flank in the gear frame, in the order of their areas.
 fn points(shape: &Shape, patches: &[Patch], rule: &Rule) -> Vec<Vec3> {
     let mut all = Vec::with_capacity(shape.areas.len());
     shape.points(
@@ -340,7 +347,8 @@ fn points(shape: &Shape, patches: &[Patch], rule: &Rule) -> Vec<Vec3> {
     all
 }
 
-/// The profile of a shape in the section at height zero, and how far the shape leaves it when that is twisted [m].
+/// Returns the profile of a shape in the section at height zero, and the deviation of the shape from the twisted
+/// profile [m].
 fn twisted(shape: &Shape, twist: &Twist, rule: &Rule, tips: Tips) -> (Profile, f64) {
     let untwisted = |row: usize, column: usize, place: [f64; 2]| {
         let x: Vec3 = shape.undeformed(row, column, place);

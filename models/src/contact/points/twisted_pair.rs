@@ -1,42 +1,43 @@
-//! The search between [twisted](super::twisted) flanks: sections tell which points are wanted, surfaces where they are.
+//! Point search between [twisted](super::twisted) flanks: sections select the points, surfaces locate them.
 
 use super::corners::{Corners, weights};
-use super::flanked::Near;
+use super::flanked::NearbyFlank;
 use super::mesh_flanks::MeshFlanks;
 use super::patch::Patch;
+use super::poses::MeshPoses;
 use super::profile::Profile;
-use super::projection::{Begin, Deformed, Fade, MOST_PAST};
+use super::projection::{DeformedSurface, MOST_PAST, ProjectionStart, TipTaper};
 use super::rule::FlankPoint;
 use super::sections::Cell;
-use super::spur::{Facing, facing};
-use super::stand::Stand;
+use super::spur::{OppositeFlanks, facing};
 use super::surface::Shape;
-use super::twisted::{BESIDE, SectionMap, Twisted, TwistedCell};
+use super::twisted::{BESIDE, SectionMap, TwistedCell, TwistedFlanks};
 use crate::Vec3;
-use crate::contact::nodal::{GapBound, NodalParty, NodalPoint, NodalPoints};
-use crate::contact::party::SearchWork;
+use crate::contact::gear_state::SearchWork;
+use crate::contact::nodal::{GapBound, NodalGearState, NodalPoint, NodalPoints};
 use crate::geometry::Side;
 use crate::kinematics::{Pose, Tooth};
 
-/// Buffers; they grow and stay.
+/// Buffers of the search, reused between evaluations.
 #[derive(Debug, Default)]
 pub(super) struct TwistedScratch {
-    first: Vec<Near>,
-    pairs: Vec<Facing>,
-    /// From the sections of each gear, as slave, to those of the other.
+    first: Vec<NearbyFlank>,
+    pairs: Vec<OppositeFlanks>,
+    /// Maps from the sections of each gear, as slave, to those of the other.
     maps: [Vec<SectionMap>; 2],
-    /// Gap that each row of the slave surely has in a section [m], and the master's face it was held against.
+    /// Lower bound of the gap of each row of the slave in a section [m], and the face of the master for which it was
+    /// computed.
     clear: Vec<(f64, usize)>,
 }
 
-impl Twisted {
-    /// The points of a mesh at a state, `limit` the largest gap that displacements can close.
+impl TwistedFlanks {
+    /// Finds the points of a mesh at a state; `limit` is the largest gap that displacements can close.
     #[allow(clippy::too_many_arguments)]
     pub fn points(
         &self,
         of: &MeshFlanks,
-        mut sides: [NodalParty<'_>; 2],
-        stand: &Stand,
+        mut sides: [NodalGearState<'_>; 2],
+        poses: &MeshPoses,
         limit: f64,
         buffers: &mut TwistedScratch,
         gap_bound: &mut GapBound,
@@ -49,10 +50,10 @@ impl Twisted {
             maps,
             clear,
         } = buffers;
-        facing(of, stand, limit, first, pairs);
+        facing(of, poses, limit, first, pairs);
         if !pairs.is_empty() {
-            let poses = &stand.poses;
-            let frames = [0, 1].map(|k| self.seen(&poses[k], &poses[1 - k]));
+            let poses = &poses.poses;
+            let frames = [0, 1].map(|k| self.relative_frame(&poses[k], &poses[1 - k]));
             for k in 0..2 {
                 self.maps(k, &frames[k], &mut maps[k]);
             }
@@ -92,50 +93,50 @@ impl Twisted {
     }
 }
 
-/// A face of the slave at a place over the width.
-struct FaceOf<'a> {
+/// A face of the slave at a position over the width.
+struct SlaveFace<'a> {
     row: usize,
     cell: Cell,
     map: &'a SectionMap,
     of_slave: Corners,
-    /// Of the face of the master that the last point faced.
+    /// Corners of the face of the master opposite to the last point.
     of_master: Corners,
-    /// What displacements may close there at most [m].
+    /// Largest gap that displacements can close there [m].
     rise: f64,
-    /// Where the next point is looked for.
+    /// Face of the master at which the next search starts.
     master_face: usize,
-    /// One of its points does not surely stand off.
+    /// True if one of its points may touch.
     near: bool,
 }
 
-/// Points of the slave `k` of a pair of flanks against the other.
+/// Search for the points of the slave `k` of a pair of flanks on the other.
 struct Pass<'a, 'b> {
-    twisted: &'a Twisted,
+    twisted: &'a TwistedFlanks,
     of: &'a MeshFlanks,
     profiles: [&'a Profile; 2],
     shapes: [&'a Shape; 2],
-    /// Faces of the master.
+    /// Faces of the master as polynomials.
     patches: &'a [Patch],
     /// Points of both flanks, in the order of their areas.
     points: [&'a [Vec3]; 2],
-    /// Path coordinate of the first gear's flank at height zero [m].
+    /// Path coordinate of the flank of the first gear at height zero [m].
     s: f64,
     teeth: [Tooth; 2],
     side: Side,
     k: usize,
     poses: &'a [Pose; 2],
-    /// The slave's frame in the master's.
+    /// Frame of the slave in that of the master.
     frame: &'a Pose,
     limit: f64,
     clear: &'a mut Vec<(f64, usize)>,
-    sides: &'a mut [NodalParty<'b>; 2],
+    sides: &'a mut [NodalGearState<'b>; 2],
     gap_bound: &'a mut GapBound,
     out: &'a mut NodalPoints,
     work: &'a mut SearchWork,
 }
 
 impl<'a> Pass<'a, '_> {
-    /// A gap in space that a gap in a section stands for at least.
+    /// Converts a gap in a section to a lower bound of the gap in space.
     #[inline]
     fn in_space(&self, gap: f64) -> f64 {
         let along = if gap > 0.0 {
@@ -146,14 +147,15 @@ impl<'a> Pass<'a, '_> {
         along - self.twisted.doubt(along, 0.0)
     }
 
-    /// Points at a place over the width: rows from the best place outwards, until they stand off.
+    /// Finds the points at a position over the width: rows from the smallest gap outwards, until they are clearly
+    /// open.
     fn cell(&mut self, of_cell: &TwistedCell, map: &SectionMap) {
         let (slave, master) = (self.profiles[self.k], self.profiles[1 - self.k]);
         let mut cell = of_cell.cell;
         let path = self.s + self.side.sign() * self.twisted.path_by_height(self.of, cell.z);
-        let start = Twisted::facing(self.profiles, self.k, (self.of, path), &map.turn);
+        let start = TwistedFlanks::facing(self.profiles, self.k, (self.of, path), &map.turn);
         if !self.twisted.parallel {
-            let z = Twisted::height(self.frame, of_cell, &start);
+            let z = TwistedFlanks::height(self.frame, of_cell, &start);
             (cell.on, cell.b_on) = self.shapes[1 - self.k].column_at(z);
             if !(-BESIDE..=1.0 + BESIDE).contains(&cell.b_on) {
                 return;
@@ -190,7 +192,7 @@ impl<'a> Pass<'a, '_> {
         }
     }
 
-    /// Points of a face of the slave at a place over the width, outwards from the one that is nearest.
+    /// Finds the points of a face of the slave at a position over the width, outwards from the nearest one.
     fn face(&mut self, row: usize, from: f64, cell: Cell, map: &SectionMap) {
         let (k, m) = (self.k, 1 - self.k);
         let (s_shape, m_shape) = (self.shapes[k], self.shapes[m]);
@@ -217,7 +219,7 @@ impl<'a> Pass<'a, '_> {
             0 => 1 + usize::from(row + 2 == s_shape.rows),
             count => count,
         };
-        let mut on = FaceOf {
+        let mut on = SlaveFace {
             row,
             cell,
             map,
@@ -241,10 +243,10 @@ impl<'a> Pass<'a, '_> {
         }
     }
 
-    /// Looks at point `i` of so many of a face; false where that and all further out stand off, which a point that stands
-    /// off shows once another one was nearer.
+    /// Evaluates point `i` of `count` of a face; returns false where it and all points further out are clearly open. A
+    /// clearly open point proves that once another one was nearer.
     #[inline]
-    fn may_touch(&mut self, on: &mut FaceOf<'_>, i: usize, count: usize) -> bool {
+    fn may_touch(&mut self, on: &mut SlaveFace<'_>, i: usize, count: usize) -> bool {
         let (twisted, k, m) = (self.twisted, self.k, 1 - self.k);
         let (slave, master) = (self.profiles[k], self.profiles[m]);
         let (s_shape, m_shape) = (self.shapes[k], self.shapes[m]);
@@ -277,7 +279,7 @@ impl<'a> Pass<'a, '_> {
         }
         let s_weights = weights(a, cell.b);
         // Where the projection in the section leaves the flank the one in space decides.
-        let mut begin = Begin {
+        let mut begin = ProjectionStart {
             row: face,
             column: cell.on,
             place: [place, cell.b_on],
@@ -329,13 +331,13 @@ impl<'a> Pass<'a, '_> {
         true
     }
 
-    /// A point held against the surface of the master, all in the master's own frame.
+    /// Projects a point on the surface of the master, in the frame of the master.
     fn point(
         &mut self,
         (p, own): (&FlankPoint, &Vec3),
         s_weights: &[f64; 4],
-        on: &mut FaceOf<'_>,
-        begin: Begin,
+        on: &mut SlaveFace<'_>,
+        begin: ProjectionStart,
         past: f64,
     ) {
         let (k, m) = (self.k, 1 - self.k);
@@ -344,11 +346,11 @@ impl<'a> Pass<'a, '_> {
         let (height, gradient) = self.profiles[m].tip_place(&x.xy());
         let pose = &self.poses[m];
         let gradient = pose.turn(&Vec3::new(gradient.x, gradient.y, 0.0));
-        let Some(fade) = Fade::new((height, gradient), past) else {
+        let Some(taper) = TipTaper::new((height, gradient), past) else {
             return;
         };
         self.work.projections += 1;
-        let surface = Deformed {
+        let surface = DeformedSurface {
             shape: m_shape,
             x: &m_shape.positions,
             pose: &Pose::STILL,
@@ -390,9 +392,9 @@ impl<'a> Pass<'a, '_> {
             gap0,
             stiffness: self.of.penalty[k] * p.area,
             share: self.of.share(k, p.area),
-            fading: Vec3::zeros(),
+            taper_gradient: Vec3::zeros(),
         };
-        self.of.fade(&mut point, &fade);
+        self.of.taper(&mut point, &taper);
         self.out.points.push(point);
     }
 }

@@ -1,7 +1,7 @@
-//! The data of an elastic gear.
+//! Data of an elastic gear.
 
 use super::inertia::SpinTerms;
-use super::lateral::{self, HubShapes};
+use super::out_of_plane::{self, HubShapes};
 use super::reduced::{FlankCompliance, Reduced};
 use crate::Vec3;
 use crate::error::Reason;
@@ -17,30 +17,30 @@ pub struct Elastic {
     pub(super) hub: HubBody,
     pub(super) placement: Placement,
     pub(super) data: Arc<Reduced>,
-    /// Undeformed flank nodes in the own frame [m].
+    /// Undeformed flank nodes in the gear frame [m].
     pub(super) positions: Vec<Vec3>,
-    /// Coordinates of the hub; the modes follow.
+    /// Number of coordinates of the hub; the modes follow.
     pub(super) own: usize,
-    /// How modes move a hub that is also free beside its own motion.
+    /// Shapes of the modes at a hub with out-of-plane freedom.
     pub(super) shapes: Option<HubShapes>,
-    /// Of all coordinates where these are independent oscillators.
+    /// Angular frequencies and damping ratios of all coordinates, where these are independent oscillators.
     pub(super) swings: Option<[Vec<f64>; 2]>,
-    /// Per coordinate; zero for the hub.
+    /// Angular frequency and damping ratio of each coordinate; zero for the hub.
     pub(super) omega: Vec<f64>,
     pub(super) zeta: Vec<f64>,
     /// Largest modal compliance of a flank node, `sum_i b_i^2 / omega_i^2` [m/N].
     pub(super) softest: f64,
-    /// Largest residual displacement of a flank node by unit load on the hub.
+    /// Largest residual displacement of a flank node per unit load on the hub.
     pub(super) hub_reach: f64,
     pub(super) spin: Spin,
     pub(super) correction: RefCell<QuasiStatic>,
-    /// Buffers of the mobility of nodes: weighted shapes, a row.
+    /// Buffers of the mobility of nodes: weighted shapes, and a row.
     pub(super) mobility: RefCell<(Vec<f64>, Vec<f64>)>,
-    /// The nodes behind the reduction, where its mesh is known.
+    /// Full mesh behind the reduction, where it is available.
     pub(super) recovery: Option<Arc<dyn Recovery>>,
 }
 
-/// Whether a gear has the terms, and room to evaluate them.
+/// Spin terms of a gear, with work space for their evaluation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Spin {
     pub(super) terms: SpinTerms,
@@ -49,13 +49,13 @@ pub(super) struct Spin {
     pub(super) room: RefCell<[Vec<f64>; 3]>,
 }
 
-/// Compliance between flank nodes for a method that leaves something out.
+/// Compliance between flank nodes that a method leaves out of the oscillators.
 #[derive(Clone, Debug, Default)]
 pub(super) struct QuasiStatic {
-    /// What is missing; it is made once for a run after run with one step.
+    /// Compliance per unit of acceleration [s^2] that is left out. It is computed once for all runs with one step.
     pub(super) missing: Vec<f64>,
     pub(super) flanks: Option<FlankCompliance>,
-    /// The method of this run leaves something out.
+    /// True if the method of this run leaves out compliance.
     pub(super) on: bool,
 }
 
@@ -67,7 +67,7 @@ impl QuasiStatic {
 }
 
 impl Elastic {
-    /// A reduced body on its hub; with its base radius [m], or `cos(alpha)` for a rack. The hub's inertia
+    /// Creates a reduced body on its hub, with its base radius [m], or `cos(alpha)` for a rack. The inertia of the hub
     /// becomes that of the reduction.
     ///
     /// # Errors
@@ -99,7 +99,7 @@ impl Elastic {
         hub.inertia = data.inertia;
         let mut shapes = None;
         if let Some(lateral) = &hub.lateral {
-            let lateral = lateral::on_hub(lateral, data.lateral.as_ref(), &placement)?;
+            let lateral = out_of_plane::on_hub(lateral, data.lateral.as_ref(), &placement)?;
             let own = hub.moving();
             let of_modes = data.lateral.iter().flat_map(|l| &l.hub).zip(&data.hub);
             let with_own = of_modes.map(|(phi, turn)| {
@@ -197,7 +197,7 @@ impl Elastic {
         })
     }
 
-    /// The same gear, whose body behind its flanks is known.
+    /// Returns the gear with the full mesh behind its reduction.
     #[must_use]
     pub fn with_recovery(self, recovery: Arc<dyn Recovery>) -> Self {
         Elastic {
@@ -206,24 +206,24 @@ impl Elastic {
         }
     }
 
-    /// Whether the hub's own motion is free.
+    /// Returns true if the hub's own motion is free.
     #[inline]
     pub(super) fn turns(&self) -> bool {
         self.hub.is_free()
     }
 
-    /// The reduction.
+    /// Returns the reduction.
     pub fn data(&self) -> &Reduced {
         &self.data
     }
 
-    /// Sum over the modes of `w_i x_i`.
+    /// Returns the sum over the modes of `w_i x_i`.
     pub(super) fn over_modes(&self, w: &[f64], x: &[f64]) -> f64 {
         w.iter().zip(&x[self.own..]).map(|(w, x)| w * x).sum()
     }
 }
 
-/// What a rigid body says of the coordinates of its hub; `own` where it says nothing.
+/// Returns the values of a rigid body for the hub coordinates, completed with `own`.
 fn own_first(of_body: &[f64], own: f64, n: usize) -> impl Iterator<Item = f64> + '_ {
     let all = of_body.iter().copied().chain(std::iter::repeat(own));
     all.take(n)

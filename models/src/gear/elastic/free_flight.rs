@@ -1,4 +1,4 @@
-//! The elastic gear in flight: modes that swing about the deflection of the load, in closed form.
+//! The elastic gear in free flight: modes that oscillate about their static deflection under the load, in closed form.
 //!
 //! About `q_s = g / omega^2` under steady loads `g` the modes keep, with damping lose, the energy
 //! `E = sum (v^2 + omega^2 (q - q_s)^2) / 2`, so that by Cauchy and Schwarz
@@ -15,10 +15,11 @@ use crate::gear::capabilities::{LinearMotion, Oscillators};
 use crate::gear::free_flight::FreeFlight;
 use crate::gear::model::GearModel;
 use gearbench_integrators::FlightPath;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 impl Elastic {
-    /// The gear whose modes are put to rest in flight below this share of the energy of the next impact; 0: never.
+    /// Sets the ratio to the energy of the next impact below which the modes are set to their static deflection in
+    /// flight; 0 disables this.
     ///
     /// # Errors
     /// A share outside [0, 1).
@@ -30,7 +31,7 @@ impl Elastic {
         Ok(self)
     }
 
-    /// Modal loads of a steady load on the hub, or of its prescribed acceleration.
+    /// Returns the modal loads of a steady load on the hub, or of its prescribed acceleration.
     fn modal_loads(&self, t: f64, load: f64) -> impl Iterator<Item = f64> + '_ {
         let (shapes, factor) = if self.turns() {
             (&self.data.hub, load)
@@ -43,8 +44,8 @@ impl Elastic {
         shapes.iter().map(move |s| s * factor)
     }
 
-    /// Twice the energies of the swinging about the deflection of the load, and of that deflection.
-    fn energies(&self, at: At<'_>, load: f64) -> [f64; 2] {
+    /// Returns twice the energy of the oscillation about the static deflection, and twice that of the deflection.
+    fn energies(&self, at: StateView<'_>, load: f64) -> [f64; 2] {
         let (mut swinging, mut resting) = (0.0, 0.0);
         let state = at.q[self.own..].iter().zip(&at.v[self.own..]);
         for ((w, (q, v)), g) in
@@ -59,7 +60,7 @@ impl Elastic {
 }
 
 impl Elastic {
-    /// What a prescribed acceleration of the hub asks of the modes.
+    /// Adds the inertia forces of a prescribed hub acceleration on the modes.
     pub(super) fn add_modal_inertia(&self, t: f64, f: &mut [f64]) {
         let acceleration = self.hub.prescribed_acceleration(t);
         if acceleration == 0.0 {
@@ -84,7 +85,7 @@ impl LinearMotion for Elastic {
         self.spinning().is_some()
     }
 
-    fn add_other_forces(&self, at: At<'_>, f: &mut [f64]) {
+    fn add_other_forces(&self, at: StateView<'_>, f: &mut [f64]) {
         self.add_modal_inertia(at.t, f);
         self.add_bearing(at, false, f);
     }
@@ -93,7 +94,7 @@ impl LinearMotion for Elastic {
         self.correct_by(missing);
     }
 
-    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
+    fn free_flight(&self, at: StateView<'_>, load: f64) -> Option<FreeFlight> {
         // How far flanks are apart is linear in one displacement alone.
         if self.spinning().is_some() || self.hub.lateral.is_some() {
             return None;
@@ -108,7 +109,7 @@ impl LinearMotion for Elastic {
         })
     }
 
-    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
+    fn add_to_path(&self, at: StateView<'_>, load: f64, first: usize, path: &mut FlightPath) {
         self.hub.add_to_path(at, load, first, path);
         for (i, g) in (self.own..).zip(self.modal_loads(at.t, load)) {
             path.oscillator(self.omega[i], self.zeta[i], [at.q[i], at.v[i]], g);
@@ -124,7 +125,7 @@ impl LinearMotion for Elastic {
         v: &mut [f64],
         _discrete: &mut [f64],
     ) -> bool {
-        let at = At {
+        let at = StateView {
             t,
             q: &*q,
             v: &*v,
@@ -141,8 +142,8 @@ impl LinearMotion for Elastic {
         true
     }
 
-    /// Of a prescribed acceleration on the modes, besides what loads do.
-    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+    /// Returns the work of a prescribed acceleration on the modes, in addition to that of loads.
+    fn steady_work(&self, from: StateView<'_>, to: StateView<'_>, load: f64) -> f64 {
         if self.turns() {
             return load * (self.hub_state(to).displacement - self.hub_state(from).displacement);
         }

@@ -11,7 +11,7 @@ use crate::gear::model::GearModel;
 use crate::geometry::Flanks;
 use crate::kinematics::{Locus, Motion, Point, Pose, Row, Wrench};
 use crate::spec::Freedom;
-use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
+use gearbench_integrators::system::{Coeffs, Energy, Power, Singular, StateView};
 use std::sync::Arc;
 
 impl FlankDisplacement for Elastic {
@@ -86,7 +86,7 @@ impl FlankDisplacement for Elastic {
         self.data.residual.as_ref().map_or(0.0, |r| r.hub_hub)
     }
 
-    fn bound(&self, at: At<'_>) -> f64 {
+    fn bound(&self, at: StateView<'_>) -> f64 {
         (self.softest * kernels::squares(&self.omega, at.q)).sqrt()
     }
 }
@@ -100,7 +100,7 @@ impl GearModel for Elastic {
         &mut self.hub
     }
 
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
+    fn row(&self, at: StateView<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         let prescribed = self.hub.row(at, &p.x, n, row);
         let (corners, weights) = match p.locus {
             Locus::Quadrature { face, xi } => (self.data.flanks.corners(face), Flanks::weights(xi)),
@@ -125,7 +125,7 @@ impl GearModel for Elastic {
         prescribed
     }
 
-    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn forces(&mut self, at: StateView<'_>, f: &mut [f64]) {
         let own = self.own..self.omega.len();
         let omega = self.omega[own.clone()].iter().zip(&self.zeta[own.clone()]);
         let state = at.q[own.clone()].iter().zip(&at.v[own.clone()]);
@@ -139,7 +139,7 @@ impl GearModel for Elastic {
         }
     }
 
-    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         for i in self.own..self.omega.len() {
             let (w, z) = (self.omega[i], self.zeta[i]);
             df[i] -= w * (w * dq[i] + 2.0 * z * dv[i]);
@@ -153,7 +153,7 @@ impl GearModel for Elastic {
 
     fn correct(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         rhs_to_x: &mut [f64],
@@ -195,7 +195,7 @@ impl GearModel for Elastic {
         Ok(())
     }
 
-    fn energy(&self, at: At<'_>) -> Energy {
+    fn energy(&self, at: StateView<'_>) -> Energy {
         let squares = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
         let frame = if self.hub.lateral.is_some() {
             2.0 * self.hub.kinetic(at)
@@ -219,7 +219,7 @@ impl GearModel for Elastic {
         }
     }
 
-    fn powers(&self, at: At<'_>) -> Power {
+    fn powers(&self, at: StateView<'_>) -> Power {
         let [_, taken, driven] = self.bearing_books(at);
         Power {
             dissipated: self.dissipated(at) + taken,
@@ -228,7 +228,7 @@ impl GearModel for Elastic {
         }
     }
 
-    fn hub_state(&self, at: At<'_>) -> HubState {
+    fn hub_state(&self, at: StateView<'_>) -> HubState {
         let speed = self.hub.speed(at.t, at.v);
         HubState {
             displacement: self.hub.displacement(at.t, at.q) + self.hub.over_shapes(at.q),
@@ -239,13 +239,13 @@ impl GearModel for Elastic {
         }
     }
 
-    fn hub_motion(&self, at: At<'_>) -> Motion {
-        self.standing_hub(at)
+    fn hub_motion(&self, at: StateView<'_>) -> Motion {
+        self.hub_motion_on_frame(at)
     }
 
-    /// Modes and frame together: the centre of mass is at `R(theta) (s + sum_i p_i q_i) / m` with the unbalance `s`.
-    /// Modes that were cut follow their loads without inertia.
-    fn mount_reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
+    /// Returns the reaction from modes and frame together: the centre of mass is at `R(theta) (s + sum_i p_i q_i) / m`
+    /// with the unbalance `s`. Truncated modes follow their loads without inertia.
+    fn mount_reaction(&self, at: StateView<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
         let d = &*self.data;
         let mut reaction = self.hub.reaction(at.t, contact);
         let prescribed = self.hub.prescribed_acceleration(at.t);
@@ -323,13 +323,13 @@ impl GearModel for Elastic {
 
 impl Elastic {
     #[inline]
-    pub(super) fn pose(&self, at: At<'_>) -> Pose {
+    pub(super) fn pose(&self, at: StateView<'_>) -> Pose {
         let displacement = self.hub.displacement(at.t, at.q);
         (self.placement).pose_at(&self.hub, at.t, at.q, displacement)
     }
 
-    /// A reaction with what the bearing exerts along the directions that it leaves free.
-    fn with_bearing(&self, at: At<'_>, mut reaction: Wrench) -> Wrench {
+    /// Adds the bearing forces along the free directions to a reaction.
+    fn with_bearing(&self, at: StateView<'_>, mut reaction: Wrench) -> Wrench {
         if let Some(lateral) = &self.hub.lateral {
             let exerted = self.bearing_on_hub(at);
             for d in (0..3).filter(|d| lateral.directions[*d] == Freedom::Free) {
@@ -340,13 +340,13 @@ impl Elastic {
         reaction
     }
 
-    fn dissipated(&self, at: At<'_>) -> f64 {
+    fn dissipated(&self, at: StateView<'_>) -> f64 {
         (self.omega.iter().zip(&self.zeta).zip(at.v))
             .map(|((w, z), v)| 2.0 * z * w * v * v)
             .sum()
     }
 
-    pub(super) fn driven_power(&self, at: At<'_>) -> f64 {
+    pub(super) fn driven_power(&self, at: StateView<'_>) -> f64 {
         if self.turns() {
             return 0.0;
         }
@@ -357,7 +357,7 @@ impl Elastic {
 }
 
 impl FlankNodes for Elastic {
-    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
+    fn positions(&self, at: StateView<'_>, nodes: &[u32], out: &mut [Vec3]) {
         let pose = self.pose(at);
         for (x, &node) in out.iter_mut().zip(nodes) {
             *x = pose.point(&self.positions[node as usize]);
@@ -366,14 +366,14 @@ impl FlankNodes for Elastic {
 }
 
 impl CoupledMass for Elastic {
-    fn solve(&self, at: At<'_>, f_to_a: &mut [f64]) {
+    fn solve(&self, at: StateView<'_>, f_to_a: &mut [f64]) {
         // Regular but where the tilt is singular, which must not pass for an acceleration.
         if self.solve_mass(at, f_to_a).is_err() {
             f_to_a.fill(f64::NAN);
         }
     }
 
-    fn apply(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply(&self, at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         self.apply_mass(at, x, y);
     }
 }

@@ -22,37 +22,37 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Inertia integrals of a body with its modes, own frame, without what is added at the hub.
+/// Inertia integrals of a body with its modes in the gear frame, without the inertia added at the hub.
 ///
 /// The blocks of the mass matrix at rest are `M_tt = mass`, `M_tr` from `mass centre`, `M_rr = tensor`,
 /// `M_te = translation`, `M_re = rotation`, `M_ee = 1`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Integrals {
-    /// Mass [kg].
+    /// Mass of the body [kg].
     pub mass: f64,
     /// Centre of mass [m].
     pub centre: [f64; 3],
     /// Tensor of inertia about the origin, `int (|X|^2 1 - X X^T) dm`, row-major [kg m^2].
     pub tensor: [f64; 9],
-    /// `int phi_i dm`, three per mode [sqrt(kg)].
+    /// Integral `int phi_i dm`, three per mode [sqrt(kg)].
     pub translation: Vec<f64>,
-    /// `int X x phi_i dm`, three per mode [sqrt(kg) m].
+    /// Integral `int X x phi_i dm`, three per mode [sqrt(kg) m].
     pub rotation: Vec<f64>,
-    /// `a_i` [sqrt(kg) m].
+    /// Integral `a_i` of the centrifugal load [sqrt(kg) m].
     pub radial: Vec<f64>,
-    /// `G_ij`, symmetric, row-major [1].
+    /// Matrix `G_ij` of the centrifugal softening, symmetric, row-major [1].
     pub planar: Vec<f64>,
-    /// `C_ij`, skew, row-major [1].
+    /// Matrix `C_ij` of the Coriolis force, skew, row-major [1].
     pub gyroscopic: Vec<f64>,
 }
 
 impl Integrals {
-    /// Number of modes.
+    /// Returns the number of modes.
     pub fn modes(&self) -> usize {
         self.radial.len()
     }
 
-    /// The integrals of some of the modes.
+    /// Returns the integrals of a selection of the modes.
     ///
     /// # Panics
     /// If there is no such mode.
@@ -80,7 +80,8 @@ impl Integrals {
         }
     }
 
-    /// The integrals of `count` shapes within the span of the modes, `v` with a row of as many for each mode.
+    /// Returns the integrals of `count` shapes within the span of the modes; `v` has a row of `count` coefficients for
+    /// each mode.
     pub fn in_span(&self, v: &[f64], count: usize) -> Integrals {
         let modes = self.modes();
         // `V^T X` of a matrix with a row for each mode.
@@ -115,7 +116,7 @@ impl Integrals {
         }
     }
 
-    /// Whether all lengths are those of as many modes and all numbers are finite.
+    /// Returns true if all lengths match the number of modes and all numbers are finite.
     pub fn fits(&self, modes: usize) -> bool {
         let lengths = [
             (self.translation.len(), 3 * modes),
@@ -135,7 +136,7 @@ impl Integrals {
             && all.iter().all(|x| x.iter().all(|x| x.is_finite()))
     }
 
-    /// `y = a + G q`.
+    /// Computes `y = a + G q`.
     pub(super) fn outward(&self, q: &[f64], y: &mut [f64]) {
         product(&self.planar, q, y);
         for (y, a) in y.iter_mut().zip(&self.radial) {
@@ -143,38 +144,39 @@ impl Integrals {
         }
     }
 
-    /// `y = G q`.
+    /// Computes `y = G q`.
     pub(super) fn softening(&self, q: &[f64], y: &mut [f64]) {
         product(&self.planar, q, y);
     }
 
-    /// `y = C v`.
+    /// Computes `y = C v`.
     pub(super) fn coriolis(&self, v: &[f64], y: &mut [f64]) {
         product(&self.gyroscopic, v, y);
     }
 }
 
-/// `y = A x`, row-major.
+/// Computes `y = A x`, with row-major `A`.
 fn product(a: &[f64], x: &[f64], y: &mut [f64]) {
     for (y, row) in y.iter_mut().zip(a.chunks_exact(x.len().max(1))) {
         *y = crate::cholesky::dot(row, x);
     }
 }
 
-/// Which inertia terms of a turning frame an elastic gear has.
+/// Inertia terms of a rotating frame in an elastic gear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SpinTerms {
-    /// All, where the speed at the start of a run (the largest of a driven hub) is more than [`AUTO_LIMIT`] of the
+    /// All terms, if the initial speed of a run (the largest speed of a driven hub) is more than [`AUTO_LIMIT`] of the
     /// lowest frequency.
     #[default]
     Auto,
-    /// All: coordinates are then no independent oscillators.
+    /// All terms: coordinates are then no independent oscillators.
     Full,
-    /// None but the rigid ones.
+    /// Only the terms of a rigid body.
     None,
 }
 
-/// Spin rate over the lowest angular frequency from which [`SpinTerms::Auto`] has all terms. Below it they change
-/// frequencies by less than about this part, and expand the flanks by less than its square times the radius.
+/// Ratio of the spin rate to the lowest angular frequency above which [`SpinTerms::Auto`] includes all terms. Below it
+/// they change frequencies by less than about this ratio, and expand the flanks by less than its square times the
+/// radius.
 pub const AUTO_LIMIT: f64 = 0.01;

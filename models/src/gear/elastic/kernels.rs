@@ -2,10 +2,10 @@
 //!
 //! Sums run in four parts, whatever number of nodes goes together: what a node gets does not depend on its company.
 
-/// Length of a chunk.
+/// Number of entries of a chunk.
 const WIDE: usize = 4;
 
-/// `b_k . x` for `N` rows.
+/// Computes the scalar products `b_k . x` for `N` rows.
 #[inline]
 fn dots<const N: usize>(b: [&[f64]; N], x: &[f64]) -> [f64; N] {
     let n = x.len();
@@ -31,7 +31,7 @@ fn dots<const N: usize>(b: [&[f64]; N], x: &[f64]) -> [f64; N] {
     sums
 }
 
-/// `out_k = b_k . x` for nodes `k`, `row` their shapes.
+/// Computes `out_k = b_k . x` for nodes `k`, with their shapes in `row`.
 #[inline]
 pub(super) fn gather<'a>(
     nodes: &[u32],
@@ -54,7 +54,7 @@ pub(super) fn gather<'a>(
     }
 }
 
-/// `f -= sum_k F_k b_k` for four rows.
+/// Computes `f -= sum_k F_k b_k` for four rows.
 #[inline]
 fn subtract(b: [&[f64]; 4], forces: [f64; 4], f: &mut [f64]) {
     let n = f.len();
@@ -74,7 +74,7 @@ fn subtract(b: [&[f64]; 4], forces: [f64; 4], f: &mut [f64]) {
     }
 }
 
-/// `f -= sum_k F_k b_k` for nodes `k`, `row` their shapes; nodes without force are passed over.
+/// Computes `f -= sum_k F_k b_k` for nodes `k`, with their shapes in `row`; nodes without force are skipped.
 #[inline]
 pub(super) fn scatter<'a>(
     nodes: &[u32],
@@ -102,7 +102,7 @@ pub(super) fn scatter<'a>(
     }
 }
 
-/// `sum (w_i x_i)^2`.
+/// Computes the sum of `(w_i x_i)^2`.
 #[inline]
 pub(super) fn squares(w: &[f64], x: &[f64]) -> f64 {
     let n = w.len().min(x.len());

@@ -1,4 +1,5 @@
-//! Flanks as lines: what a reduction is to contact that is one line of pressure per tooth pair and strip of the width.
+//! Flanks as lines: the interface of a reduction to contact with one pressure line per tooth pair and strip of the
+//! width.
 //!
 //! A line of nodes is the mean of the columns of a strip, each with the width that it stands for, so that a load on it is
 //! spread evenly over the width of the strip. Between four lines along the profile a contact at a place `x` of an element
@@ -21,34 +22,33 @@ use crate::error::Reason;
 use crate::geometry::{FlankGrid, Flanks};
 use std::sync::Arc;
 
-/// Elements along a flank up to which the lines are those of the mesh.
+/// Largest number of elements along a flank for which the lines are those of the mesh.
 const FINEST: usize = 16;
 
-/// Fewest lines along a flank.
+/// Smallest number of lines along a flank.
 const LEAST: usize = 4;
 
-/// Into how many strips the width is divided.
+/// Division of the face width into strips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strips {
-    /// One for each layer of elements.
+    /// One strip for each layer of elements.
     Layers,
-    /// So many, of equal numbers of layers.
+    /// A number of strips with equal numbers of layers.
     Count(usize),
 }
 
-/// Weights of the lines about an element with their slopes by the place in it; the first is that of line
-/// `first`.
+/// Weights of the four lines around a position in an element, with their slopes by the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// First of the four lines.
+    /// Index of the first of the four lines.
     pub first: usize,
-    /// Weights.
+    /// Weights of the four lines.
     pub weights: [f64; 4],
-    /// Their derivatives by the place in the element.
+    /// Derivatives of the weights by the position in the element.
     pub slopes: [f64; 4],
 }
 
-/// The spread of a contact in element `element` of `lines - 1`, at the place `x`, 0 to 1 within it.
+/// Computes the weights for a contact in element `element` of `lines - 1`, at the position `x`, 0 to 1 within it.
 #[inline]
 pub fn spread(element: usize, x: f64, lines: usize) -> Spread {
     let r = 1.0 - x;
@@ -90,10 +90,10 @@ fn behind_last([a, b, c, w]: [f64; 4]) -> [f64; 4] {
     [0.0, a, b - w, c + 2.0 * w]
 }
 
-/// A sum over a mesh, of nodes or of rows of nodes: their numbers and weights.
+/// Weighted sum of nodes or rows of a mesh: their numbers and weights.
 pub type Sum = Vec<(usize, f64)>;
 
-/// Lines of a flank of so many rows of nodes.
+/// Returns the lines of a flank with a number of rows of nodes.
 fn lines_of(rows: usize) -> Vec<Sum> {
     let mut lines: Vec<Sum> = (0..rows).map(|r| vec![(r, 1.0)]).collect();
     while lines.len() > FINEST + 1 && lines.len() % 2 == 1 {
@@ -131,19 +131,19 @@ fn lines_of(rows: usize) -> Vec<Sum> {
     lines
 }
 
-/// The lines of all flanks of a mesh.
+/// Lines of all flanks of a mesh.
 #[derive(Clone, Debug)]
 pub struct LinesOfFlanks {
     /// Flanks whose nodes are the lines.
     pub flanks: Flanks,
     /// Each line as a sum of the flank nodes of the mesh.
     pub sums: Vec<Sum>,
-    /// What the mesh around a flank does to a line load, as [`Reduced::near_field`], between lines.
+    /// Displacement of the lines under line loads from the mesh near a flank, as [`Reduced::near_field`].
     pub near_field: Arc<Vec<Vec<f64>>>,
 }
 
 impl LinesOfFlanks {
-    /// The lines of flanks over strips of the width; `near_field` is that of the rows of each flank.
+    /// Builds the lines of flanks over strips of the width; `near_field` is that of the rows of each flank.
     ///
     /// # Errors
     /// Too few rows along a flank, strips that do not fit the layers of elements over the width.
@@ -215,7 +215,7 @@ impl LinesOfFlanks {
 }
 
 impl Reduced {
-    /// The same gear with lines over strips of the width in the place of its flank nodes.
+    /// Returns the gear with lines over strips of the width in place of its flank nodes.
     ///
     /// # Errors
     /// What is missing: the compliance of the modes that were cut, what the mesh does to a line load, rows along the
@@ -268,7 +268,7 @@ impl Reduced {
     }
 }
 
-/// `L A` of a matrix with rows of so many columns: sums of its rows.
+/// Computes `L A` for a matrix with rows of a number of columns: sums of its rows.
 pub(super) fn rows_of_sums(a: &[f64], columns: usize, sums: &[Sum]) -> Vec<f64> {
     let mut out = vec![0.0; sums.len() * columns];
     for (out, sum) in out.chunks_exact_mut(columns.max(1)).zip(sums) {
@@ -281,7 +281,7 @@ pub(super) fn rows_of_sums(a: &[f64], columns: usize, sums: &[Sum]) -> Vec<f64> 
     out
 }
 
-/// `L A L^T` of a square matrix.
+/// Computes `L A L^T` for a square matrix.
 fn congruence(a: &[f64], sums: &[Sum]) -> Vec<f64> {
     let n = a.len().isqrt();
     let left = rows_of_sums(a, n, sums);
@@ -294,7 +294,7 @@ fn congruence(a: &[f64], sums: &[Sum]) -> Vec<f64> {
     out
 }
 
-/// Compliance between sums of rows.
+/// Returns the compliance between sums of rows.
 fn over(of_rows: &FlankCompliance, sums: &[Sum]) -> FlankCompliance {
     match of_rows {
         FlankCompliance::Full(c) => FlankCompliance::Full(congruence(c, sums)),
@@ -313,8 +313,8 @@ fn over(of_rows: &FlankCompliance, sums: &[Sum]) -> FlankCompliance {
                     .collect(),
             }
         }
-        FlankCompliance::Lessened(c) => {
-            FlankCompliance::Lessened(Box::new(c.over(sums, |whole| over(whole, sums))))
+        FlankCompliance::Deflated(c) => {
+            FlankCompliance::Deflated(Box::new(c.over(sums, |whole| over(whole, sums))))
         }
     }
 }
@@ -323,7 +323,8 @@ fn over(of_rows: &FlankCompliance, sums: &[Sum]) -> FlankCompliance {
 mod tests {
     use super::*;
 
-    /// A displacement that is linear along the flank comes out as it is, at both ends too; slopes are derivatives.
+    /// A displacement that is linear along the flank is reproduced exactly, at both ends too, and slopes are
+    /// derivatives.
     #[test]
     fn splines_carry_what_is_linear() {
         for lines in [4, 5, 9, 13] {
@@ -346,7 +347,7 @@ mod tests {
         }
     }
 
-    /// Lines of a fine mesh stand at every second row; what acts between them reaches as far as four rows.
+    /// Lines of a fine mesh are at every second row, and the weights between them extend over four rows.
     #[test]
     fn lines_of_fine_meshes_make_wider_splines() {
         let rows = 25;

@@ -1,7 +1,9 @@
-//! What kicks leave out of the modes, given by the residual compliance.
+//! Quasi-static correction: the compliance that a method with impulses leaves out of the modes is added to the
+//! residual compliance.
 //!
-//! A method that kicks the modes every `h` lets a force that lasts move mode `i` by `lag_i` less than
-//! `1/omega_i^2` ([`ModalSplit::prepare`](gearbench_integrators::ModalSplit::prepare)). The flank nodes get it back as
+//! Under a method with impulses on the modes every `h`, a sustained force moves mode `i` by `lag_i` less than
+//! `1/omega_i^2` ([`ModalSplit::prepare`](gearbench_integrators::ModalSplit::prepare)). The compliance of the flank
+//! nodes is increased by the difference,
 //!
 //! ```text
 //! R_h = R + B diag(quasi_static) B^T + l l^T lag_0 / J
@@ -16,7 +18,7 @@ use super::reduced::FlankCompliance;
 use crate::cholesky::dot;
 use crate::geometry::along_profile;
 
-/// Teeth up to which nodes are near each other.
+/// Distance in teeth up to which the correction between nodes is included.
 const NEAR: usize = 2;
 
 impl Elastic {
@@ -95,14 +97,14 @@ impl Elastic {
                     }
                 }
             }
-            FlankCompliance::Lessened(c) => c.give(&rows, width),
+            FlankCompliance::Deflated(c) => c.give(&rows, width),
         }
         correction.flanks = Some(flanks);
         correction.missing.clear();
         correction.missing.extend_from_slice(missing);
     }
 
-    /// Displacement of a row of a flank node by unit turn (displacement) of the frame.
+    /// Returns the displacement of a row of a flank node per unit rotation (displacement) of the frame.
     fn own_radius(&self, row: usize) -> f64 {
         let node = row / self.data.per_node();
         let x = &self.positions[node];

@@ -1,4 +1,4 @@
-//! What a reduction hands to the elastic gear: plain data of one gear on one kind of mount.
+//! The reduction of an elastic gear: plain data of one gear on one kind of mount.
 //!
 //! Conventions, stated once:
 //!
@@ -13,100 +13,101 @@
 //!   coordinates in sqrt(kg) m.
 //! - A hub that moves turns counter-clockwise (a rack travels along its slide) for positive angle, torque and shape.
 
+use super::deflated::Deflated;
 use super::inertia::Integrals;
-use super::lessened::Lessened;
 use crate::Vec3;
 use crate::geometry::Flanks;
 use std::sync::Arc;
 
-/// A reduced gear.
+/// Reduced data of a gear: modes, flank shapes and residual compliance.
 #[derive(Clone, Debug)]
 pub struct Reduced {
-    /// Flanks in the gear's own frame.
+    /// Flanks in the gear frame.
     pub flanks: Flanks,
-    /// Outward unit normal at each flank node, own frame.
+    /// Outward unit normal at each flank node, in the gear frame.
     pub normals: Vec<Vec3>,
-    /// Flank nodes are also known along the profile.
+    /// True if displacements of the flank nodes along the profile are included.
     pub along_profile: bool,
-    /// The hub is free in the mount's direction; else the modes are those of a held hub.
+    /// True if the hub is free in the direction of the mount; otherwise the modes are those of a fixed hub.
     pub free: bool,
-    /// Inertia about the axis [kg m^2], or mass [kg] of a rack, with what is added at the hub.
+    /// Inertia about the axis [kg m^2], or mass [kg] of a rack, including that added at the hub.
     pub inertia: f64,
     /// Angular frequencies of the kept modes [rad/s], positive.
     pub omega: Vec<f64>,
-    /// Damping ratios of the kept modes.
+    /// Damping ratios of the kept modes [-].
     pub damping: Vec<f64>,
     /// Shapes at the flank nodes, `row * modes + mode` [1/sqrt(kg)]; see [`Self::shapes_at`].
     pub shapes: Vec<f64>,
-    /// Turn [rad] (displacement [m]) of a free hub beyond the frame by unit coordinate; zeros for a held hub.
+    /// Rotation [rad] (displacement [m]) of a free hub relative to the frame per unit coordinate; zeros for a fixed
+    /// hub.
     pub hub: Vec<f64>,
-    /// Held hubs: inertia coupling `phi_i^T M e` with the prescribed motion `e`; zeros for a free hub.
+    /// Inertia coupling `phi_i^T M e` of a fixed hub with the prescribed motion `e`; zeros for a free hub.
     pub participation: Vec<f64>,
-    /// Momentum of each mode by unit velocity of its coordinate, `phi_i^T M e_x` and `phi_i^T M e_y` with the unit
-    /// translations of the whole gear along its own x and y [sqrt(kg)]: its accelerations load the bearing.
+    /// Momentum of each mode per unit velocity of its coordinate, `phi_i^T M e_x` and `phi_i^T M e_y` with the unit
+    /// translations of the whole gear along x and y of its frame [sqrt(kg)]. Its acceleration loads the bearing.
     pub momentum: Vec<[f64; 2]>,
-    /// Mass of the gear times the place of its centre of mass, own x and y [kg m].
+    /// Mass of the gear times the position of its centre of mass, x and y in its frame [kg m].
     pub unbalance: [f64; 2],
-    /// Static compliance of the modes that were cut; `None` for plain truncation.
+    /// Static compliance of the truncated modes; `None` for plain truncation.
     pub residual: Option<Residual>,
-    /// What the mesh around a flank does to a line load on it, apart from any support: displacement of a row of nodes
-    /// over `A = 2 (1 - nu^2)/(pi E)` by a load at a row, of lengths in m, `rows x rows` for each of the flanks.
+    /// Displacement of a row of nodes under a line load at a row, from the mesh near a flank without any support,
+    /// divided by `A = 2 (1 - nu^2)/(pi E)`; lengths are in m, `rows x rows` values for each of the flanks.
     pub near_field: Option<Arc<Vec<Vec<f64>>>>,
-    /// Inertia integrals of the kept modes, for gears that turn fast.
+    /// Inertia integrals of the kept modes, for gears at high speed.
     pub integrals: Option<Integrals>,
-    /// Of a hub that is free beside its own motion.
-    pub lateral: Option<Arc<LateralShapes>>,
+    /// Data of a hub with out-of-plane freedom.
+    pub lateral: Option<Arc<OutOfPlaneShapes>>,
 }
 
-/// How modes move a hub that is free beside its own motion, and the gear as a rigid body.
+/// Motion of a hub with out-of-plane freedom by the modes, and rigid-body inertia of the gear.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LateralShapes {
-    /// Directions beside the hub's own in which it is free: translations along own x, y, z, rotations about them.
+pub struct OutOfPlaneShapes {
+    /// Free out-of-plane directions: translations along x, y, z of the gear frame, rotations about them.
     pub free: [bool; 6],
-    /// Translation [m] and rotation [rad] of the hub beyond the frame by unit coordinate of each mode, own axes; zero in
-    /// directions that are held and in that of the own motion.
+    /// Translation [m] and rotation [rad] of the hub relative to the frame per unit coordinate of each mode, in the
+    /// gear frame; zero in fixed directions and in that of the own motion.
     pub hub: Vec<[f64; 6]>,
-    /// Mass of the gear with what is added at the hub [kg].
+    /// Mass of the gear including that added at the hub [kg].
     pub mass: f64,
-    /// Its centre of mass, own frame [m].
+    /// Centre of mass in the gear frame [m].
     pub centre: [f64; 3],
-    /// Its tensor of inertia about the centre of mass, row-major [kg m^2].
+    /// Inertia tensor about the centre of mass, row-major [kg m^2].
     pub inertia: [f64; 9],
 }
 
-/// Static compliance of the modes that were cut.
+/// Static compliance of the truncated modes.
 #[derive(Clone, Debug)]
 pub struct Residual {
-    /// Between flank nodes.
+    /// Compliance between flank nodes.
     pub flanks: FlankCompliance,
-    /// Displacement of each row of a flank node by unit torque at a free hub [m/(N m)] (force of a rack [m/N]);
-    /// zeros for a held hub.
+    /// Displacement of each row of a flank node per unit torque at a free hub [m/(N m)] (per unit force on a rack
+    /// [m/N]); zeros for a fixed hub.
     pub hub: Vec<f64>,
-    /// Turn (displacement) of the hub by unit torque (force) at it.
+    /// Rotation (displacement) of the hub per unit torque (force) at it.
     pub hub_hub: f64,
 }
 
-/// Inward displacement [m] of a flank node by unit force [N] into another.
+/// Inward displacement [m] of a flank node per unit force [N] into another.
 #[derive(Clone, Debug)]
 pub enum FlankCompliance {
-    /// Of any two nodes: symmetric, row-major over all flank nodes.
+    /// Compliance between any two nodes: symmetric, row-major over all flank nodes.
     Full(Vec<f64>),
-    /// Of a gear whose teeth are all alike: `blocks[d][i][j]` is the displacement of node `i` of tooth `t + d` by a
-    /// force on node `j` of tooth `t`, `d` from 0 to `teeth - 1`, row-major.
+    /// Compliance of a cyclic gear, with equal teeth: `blocks[d][i][j]` is the displacement of node `i` of tooth `t +
+    /// d` by a force on node `j` of tooth `t`, `d` from 0 to `teeth - 1`, row-major.
     Cyclic {
-        /// Teeth of the gear.
+        /// Number of teeth of the gear.
         teeth: usize,
-        /// Flank nodes of a tooth.
+        /// Number of flank nodes of a tooth.
         per_tooth: usize,
-        /// The blocks, one after the other.
+        /// Blocks of the compliance, one after the other.
         blocks: Vec<f64>,
     },
-    /// Of a gear whose teeth are all alike, with modes that are made for some of them.
-    Lessened(Box<Lessened>),
+    /// Compliance of a cyclic gear without that of modes fitted to some of its teeth.
+    Deflated(Box<Deflated>),
 }
 
 impl FlankCompliance {
-    /// Compliance between two of `nodes` flank nodes [m/N].
+    /// Returns the compliance between two of `nodes` flank nodes [m/N].
     #[inline]
     pub fn between(&self, i: u32, j: u32, nodes: usize) -> f64 {
         let (i, j) = (i as usize, j as usize);
@@ -120,11 +121,11 @@ impl FlankCompliance {
                 let apart = (i / m + teeth - j / m) % teeth;
                 blocks[(apart * m + i % m) * m + j % m]
             }
-            FlankCompliance::Lessened(c) => c.between(i as u32, j as u32),
+            FlankCompliance::Deflated(c) => c.between(i as u32, j as u32),
         }
     }
 
-    /// Compliances between all of `nodes`, row-major into `out`; `all` is the number of flank nodes.
+    /// Writes the compliances between all of `nodes` to `out`, row-major; `all` is the number of flank nodes.
     pub fn gather(&self, nodes: &[u32], all: usize, out: &mut [f64]) {
         let rows = out.chunks_exact_mut(nodes.len().max(1)).zip(nodes);
         match self {
@@ -157,7 +158,7 @@ impl FlankCompliance {
                     }
                 }
             }
-            FlankCompliance::Lessened(c) => {
+            FlankCompliance::Deflated(c) => {
                 for (row, &i) in rows {
                     for (x, &j) in row.iter_mut().zip(nodes) {
                         *x = c.between(i, j);
@@ -167,7 +168,7 @@ impl FlankCompliance {
         }
     }
 
-    /// What of it does not fit so many rows, if anything.
+    /// Returns a description of the problem if the compliance does not match the number of rows.
     pub(super) fn problem(&self, rows: usize) -> Option<String> {
         let (c, expected) = match self {
             FlankCompliance::Full(c) => (c, rows * rows),
@@ -183,7 +184,7 @@ impl FlankCompliance {
                 }
                 (blocks, teeth * per_tooth * per_tooth)
             }
-            FlankCompliance::Lessened(c) => return c.problem(rows),
+            FlankCompliance::Deflated(c) => return c.problem(rows),
         };
         if c.len() != expected {
             return Some(format!("{} compliances, expected {expected}", c.len()));
@@ -193,22 +194,22 @@ impl FlankCompliance {
 }
 
 impl Reduced {
-    /// Number of flank nodes.
+    /// Returns the number of flank nodes.
     pub fn nodes(&self) -> usize {
         self.normals.len()
     }
 
-    /// Rows of shapes and compliances: one or two per flank node.
+    /// Returns the number of rows of shapes and compliances: one or two per flank node.
     pub fn rows(&self) -> usize {
         self.nodes() * self.per_node()
     }
 
-    /// Rows of a flank node.
+    /// Returns the number of rows of a flank node.
     pub fn per_node(&self) -> usize {
         1 + usize::from(self.along_profile)
     }
 
-    /// Row of a number: of a flank node outwards, or, from [`Self::nodes`] on, along the profile.
+    /// Returns the row of a number: of a flank node outwards, or, from [`Self::nodes`] on, along the profile.
     #[inline]
     pub fn row_of(&self, number: u32) -> u32 {
         if !self.along_profile {
@@ -222,19 +223,20 @@ impl Reduced {
         }
     }
 
-    /// Number of kept modes.
+    /// Returns the number of kept modes.
     pub fn modes(&self) -> usize {
         self.omega.len()
     }
 
-    /// Shapes of all modes at a number.
+    /// Returns the shapes of all modes at a number.
     #[inline]
     pub fn shapes_at(&self, number: u32) -> &[f64] {
         let n = self.omega.len();
         &self.shapes[self.row_of(number) as usize * n..][..n]
     }
 
-    /// What does not fit together, if anything: lengths, and numbers that are not finite or have the wrong sign.
+    /// Returns a description of the first inconsistency, if any: lengths, and numbers that are not finite or have the
+    /// wrong sign.
     pub fn problem(&self) -> Option<String> {
         let (nodes, rows, modes) = (self.nodes(), self.rows(), self.modes());
         let grid_nodes: usize = self.flanks.grids().iter().map(|g| g.nodes.len()).sum();

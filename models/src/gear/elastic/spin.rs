@@ -1,4 +1,4 @@
-//! The inertia terms of a turning frame in the elastic gear; formulas in [`super::inertia`].
+//! Inertia terms of a rotating frame in the elastic gear; the formulas are in [`super::inertia`].
 //!
 //! With them the mass matrix of a free gear depends on `q`, in its row and column of the turn alone:
 //!
@@ -13,10 +13,10 @@ use crate::cholesky::dot;
 use crate::error::Reason;
 use crate::spec::Mount;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Singular};
+use gearbench_integrators::system::{Singular, StateView};
 
 impl Elastic {
-    /// The gear with these inertia terms of its turning frame; [`SpinTerms::Auto`] without it.
+    /// Sets the inertia terms of the rotating frame; the default is [`SpinTerms::Auto`].
     ///
     /// # Errors
     /// Terms asked for that the body does not have: a rack, or a reduction without inertia integrals.
@@ -42,8 +42,8 @@ impl Elastic {
         Ok(self)
     }
 
-    /// Decides for [`SpinTerms::Auto`] by the speed of the hub [rad/s] at the start; of a driven one by the largest
-    /// of its course.
+    /// Decides [`SpinTerms::Auto`] by the initial speed of the hub [rad/s], for a driven hub by the largest prescribed
+    /// speed.
     pub fn decide_spin_terms(&mut self, mut speed: f64) {
         if self.spin.terms != SpinTerms::Auto {
             return;
@@ -62,18 +62,18 @@ impl Elastic {
             && speed.abs() > AUTO_LIMIT * lowest;
     }
 
-    /// The integrals, where their terms are to be evaluated.
+    /// Returns the inertia integrals, if the spin terms are active.
     pub(super) fn spinning(&self) -> Option<&Integrals> {
         let moves = !matches!(self.hub.mount, Mount::Fixed);
         let integrals = self.data.integrals.as_ref();
         integrals.filter(|i| self.spin.active && moves && i.modes() > 0)
     }
 
-    /// Centrifugal and Coriolis forces, and what goes with a prescribed acceleration.
+    /// Adds centrifugal and Coriolis forces, and the terms of a prescribed acceleration.
     pub(super) fn add_spin_force(
         &self,
         i: &Integrals,
-        at: At<'_>,
+        at: StateView<'_>,
         acceleration: f64,
         f: &mut [f64],
     ) {
@@ -96,11 +96,11 @@ impl Elastic {
         }
     }
 
-    /// Their change in a direction.
+    /// Adds the change of the spin forces in a direction.
     pub(super) fn add_spin_tangent(
         &self,
         i: &Integrals,
-        at: At<'_>,
+        at: StateView<'_>,
         acceleration: f64,
         [dq, dv]: [&[f64]; 2],
         df: &mut [f64],
@@ -133,7 +133,7 @@ impl Elastic {
         }
     }
 
-    /// `J(q)` and, in `turned`, `C q`.
+    /// Returns `J(q)` and computes `C q` in `turned`.
     fn turning_mass(
         &self,
         i: &Integrals,
@@ -146,13 +146,13 @@ impl Elastic {
         self.hub.inertia + dot(&i.radial, q) + dot(outward, q)
     }
 
-    /// What `J(q)` has grown by, and, in `turned`, `C q`.
+    /// Returns the increase of `J(q)` and computes `C q` in `turned`.
     fn grown(&self, i: &Integrals, q: &[f64], outward: &mut [f64], turned: &mut [f64]) -> f64 {
         self.turning_mass(i, q, outward, turned) - self.hub.inertia
     }
 
-    /// `f <- M^-1 f` of a gear that is free to turn, or to move aside.
-    pub(super) fn solve_mass(&self, at: At<'_>, f: &mut [f64]) -> Result<(), Singular> {
+    /// Solves with the mass matrix, `f <- M^-1 f`, for a gear that is free to rotate or to move out of the plane.
+    pub(super) fn solve_mass(&self, at: StateView<'_>, f: &mut [f64]) -> Result<(), Singular> {
         let (mut hub, n) = self.hub_mass(at);
         let (on_hub, modes) = f.split_at_mut(n);
         let mut room = self.spin.room.borrow_mut();
@@ -174,8 +174,8 @@ impl Elastic {
         Ok(())
     }
 
-    /// `y = M x` of the same.
-    pub(super) fn apply_mass(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+    /// Multiplies by the mass matrix, `y = M x`, for a gear that is free to rotate or to move out of the plane.
+    pub(super) fn apply_mass(&self, at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         let (hub, n) = self.hub_mass(at);
         for (y, row) in y.iter_mut().zip(hub.chunks_exact(n.max(1))).take(n) {
             *y = dot(row, &x[..n]);
@@ -192,11 +192,11 @@ impl Elastic {
         }
     }
 
-    /// Accelerations of all coordinates under `forces` of contact and loads.
+    /// Computes the accelerations of all coordinates under `forces` of contact and loads.
     pub(super) fn spin_accelerations(
         &self,
         i: &Integrals,
-        at: At<'_>,
+        at: StateView<'_>,
         forces: &[f64],
         prescribed: f64,
     ) -> Vec<f64> {
@@ -214,8 +214,15 @@ impl Elastic {
         f
     }
 
-    /// Rate of [`Self::spin_momentum`] of a gear whose hub is held, with the accelerations `a` of its modes.
-    pub(super) fn spin_torque(&self, i: &Integrals, at: At<'_>, prescribed: f64, a: &[f64]) -> f64 {
+    /// Returns the rate of [`Self::spin_momentum`] for a gear with a fixed or driven hub, from the accelerations `a`
+    /// of its modes.
+    pub(super) fn spin_torque(
+        &self,
+        i: &Integrals,
+        at: StateView<'_>,
+        prescribed: f64,
+        a: &[f64],
+    ) -> f64 {
         let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
         let mut room = self.spin.room.borrow_mut();
         let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
@@ -224,8 +231,8 @@ impl Elastic {
         prescribed * grown + 2.0 * speed * dot(outward, v) - dot(turned, &a[self.own..])
     }
 
-    /// What the deformation adds to the momentum about the axis, `theta' (2 a.q + q.G q) + q.C q'`.
-    pub(super) fn spin_momentum(&self, i: &Integrals, at: At<'_>) -> f64 {
+    /// Returns the contribution of the deformation to the momentum about the axis, `theta' (2 a.q + q.G q) + q.C q'`.
+    pub(super) fn spin_momentum(&self, i: &Integrals, at: StateView<'_>) -> f64 {
         let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
         let mut room = self.spin.room.borrow_mut();
         let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
@@ -233,8 +240,8 @@ impl Elastic {
         self.hub.speed(at.t, at.v) * grown - dot(turned, v)
     }
 
-    /// What the deformation adds to the kinetic energy of a free gear.
-    pub(super) fn spin_energy(&self, i: &Integrals, at: At<'_>) -> f64 {
+    /// Returns the contribution of the deformation to the kinetic energy of a free gear.
+    pub(super) fn spin_energy(&self, i: &Integrals, at: StateView<'_>) -> f64 {
         let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
         let mut room = self.spin.room.borrow_mut();
         let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
@@ -242,8 +249,9 @@ impl Elastic {
         at.v[0] * (0.5 * at.v[0] * grown - dot(turned, v))
     }
 
-    /// Power that a prescribed motion puts into the modes beyond the coupling at rest: Coriolis forces do no work.
-    pub(super) fn spin_power(&self, i: &Integrals, at: At<'_>, acceleration: f64) -> f64 {
+    /// Returns the power of a prescribed motion on the modes beyond the coupling without rotation; Coriolis forces do
+    /// no work.
+    pub(super) fn spin_power(&self, i: &Integrals, at: StateView<'_>, acceleration: f64) -> f64 {
         let speed = self.hub.speed(at.t, at.v);
         let mut room = self.spin.room.borrow_mut();
         let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
@@ -254,7 +262,7 @@ impl Elastic {
     }
 }
 
-/// A buffer of a length; grows once.
+/// Resizes a buffer; it allocates at the first use only.
 fn sized(x: &mut Vec<f64>, n: usize) -> &mut [f64] {
     x.resize(n, 0.0);
     x

@@ -8,32 +8,32 @@
 
 use super::springs::ToothSprings;
 
-/// The deviations of a gear with so many teeth; all functions take their own slice of the discrete state.
+/// Deviations of a gear with a number of teeth; all functions take the part of the discrete state with the deviations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deviations {
     pub teeth: usize,
 }
 
-/// The exchange of a tooth in a window.
+/// Exchange of a tooth between a window and the mean.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Exchange {
-    /// Time [s].
+    /// Time of the exchange [s].
     pub t: f64,
     /// Number of teeth in the mean, before and after.
     pub count: f64,
-    /// Tooth that leaves the window and joins the mean.
+    /// Index of the tooth that leaves the window and joins the mean.
     pub leaves: i64,
-    /// Tooth that leaves the mean and enters the window.
+    /// Index of the tooth that leaves the mean and enters the window.
     pub enters: i64,
 }
 
-/// Cells before the deviations.
+/// Number of cells before the deviations.
 const HEAD: usize = 4;
-/// Square of an amplitude that no angle can show [rad^2]: what has decayed below it is nothing, before it becomes
-/// numbers that processors are slow with.
+/// Square of an amplitude below the resolution of angles [rad^2]. Deviations that have decayed below it are set to
+/// zero before they become subnormal numbers, which are slow on processors.
 const NOTHING: f64 = 1e-60;
 
-/// `[d; d'](t) = P [d; d'](t_ref)`, row by row.
+/// Computes the propagator, `[d; d'](t) = P [d; d'](t_ref)`, row by row.
 fn propagator(p: &ToothSprings, dt: f64) -> [f64; 4] {
     let (k, c, m) = (p.stiffness[0], p.damping[0], p.mass[0]);
     let (w2, a) = (k / m, 0.5 * c / m);
@@ -58,7 +58,7 @@ fn propagator(p: &ToothSprings, dt: f64) -> [f64; 4] {
 }
 
 impl Deviations {
-    /// Length of the discrete state.
+    /// Returns the length of the discrete state.
     pub fn cells(&self) -> usize {
         HEAD + 2 * self.teeth
     }
@@ -67,7 +67,7 @@ impl Deviations {
         HEAD + 2 * index.rem_euclid(self.teeth as i64) as usize
     }
 
-    /// Calls `f` with `[d, d', d'']` at time `t` of every tooth that deviates.
+    /// Calls `f` with `[d, d', d'']` at time `t` of every tooth with a deviation.
     pub fn each(
         &self,
         p: &ToothSprings,
@@ -87,7 +87,7 @@ impl Deviations {
         }
     }
 
-    /// `(sum d^2, sum d'^2)` at time `t`.
+    /// Returns `(sum d^2, sum d'^2)` at time `t`.
     pub fn squares(&self, p: &ToothSprings, t: f64, discrete: &[f64]) -> (f64, f64) {
         let [dd, dv, vv] = [discrete[1], discrete[2], discrete[3]];
         if dd == 0.0 && vv == 0.0 {
@@ -100,8 +100,8 @@ impl Deviations {
         )
     }
 
-    /// Exchanges the tooth in a slot: `state = [R, R', S, S']` of the mean and of the slot; `outside` tells
-    /// which teeth belong to the mean afterwards. Sum of positions and sum of velocities are kept.
+    /// Exchanges the tooth in a slot: `state = [R, R', S, S']` of the mean and of the slot; `outside` returns true for
+    /// the teeth that belong to the mean afterwards. The sums of positions and of velocities are conserved.
     pub fn exchange(
         &self,
         p: &ToothSprings,

@@ -1,17 +1,18 @@
-//! Where a fit of the model to a reference impact starts.
+//! Starting points for a fit of the model to a reference impact.
 
 use crate::gear::properties::{Fit, Start};
 use crate::spec::{Body, GearSpec};
 use std::f64::consts::PI;
 
-/// Spring and mass of a tooth.
+/// Fit of the stiffness and the mass of a tooth.
 pub const FIT: Fit = Fit {
     parameters: &["tooth_stiffness_n_per_m", "tooth_mass_kg"],
     starts,
 };
 
-/// Several splits of the compliance of a pair between contact and teeth, `1/pair = 1/contact + 2/tooth`, because the sum
-/// of squares has more than one valley; a tooth is roughly a bar of half a pitch by 2.25 modules.
+/// Returns starting points with different splits of the compliance of a pair between contact and teeth, `1/pair =
+/// 1/contact + 2/tooth`, because the sum of squares has more than one minimum. A tooth is roughly a bar of half a
+/// pitch by 2.25 modules.
 fn starts(pair: f64, gear: &GearSpec) -> Vec<Start> {
     let (width, m) = match &gear.body {
         Body::Gear(g) => (g.face_width(), g.params().module),

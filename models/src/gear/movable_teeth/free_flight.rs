@@ -1,4 +1,4 @@
-//! Movable teeth in flight, in closed form.
+//! Movable teeth in free flight, in closed form.
 //!
 //! With equal teeth (`m`, `c`, `k` about the hub) and nothing that touches, the whole gear's momentum mean `theta`, the
 //! mean stretch `x = mean(S_i) - phi` and the deviations `d_i = S_i - mean(S_i)` go their own ways:
@@ -15,16 +15,16 @@ use super::teeth::MovableTeeth;
 use crate::gear::capabilities::LinearMotion;
 use crate::gear::free_flight::FreeFlight;
 use gearbench_integrators::FlightPath;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
-/// The gear as a frame and oscillators.
+/// Decomposition of the gear into a frame and oscillators.
 #[derive(Clone, Copy, Debug)]
 struct Parts {
     /// Displacement, speed and acceleration of the momentum mean, or of the prescribed hub.
     frame: [f64; 3],
-    /// Mean of the teeth and its rate.
+    /// Mean displacement of the teeth, and its rate.
     mean: [f64; 2],
-    /// Mean stretch and its rate, its frequency, damping ratio and load.
+    /// Mean deflection of the springs and its rate, its frequency, damping ratio and load.
     stretch: [f64; 2],
     omega: f64,
     zeta: f64,
@@ -32,28 +32,29 @@ struct Parts {
     /// Frequency and damping ratio of the deviations.
     own_omega: f64,
     own_zeta: f64,
-    /// Shares of the stretch that the hub and the teeth move by.
+    /// Shares of the mean deflection in the motion of the hub and of the teeth.
     shares: [f64; 2],
-    /// Inertia that swings in the stretch, and that of a tooth.
+    /// Effective inertia of the mean deflection, and that of a tooth.
     swinging: f64,
     tooth: f64,
 }
 
 impl Parts {
-    /// Stretch under the steady load.
+    /// Returns the static deflection under the steady load.
     fn resting(&self) -> f64 {
         self.load / (self.omega * self.omega)
     }
 }
 
-/// `(v^2 + omega^2 x^2)`: twice the energy of a unit of inertia.
+/// Computes `(v^2 + omega^2 x^2)`, twice the energy per unit of inertia.
 fn doubled(omega: f64, x: f64, v: f64) -> f64 {
     v * v + (omega * x).powi(2)
 }
 
 impl MovableTeeth {
-    /// `None` for unequal or overdamped teeth, and while a tooth has the stiffness of its contact.
-    fn parts(&self, at: At<'_>, load: f64) -> Option<Parts> {
+    /// Returns the decomposition, or `None` for unequal or overdamped teeth, and while a tooth has the stiffness of
+    /// its contact.
+    fn parts(&self, at: StateView<'_>, load: f64) -> Option<Parts> {
         let p = &self.springs;
         let slots = self.engaged_cell(0)..self.head();
         let engaged = p.radius.is_some() && at.discrete[slots].iter().any(|x| *x != 0.0);
@@ -120,8 +121,9 @@ impl MovableTeeth {
         (parts.zeta < 1.0).then_some(parts)
     }
 
-    /// Deviation of coordinate `first() + i` from the mean, and its rate; nothing where it is the rounding of angles.
-    fn deviation(&self, at: At<'_>, parts: &Parts, i: usize) -> [f64; 2] {
+    /// Returns the deviation of coordinate `first() + i` from the mean, and its rate; zero where it is within the
+    /// rounding of angles.
+    fn deviation(&self, at: StateView<'_>, parts: &Parts, i: usize) -> [f64; 2] {
         let i = self.first() + i;
         let [d, v] = [at.q[i] - parts.mean[0], at.v[i] - parts.mean[1]];
         let rounding = 4.0 * f64::EPSILON * at.q[i].abs();
@@ -132,7 +134,7 @@ impl MovableTeeth {
 }
 
 impl LinearMotion for MovableTeeth {
-    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
+    fn free_flight(&self, at: StateView<'_>, load: f64) -> Option<FreeFlight> {
         let parts = self.parts(at, load)?;
         let resting = parts.resting();
         let stretched = doubled(parts.omega, parts.stretch[0] - resting, parts.stretch[1]);
@@ -162,7 +164,7 @@ impl LinearMotion for MovableTeeth {
         })
     }
 
-    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
+    fn add_to_path(&self, at: StateView<'_>, load: f64, first: usize, path: &mut FlightPath) {
         let Some(parts) = self.parts(at, load) else {
             return;
         };
@@ -196,7 +198,7 @@ impl LinearMotion for MovableTeeth {
         v: &mut [f64],
         discrete: &mut [f64],
     ) -> bool {
-        let at = At {
+        let at = StateView {
             t,
             q: &*q,
             v: &*v,
@@ -233,8 +235,8 @@ impl LinearMotion for MovableTeeth {
         true
     }
 
-    /// On a prescribed hub the springs take `sum m S''` from it.
-    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+    /// Returns the work on the gear; on a prescribed hub the springs receive `sum m S''` from it.
+    fn steady_work(&self, from: StateView<'_>, to: StateView<'_>, load: f64) -> f64 {
         if self.hub.is_free() {
             return load
                 * (self.hub.displacement(to.t, to.q) - self.hub.displacement(from.t, from.q));

@@ -6,9 +6,10 @@ use crate::gear::capabilities::{LinearMotion, ToothCoordinates};
 use crate::gear::hub_body::{HubBody, HubState};
 use crate::gear::model::GearModel;
 use crate::kinematics::{Point, Row, Wrench};
-use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
+use gearbench_integrators::system::{Coeffs, Energy, Power, Singular, StateView};
 
-/// What a tooth's own torque changes by, per angle of the tooth: stiffness, and how it follows the contact radius.
+/// Returns the derivative of a tooth's torque by the angle of the tooth: stiffness, and its dependence on the contact
+/// radius.
 fn own_spring(c: Coeffs, p: Spring, stretch: f64) -> f64 {
     c.d * p.c + c.k * (p.k + 2.0 * p.dk * stretch + p.bend * stretch * stretch)
 }
@@ -36,17 +37,17 @@ impl GearModel for MovableTeeth {
     }
 
     #[inline]
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
+    fn row(&self, at: StateView<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         // A tooth outside its window carries no force, so the mean stands for it.
         let i = self.own_or_mean(at.discrete, p.tooth);
         let hub = &self.hub.hub;
-        let standing = hub.standing(at.t, at.q);
-        row.push(i, hub.effective_radius_on(standing.as_ref(), &p.x, n));
+        let hub_pose = hub.hub_pose(at.t, at.q);
+        row.push(i, hub.effective_radius_on(hub_pose.as_ref(), &p.x, n));
         // A tooth has a coordinate whatever its hub does: nothing of its turn is prescribed.
-        standing.map_or(0.0, |s| hub.lateral_row_on(at.t, &s, (&p.x, n), row, false))
+        hub_pose.map_or(0.0, |s| hub.lateral_row_on(at.t, &s, (&p.x, n), row, false))
     }
 
-    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn forces(&mut self, at: StateView<'_>, f: &mut [f64]) {
         self.hub.add_lateral_forces(at, f);
         let first = self.first();
         let (phi, speed) = (
@@ -80,7 +81,7 @@ impl GearModel for MovableTeeth {
         }
     }
 
-    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent(&mut self, at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         let first = self.first();
         let phi = self.hub.displacement(at.t, at.q);
         self.hub.add_lateral_tangent(at, [dq, dv], df);
@@ -102,10 +103,10 @@ impl GearModel for MovableTeeth {
         }
     }
 
-    /// Arrow matrix, symmetric: the teeth are coupled through the hub only.
+    /// Solves with an arrow matrix, which is symmetric: the teeth are coupled through the hub only.
     fn correct(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         x: &mut [f64],
@@ -142,7 +143,7 @@ impl GearModel for MovableTeeth {
         Ok(())
     }
 
-    fn energy(&self, at: At<'_>) -> Energy {
+    fn energy(&self, at: StateView<'_>) -> Energy {
         let first = self.first();
         let phi = self.hub.displacement(at.t, at.q);
         let mut e = Energy {
@@ -173,7 +174,7 @@ impl GearModel for MovableTeeth {
         e
     }
 
-    fn powers(&self, at: At<'_>) -> Power {
+    fn powers(&self, at: StateView<'_>) -> Power {
         Power {
             dissipated: self.dissipated(at) + self.hub.bearing_energy(at)[1],
             external: self.driven_power(at) + self.hub.driven_power(at),
@@ -181,7 +182,7 @@ impl GearModel for MovableTeeth {
         }
     }
 
-    fn hub_state(&self, at: At<'_>) -> HubState {
+    fn hub_state(&self, at: StateView<'_>) -> HubState {
         let first = self.first();
         let speed = self.hub.speed(at.t, at.v);
         let teeth: f64 = (0..at.q.len() - first)
@@ -194,7 +195,7 @@ impl GearModel for MovableTeeth {
         }
     }
 
-    fn mount_reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
+    fn mount_reaction(&self, at: StateView<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
         self.reaction(at, forces, contact)
     }
 
@@ -208,7 +209,7 @@ impl GearModel for MovableTeeth {
 }
 
 impl MovableTeeth {
-    fn dissipated(&self, at: At<'_>) -> f64 {
+    fn dissipated(&self, at: StateView<'_>) -> f64 {
         let speed = self.hub.speed(at.t, at.v);
         let mut power = 0.0;
         for (_, _, v, p) in self.each_spring(at) {
@@ -223,7 +224,7 @@ impl MovableTeeth {
         power
     }
 
-    fn driven_power(&self, at: At<'_>) -> f64 {
+    fn driven_power(&self, at: StateView<'_>) -> f64 {
         if self.hub.is_free() {
             return 0.0;
         }

@@ -1,7 +1,7 @@
-//! Parameters of the model and its construction.
+//! Parameters of the movable-teeth model, and the construction of a gear.
 
 use super::springs::{RadiusStiffness, ToothSprings};
-use super::teeth::{Integrated, MovableTeeth};
+use super::teeth::{MovableTeeth, ToothSelection};
 use crate::error::BuildError;
 use crate::gear::hub_body::HubBody;
 use crate::gear::model::GearModel;
@@ -12,16 +12,16 @@ use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 
-/// Id of the model.
+/// Identifier of the model.
 const MODEL: &str = "movable-teeth";
 
-/// One number for all teeth, or one per tooth.
+/// A number for all teeth, or one per tooth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum PerTooth {
-    /// All teeth have it.
+    /// One number for all teeth.
     All(f64),
-    /// Each has its own.
+    /// A number for each tooth.
     Each(Vec<f64>),
 }
 
@@ -57,7 +57,7 @@ impl<'de> Deserialize<'de> for PerTooth {
 }
 
 impl PerTooth {
-    /// The number that all teeth have.
+    /// Returns the number of all teeth, or `None` if they differ.
     pub fn common(&self) -> Option<f64> {
         match self {
             PerTooth::All(x) => Some(*x),
@@ -65,12 +65,12 @@ impl PerTooth {
         }
     }
 
-    /// The greatest of all teeth.
+    /// Returns the largest number of all teeth.
     pub fn greatest(&self) -> Option<f64> {
         self.reduced(f64::max)
     }
 
-    /// The least of all teeth.
+    /// Returns the smallest number of all teeth.
     pub fn least(&self) -> Option<f64> {
         self.reduced(f64::min)
     }
@@ -83,18 +83,18 @@ impl PerTooth {
     }
 }
 
-/// Which teeth are integrated one by one.
+/// Selection of the teeth that are integrated individually.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Integrate {
-    /// Those near a mesh.
+    /// Teeth near a mesh are integrated.
     #[default]
     Active,
-    /// All.
+    /// All teeth are integrated.
     All,
 }
 
-/// Parameters of the model; [`PARAMETERS`] says what they mean.
+/// Parameters of the model, described in [`PARAMETERS`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 #[expect(missing_docs, reason = "the keys of scenes, described in PARAMETERS")]
@@ -116,7 +116,7 @@ impl ModelParameters for MovableTeethParameters {
     const KEYS: &'static [ParameterInfo] = PARAMETERS;
 }
 
-/// Parameters of the model.
+/// Keys and descriptions of the parameters.
 pub const PARAMETERS: &[ParameterInfo] = &[
     ParameterInfo {
         key: "tooth_stiffness_n_per_m",
@@ -184,7 +184,7 @@ fn positive(key: &str, x: &[f64], zero_allowed: bool) -> Result<(), BuildError> 
     }
 }
 
-/// Builds the model for a gear.
+/// Builds a gear with movable teeth.
 pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let teeth = match context.body {
         Body::Gear(g) => g.teeth() as usize,
@@ -327,7 +327,7 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         body,
         springs,
         all_wanted: given.integrate == Some(Integrate::All),
-        integrated: Integrated::All,
+        integrated: ToothSelection::All,
         views: context.meshes.to_vec(),
         slots: 0,
         constant: Vec::new(),

@@ -1,4 +1,4 @@
-//! What the mount of a gear with movable teeth exerts on it.
+//! Reaction force of the mount on a gear with movable teeth.
 //!
 //! The body's centre of mass lies on the axis, each tooth is a mass `m_t` on the radius `r_d`:
 //!
@@ -7,17 +7,17 @@
 //! ```
 //!
 //! with the radial and tangential directions `e_i`, `t_i` of a tooth and the contact forces `F`. Equal teeth outside
-//! the windows are the mean, whose sum over a whole gear vanishes, and their free deviations `d`.
-//! The torque of a held mount is what the springs exert on the body.
+//! the windows are the mean, whose sum over a whole gear vanishes, and their free deviations `d`. The torque of a
+//! fixed mount is that of the springs on the body.
 
-use super::teeth::{Integrated, MovableTeeth};
+use super::teeth::{MovableTeeth, ToothSelection};
 use crate::Vec3;
 use crate::kinematics::Wrench;
 use crate::spec::Mount;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 impl MovableTeeth {
-    pub(super) fn reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
+    pub(super) fn reaction(&self, at: StateView<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
         let mut reaction = self.hub.reaction_at(at, contact);
         let first = self.first();
         let (phi, speed) = (
@@ -68,7 +68,7 @@ impl MovableTeeth {
             rate.y += mass * effective_radius * (a * cos - v2 * sin);
         };
         let windows = match &self.integrated {
-            Integrated::All => {
+            ToothSelection::All => {
                 for i in 0..own {
                     let angle = assembled + i as f64 * pitch + at.q[first + i];
                     let v = at.v[first + i];
@@ -77,7 +77,7 @@ impl MovableTeeth {
                 reaction.force += rate;
                 return reaction;
             }
-            Integrated::Windows(windows) => windows,
+            ToothSelection::Windows(windows) => windows,
         };
         let (mean, mean_v, mean_a) = (at.q[first], at.v[first], acceleration(0));
         for (mesh, w) in windows.iter().enumerate() {

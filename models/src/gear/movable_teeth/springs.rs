@@ -1,24 +1,24 @@
 //! Springs, dampers and masses of the teeth.
 
-/// Parameters of the teeth: one entry, or one per tooth.
+/// Parameters of the teeth: lists with one entry, or one per tooth.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ToothSprings {
-    /// All teeth are equal; the lists have one entry.
+    /// True if all teeth are equal; the lists have one entry.
     pub uniform: bool,
-    /// [N/m]
+    /// Stiffness of each tooth [N/m].
     pub stiffness: Vec<f64>,
-    /// [N s/m]
+    /// Damping of each tooth [N s/m].
     pub damping: Vec<f64>,
-    /// [kg]
+    /// Mass of each tooth [kg].
     pub mass: Vec<f64>,
-    /// `r_d^2` [m^2], 1 for a rack.
+    /// Square of the tooth radius, `r_d^2` [m^2]; 1 for a rack.
     pub radius_squared: f64,
     /// Stiffness over the contact radius for teeth in contact.
     pub radius: Option<RadiusStiffness>,
 }
 
 impl ToothSprings {
-    /// `1/omega` of the fastest tooth [s].
+    /// Returns `1/omega` of the fastest tooth [s].
     pub fn shortest_time(&self) -> f64 {
         let n = self.stiffness.len().max(self.mass.len());
         let pick = |x: &[f64], i: usize| x[i.min(x.len() - 1)];
@@ -32,7 +32,8 @@ impl ToothSprings {
     }
 }
 
-/// `k(r)`: cubic between knots with slopes from neighbouring knots (continuous derivative), constant outside.
+/// Stiffness over the contact radius, `k(r)`: cubic between knots with slopes from neighbouring knots (continuous
+/// derivative), constant outside.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RadiusStiffness {
     radius: Vec<f64>,
@@ -41,7 +42,7 @@ pub(super) struct RadiusStiffness {
 }
 
 impl RadiusStiffness {
-    /// From ascending knots [m] and values [N/m]; the caller has checked them.
+    /// Builds the curve from ascending knots [m] and values [N/m], which the caller has checked.
     pub fn new(radius: Vec<f64>, stiffness: Vec<f64>) -> Self {
         let n = radius.len();
         let chord = |i: usize| (stiffness[i + 1] - stiffness[i]) / (radius[i + 1] - radius[i]);
@@ -66,7 +67,7 @@ impl RadiusStiffness {
         }
     }
 
-    /// Value of a tooth out of contact: the first knot.
+    /// Returns the stiffness of a tooth out of contact: the value at the first knot.
     pub fn rest(&self) -> f64 {
         self.stiffness[0]
     }
@@ -75,7 +76,7 @@ impl RadiusStiffness {
         self.stiffness.iter().copied().fold(0.0, f64::max)
     }
 
-    /// `k` and its first and second derivative by `r`.
+    /// Returns `k` and its first and second derivative by `r`.
     pub fn at(&self, r: f64) -> [f64; 3] {
         let n = self.radius.len();
         let i = self.radius.partition_point(|&x| x <= r);

@@ -1,26 +1,26 @@
-//! The data of a gear with movable teeth: springs, and which teeth have a coordinate of their own.
+//! Data of a gear with movable teeth: springs, and the selection of teeth with individual coordinates.
 
 use super::deviations::Deviations;
 use super::springs::{RadiusStiffness, ToothSprings};
 use crate::gear::hub_body::HubBody;
 use crate::geometry::Side;
 use crate::kinematics::{MeshView, Tooth};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
-/// Teeth beyond a whole pitch by this fraction still belong to the window they were in.
+/// Fraction of a pitch beyond a whole pitch up to which teeth still belong to their present window.
 pub(super) const HYSTERESIS: f64 = 0.05;
 
-/// Room for deflections in the width of a window, in pitches.
+/// Margin for deflections in the width of a window, in pitches.
 const MARGIN: f64 = 0.02;
 
-/// Consecutive teeth around a mesh that are integrated one by one.
+/// Consecutive teeth around a mesh that are integrated individually.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Window {
-    /// Teeth on each side of the middle one.
+    /// Number of teeth on each side of the middle one.
     pub(super) half: i64,
-    /// First coordinate of its slots in the gear's own.
+    /// Index of the coordinate of its first slot among those of the gear.
     pub(super) base: usize,
-    /// First tooth slot, counted over the windows.
+    /// Index of its first tooth slot, counted over the windows.
     pub(super) slot: usize,
 }
 
@@ -30,12 +30,12 @@ impl Window {
     }
 }
 
-/// Which teeth have a coordinate of their own.
+/// Selection of the teeth with individual coordinates.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Integrated {
-    /// All of them.
+pub(super) enum ToothSelection {
+    /// All teeth have coordinates.
     All,
-    /// Windows around the meshes, and the mean of the rest.
+    /// Windows around the meshes have coordinates; the mean represents all other teeth.
     Windows(Vec<Window>),
 }
 
@@ -48,27 +48,27 @@ pub struct MovableTeeth {
     pub(super) body: f64,
     pub(super) springs: ToothSprings,
     pub(super) all_wanted: bool,
-    pub(super) integrated: Integrated,
+    pub(super) integrated: ToothSelection,
     pub(super) views: Vec<MeshView>,
     /// Number of teeth in windows.
     pub(super) slots: usize,
-    /// The springs behind the gear's own coordinates where they are constant, else empty.
+    /// Springs of the coordinates of the gear where they are constant, otherwise empty.
     pub(super) constant: Vec<Spring>,
 }
 
-/// One spring of the gear, about the hub.
+/// Spring of one coordinate about the hub.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spring {
     pub(super) k: f64,
     pub(super) dk: f64,
-    /// Half the second derivative of `k`.
+    /// Half of the second derivative of `k`.
     pub(super) bend: f64,
     pub(super) c: f64,
     pub(super) inertia: f64,
 }
 
 impl MovableTeeth {
-    /// Coordinates before the teeth: those of the mount.
+    /// Returns the number of coordinates before the teeth: those of the mount.
     #[inline]
     pub(super) fn first(&self) -> usize {
         self.hub.coordinates()
@@ -79,11 +79,11 @@ impl MovableTeeth {
         Deviations { teeth: self.teeth }
     }
 
-    /// Cells of the discrete state before the deviations: the middle tooth of each mesh, the flank in contact of
-    /// each slot.
+    /// Returns the number of cells of the discrete state before the deviations: the middle tooth of each mesh, and the
+    /// flank in contact of each slot.
     #[inline]
     pub(super) fn head(&self) -> usize {
-        let slots = if self.integrated == Integrated::All {
+        let slots = if self.integrated == ToothSelection::All {
             self.teeth
         } else {
             self.slots
@@ -91,46 +91,46 @@ impl MovableTeeth {
         self.views.len().max(1) + slots
     }
 
-    /// Discrete state cell that says on which flank the tooth of a slot is in contact: 0, or the side's sign times
-    /// (mesh + 1).
+    /// Returns the cell of the discrete state with the flank in contact of the tooth of a slot: 0, or the side's sign
+    /// times (mesh + 1).
     #[inline]
     pub(super) fn engaged_cell(&self, slot: usize) -> usize {
         self.views.len().max(1) + slot
     }
 
-    /// Inertia and number of the teeth behind coordinate `first() + i`.
+    /// Returns inertia and number of the teeth represented by coordinate `first() + i`.
     #[inline]
     pub(super) fn count(&self, i: usize) -> f64 {
         match &self.integrated {
-            Integrated::Windows(_) if i == 0 => (self.teeth - self.slots) as f64,
+            ToothSelection::Windows(_) if i == 0 => (self.teeth - self.slots) as f64,
             _ => 1.0,
         }
     }
 
-    /// Slot of coordinate `first() + i`, `None` for the mean.
+    /// Returns the slot of coordinate `first() + i`, or `None` for the mean.
     #[inline]
     pub(super) fn slot(&self, i: usize) -> Option<usize> {
         match &self.integrated {
-            Integrated::All => Some(i),
-            Integrated::Windows(_) => i.checked_sub(1),
+            ToothSelection::All => Some(i),
+            ToothSelection::Windows(_) => i.checked_sub(1),
         }
     }
 
-    /// Coordinate that stands for a tooth: outside its window it cannot touch, and its small free deviation from the mean
-    /// is not worth a sine.
+    /// Returns the coordinate that represents a tooth. A tooth outside its window cannot touch; its small free
+    /// deviation from the mean is neglected.
     #[inline]
     pub(super) fn own_or_mean(&self, discrete: &[f64], tooth: Tooth) -> usize {
         self.own_coordinate(discrete, tooth).unwrap_or(self.first())
     }
 
-    /// Coordinate of a tooth, `None` when it is outside the windows.
+    /// Returns the coordinate of a tooth, or `None` outside the windows.
     #[inline]
     pub(super) fn own_coordinate(&self, discrete: &[f64], tooth: Tooth) -> Option<usize> {
         match &self.integrated {
-            Integrated::All => {
+            ToothSelection::All => {
                 Some(self.first() + (tooth.index as i32).rem_euclid(self.teeth as i32) as usize)
             }
-            Integrated::Windows(windows) => {
+            ToothSelection::Windows(windows) => {
                 let w = &windows[tooth.mesh as usize];
                 let centre = discrete[tooth.mesh as usize] as i64;
                 ((tooth.index - centre).abs() <= w.half)
@@ -139,21 +139,21 @@ impl MovableTeeth {
         }
     }
 
-    /// Parameters of the spring behind coordinate `first() + i` at angle `s`: count, stiffness and its
-    /// derivative by the angle, damping, tooth inertia; all about the hub (times `r_d^2`).
+    /// Returns the spring of coordinate `first() + i` at angle `s`: count, stiffness and its derivative by the angle,
+    /// damping, tooth inertia, all about the hub (times `r_d^2`).
     #[inline]
-    pub(super) fn spring(&self, at: At<'_>, i: usize, s: f64) -> Spring {
+    pub(super) fn spring(&self, at: StateView<'_>, i: usize, s: f64) -> Spring {
         match self.constant.get(i) {
             Some(spring) => *spring,
             None => self.varying_spring(at, i, s),
         }
     }
 
-    /// Per coordinate after the mount's: its number, angle and speed, and the spring behind it.
+    /// Iterates over the coordinates after the mount's: index, angle, speed and spring.
     #[inline]
     pub(super) fn each_spring<'a>(
         &'a self,
-        at: At<'a>,
+        at: StateView<'a>,
     ) -> impl Iterator<Item = (usize, f64, f64, Spring)> + 'a {
         let own = self.first()..at.q.len();
         let state = at.q[own.clone()].iter().zip(&at.v[own]);
@@ -161,7 +161,7 @@ impl MovableTeeth {
         springs.map(move |(i, (&s, &v))| (i, s, v, self.spring(at, i, s)))
     }
 
-    fn varying_spring(&self, at: At<'_>, i: usize, s: f64) -> Spring {
+    fn varying_spring(&self, at: StateView<'_>, i: usize, s: f64) -> Spring {
         let n = self.count(i);
         let slot = self.slot(i);
         let p = &self.springs;
@@ -183,11 +183,11 @@ impl MovableTeeth {
         }
     }
 
-    /// Notes the springs that do not change.
+    /// Stores the constant springs.
     fn note_constants(&mut self) {
         self.constant.clear();
         if self.springs.radius.is_none() {
-            let at = At {
+            let at = StateView {
                 t: 0.0,
                 q: &[],
                 v: &[],
@@ -199,10 +199,10 @@ impl MovableTeeth {
         }
     }
 
-    /// `k(r)` of a tooth in contact and its derivatives by the angle `S`.
+    /// Returns `k(r)` of a tooth in contact and its derivatives by the angle `S`.
     fn stiffness_in_contact(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         table: &RadiusStiffness,
         slot: usize,
         engaged: f64,
@@ -228,18 +228,18 @@ impl MovableTeeth {
         [k, by_r * turn, bend]
     }
 
-    /// Unwrapped index of the tooth in a slot, nearest to the mesh.
+    /// Returns the index of the tooth in a slot, counted on over turns and nearest to the mesh.
     pub(super) fn tooth_of_slot(&self, discrete: &[f64], mesh: usize, slot: usize) -> i64 {
         let centre = discrete[mesh] as i64;
         let (local, len) = match &self.integrated {
-            Integrated::All => (slot as i64, self.teeth as i64),
-            Integrated::Windows(w) => ((slot - w[mesh].slot) as i64, w[mesh].len()),
+            ToothSelection::All => (slot as i64, self.teeth as i64),
+            ToothSelection::Windows(w) => ((slot - w[mesh].slot) as i64, w[mesh].len()),
         };
         let first = centre - len / 2;
         first + (local - first).rem_euclid(len)
     }
 
-    /// Index of the tooth nearest to a mesh, as a real number.
+    /// Returns the index of the tooth nearest to a mesh, as a real number.
     pub(super) fn nearest(&self, mesh: usize, displacement: f64) -> f64 {
         let v = &self.views[mesh];
         let target = if v.base_radius.is_some() {
@@ -250,7 +250,7 @@ impl MovableTeeth {
         (target - v.assembled - displacement) / v.pitch
     }
 
-    /// Teeth that a mesh may touch on either flank, on each side of the nearest one.
+    /// Returns the number of teeth on each side of the nearest one that a mesh may touch on either flank.
     fn half_window(view: &MeshView) -> i64 {
         let reach = |s: f64| {
             let of = |half_angle: f64| match view.base_radius {
@@ -263,9 +263,9 @@ impl MovableTeeth {
         (widest - 0.5 + HYSTERESIS + MARGIN).ceil().max(0.0) as i64
     }
 
-    /// Chooses the windows, or all teeth where windows do not fit.
+    /// Selects the windows, or all teeth where windows do not fit.
     fn arrange(&mut self) {
-        self.integrated = Integrated::All;
+        self.integrated = ToothSelection::All;
         self.slots = 0;
         if self.all_wanted || !self.springs.uniform || self.views.is_empty() {
             return;
@@ -291,16 +291,16 @@ impl MovableTeeth {
         });
         if apart && slot + 2 <= self.teeth {
             self.slots = slot;
-            self.integrated = Integrated::Windows(windows);
+            self.integrated = ToothSelection::Windows(windows);
         }
     }
 
-    /// Chooses the teeth with coordinates of their own, and notes what follows from them.
+    /// Selects the teeth with individual coordinates, and updates the dependent data.
     pub(super) fn lay_out(&mut self) {
         self.arrange();
         self.hub.own = match &self.integrated {
-            Integrated::All => self.teeth,
-            Integrated::Windows(_) => 1 + self.slots,
+            ToothSelection::All => self.teeth,
+            ToothSelection::Windows(_) => 1 + self.slots,
         };
         self.hub.discrete = self.head() + self.deviations().cells();
         self.note_constants();

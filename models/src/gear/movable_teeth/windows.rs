@@ -1,18 +1,19 @@
-//! Displacements of single teeth, and how they move through the windows.
+//! Displacements of individual teeth, and their exchange between windows and mean.
 
 use super::deviations::Exchange;
-use super::teeth::{HYSTERESIS, Integrated, MovableTeeth};
+use super::teeth::{HYSTERESIS, MovableTeeth, ToothSelection};
 use crate::gear::capabilities::{ToothCoordinates, ToothSpring};
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
-use gearbench_integrators::system::{At, Change};
+use gearbench_integrators::system::{Change, StateView};
 
-/// Teeth that a gear may turn by in one step: more than any method that still follows its teeth.
+/// Largest number of teeth by which a gear may rotate in one step, above the limit of any method that still resolves
+/// its teeth.
 const MOST_TEETH: f64 = 1e4;
 
 impl ToothCoordinates for MovableTeeth {
     #[inline]
-    fn displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
+    fn displacement(&self, at: StateView<'_>, tooth: Tooth) -> f64 {
         at.q[self.own_or_mean(at.discrete, tooth)]
     }
 
@@ -21,7 +22,7 @@ impl ToothCoordinates for MovableTeeth {
         Some(self.own_or_mean(discrete, tooth))
     }
 
-    fn spring(&self, at: At<'_>, tooth: Tooth) -> Option<ToothSpring> {
+    fn spring(&self, at: StateView<'_>, tooth: Tooth) -> Option<ToothSpring> {
         let i = self.own_coordinate(at.discrete, tooth)?;
         let deflection = at.q[i] - self.hub.displacement(at.t, at.q);
         let rate = at.v[i] - self.hub.speed(at.t, at.v);
@@ -34,19 +35,19 @@ impl ToothCoordinates for MovableTeeth {
         })
     }
 
-    /// The middle teeth of its windows.
+    /// Returns the middle teeth of the windows.
     #[inline]
     fn places(&self) -> usize {
         match &self.integrated {
-            Integrated::All => 0,
-            Integrated::Windows(windows) => windows.len(),
+            ToothSelection::All => 0,
+            ToothSelection::Windows(windows) => windows.len(),
         }
     }
 
-    fn displacements(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
+    fn displacements(&self, at: StateView<'_>, first: Tooth, out: &mut [f64]) {
         let mean = at.q[self.first()];
         match &self.integrated {
-            Integrated::All => {
+            ToothSelection::All => {
                 let own = &at.q[self.first()..];
                 let mut i = (first.index as i32).rem_euclid(self.teeth as i32) as usize;
                 for displacement in out {
@@ -54,7 +55,7 @@ impl ToothCoordinates for MovableTeeth {
                     i = if i + 1 == own.len() { 0 } else { i + 1 };
                 }
             }
-            Integrated::Windows(windows) => {
+            ToothSelection::Windows(windows) => {
                 let w = &windows[first.mesh as usize];
                 let from = at.discrete[first.mesh as usize] as i64 - w.half;
                 let own = &at.q[w.base..][..w.len() as usize];
@@ -114,7 +115,7 @@ impl ToothCoordinates for MovableTeeth {
                 let before = centre as i64;
                 centre += step;
                 discrete[m] = centre;
-                if let Integrated::Windows(windows) = &self.integrated {
+                if let ToothSelection::Windows(windows) = &self.integrated {
                     let w = &windows[m];
                     let leaves = before - step as i64 * w.half;
                     let enters = before + step as i64 * (w.half + 1);

@@ -1,4 +1,4 @@
-//! The gears of a pair where they stand, and where a section of one is nearest to the other.
+//! The gears of a pair in their frames, and the nearest points of a section of one to the other.
 
 use super::super::Side;
 use super::super::conical::ConicalError;
@@ -8,10 +8,10 @@ use super::super::gear::Gear;
 use super::super::helicoid::{InvoluteHelicoid, PlaneAngle};
 use crate::Vec3;
 
-/// Corrections of the length of roll of the nearest place of a section.
+/// Largest number of corrections of the length of roll of the nearest point of a section.
 const MOST_CORRECTIONS: usize = 60;
 
-/// One of the gears, where it stands.
+/// One of the gears in its frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Member {
     pub(super) flanks: [InvoluteHelicoid; 2],
@@ -26,7 +26,7 @@ pub(super) struct Member {
     pub(super) tip_slope: f64,
 }
 
-/// Where a section is nearest to the mate.
+/// Nearest point of a section to the mate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
     /// Lengths of roll of both gears [m].
@@ -34,7 +34,7 @@ pub(super) struct Nearest {
     /// Heights of both gears [m].
     pub(super) height: [f64; 2],
     pub(super) distance: f64,
-    /// Change of the distance over the height.
+    /// Derivative of the distance by the height.
     pub(super) rise: f64,
 }
 
@@ -54,8 +54,8 @@ impl Member {
     }
 }
 
-/// Where a transverse section of gear `own` is nearest to its mate, with teeth at `angles` [rad]: Newton's method for the
-/// place where the base radius of the section stands across the normal of the mate.
+/// Finds the nearest point of a transverse section of gear `own` to its mate, with teeth at `angles` [rad], by
+/// Newton's method for the point whose base radius is perpendicular to the normal of the mate.
 pub(super) fn nearest(
     members: &[Member; 2],
     angles: [f64; 2],
@@ -105,7 +105,7 @@ pub(super) fn index(side: Side) -> usize {
     usize::from(side == Side::Right)
 }
 
-/// Middle of the common face width from the middles of both, and its size [m].
+/// Returns the middle of the common face width from the middles of both, and its size [m].
 pub(super) fn common_face(
     gears: [&Gear; 2],
     members: &[Member; 2],

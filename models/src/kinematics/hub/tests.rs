@@ -35,11 +35,11 @@ fn mounts_leave_at_most_one_direction() {
             5,
             Direction::Driven(&speed),
         ),
-        (Mount::Fixed, None, 5, Direction::Held),
+        (Mount::Fixed, None, 5, Direction::Fixed),
     ] {
         let hub = Hub::new(mount, Vec3::zeros(), slide, 1.0);
         for (i, direction) in hub.directions().into_iter().enumerate() {
-            let expected = if i == place { is } else { Direction::Held };
+            let expected = if i == place { is } else { Direction::Fixed };
             assert_eq!(direction, expected);
         }
     }

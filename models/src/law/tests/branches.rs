@@ -1,9 +1,9 @@
-//! Branches of closed contacts, and where they end.
+//! Tests of the branches of closed contacts and of their ends.
 
 use super::*;
 
-/// A contact that is open and parts fast does not push, though the smooth branch of the law would have it: both factors of
-/// its force have passed zero, which may happen within one step.
+/// An open contact whose flanks separate fast has no force, although the smooth branch of the law would: both factors
+/// of its force have passed zero, which may happen within one step.
 #[test]
 fn parting_faster_than_the_damper_knows_is_no_push() {
     for damping in [
@@ -26,7 +26,7 @@ fn parting_faster_than_the_damper_knows_is_no_push() {
     }
 }
 
-/// The force of a bounded dashpot is that of one of its branches, which its mode tells, and branches meet where they end.
+/// The force of a bounded dashpot is that of the branch of its mode, and branches agree where they end.
 #[test]
 fn branches_of_a_bounded_dashpot_make_up_its_force() {
     let bounded = Law::new(1.0, Damping::KelvinVoigtBounded { c: 900.0 }).unwrap();

@@ -1,9 +1,9 @@
-//! What laws do to contact that vibrates about a load, and to slow impacts.
+//! Effect of the laws on contacts that vibrate about a load, and on slow impacts.
 
 use super::*;
 
-/// Greatest speeds of the half cycles of a mass that is let go a little deeper than its load presses it, by fine RK4
-/// steps.
+/// Returns the largest speeds of the half cycles of a mass that is released slightly below its static position, by
+/// fine RK4 steps.
 fn settling(law: &Law, load: f64, k: f64, cycles: usize) -> Vec<f64> {
     let deflection = (load / k).powf(1.0 / law.exponent());
     let omega = (law.exponent() * load / deflection / MASS).sqrt();

@@ -1,8 +1,8 @@
 //! Newton corrections of scenes with carriers.
 //!
-//! In the relative state a carrier's motion is a frame that the others stand in, `x = J x~`: contacts, pins and teeth see
-//! `x~_g` alone, inertia and what acts from the ground see `x_g = R x~_g + B x_c`. With the product `a_j = R^T A_0 B e_j` of the
-//! absolute part and the correction `S` of the gears with all contacts in the relative state,
+//! In the carrier-frame state the motion of a carrier is the frame of its set, `x = J x~`: contacts, pins and teeth
+//! depend on `x~_g` alone, inertia and forces from the ground on `x_g = R x~_g + B x_c`. With the product `a_j = R^T
+//! A_0 B e_j` of the absolute part and the correction `S` of the gears with all contacts in the carrier-frame state,
 //!
 //! ```text
 //! y_j = S a_j,    x~_g = S R^T r_g - sum_j y_j x_cj
@@ -14,33 +14,35 @@
 
 use crate::scene::assembled::Scene;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Coeffs, SecondOrderSystem, Singular};
+use gearbench_integrators::system::{Coeffs, SecondOrderSystem, Singular, StateView};
 
 impl Scene {
-    /// The correction of gears and contacts without links, at a state of the scene whose contacts are at hand.
+    /// Solves for gears and contacts without links, at a state of the scene with evaluated contacts.
     pub(in crate::scene) fn correct_sets(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         x: &mut [f64],
     ) -> Result<(), Singular> {
         if self.carriers.is_empty() {
             return self.correct_contacts(at, c, false, x);
         }
-        self.seen(at, |scene, seen| scene.correct_relative(at, seen, c, x))
+        self.with_carrier_state(at, |scene, carrier_state| {
+            scene.correct_relative(at, carrier_state, c, x)
+        })
     }
 
     fn correct_relative(
         &mut self,
-        at: At<'_>,
-        seen: At<'_>,
+        at: StateView<'_>,
+        carrier_state: StateView<'_>,
         c: Coeffs,
         x: &mut [f64],
     ) -> Result<(), Singular> {
         let n = x.len();
         let of_carriers = self.carriers.coordinates();
         let columns: Vec<Vec<f64>> = (of_carriers.iter())
-            .map(|&j| self.carriers.motion_of(j, seen, n))
+            .map(|&j| self.carriers.motion_of(j, carrier_state, n))
             .collect();
         let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
         // Right-hand sides in the relative state.
@@ -51,20 +53,20 @@ impl Scene {
             .collect();
         let products: Vec<Vec<f64>> = columns
             .iter()
-            .map(|b| self.absolute_product(seen, c, b))
+            .map(|b| self.absolute_product(carrier_state, c, b))
             .collect();
         let own: Vec<Vec<f64>> = (of_carriers.iter())
             .map(|&j| {
                 let mut unit = vec![0.0; n];
                 unit[j] = 1.0;
-                self.absolute_product(seen, c, &unit)
+                self.absolute_product(carrier_state, c, &unit)
             })
             .collect();
         of_carriers.iter().for_each(|&j| relative[j] = 0.0);
-        self.correct_contacts(seen, c, false, &mut relative)?;
-        let mut answers = products.clone();
-        for y in &mut answers {
-            self.correct_contacts(seen, c, false, y)?;
+        self.correct_contacts(carrier_state, c, false, &mut relative)?;
+        let mut couplings = products.clone();
+        for y in &mut couplings {
+            self.correct_contacts(carrier_state, c, false, y)?;
         }
         let m = of_carriers.len();
         let mut small = Vec::with_capacity(m * m);
@@ -72,12 +74,12 @@ impl Scene {
         for (i, &of) in of_carriers.iter().enumerate() {
             for j in 0..m {
                 let a = own[j][of] + dot(&columns[i], &products[j]);
-                small.push(a - dot(&products[i], &answers[j]));
+                small.push(a - dot(&products[i], &couplings[j]));
             }
             motion.push(on_carriers[i] - dot(&products[i], &relative));
         }
         solve_in_place(&mut small, &mut motion)?;
-        for (y, by) in answers.iter().zip(&motion) {
+        for (y, by) in couplings.iter().zip(&motion) {
             relative.iter_mut().zip(y).for_each(|(x, y)| *x -= by * y);
         }
         for (b, by) in columns.iter().zip(&motion) {
@@ -91,16 +93,16 @@ impl Scene {
         Ok(())
     }
 
-    /// `A_0 x` of what does not go with the carriers: inertia, bearings and loads on the ground.
-    fn absolute_product(&mut self, seen: At<'_>, c: Coeffs, x: &[f64]) -> Vec<f64> {
+    /// Computes `A_0 x` of the absolute part: inertia, bearings and loads on the ground.
+    fn absolute_product(&mut self, carrier_state: StateView<'_>, c: Coeffs, x: &[f64]) -> Vec<f64> {
         let n = x.len();
         let mut y = vec![0.0; n];
-        self.apply_mass(seen, x, &mut y);
+        self.apply_mass(carrier_state, x, &mut y);
         y.iter_mut().for_each(|y| *y *= c.m);
         let [dq, dv] = [c.k, c.d].map(|by| x.iter().map(|x| by * x).collect::<Vec<f64>>());
         let mut df = vec![0.0; n];
         for (i, g) in self.gears.iter_mut().enumerate() {
-            let (own, range) = (g.at(seen), g.range());
+            let (own, range) = (g.at(carrier_state), g.range());
             if range.is_empty() {
                 continue;
             }

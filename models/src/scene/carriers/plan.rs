@@ -1,41 +1,43 @@
-//! Planetary sets of a scene: the body that carries, the gears on it, the gears that they mesh with.
+//! Planetary sets of a scene: the carrier, the gears on it, and the gears that they mesh with.
 
 use crate::Vec3;
 use crate::error::{BuildError, GearPart, Reason};
 use crate::gear::table::Model;
 use crate::scene::members::SceneGear;
-use crate::spec::{Body, BodySpec, Carried, Freedom, GearSpec, Mount, SceneSpec, initial_speed};
+use crate::spec::{
+    Body, BodySpec, Freedom, GearSpec, Mount, SceneSpec, StationMember, initial_speed,
+};
 use std::borrow::Cow;
 
-/// How far gears of a set may stand off the axis of their carrier, and the sine between axes.
+/// Largest distance of gears of a set from the axis of their carrier [m], and the largest sine between axes.
 const OFF_AXIS: f64 = 1e-6;
 
-/// A member of a scene that a rigid link to the ground holds or drives.
+/// A member of a scene that a rigid link to the ground fixes or drives.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Ground {
     pub member: usize,
     pub mount: Mount,
 }
 
-/// A planetary set.
+/// A planetary set: a carrier and its gears.
 #[derive(Clone, Debug)]
-pub(super) struct Set {
-    /// The carrier, among the members of the scene.
+pub(super) struct PlanetarySet {
+    /// Index of the carrier among the members of the scene.
     pub body: usize,
-    /// Gears, and whether they stand on the carrier.
+    /// Gears, and whether they are on the carrier.
     pub gears: Vec<(usize, bool)>,
 }
 
 /// All planetary sets of a scene.
 #[derive(Clone, Debug, Default)]
-pub(in crate::scene) struct Sets {
-    pub(super) all: Vec<Set>,
-    /// By mesh: the set that it belongs to.
+pub(in crate::scene) struct PlanetarySets {
+    pub(super) all: Vec<PlanetarySet>,
+    /// Set of each mesh.
     pub(super) of_mesh: Vec<Option<usize>>,
     pub ground: Vec<Ground>,
 }
 
-/// The bodies that carry planets, with their numbers behind the gears.
+/// Returns the bodies that carry planets, with their numbers behind the gears.
 fn carriers(spec: &SceneSpec) -> impl Iterator<Item = (usize, &BodySpec)> {
     let first = spec.gears.len();
     let bodies = spec.bodies().enumerate();
@@ -44,17 +46,17 @@ fn carriers(spec: &SceneSpec) -> impl Iterator<Item = (usize, &BodySpec)> {
         .map(move |(k, body)| (first + k, body))
 }
 
-/// The planetary sets of a scene, and the scene with what they make of it: gears of a set turn freely, whatever holds or
-/// drives them; carriers have the mass of planets on rigid pins.
+/// Returns the planetary sets of a scene, and the scene modified for them: gears of a set rotate freely, with their
+/// fixed or driven mounts replaced by links; carriers have the mass of planets on rigid pins.
 ///
 /// # Errors
 /// A set that is none.
 pub(in crate::scene) fn grounded(
     spec: &SceneSpec,
-) -> Result<(Cow<'_, SceneSpec>, Sets), BuildError> {
-    let mut sets = Sets {
+) -> Result<(Cow<'_, SceneSpec>, PlanetarySets), BuildError> {
+    let mut sets = PlanetarySets {
         of_mesh: vec![None; spec.meshes.len()],
-        ..Sets::default()
+        ..PlanetarySets::default()
     };
     if carriers(spec).next().is_none() {
         return Ok((Cow::Borrowed(spec), sets));
@@ -148,7 +150,7 @@ pub(in crate::scene) fn grounded(
                 });
             }
         }
-        sets.all.push(Set {
+        sets.all.push(PlanetarySet {
             body: member,
             gears,
         });
@@ -157,8 +159,8 @@ pub(in crate::scene) fn grounded(
     Ok((Cow::Owned(with), sets))
 }
 
-impl Sets {
-    /// A scene without carriers.
+impl PlanetarySets {
+    /// Returns true for a scene without carriers.
     pub fn is_empty(&self) -> bool {
         self.all.is_empty()
     }
@@ -175,7 +177,7 @@ impl Sets {
         }
     }
 
-    /// Refuses what gears of a set are on their hubs or shafts and no set knows.
+    /// Refuses hubs or shafts of gears of a set that sets do not support.
     pub fn check(&self, gears: &[SceneGear]) -> Result<(), BuildError> {
         for set in &self.all {
             let axes = &gears[set.body].model.hub().axes;
@@ -239,7 +241,8 @@ impl Sets {
     }
 }
 
-/// Gears of a planetary set are described in the frame of its carrier, which full finite elements are not.
+/// Returns the error of full finite elements in a planetary set, whose gears are described in the frame of the
+/// carrier.
 fn full_order_in_set(name: &str) -> BuildError {
     let why = (
         "full finite elements describe their nodes in space, and gears of a planetary set are described in the frame of its carrier",
@@ -248,7 +251,7 @@ fn full_order_in_set(name: &str) -> BuildError {
     BuildError::gear(name, GearPart::Mount, why).of_model()
 }
 
-/// Frees a mount; returns what held or drove it.
+/// Frees a mount; returns the former fixed or driven mount.
 fn set_free(mount: &mut Mount, speed: &mut f64) -> Option<Mount> {
     if matches!(mount, Mount::Revolute) {
         return None;
@@ -260,8 +263,8 @@ fn set_free(mount: &mut Mount, speed: &mut f64) -> Option<Mount> {
 fn bodies_mut(spec: &mut SceneSpec) -> impl Iterator<Item = &mut BodySpec> {
     let stations = spec.shafts.iter_mut().flat_map(|s| &mut s.stations);
     stations.filter_map(|s| match &mut s.carries {
-        Carried::Body(body) => Some(body.as_mut()),
-        Carried::Gear(_) => None,
+        StationMember::Body(body) => Some(body.as_mut()),
+        StationMember::Gear(_) => None,
     })
 }
 
@@ -273,10 +276,10 @@ fn of_body(body: &BodySpec, why: impl Into<Reason>) -> BuildError {
     BuildError::gear(&body.name, GearPart::Mount, why)
 }
 
-/// Its place on the carrier is held.
+/// Returns true if the position of the gear on the carrier is fixed.
 fn is_pinned(gear: &GearSpec) -> bool {
     let directions = gear.lateral.iter().flat_map(|l| &l.directions[..2]);
-    directions.into_iter().all(|d| *d == Freedom::Held)
+    directions.into_iter().all(|d| *d == Freedom::Fixed)
 }
 
 fn mass_of(gear: &GearSpec) -> f64 {
@@ -284,7 +287,8 @@ fn mass_of(gear: &GearSpec) -> f64 {
     own.unwrap_or_else(|| gear.body.mass(gear.material.density))
 }
 
-/// A set has a gear on its axis, all those that stand on no carrier stand there, and no gear of it is a rack.
+/// Checks that a set has a gear on its axis, that all its gears that are not on the carrier are there, and that none
+/// is a rack.
 fn check<'a>(
     spec: &'a SceneSpec,
     body: &BodySpec,
@@ -338,8 +342,8 @@ fn check<'a>(
     Ok(central)
 }
 
-/// A gear is seen from one carrier in all its meshes.
-fn shared(spec: &SceneSpec, sets: &Sets) -> Result<(), BuildError> {
+/// Checks that a gear has one carrier in all its meshes.
+fn shared(spec: &SceneSpec, sets: &PlanetarySets) -> Result<(), BuildError> {
     for (i, gear) in spec.gears.iter().enumerate() {
         let mut of = (spec.meshes.iter().zip(&sets.of_mesh))
             .filter(|(mesh, _)| mesh.gears.contains(&i))
@@ -359,7 +363,7 @@ fn shared(spec: &SceneSpec, sets: &Sets) -> Result<(), BuildError> {
 }
 
 impl Ground {
-    /// Speed and acceleration that the link prescribes.
+    /// Returns the prescribed speed and acceleration of the link.
     pub fn motion(&self, t: f64) -> [f64; 2] {
         match &self.mount {
             Mount::Driven(profile) => [profile.value(t), profile.slope(t)],
@@ -367,7 +371,7 @@ impl Ground {
         }
     }
 
-    /// Next breakpoint of that after `t`.
+    /// Returns the next breakpoint of the prescribed motion after `t`.
     pub fn next_breakpoint(&self, t: f64) -> f64 {
         match &self.mount {
             Mount::Driven(profile) => profile.next_breakpoint(t),

@@ -1,16 +1,17 @@
-//! The state of a scene as seen from its carriers.
+//! The carrier-frame state of a scene.
 
-use super::plan::Sets;
+use super::plan::PlanetarySets;
 use crate::Vec3;
 use crate::kinematics::HubFrame;
 use crate::scene::members::SceneGear;
-use gearbench_integrators::system::{At, State};
+use gearbench_integrators::system::{State, StateView};
 use std::ops::Range;
 
-/// A carrier and the gears that are seen from it.
+/// A carrier, and the gears that are described in its frame.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Carrier {
-    /// Its coordinate `theta_c`, and those of its displacements along x, y and z where it has them.
+    /// Coordinate `theta_c` of the carrier, and the coordinates of its displacements along x, y and z where it has
+    /// them.
     pub(super) turn: usize,
     pub(super) shift: [Option<usize>; 3],
     pub(super) members: Vec<Member>,
@@ -19,40 +20,40 @@ pub(in crate::scene) struct Carrier {
     centre: Vec3,
 }
 
-/// A gear that is seen from a carrier.
+/// A gear that is described in the frame of a carrier.
 #[derive(Clone, Debug)]
 pub(super) struct Member {
     pub gear: usize,
-    /// Coordinates that are angles.
+    /// Ranges of the coordinates that are angles.
     pub turns: Vec<Range<usize>>,
     /// Coordinates of its displacements across the axis, and along it.
     pub across: Option<[usize; 2]>,
     pub along: Option<usize>,
-    /// From the axis of the carrier at the start [m].
+    /// Position from the axis of the carrier at the start [m].
     pub place: [f64; 2],
 }
 
-/// Buffers of a relative state.
+/// Buffers of a carrier-frame state.
 #[derive(Default)]
-pub(in crate::scene) struct RelativeState {
+pub(in crate::scene) struct CarrierFrameState {
     pub q: Vec<f64>,
     pub v: Vec<f64>,
     pub f: Vec<f64>,
 }
 
-/// The carriers of a scene.
+/// Carriers of a scene.
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct Carriers {
     pub(super) all: Vec<Carrier>,
-    /// By gear: whether it stands on a carrier.
+    /// True for each gear on a carrier.
     carried: Vec<bool>,
-    /// By mesh: the carrier that it is seen from.
+    /// Carrier in whose frame each mesh is described.
     of_mesh: Vec<Option<usize>>,
 }
 
 impl Carriers {
-    /// Those of a plan between gears with their offsets.
-    pub fn new(sets: &Sets, gears: &[SceneGear]) -> Self {
+    /// Creates the carriers of a plan between gears with known coordinates.
+    pub fn new(sets: &PlanetarySets, gears: &[SceneGear]) -> Self {
         let mut carried = vec![false; gears.len()];
         let all = sets.all.iter().map(|set| {
             let body = &gears[set.body];
@@ -102,14 +103,14 @@ impl Carriers {
         self.all.is_empty()
     }
 
-    /// Whether a gear stands on a carrier.
+    /// Returns true if a gear is on a carrier.
     #[inline]
     pub fn carries(&self, gear: usize) -> bool {
         self.carried.get(gear).copied().unwrap_or(false)
     }
 
-    /// Gives gears on carriers the velocity with which their carriers move the pins, `u' = u_c' + theta_c' e_z x (P + u - u_c)`:
-    /// their speed in the relative state is then zero across and along the axis.
+    /// Sets the velocities of gears on carriers to those of their pins, `u' = u_c' + theta_c' e_z x (P + u - u_c)`:
+    /// their speed in the carrier frame is then zero across and along the axis.
     pub fn carry_along(&self, s: &mut State) {
         for carrier in &self.all {
             let spin = s.v[carrier.turn];
@@ -128,9 +129,9 @@ impl Carriers {
         }
     }
 
-    /// Accelerations of gears on carriers that go round at their speeds of the moment, `theta_c'' = 0`:
-    /// `u'' = -theta_c'^2 (P + u - u_c)`.
-    pub fn centripetal(&self, at: At<'_>, a: &mut [f64]) {
+    /// Computes the accelerations of gears on carriers that rotate at constant speed, `theta_c'' = 0`: `u'' = -theta_c'^2
+    /// (P + u - u_c)`.
+    pub fn centripetal(&self, at: StateView<'_>, a: &mut [f64]) {
         a.fill(0.0);
         for carrier in &self.all {
             let square = at.v[carrier.turn].powi(2);
@@ -144,8 +145,8 @@ impl Carriers {
         }
     }
 
-    /// The relative state.
-    pub fn see(&self, at: At<'_>, to: &mut RelativeState) {
+    /// Transforms a state to the carrier frame.
+    pub fn to_carrier_frame(&self, at: StateView<'_>, to: &mut CarrierFrameState) {
         to.q.clear();
         to.q.extend_from_slice(at.q);
         to.v.clear();
@@ -177,8 +178,8 @@ impl Carriers {
         }
     }
 
-    /// Adds forces of a relative state to those of the coordinates: `f += J^T f~`.
-    pub fn pull_back(&self, at: At<'_>, relative: &RelativeState, f: &mut [f64]) {
+    /// Adds carrier-frame forces to those of the coordinates: `f += J^T f~`.
+    pub fn pull_back(&self, at: StateView<'_>, relative: &CarrierFrameState, f: &mut [f64]) {
         let from = &relative.f;
         f.iter_mut().zip(from).for_each(|(f, r)| *f += r);
         for carrier in &self.all {
@@ -207,15 +208,15 @@ impl Carriers {
         }
     }
 
-    /// Coordinates of carriers.
+    /// Returns the coordinates of carriers.
     pub fn coordinates(&self) -> Vec<usize> {
         let of = |c: &Carrier| [Some(c.turn), c.shift[0], c.shift[1], c.shift[2]];
         self.all.iter().flat_map(of).flatten().collect()
     }
 
-    /// How the gears of a set move in space, turned back with its carrier, by a unit of one of the carrier's coordinates while
-    /// they rest as seen from it.
-    pub fn motion_of(&self, coordinate: usize, seen: At<'_>, n: usize) -> Vec<f64> {
+    /// Returns the motion in space, rotated back with the carrier, of the gears of a set per unit of one of the
+    /// carrier's coordinates while they are at rest in the carrier frame.
+    pub fn motion_of(&self, coordinate: usize, carrier_state: StateView<'_>, n: usize) -> Vec<f64> {
         let mut b = vec![0.0; n];
         for carrier in &self.all {
             let turns = carrier.turn == coordinate;
@@ -225,8 +226,11 @@ impl Carriers {
                     m.turns.iter().cloned().flatten().for_each(|i| b[i] = 1.0);
                 }
                 if let Some([ix, iy]) = m.across {
-                    let place = [m.place[0] + seen.q[ix], m.place[1] + seen.q[iy]];
-                    let (sin, cos) = carrier.angle(seen);
+                    let place = [
+                        m.place[0] + carrier_state.q[ix],
+                        m.place[1] + carrier_state.q[iy],
+                    ];
+                    let (sin, cos) = carrier.angle(carrier_state);
                     (b[ix], b[iy]) = match along {
                         _ if turns => (-place[1], place[0]),
                         Some(0) => (cos, -sin),
@@ -242,17 +246,17 @@ impl Carriers {
         b
     }
 
-    /// Turns the parts of a vector that lie across the axes back with the carriers, and forth.
-    pub fn turn_back(&self, at: At<'_>, x: &mut [f64]) {
+    /// Rotates the parts of a vector across the axes from space to the carrier frame.
+    pub fn turn_back(&self, at: StateView<'_>, x: &mut [f64]) {
         self.turn_across(at, x, -1.0);
     }
 
-    /// The other way.
-    pub fn turn_forth(&self, at: At<'_>, x: &mut [f64]) {
+    /// Rotates the parts of a vector across the axes from the carrier frame to space.
+    pub fn turn_forth(&self, at: StateView<'_>, x: &mut [f64]) {
         self.turn_across(at, x, 1.0);
     }
 
-    fn turn_across(&self, at: At<'_>, x: &mut [f64], sign: f64) {
+    fn turn_across(&self, at: StateView<'_>, x: &mut [f64], sign: f64) {
         for carrier in &self.all {
             let (sin, cos) = (sign * at.q[carrier.turn]).sin_cos();
             for [ix, iy] in carrier.members.iter().filter_map(|m| m.across) {
@@ -261,22 +265,22 @@ impl Carriers {
         }
     }
 
-    /// The carrier that a mesh is seen from.
+    /// Returns the carrier in whose frame a mesh is described.
     pub(super) fn carrier_of(&self, mesh: usize) -> Option<&Carrier> {
         let carrier = self.of_mesh.get(mesh).copied().flatten()?;
         Some(&self.all[carrier])
     }
 
-    /// A direction in the frame that a mesh is seen from, in space.
-    pub fn direction(&self, mesh: usize, at: At<'_>, x: Vec3) -> Vec3 {
+    /// Transforms a direction from the frame of a mesh to space.
+    pub fn direction(&self, mesh: usize, at: StateView<'_>, x: Vec3) -> Vec3 {
         match self.carrier_of(mesh) {
             Some(carrier) => carrier.turned(at.q[carrier.turn], &x),
             None => x,
         }
     }
 
-    /// A direction in the frame that a gear is seen from, in space; `sign` -1: the other way.
-    pub fn direction_at(&self, gear: usize, at: At<'_>, x: Vec3, sign: f64) -> Vec3 {
+    /// Transforms a direction from the frame of a gear to space; with `sign` -1 in the inverse direction.
+    pub fn direction_at(&self, gear: usize, at: StateView<'_>, x: Vec3, sign: f64) -> Vec3 {
         match self.of_gear(gear) {
             Some(carrier) => carrier.turned(sign * at.q[carrier.turn], &x),
             None => x,
@@ -288,8 +292,8 @@ impl Carriers {
         carriers.find(|c| c.members.iter().any(|m| m.gear == gear))
     }
 
-    /// A place in that frame [m], in space.
-    pub fn place(&self, mesh: usize, at: At<'_>, x: Vec3) -> Vec3 {
+    /// Transforms a position from the frame of a mesh to space [m].
+    pub fn place(&self, mesh: usize, at: StateView<'_>, x: Vec3) -> Vec3 {
         match self.carrier_of(mesh) {
             Some(carrier) => {
                 let turned = carrier.turned(at.q[carrier.turn], &(x - carrier.centre));
@@ -299,8 +303,8 @@ impl Carriers {
         }
     }
 
-    /// Places [m] and displacements of a gear that is seen from a carrier, in space.
-    pub fn lift(&self, gear: usize, at: At<'_>, [places, displacements]: [&mut [Vec3]; 2]) {
+    /// Transforms positions [m] and displacements of a gear on a carrier to space.
+    pub fn lift(&self, gear: usize, at: StateView<'_>, [places, displacements]: [&mut [Vec3]; 2]) {
         let Some(carrier) = self.of_gear(gear) else {
             return;
         };
@@ -313,8 +317,8 @@ impl Carriers {
         }
     }
 
-    /// The frame of a hub in space, from that in the relative state.
-    pub fn frame(&self, gear: usize, at: At<'_>, frame: HubFrame) -> HubFrame {
+    /// Transforms the frame of a hub from the carrier frame to space.
+    pub fn frame(&self, gear: usize, at: StateView<'_>, frame: HubFrame) -> HubFrame {
         let Some(carrier) = self.of_gear(gear) else {
             return frame;
         };
@@ -333,13 +337,14 @@ impl Carrier {
         (cos * a - sin * b) * self.axes[0] + (sin * a + cos * b) * self.axes[1] + c * self.axes[2]
     }
 
-    /// Sine and cosine of its turn; its own coordinates are the same in the relative state.
-    fn angle(&self, at: At<'_>) -> (f64, f64) {
+    /// Returns sine and cosine of the rotation of the carrier; its own coordinates are equal in the carrier-frame
+    /// state.
+    fn angle(&self, at: StateView<'_>) -> (f64, f64) {
         at.q[self.turn].sin_cos()
     }
 
-    /// Where its axis is now [m].
-    fn moved(&self, at: At<'_>) -> Vec3 {
+    /// Returns the present position of the carrier axis [m].
+    fn moved(&self, at: StateView<'_>) -> Vec3 {
         let by = self.shift.iter().zip(&self.axes);
         let by = by.filter_map(|(i, axis)| i.map(|i| at.q[i] * axis));
         by.fold(self.centre, |sum, by| sum + by)

@@ -1,25 +1,29 @@
-//! Dashpots and friction of an island: its ports, and what they do under forces.
+//! Dashpots and friction of an island: its ports, and their response to forces.
 
-use super::islands::{Island, Nodal, Solved};
-use crate::contact::nodal::{Block, DissipativeSolve, NodalSolve, Ported, Spring, deepest};
+use super::islands::{Island, IslandSolution, Nodal};
+use crate::contact::nodal::{Block, DissipativeSolve, NodalSolve, PortPoint, Spring, deepest};
 use crate::scene::members::{SceneGear, SceneMesh};
-use gearbench_integrators::system::{HalfKick, Singular};
+use gearbench_integrators::system::{HalfStepImpulse, Singular};
 
 impl Nodal {
-    /// The forces that follow are sought at the end of a half kick on coordinates with these inverse masses;
-    /// `accelerations` without contact stand in [`Kick`](super::islands::Kick).
-    pub(in crate::scene) fn begin_kick(&mut self, kick: &HalfKick<'_>, inverse_mass: &[f64]) {
-        self.kick.set(kick, inverse_mass);
-        self.kick.acts = true;
+    /// Starts a half-step impulse: the forces that follow are evaluated at its end, on coordinates with these inverse
+    /// masses; `accelerations` without contact are in [`Impulse`](super::islands::Impulse).
+    pub(in crate::scene) fn begin_impulse(
+        &mut self,
+        impulse: &HalfStepImpulse<'_>,
+        inverse_mass: &[f64],
+    ) {
+        self.impulse.set(impulse, inverse_mass);
+        self.impulse.acts = true;
     }
 
-    /// Forces with dashpots and friction, from the elastic ones; the residual displacements of the nodes.
+    /// Computes forces with dashpots and friction from the elastic ones, and the residual displacements of the nodes.
     pub(super) fn dissipate<'a>(
         &mut self,
         start: usize,
         island: &Island,
         kicked: bool,
-        solved: &'a mut Solved,
+        solved: &'a mut IslandSolution,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
     ) -> Result<&'a [f64], Singular> {
@@ -32,7 +36,7 @@ impl Nodal {
             &island.compliant
         };
         let hubs: &[usize] = if kicked { &island.hubs } else { &[] };
-        let Solved {
+        let IslandSolution {
             solve,
             springs,
             blocks,
@@ -88,19 +92,19 @@ impl Nodal {
         if !kicked {
             ports.mobility.clear();
             mobile.1 = 0;
-        } else if mobile.1 != self.kick.stamp || !same || ports.mobility.len() != squares {
-            mobile.1 = self.kick.stamp;
+        } else if mobile.1 != self.impulse.stamp || !same || ports.mobility.len() != squares {
+            mobile.1 = self.impulse.stamp;
             ports.mobility.clear();
             ports.mobility.resize(squares, 0.0);
             let each = giving.iter().zip(&ports.blocks);
             fill(each, &mut ports.mobility, |g, b, out| {
                 if let Some(field) = gears[g].model.displacement() {
-                    let weights = &self.kick.weights[gears[g].range()];
+                    let weights = &self.impulse.weights[gears[g].range()];
                     field.add_mobility(weights, &numbers[b.start..][..b.len], out);
                 }
             });
             for (out, &g) in ports.mobility[of_nodes..].iter_mut().zip(hubs) {
-                *out = self.kick.weights[gears[g].offset];
+                *out = self.impulse.weights[gears[g].offset];
             }
         }
         if !same {
@@ -116,7 +120,7 @@ impl Nodal {
         };
         dissipative.points.clear();
         for (a, s) in self.active[start..].iter().zip(&*springs) {
-            let mut point = Ported::default();
+            let mut point = PortPoint::default();
             let of_mesh = meshes[self.found.points[a.point].mesh as usize].gears;
             for (k, g) in of_mesh.into_iter().enumerate() {
                 if let Some((shift, further)) = place(g) {
@@ -156,12 +160,13 @@ impl Nodal {
         Ok(outward)
     }
 
-    /// The same for a few points without friction at the end of a kick, point by point; false where there are others.
+    /// Computes forces with dashpots point by point, for few points without friction at the end of an impulse; returns
+    /// false for other contacts.
     fn damp_points(
         &mut self,
         start: usize,
         island: &Island,
-        solved: &mut Solved,
+        solved: &mut IslandSolution,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
     ) -> Result<bool, Singular> {
@@ -169,24 +174,24 @@ impl Nodal {
         if island.slides || self.numbers.len() != n {
             return Ok(false);
         }
-        let Some(few) = solved.solve.few() else {
+        let Some(point_based) = solved.solve.point_based() else {
             return Ok(false);
         };
         let (numbers, mobility) = (&mut solved.mobile, &mut solved.dissipative.ports.mobility);
-        if numbers.1 != self.kick.stamp || numbers.0 != self.numbers {
-            numbers.1 = self.kick.stamp;
+        if numbers.1 != self.impulse.stamp || numbers.0 != self.numbers {
+            numbers.1 = self.impulse.stamp;
             numbers.0.clone_from(&self.numbers);
             mobility.clear();
             mobility.resize(solved.blocks.iter().map(|b| b.len * b.len).sum(), 0.0);
             let each = island.fields.iter().zip(&solved.blocks);
             fill(each, mobility, |g, b, out| {
                 if let Some(field) = gears[g].model.displacement() {
-                    let weights = &self.kick.weights[gears[g].range()];
+                    let weights = &self.impulse.weights[gears[g].range()];
                     field.add_mobility(weights, &self.numbers[b.start..][..b.len], out);
                 }
             });
         }
-        few.set_mobility(&solved.springs, (&solved.blocks, mobility), n);
+        point_based.set_mobility(&solved.springs, (&solved.blocks, mobility), n);
         // Hubs follow as well.
         let active = &self.active[start..];
         let points = active.len();
@@ -199,18 +204,18 @@ impl Nodal {
                         continue;
                     };
                     if island.hubs.contains(&g) {
-                        few.mobility[i * points + j] += a.effective_radii[k]
+                        point_based.mobility[i * points + j] += a.effective_radii[k]
                             * b.effective_radii[l]
-                            * self.kick.weights[gears[g].offset];
+                            * self.impulse.weights[gears[g].offset];
                     }
                 }
             }
         }
-        few.damp(
+        point_based.damp(
             &mut solved.springs,
             island.damped && !island.compliant.is_empty(),
         )?;
-        let Solved {
+        let IslandSolution {
             solve,
             springs,
             outward,
@@ -234,13 +239,15 @@ fn fill<'a>(
     }
 }
 
-/// What is added to node numbers of a gear for the direction along its profile, where friction asks and it is known.
+/// Returns the offset of node numbers of a gear for the direction along its profile, where friction needs it and it is
+/// available.
 pub(super) fn along_profile(gear: &SceneGear, island: &Island) -> Option<u32> {
     let field = gear.model.displacement().filter(|_| island.slides)?;
     field.along_profile()
 }
 
-/// Takes from the rates what the nodes follow, and tells what of the motion of ports they do, where rates answer.
+/// Subtracts the motion of following nodes from the rates, and computes their response to the motion of ports, where
+/// rates depend on forces.
 fn follow(
     solve: &mut NodalSolve,
     springs: &mut [Spring],

@@ -4,18 +4,18 @@ use super::islands::{Nodal, NodalActive};
 use crate::Vec3;
 use crate::contact::nodal::{GearNodes, NodalPoint, NodalPoints, UNUSED, weighted};
 use crate::geometry::along_profile;
-use crate::kinematics::{Row, Standing};
+use crate::kinematics::{HubPose, Row};
 use crate::scene::members::{SceneGear, SceneMesh};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 impl Nodal {
-    /// Rates of gaps and sliding speeds before residual compliance, where dampers and friction ask for them.
+    /// Computes the rates of gaps and sliding speeds before residual compliance, where dampers and friction need them.
     pub(super) fn rates(
         &mut self,
         start: usize,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
-        at: At<'_>,
+        at: StateView<'_>,
     ) {
         let points = &self.found.points;
         let of = |a: &NodalActive| &meshes[points[a.point].mesh as usize];
@@ -50,7 +50,7 @@ impl Nodal {
                 &p.slots[master],
             );
             a.direction = p.direction(of_master, p.gap0);
-            a.faded = p.gap0;
+            a.tapered_gap = p.gap0;
             a.of_line = self.of_line(p, mesh, |g, slots| {
                 GearNodes::at(&self.gears[g].displacement, slots)
             });
@@ -66,34 +66,34 @@ impl Nodal {
         }
     }
 
-    /// How the hubs of a mesh stand at the state of the evaluation.
-    fn standings(&self, mesh: &SceneMesh) -> [Option<&Standing>; 2] {
-        mesh.gears.map(|g| self.standings[g].as_ref())
+    /// Returns the poses of the hubs of a mesh at the state of the evaluation.
+    fn hub_poses(&self, mesh: &SceneMesh) -> [Option<&HubPose>; 2] {
+        mesh.gears.map(|g| self.hub_poses[g].as_ref())
     }
 
-    /// Effective radii of a point along its direction, and the rate of its gap before residual compliance, by the
-    /// [velocities](Self::rates) of the nodes.
+    /// Returns the effective radii of a point along its direction, and the rate of its gap before residual compliance,
+    /// from the [velocities](Self::rates) of the nodes.
     fn rate_along(
         &self,
         gears: &[SceneGear],
         mesh: &SceneMesh,
         a: &NodalActive,
-        at: At<'_>,
+        at: StateView<'_>,
         row: &mut Row,
     ) -> ([f64; 2], f64) {
-        let along = (a.direction, a.faded);
+        let along = (a.direction, a.tapered_gap);
         self.speed_along(gears, mesh, a, (along, 0), at, row)
     }
 
-    /// Effective radii of a point along a direction, and the speed of the slave over the master along it; nodes move
-    /// outwards (0) or along the profile (1).
+    /// Returns the effective radii of a point along a direction, and the speed of the slave relative to the master
+    /// along it, with the velocities of nodes outwards (0) or along the profile (1).
     fn speed_along(
         &self,
         gears: &[SceneGear],
         mesh: &SceneMesh,
         a: &NodalActive,
         (along, of_nodes): ((Vec3, f64), usize),
-        at: At<'_>,
+        at: StateView<'_>,
         row: &mut Row,
     ) -> ([f64; 2], f64) {
         let p = &self.found.points[a.point];
@@ -104,7 +104,7 @@ impl Nodal {
                 (of_line, row.dot(at.v))
             }
             None => {
-                let stand = self.standings(mesh);
+                let stand = self.hub_poses(mesh);
                 let (radii, drift) = rows_of(gears, mesh, p, along, (&self.found, stand), at, row);
                 (radii, drift + row.dot(at.v))
             }
@@ -121,7 +121,8 @@ impl Nodal {
         (effective_radii, speed)
     }
 
-    /// Slopes of the gap of a line by the displacements of the hubs, with the displacements of nodes of a gear.
+    /// Returns the slopes of the gap of a line by the displacements of the hubs, with the displacements of nodes of a
+    /// gear.
     fn of_line(
         &self,
         p: &NodalPoint,
@@ -133,13 +134,13 @@ impl Nodal {
         Some([of(0), of(1)])
     }
 
-    /// Appends the slopes of the gap of a line by the places of the nodes of gears that say where these are.
+    /// Appends the slopes of the gap of a line by the node positions of gears with deformed lines.
     fn deformed_rows(
         &self,
         p: &NodalPoint,
         gears: &[SceneGear],
         mesh: &SceneMesh,
-        at: At<'_>,
+        at: StateView<'_>,
         row: &mut Row,
     ) {
         let Some(line) = p.line else { return };
@@ -153,13 +154,13 @@ impl Nodal {
         }
     }
 
-    /// Power that dashpots and friction take [W]: that of the forces, less that of the elastic ones by themselves, which is
-    /// what the energy of the contact grows by. Directions are those of either deformed flank.
+    /// Returns the power of dashpots and friction [W]: that of the forces, less that of the elastic forces alone,
+    /// which is the rate of the contact energy. Directions are those of both deformed flanks.
     pub(in crate::scene) fn dissipated(
         &self,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
-        at: At<'_>,
+        at: StateView<'_>,
     ) -> f64 {
         let mut row = Row::default();
         let mut power = 0.0;
@@ -194,7 +195,7 @@ impl Nodal {
                 let of_master = under_elastic(mesh.gears[master], &p.slots[master]);
                 let elastic = NodalActive {
                     direction: p.direction(of_master, gap),
-                    faded: gap,
+                    tapered_gap: gap,
                     of_line: self.of_line(p, mesh, under_elastic),
                     ..*a
                 };
@@ -204,13 +205,13 @@ impl Nodal {
         power
     }
 
-    /// Forces on nodes, directions, effective base radii and rows of the active points from `start` on.
+    /// Computes forces on nodes, directions, effective base radii and rows of the active points from `start` on.
     pub(super) fn distribute(
         &mut self,
         start: usize,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
-        at: At<'_>,
+        at: StateView<'_>,
     ) {
         for a in &self.active[start..] {
             if a.force.n == 0.0 {
@@ -222,7 +223,7 @@ impl Nodal {
                 for (&slot, w) in p.slots[k].iter().zip(p.weights[k]) {
                     if slot != UNUSED {
                         nodes.force[slot as usize] += w * a.force.n;
-                        nodes.rub[slot as usize] += w * a.sliding.force.f;
+                        nodes.friction_force[slot as usize] += w * a.sliding.force.f;
                     }
                 }
             }
@@ -242,7 +243,7 @@ impl Nodal {
                 self.deformed_rows(p, gears, mesh, at, row);
             }
             self.rows[i] = rows;
-            let stand = mesh.gears.map(|g| self.standings[g].as_ref());
+            let stand = mesh.gears.map(|g| self.hub_poses[g].as_ref());
             let a = &mut self.active[i];
             let [row, sliding] = &mut self.rows[i];
             if a.force.n == 0.0 {
@@ -251,8 +252,8 @@ impl Nodal {
             let [_, master] = p.sides();
             let of_master = self.gears[mesh.gears[master]].total(&p.slots[master]);
             a.direction = p.direction(of_master, a.gap);
-            a.faded = a.gap;
-            let along = (a.direction, a.faded);
+            a.tapered_gap = a.gap;
+            let along = (a.direction, a.tapered_gap);
             a.of_line = of_line;
             a.effective_radii = match (of_line, p.line) {
                 (Some(radii), Some(line)) => {
@@ -292,22 +293,23 @@ impl Nodal {
             }
             if let Some(field) = g.model.displacement() {
                 field.apply_nodal_forces(&nodes.nodes, &nodes.force, &mut f[range.clone()]);
-                field.apply_nodal_forces(&nodes.along, &nodes.rub, &mut f[range]);
+                field.apply_nodal_forces(&nodes.along, &nodes.friction_force, &mut f[range]);
             }
         }
     }
 }
 
-/// Effective radii of hubs of gears with a field for a direction of motion of the slave over the master, and, in `row`,
-/// the entries of the others and of the other directions of hubs, whose prescribed part of the speed is returned. With the direction comes the gap that a
-/// point fades out with, with the points how both hubs stand.
+/// Returns the effective radii of hubs of gears with a field for a direction of motion of the slave relative to the
+/// master. It writes to `row` the entries of the other gears and of the other directions of hubs, and returns the
+/// prescribed part of the speed. The direction comes with the gap in the tip taper of the point, the points with the
+/// poses of both hubs.
 pub(in crate::scene) fn rows_of(
     gears: &[SceneGear],
     mesh: &SceneMesh,
     p: &NodalPoint,
-    (direction, faded): (Vec3, f64),
-    (found, standings): (&NodalPoints, [Option<&Standing>; 2]),
-    at: At<'_>,
+    (direction, tapered_gap): (Vec3, f64),
+    (found, hub_poses): (&NodalPoints, [Option<&HubPose>; 2]),
+    at: StateView<'_>,
     row: &mut Row,
 ) -> ([f64; 2], f64) {
     let (mut effective_radii, mut drift) = ([0.0; 2], 0.0);
@@ -317,17 +319,17 @@ pub(in crate::scene) fn rows_of(
         let g = &gears[mesh.gears[k]];
         let sign = if k == slave { 1.0 } else { -1.0 };
         // What fades a point out answers to the slave alone; radial, it does not turn the master.
-        let aside = if k == slave { 0.0 } else { faded };
+        let aside = if k == slave { 0.0 } else { tapered_gap };
         match p.partner {
             Some(partner) if g.model.displacement().is_none() => {
                 let (own, point) = (g.at(at), &found.partners[partner as usize]);
                 row.target(g.offset, sign);
-                let direction = direction - aside * p.fading;
+                let direction = direction - aside * p.taper_gradient;
                 drift += sign * g.model.row(own, point, &direction, row);
             }
             _ => {
                 let (hub, own) = (&g.model.hub().hub, g.at(at));
-                let stand = standings[k];
+                let stand = hub_poses[k];
                 effective_radii[k] = sign * hub.effective_radius_on(stand, &p.x, &direction);
                 if let Some(stand) = stand {
                     row.target(g.offset, sign);

@@ -1,23 +1,23 @@
 //! Hard contact: one constraint per slave node whose averaged gap may close.
 
-use super::islands::{Nodal, NodalActive, Solved};
+use super::islands::{IslandSolution, Nodal, NodalActive};
 use crate::contact::nodal::{GapBound, HardSolve};
 use crate::scene::members::{SceneGear, SceneMesh};
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 
 impl Nodal {
-    /// Hard contact: one constraint per slave node whose averaged gap may close; the points that it averages become
-    /// active.
+    /// Solves the hard contact with one constraint per slave node whose averaged gap may close; the averaged points
+    /// become active.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn solve_hard(
         &mut self,
         begin: usize,
         island: usize,
-        solved: &mut Solved,
+        solved: &mut IslandSolution,
         hard: &mut HardSolve,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
-        at: At<'_>,
+        at: StateView<'_>,
     ) {
         // Averages: per slave node (gear, slot) the sums of phi A and of phi A g.
         let mut b = std::mem::take(&mut self.averages);

@@ -1,4 +1,4 @@
-//! What is solved together, and the buffers of it.
+//! Islands of meshes that are solved together, and their buffers.
 
 use crate::Vec3;
 use crate::contact::nodal::{
@@ -6,28 +6,28 @@ use crate::contact::nodal::{
     Share, Spring,
 };
 use crate::gear::HubBody;
-use crate::kinematics::{Row, Standing};
+use crate::kinematics::{HubPose, Row};
 use crate::law::{FrictionForce, LawForce};
 use crate::scene::members::{SceneGear, SceneMesh};
-use gearbench_integrators::system::{At, HalfKick};
+use gearbench_integrators::system::{HalfStepImpulse, StateView};
 
-/// A point that carries (or may carry) a force.
+/// A contact point with a force, or possibly with one.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) struct NodalActive {
-    /// Its place among the points.
+    /// Index of the point.
     pub point: usize,
-    /// Direction of the force on the slave; not quite of unit length.
+    /// Direction of the force on the slave, not exactly of unit length.
     pub direction: Vec3,
-    /// The gap with which the direction was told [m].
-    pub faded: f64,
-    /// Slopes of the gap of a [line](crate::contact::nodal::LineTerms) by the displacements of the hubs, which its
-    /// direction does not tell.
+    /// Gap for which the direction was computed [m].
+    pub tapered_gap: f64,
+    /// Slopes of the gap of a [line](crate::contact::nodal::LineTerms) by the displacements of the hubs, which do not
+    /// follow from its direction.
     pub of_line: Option<[f64; 2]>,
-    /// `dg/dtheta` for the hubs of gears that move as one but for a field, free or not.
+    /// Derivative `dg/dtheta` for the hubs of gears that are rigid except for a field, free or not.
     pub effective_radii: [f64; 2],
     /// Gap with residual compliance [m].
     pub gap: f64,
-    /// Rate of the gap before it [m/s]; 0 where no damper asks.
+    /// Rate of the gap before residual compliance [m/s]; 0 where no damper needs it.
     pub rate: f64,
     pub force: LawForce,
     /// Gap [m] and force [N] of the elastic law alone.
@@ -35,26 +35,27 @@ pub(in crate::scene) struct NodalActive {
     pub sliding: Sliding,
 }
 
-/// How a point slides; nothing where there is no friction.
+/// Sliding of a point; zero without friction.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::scene) struct Sliding {
     /// Direction of friction on the slave, of the length of the point's normal.
     pub direction: Vec3,
-    /// Speed of the slave over the master along it per speed of the hubs of gears that move as one but for a field.
+    /// Speed of the slave relative to the master along the direction, per unit speed of the hubs of gears that are
+    /// rigid except for a field.
     pub effective_radii: [f64; 2],
-    /// The speed before residual compliance [m/s].
+    /// Sliding speed before residual compliance [m/s].
     pub speed: f64,
     /// Friction on the slave along the direction.
     pub force: FrictionForce,
 }
 
 impl NodalActive {
-    /// A point that nothing is known of yet.
+    /// Creates a point before its evaluation.
     pub fn new(point: usize, p: &NodalPoint) -> Self {
         NodalActive {
             point,
             direction: p.normal,
-            faded: 0.0,
+            tapered_gap: 0.0,
             of_line: None,
             effective_radii: [0.0; 2],
             gap: p.gap0,
@@ -65,22 +66,23 @@ impl NodalActive {
         }
     }
 
-    /// Its force on the slave [N], friction included.
+    /// Returns the force on the slave [N], including friction.
     pub fn on_slave(&self) -> Vec3 {
         self.force.n * self.direction + self.sliding.force.f * self.sliding.direction
     }
 
-    /// The same on the second gear of the mesh.
+    /// Returns the force on the second gear of the mesh [N], including friction.
     pub fn on_second(&self, p: &NodalPoint) -> Vec3 {
         let on_slave = self.on_slave();
         if p.slave == 0 { -on_slave } else { on_slave }
     }
 
-    /// What it exerts on the hub of a gear of the mesh: torque about the axis [N m], force along the slide [N].
+    /// Returns the generalised force on the hub of a gear of the mesh: torque about the axis [N m], or force along the
+    /// motion of a rack [N].
     pub fn on_hub(
         &self,
         (p, lines): (&NodalPoint, &[LineTerms]),
-        (hub, at): (&HubBody, At<'_>),
+        (hub, at): (&HubBody, StateView<'_>),
         k: usize,
     ) -> f64 {
         if let (Some(_), Some(line)) = (self.of_line, p.line) {
@@ -103,28 +105,28 @@ pub(in crate::scene) struct Island {
     /// Gears with a field, and hubs that are free to move.
     pub fields: Vec<usize>,
     pub hubs: Vec<usize>,
-    /// A mesh has dashpots or friction.
+    /// True if a mesh has dashpots or friction.
     pub dissipates: bool,
-    /// A mesh has dashpots.
+    /// True if a mesh has dashpots.
     pub damped: bool,
-    /// A mesh has friction.
+    /// True if a mesh has friction.
     pub slides: bool,
 }
 
-/// What an island left behind for its tangent.
+/// Result of the solve of an island, for its tangent.
 #[derive(Clone, Debug, Default)]
-pub(in crate::scene) struct Solved {
+pub(in crate::scene) struct IslandSolution {
     /// Range of its points.
     pub points: std::ops::Range<usize>,
     pub solve: NodalSolve,
-    /// Of hard contact, in the place of the solve's own.
+    /// Solve of hard contact, used in place of `solve`.
     pub hard: Option<HardSolve>,
     pub springs: Vec<Spring>,
     pub blocks: Vec<Block>,
     pub dissipative: DissipativeSolve,
-    /// Ports and [kick](Nodal::kick) of the mobility that `dissipative` holds.
+    /// Ports and [impulse](Nodal::impulse) of the mobility in `dissipative`.
     pub(in crate::scene) mobile: (Vec<u32>, u64),
-    /// Residual displacements of the nodes with them [m].
+    /// Residual displacements of the nodes with dissipative forces [m].
     pub(in crate::scene) outward: Vec<f64>,
 }
 
@@ -135,72 +137,72 @@ pub(in crate::scene) struct Averages {
     pub(in crate::scene) nodes: Vec<(usize, u32, f64, f64)>,
     /// Node, point, `phi A`.
     pub(in crate::scene) entries: Vec<(usize, usize, f64)>,
-    /// Number of each node's constraint, if it has one.
+    /// Index of each node's constraint, if it has one.
     pub(in crate::scene) number: Vec<Option<u32>>,
     pub(in crate::scene) closed: Vec<bool>,
     pub(in crate::scene) shares: Vec<Share>,
 }
 
-/// Buffers; they grow and stay.
+/// Buffers of the nodal contact, reused between evaluations.
 #[derive(Default)]
 pub(in crate::scene) struct Nodal {
     pub islands: Vec<Island>,
-    /// One per gear of the scene.
+    /// Active nodes of each gear of the scene.
     pub gears: Vec<GearNodes>,
-    /// How the hubs of the gears stand.
-    pub standings: Vec<Option<Standing>>,
-    /// Torque (force along the slide) of the points at hubs of gears that move as one but for a field.
+    /// Poses of the hubs of the gears.
+    pub hub_poses: Vec<Option<HubPose>>,
+    /// Torque (force along the motion) of the points on hubs of gears that are rigid except for a field.
     pub torque: Vec<f64>,
     pub active: Vec<NodalActive>,
-    /// One per active point: entries of gears without a field, along the normal and along the profile.
+    /// Rows of each active point: entries of gears without a field, along the normal and along the profile.
     pub rows: Vec<[Row; 2]>,
-    /// One per island.
-    pub solved: Vec<Solved>,
+    /// Result of each island.
+    pub solved: Vec<IslandSolution>,
     /// Points of all islands.
     pub found: NodalPoints,
     pub(in crate::scene) numbers: Vec<u32>,
-    /// Whether the nodes of each gear give way in the present solve.
+    /// True for each gear whose nodes are compliant in the present solve.
     pub(in crate::scene) giving: Vec<bool>,
     pub(in crate::scene) ports: Vec<u32>,
     pub(in crate::scene) guess: Vec<f64>,
     pub(in crate::scene) averages: Averages,
     /// Velocities of nodes, outwards and along the profile.
     pub(in crate::scene) velocities: Vec<[Vec<f64>; 2]>,
-    pub(in crate::scene) kick: Kick,
+    pub(in crate::scene) impulse: Impulse,
     pub failed: bool,
 }
 
-/// The half kick at whose end forces are sought.
+/// Half-step impulse at whose end forces are evaluated.
 #[derive(Default)]
-pub(in crate::scene) struct Kick {
-    /// There is one.
+pub(in crate::scene) struct Impulse {
+    /// True during an impulse.
     pub acts: bool,
-    /// Time over mass of each coordinate, of the last one [s/kg].
+    /// Time over mass of each coordinate in the last impulse [s/kg].
     pub weights: Vec<f64>,
-    /// Grows with every change of the weights.
+    /// Counter of the changes of the weights.
     pub stamp: u64,
-    /// Velocities before the contact acts.
+    /// Velocities before the contact forces act.
     pub velocities: Vec<f64>,
     /// Accelerations without contact.
     pub accelerations: Vec<f64>,
     buffer: Vec<f64>,
 }
 
-impl Kick {
-    /// Takes a half kick, on masses of which the inverses are given.
-    pub fn set(&mut self, kick: &HalfKick<'_>, inverse_mass: &[f64]) {
+impl Impulse {
+    /// Starts a half-step impulse on coordinates with given inverse masses.
+    pub fn set(&mut self, impulse: &HalfStepImpulse<'_>, inverse_mass: &[f64]) {
         self.buffer.clear();
         let weights = inverse_mass.iter().enumerate();
-        (self.buffer).extend(weights.map(|(i, m)| kick.weight(i) * m));
+        (self.buffer).extend(weights.map(|(i, m)| impulse.weight(i) * m));
         if self.buffer != self.weights {
             self.stamp += 1;
             std::mem::swap(&mut self.buffer, &mut self.weights);
         }
-        kick.end(&self.accelerations, &mut self.velocities);
+        impulse.end(&self.accelerations, &mut self.velocities);
     }
 }
 
-/// Islands of the meshes that have a gear with a field.
+/// Returns the islands of the meshes that have a gear with a field.
 pub(in crate::scene) fn islands(gears: &[SceneGear], meshes: &[SceneMesh]) -> Vec<Island> {
     let compliant = |g: usize| {
         gears[g]
@@ -264,13 +266,13 @@ impl Nodal {
             velocities: vec![[vec![], vec![]]; gears.len()],
             solved: islands
                 .iter()
-                .map(|i| Solved {
+                .map(|i| IslandSolution {
                     hard: i
                         .meshes
                         .iter()
                         .any(|m| meshes[*m].hard)
                         .then(HardSolve::default),
-                    ..Solved::default()
+                    ..IslandSolution::default()
                 })
                 .collect(),
             islands,
@@ -278,7 +280,7 @@ impl Nodal {
         }
     }
 
-    /// The compliances that are kept with the nodes in contact are those of another run.
+    /// Invalidates the compliances stored with the nodes in contact, at the start of another run.
     pub(in crate::scene) fn forget(&mut self) {
         for solved in &mut self.solved {
             solved.solve.forget();

@@ -20,4 +20,4 @@ mod tangent;
 
 pub(super) use forces::rows_of;
 pub(super) use islands::{Nodal, NodalActive, islands};
-pub(super) use tangent::{Entry, Reduced};
+pub(super) use tangent::{Entry, ReducedTangent};

@@ -1,11 +1,11 @@
-//! Points that may touch, and the solve of an island.
+//! Selection of the points that may touch, and the solve of an island.
 
-use super::islands::{Nodal, NodalActive, Solved};
-use crate::contact::nodal::{Block, GapBound, HardSolve, NodalParty, Share, Spring, UNUSED};
-use crate::scene::members::{SceneGear, SceneMesh, parties};
-use gearbench_integrators::system::At;
+use super::islands::{IslandSolution, Nodal, NodalActive};
+use crate::contact::nodal::{Block, GapBound, HardSolve, NodalGearState, Share, Spring, UNUSED};
+use crate::scene::members::{SceneGear, SceneMesh, gear_states};
+use gearbench_integrators::system::StateView;
 
-/// Hard contact: the solve, the constraints that are closed at first, and what they average.
+/// Hard contact: the solve, the initially closed constraints, and the shares of points in them.
 pub(super) type Constraints<'a> = (&'a mut HardSolve, (&'a [bool], &'a [Share]));
 
 impl Nodal {
@@ -14,16 +14,16 @@ impl Nodal {
         &mut self,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
-        at: At<'_>,
+        at: StateView<'_>,
     ) {
         self.active.clear();
         self.torque.fill(0.0);
         self.failed = false;
         self.found.clear();
-        self.standings.clear();
-        self.standings.extend(gears.iter().map(|g| {
+        self.hub_poses.clear();
+        self.hub_poses.extend(gears.iter().map(|g| {
             let own = g.at(at);
-            g.model.hub().hub.standing(own.t, own.q)
+            g.model.hub().hub.hub_pose(own.t, own.q)
         }));
         for (g, nodes) in gears.iter().zip(&mut self.gears) {
             if g.model.displacement().is_some() {
@@ -43,24 +43,24 @@ impl Nodal {
         }
     }
 
-    /// Points of an island.
+    /// Finds the points of an island.
     fn find(
         &mut self,
         island: usize,
         gap_bound: &mut GapBound,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
-        at: At<'_>,
+        at: StateView<'_>,
     ) {
         for &m in &self.islands[island].meshes {
             let mesh = &meshes[m];
-            let (a, b) = parties(gears, mesh, at);
+            let (a, b) = gear_states(gears, mesh, at);
             let first = self.found.points.len();
             let Ok([of_a, of_b]) = self.gears.get_disjoint_mut(mesh.gears) else {
                 continue;
             };
-            let side = |party, nodes, k: usize| NodalParty {
-                party,
+            let side = |gear_state, nodes, k: usize| NodalGearState {
+                gear_state,
                 field: gears[mesh.gears[k]].model.displacement(),
                 nodes,
             };
@@ -73,7 +73,13 @@ impl Nodal {
     }
 
     /// Solves for the points that may touch; these become active.
-    fn solve(&mut self, island: usize, gears: &[SceneGear], meshes: &[SceneMesh], at: At<'_>) {
+    fn solve(
+        &mut self,
+        island: usize,
+        gears: &[SceneGear],
+        meshes: &[SceneMesh],
+        at: StateView<'_>,
+    ) {
         let mut solved = std::mem::take(&mut self.solved[island]);
         solved.springs.clear();
         solved.blocks.clear();
@@ -109,20 +115,20 @@ impl Nodal {
         self.solved[island] = solved;
     }
 
-    /// Solves for the active points from `start` on; returns by how much nodes rise outwards at most, both flanks
-    /// together.
+    /// Solves for the active points from `start` on; returns the largest outward displacement of the nodes, both
+    /// flanks together.
     pub(super) fn solve_active(
         &mut self,
         start: usize,
         island: usize,
-        solved: &mut Solved,
+        solved: &mut IslandSolution,
         hard: Option<Constraints<'_>>,
         (gears, meshes): (&[SceneGear], &[SceneMesh]),
-        at: At<'_>,
+        at: StateView<'_>,
     ) -> f64 {
         let here = std::mem::take(&mut self.islands[island]);
         // Gears whose nodes answer to forces: by compliance, and in a kick by their masses.
-        let kicked = self.kick.acts && here.dissipates;
+        let kicked = self.impulse.acts && here.dissipates;
         let giving = if kicked {
             &here.fields
         } else {
@@ -164,10 +170,10 @@ impl Nodal {
                 field.compliance(&numbers[blocks[k].start..][..blocks[k].len], block);
             }
         });
-        let velocities = std::mem::take(&mut self.kick.velocities);
+        let velocities = std::mem::take(&mut self.impulse.velocities);
         let v = if kicked { &velocities } else { at.v };
-        self.rates(start, gears, meshes, At { v, ..at });
-        self.kick.velocities = velocities;
+        self.rates(start, gears, meshes, StateView { v, ..at });
+        self.impulse.velocities = velocities;
         solved.springs.clear();
         for a in &self.active[start..] {
             let p = &self.found.points[a.point];
@@ -225,7 +231,7 @@ impl Nodal {
         }
         for (a, s) in self.active[start..].iter_mut().zip(&solved.springs) {
             (a.gap, a.force, a.elastic) = (s.gap, s.force, s.elastic);
-            a.sliding.force = s.rub;
+            a.sliding.force = s.friction_force;
             if self.failed {
                 a.force.n = f64::NAN;
             }

@@ -1,4 +1,4 @@
-//! How contacts of gears with fields respond to the coordinates: tangent and Newton correction.
+//! Tangent and Newton correction of contacts of gears with fields.
 //!
 //! Contacts see few combinations `y = E x` of the coordinates: the hub and the displacements of active nodes of a gear
 //! with a field, the touched coordinates of any other. In these
@@ -23,7 +23,7 @@
 
 mod direct;
 
-use super::islands::{Nodal, Solved};
+use super::islands::{IslandSolution, Nodal};
 use crate::contact::nodal::{Spring, UNUSED};
 use crate::kinematics::Row;
 use crate::scene::members::{SceneGear, SceneMesh};
@@ -31,10 +31,10 @@ use gearbench_integrators::system::{Coeffs, Singular};
 
 const NONE: u32 = u32::MAX;
 
-/// One row of `V` or of a contact without a field: entries `(index in y, value)`.
+/// Entry of a row of `V` or of a contact without a field: `(index in y, value)`.
 pub(in crate::scene) type Entry = (u32, f64);
 
-/// Rows of points: their entries, and where each begins.
+/// Rows of points: their entries, and the start of each row.
 #[derive(Default)]
 pub(in crate::scene) struct Rows {
     entries: Vec<Entry>,
@@ -59,39 +59,39 @@ impl Rows {
 
 /// Buffers of the tangent.
 #[derive(Default)]
-pub(in crate::scene) struct Reduced {
-    /// Per coordinate of the scene: its place in `y`.
+pub(in crate::scene) struct ReducedTangent {
+    /// Index in `y` of each coordinate of the scene.
     pub(in crate::scene) mark: Vec<u32>,
-    /// Per gear: own numbers of the touched coordinates, where they begin in `y`, where its nodes do.
+    /// Affected coordinates of each gear in its own numbering, the start of these in `y`, and the start of its nodes.
     pub(in crate::scene) touched: Vec<(Vec<u32>, usize, usize)>,
-    /// Per gear with a field: place in `y` of each node, or none.
+    /// Index in `y` of each node of gears with a field, or none.
     pub(in crate::scene) places: Vec<Vec<u32>>,
-    /// The same along the profile; empty where that is not known.
+    /// Index in `y` of each node along the profile; empty where that is not available.
     pub(in crate::scene) along: Vec<Vec<u32>>,
-    /// Per gear with a field: node numbers in the order of `y`.
+    /// Node numbers of each gear with a field, in the order of `y`.
     pub(in crate::scene) nodes: Vec<Vec<u32>>,
     pub(in crate::scene) size: usize,
     /// Rows of the points along the normal, then along the profile.
     pub(in crate::scene) rows: [Rows; 2],
-    /// `T`, row-major.
+    /// Response `T`, row-major.
     pub(in crate::scene) response: Vec<f64>,
-    /// `G` of one gear.
+    /// Block of `G` of one gear.
     pub(in crate::scene) block: Vec<f64>,
-    /// `A0^-1 E^T` of gears with a field, one column after the other.
+    /// Columns of `A0^-1 E^T` of gears with a field.
     pub(in crate::scene) columns: Vec<f64>,
     pub(in crate::scene) matrix: Vec<f64>,
     pub(in crate::scene) y: Vec<f64>,
     pub(in crate::scene) forces: Vec<f64>,
-    /// `W^T D_g V`, `W^T D_c V`, by node.
+    /// Matrices `W^T D_g V` and `W^T D_c V`, by node.
     pub(in crate::scene) elastic: Vec<f64>,
     pub(in crate::scene) weighted: Vec<f64>,
     pub(in crate::scene) column: Vec<f64>,
-    /// What nodes follow of the rates of an island's points, column by column.
+    /// Quasi-static motion of the nodes in the rates of an island's points, column by column.
     pub(in crate::scene) followed: Vec<f64>,
 }
 
-impl Reduced {
-    /// Numbers the coordinates and nodes that contacts see.
+impl ReducedTangent {
+    /// Numbers the coordinates and nodes of the contacts.
     pub(in crate::scene) fn collect(
         &mut self,
         gears: &[SceneGear],
@@ -165,7 +165,7 @@ impl Reduced {
         self.size = size;
     }
 
-    /// Rows `V` of the nodal points.
+    /// Computes the rows `V` of the nodal points.
     pub(in crate::scene) fn rows(
         &mut self,
         gears: &[SceneGear],
@@ -207,7 +207,7 @@ impl Reduced {
         }
     }
 
-    /// `T` of the nodal points and of other contacts.
+    /// Computes `T` of the nodal points and of other contacts.
     pub(in crate::scene) fn respond(
         &mut self,
         nodal: &mut Nodal,
@@ -312,7 +312,7 @@ impl Reduced {
     /// Adds `T` of the points of an island with friction.
     fn respond_sliding(
         &mut self,
-        s: &mut Solved,
+        s: &mut IslandSolution,
         c: Coeffs,
         response: &mut [f64],
     ) -> Result<(), Singular> {
@@ -328,7 +328,7 @@ impl Reduced {
             let spring = &s.springs[k];
             let by = [
                 c.k * spring.force.dn_dg + c.d * spring.force.dn_dgdot,
-                c.d * spring.rub.df_dv,
+                c.d * spring.friction_force.df_dv,
             ];
             for (d, rows) in self.rows.iter().enumerate() {
                 for &(j, value) in rows.row(i) {
@@ -355,8 +355,9 @@ impl Reduced {
         Ok(())
     }
 
-    /// What the nodes of an island follow of the rates of its points, `(D - I) V`, into `followed`, column by column.
-    fn follow(&mut self, s: &mut Solved) -> Result<(), Singular> {
+    /// Computes the quasi-static motion of the nodes of an island in the rates of its points, `(D - I) V`, in
+    /// `followed`, column by column.
+    fn follow(&mut self, s: &mut IslandSolution) -> Result<(), Singular> {
         s.solve.linearise_holding(&s.springs)?;
         self.followed.clear();
         self.followed.resize(self.size * s.springs.len(), 0.0);
@@ -382,7 +383,7 @@ impl Reduced {
     }
 }
 
-/// `T += factor left right^T`.
+/// Adds an outer product: `T += factor left right^T`.
 fn add_outer(t: &mut [f64], size: usize, left: &[Entry], right: &[Entry], factor: f64) {
     for &(i, x) in left {
         for &(j, y) in right {

@@ -18,68 +18,69 @@
 use crate::spec::{Section, SectionKind};
 use std::f64::consts::PI;
 
-/// Weights of the six directions of a hub, three translations, three rotations.
-pub(in crate::scene) type Six = [f64; 6];
+/// Weights of the six directions of a hub: three translations, three rotations.
+pub(in crate::scene) type SixDirections = [f64; 6];
 
-/// How a piece of a shaft deforms.
+/// Kinds of deformation of a piece of a shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::scene) enum Way {
+pub(in crate::scene) enum DeformationKind {
     Torsion,
     Stretching,
     Bending,
 }
 
-/// A mode of deformation of an element: how much of it the motion of either end makes, and its stiffness, infinite where it
-/// is rigid [N m/rad], [N/m].
+/// A mode of deformation of an element: the weights of the motions of both ends, and its stiffness, infinite for a
+/// rigid mode [N m/rad], [N/m].
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) struct Mode {
-    pub way: Way,
-    pub ends: [Six; 2],
+    pub kind: DeformationKind,
+    pub ends: [SixDirections; 2],
     pub stiffness: f64,
 }
 
-/// What half an element adds to the body at its end.
+/// Lumped mass and inertia of half an element at its end.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Lump {
-    /// [kg]
+pub(super) struct LumpedMass {
+    /// Lumped mass [kg].
     pub mass: f64,
-    /// About the axis and across it [kg m^2].
+    /// Moments of inertia about the axis and across it [kg m^2].
     pub polar: f64,
     pub across: f64,
 }
 
-impl Lump {
-    pub fn add(&mut self, other: &Lump) {
+impl LumpedMass {
+    pub fn add(&mut self, other: &LumpedMass) {
         self.mass += other.mass;
         self.polar += other.polar;
         self.across += other.across;
     }
 }
 
-/// One at a direction.
-fn unit(direction: usize, value: f64) -> Six {
+/// Returns weights with one at a direction.
+fn unit(direction: usize, value: f64) -> SixDirections {
     let mut six = [0.0; 6];
     six[direction] = value;
     six
 }
 
-fn difference(way: Way, direction: usize, stiffness: f64) -> Mode {
+fn difference(kind: DeformationKind, direction: usize, stiffness: f64) -> Mode {
     Mode {
-        way,
+        kind,
         ends: [unit(direction, -1.0), unit(direction, 1.0)],
         stiffness,
     }
 }
 
-/// Direction of the displacement, of the turn, and the sign of the slope that the turn is, in both planes of bending.
+/// Direction of the displacement, of the rotation, and the sign of the slope of the rotation, in both planes of
+/// bending.
 const PLANES: [(usize, usize, f64); 2] = [(0, 4, 1.0), (1, 3, -1.0)];
 
-/// The modes of an element of a length [m] that is a piece of a section.
+/// Returns the modes of an element of a length [m] that is a piece of a section.
 pub(super) fn elastic(section: &Section, length: f64) -> Vec<Mode> {
     match &section.kind {
         SectionKind::Coupling { stiffness } => {
             let k = stiffness * section.length / length;
-            vec![difference(Way::Torsion, 5, k)]
+            vec![difference(DeformationKind::Torsion, 5, k)]
         }
         SectionKind::Round {
             diameters: [outer, inner],
@@ -93,16 +94,20 @@ pub(super) fn elastic(section: &Section, length: f64) -> Vec<Mode> {
                 / ((7.0 + 6.0 * nu) * (1.0 + m2).powi(2) + (20.0 + 12.0 * nu) * m2);
             let phi = 12.0 * e * second / (kappa * g * area * length * length);
             let mut modes = vec![
-                difference(Way::Torsion, 5, 2.0 * g * second / length),
-                difference(Way::Stretching, 2, e * area / length),
+                difference(DeformationKind::Torsion, 5, 2.0 * g * second / length),
+                difference(DeformationKind::Stretching, 2, e * area / length),
             ];
             for (across, turn, sign) in PLANES {
-                modes.push(difference(Way::Bending, turn, e * second / length));
+                modes.push(difference(
+                    DeformationKind::Bending,
+                    turn,
+                    e * second / length,
+                ));
                 let mut ends = [unit(turn, 0.5), unit(turn, 0.5)];
                 ends[0][across] = sign / length;
                 ends[1][across] = -sign / length;
                 modes.push(Mode {
-                    way: Way::Bending,
+                    kind: DeformationKind::Bending,
                     ends,
                     stiffness: 12.0 * e * second / (length * (1.0 + phi)),
                 });
@@ -112,32 +117,32 @@ pub(super) fn elastic(section: &Section, length: f64) -> Vec<Mode> {
     }
 }
 
-/// What a rigid piece of a length [m] allows none of.
+/// Returns the modes that a rigid piece of a length [m] excludes.
 pub(super) fn rigid(length: f64) -> Vec<Mode> {
     let mut modes = vec![
-        difference(Way::Torsion, 5, f64::INFINITY),
-        difference(Way::Stretching, 2, f64::INFINITY),
+        difference(DeformationKind::Torsion, 5, f64::INFINITY),
+        difference(DeformationKind::Stretching, 2, f64::INFINITY),
     ];
     for (across, turn, sign) in PLANES {
-        modes.push(difference(Way::Bending, turn, f64::INFINITY));
-        let mut shift = difference(Way::Bending, across, f64::INFINITY);
+        modes.push(difference(DeformationKind::Bending, turn, f64::INFINITY));
+        let mut shift = difference(DeformationKind::Bending, across, f64::INFINITY);
         shift.ends[0][turn] = -sign * length;
         modes.push(shift);
     }
     modes
 }
 
-/// Half of an element: mass, and rotary inertia of the cross-sections, lumped at its end.
-pub(super) fn lump(section: &Section, length: f64) -> Lump {
+/// Returns half of an element lumped at its end: mass, and rotary inertia of the cross-sections.
+pub(super) fn lump(section: &Section, length: f64) -> LumpedMass {
     match &section.kind {
-        SectionKind::Coupling { .. } => Lump::default(),
+        SectionKind::Coupling { .. } => LumpedMass::default(),
         SectionKind::Round {
             diameters: [outer, inner],
             material,
         } => {
             let (area, second) = properties(*outer, *inner);
             let half = 0.5 * length * material.density;
-            Lump {
+            LumpedMass {
                 mass: half * area,
                 polar: 2.0 * half * second,
                 across: half * second,
@@ -146,7 +151,7 @@ pub(super) fn lump(section: &Section, length: f64) -> Lump {
     }
 }
 
-/// Area [m^2] and second moment [m^4] of a ring.
+/// Returns area [m^2] and second moment [m^4] of a ring.
 fn properties(outer: f64, inner: f64) -> (f64, f64) {
     (
         0.25 * PI * (outer * outer - inner * inner),

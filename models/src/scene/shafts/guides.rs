@@ -5,9 +5,10 @@
 //! F = -k x - c x' - F_c z(x; x_0, z_0)
 //! ```
 //!
-//! The place `x_0` and the part `z_0` of the sliding force at the last accepted state are part of the discrete state, and so is
-//! the direction of the motion: friction is a function of the way as long as it does not turn, so that turns are events where
-//! events are located. A turn is told by the speed, a hair beyond zero, so that what rests does not turn by rounding.
+//! The position `x_0` and the fraction `z_0` of the sliding force at the last accepted state are part of the discrete
+//! state, and so is the direction of the motion: friction is a function of the displacement as long as the direction
+//! does not change, so that reversals are events where events are located. A reversal is detected by a speed slightly
+//! beyond zero, so that rounding does not reverse a body at rest.
 
 use super::links::{Link, to_ground};
 use crate::error::{BuildError, GearPart};
@@ -15,11 +16,11 @@ use crate::law::{DryFriction, Part};
 use crate::scene::assembled::Scene;
 use crate::scene::members::SceneGear;
 use crate::spec::{Guide, Mount, SceneSpec};
-use gearbench_integrators::system::{At, Change, State};
+use gearbench_integrators::system::{Change, State, StateView};
 
 /// Length of the history of a guide in the discrete state.
 pub(in crate::scene) const CELLS: usize = 3;
-/// Speed at which a motion has turned, over the typical one.
+/// Speed, relative to the typical one, at which a motion counts as reversed.
 const TURNED: f64 = 1e-9;
 
 /// A guide of a member of a scene.
@@ -29,44 +30,45 @@ pub(in crate::scene) struct Guided {
     guide: Guide,
 }
 
-/// Friction of a link.
+/// Friction of a link with its history.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rub {
+pub(super) struct GuideFriction {
     pub law: DryFriction,
     /// Offset of its history in the discrete state.
     pub cell: usize,
-    /// Speed at which the motion has turned; set with the scales of the scene.
+    /// Speed at which the motion counts as reversed; set with the scales of the scene.
     pub turned: f64,
 }
 
 impl Guided {
-    /// Number of its event functions.
+    /// Returns the number of its event functions.
     pub(in crate::scene) fn events(&self) -> usize {
         let sticks = self.guide.friction.is_some_and(|law| law.sticks());
         usize::from(sticks)
     }
 }
 
-impl Rub {
-    /// What is reached at a place and speed.
+impl GuideFriction {
+    /// Returns the fraction of the sliding force at a position and speed.
     pub fn part(&self, [x, v]: [f64; 2], discrete: &[f64]) -> Part {
         let start = [discrete[self.cell], discrete[self.cell + 1]];
         self.law.part(x, v, start)
     }
 
-    /// Takes what is reached at a place and speed.
+    /// Stores the fraction of the sliding force at a position and speed.
     fn remember(&self, motion: [f64; 2], discrete: &mut [f64]) {
         let reached = self.part(motion, discrete).z;
         discrete[self.cell..][..2].copy_from_slice(&[motion[0], reached]);
     }
 
-    /// Positive while the motion goes on in its direction.
+    /// Returns an event function that is positive while the motion keeps its direction.
     fn goes_on(&self, v: f64, discrete: &[f64]) -> f64 {
         discrete[self.cell + 2] * v + self.turned
     }
 }
 
-/// The guides of a scene where mounts leave hubs free; `gears` are its members, bodies of shafts behind the gears.
+/// Returns the guides of a scene where mounts leave hubs free; `gears` are its members, with bodies of shafts behind
+/// the gears.
 ///
 /// # Errors
 /// A number that cannot be, a planet, or a member whose rigid shaft is held or driven.
@@ -107,14 +109,15 @@ pub(in crate::scene) fn guides(
     Ok(found)
 }
 
-/// The link of a guide, whose history begins at a cell of the discrete state; `speed` is a typical one along lines of action.
+/// Returns the link of a guide, whose history begins at a cell of the discrete state; `speed` is a typical one along
+/// lines of action.
 pub(super) fn of_guide(guided: &Guided, gears: &[SceneGear], (cell, speed): (usize, f64)) -> Link {
     let Guided { member, guide } = guided;
     let radius = gears[*member].model.hub().effective_base_radius;
     Link {
         stiffness: guide.stiffness,
         damping: guide.damping,
-        rub: guide.friction.map(|law| Rub {
+        guide_friction: guide.friction.map(|law| GuideFriction {
             law,
             cell,
             turned: TURNED * speed / radius,
@@ -124,55 +127,66 @@ pub(super) fn of_guide(guided: &Guided, gears: &[SceneGear], (cell, speed): (usi
 }
 
 impl Scene {
-    /// Member that a guide holds to the ground, and the stiffness of the guide at a state, friction that sticks included.
-    pub(in crate::scene) fn guide_at(&self, link: &Link, at: At<'_>) -> Option<(usize, f64)> {
+    /// Returns the member that a guide supports, and the stiffness of the guide at a state, including sticking
+    /// friction.
+    pub(in crate::scene) fn guide_at(
+        &self,
+        link: &Link,
+        at: StateView<'_>,
+    ) -> Option<(usize, f64)> {
         let guides = link.shaft().is_none() && !link.is_rigid();
         guides.then(|| (link.members[0], link.slopes(&self.gears, at)[0]))
     }
 
-    /// Friction of guides begins unstrained.
+    /// Starts the friction of guides without deformation.
     pub(in crate::scene) fn begin_guides(&self, s: &mut State) {
-        for (link, rub) in self.rubbing() {
-            let way = if link.dot(&s.v) < 0.0 { -1.0 } else { 1.0 };
-            s.discrete[rub.cell..][..CELLS].copy_from_slice(&[link.dot(&s.q), 0.0, way]);
+        for (link, guide_friction) in self.frictional_guides() {
+            let kind = if link.dot(&s.v) < 0.0 { -1.0 } else { 1.0 };
+            s.discrete[guide_friction.cell..][..CELLS].copy_from_slice(&[
+                link.dot(&s.q),
+                0.0,
+                kind,
+            ]);
         }
     }
 
-    /// Takes what friction of guides has reached at an accepted state.
+    /// Stores the friction of guides at an accepted state.
     pub(in crate::scene) fn remember_guides(&self, s: &mut State) {
-        for (link, rub) in self.rubbing() {
+        for (link, guide_friction) in self.frictional_guides() {
             let motion = [link.dot(&s.q), link.dot(&s.v)];
-            rub.remember(motion, &mut s.discrete);
+            guide_friction.remember(motion, &mut s.discrete);
         }
     }
 
-    /// Event functions of guides: the motion turns.
-    pub(in crate::scene) fn watch_guides(&self, at: At<'_>, out: &mut [f64]) {
-        let turning = self.rubbing().filter(|(_, rub)| rub.law.sticks());
-        for (out, (link, rub)) in out.iter_mut().zip(turning) {
-            *out = rub.goes_on(link.dot(at.v), at.discrete);
+    /// Computes the event functions of guides: reversals of the motion.
+    pub(in crate::scene) fn watch_guides(&self, at: StateView<'_>, out: &mut [f64]) {
+        let turning = self
+            .frictional_guides()
+            .filter(|(_, guide_friction)| guide_friction.law.sticks());
+        for (out, (link, guide_friction)) in out.iter_mut().zip(turning) {
+            *out = guide_friction.goes_on(link.dot(at.v), at.discrete);
         }
     }
 
-    /// The motion of a guide has turned.
+    /// Updates the discrete state when the motion of a guide has reversed.
     pub(in crate::scene) fn turn_guide(&self, s: &mut State, which: usize) -> Change {
         let turning = self
-            .rubbing()
-            .filter(|(_, rub)| rub.law.sticks())
+            .frictional_guides()
+            .filter(|(_, guide_friction)| guide_friction.law.sticks())
             .nth(which);
-        if let Some((link, rub)) = turning {
-            rub.remember([link.dot(&s.q), link.dot(&s.v)], &mut s.discrete);
-            s.discrete[rub.cell + 2] *= -1.0;
+        if let Some((link, guide_friction)) = turning {
+            guide_friction.remember([link.dot(&s.q), link.dot(&s.v)], &mut s.discrete);
+            s.discrete[guide_friction.cell + 2] *= -1.0;
         }
         Change::Restart
     }
 
-    fn rubbing(&self) -> impl Iterator<Item = (&Link, &Rub)> {
+    fn frictional_guides(&self) -> impl Iterator<Item = (&Link, &GuideFriction)> {
         let springs = self.shafts.springs().iter();
-        springs.filter_map(|link| Some((link, link.rub.as_ref()?)))
+        springs.filter_map(|link| Some((link, link.guide_friction.as_ref()?)))
     }
 
-    /// What the guide of a member exerts along its motion, by the last [`Self::evaluate_links`].
+    /// Returns the force of the guide of a member along its motion, from the last [`Self::evaluate_links`].
     pub(in crate::scene) fn force_of_guide(&self, member: usize) -> f64 {
         let links = self.shafts.springs().iter().zip(self.acting_links());
         let own = links.filter(|(l, _)| l.shaft().is_none() && l.members[0] == member);

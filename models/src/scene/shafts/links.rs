@@ -1,23 +1,23 @@
-//! Links from the elements of shafts, and what each of them knows.
+//! Links from the elements of shafts, with their deformation and forces.
 
-use super::beam::Way;
-use super::guides::{CELLS, Rub, of_guide};
+use super::beam::DeformationKind;
+use super::guides::{CELLS, GuideFriction, of_guide};
 use super::plan::{Element, Plan};
 use crate::kinematics::Direction;
 use crate::scene::carriers::Ground;
 use crate::scene::members::SceneGear;
 use crate::spec::ShaftDamping;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Weights below this share of the largest are rounding of axes that are turned against each other.
+/// Weight relative to the largest below which an entry is rounding of axes that are rotated against each other.
 const ROUNDING: f64 = 1e-13;
-/// Share of the highest eigenvalue below which one is that of a rigid motion.
+/// Eigenvalue relative to the highest below which it is that of a rigid motion.
 const AT_REST: f64 = 1e-9;
-/// A rigid link that adds less than this to those before it says nothing new.
+/// Norm below which a rigid link depends on the previous ones.
 const DEPENDENT: f64 = 1e-12;
 
-/// How the motion of a member along one of its directions deforms a link.
+/// Deformation of a link per unit motion of a member along one of its directions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Share {
     pub member: usize,
@@ -28,27 +28,27 @@ pub(super) struct Share {
 /// A mode of deformation of a piece of a shaft between two members.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct Link {
-    pub way: Way,
+    pub kind: DeformationKind,
     /// Coordinates of the scene and their weights.
     pub row: Vec<(usize, f64)>,
-    /// Driven directions.
+    /// Driven directions of the members.
     pub(super) driven: Vec<Share>,
-    /// All directions, held ones too.
+    /// All directions, including fixed ones.
     pub(super) shares: Vec<Share>,
     pub members: [usize; 2],
-    /// Infinite where it is rigid.
+    /// Stiffness; infinite for a rigid link.
     pub stiffness: f64,
     pub damping: f64,
-    /// The shaft that it is a piece of; none of what holds a gear of a planetary set.
+    /// Index of the shaft of the piece; `None` for the ground of a planetary set.
     pub(super) shaft: Option<usize>,
-    /// A rigid link to the ground, and how that moves.
+    /// Ground of a rigid link, with its motion.
     pub(super) ground: Option<Ground>,
     /// Friction of a guide.
-    pub(super) rub: Option<Rub>,
+    pub(super) guide_friction: Option<GuideFriction>,
 }
 
 impl Link {
-    /// The shaft that it is a piece of.
+    /// Returns the index of the shaft of the piece.
     pub fn shaft(&self) -> Option<usize> {
         self.shaft
     }
@@ -57,20 +57,20 @@ impl Link {
         self.stiffness.is_infinite()
     }
 
-    /// `row . x`.
+    /// Returns the scalar product `row . x`.
     pub fn dot(&self, x: &[f64]) -> f64 {
         self.row.iter().map(|&(i, w)| w * x[i]).sum()
     }
 
-    /// `y += factor row`.
+    /// Adds a multiple of the row: `y += factor row`.
     pub fn add_to(&self, factor: f64, y: &mut [f64]) {
         for &(i, w) in &self.row {
             y[i] += factor * w;
         }
     }
 
-    /// The part of the rate of deformation that driven hubs make.
-    pub fn drift(&self, gears: &[SceneGear], at: At<'_>) -> f64 {
+    /// Returns the part of the rate of deformation from driven hubs.
+    pub fn drift(&self, gears: &[SceneGear], at: StateView<'_>) -> f64 {
         let of = |s: &Share| {
             let own = gears[s.member].at(at);
             let motion = gears[s.member].model.hub().motion(own.t, own.q, own.v);
@@ -79,8 +79,8 @@ impl Link {
         self.driven.iter().map(of).sum()
     }
 
-    /// Deformation and its rate.
-    pub fn deformation(&self, gears: &[SceneGear], at: At<'_>) -> [f64; 2] {
+    /// Returns the deformation and its rate.
+    pub fn deformation(&self, gears: &[SceneGear], at: StateView<'_>) -> [f64; 2] {
         let (mut d, mut rate) = (self.dot(at.q), self.dot(at.v));
         for s in &self.driven {
             let own = gears[s.member].at(at);
@@ -91,30 +91,32 @@ impl Link {
         [d, rate]
     }
 
-    /// What a rigid link lets its row accelerate by.
+    /// Returns the prescribed acceleration of the row of a rigid link.
     pub fn acceleration(&self, t: f64) -> f64 {
         self.ground.as_ref().map_or(0.0, |g| g.motion(t)[1])
     }
 
-    /// What an elastic link exerts along its row.
-    pub fn force(&self, gears: &[SceneGear], at: At<'_>) -> f64 {
+    /// Returns the force of an elastic link along its row.
+    pub fn force(&self, gears: &[SceneGear], at: StateView<'_>) -> f64 {
         let motion = self.deformation(gears, at);
         -(self.stiffness * motion[0] + self.damping * motion[1]) - self.friction(motion, at)
     }
 
-    /// What friction takes of it at a deformation and its rate.
-    pub fn friction(&self, motion: [f64; 2], at: At<'_>) -> f64 {
-        let of = |rub: &Rub| rub.law.force() * rub.part(motion, at.discrete).z;
-        self.rub.as_ref().map_or(0.0, of)
+    /// Returns the friction force at a deformation and its rate.
+    pub fn friction(&self, motion: [f64; 2], at: StateView<'_>) -> f64 {
+        let of = |guide_friction: &GuideFriction| {
+            guide_friction.law.force() * guide_friction.part(motion, at.discrete).z
+        };
+        self.guide_friction.as_ref().map_or(0.0, of)
     }
 
-    /// How the force of an elastic link falls by its deformation and its rate.
-    pub fn slopes(&self, gears: &[SceneGear], at: At<'_>) -> [f64; 2] {
-        let Some(rub) = &self.rub else {
+    /// Returns the slopes of the restoring force of an elastic link by its deformation and its rate.
+    pub fn slopes(&self, gears: &[SceneGear], at: StateView<'_>) -> [f64; 2] {
+        let Some(guide_friction) = &self.guide_friction else {
             return [self.stiffness, self.damping];
         };
-        let part = rub.part(self.deformation(gears, at), at.discrete);
-        let force = rub.law.force();
+        let part = guide_friction.part(self.deformation(gears, at), at.discrete);
+        let force = guide_friction.law.force();
         [
             self.stiffness + force * part.by_place,
             self.damping + force * part.by_speed,
@@ -122,28 +124,28 @@ impl Link {
     }
 }
 
-/// The shafts of a scene.
+/// Links of the shafts of a scene.
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct Shafts {
-    /// Elastic ones, then rigid ones.
+    /// Elastic links, then rigid ones.
     pub links: Vec<Link>,
-    /// How many are elastic.
+    /// Number of elastic links.
     pub elastic: usize,
-    /// Links whose torques are reported, by span; none where the hubs are held.
+    /// Links whose torques are reported, by span; `None` where the hubs are fixed.
     pub torques: Vec<Option<usize>>,
-    /// Something damps.
+    /// True if a link has damping.
     pub damped: bool,
     /// Shortest natural time of a link on the members that it joins [s].
     pub characteristic_time: f64,
-    /// For rigid links of constant diagonal masses: `M^-1 C`, column by column, and `C^T M^-1 C`.
+    /// Products `M^-1 C`, column by column, and `C^T M^-1 C` of rigid links, for constant diagonal masses.
     pub(super) inverse: Vec<f64>,
     pub(super) small: Vec<f64>,
 }
 
 impl Shafts {
-    /// Links of a plan between members with their offsets, and those that hold and drive gears of planetary sets; `mass` is
-    /// the diagonal of the mass matrix, `cell` the place in the discrete state from which on guides have
-    /// their histories, `speed` a typical one along lines of action.
+    /// Creates the links of a plan between members with known coordinates, and the links that fix or drive gears of
+    /// planetary sets. `mass` is the diagonal of the mass matrix, `cell` the position in the discrete state of the
+    /// histories of guides, `speed` a typical one along lines of action.
     pub fn new(
         plan: &Plan,
         ground: &[Ground],
@@ -155,7 +157,9 @@ impl Shafts {
         for element in &plan.elements {
             let links = of_element(element, gears);
             if element.begins {
-                let torsion = links.iter().position(|l| l.way == Way::Torsion);
+                let torsion = links
+                    .iter()
+                    .position(|l| l.kind == DeformationKind::Torsion);
                 of_spans.push(torsion.map(|k| all.len() + k));
             }
             all.extend(links);
@@ -164,9 +168,13 @@ impl Shafts {
         let guides = plan.guides.iter().enumerate();
         all.extend(guides.map(|(i, g)| of_guide(g, gears, (cell + CELLS * i, speed))));
         for (shaft, damping) in plan.damping.iter().enumerate() {
-            for way in [Way::Torsion, Way::Stretching, Way::Bending] {
+            for kind in [
+                DeformationKind::Torsion,
+                DeformationKind::Stretching,
+                DeformationKind::Bending,
+            ] {
                 let mut own: Vec<&mut Link> = (all.iter_mut())
-                    .filter(|l| l.shaft == Some(shaft) && l.way == way && !l.is_rigid())
+                    .filter(|l| l.shaft == Some(shaft) && l.kind == kind && !l.is_rigid())
                     .collect();
                 let time = match damping {
                     ShaftDamping::None => 0.0,
@@ -205,7 +213,9 @@ impl Shafts {
         }
         let fastest = |l: &Link| {
             let yielding: f64 = l.row.iter().map(|&(i, w)| w * w / mass[i]).sum();
-            let [by_place, by_speed] = l.rub.map_or([0.0; 2], |rub| rub.law.steepest());
+            let [by_place, by_speed] = l
+                .guide_friction
+                .map_or([0.0; 2], |guide_friction| guide_friction.law.steepest());
             ((l.stiffness + by_place) * yielding)
                 .sqrt()
                 .max(by_speed * yielding)
@@ -213,7 +223,9 @@ impl Shafts {
         Shafts {
             elastic,
             torques: of_spans.iter().map(|s| s.and_then(|i| places[i])).collect(),
-            damped: links.iter().any(|l| l.damping > 0.0 || l.rub.is_some()),
+            damped: links
+                .iter()
+                .any(|l| l.damping > 0.0 || l.guide_friction.is_some()),
             characteristic_time: (links[..elastic].iter())
                 .map(|l| fastest(l).recip())
                 .fold(f64::INFINITY, f64::min),
@@ -235,12 +247,12 @@ impl Shafts {
         &self.links[self.elastic..]
     }
 
-    /// What holds and drives gears of planetary sets.
+    /// Returns the grounds that fix and drive gears of planetary sets.
     pub fn grounds(&self) -> impl Iterator<Item = &Ground> {
         self.rigid().iter().filter_map(|l| l.ground.as_ref())
     }
 
-    /// Notes the products with the inverse of a constant diagonal mass.
+    /// Stores the products with the inverse of a constant diagonal mass.
     pub fn note_masses(&mut self, inverse_mass: &[f64]) {
         let n = inverse_mass.len();
         let rigid = &self.links[self.elastic..];
@@ -260,7 +272,7 @@ impl Shafts {
     }
 }
 
-/// `C^T Z`, row by row.
+/// Computes `C^T Z`, row by row.
 pub(super) fn small(links: &[Link], columns: &[f64], n: usize) -> Vec<f64> {
     let row = |l: &Link| -> Vec<f64> { columns.chunks_exact(n).map(|z| l.dot(z)).collect() };
     links.iter().flat_map(row).collect()
@@ -270,12 +282,12 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The links of an element that something free, or driven, takes part in.
+/// Returns the links of an element with free or driven members.
 fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
     let mut links = Vec::new();
     for mode in &element.modes {
         let mut link = Link {
-            way: mode.way,
+            kind: mode.kind,
             row: Vec::new(),
             driven: Vec::new(),
             shares: Vec::new(),
@@ -284,7 +296,7 @@ fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
             damping: 0.0,
             shaft: Some(element.shaft),
             ground: None,
-            rub: None,
+            guide_friction: None,
         };
         for (end, &member) in mode.ends.iter().zip(&element.members) {
             let gear = &gears[member];
@@ -308,7 +320,7 @@ fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
                 };
                 link.shares.push(share);
                 match what {
-                    Direction::Held => {}
+                    Direction::Fixed => {}
                     Direction::Driven(_) => link.driven.push(share),
                     Direction::Free => {
                         let own = free.iter().position(|d| *d == direction).unwrap_or(0);
@@ -330,7 +342,7 @@ fn of_element(element: &Element, gears: &[SceneGear]) -> Vec<Link> {
     links
 }
 
-/// A rigid link between the ground and the own motion of what moves freely.
+/// Returns a rigid link between the ground and the own motion of a free member.
 pub(super) fn to_ground(member: usize, gears: &[SceneGear]) -> Link {
     let gear = &gears[member];
     let hub = gear.model.hub();
@@ -338,7 +350,7 @@ pub(super) fn to_ground(member: usize, gears: &[SceneGear]) -> Link {
     let shapes = hub.hub_shapes.iter().enumerate();
     let shapes = shapes.map(|(i, h)| (first + i, *h));
     Link {
-        way: Way::Torsion,
+        kind: DeformationKind::Torsion,
         row: std::iter::once((gear.offset, 1.0)).chain(shapes).collect(),
         driven: Vec::new(),
         shares: vec![Share {
@@ -351,11 +363,11 @@ pub(super) fn to_ground(member: usize, gears: &[SceneGear]) -> Link {
         damping: 0.0,
         shaft: None,
         ground: None,
-        rub: None,
+        guide_friction: None,
     }
 }
 
-/// The link of what a planetary set's ground holds or drives.
+/// Returns the link of the ground of a planetary set.
 fn of_ground(ground: &Ground, gears: &[SceneGear]) -> Link {
     Link {
         ground: Some(ground.clone()),
@@ -363,8 +375,8 @@ fn of_ground(ground: &Ground, gears: &[SceneGear]) -> Link {
     }
 }
 
-/// The lowest angular frequency above zero of some elastic links and the masses that they join [rad/s]: of bodies as a whole,
-/// whatever shapes their hubs take part in.
+/// Returns the lowest positive angular frequency of some elastic links with the masses that they join [rad/s]: of
+/// bodies as a whole, whatever the mode shapes of their hubs.
 fn lowest(links: &[&mut Link], mass: &[f64], gears: &[SceneGear]) -> Option<f64> {
     let of_hub = |i: usize| {
         let moves = |g: &&SceneGear| g.range().contains(&i);

@@ -12,27 +12,27 @@
 //! take both kinds as low-rank terms: with `z = A^-1 r` the links' forces `y` solve `(1/kappa + r . z) y = -r . x`,
 //! `kappa = c_k k + c_d c`, or infinite.
 //!
-//! Motions are those of the hubs in their directions, linear: tilts are small, turns any. The shaft is round and its axes do
-//! not turn with it. Its mass stands on the nodes (`beam::lump`).
+//! Motions are those of the hubs in their directions, linear: tilts are small, rotations arbitrary. The shaft is round
+//! and its axes do not rotate with it. Its mass is lumped at the nodes (`beam::lump`).
 //!
 //! | module | owns |
 //! |---|---|
 //! | `beam` | elements as modes of deformation |
 //! | `plan` | shafts as nodes and elements |
-//! | `together` | what members of a shaft have in common; refusals |
+//! | `consistency` | what members of a shaft have in common; refusals |
 //! | `links` | links from elements, their forces, energies and damping |
 //! | `guides` | links of one hub to the ground, with friction |
-//! | `acting` | links in a scene: forces, tangents, corrections, what is reported |
+//! | `link_forces` | links in a scene: forces, tangents, corrections, what is reported |
 
-mod acting;
 mod beam;
+mod consistency;
 mod guides;
+mod link_forces;
 mod links;
 mod plan;
-mod together;
 
-pub(super) use acting::ShaftWork;
-pub(super) use beam::Way;
+pub(super) use beam::DeformationKind;
 pub(super) use guides::{CELLS, Guided, guides};
+pub(super) use link_forces::ShaftWork;
 pub(super) use links::{Link, Shafts};
 pub(super) use plan::{Plan, ShaftBody};

@@ -1,26 +1,26 @@
-//! The shafts of a scene as bodies and elements: nodes where something stands, where a section ends and where it is
-//! divided; what of the shaft's own mass goes to each.
+//! Shafts of a scene as bodies and elements: nodes at stations, ends of sections and divisions, with the lumped mass
+//! of the shaft.
 //!
 //! Gears keep their places in the scene. Bodies without teeth follow them, those with names first, then the nodes within
 //! sections; all of these are rigid bodies on hubs of their own.
 
-use super::beam::{self, Lump, Mode};
+use super::beam::{self, LumpedMass, Mode};
+use super::consistency::{axis_of, check_names, gears_of, rigid_mount, share_mount};
 use super::guides::Guided;
-use super::together::{axis_of, check_names, gears_of, rigid_mount, share_mount};
 use crate::Vec3;
 use crate::error::{BuildError, GearPart};
 use crate::gear::rigid::{self, Rigid};
 use crate::gear::table::Model;
 use crate::kinematics::Hub;
-use crate::scene::hubs::{Across, lateral_of, round_tensor};
+use crate::scene::hubs::{LateralBody, lateral_of, round_tensor};
 use crate::scene::members::SceneGear;
 use crate::spec::{
-    BodySpec, Carried, Freedom, GearSpec, LateralSpec, Load, SceneSpec, Section, ShaftDamping,
-    ShaftSpec, effective_radius, initial_speed,
+    BodySpec, Freedom, GearSpec, Load, OutOfPlaneSpec, SceneSpec, Section, ShaftDamping, ShaftSpec,
+    StationMember, effective_radius, initial_speed,
 };
 use std::borrow::Cow;
 
-/// Share of the length of a shaft within which two places are one.
+/// Distance relative to the length of a shaft within which two positions coincide.
 const SAME: f64 = 1e-9;
 
 /// An element between two members.
@@ -28,27 +28,27 @@ const SAME: f64 = 1e-9;
 pub(in crate::scene) struct Element {
     pub members: [usize; 2],
     pub modes: Vec<Mode>,
-    /// Its shaft.
+    /// Index of its shaft.
     pub shaft: usize,
-    /// It is the first between a station and the next.
+    /// True if it is the first element between a station and the next.
     pub begins: bool,
     /// Axes of the shaft.
     pub axes: [Vec3; 3],
 }
 
-/// A body on a shaft, ready to become a member of the scene.
+/// A body on a shaft, before it becomes a member of the scene.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct ShaftBody {
     pub name: String,
     pub hub: Hub,
-    /// Length by which its turn moves flanks [m].
+    /// Length by which its rotation moves flanks [m].
     pub radius: f64,
     pub loads: Vec<Load>,
     pub speed: f64,
 }
 
 impl ShaftBody {
-    /// It as a member of a scene.
+    /// Returns the body as a member of a scene.
     pub fn member(&self) -> SceneGear {
         let model = Rigid::new(self.hub.clone(), self.radius);
         SceneGear::new(&self.name, rigid::MODEL, Box::new(model), &self.loads)
@@ -62,9 +62,9 @@ pub(in crate::scene) struct Plan {
     pub bodies: Vec<ShaftBody>,
     pub elements: Vec<Element>,
     pub damping: Vec<ShaftDamping>,
-    /// Number of pieces between stations, each of which reports its torque.
+    /// Number of spans between stations, each of which reports its torque.
     pub spans: usize,
-    /// What holds members to the ground along their motion.
+    /// Guides of the members.
     pub guides: Vec<Guided>,
 }
 
@@ -72,12 +72,12 @@ pub(in crate::scene) struct Plan {
 struct Node {
     place: f64,
     station: Option<usize>,
-    lump: Lump,
-    /// Place among the members of the scene.
+    lump: LumpedMass,
+    /// Index among the members of the scene.
     member: usize,
 }
 
-/// Modes move with their hub in its own direction alone.
+/// Returns the error of a gear whose modes move with the hub in its own direction alone.
 fn moves_sideways(name: &str) -> BuildError {
     let why = (
         "an elastic gear on a shaft holds its hub sideways, but this one moves",
@@ -87,7 +87,8 @@ fn moves_sideways(name: &str) -> BuildError {
 }
 
 impl Plan {
-    /// Refuses elastic gears whose hubs move sideways: modes move those, and links between hubs do not know them.
+    /// Refuses elastic gears with out-of-plane freedom on shafts: modes move their hubs, which links between hubs do
+    /// not include.
     pub fn check(&self, gears: &[SceneGear]) -> Result<(), BuildError> {
         let joined = self.elements.iter().flat_map(|e| e.members);
         for gear in joined.map(|member| &gears[member]) {
@@ -116,7 +117,7 @@ impl Plan {
         }
     }
 
-    /// That of a scene; with it the scene whose gears have what their shafts add to them.
+    /// Builds the plan of a scene, and the scene whose gears include the lumped inertia of their shafts.
     pub fn of(spec: &SceneSpec) -> Result<(Cow<'_, SceneSpec>, Plan), BuildError> {
         let mut plan = Plan::default();
         if spec.shafts.is_empty() {
@@ -135,19 +136,19 @@ impl Plan {
             let bends = bends(spec, shaft);
             let radius = (shaft.stations.iter())
                 .find_map(|s| match s.carries {
-                    Carried::Gear(i) => Some(effective_radius(&spec.gears[i].body)),
-                    Carried::Body(_) => None,
+                    StationMember::Gear(i) => Some(effective_radius(&spec.gears[i].body)),
+                    StationMember::Body(_) => None,
                 })
                 .unwrap_or(1.0);
             for node in &nodes {
                 let station = node.station.map(|s| &shaft.stations[s].carries);
-                if let Some(Carried::Gear(i)) = station {
+                if let Some(StationMember::Gear(i)) = station {
                     add_to_gear(&mut with.gears[*i], &node.lump);
                     continue;
                 }
                 let own = BodySpec::new(&format!("{} {}", shaft.name, node.member), 0.0);
                 let mut body = match station {
-                    Some(Carried::Body(body)) => body.as_ref().clone(),
+                    Some(StationMember::Body(body)) => body.as_ref().clone(),
                     _ => BodySpec {
                         speed: shaft_speed(spec, shaft),
                         ..own
@@ -193,7 +194,7 @@ impl Plan {
     }
 }
 
-/// The nodes of a shaft in order.
+/// Returns the nodes of a shaft in order.
 fn nodes(shaft: &ShaftSpec, named: &mut usize, unnamed: &mut usize) -> Vec<Node> {
     let mut places: Vec<(f64, Option<usize>)> = (shaft.stations.iter().enumerate())
         .map(|(k, s)| (s.place, Some(k)))
@@ -225,14 +226,14 @@ fn nodes(shaft: &ShaftSpec, named: &mut usize, unnamed: &mut usize) -> Vec<Node>
             *count - 1
         };
         let member = match station.map(|s| &shaft.stations[s].carries) {
-            Some(Carried::Gear(i)) => *i,
-            Some(Carried::Body(_)) => next(named),
+            Some(StationMember::Gear(i)) => *i,
+            Some(StationMember::Body(_)) => next(named),
             None => next(unnamed),
         };
         nodes.push(Node {
             place,
             station,
-            lump: Lump::default(),
+            lump: LumpedMass::default(),
             member,
         });
     }
@@ -256,23 +257,24 @@ fn section_at(shaft: &ShaftSpec, place: f64) -> Option<&Section> {
     })
 }
 
-/// Something on the shaft may move sideways: then all of it may that its mount does not hold.
+/// Returns true if a member of the shaft has out-of-plane freedom: then all members do, except where their mounts fix
+/// them.
 fn bends(spec: &SceneSpec, shaft: &ShaftSpec) -> bool {
     gears_of(spec, shaft).any(|(g, _)| g.lateral.is_some())
         || shaft.bodies().any(|b| b.lateral.is_some())
 }
 
-/// Speed at which the shaft turns at first: that of the first that does.
+/// Returns the initial speed of the shaft: that of the first rotating member.
 fn shaft_speed(spec: &SceneSpec, shaft: &ShaftSpec) -> f64 {
     let speeds = shaft.stations.iter().map(|s| match &s.carries {
-        Carried::Gear(i) => initial_speed(&spec.gears[*i].mount, spec.gears[*i].speed),
-        Carried::Body(body) => initial_speed(&body.mount, body.speed),
+        StationMember::Gear(i) => initial_speed(&spec.gears[*i].mount, spec.gears[*i].speed),
+        StationMember::Body(body) => initial_speed(&body.mount, body.speed),
     });
     speeds.into_iter().find(|s| *s != 0.0).unwrap_or(0.0)
 }
 
-/// A gear with what the shaft adds at its place.
-fn add_to_gear(gear: &mut GearSpec, lump: &Lump) {
+/// Adds the lumped inertia of the shaft to a gear.
+fn add_to_gear(gear: &mut GearSpec, lump: &LumpedMass) {
     let tensor = round_tensor(gear);
     gear.added_inertia += lump.polar;
     if let Some(lateral) = &mut gear.lateral {
@@ -283,7 +285,7 @@ fn add_to_gear(gear: &mut GearSpec, lump: &Lump) {
     }
 }
 
-/// The hub of a body.
+/// Returns the hub of a body.
 fn shaft_body(
     shaft: &ShaftSpec,
     body: &BodySpec,
@@ -305,9 +307,9 @@ fn shaft_body(
     hub.axes = *axes;
     if bends {
         let free = || {
-            Box::new(LateralSpec {
+            Box::new(OutOfPlaneSpec {
                 directions: [const { Freedom::Free }; 6],
-                ..LateralSpec::default()
+                ..OutOfPlaneSpec::default()
             })
         };
         let mut lateral = body.lateral.clone().unwrap_or_else(free);
@@ -319,7 +321,7 @@ fn shaft_body(
             .unwrap_or(nalgebra::Matrix3::from_diagonal(&own));
         lateral.added_mass += node.lump.mass;
         lateral.inertia = Some(own + nalgebra::Matrix3::from_diagonal(&ring));
-        let of = Across {
+        let of = LateralBody {
             name: &body.name,
             mount: &body.mount,
             speed: body.speed,

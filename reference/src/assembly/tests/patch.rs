@@ -1,4 +1,4 @@
-//! What every element must hold exactly: constant strain on distorted meshes, and its own kind of bending.
+//! Patch tests of the elements: constant strain on distorted meshes, and bending of each kind, are exact.
 
 use crate::assembly::assemble;
 use crate::element::Integrator;

@@ -12,7 +12,7 @@ pub fn nodes_where(mesh: &Mesh, condition: impl Fn(&Vec3) -> bool) -> Vec<u32> {
         .collect()
 }
 
-/// The lowest eigenfrequencies [Hz] of a held body, ascending.
+/// Returns the lowest eigenfrequencies [Hz] of a supported body, ascending.
 pub fn frequencies(reduced: &Reduced, count: usize) -> Vec<f64> {
     let found = modes::lowest(reduced, count, &modes::Options::default()).unwrap();
     found.frequencies()

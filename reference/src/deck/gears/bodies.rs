@@ -18,7 +18,7 @@ const GREATEST: f64 = 1e9;
 /// Marks a node that no element has.
 const NONE: u32 = u32::MAX;
 
-/// Splits a deck into bodies; `other` stands in for what the deck does not say of a material.
+/// Splits a deck into bodies; `other` replaces missing values of a material.
 pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, DeckError> {
     for block in &deck.blocks {
         let far = |n: &&u32| deck.nodes[**n as usize].amax() > GREATEST;

@@ -1,11 +1,11 @@
 //! A connected body of a deck, and the mesh of a gear that it becomes.
 
 use super::patch::{Grid, Quad};
-use super::{BodyShape, DeckGear, circle, decline, found, rack, spur};
+use super::{BodyShape, DeckGear, circle, decline, rack, recognised_body, spur};
 use crate::deck::data::Deck;
 use crate::deck::error::DeckError;
 use crate::mesh::{Block, GearMesh, Mesh, flank_set};
-use crate::recognise::{self, Axis, Known, Misfit, Skin};
+use crate::recognise::{self, Axis, Misfit, Skin, SpecifiedBody};
 use crate::vector::turned;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
@@ -18,18 +18,18 @@ pub(super) struct NamedFlank {
     pub(super) label: i64,
     pub(super) side: Side,
     pub(super) quads: Vec<Quad>,
-    /// The node set, if it is one, and how many corners of elements it has: all have to lie in the grid.
+    /// The node set, if it is one, and its number of element corners, all of which have to be in the grid.
     pub(super) members: Option<(Vec<u32>, usize)>,
 }
 
-/// A flank that was found: its grid, and the tooth by where it stands.
+/// A flank that was found: its grid, and the tooth at its position.
 pub(super) struct PlacedFlank {
     pub(super) tooth: u32,
     pub(super) side: Side,
     pub(super) grid: Grid,
 }
 
-/// What the placement of a body adds to its mesh.
+/// Pose and flanks that the recognition of a body adds to its mesh.
 pub(super) struct Placement {
     pub(super) shape: BodyShape,
     pub(super) teeth: u32,
@@ -85,7 +85,7 @@ impl Body {
         super::snapped(0.5 * (low + high), high - low)
     }
 
-    /// What the bore's nodes lie on, seen along z.
+    /// Returns the shape of the bore, seen along z.
     fn bore_shape(&self) -> circle::Shape {
         let bore = self.bore_corners().into_iter();
         let bore: Vec<Vec3> = bore.map(|n| self.positions[n as usize]).collect();
@@ -93,7 +93,11 @@ impl Body {
     }
 
     /// The mesh in its own frame. What no set names is recognised: the bore or the back, the flanks, an axis that is not z.
-    pub(super) fn into_gear(mut self, deck: &Deck, known: &Known) -> Result<DeckGear, DeckError> {
+    pub(super) fn into_gear(
+        mut self,
+        deck: &Deck,
+        known: &SpecifiedBody,
+    ) -> Result<DeckGear, DeckError> {
         let mut axis = Axis {
             direction: Vec3::z(),
             point: Vec3::zeros(),
@@ -113,7 +117,7 @@ impl Body {
                         self.bore = found.held().to_vec();
                     }
                     if self.flanks.is_empty() {
-                        return Ok(found::gear(self, deck, &skin, found));
+                        return Ok(recognised_body::gear(self, deck, &skin, found));
                     }
                     // Sets name flanks: they are taken as they are, in the frame where the axis is z.
                     axis.direction = found.axis().direction;
@@ -239,7 +243,7 @@ impl Body {
         Ok(gear)
     }
 
-    /// Declines a body that is no gear by its sets nor by its surface, or not the one that is said.
+    /// Declines a body that is not a gear by its sets nor by its surface, or not the specified one.
     fn unknown(&self, deck: &Deck, why: &Misfit) -> DeckError {
         if let Misfit::Against { .. } = why {
             return against(deck, &self.name, why);
@@ -257,7 +261,7 @@ impl Body {
     }
 }
 
-/// Declines a body that is not as it is said.
+/// Declines a body that disagrees with its specification.
 fn against(deck: &Deck, body: &str, why: &Misfit) -> DeckError {
     decline(
         deck,

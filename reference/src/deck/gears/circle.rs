@@ -1,4 +1,4 @@
-//! What the bore's nodes tell: a circle about z, or a plane parallel to z.
+//! Shape of a bore from its nodes: a circle about z, or a plane parallel to z.
 
 use gearbench_models::Vec3;
 
@@ -12,7 +12,7 @@ pub(super) enum Shape {
     Circle {
         /// Centre, z = 0 [m].
         centre: Vec3,
-        /// Radius [m].
+        /// Radius of the circle [m].
         radius: f64,
     },
     /// Nodes on a line with this unit normal.
@@ -20,7 +20,7 @@ pub(super) enum Shape {
         /// Unit vector in the x-y plane, of either sense.
         normal: Vec3,
     },
-    /// Something else.
+    /// Neither a circle nor a plane.
     Neither,
 }
 

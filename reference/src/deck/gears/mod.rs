@@ -4,7 +4,7 @@
 //!   on it: nodes on a circle about z make a gear, nodes in a plane parallel to z a rack.
 //! - What no set names is recognised from the surface ([`crate::recognise`]): the axis, whatever its direction, the bore,
 //!   the flanks, the back of a rack. Flanks whose faces are no structured grid touch at points tied to them. What the user
-//!   says of the body ([`Known`]) leads, and what is found has to agree with it.
+//!   says of the body ([`SpecifiedBody`]) leads, and what is found has to agree with it.
 //! - Flanks are the node sets `flank_3l` or `flank1_3l` (gear 1, tooth 3, left), or surfaces of these names with
 //!   an `s` in front. Their grids are found from the faces, whatever the labels. Teeth are numbered by where they
 //!   stand, counter-clockwise from the tooth called 1; sides have to be called what they are.
@@ -15,31 +15,31 @@
 mod bodies;
 mod body;
 mod circle;
-mod found;
 mod groups;
 mod names;
 mod patch;
 mod rack;
+mod recognised_body;
 mod spur;
 
 use super::data::Deck;
 use super::error::{DeckError, DeckErrorKind};
 use crate::mesh::{Face, GearMesh, Mesh};
-use crate::recognise::{Found, Known, across};
+use crate::recognise::{RecognisedBody, SpecifiedBody, across};
 use crate::vector::{snapped, turned};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
 use std::collections::HashMap;
 
-/// What kind of toothed body.
+/// Kind of a toothed body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BodyShape {
-    /// A gear.
+    /// A gear with a bore.
     Gear,
-    /// A rack; its own x axis stands at this angle in the deck [rad].
+    /// A rack, whose own x axis is at this angle in the deck [rad].
     Rack {
-        /// Angle [rad].
+        /// Angle of the x axis [rad].
         direction: f64,
     },
 }
@@ -49,17 +49,17 @@ pub enum BodyShape {
 pub struct DeckGear {
     /// Element set it was read from, or `gear1`, `gear2`, ... in the deck's order.
     pub name: String,
-    /// Gear or rack.
+    /// Kind of the body: gear or rack.
     pub shape: BodyShape,
     /// Mesh in its own frame.
     pub mesh: GearMesh,
-    /// Material.
+    /// Material of the body.
     pub material: Material,
     /// Direction of the axis in the deck; its own z axis. The own x axis, before it is turned by `phase`, is the first of
     /// [`Axis::across`](crate::recognise::Axis::across): x of the deck where this is z.
     pub axis: Vec3,
-    /// Where the axis stands at half the width [m]; of a rack the point of its reference line next to the
-    /// deck's origin.
+    /// Point of the axis at half the width [m]; for a rack the point of its reference line next to the origin of the
+    /// deck.
     pub centre: Vec3,
     /// Angle of tooth 0's centreline [rad]; of a rack its distance from `centre` along the rack's own y [m].
     pub phase: f64,
@@ -67,10 +67,10 @@ pub struct DeckGear {
     pub nodes: Vec<u32>,
     /// The deck's number of each element.
     pub elements: Vec<u32>,
-    /// Which of the deck's rigid bodies holds the bore.
+    /// Index of the rigid body of the deck that is tied to the bore.
     pub rigid_body: Option<usize>,
-    /// What was recognised of it, where no sets name its flanks.
-    pub found: Option<Found>,
+    /// Result of the recognition, where no sets name the flanks.
+    pub found: Option<RecognisedBody>,
     /// Flanks that cannot touch though the body should have them, a sentence each.
     pub missing: Vec<String>,
 }
@@ -84,8 +84,8 @@ fn flank_words(tooth: u32, side: Side) -> String {
     format!("the {side} flank of tooth {}", tooth + 1)
 }
 
-/// Where a point of a body's own frame stands: turned about z to its phase, then with z to the axis, then moved to the
-/// centre.
+/// Transforms a point from the frame of a body to the deck: rotation about z by its phase, rotation of z to the axis,
+/// translation to the centre.
 pub(super) fn placed(shape: BodyShape, [centre, axis]: [Vec3; 2], phase: f64, x: Vec3) -> Vec3 {
     let x = match shape {
         BodyShape::Gear => turned(x, phase),
@@ -154,21 +154,22 @@ pub fn gears(deck: &Deck) -> Result<Vec<DeckGear>, DeckError> {
     gears_with(deck, None)
 }
 
-/// As [`gears`]; what the deck does not say of a material is taken from `other`.
+/// Returns the gears of a deck as [`gears`]; missing values of a material are those of `other`.
 pub fn gears_with(deck: &Deck, other: Option<Material>) -> Result<Vec<DeckGear>, DeckError> {
-    gears_known(deck, other, &Known::default())?
+    gears_known(deck, other, &SpecifiedBody::default())?
         .into_iter()
         .collect()
 }
 
-/// Each body of a deck as [`gears_with`] makes it, or why it is none, for one of which `known` is said.
+/// Returns each body of a deck as [`gears_with`] makes it, or the reason why it is not a gear; `known` specifies one
+/// of them.
 ///
 /// # Errors
 /// A deck that is no set of bodies.
 pub fn gears_known(
     deck: &Deck,
     other: Option<Material>,
-    known: &Known,
+    known: &SpecifiedBody,
 ) -> Result<Vec<Result<DeckGear, DeckError>>, DeckError> {
     let bodies = bodies::split(deck, other)?;
     if bodies.is_empty() {

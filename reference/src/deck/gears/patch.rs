@@ -1,4 +1,4 @@
-//! A flank's faces as a structured grid, found from how they join.
+//! Recognition of the faces of a flank as a structured grid, from their adjacency.
 
 use super::decline;
 use crate::deck::data::Deck;
@@ -29,15 +29,15 @@ pub(super) struct Grid {
     pub(super) set: String,
     pub(super) rows: usize,
     pub(super) columns: usize,
-    /// Row by row.
+    /// Nodes of the grid, row by row.
     pub(super) nodes: Vec<u32>,
-    /// Row by row.
+    /// Faces of the grid, row by row.
     pub(super) faces: Vec<Face>,
-    /// The whole node set with its mid-side nodes, if it came from one.
+    /// Whole node set with its mid-side nodes, if the grid came from one.
     pub(super) members: Option<Vec<u32>>,
 }
 
-/// Quadrilaterals that belong to one element only.
+/// Returns the quadrilaterals that belong to one element only.
 pub(super) fn boundary(blocks: &[Block]) -> Vec<Quad> {
     let surface = mesh::boundary(blocks);
     let (mut block, mut before) = (0, 0);

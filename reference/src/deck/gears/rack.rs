@@ -1,4 +1,4 @@
-//! A rack: its direction, its teeth, its reference line, and where tooth 0 stands.
+//! Recognition of a rack: its direction, its teeth, its reference line, and the position of tooth 0.
 
 use super::body::{Body, PlacedFlank, Placement};
 use super::spur::{centreline, stands, teeth};

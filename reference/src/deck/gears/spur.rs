@@ -1,4 +1,4 @@
-//! A gear: its axis, its teeth, and where tooth 0 stands.
+//! Recognition of a gear: its axis, its teeth, and the position of tooth 0.
 
 use super::body::{Body, PlacedFlank, Placement};
 use super::groups::Groups;
@@ -15,8 +15,8 @@ use std::f64::consts::TAU;
 /// Heights tried when teeth are counted.
 const LEVELS: usize = 32;
 
-/// Nodes of each tooth: what stays apart above a height. The count that holds over most heights is taken, and
-/// the teeth at the middle of those heights.
+/// Returns the nodes of each tooth: the pieces that are separate above a height. The count that is constant over the
+/// largest range of heights is used, with the teeth at the middle of that range.
 pub(super) fn teeth(body: &Body, height: &dyn Fn(u32) -> f64) -> Option<Vec<Vec<u32>>> {
     let elements: Vec<&[u32]> = body.corners().collect();
     let heights: Vec<f64> = (elements.iter())
@@ -102,8 +102,8 @@ pub(super) fn centreline(left: &[[f64; 2]], right: &[[f64; 2]]) -> Option<f64> {
     (!mids.is_empty()).then(|| mids.iter().sum::<f64>() / mids.len() as f64)
 }
 
-/// A flank with the tooth and side it belongs to by where it stands.
-pub(super) struct Stand {
+/// A flank with its tooth and side, determined by its position.
+pub(super) struct PositionedFlank {
     /// Pitches from the base tooth.
     pub(super) steps: i64,
     /// Tooth in the name of its set.
@@ -114,8 +114,8 @@ pub(super) struct Stand {
     pub(super) profile: Vec<[f64; 2]>,
 }
 
-/// Finds where the flanks stand; `offset` is the distance of a place from the base tooth's centreline.
-/// `left` is the sign of that distance on left flanks.
+/// Determines teeth and sides of the flanks; `offset` is the distance of a point from the centreline of the base
+/// tooth, `left` the sign of that distance on left flanks.
 pub(super) fn stands(
     body: &Body,
     deck: &Deck,
@@ -123,7 +123,7 @@ pub(super) fn stands(
     point: &dyn Fn(u32) -> [f64; 3],
     offset: &dyn Fn(f64) -> f64,
     left: f64,
-) -> Result<Vec<Stand>, DeckError> {
+) -> Result<Vec<PositionedFlank>, DeckError> {
     let mut found = Vec::with_capacity(body.flanks.len());
     for flank in &body.flanks {
         let z = |n: u32| point(n)[2];
@@ -159,7 +159,7 @@ pub(super) fn stands(
                 "swap l and r in the names of the sets",
             ));
         }
-        found.push(Stand {
+        found.push(PositionedFlank {
             steps: steps as i64,
             label: flank.label,
             side,
@@ -170,7 +170,7 @@ pub(super) fn stands(
     Ok(found)
 }
 
-/// Places a gear whose bore is a circle, seen along the axis; the deck's nodes are where it has them.
+/// Places a gear whose bore is a circle, seen along the axis; the nodes keep their positions in the deck.
 pub(super) fn place(
     body: &Body,
     (deck, axis): (&Deck, &Axis),

@@ -240,7 +240,7 @@ fn one_embedded_reference_reads_too() {
     assert!(gears(&none).is_err());
 }
 
-/// What a deck does not say of the material is taken from elsewhere, and only that.
+/// Missing values of a material are completed, and given ones are not changed.
 #[test]
 fn materials_are_completed() {
     let bytes = include_bytes!("../../../calculix/modal/impA_g1_C3D8.inp.gz");

@@ -1,4 +1,4 @@
-//! The values of a mesh of Gmsh, as text or binary, by one set of calls.
+//! Reader of the values of a mesh of Gmsh, text or binary, by one interface.
 //!
 //! As text a record is a line, and values are its words. Binary, records follow one another without ends, whole numbers
 //! have four bytes (tags of nodes and elements and counts of version 4.1 eight), numbers eight, in the order of the number 1
@@ -23,7 +23,7 @@ pub(super) struct Lines<'a> {
     at: usize,
     /// Lines before it; of a binary mesh those before its first binary section.
     line: usize,
-    /// What is left of the line that is being read, as text.
+    /// Rest of the present line of text.
     words: &'a [u8],
     section: &'static str,
     binary: Option<Bytes>,
@@ -123,12 +123,12 @@ impl<'a> Lines<'a> {
         self.raw = false;
     }
 
-    /// Whether the values of this section are binary.
+    /// Returns true if the values of this section are binary.
     pub(super) fn is_raw(&self) -> bool {
         self.raw
     }
 
-    /// From here on the mesh is binary; reads the number 1 that tells the order of its bytes.
+    /// Switches to binary values; reads the number 1 that determines the order of bytes.
     pub(super) fn turn_binary(&mut self, wide: bool) -> Result<(), DeckError> {
         let one = self.take(4, "the number 1 as four bytes")?;
         self.binary = match one {
@@ -163,7 +163,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The next word of a line; empty behind the last one.
+    /// Returns the next word of a line, empty after the last one.
     fn word(&mut self) -> &'a str {
         let rest = self.words.trim_ascii_start();
         let end = rest.iter().position(u8::is_ascii_whitespace);
@@ -172,7 +172,7 @@ impl<'a> Lines<'a> {
         std::str::from_utf8(word).unwrap_or("?")
     }
 
-    /// What is left of a line.
+    /// Returns the rest of a line.
     pub(super) fn rest(&mut self) -> String {
         let rest = std::mem::take(&mut self.words).trim_ascii();
         let text = String::from_utf8_lossy(rest);
@@ -270,7 +270,7 @@ impl<'a> Lines<'a> {
         Ok(Vec3::new(self.number()?, self.number()?, self.number()?))
     }
 
-    /// Numbers that say nothing here, which a line of text may leave unread.
+    /// Skips numbers without meaning here, which a line of text may leave unread.
     pub(super) fn pass_numbers(&mut self, count: usize) -> Result<(), DeckError> {
         let bytes = if self.raw { count.saturating_mul(8) } else { 0 };
         self.take(bytes, "a number").map(|_| ())

@@ -177,7 +177,7 @@ fn refusals_say_where_what_and_how() {
     }
 }
 
-/// A text mesh as a binary one, after the format's own description and by no code of the reader.
+/// Converts a text mesh to a binary one by the description of the format, without code of the reader.
 fn as_binary(text: &str, high_first: bool) -> Vec<u8> {
     let mut out = Vec::new();
     let mut old = false;

@@ -1,11 +1,11 @@
-//! Parts, their instances, and where those stand.
+//! Parts, their instances, and the poses of these.
 //!
 //! A part is read into a deck of its own; an instance is a copy of it with what the instance adds, moved by a
 //! translation and then a turn about the axis through two points (manual of Abaqus, *INSTANCE). Names of its sets
 //! get that of the instance in front, as `pinion-1.bore`; labels count within each instance.
 
 use super::model::field;
-use super::others::MARK;
+use super::non_solids::MARK;
 use super::{Reader, at_most, known, named, number_or_zero, options};
 use crate::deck::data::{Deck, Label};
 use crate::deck::error::{DeckError, DeckErrorKind, Place, quote};
@@ -20,18 +20,18 @@ pub(super) struct Scope {
     name: String,
     outer: Deck,
     place: Place,
-    /// Of an instance, where it stands.
-    stands: Option<Standing>,
+    /// Pose of an instance.
+    stands: Option<InstancePose>,
 }
 
-/// Where an instance stands: `x -> point + turn (x + shift - point)`.
-struct Standing {
+/// Pose of an instance: `x -> point + turn (x + shift - point)`.
+struct InstancePose {
     shift: Vec3,
     point: Vec3,
     turn: Rotation3<f64>,
 }
 
-impl Standing {
+impl InstancePose {
     fn of(&self, x: &Vec3) -> Vec3 {
         self.point + self.turn * (x + self.shift - self.point)
     }
@@ -91,7 +91,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn open(&mut self, name: String, k: &Keyword, inner: Deck, stands: Option<Standing>) {
+    fn open(&mut self, name: String, k: &Keyword, inner: Deck, stands: Option<InstancePose>) {
         let outer = std::mem::replace(&mut self.deck, inner);
         self.scope = Some(Scope {
             name,
@@ -160,9 +160,9 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// No line, one with a translation, or a second with two points and an angle.
-    fn standing(&mut self, k: &Keyword) -> Result<Standing, DeckError> {
-        let mut stands = Standing {
+    /// Reads the pose: no line, one with a translation, or a second with two points and an angle.
+    fn standing(&mut self, k: &Keyword) -> Result<InstancePose, DeckError> {
+        let mut stands = InstancePose {
             shift: Vec3::zeros(),
             point: Vec3::zeros(),
             turn: Rotation3::identity(),
@@ -260,7 +260,7 @@ impl Reader<'_> {
         Some(place as u32 + 1)
     }
 
-    /// The instance that an option names; 0 without one.
+    /// Returns the instance of an option, or 0 without one.
     pub(super) fn named_instance(&self, k: &Keyword, name: Option<&str>) -> Result<u32, DeckError> {
         let Some(name) = name else {
             return Ok(0);
@@ -277,7 +277,7 @@ impl Reader<'_> {
 
 impl Deck {
     /// Adds an instance, with its name in front of those of its sets.
-    fn join(&mut self, name: &str, from: Deck, stands: &Standing) {
+    fn join(&mut self, name: &str, from: Deck, stands: &InstancePose) {
         self.instances.push(name.to_owned());
         let instance = self.instances.len() as u32;
         let first_node = self.nodes.len() as u32;

@@ -1,7 +1,7 @@
 //! Surfaces, interactions and contact pairs.
 
 use super::model::{field, twice};
-use super::others::MARK;
+use super::non_solids::MARK;
 use super::{Reader, known, named, number};
 use crate::deck::data::{ContactKind, ContactPair, Interaction};
 use crate::deck::error::{DeckError, quote};
@@ -124,7 +124,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What an interaction says beyond a linear penalty: passed over, and remembered.
+    /// Stores further properties of an interaction beyond a linear penalty, which are ignored.
     pub(super) fn more_of_interaction(&mut self, k: &Keyword) -> Result<(), DeckError> {
         let interaction = self
             .interaction
@@ -173,7 +173,7 @@ impl Reader<'_> {
     }
 }
 
-/// The value of an option, if it has one.
+/// Returns the value of an option, if it has one.
 fn option<'k>(k: &'k Keyword, name: &str) -> Option<&'k str> {
     let option = k.options.iter().find(|o| o.key == name)?;
     option.value.as_deref()

@@ -1,4 +1,4 @@
-//! What can only be checked when the whole deck was read.
+//! Checks that are possible only after the whole deck was read.
 
 use super::{Reader, known};
 use crate::deck::data::{Deck, Target};
@@ -50,11 +50,11 @@ impl Reader<'_> {
             let context = "*SOLID SECTION";
             known(&s.place, context, "element set", &s.set, &deck.element_sets)?;
             let members = &deck.element_sets[&s.set];
-            if let Some(&other) = members.iter().find(|e| **e & super::others::MARK != 0) {
+            if let Some(&other) = members.iter().find(|e| **e & super::non_solids::MARK != 0) {
                 let label = deck
                     .others
                     .elements
-                    .get_index((other & !super::others::MARK) as usize);
+                    .get_index((other & !super::non_solids::MARK) as usize);
                 let label = label.map_or(0, |(l, _)| l.number);
                 return Err(s.place.error(
                     DeckErrorKind::Unsupported,

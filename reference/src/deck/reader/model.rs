@@ -1,6 +1,6 @@
 //! Nodes, elements and sets.
 
-use super::others;
+use super::non_solids;
 use super::{Reader, at_most, known, label, named, number_or_zero, options, whole};
 use crate::deck::data::{ElementBlock, Label};
 use crate::deck::error::{DeckError, quote};
@@ -9,9 +9,9 @@ use crate::mesh::ElementKind;
 use gearbench_models::Vec3;
 use std::collections::HashSet;
 
-/// What a set is made of.
+/// Members of a set.
 #[derive(Clone, Copy)]
-enum Of {
+enum SetKind {
     Nodes,
     Elements,
 }
@@ -51,7 +51,7 @@ impl Reader<'_> {
             new.push(dense as u32);
         }
         if let Some(set) = set {
-            self.extend(k, Of::Nodes, set, new);
+            self.extend(k, SetKind::Nodes, set, new);
         }
         Ok(())
     }
@@ -61,7 +61,7 @@ impl Reader<'_> {
         let [kind, set] = options(k, ["TYPE", "ELSET"], &[])?;
         let name = named(k, "TYPE", kind)?.to_ascii_uppercase();
         let set = set.map(|s| named(k, "ELSET", Some(s))).transpose()?;
-        let members = match (others::solid(&name), others::nodes_of_other(&name)) {
+        let members = match (non_solids::solid(&name), non_solids::nodes_of_other(&name)) {
             (Some(kind), _) => self.solids(k, &name, kind, set.clone())?,
             (None, Some(nodes)) => self.other_elements(k, &name, nodes)?,
             (None, None) => {
@@ -74,7 +74,7 @@ impl Reader<'_> {
             }
         };
         if let Some(set) = set {
-            self.extend(k, Of::Elements, set, members);
+            self.extend(k, SetKind::Elements, set, members);
         }
         Ok(())
     }
@@ -119,7 +119,7 @@ impl Reader<'_> {
         Ok((first..end).collect())
     }
 
-    /// The label of an element, which has to be a new one.
+    /// Returns the label of an element, which has to be a new one.
     pub(super) fn new_label(&self, k: &Keyword, data: &Data) -> Result<Label, DeckError> {
         let number = label(k, data, field(data, 0))?;
         match self.deck.any_element(number.into()) {
@@ -200,11 +200,11 @@ impl Reader<'_> {
             let of = self.deck.element_sets[&name].iter();
             let nodes = of.flat_map(|&e| self.deck.nodes_of_any(e)).copied();
             let nodes: Vec<u32> = nodes.collect();
-            self.extend(k, Of::Nodes, set, nodes);
+            self.extend(k, SetKind::Nodes, set, nodes);
             return Ok(());
         }
-        let members = self.members(k, Of::Nodes, generate.is_some(), instance)?;
-        self.extend(k, Of::Nodes, set, members);
+        let members = self.members(k, SetKind::Nodes, generate.is_some(), instance)?;
+        self.extend(k, SetKind::Nodes, set, members);
         Ok(())
     }
 
@@ -216,12 +216,12 @@ impl Reader<'_> {
         )?;
         let set = named(k, "ELSET", set)?;
         let instance = self.named_instance(k, instance)?;
-        let members = self.members(k, Of::Elements, generate.is_some(), instance)?;
-        self.extend(k, Of::Elements, set, members);
+        let members = self.members(k, SetKind::Elements, generate.is_some(), instance)?;
+        self.extend(k, SetKind::Elements, set, members);
         Ok(())
     }
 
-    /// The name of a set, within an instance if one is given.
+    /// Returns the name of a set, qualified by an instance if one is given.
     pub(super) fn of_instance(&self, instance: u32, name: &str) -> String {
         let name = name.to_ascii_lowercase();
         match (instance as usize).checked_sub(1) {
@@ -234,7 +234,7 @@ impl Reader<'_> {
     fn members(
         &mut self,
         k: &Keyword,
-        of: Of,
+        of: SetKind,
         generate: bool,
         instance: u32,
     ) -> Result<Vec<u32>, DeckError> {
@@ -256,8 +256,8 @@ impl Reader<'_> {
                 }
                 let name = self.of_instance(instance, text);
                 let (what, sets) = match of {
-                    Of::Nodes => ("node set", &self.deck.node_sets),
-                    Of::Elements => ("element set", &self.deck.element_sets),
+                    SetKind::Nodes => ("node set", &self.deck.node_sets),
+                    SetKind::Elements => ("element set", &self.deck.element_sets),
                 };
                 known(&data.place, &k.text, what, &name, sets)?;
                 // A set named a hundred times adds its members once: a deck cannot grow by repetition.
@@ -273,14 +273,14 @@ impl Reader<'_> {
     fn member(
         &self,
         k: &Keyword,
-        of: Of,
+        of: SetKind,
         data: &Data,
         text: &str,
         instance: u32,
     ) -> Result<u32, DeckError> {
         match of {
-            Of::Nodes => self.node_in(k, data, text, instance),
-            Of::Elements => self.element_in(k, data, text, instance),
+            SetKind::Nodes => self.node_in(k, data, text, instance),
+            SetKind::Elements => self.element_in(k, data, text, instance),
         }
     }
 
@@ -288,7 +288,7 @@ impl Reader<'_> {
     fn range(
         &self,
         k: &Keyword,
-        of: Of,
+        of: SetKind,
         data: &Data,
         instance: u32,
         members: &mut Vec<u32>,
@@ -314,14 +314,14 @@ impl Reader<'_> {
         let place = |number: u32| {
             let label = Label { instance, number };
             match of {
-                Of::Nodes => self.deck.node_labels.get_index_of(&label).map(|n| n as u32),
-                Of::Elements => self.deck.any_element(label),
+                SetKind::Nodes => self.deck.node_labels.get_index_of(&label).map(|n| n as u32),
+                SetKind::Elements => self.deck.any_element(label),
             }
         };
         // Ranges may have gaps. Never more steps than the deck has labels.
         let known = match of {
-            Of::Nodes => self.deck.node_labels.len(),
-            Of::Elements => self.deck.element_labels.len() + self.deck.others.elements.len(),
+            SetKind::Nodes => self.deck.node_labels.len(),
+            SetKind::Elements => self.deck.element_labels.len() + self.deck.others.elements.len(),
         };
         let before = members.len();
         let steps = (last - first) / step;
@@ -330,8 +330,8 @@ impl Reader<'_> {
             members.extend(labels.filter_map(place));
         } else {
             let labels = match of {
-                Of::Nodes => &self.deck.node_labels,
-                Of::Elements => &self.deck.element_labels,
+                SetKind::Nodes => &self.deck.node_labels,
+                SetKind::Elements => &self.deck.element_labels,
             };
             let within = |l: &&Label| {
                 l.instance == instance
@@ -352,10 +352,10 @@ impl Reader<'_> {
     }
 
     /// Adds to a set, each member once.
-    fn extend(&mut self, k: &Keyword, of: Of, name: String, members: Vec<u32>) {
+    fn extend(&mut self, k: &Keyword, of: SetKind, name: String, members: Vec<u32>) {
         let sets = match of {
-            Of::Nodes => &mut self.deck.node_sets,
-            Of::Elements => &mut self.deck.element_sets,
+            SetKind::Nodes => &mut self.deck.node_sets,
+            SetKind::Elements => &mut self.deck.element_sets,
         };
         let place = || k.place.clone();
         self.deck.defined.entry(name.clone()).or_insert_with(place);
@@ -365,12 +365,12 @@ impl Reader<'_> {
     }
 }
 
-/// A field of a data line; one left out is empty.
+/// Returns a field of a data line; a missing one is empty.
 pub(super) fn field(data: &Data, i: usize) -> &str {
     data.fields.get(i).map_or("", String::as_str)
 }
 
-/// A second definition.
+/// Returns the error of a second definition.
 pub(super) fn twice(k: &Keyword, what: &str, name: &str) -> DeckError {
     k.reference(
         format!("each {what} once"),

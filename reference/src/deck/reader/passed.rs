@@ -2,12 +2,13 @@
 
 use super::Reader;
 use super::options;
-use crate::deck::data::{Beyond, Procedure};
+use crate::deck::data::{NonlinearProperty, Procedure};
 use crate::deck::error::{DeckError, quote};
 use crate::deck::lexer::Keyword;
 
-/// Loads, conditions, output, control of the solution, and properties without weight or stiffness. An orientation
-/// turns nothing of an isotropic material; a coupling ties nodes to a point, as the bore is tied to the hub here.
+/// Ignored keywords: loads, conditions, output, control of the solution, and properties without weight or stiffness.
+/// An orientation has no effect on an isotropic material; a coupling ties nodes to a point, as the bore is tied to the
+/// hub here.
 const NEUTRAL: &str = "\
     AMPLITUDE BASEMOTION BOUNDARYF CFILM CFLUX CLOAD CRADIATE DFLUX DLOAD DSFLUX DSLOAD FIELD FILM \
     INERTIARELIEF LOADCASE ENDLOADCASE MASSFLOW MASSFLOWRATE PRESSURESTRESS PSD-DEFINITION RADIATE \
@@ -35,7 +36,7 @@ const PROCEDURES: &str = "\
     MODALDYNAMIC NOANALYSIS RANDOMRESPONSE REFINEMESH RESPONSESPECTRUM ROBUSTDESIGN SENSITIVITY \
     STEADYSTATEDYNAMICS SUBSTRUCTUREGENERATE UNCOUPLEDTEMPERATURE-DISPLACEMENT VISCO";
 
-/// What makes a material more than linear and isotropic.
+/// Keywords of materials beyond linear isotropic elasticity.
 const BEYOND_ELASTIC: &str = "\
     BRITTLECRACKING CAPPLASTICITY CASTIRONPLASTICITY CLAYPLASTICITY CONCRETE \
     CONCRETEDAMAGEDPLASTICITY CREEP CRUSHABLEFOAM CYCLICHARDENING DAMAGEEVOLUTION DAMAGEINITIATION \
@@ -43,7 +44,7 @@ const BEYOND_ELASTIC: &str = "\
     HYPOELASTIC HYSTERESIS JOHNSONCOOK LOWDENSITYFOAM MOHRCOULOMB MULLINSEFFECT NOCOMPRESSION \
     NOTENSION PLASTIC POROUSELASTIC RATEDEPENDENT SWELLING USERMATERIAL VISCOELASTIC VISCOUS";
 
-/// What else changes a body, or how it hangs together, with the reason and the way out.
+/// Keywords that change a body or its connectivity in other ways, with the reason and the remedy.
 const DECLINED: &[(&str, &str, &str)] = &[
     (
         "EQUATION MPC TIE EMBEDDEDELEMENT SHELLTOSOLIDCOUPLING FASTENER COUPLEDNODES",
@@ -140,9 +141,9 @@ impl Reader<'_> {
         *self.deck.passed_over.entry(what).or_default() += 1;
     }
 
-    /// What makes a material more than linear and isotropic: its bodies are declined.
+    /// Marks a material beyond linear isotropic elasticity: its bodies are declined.
     pub(super) fn beyond(&mut self, k: &Keyword, reason: &str) -> Result<(), DeckError> {
-        let beyond = Beyond {
+        let beyond = NonlinearProperty {
             keyword: k.text.clone(),
             reason: reason.to_owned(),
             place: k.place.clone(),
@@ -153,7 +154,7 @@ impl Reader<'_> {
     }
 }
 
-/// Whether a keyword is one of a list.
+/// Returns true if a keyword is in a list.
 fn among(list: &str, key: &str) -> bool {
     list.split_whitespace().any(|k| k == key)
 }

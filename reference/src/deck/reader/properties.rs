@@ -40,8 +40,8 @@ impl Reader<'_> {
             .ok_or_else(|| k.syntax("*MATERIAL before it", "none", ""))
     }
 
-    /// A line of numbers, perhaps with the temperature they hold at behind them. Nothing when further lines make
-    /// them depend on it.
+    /// Reads a line of numbers, optionally followed by their temperature; `None` when further lines make them depend
+    /// on it.
     fn one_line(
         &mut self,
         k: &Keyword,

@@ -6,7 +6,7 @@ use crate::deck::data::{Procedure, Step};
 use crate::deck::error::{DeckError, quote};
 use crate::deck::lexer::{Data, Keyword};
 
-/// Options of *STEP that change nothing that is read.
+/// Options of *STEP without effect on the data that are read.
 const STEP_OPTIONS: &[&str] = &[
     "NAME",
     "AMPLITUDE",
@@ -25,7 +25,7 @@ const STEP_OPTIONS: &[&str] = &[
     "INCFRAC",
 ];
 
-/// Keywords that only ask for output: they change no model.
+/// Keywords that only request output.
 pub(super) const REQUESTS: [&str; 15] = [
     "NODEPRINT",
     "NODEFILE",

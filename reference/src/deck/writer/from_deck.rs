@@ -9,7 +9,7 @@ use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 
 impl<'a> Impact<'a> {
-    /// The impact of a deck with two gears, their contact pairs and one implicit dynamic step.
+    /// Builds the impact of a deck with two gears, their contact pairs and one implicit dynamic step.
     pub fn of(deck: &Deck, gears: &'a [DeckGear]) -> Result<Self, DeckError> {
         let decline = |expected: &str, found: String, help: &str| {
             DeckError::new(DeckErrorKind::Gear, "an impact", expected, found, help)

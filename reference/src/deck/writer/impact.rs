@@ -1,6 +1,6 @@
-//! The deck of an impact: two gears with rigid bores, contact of tooth pairs, initial speeds, one implicit step.
+//! Deck of an impact: two gears with rigid bores, contact of tooth pairs, initial speeds, one implicit step.
 
-use super::{Numbered, WriteError, heading, materials, number};
+use super::{NumberedGear, WriteError, heading, materials, number};
 use crate::deck::gears::{BodyShape, DeckGear, placed};
 use crate::mesh::{GearMesh, letter};
 use crate::recognise::across;
@@ -9,7 +9,7 @@ use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
 use std::io::{self, Write};
 
-/// How a bore is held.
+/// Support of a bore.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hub {
     /// A rigid body, free to turn about the axis, with this speed at the start [rad/s].
@@ -17,18 +17,18 @@ pub enum Hub {
         /// Angular velocity [rad/s].
         speed: f64,
     },
-    /// All nodes of the bore held.
+    /// All nodes of the bore are fixed.
     Clamped,
 }
 
-/// A gear of an impact and where it stands.
+/// A gear of an impact, with its pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImpactGear<'a> {
     /// Mesh in its own frame.
     pub mesh: &'a GearMesh,
-    /// Material.
+    /// Material of the gear.
     pub material: Material,
-    /// Gear or rack.
+    /// Kind of the body: gear or rack.
     pub shape: BodyShape,
     /// As [`DeckGear::axis`]; the hub turns about it.
     pub axis: Vec3,
@@ -36,7 +36,7 @@ pub struct ImpactGear<'a> {
     pub centre: Vec3,
     /// As [`DeckGear::phase`] [rad, m].
     pub phase: f64,
-    /// How its bore is held.
+    /// Support of the bore.
     pub hub: Hub,
 }
 
@@ -54,7 +54,7 @@ impl<'a> ImpactGear<'a> {
         }
     }
 
-    /// Where a point of the own frame stands.
+    /// Transforms a point from the gear frame to the deck.
     fn placed(&self, x: Vec3) -> Vec3 {
         placed(self.shape, [self.centre, self.axis], self.phase, x)
     }
@@ -75,7 +75,7 @@ pub struct Impact<'a> {
     pub penalty: f64,
     /// Time step [s].
     pub step: f64,
-    /// End [s].
+    /// End time [s].
     pub end: f64,
     /// Parameter of the HHT method, -1/3 to 0.
     pub alpha: f64,
@@ -88,13 +88,13 @@ pub fn write_impact(out: &mut dyn Write, impact: &Impact<'_>) -> Result<(), Writ
     let [one, two] = &impact.gears;
     let counts = [one, two].map(|g| g.mesh.mesh.nodes.len() as u32);
     let numbered = [
-        Numbered {
+        NumberedGear {
             gear: one.mesh,
             suffix: "1",
             first_node: 1,
             first_element: 1,
         },
-        Numbered {
+        NumberedGear {
             gear: two.mesh,
             suffix: "2",
             first_node: 1 + counts[0],

@@ -1,10 +1,10 @@
-//! A ring on hubs that move in several directions, about axes that stand anywhere.
+//! A ring on hubs that move in several directions, about axes in any direction.
 
 mod alike;
 
 use super::*;
-use crate::full_order::body::Added;
-use gearbench_models::kinematics::{BodyMass, Lateral};
+use crate::full_order::body::AddedInertia;
+use gearbench_models::kinematics::{BodyMass, OutOfPlane};
 use gearbench_models::spec::{Bearing, Freedom};
 use nalgebra::{Matrix3, Rotation3};
 use std::sync::Arc;
@@ -27,7 +27,7 @@ fn ramp(from: f64, to: f64) -> Profile {
 }
 
 const FREE: Freedom = Freedom::Free;
-const HELD: Freedom = Freedom::Held;
+const HELD: Freedom = Freedom::Fixed;
 
 fn bearing() -> Bearing {
     let mut b = Bearing::default();
@@ -51,7 +51,7 @@ fn floating(
     }
     hub.lateral = lateral.map(|(mut directions, bearing)| {
         directions[hub.moving()] = HELD;
-        Arc::new(Lateral {
+        Arc::new(OutOfPlane {
             directions,
             bearing,
             // What stands here is the body that a rigid gear would have.
@@ -65,7 +65,7 @@ fn floating(
     });
     let placement = Placement::new(&hub, 0.3);
     let slides = slide.is_some();
-    let added = Added {
+    let added = AddedInertia {
         own: if slides { 0.02 } else { 1e-5 },
         mass: 0.02,
         tilting: 6e-6,
@@ -119,7 +119,7 @@ fn moved(gear: &FullOrder, moves: f64) -> (Vec<f64>, Vec<f64>) {
     bent(gear, moves, 1e-6)
 }
 
-/// The same with displacements of another size.
+/// Returns a state with displacements of another magnitude.
 fn bent(gear: &FullOrder, moves: f64, size: f64) -> (Vec<f64>, Vec<f64>) {
     let (n, own) = (gear.hub().len(), gear.own);
     let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
@@ -128,12 +128,12 @@ fn bent(gear: &FullOrder, moves: f64, size: f64) -> (Vec<f64>, Vec<f64>) {
         let rate = [0.3, 0.2, -0.4, 5.0, -3.0, 40.0][d];
         (q[k], v[k]) = (x, moves * rate);
     }
-    let stand = gear.stand(at(T, &q, &v));
+    let frame_pose = gear.frame_pose(at(T, &q, &v));
     let jitter = noise(3 * gear.body().free.len(), size);
     for (k, &node) in gear.body().free.iter().enumerate() {
         let place = gear.body().position[node as usize];
-        let carried = stand.frame().carried(&place);
-        let velocity = stand.velocity(&(stand.turn * place));
+        let carried = frame_pose.frame().carried(&place);
+        let velocity = frame_pose.velocity(&(frame_pose.turn * place));
         for axis in 0..3 {
             q[own + 3 * k + axis] = carried[axis] + jitter[3 * k + axis];
             let other = jitter[(7 * k + axis) % jitter.len()];
@@ -151,7 +151,7 @@ fn accelerations(gear: &mut FullOrder, q: &[f64], v: &[f64]) -> Vec<f64> {
 }
 
 /// The central difference of something along the motion.
-fn rate<X>(q: &[f64], v: &[f64], a: &[f64], of: impl Fn(At<'_>) -> X) -> X
+fn rate<X>(q: &[f64], v: &[f64], a: &[f64], of: impl Fn(StateView<'_>) -> X) -> X
 where
     X: std::ops::Sub<Output = X> + std::ops::Div<f64, Output = X>,
 {
@@ -202,7 +202,7 @@ fn tangents_are_derivatives() {
     }
 }
 
-/// With bearings, drives and spin terms: what is gained is what is put in less what is lost.
+/// With bearings, drives and spin terms the energy changes by the supplied less the dissipated power.
 #[test]
 fn energy_changes_by_the_powers() {
     for (case, mut gear) in floating_cases().into_iter().enumerate() {
@@ -224,7 +224,7 @@ fn energy_changes_by_the_powers() {
     }
 }
 
-/// A free floating, spinning, vibrating body keeps both momenta; bearings change the linear one by what they exert.
+/// A free floating, spinning, vibrating body conserves both momenta; bearings change the linear one by their force.
 #[test]
 fn momentum_changes_by_what_acts() {
     for (case, mut gear) in floating_cases().into_iter().enumerate() {
@@ -235,16 +235,16 @@ fn momentum_changes_by_what_acts() {
         let (q, v) = moved(&gear, 1.0);
         let a = accelerations(&mut gear, &q, &v);
         let centre = gear.hub().centre;
-        let of = |at: At<'_>| {
+        let of = |at: StateView<'_>| {
             let [linear, angular] = gear.momenta(at);
-            let origin = centre + gear.stand(at).shift;
+            let origin = centre + gear.frame_pose(at).shift;
             nalgebra::Matrix3x2::from_columns(&[linear, angular + origin.cross(&linear)])
         };
         let found = rate(&q, &v, &a, of);
-        let stand = gear.stand(at(T, &q, &v));
+        let frame_pose = gear.frame_pose(at(T, &q, &v));
         let lateral = gear.hub().lateral.clone().unwrap();
-        let exerted = lateral.bearing_forces(&stand.motion);
-        let force: Vec3 = (0..3).map(|d| exerted[d] * stand.axes[d]).sum();
+        let exerted = lateral.bearing_forces(&frame_pose.motion);
+        let force: Vec3 = (0..3).map(|d| exerted[d] * frame_pose.axes[d]).sum();
         let internal = {
             let mut f = vec![0.0; q.len()];
             gear.forces(at(T, &q, &v), &mut f);

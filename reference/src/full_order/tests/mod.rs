@@ -8,7 +8,7 @@ use super::body::Body;
 use crate::assembly::tie::MassKind;
 use crate::mesh::{ElementKind, GearMesh, Mesh};
 use crate::test_support::{hub, noise};
-use gearbench_integrators::system::{At, Coeffs};
+use gearbench_integrators::system::{Coeffs, StateView};
 use gearbench_models::Vec3;
 use gearbench_models::gear::{CoupledMass, FlankNodes, GearModel, LargeGear};
 use gearbench_models::kinematics::Placement;
@@ -17,7 +17,7 @@ use gearbench_models::stiffness::Material;
 
 /// A ring without teeth: `around` elements, two across, one over the width.
 /// `f <- M^-1 f`.
-fn solve_mass(gear: &FullOrder, at: At<'_>, f: &mut [f64]) {
+fn solve_mass(gear: &FullOrder, at: StateView<'_>, f: &mut [f64]) {
     if let Some(mass) = gear.coupled_mass() {
         return mass.solve(at, f);
     }
@@ -69,8 +69,8 @@ fn gear(mount: Mount, slide: Option<Vec3>, mass: MassKind) -> FullOrder {
     FullOrder::new(hub, 0.04, body)
 }
 
-fn at<'a>(t: f64, q: &'a [f64], v: &'a [f64]) -> At<'a> {
-    At {
+fn at<'a>(t: f64, q: &'a [f64], v: &'a [f64]) -> StateView<'a> {
+    StateView {
         t,
         q,
         v,

@@ -1,4 +1,4 @@
-//! Power of a drive, and what the mount exerts.
+//! Power of a drive, and the reaction of the mount.
 
 use super::*;
 

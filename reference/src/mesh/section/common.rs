@@ -1,4 +1,4 @@
-//! What all teeth of a mesh share, fine and coarse: skin, rim, web and hub.
+//! Parts that all teeth of a mesh share, fine and coarse: skin, rim, web and hub.
 
 use crate::mesh::build::refine;
 use crate::mesh::error::Part;
@@ -6,7 +6,7 @@ use crate::mesh::grading::{geometric, ratio_from_first};
 use crate::mesh::params::{Focus, GearMeshParams};
 use crate::mesh::profile::{Body, Plane, Root};
 
-/// What all teeth of a mesh share, fine and coarse.
+/// Data that all teeth of a mesh share, fine and coarse.
 pub(in crate::mesh) struct Common<'a> {
     pub body: Body<'a>,
     pub(super) root: Root<'a>,

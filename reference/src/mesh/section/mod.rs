@@ -72,7 +72,7 @@ impl Follower {
 #[derive(Default)]
 pub(super) struct Section {
     pub points: Vec<Plane>,
-    /// Whether a point is a mid-side node.
+    /// True for each point that is a mid-side node.
     pub mid: Vec<bool>,
     pub quads: Vec<Quad>,
     /// So many points lie on each cut, from the root to the bore: the first and the last of all points.
@@ -85,7 +85,7 @@ pub(super) struct Section {
     pub corner: usize,
 }
 
-/// Nodes of a block, row by row; what does not exist (centres of quadratic faces) is `u32::MAX`.
+/// Nodes of a block, row by row; missing ones (centres of quadratic faces) are `u32::MAX`.
 struct Block {
     columns: usize,
     ids: Vec<u32>,

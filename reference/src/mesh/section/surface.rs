@@ -6,20 +6,20 @@ use crate::mesh::params::Tooth;
 use crate::mesh::profile::Plane;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// What a section decides by the shape of its root. Sections over the width of a conical gear decide alike, so that their
-/// elements fit.
+/// Topological choices from the shape of the root. Sections over the width of a conical gear share them, so that their
+/// elements match.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::mesh) struct Choices {
     /// The fillet is next to none: the row into the edge halves its angle.
     sharp: bool,
     /// Fillet and root arc have elements of their own.
     apart: bool,
-    /// Row that ends in the corner of the core; found where it is left out.
+    /// Row that ends in the corner of the core; `None` determines it.
     corner: Option<usize>,
 }
 
 impl Choices {
-    /// Those of one section.
+    /// Returns the choices of one section.
     pub(in crate::mesh) fn of(common: &Common<'_>, tooth: &Tooth) -> Self {
         let root = &common.root;
         let sf = root.fillet_length() / tooth.fillet as f64;
@@ -34,7 +34,7 @@ impl Choices {
         }
     }
 
-    /// What serves this section and another.
+    /// Returns choices that suit this section and another.
     #[must_use]
     pub(in crate::mesh) fn and(self, other: Self) -> Self {
         Choices {
@@ -44,7 +44,7 @@ impl Choices {
         }
     }
 
-    /// The same with a row that ends in the corner of the core.
+    /// Returns the choices with a row that ends in the corner of the core.
     #[must_use]
     pub(in crate::mesh) fn with_corner(self, row: usize) -> Self {
         Choices {

@@ -5,8 +5,8 @@ use gearbench_models::Vec3;
 use gearbench_models::geometry::swept::Cells;
 use std::io::{self, Write};
 
-/// Writes bodies, one after the other, as one grid at a time of a run [s] with fields at all their nodes; arrays appended raw,
-/// so that files stay small.
+/// Writes bodies, one after the other, as one grid at a time of a run [s] with fields at all their nodes. Arrays are
+/// appended in binary form, so that files stay small.
 pub fn write_frame(
     out: &mut dyn Write,
     time: f64,
@@ -25,7 +25,7 @@ pub fn write_frame(
             });
         }
     }
-    let mut appended = Appended::default();
+    let mut appended = AppendedArrays::default();
     let time = appended.array("TimeValue", "Float64", 1, [time.to_le_bytes()]);
     let time = time.replace("NumberOfComponents=\"1\"", "NumberOfTuples=\"1\"");
     let heads: Vec<String> = at_nodes.iter().map(|f| appended.field(f)).collect();
@@ -86,11 +86,11 @@ pub fn write_collection(out: &mut dyn Write, frames: &[(f64, String)]) -> io::Re
 
 /// Arrays behind the text of a file.
 #[derive(Default)]
-struct Appended {
+struct AppendedArrays {
     bytes: Vec<u8>,
 }
 
-impl Appended {
+impl AppendedArrays {
     /// Adds an array; its element in the text.
     fn array<const N: usize>(
         &mut self,

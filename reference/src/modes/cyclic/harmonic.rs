@@ -1,38 +1,39 @@
-//! The search for modes of one harmonic, which can be continued.
+//! Search for modes of one harmonic, which can be continued.
 
-use super::{Sector, Shared};
+use super::{Sector, SharedAnalysis};
 use crate::modes::lanczos::{Lanczos, Target, is_small};
 use crate::modes::{Modes, ModesError, Options, Symmetric, default_shift, dense};
 use crate::solve::{Cholesky, Scalar, Symbolic, negative_eigenvalues};
 use faer::{Mat, Par, c64};
 use std::sync::Arc;
 
-/// Vectors per step.
+/// Number of vectors per step.
 const BLOCK: usize = 4;
 
-/// Search of one harmonic.
+/// Search for modes of one harmonic.
 pub(super) struct Harmonic {
     /// Modes of the gear per mode of the harmonic.
     weight: usize,
     search: Search,
-    /// Squares of the frequencies found, ascending.
+    /// Squares of the computed angular frequencies, ascending.
     found: Vec<f64>,
 }
 
 enum Search {
     Real(Box<State<f64>>),
     Complex(Box<State<c64>>),
-    /// None of its modes is wanted: what the search came to.
+    /// None of its modes is needed; the result of the search so far.
     GivenUp(Box<Modes<c64>>),
 }
 
 impl Harmonic {
-    /// Assembles a harmonic of which about `guess` modes are wanted; `shared` is the analysis of those without hub motions.
+    /// Assembles a harmonic of which about `guess` modes are needed; `shared` is the analysis of those without hub
+    /// motions.
     pub fn new(
         sector: &Sector,
         harmonic: u32,
         guess: usize,
-        shared: &Shared,
+        shared: &SharedAnalysis,
         options: &Options,
     ) -> Result<Self, ModesError> {
         let single = harmonic == 0 || 2 * harmonic == sector.teeth();
@@ -57,13 +58,13 @@ impl Harmonic {
         self.weight
     }
 
-    /// Squares of the frequencies found, ascending.
+    /// Returns the squares of the computed angular frequencies, ascending.
     pub fn found(&self) -> &[f64] {
         &self.found
     }
 
-    /// Finds the lowest so many, or all up to a bound and the next one unless that has happened; `keep` the factor for
-    /// later.
+    /// Computes the lowest modes, or all up to a bound and the next one unless that has been done; `keep` stores the
+    /// factor.
     pub fn find(&mut self, target: Target, keep: bool) -> Result<(), ModesError> {
         if let (Target::Above(omega2), Some(last)) = (target, self.found.last())
             && *last > omega2
@@ -123,7 +124,7 @@ impl Harmonic {
 struct State<T: Scalar> {
     stiffness: Symmetric<T>,
     mass: Arc<Symmetric<T>>,
-    symbolic: Shared,
+    symbolic: SharedAnalysis,
     shift: f64,
     factor: Option<Cholesky<T>>,
     engine: Engine<T>,
@@ -134,7 +135,7 @@ fn factor<T: Scalar>(
     stiffness: &Symmetric<T>,
     shift: f64,
     mass: &Symmetric<T>,
-    symbolic: &Shared,
+    symbolic: &SharedAnalysis,
 ) -> Result<Cholesky<T>, ModesError> {
     let shifted = stiffness.minus(shift, mass);
     let factor = Cholesky::with_symbolic(shifted.as_ref(), symbolic.clone(), Some(Par::Seq))?;
@@ -152,7 +153,7 @@ impl<T: Scalar> State<T> {
         sector: &Sector,
         harmonic: u32,
         guess: usize,
-        shared: &Shared,
+        shared: &SharedAnalysis,
         options: &Options,
     ) -> Result<Self, ModesError> {
         let pair = sector.matrices::<T>(harmonic);

@@ -33,10 +33,10 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Which of the two modes of a pair, or a mode by itself.
+/// Part of a pair of modes, or a single mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// By itself: harmonics 0 and z/2.
+    /// Single mode of harmonics 0 and z/2.
     Single,
     /// `Re(u exp(i k mu))`.
     Cosine,
@@ -108,14 +108,14 @@ impl CyclicModes {
         }
     }
 
-    /// Frequencies [Hz].
+    /// Returns the frequencies [Hz].
     pub fn frequencies(&self) -> Vec<f64> {
         let to_hz = |m: &CyclicMode| m.omega2.max(0.0).sqrt() / std::f64::consts::TAU;
         self.modes.iter().map(to_hz).collect()
     }
 }
 
-/// What of the whole gear the hub can do.
+/// Free motions of the hub.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hub {
     /// Free motions of the hub; the others are fixed.
@@ -142,13 +142,13 @@ impl Hub {
 /// Factors are kept between rounds while all together stay below this [bytes].
 const KEEP_BELOW: usize = 800_000_000;
 
-/// Harmonics that are searched before those without a wanted mode are given up.
+/// Number of harmonics that are searched before those without a needed mode are released.
 const AT_A_TIME: usize = 128;
 
-/// Memory of an unknown of the sector in a mode: the complex vector, and the basis that it is found in [bytes].
+/// Memory of an unknown of the sector in a mode: the complex vector, and its basis [bytes].
 const VECTOR_BYTES: f64 = 48.0;
 
-/// The lowest `count` modes of the gear whose sector is given (one more if the last is half of a pair).
+/// Computes the lowest `count` modes of the gear with a given sector (one more if the last is half of a pair).
 pub fn lowest(
     sector: &GearMesh,
     material: &Material,
@@ -160,7 +160,7 @@ pub fn lowest(
 }
 
 impl Sector {
-    /// The lowest modes of the whole gear (one more if the last is half of a pair), or all up to a bound.
+    /// Computes the lowest modes of the whole gear (one more if the last is half of a pair), or all up to a bound.
     pub fn find(&self, target: Target, options: &Options) -> Result<CyclicModes, ModesError> {
         let teeth = self.teeth() as usize;
         let unknowns = self.unknowns() * teeth;
@@ -267,7 +267,7 @@ impl Sector {
     }
 }
 
-/// The `count`-th eigenvalue among those found so far, each with its weight; `otherwise` if there are fewer.
+/// Returns the `count`-th eigenvalue among the computed ones, each with its weight; `otherwise` if there are fewer.
 fn last_wanted(states: &[Harmonic], count: usize, otherwise: f64) -> f64 {
     let mut all: Vec<f64> = (states.iter())
         .flat_map(|s| {
@@ -286,5 +286,5 @@ fn last_wanted(states: &[Harmonic], count: usize, otherwise: f64) -> f64 {
     *last
 }
 
-/// Analysis shared by the harmonics; kept here so that the parts need not know each other.
-type Shared = Arc<Symbolic>;
+/// Analysis shared by the harmonics.
+type SharedAnalysis = Arc<Symbolic>;

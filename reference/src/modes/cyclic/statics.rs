@@ -15,14 +15,14 @@ pub(crate) struct StaticResponses {
     pub compliance: Vec<Vec<c64>>,
 }
 
-/// Responses to the inertia of rigid motions `e` of one harmonic, sums over one sector; all row by row.
+/// Responses to the inertia of rigid motions `e` of one harmonic, as sums over one sector; all row by row.
 #[derive(Clone, Debug)]
 pub(crate) struct InertialResponses {
     /// `C^T K_n^-1 M e`.
     pub inertial: Vec<c64>,
     /// `(M e_p)^H K_n^-1 M e_q`, free nodes only.
     pub hub: Vec<c64>,
-    /// `e_p^H M e_q`.
+    /// Inertia matrix `e_p^H M e_q`.
     pub inertia: Vec<c64>,
 }
 
@@ -39,7 +39,7 @@ fn dot<T: Scalar>((place, direction): &Column, x: faer::ColRef<'_, T>) -> c64 {
 }
 
 impl Sector {
-    /// Place of a node among the free ones; `None` if the hub holds it or it lies on the high cut.
+    /// Returns the index of a node among the free ones, or `None` if it is tied to the hub or lies on the high cut.
     pub(crate) fn place_of(&self, node: u32) -> Option<usize> {
         match self.place.get(node as usize) {
             Some(&(place, false)) if place != super::sector::HELD => Some(place as usize),

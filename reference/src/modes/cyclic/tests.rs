@@ -1,4 +1,4 @@
-//! Modes from one sector against modes of the whole mesh, and against what symmetry says.
+//! Modes from one sector compared with modes of the whole mesh and with symmetry.
 
 use super::*;
 use crate::mesh::{self, ElementKind, Mesh};
@@ -89,7 +89,7 @@ fn ring(kind: ElementKind, teeth: u32, pitches: u32, bands: usize, layers: usize
     }
 }
 
-/// Displacements of a cyclic mode on the nodes of the whole mesh, found by position.
+/// Returns the displacements of a cyclic mode on the nodes of the whole mesh, matched by position.
 fn on_whole(modes: &CyclicModes, i: usize, sector: &GearMesh, gear: &GearMesh) -> Vec<f64> {
     let mut full = vec![f64::NAN; 3 * gear.mesh.nodes.len()];
     let mut u = vec![0.0; 3 * sector.mesh.nodes.len()];
@@ -125,7 +125,7 @@ fn agrees(kind: ElementKind, teeth: u32, bands: usize, layers: usize, hub: &Hub,
     agree([&of(1), &of(teeth)], hub, count);
 }
 
-/// The same of a sector and the whole gear.
+/// Checks that the modes of a sector and of the whole gear agree.
 fn agree([sector, gear]: [&GearMesh; 2], hub: &Hub, count: usize) {
     let options = Options::default();
     let cyclic = lowest(sector, &Material::STEEL, hub, count, &options).unwrap();

@@ -23,15 +23,15 @@ use std::sync::Arc;
 /// Work done for a set of modes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Factorisations.
+    /// Number of factorisations.
     pub factorisations: usize,
-    /// Right-hand sides solved.
+    /// Number of solved right-hand sides.
     pub solves: usize,
-    /// Steps of the iteration, one block each.
+    /// Number of steps of the iteration, one block each.
     pub steps: usize,
-    /// Restarts.
+    /// Number of restarts.
     pub restarts: usize,
-    /// Longest basis.
+    /// Largest size of the basis.
     pub subspace: usize,
     /// Modes, from the lowest, that an inertia count proved complete; 0 without a count.
     pub verified: usize,
@@ -39,16 +39,16 @@ pub struct Report {
     pub factor_bytes: usize,
 }
 
-/// When enough modes are found.
+/// Termination criterion of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
     /// So many of the lowest.
     Count(usize),
-    /// All up to this omega^2 [rad²/s²], and the next one above it.
+    /// All modes up to this omega^2 [rad²/s²], and the next one above it.
     Above(f64),
 }
 
-/// Whether a problem is so small that a full decomposition is cheaper.
+/// Returns true if a problem is so small that a full decomposition is cheaper.
 pub(super) fn is_small(n: usize, count: usize, block: usize) -> bool {
     n <= 150 || n <= capacity_for(count, block) + 2 * block
 }
@@ -61,7 +61,7 @@ fn capacity_for(count: usize, block: usize) -> usize {
 /// A Gram matrix of a block whose smallest eigenvalue is this fraction of the largest loses three digits.
 const WELL_CONDITIONED: f64 = 1e-6;
 
-/// Residual of the inverse iteration relative to its eigenvalue at which a mode counts as found.
+/// Residual of the inverse iteration relative to its eigenvalue at which a mode has converged.
 const TOLERANCE: f64 = 1e-9;
 /// Steps after which the search gives up.
 const MAX_STEPS: usize = 2000;
@@ -81,15 +81,15 @@ pub struct Lanczos<T: Scalar> {
     projected: Mat<T>,
     /// Norms of the last block before it was normalised, as the triangle R of `W = V_last R`.
     coupling: Mat<T>,
-    /// Whether the last step was a restart: then the whole basis couples with the last block.
+    /// True if the last step was a restart: then the whole basis couples with the last block.
     restarted: bool,
     random: u64,
-    /// Work done.
+    /// Counters of the work.
     pub report: Report,
 }
 
 impl<T: Scalar> Lanczos<T> {
-    /// Prepares an iteration with `block` vectors per step; nothing is solved yet.
+    /// Prepares an iteration with `block` vectors per step, without a solve.
     pub fn new(mass: Arc<Symmetric<T>>, shift: f64, block: usize) -> Self {
         let (n, block) = (mass.size(), block.max(1));
         let mut new = Self {
@@ -135,7 +135,7 @@ impl<T: Scalar> Lanczos<T> {
         }
     }
 
-    /// Iterates until the target is met.
+    /// Iterates until the target is reached.
     pub fn run(&mut self, factor: &Cholesky<T>, target: Target) -> Result<usize, ModesError> {
         let n = self.mass.size();
         if self.size == 0 && self.report.steps == 0 {
@@ -201,7 +201,7 @@ impl<T: Scalar> Lanczos<T> {
         }
     }
 
-    /// Squares of the frequencies found so far without a gap, ascending [rad²/s²].
+    /// Returns the squares of the angular frequencies computed so far without a gap, ascending [rad²/s²].
     pub fn found(&self) -> Result<Vec<f64>, ModesError> {
         if self.size == 0 {
             return Ok(Vec::new());
@@ -223,7 +223,7 @@ impl<T: Scalar> Lanczos<T> {
         factor.solve_many(x, Par::Seq);
     }
 
-    /// Applies A to the last block and makes what is new in it the next block.
+    /// Applies A to the last block and makes the new part the next block.
     fn step(&mut self, factor: &Cholesky<T>) -> Result<(), ModesError> {
         let mut w = self.mass_last.clone();
         self.solve(factor, w.as_mut());

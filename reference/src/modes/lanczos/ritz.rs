@@ -1,4 +1,4 @@
-//! Ritz pairs of the basis: what has converged, restarts, and the last step of inverse iteration.
+//! Ritz pairs of the basis: convergence, restarts, and the last step of inverse iteration.
 
 use super::{Lanczos, TOLERANCE};
 use crate::modes::dense::{adjoint_product, eigen, product, residuals};

@@ -2,18 +2,18 @@
 
 use super::{RecognisedRack, flanks, sense};
 use crate::recognise::axis::Axis;
-use crate::recognise::known::{Known, Misfit};
 use crate::recognise::skin::Skin;
+use crate::recognise::specified_body::{Misfit, SpecifiedBody};
 use crate::recognise::{FINE, extent, median};
 use crate::vector::snapped;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 use nalgebra::{SMatrix, SVector};
 
-/// Gatherings of faces of one normal that are looked at, the largest ones.
+/// Largest number of groups of faces with one normal that are evaluated.
 const MOST: usize = 40;
 
-/// Sine of the angle within which normals count as one.
+/// Sine of the angle within which normals coincide.
 const ALIKE: f64 = 1e-2;
 
 /// Cosine of the angle between left and right flanks: pressure angles of 5 to 45 degrees.
@@ -22,10 +22,10 @@ const BETWEEN: [f64; 2] = [-0.985, 0.0];
 /// How far a flank may be from its even place [pitches]; far more than any pitch error.
 const UNEVEN: f64 = 0.1;
 
-/// Planes nearer to each other than this part of the tooth's height are one.
+/// Distance of planes, relative to the tooth height, below which they coincide.
 const APART: f64 = 0.3;
 
-/// Faces of one outward normal.
+/// Faces with one outward normal.
 struct Gathering {
     normal: Vec3,
     area: f64,
@@ -80,7 +80,7 @@ fn middle(skin: &Skin<'_>, face: u32) -> Vec3 {
 ///
 /// # Errors
 /// What was looked for and not found, or what is not as it is said.
-pub fn recognise(skin: &Skin<'_>, known: &Known) -> Result<RecognisedRack, Misfit> {
+pub fn recognise(skin: &Skin<'_>, known: &SpecifiedBody) -> Result<RecognisedRack, Misfit> {
     let all = gatherings(skin);
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for i in 0..all.len() {
@@ -126,7 +126,7 @@ fn frame(
     skin: &Skin<'_>,
     all: &[Gathering],
     flanks: [&Gathering; 2],
-    known: &Known,
+    known: &SpecifiedBody,
 ) -> Option<([Vec3; 3], Vec<u32>)> {
     let bisector = -(flanks[0].normal + flanks[1].normal).normalize();
     let back = all
@@ -230,7 +230,7 @@ fn of_pair(
     skin: &Skin<'_>,
     all: &[Gathering],
     flanks: [&Gathering; 2],
-    known: &Known,
+    known: &SpecifiedBody,
 ) -> Result<RecognisedRack, Refusal> {
     let no = |far: u8, why: String| (far, why);
     let (axes, back) = frame(skin, all, flanks, known)

@@ -1,10 +1,10 @@
-//! Racks found again from their surface: generated ones and the stored one, turned, moved and shuffled.
+//! Recognition of racks from their surface: generated ones and the stored one, rotated, moved and shuffled.
 
 use super::*;
 use crate::deck::{self, BodyShape};
 use crate::mesh::{self, ElementKind, Mesh};
 use crate::recognise::tests::{plain, strange};
-use crate::recognise::{Found, Known, Misfit, Skin, body};
+use crate::recognise::{Misfit, RecognisedBody, Skin, SpecifiedBody, body};
 use crate::test_support::{bare, brick, calculix, rack};
 use gearbench_models::geometry::Rack;
 use gearbench_models::stiffness::Material;
@@ -12,8 +12,8 @@ use nalgebra::Rotation3;
 
 fn found(mesh: &Mesh) -> RecognisedRack {
     let skin = Skin::of(&mesh.nodes, &mesh.blocks);
-    match body(&skin, &Known::default()) {
-        Ok(Found::Rack(rack)) => *rack,
+    match body(&skin, &SpecifiedBody::default()) {
+        Ok(RecognisedBody::Rack(rack)) => *rack,
         other => panic!("{other:?}"),
     }
 }
@@ -86,7 +86,7 @@ fn generated_racks_are_found_again() {
     }
 }
 
-/// What sets say and what is found of the stored rack is the same body in the same place.
+/// Recognition of the stored rack without its sets gives the same body at the same position.
 #[test]
 fn the_stored_rack_is_found_without_its_sets() {
     let whole = calculix("rack-pinion/R8b_d05.inp.gz");
@@ -98,12 +98,13 @@ fn the_stored_rack_is_found_without_its_sets() {
     without.surfaces.clear();
     without.rigid_bodies.clear();
     without.boundaries.clear();
-    let bodies = deck::gears_known(&without, Some(Material::STEEL), &Known::default()).unwrap();
+    let bodies =
+        deck::gears_known(&without, Some(Material::STEEL), &SpecifiedBody::default()).unwrap();
     let mut racks = bodies.into_iter().filter_map(Result::ok);
     let again = racks
         .rfind(|g| matches!(g.shape, BodyShape::Rack { .. }))
         .unwrap();
-    let found = again.found.as_ref().and_then(Found::rack).unwrap();
+    let found = again.found.as_ref().and_then(RecognisedBody::rack).unwrap();
     assert_eq!(again.mesh.teeth, named.mesh.teeth);
     assert!((found.module() / 2e-3 - 1.0).abs() < 1e-8);
     assert!((found.pressure_angle.to_degrees() - 20.0).abs() < 1e-6);
@@ -148,7 +149,7 @@ fn tetrahedra_are_found_with_grids_on_their_flanks() {
         let gear = deck::gears_with(&bare(&mesh), Some(Material::STEEL))
             .unwrap()
             .swap_remove(0);
-        let found = gear.found.as_ref().and_then(Found::rack).unwrap();
+        let found = gear.found.as_ref().and_then(RecognisedBody::rack).unwrap();
         assert!(worst(found, &r) < 1e-8, "{}", worst(found, &r));
         assert!(gear.missing.is_empty(), "{:?}", gear.missing);
         assert_eq!((gear.mesh.teeth, gear.mesh.flanks.len()), (4, 8));
@@ -189,7 +190,7 @@ fn points_stand_off_their_planes_as_told() {
     }
 }
 
-/// Digits of decks cost little, and what is no rack is refused with what was missing.
+/// Recognition is insensitive to rounding, and a body that is not a rack is refused with the missing part.
 #[test]
 fn rounded_racks_and_other_bodies() {
     let r = rack(6, 4e-3, |_| {});
@@ -202,21 +203,23 @@ fn rounded_racks_and_other_bodies() {
     assert_eq!(found.flanks.len(), 12);
     let cube = brick(ElementKind::C3D8, [3, 4, 5], [1.0, 2.0, 3.0]);
     let skin = Skin::of(&cube.nodes, &cube.blocks);
-    let why = body(&skin, &Known::default()).unwrap_err().to_string();
+    let why = body(&skin, &SpecifiedBody::default())
+        .unwrap_err()
+        .to_string();
     assert!(why.contains("as a rack: no two families"), "{why}");
 }
 
-/// A width that is said decides its sense, and has to be the one that is found.
+/// A specified direction of the width decides its sense, and has to agree with the recognised one.
 #[test]
 fn what_is_said_of_a_rack_has_to_agree() {
     let r = rack(5, 3e-3, |_| {});
     let own = mesh::rack(&r, &plain(ElementKind::C3D8)).unwrap().mesh;
     let skin = Skin::of(&own.nodes, &own.blocks);
     let with = |axis: [f64; 3], point: Option<[f64; 3]>| {
-        let known = Known {
+        let known = SpecifiedBody {
             axis: Some(axis.into()),
             point: point.map(Vec3::from),
-            ..Known::default()
+            ..SpecifiedBody::default()
         };
         body(&skin, &known)
     };

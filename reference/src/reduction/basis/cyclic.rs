@@ -1,8 +1,8 @@
-//! What the modes of a gear made of copies of a sector leave behind.
+//! Shapes of the modes of a gear of equal sectors at its flank nodes.
 
 use super::Shape;
 use crate::modes::cyclic::{CyclicModes, Part};
-use crate::reduction::rigid::Moved;
+use crate::reduction::rigid::ModeMotion;
 use crate::reduction::surface::Surface;
 use crate::vector::dot;
 
@@ -32,7 +32,7 @@ pub(super) fn cyclic_momentum(found: &CyclicModes, mode: usize, masses: &[f64]) 
     }
 }
 
-/// A mode of a cyclic gear at its flank nodes; `bore` is a node that the hub holds.
+/// Returns a mode of a cyclic gear at its flank nodes; `bore` is a node tied to the hub.
 pub(super) fn cyclic_shape(
     found: &CyclicModes,
     mode: usize,
@@ -85,6 +85,6 @@ pub(super) fn cyclic_shape(
         hub,
         momentum,
         linear: [0.0; 2],
-        moved: Moved::default(),
+        moved: ModeMotion::default(),
     }
 }

@@ -1,4 +1,4 @@
-//! One tooth sector against the whole mesh, and what every basis must be.
+//! One tooth sector compared with the whole mesh, and properties of every basis.
 
 use super::*;
 use crate::mesh;
@@ -38,7 +38,7 @@ fn sector_and_whole_mesh_agree() {
         .unwrap();
         let whole = mesh::gear(&gear, &coarse(2, 2)).unwrap();
         let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
-        let wanted = Wanted::Count(61);
+        let wanted = ModeSelection::Count(61);
         let a = of_sector(&sector, &Material::STEEL, &mounting, wanted, false).unwrap();
         let b = of_mesh(&whole, &Material::STEEL, &mounting, wanted, false).unwrap();
         assert!((a.inertia / b.inertia - 1.0).abs() < 1e-12);
@@ -109,12 +109,12 @@ fn sector_and_whole_mesh_agree() {
     }
 }
 
-/// Modes hold no momentum with what is added at the hub, so `h_i = - (phi_i^T M e)_nodes / J_added`.
+/// Modes have no momentum including the inertia added at the hub, so `h_i = - (phi_i^T M e)_nodes / J_added`.
 #[test]
 fn free_modes_hold_no_momentum_and_the_rigid_one_is_gone() {
     let gear = Gear::new(params(10)).unwrap();
     let whole = mesh::gear(&gear, &coarse(2, 2)).unwrap();
-    let wanted = Wanted::Count(30);
+    let wanted = ModeSelection::Count(30);
     let frequencies = |added: f64| {
         let b = of_mesh(
             &whole,
@@ -166,7 +166,7 @@ fn a_rack_slides_and_a_held_one_is_pulled() {
             &whole,
             &Material::STEEL,
             &mounting,
-            Wanted::Count(usize::MAX / 2),
+            ModeSelection::Count(usize::MAX / 2),
             false,
         )
         .unwrap();
@@ -179,7 +179,7 @@ fn a_rack_slides_and_a_held_one_is_pulled() {
             &whole,
             &Material::STEEL,
             &mounting,
-            Wanted::UpTo(2e5),
+            ModeSelection::UpTo(2e5),
             false,
         )
         .unwrap();
@@ -199,9 +199,9 @@ fn up_to_a_frequency_and_a_number_are_the_same_modes() {
     let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
     let mounting = Mounting::gear(true, 0.0);
     let of = |wanted| of_sector(&sector, &Material::STEEL, &mounting, wanted, false).unwrap();
-    let by_number = of(Wanted::Count(50));
+    let by_number = of(ModeSelection::Count(50));
     let edge = 0.5 * (by_number.omega[39] + by_number.omega[40]);
-    let by_frequency = of(Wanted::UpTo(edge / std::f64::consts::TAU));
+    let by_frequency = of(ModeSelection::UpTo(edge / std::f64::consts::TAU));
     let below = by_number.omega.partition_point(|w| *w <= edge);
     assert_eq!(by_frequency.omega.len(), below);
     assert_eq!(by_frequency.family[..], by_number.family[..below]);

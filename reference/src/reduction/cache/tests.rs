@@ -5,7 +5,7 @@ use crate::assembly::tie::HubMotion;
 use crate::mesh::{self, ElementKind, GearMesh};
 use crate::reduction::request::ALGORITHM;
 use crate::reduction::store::tests::{all_bits, example};
-use crate::reduction::{Mounting, Wanted};
+use crate::reduction::{ModeSelection, Mounting};
 use crate::test_support::{counted, gear};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
@@ -29,7 +29,7 @@ fn request(mesh: &GearMesh) -> Request<'_> {
         mesh,
         material: Material::STEEL,
         mounting: Mounting::gear(true, 0.0),
-        wanted: Wanted::Count(20),
+        wanted: ModeSelection::Count(20),
         sector: false,
     }
 }
@@ -81,7 +81,7 @@ fn computed_once_and_again_when_the_file_is_spoilt() {
     assert_eq!(files(&folder).len(), 1);
     // Errors of the computation come through, and leave nothing behind.
     let held = Request {
-        wanted: Wanted::Count(21),
+        wanted: ModeSelection::Count(21),
         ..request(&mesh)
     };
     let failed = cache.basis(&held, "a test", || Err::<Basis, _>("no modes"));
@@ -145,11 +145,11 @@ fn the_key_tells_all_apart_that_the_basis_depends_on() {
         denser,
         harder,
         Request {
-            wanted: Wanted::Count(21),
+            wanted: ModeSelection::Count(21),
             ..base
         },
         Request {
-            wanted: Wanted::UpTo(20.0),
+            wanted: ModeSelection::UpTo(20.0),
             ..base
         },
         Request {
@@ -174,7 +174,7 @@ fn the_key_tells_all_apart_that_the_basis_depends_on() {
     }
 }
 
-/// Neither a comment in the sources nor another compiler gives a basis another name: what is hashed is all stated here.
+/// The hash does not depend on comments in the sources or on the compiler: its value is fixed for stated data.
 #[test]
 fn the_key_depends_on_nothing_else() {
     let node = |x: u32| Vec3::new(f64::from(x), 0.5, -0.25);
@@ -203,7 +203,7 @@ fn the_key_depends_on_nothing_else() {
     assert_eq!(key.to_string(), "f01846fd19c20a92b409e91dfebcc4ad");
 }
 
-/// [`ALGORITHM`] stands for numbers: who changes these raises it and renews them.
+/// [`ALGORITHM`] identifies these numbers: a change of the numbers has to raise it and to renew them.
 #[test]
 fn the_version_of_the_algorithm_belongs_to_its_numbers() {
     let mesh = small();
@@ -242,7 +242,7 @@ fn what_was_not_used_for_longest_goes() {
     let cache = Cache::at(folder.path(), 3 * size + size / 2);
     let ask = |modes: usize| {
         let r = Request {
-            wanted: Wanted::Count(modes),
+            wanted: ModeSelection::Count(modes),
             ..request(&mesh)
         };
         let Ok(found) = cache.basis(&r, &meta.source, || Ok::<_, Infallible>(basis.clone()));

@@ -71,20 +71,20 @@ pub(super) fn means(basis: &Basis) -> Option<(Vec<f64>, f64)> {
 /// A force that lies along a line of a flank: by how much it moves each mode, and how much it counts.
 #[derive(Clone, Debug)]
 pub(super) struct Load {
-    /// [1/sqrt(kg)].
+    /// Shapes at the line [1/sqrt(kg)].
     pub shapes: Vec<f64>,
-    /// Area that the line stands for [m^2], of a force that rises along it the part [`RISING`] of it.
+    /// Area of the line [m^2]; for a force that rises along it, the fraction [`RISING`] of it.
     pub weight: f64,
 }
 
-/// How much a force that rises from one end of a line to the other, without a mean, counts beside an even one.
+/// Weight of a force that rises from one end of a line to the other, without a mean, relative to a uniform one.
 const RISING: f64 = 0.3;
 
 /// A place on a line: along the width, area of its column, and nodes between which it lies.
-type Place = (f64, f64, [(u32, f64); 2]);
+type LinePoint = (f64, f64, [(u32, f64); 2]);
 
-/// Forces along the lines of contact of a flank, those of its generators or its rows of nodes: even ones, and, where contact
-/// does not lie evenly over the width, those that rise along the line.
+/// Returns the forces along the lines of contact of a flank, its generators or its rows of nodes: uniform ones, and,
+/// where contact is not uniform over the width, those that rise along the line.
 pub(super) fn loads(basis: &Basis, index: usize, even_over_width: bool) -> Vec<Load> {
     let grid = &basis.flanks.grids()[index];
     let areas = reference_areas(&basis.flanks, index, PointRule::Nodes);
@@ -92,7 +92,7 @@ pub(super) fn loads(basis: &Basis, index: usize, even_over_width: bool) -> Vec<L
     let [low, high] = flank.ends;
     let helical = (grid.nodes.iter()).any(|n| basis.normals[*n as usize].z.abs() > HELICAL);
     let node = |row: usize, column: usize| row * grid.columns + column;
-    let lines: Vec<Vec<Place>> = if helical && high - low >= PLANE {
+    let lines: Vec<Vec<LinePoint>> = if helical && high - low >= PLANE {
         let lines = PER_ROW * grid.rows;
         let on_line = |line: usize| {
             let at = low + (line as f64 + 0.5) / lines as f64 * (high - low);
@@ -141,7 +141,7 @@ pub(super) fn loads(basis: &Basis, index: usize, even_over_width: bool) -> Vec<L
 }
 
 /// How a force along a line, given by place and area, moves the modes.
-fn moved(basis: &Basis, line: &[Place], force: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+fn moved(basis: &Basis, line: &[LinePoint], force: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let mut out = vec![0.0; basis.omega.len()];
     for (z, area, parts) in line {
         let force = force(*z, *area);

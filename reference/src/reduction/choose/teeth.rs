@@ -39,8 +39,8 @@ const FREQUENCIES: usize = 61;
 /// Directions that move less than this part of the first are rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// Teeth of a gear that meshes reach where it stands at the start: a flank is within the places that may touch, half a pitch
-/// and half the overlap of helical teeth before and behind them.
+/// Returns the teeth of a gear that meshes can reach at the initial position: a flank is within the range of possible
+/// contact, plus half a pitch and half the overlap of helical teeth on both sides.
 pub fn in_mesh(context: &GearContext<'_>) -> Vec<u32> {
     let (teeth, overlap) = match context.body {
         Body::Gear(g) => (g.teeth(), g.face_width() * g.base_helix_angle().tan().abs()),
@@ -70,17 +70,21 @@ pub fn in_mesh(context: &GearContext<'_>) -> Vec<u32> {
 
 /// Modes made for some teeth.
 #[derive(Clone, Debug)]
-pub struct Made {
+pub struct FittedModes {
     /// The basis with them in place of its own.
     pub basis: Basis,
     /// Rows of these teeth, ascending.
     pub rows: Vec<u32>,
-    /// What part each mode of the basis that they lie in has in each of them, mode by mode of that basis.
+    /// Coefficients of each fitted mode in the modes of the basis, mode by mode of the basis.
     pub span: Vec<f64>,
 }
 
 /// As many modes as a choice allows within the span of its candidates, made for some teeth.
-pub fn made_for(basis: &Basis, teeth: &[u32], choice: &Choice) -> Result<Made, ReductionError> {
+pub fn made_for(
+    basis: &Basis,
+    teeth: &[u32],
+    choice: &Choice,
+) -> Result<FittedModes, ReductionError> {
     let modes = basis.omega.len();
     let of_candidates = basis.omega.iter().take(choice.candidates);
     let candidates = of_candidates.take_while(|w| **w <= choice.highest).count();
@@ -99,7 +103,7 @@ pub fn made_for(basis: &Basis, teeth: &[u32], choice: &Choice) -> Result<Made, R
     if loads.is_empty() || count == 0 {
         let basis = basis.in_span(&[], Vec::new());
         let span = Vec::new();
-        return Ok(Made { basis, rows, span });
+        return Ok(FittedModes { basis, rows, span });
     }
     let kinds = gram(basis, &loads, candidates);
     let kinds = with_hub(basis, kinds, omega);
@@ -135,7 +139,7 @@ pub fn made_for(basis: &Basis, teeth: &[u32], choice: &Choice) -> Result<Made, R
     }
     let basis = basis.in_span(&v, found);
     let span = v;
-    Ok(Made { basis, rows, span })
+    Ok(FittedModes { basis, rows, span })
 }
 
 fn multiply(out: faer::MatMut<'_, f64>, a: faer::MatRef<'_, f64>, b: faer::MatRef<'_, f64>) {
@@ -153,7 +157,8 @@ fn gram(basis: &Basis, loads: &[Load], candidates: usize) -> Mat<f64> {
     out
 }
 
-/// The same with unit loads on a hub that moves aside, each direction [`FOR_HUB`] of the flanks in statics.
+/// Adds unit loads on a hub with out-of-plane freedom, each direction with the weight [`FOR_HUB`] relative to the
+/// flanks in statics.
 fn with_hub(basis: &Basis, mut kinds: Mat<f64>, omega: &[f64]) -> Mat<f64> {
     let Some(lateral) = &basis.lateral else {
         return kinds;
@@ -178,7 +183,7 @@ fn with_hub(basis: &Basis, mut kinds: Mat<f64>, omega: &[f64]) -> Mat<f64> {
     kinds
 }
 
-/// Mean angular frequency [rad/s] of what yields under these loads: that of the static deflections as a body of their own.
+/// Returns the mean angular frequency [rad/s] of the static deflections under these loads, as a body of their own.
 fn mean_frequency(kinds: &Mat<f64>, omega: &[f64]) -> f64 {
     let of = |power: i32| -> f64 {
         let all = omega.iter().enumerate();

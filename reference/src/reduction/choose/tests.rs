@@ -1,6 +1,6 @@
 use super::*;
 use crate::mesh;
-use crate::reduction::{Mounting, Wanted, basis};
+use crate::reduction::{ModeSelection, Mounting, basis};
 use crate::test_support::{self, coarse};
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
 use gearbench_models::stiffness::Material;
@@ -9,7 +9,7 @@ use gearbench_models::stiffness::Material;
 fn rack() -> Basis {
     let rack = test_support::rack(3, 2e-3, |p| p.face_width = 4e-3);
     let mesh = mesh::rack(&rack, &coarse(2, 1)).unwrap();
-    let wanted = Wanted::Count(usize::MAX / 2);
+    let wanted = ModeSelection::Count(usize::MAX / 2);
     basis::of_mesh(
         &mesh,
         &Material::STEEL,
@@ -31,7 +31,7 @@ fn gear() -> Basis {
         &sector,
         &Material::STEEL,
         &mounting,
-        Wanted::Count(120),
+        ModeSelection::Count(120),
         false,
     )
     .unwrap()
@@ -47,7 +47,7 @@ fn choice(count: usize, by: Criterion) -> Choice {
     }
 }
 
-/// Together all modes yield what the mesh yields in statics.
+/// All modes together have the static compliance of the mesh.
 #[test]
 fn compliances_of_all_modes_add_up_to_the_static_one() {
     let b = rack();
@@ -112,7 +112,7 @@ fn choices_grow_and_keep_families_whole() {
     assert!(low.iter().all(|&i| b.omega[i] < half && i < 45));
 }
 
-/// On a spur gear shapes are even or odd over the width; odd ones do not yield to an even load.
+/// On a spur gear shapes are even or odd over the width; odd ones have no compliance under an even load.
 #[test]
 fn shapes_odd_over_the_width_do_not_count_where_contact_is_even() {
     let b = gear();
@@ -168,7 +168,7 @@ fn response(r: &Reduced, k: u32, l: u32, at: f64) -> f64 {
     residual.between(k, l, rows) + moving
 }
 
-/// Modes that are made for some teeth are oscillators within the span of all; in statics nothing is lost on any tooth.
+/// Modes fitted to some teeth are oscillators within the span of all; static deflections are unchanged on every tooth.
 #[test]
 fn modes_made_for_teeth_leave_statics_as_they_are() {
     let b = gear();

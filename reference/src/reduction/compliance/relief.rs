@@ -1,15 +1,15 @@
-//! Inertia relief: from the compliance of a gear on a held hub to that on its mount.
+//! Inertia relief: from the compliance of a gear on a fixed hub to that on its mount.
 
 use crate::reduction::Mounting;
 use faer::Mat;
 use faer::prelude::Solve;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 
-/// Compliance with the hub held, and what inertia relief needs.
-pub(super) struct Held {
+/// Compliance with fixed hub, and the data of inertia relief.
+pub(super) struct FixedHubCompliance {
     /// `X` between the flank nodes, in the layout of the result.
     pub flanks: FlankCompliance,
-    /// Motions of the hub, `n`: the free ones; that of a held hub.
+    /// Number of hub motions, `n`: the free ones, or the fixed one of a fixed hub.
     pub motions: usize,
     /// Displacement outwards per unit of each motion, `a_k`, `n` per row.
     pub arms: Vec<f64>,
@@ -17,18 +17,18 @@ pub(super) struct Held {
     pub inertial: Vec<f64>,
     /// `Gamma`, `n x n`.
     pub hub: Vec<f64>,
-    /// `J` without what is added, `n x n`.
+    /// Inertia `J` without that added at the hub, `n x n`.
     pub inertia: Vec<f64>,
 }
 
-impl Held {
+impl FixedHubCompliance {
     /// The compliance on a mount.
     pub fn mounted(self, mounting: &Mounting) -> Residual {
         let rows = self.arms.len() / self.motions;
         if mounting.is_lateral() {
             return self.mounted_lateral(mounting);
         }
-        let Held {
+        let FixedHubCompliance {
             mut flanks,
             arms,
             inertial,
@@ -47,7 +47,7 @@ impl Held {
         let gamma = hub[0] / (inertia * inertia);
         // Teeth that are alike move alike.
         let alike = match &flanks {
-            FlankCompliance::Full(_) | FlankCompliance::Lessened(_) => rows,
+            FlankCompliance::Full(_) | FlankCompliance::Deflated(_) => rows,
             FlankCompliance::Cyclic { per_tooth, .. } => *per_tooth,
         };
         add_relief(&mut flanks, rows, |k, l| {
@@ -62,7 +62,7 @@ impl Held {
         }
     }
 
-    /// `J^-1` with what is added at the hub.
+    /// Returns `J^-1` including the inertia added at the hub.
     fn inverse(&self, mounting: &Mounting) -> Mat<f64> {
         let n = self.motions;
         let added = mounting.added_in_motions();
@@ -72,7 +72,7 @@ impl Held {
         inertia.partial_piv_lu().solve(Mat::<f64>::identity(n, n))
     }
 
-    /// `Gamma`.
+    /// Returns the matrix `Gamma`.
     fn gamma(&self) -> Mat<f64> {
         let n = self.motions;
         Mat::from_fn(n, n, |p, q| self.hub[p * n + q])
@@ -85,7 +85,7 @@ impl Held {
         inverse.transpose() * self.gamma() * &inverse
     }
 
-    /// The same on a hub that is free in several directions.
+    /// Computes the compliance on a hub that is free in several directions.
     fn mounted_lateral(self, mounting: &Mounting) -> Residual {
         let n = self.motions;
         let rows = self.arms.len() / n;
@@ -114,7 +114,7 @@ impl Held {
     }
 }
 
-/// Adds what rigid motion brings between two rows.
+/// Adds the rigid-motion part between two rows.
 fn add_relief(flanks: &mut FlankCompliance, rows: usize, relief: impl Fn(usize, usize) -> f64) {
     match flanks {
         FlankCompliance::Full(c) => {
@@ -133,7 +133,7 @@ fn add_relief(flanks: &mut FlankCompliance, rows: usize, relief: impl Fn(usize, 
                 *c += relief(i / m, i % m);
             }
         }
-        FlankCompliance::Lessened(_) => {
+        FlankCompliance::Deflated(_) => {
             unreachable!("nothing is taken from a compliance before it is mounted")
         }
     }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::mesh;
 use crate::reduction::choose::{Criterion, choose};
-use crate::reduction::{Mounting, Wanted, basis};
+use crate::reduction::{ModeSelection, Mounting, basis};
 use crate::test_support::{coarse, gear};
 use gearbench_models::stiffness::Material;
 
@@ -18,7 +18,7 @@ fn pinion() -> Basis {
         &sector,
         &Material::STEEL,
         &mounting,
-        Wanted::Count(300),
+        ModeSelection::Count(300),
         false,
     )
     .unwrap()

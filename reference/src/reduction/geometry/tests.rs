@@ -1,4 +1,4 @@
-//! Toothings found again from their meshes.
+//! Recognition of toothing data from meshes.
 
 use super::*;
 use crate::mesh::{self, GearMesh};

@@ -1,13 +1,13 @@
-//! Integrals against the kinetic energy of nodes, one sector against the whole mesh, and a disc that spins.
+//! Integrals compared with the kinetic energy of nodes, one sector with the whole mesh, and a spinning disc.
 
 use super::*;
 use crate::assembly::assemble;
 use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams, Mesh};
 use crate::reduction::choose::{ModalDamping, reduced};
-use crate::reduction::{Basis, Mounting, Wanted, basis};
+use crate::reduction::{Basis, ModeSelection, Mounting, basis};
 use crate::test_support::{self, coarse};
 use crate::vector::dot;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::inertia::AUTO_LIMIT;
 use gearbench_models::gear::elastic::{Elastic, SpinTerms};
@@ -93,7 +93,7 @@ fn sector_and_whole_mesh_agree() {
         &sector,
         &Material::STEEL,
         &mounting,
-        Wanted::Count(41),
+        ModeSelection::Count(41),
         false,
     )
     .unwrap();
@@ -101,7 +101,7 @@ fn sector_and_whole_mesh_agree() {
         &whole,
         &Material::STEEL,
         &mounting,
-        Wanted::Count(41),
+        ModeSelection::Count(41),
         false,
     )
     .unwrap();
@@ -276,7 +276,7 @@ fn elastic(b: &Basis, speed: f64, terms: SpinTerms) -> Elastic {
 /// All modes of a disc with three elements per sector.
 fn disc_basis(sectors: u32) -> Basis {
     let mounting = Mounting::gear(false, 0.0);
-    let all = Wanted::Count(usize::MAX / 2);
+    let all = ModeSelection::Count(usize::MAX / 2);
     basis::of_sector(
         &disc(sectors, 3, 6),
         &Material::STEEL,
@@ -293,7 +293,7 @@ fn rim(b: &Basis, speed: f64, terms: SpinTerms) -> f64 {
     let mut gear = elastic(b, speed, terms);
     gear.decide_spin_terms(speed);
     let (zero, mut f) = (vec![0.0; n], vec![0.0; n]);
-    let at = At {
+    let at = StateView {
         t: 1.0,
         q: &zero,
         v: &zero,

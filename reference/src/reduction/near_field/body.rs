@@ -39,7 +39,7 @@ use std::f64::consts::PI;
 /// Half the extent of the part that is cut out, over the length of the flank.
 const EXTENT: f64 = 1.0;
 
-/// How far it goes beyond the flank's mean plane: to the fillet, not to the next tooth.
+/// Extent of the patch beyond the mean plane of the flank: to the fillet, not to the next tooth.
 const BEYOND: f64 = 0.3;
 
 /// Share of the distance to the next row nearer than which tractions are left out.
@@ -111,7 +111,7 @@ struct Rows {
     lines: Vec<(Vec3, Vec3)>,
     /// Forces at nodes of the mesh by an outward unit load per width, row by row.
     loads: Vec<Vec<(u32, Vec3)>>,
-    /// Width [m].
+    /// Width of the flank [m].
     width: f64,
 }
 
@@ -174,11 +174,11 @@ struct Part {
     place: HashMap<u32, u32>,
     /// Nodes on the faces at which it was cut out.
     cut: Vec<u32>,
-    free: Vec<Free>,
+    free: Vec<FreeFace>,
 }
 
 /// A face at which the body ends.
-struct Free {
+struct FreeFace {
     facet: Facet,
     /// It is an end face of the teeth.
     end: bool,
@@ -245,7 +245,7 @@ impl Part {
             let (_, [a, b]) = point(&facet, &mesh.nodes, [1.0 / 3.0; 2]);
             let normal = b.cross(&a);
             let end = normal.z.abs() > END * normal.norm();
-            free.push(Free { facet, end });
+            free.push(FreeFace { facet, end });
         }
         cut.sort_unstable();
         cut.dedup();
@@ -306,7 +306,7 @@ impl Part {
         Ok(symmetric(of_rows, rows))
     }
 
-    /// Adds what the tractions on free faces do.
+    /// Adds the forces of the tractions on free faces.
     fn add_tractions(&self, field: &Flamant, nearest: f64, forces: &mut [f64]) {
         for free in &self.free {
             let facet = &free.facet;
@@ -333,7 +333,8 @@ impl Part {
     }
 }
 
-/// Means of both ways; at the tip what a load before it does there, and the load itself as in the row before.
+/// Averages both directions; at the tip it uses the effect of a load before it, and the load itself as in the row
+/// before.
 fn symmetric(found: Vec<f64>, rows: &Rows) -> Vec<f64> {
     let n = rows.lines.len();
     let tip = n - 1;

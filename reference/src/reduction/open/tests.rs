@@ -1,10 +1,10 @@
-//! Stored reductions held against gears, and opened once.
+//! Stored reductions compared with gears, and opened once.
 
 use super::*;
 use crate::mesh;
 use crate::reduction::geometry::tests::bare;
 use crate::reduction::store::Meta;
-use crate::reduction::{Basis, Mounting, Request, Wanted};
+use crate::reduction::{Basis, ModeSelection, Mounting, Request};
 use crate::test_support::{self, counted};
 use gearbench_models::gear::elastic::inertia::Integrals;
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
@@ -19,7 +19,7 @@ fn gear(teeth: u32, change: impl Fn(&mut GearParams)) -> Gear {
     })
 }
 
-/// What is wrong with a stored gear of 18 teeth for another gear on some mount.
+/// Returns the misfit of a stored gear of 18 teeth with another gear on some mount.
 fn judged(
     body: Body,
     mount: Mount,
@@ -36,7 +36,7 @@ fn judged(
         sector: false,
         material: Material::STEEL,
         mounting: Mounting::gear(true, 0.0),
-        wanted: Wanted::Count(0),
+        wanted: ModeSelection::Count(0),
     };
     let stored = Stored {
         meta: Meta::new(&request, "a test"),
@@ -142,7 +142,7 @@ fn reduced(modes: usize) -> (Basis, Meta) {
         sector: false,
         material: Material::STEEL,
         mounting: Mounting::gear(true, 0.0),
-        wanted: Wanted::Count(modes),
+        wanted: ModeSelection::Count(modes),
     };
     (request.compute().unwrap(), Meta::new(&request, "a test"))
 }
@@ -164,14 +164,14 @@ fn a_file_is_opened_once_until_it_changes() {
     assert!(open(&path).is_err());
 }
 
-/// What follows from mechanics alone is checked: reciprocity, modes within the compliance, size, mass.
+/// Reductions that violate mechanics are refused: reciprocity, modes within the compliance, size, mass.
 #[test]
 fn reductions_of_no_elastic_body_are_refused() {
     let (basis, meta) = reduced(8);
     let folder = tempfile::tempdir().unwrap();
     let blocks = |b: &mut Basis, change: &dyn Fn(&mut [f64])| match &mut b.compliance.flanks {
         FlankCompliance::Full(c) | FlankCompliance::Cyclic { blocks: c, .. } => change(c),
-        FlankCompliance::Lessened(_) => {}
+        FlankCompliance::Deflated(_) => {}
     };
     let integrals = |b: &mut Basis, change: &dyn Fn(&mut Integrals)| {
         change(Arc::make_mut(b.integrals.as_mut().unwrap()));

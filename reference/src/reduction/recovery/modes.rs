@@ -1,6 +1,6 @@
 //! Shapes of the kept modes at all nodes, as the basis has them at the flanks.
 
-use super::{Found, OfMesh, add};
+use super::{MeshRecovery, RecoveredModes, add};
 use crate::assembly::Assembly;
 use crate::assembly::tie::{MassKind, Tie};
 use crate::mesh::GearMesh;
@@ -15,12 +15,12 @@ use std::collections::HashMap;
 
 /// Modes of the mesh whose squared frequencies are so near that of the basis are the same.
 const SAME: f64 = 1e-5;
-/// What they may be off the basis at the flanks.
+/// Largest relative difference from the basis at the flanks.
 const OFF: f64 = 1e-3;
-/// Nodes of a sector and of the whole gear that are so near are one [m].
+/// Distance below which nodes of a sector and of the whole gear coincide [m].
 const NEAR: f64 = 1e-8;
 
-impl OfMesh {
+impl MeshRecovery {
     /// The lowest modes, up to the highest that is kept and the next: squared frequencies and shapes at all nodes.
     pub(super) fn modes_of(
         &self,
@@ -45,7 +45,7 @@ impl OfMesh {
         Ok((motions.len()..found.omega2.len()).map(shape).collect())
     }
 
-    /// The same by the sector of a gear whose teeth are all alike.
+    /// Computes the modes from the sector of a gear with equal teeth.
     pub(super) fn modes_by_sector(
         &self,
         whole: &GearMesh,
@@ -118,10 +118,10 @@ impl OfMesh {
             .collect()
     }
 
-    /// Shapes of the kept modes as the basis has them: those of one frequency mixed so that they are its own at the flanks.
+    /// Combines the kept modes as in the basis: those of one frequency are mixed so that they agree at the flanks.
     pub(super) fn like_basis(
         &self,
-        found: &Found,
+        found: &RecoveredModes,
         modes: Vec<(f64, Vec<f64>)>,
     ) -> Result<Vec<Vec<f64>>, ReductionError> {
         let basis = &self.basis;
@@ -169,7 +169,7 @@ impl OfMesh {
     }
 
     /// A shape without rigid motion, of which rounding and the tolerance of the search leave some.
-    fn without_rigid(&self, found: &Found, shape: &[f64]) -> Vec<f64> {
+    fn without_rigid(&self, found: &RecoveredModes, shape: &[f64]) -> Vec<f64> {
         let mut shape = shape.to_vec();
         // One motion alone holds no momentum in elastic modes by itself, and what is added at the hub moves with it.
         if self.mounting.is_lateral() {
@@ -183,8 +183,9 @@ impl OfMesh {
         shape
     }
 
-    /// How a shape moves the hub in each of the rigid motions: by the held nodes, in the least squares.
-    fn hub_of(&self, found: &Found, shape: &[f64]) -> Vec<f64> {
+    /// Returns the motion of the hub in a shape for each of the rigid motions: by the tied nodes, in the least-squares
+    /// sense.
+    fn hub_of(&self, found: &RecoveredModes, shape: &[f64]) -> Vec<f64> {
         let held: Vec<usize> = (0..found.nodes.len())
             .filter(|n| found.tie.place[*n] == Tie::HELD)
             .flat_map(|n| 3 * n..3 * n + 3)

@@ -1,36 +1,42 @@
-//! What is found behind the flanks is, at the flanks, what the gear computes with; and modes that are kept or cut carry the same
+//! Recovered displacements agree with those of the gear at the flanks, and kept or truncated modes have the same
 //! static displacement everywhere.
 
 #![allow(clippy::print_stdout)]
 
 use super::*;
 use crate::reduction::choose::{ModalDamping, reduced};
-use crate::reduction::{Wanted, basis};
+use crate::reduction::{ModeSelection, basis};
 use crate::test_support::{coarse, rack, stub};
 
 const ALL: [bool; 6] = [true; 6];
 
 /// A gear by the sector of a tooth, or by its whole mesh, with some of its modes.
-fn of(teeth: u32, helix: f64, mounting: Mounting, by_sector: bool, along_profile: bool) -> OfMesh {
+fn of(
+    teeth: u32,
+    helix: f64,
+    mounting: Mounting,
+    by_sector: bool,
+    along_profile: bool,
+) -> MeshRecovery {
     let gear = stub(teeth, helix);
     let params = coarse(1, 2);
     let material = Material::STEEL;
-    let wanted = Wanted::Count(24);
+    let wanted = ModeSelection::Count(24);
     let (mesh, basis, whole) = if by_sector {
         let mesh = mesh::sector(&gear, &params).unwrap();
         let basis = basis::of_sector(&mesh, &material, &mounting, wanted, along_profile);
-        let whole = Whole::Generated(Box::new((Toothing::Gear(gear), params)));
+        let whole = MeshExtent::Generated(Box::new((Toothing::Gear(gear), params)));
         (mesh, basis, whole)
     } else {
         let mesh = mesh::gear(&gear, &params).unwrap();
         let basis = basis::of_mesh(&mesh, &material, &mounting, wanted, along_profile);
-        (mesh, basis, Whole::AtHand)
+        (mesh, basis, MeshExtent::AtHand)
     };
     let basis = basis.unwrap();
     // Both of a pair or neither, and not the lowest alone.
     let some = |mode: &usize| [0, 2, 3, 6, 9].contains(&basis.family[*mode]);
     let kept = (0..basis.omega.len()).filter(some).collect();
-    OfMesh {
+    MeshRecovery {
         mesh,
         whole,
         material,
@@ -52,9 +58,9 @@ fn load(numbers: &[u32]) -> BodyLoad {
     }
 }
 
-/// Largest difference between displacements along the directions of flank nodes, found from the mesh and by the
-/// reduction, over the largest.
-fn difference(of: &OfMesh, q: &[f64], load: &BodyLoad) -> f64 {
+/// Returns the largest difference between displacements along the directions of flank nodes from the mesh and from the
+/// reduction, relative to the largest.
+fn difference(of: &MeshRecovery, q: &[f64], load: &BodyLoad) -> f64 {
     let mut data = reduced(&of.basis, &of.kept, &ModalDamping::default(), of.residual).unwrap();
     if let Some(strips) = of.strips {
         data = data.over_lines(strips).unwrap();
@@ -201,10 +207,16 @@ fn racks_are_their_whole_mesh() {
     let rack = rack(4, 4e-3, |_| {});
     let mesh = mesh::rack(&rack, &coarse(1, 1)).unwrap();
     let mounting = Mounting::rack(true, 0.1);
-    let basis = basis::of_mesh(&mesh, &Material::STEEL, &mounting, Wanted::Count(8), false);
-    let of = OfMesh {
+    let basis = basis::of_mesh(
+        &mesh,
+        &Material::STEEL,
+        &mounting,
+        ModeSelection::Count(8),
+        false,
+    );
+    let of = MeshRecovery {
         mesh,
-        whole: Whole::AtHand,
+        whole: MeshExtent::AtHand,
         material: Material::STEEL,
         mounting,
         basis: Arc::new(basis.unwrap()),

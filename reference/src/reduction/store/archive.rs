@@ -1,7 +1,7 @@
 //! The container: a zip archive with one `.npy` file per array.
 
 use super::error::{StoreError, StoreErrorKind, refused, unusable};
-use super::npy::{self, Head, shape_text};
+use super::npy::{self, ArrayHeader, shape_text};
 use crate::limits;
 use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
 use std::cell::Cell;
@@ -85,7 +85,7 @@ impl<W: Write> Writer<W> {
 /// Lengths that the axes of an array may have.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Axis {
-    /// This many.
+    /// An axis of this length.
     Is(usize),
     /// Any number, called by this name in messages.
     Any(&'static str),
@@ -95,7 +95,7 @@ pub(super) enum Axis {
 pub(super) struct Reader<'a> {
     archive: ZipSliceArchive<&'a [u8]>,
     entries: BTreeMap<String, (ZipArchiveEntryWayfinder, CompressionMethod)>,
-    /// Bytes of the arrays that were read so far, the archive's own ones included.
+    /// Bytes of the arrays read so far, including those of the archive itself.
     bytes: Cell<f64>,
 }
 
@@ -153,7 +153,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Opens an array: its head, and its numbers one after the other.
-    fn open<'r>(&'r self, name: &str) -> Result<(Head, Box<dyn Read + 'r>), StoreError> {
+    fn open<'r>(&'r self, name: &str) -> Result<(ArrayHeader, Box<dyn Read + 'r>), StoreError> {
         let &(place, method) = self.entries.get(name).ok_or_else(|| self.missing(name))?;
         let damaged = |found: String| damaged(name, found);
         let entry = self
@@ -174,7 +174,7 @@ impl<'a> Reader<'a> {
         Ok((head, input))
     }
 
-    /// Reads an array whose type and shape are known; memory is taken as numbers come.
+    /// Reads an array of known type and shape; memory is allocated as numbers arrive.
     fn array<const N: usize, T>(
         &self,
         name: &str,
@@ -312,7 +312,7 @@ impl<'a> Reader<'a> {
         Ok(x)
     }
 
-    /// One number.
+    /// Reads a single number.
     pub(super) fn number(&self, name: &str) -> Result<f64, StoreError> {
         Ok(self.f64s(name, &[])?.1[0])
     }

@@ -1,4 +1,4 @@
-//! What has to fit in a basis that is written or was read.
+//! Consistency checks of a basis that is written or was read.
 
 use super::Meta;
 use super::error::{StoreError, StoreErrorKind, unusable, value};
@@ -12,7 +12,7 @@ use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
 use gearbench_models::geometry::Flanks;
 
-/// What of a basis does not fit together, if anything.
+/// Returns the first inconsistency of a basis, if any.
 pub(super) fn problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
     let (nodes, rows) = (b.normals.len(), b.directions());
     let modes = b.omega.len();
@@ -47,7 +47,7 @@ pub(super) fn problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
     flanks_problem(&b.flanks, nodes, meta.teeth).or_else(|| numbers_problem(b, meta))
 }
 
-/// A hub that is free beside its own motion: lengths, finite numbers, a body.
+/// Checks a hub with out-of-plane freedom: lengths, finite numbers, a body.
 fn lateral_problem(b: &Basis) -> Option<StoreError> {
     let l = b.lateral.as_ref()?;
     if l.hub.len() != b.omega.len() {
@@ -155,7 +155,7 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
                 )
             })
         }
-        FlankCompliance::Lessened(_) => Some("all of it".to_owned()),
+        FlankCompliance::Deflated(_) => Some("all of it".to_owned()),
     };
     if let Some(expected) = c {
         return Some(unusable(
@@ -167,7 +167,7 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
     }
     let blocks = match &b.compliance.flanks {
         FlankCompliance::Full(c) | FlankCompliance::Cyclic { blocks: c, .. } => c.as_slice(),
-        FlankCompliance::Lessened(_) => &[],
+        FlankCompliance::Deflated(_) => &[],
     };
     let finite: [(&str, &[f64]); 11] = [
         (OMEGA, &b.omega),

@@ -1,8 +1,8 @@
 //! Why a stored reduction is refused.
 
-use crate::refusal::Refused;
+use crate::refusal::Refusal;
 
-/// What kind of trouble a [`StoreError`] reports.
+/// Kind of the problem in a [`StoreError`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum StoreErrorKind {
     /// The file cannot be read or written.
@@ -13,7 +13,7 @@ pub enum StoreErrorKind {
     Damaged,
     /// An array or an entry of `meta` is missing.
     Missing,
-    /// An array holds another type of number, or another order of its axes.
+    /// An array has another type of number, or another order of its axes.
     Type,
     /// An array has another shape.
     Shape,
@@ -24,9 +24,9 @@ pub enum StoreErrorKind {
 }
 
 /// A stored reduction was refused; the context is the array in question.
-pub type StoreError = Refused<StoreErrorKind>;
+pub type StoreError = Refusal<StoreErrorKind>;
 
-/// What to do about a file that no reading can repair.
+/// Remedy for a file that cannot be read.
 pub(super) const MAKE_AGAIN: &str = "make it again with `gearbench reduce`";
 
 /// A refusal of an array (or of no array in particular), with a way out.
@@ -41,7 +41,7 @@ pub(super) fn refused(
         true => String::new(),
         false => format!("`{array}`"),
     };
-    Refused::new(kind, context, expected, found, help)
+    Refusal::new(kind, context, expected, found, help)
 }
 
 /// A file that cannot be read or written.

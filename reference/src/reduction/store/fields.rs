@@ -1,4 +1,4 @@
-//! Which array holds what.
+//! Assignment of the data of a basis to arrays.
 
 use super::archive::{Axis, Reader, Writer};
 use super::error::{StoreError, value};
@@ -8,7 +8,7 @@ use super::names::{
     NEAR_FIELD, NODES, NORMALS, OMEGA, PARTICIPATION, POISSON, ROWS, SHAPES, SIDE, TOOTH,
     UNBALANCE, YOUNG, sign,
 };
-use super::{Meta, Motion, Stored, checks, inertia, lateral};
+use super::{Meta, Motion, Stored, checks, inertia, out_of_plane};
 use crate::reduction::Basis;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
@@ -17,7 +17,7 @@ use gearbench_models::stiffness::Material;
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// Writes the arrays.
+/// Writes all arrays.
 pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
     let (nodes, rows, modes) = (b.normals.len(), b.directions(), b.omega.len());
     let grids = b.flanks.grids();
@@ -47,7 +47,7 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
             per_tooth,
             blocks,
         } => (vec![*teeth, *per_tooth, *per_tooth], blocks),
-        FlankCompliance::Lessened(_) => {
+        FlankCompliance::Deflated(_) => {
             return Err(io::Error::other(
                 "a basis holds the compliance of the whole mesh, but modes were taken from this one",
             ));
@@ -73,7 +73,7 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
         inertia::write(&mut w, integrals)?;
     }
     if let Some(l) = &b.lateral {
-        lateral::write(&mut w, l, b.added)?;
+        out_of_plane::write(&mut w, l, b.added)?;
     }
     w.finish()
 }
@@ -104,7 +104,7 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
     };
     let (lateral, added) = match entries.flag(meta::LATERAL) {
         Some(true) => {
-            let (lateral, added) = lateral::read(r, modes)?;
+            let (lateral, added) = out_of_plane::read(r, modes)?;
             (Some(Arc::new(lateral)), added)
         }
         _ => (None, [0.0; 2]),
@@ -190,7 +190,7 @@ fn read_compliance(r: &Reader<'_>, rows: usize, teeth: usize) -> Result<Residual
     })
 }
 
-/// What line loads do to rows of nodes, flank by flank.
+/// Reads the displacements of rows of nodes under line loads, flank by flank.
 fn read_near_field(r: &Reader<'_>, flanks: &Flanks) -> Result<Vec<Vec<f64>>, StoreError> {
     let sizes = flanks.grids().iter().map(|g| g.rows.saturating_mul(g.rows));
     let all = sizes.clone().fold(0, usize::saturating_add);

@@ -1,4 +1,4 @@
-//! The arrays of the inertia integrals. They are all there or all missing, as `integrals` in `meta` says.
+//! Arrays of the inertia integrals. All or none are present, as `integrals` in `meta` states.
 
 use super::archive::{Axis, Reader, Writer};
 use super::error::StoreError;

@@ -1,4 +1,4 @@
-//! The array `meta`: JSON text that says where a basis comes from.
+//! The array `meta`: JSON text with the origin of a basis.
 
 use super::error::{StoreError, StoreErrorKind, refused, unusable, value};
 use super::names::{META, MOST};
@@ -46,7 +46,7 @@ pub(super) fn text(b: &Basis, meta: &Meta) -> String {
     entries.to_string()
 }
 
-/// Entries of `meta`.
+/// Entries of the array `meta`.
 pub(super) struct Entries(Value);
 
 impl Entries {

@@ -4,25 +4,25 @@
 //! Numbers are 8 bytes wide, little endian, the last axis fastest, and come back bit by bit. Newer versions are
 //! refused; arrays that this version does not know are passed over.
 //!
-//! What is read is not trusted: shapes are compared with each other before memory is taken, checksums are compared,
-//! and numbers that cannot be right are refused with the array they stand in ([`StoreError`]).
+//! Files are not trusted: shapes are compared with each other before memory is allocated, checksums are compared, and
+//! invalid numbers are refused with the name of their array ([`StoreError`]).
 
 mod archive;
 mod checks;
 mod error;
 mod fields;
 mod inertia;
-mod lateral;
 mod meta;
 mod names;
 mod npy;
+mod out_of_plane;
 mod physics;
 #[cfg(test)]
 pub(super) mod tests;
 
 pub use error::{StoreError, StoreErrorKind};
 
-use super::{Basis, Request, Wanted};
+use super::{Basis, ModeSelection, Request};
 use crate::assembly::tie::HubMotion;
 use crate::hash::Hash;
 use crate::{files, limits};
@@ -46,7 +46,7 @@ pub const MAX_FILE_BYTES: u64 = 1 << 34;
 pub enum Motion {
     /// A gear turns about z.
     Turn,
-    /// A rack slides.
+    /// A translating rack.
     Slide,
 }
 
@@ -64,7 +64,7 @@ impl From<HubMotion> for Motion {
 pub struct Meta {
     /// Program and version that wrote it.
     pub program: String,
-    /// What the mesh was read from or generated for, in words.
+    /// Description of the source of the mesh: a file or a generator.
     pub source: String,
     /// Hash of the mesh: nodes, elements, bore and flanks.
     pub mesh: Hash,
@@ -72,7 +72,7 @@ pub struct Meta {
     pub key: Hash,
     /// Which way the hub moves.
     pub motion: Motion,
-    /// Material.
+    /// Material of the gear.
     pub material: Material,
     /// Kinds of the elements, as [`Mesh::kind_names`](crate::mesh::Mesh::kind_names) has them.
     pub element: String,
@@ -82,13 +82,12 @@ pub struct Meta {
     pub nodes: usize,
     /// Elements of the mesh.
     pub elements: usize,
-    /// Modes that were asked for, in words.
+    /// Description of the requested modes.
     pub asked: String,
 }
 
 impl Meta {
-    /// What a file says of a basis that was computed from this request; `source` tells in words where the mesh is
-    /// from.
+    /// Returns the metadata of a basis that was computed from this request; `source` describes the source of the mesh.
     pub fn new(request: &Request<'_>, source: &str) -> Self {
         let mesh = &request.mesh.mesh;
         Meta {
@@ -103,8 +102,8 @@ impl Meta {
             nodes: mesh.nodes.len(),
             elements: mesh.element_count(),
             asked: match request.wanted {
-                Wanted::Count(n) => format!("{n} modes"),
-                Wanted::UpTo(f) => format!("modes up to {f} Hz"),
+                ModeSelection::Count(n) => format!("{n} modes"),
+                ModeSelection::UpTo(f) => format!("modes up to {f} Hz"),
             },
         }
     }
@@ -113,7 +112,7 @@ impl Meta {
 /// A basis as a file has it.
 #[derive(Clone, Debug)]
 pub struct Stored {
-    /// The basis.
+    /// Basis from the file.
     pub basis: Arc<Basis>,
     /// Where it comes from.
     pub meta: Meta,
@@ -139,7 +138,7 @@ pub fn write(path: &Path, basis: &Basis, meta: &Meta) -> Result<u64, StoreError>
     })
 }
 
-/// A name beside a file that nobody else writes to.
+/// Returns a temporary name next to a file that no other writer uses.
 fn part_of(path: &Path) -> PathBuf {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     let mut name = path.as_os_str().to_owned();
@@ -172,7 +171,7 @@ pub fn read_body(path: &Path) -> Result<Stored, StoreError> {
     }
 }
 
-/// Reads a basis from the bytes of a file; `name` stands in refusals.
+/// Reads a basis from the bytes of a file; `name` is used in refusals.
 pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Stored, StoreError> {
     Reader::new(bytes)
         .and_then(|reader| fields::read(&reader))

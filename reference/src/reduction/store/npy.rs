@@ -12,16 +12,16 @@ use std::io::{self, Read};
 pub(super) const F64: &str = "<f8";
 /// 8-byte integers, little endian.
 pub(super) const I64: &str = "<i8";
-/// Bytes.
+/// Type code of bytes.
 pub(super) const U8: &str = "|u1";
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// Longest head that is read: those of real arrays have some hundred bytes.
 const LONGEST: usize = 1 << 16;
 
-/// What the numbers are.
+/// Type and shape of the numbers of an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Head {
+pub(super) struct ArrayHeader {
     /// Type as numpy writes it.
     pub(super) descr: String,
     /// The first axis runs fastest.
@@ -56,7 +56,7 @@ pub(super) fn head(descr: &str, shape: &[usize]) -> Vec<u8> {
 }
 
 /// Reads a head, versions 1 to 3.
-pub(super) fn read_head(input: &mut dyn Read) -> Result<Head, String> {
+pub(super) fn read_head(input: &mut dyn Read) -> Result<ArrayHeader, String> {
     let short = |e: io::Error| match e.kind() {
         io::ErrorKind::UnexpectedEof => "an end within its head".to_owned(),
         _ => e.to_string(),
@@ -92,7 +92,7 @@ pub(super) fn read_head(input: &mut dyn Read) -> Result<Head, String> {
 }
 
 /// Reads the dictionary of a head.
-fn parse(text: &str) -> Option<Head> {
+fn parse(text: &str) -> Option<ArrayHeader> {
     let mut rest = text.trim().strip_prefix('{')?.strip_suffix('}')?;
     let (mut descr, mut fortran, mut shape) = (None, None, None);
     loop {
@@ -126,14 +126,14 @@ fn parse(text: &str) -> Option<Head> {
             _ => return None,
         };
     }
-    Some(Head {
+    Some(ArrayHeader {
         descr: descr?,
         fortran: fortran?,
         shape: shape?,
     })
 }
 
-/// Text in quotation marks at the start, and what follows.
+/// Splits a text in quotation marks at the start from the rest.
 fn quoted(text: &str) -> Option<(&str, &str)> {
     let mark = text.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
     text[1..].split_once(mark)

@@ -1,4 +1,4 @@
-//! What no elastic body can be: checks of a stored reduction that follow from mechanics alone.
+//! Checks of a stored reduction that follow from mechanics alone.
 //!
 //! The compliance `A` between flank nodes is that of all elastic modes, so by reciprocity it is symmetric, it is positive
 //! semidefinite, and with the modes that are stored, normalised to unit modal mass,
@@ -24,10 +24,10 @@ const MODAL: f64 = 0.02;
 const COMPLIANT: [f64; 2] = [0.05, 1e6];
 /// Least length of an element over the width of the face.
 const FINEST: f64 = 1e-5;
-/// Part by which two inertias of one mesh may differ.
+/// Relative difference of two inertias of one mesh that is accepted.
 const SAME: f64 = 0.01;
 
-/// What of a reduction cannot be of an elastic body, if anything.
+/// Returns the first property of a reduction that no elastic body can have, if any.
 pub(super) fn problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
     (asymmetry(b).or_else(|| modal(b)))
         .or_else(|| scale(b, meta))
@@ -67,7 +67,7 @@ fn asymmetry(b: &Basis) -> Option<StoreError> {
                 unequal(i, j, there, blocks[(opposite * m + j) * m + i])
             })
         }),
-        FlankCompliance::Lessened(_) => None,
+        FlankCompliance::Deflated(_) => None,
     }
 }
 
@@ -130,7 +130,7 @@ fn scale(b: &Basis, meta: &Meta) -> Option<StoreError> {
     ))
 }
 
-/// An inertia that is not the one of the mass of the mesh.
+/// Checks that the inertia agrees with the mass of the mesh.
 fn inertia(b: &Basis, meta: &Meta) -> Option<StoreError> {
     let i = b.integrals.as_ref()?;
     let about = [i.tensor[0], i.tensor[4], i.tensor[8]];

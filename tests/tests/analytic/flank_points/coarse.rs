@@ -1,4 +1,4 @@
-//! Boxes against tooth indices: what is found, in which order, and at what cost.
+//! Comparison of boxes with tooth indices: pairs found, their order, and cost.
 
 use super::gaps::helical;
 use super::*;
@@ -14,7 +14,7 @@ fn points(coarse: CoarseSearch) -> PointContact {
     }
 }
 
-/// Spur gears, helical gears, and a rack.
+/// Returns spur gears, helical gears, and a rack.
 fn pairs() -> [SceneSpec; 3] {
     let pair = |a, b, distance| {
         let (a, b) = (gear("a", a, 0.0, 0.0), gear("b", b, distance, 0.0));
@@ -33,12 +33,12 @@ fn pairs() -> [SceneSpec; 3] {
     ]
 }
 
-/// Numbers in [-1, 1) without a pattern.
+/// Returns numbers in [-1, 1) without a pattern.
 fn random(i: u32) -> f64 {
     2.0 * (f64::from(i) * 0.754_877_666_246_692_8).fract() - 1.0
 }
 
-/// Candidates with a gap in a range as text: every bit of them.
+/// Returns candidates with a gap in a range as text, with every bit of them.
 fn found(scene: &Scene, s: &State, gaps: std::ops::Range<f64>) -> Vec<String> {
     let all = candidates(scene, s).into_iter();
     all.filter(|(_, c)| gaps.contains(&c.gap))

@@ -1,4 +1,4 @@
-//! Forces and moments, and what is refused.
+//! Forces and moments of flank points, and refusals.
 
 use super::*;
 /// Rigid involutes that overlap by d touch over a strip of half length `sqrt(2 rho d)` with a parabola of
@@ -91,7 +91,7 @@ fn moments_are_those_of_the_line_of_action() {
     }
 }
 
-/// What flank points cannot do is refused with a way out.
+/// Settings that flank points do not support are refused with a remedy.
 #[test]
 fn what_flank_points_cannot_do_is_refused() {
     let spec = case_a(3e-6);

@@ -1,4 +1,4 @@
-//! Where points touch: exact gaps, areas, edges, widths, and the cost of finding out.
+//! Positions of contact points: exact gaps, areas, edges, widths, and the cost of the search.
 
 use super::*;
 /// Rigid smooth flanks over a mesh cycle. The gap of every candidate is its distance from the exact flank, and
@@ -91,7 +91,7 @@ pub(super) fn helical(params: GearParams, angle: f64) -> GearParams {
     }
 }
 
-/// Least gap of each side over all candidates, and how far normals are from the line of action.
+/// Returns the smallest gap of each side over all candidates, and the largest angle of normals to the line of action.
 fn least_gaps(scene: &Scene, s: &State) -> [Option<Candidate>; 2] {
     let mut least: [Option<Candidate>; 2] = [None, None];
     for (_, c) in candidates(scene, s) {
@@ -104,7 +104,7 @@ fn least_gaps(scene: &Scene, s: &State) -> [Option<Candidate>; 2] {
     least
 }
 
-/// Distance of a point from the exact involute helicoid (rack: plane) of a gear's tooth [m].
+/// Returns the distance of a point from the exact involute helicoid (rack: plane) of a gear's tooth [m].
 fn exact_gap(spec: &SceneSpec, scene: &Scene, s: &State, k: usize, c: &Candidate) -> f64 {
     let x = c.points[1 - k].x;
     let tooth = c.points[k].tooth.index as f64;
@@ -189,7 +189,7 @@ fn an_edge_between_points_is_felt_by_the_other_pass() {
     assert!(missed >= 3 && felt > missed, "{felt} {missed}");
 }
 
-/// A point that slides over the tip edge leaves without a jump of force.
+/// A point that slides over the tip edge leaves contact without a jump of force.
 #[test]
 fn points_leave_over_the_tip_without_a_jump() {
     let mut spec = case_a(-3e-6);
@@ -249,7 +249,7 @@ fn only_the_common_width_touches() {
     assert!((narrow / whole - 1.0).abs() < 0.08, "{narrow} {whole}");
 }
 
-/// The work follows the teeth about the line of centres, not the number of teeth; times are printed.
+/// The work depends on the number of teeth near the line of centres, not on the number of teeth; times are printed.
 #[test]
 fn the_cost_follows_the_active_flanks() {
     for (z, distance) in [([20, 30], 0.1001), ([80, 120], 0.4001)] {
@@ -264,14 +264,14 @@ fn the_cost_follows_the_active_flanks() {
         };
         let (scene, _, s) = rigid_pair(&spec, [21, 7], points);
         let mesh = &scene.meshes()[0];
-        let party = |k: usize| Party {
+        let gear_state = |k: usize| GearState {
             gear: scene.gears()[k].model.as_ref(),
             at: scene.gears()[k].at(s.at()),
         };
         let mut found = Vec::new();
-        let wanted = Wanted::Touching(0.0);
+        let wanted = CandidateSelection::Touching(0.0);
         mesh.search
-            .candidates(party(0), party(1), &[], wanted, &mut found);
+            .candidates(gear_state(0), gear_state(1), &[], wanted, &mut found);
         let work = mesh.search.points().unwrap().work();
         assert!(!found.is_empty());
         assert!(work.flanks <= 12, "{work:?}");

@@ -1,4 +1,4 @@
-//! Contact of flank points: gaps and normals on exact involutes against the lines of action, forces, rows,
+//! Contact of flank points: gaps and normals on exact involutes compared with the lines of action, forces, rows,
 //! moments, edges.
 
 mod coarse;
@@ -8,7 +8,7 @@ mod rows;
 
 use gearbench_integrators::system::Coeffs;
 use gearbench_integrators::{Outputs, SecondOrderSystem, State};
-use gearbench_models::contact::{Candidate, Party, Wanted};
+use gearbench_models::contact::{Candidate, CandidateSelection, GearState};
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side, inv};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
@@ -36,7 +36,7 @@ fn with_points(points: PointContact) -> ContactSpec {
     }
 }
 
-/// Turns both hubs as if rolling, by an angle of the first.
+/// Rotates both hubs as if rolling, by an angle of the first.
 fn roll(spec: &SceneSpec, scene: &Scene, angle: f64) -> State {
     let mut s = scene.initial();
     let displacement = angle * effective_radius(&spec.gears[0].body);
@@ -52,7 +52,7 @@ fn quadrature(along: usize, across: usize) -> PointRule {
     PointRule::Quadrature { along, across }
 }
 
-/// Case A with rigid flanks, overlapping by `-gap`.
+/// Builds case A with rigid flanks, overlapping by `-gap`.
 fn rigid_pair(
     spec: &SceneSpec,
     [rows, columns]: [usize; 2],
@@ -65,7 +65,7 @@ fn rigid_pair(
     (scene, found, s)
 }
 
-/// Of the candidates that overlap: sum of penalty x area x overlap [N].
+/// Returns the sum of penalty x area x overlap [N] over the candidates that overlap.
 fn force_of(found: &[(usize, Candidate)]) -> f64 {
     let closed = found.iter().filter(|(_, c)| c.gap < 0.0);
     closed.map(|(_, c)| -c.stiffness * c.gap).sum()

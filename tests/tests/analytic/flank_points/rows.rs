@@ -45,7 +45,7 @@ fn worst_row(scene: &Scene, s: &State) -> (f64, usize) {
     (worst, checked)
 }
 
-/// Rows of the nodal gears by differences of the gap: smooth and faceted, hub and nodes, both passes.
+/// Rows of the nodal gears agree with differences of the gap: smooth and faceted, hub and nodes, both passes.
 #[test]
 fn rows_are_the_derivatives_of_the_gaps() {
     for surface in [SurfaceKind::Smooth, SurfaceKind::Faceted] {
@@ -64,7 +64,7 @@ fn rows_are_the_derivatives_of_the_gaps() {
     }
 }
 
-/// The same for points that leave over a tip, whose gap fades out: along the path, both passes.
+/// Rows of points in the tip taper agree with differences of the gap, along the path, with both passes.
 #[test]
 fn rows_of_points_that_leave() {
     for surface in [SurfaceKind::Smooth, SurfaceKind::Faceted] {
@@ -87,10 +87,10 @@ fn rows_of_points_that_leave() {
                     *q += 1e-7 * numbers.draw();
                 }
             }
-            let fading = |c: &Candidate| c.fade < 1.0 && c.gap < 0.0;
+            let taper_gradient = |c: &Candidate| c.taper < 1.0 && c.gap < 0.0;
             leaving += candidates(&scene, &s)
                 .iter()
-                .filter(|(_, c)| fading(c))
+                .filter(|(_, c)| taper_gradient(c))
                 .count();
             worst = worst.max(worst_row(&scene, &s).0);
         }
@@ -100,7 +100,7 @@ fn rows_of_points_that_leave() {
     }
 }
 
-/// The same for partners without flanks of their own, on either side, and after turns: movable teeth each
+/// Rows agree with differences for partners without flanks, on either side, and after rotations: movable teeth each
 /// with its own angle, a rigid gear, a rack.
 #[test]
 fn rows_with_partners_that_bring_no_flanks() {
@@ -164,7 +164,7 @@ fn rows_with_partners_that_bring_no_flanks() {
     }
 }
 
-/// Both ways to add contacts to a Newton correction give the same, by rows and by coordinates.
+/// Both methods that add contacts to a Newton correction agree, by rows and by coordinates.
 #[test]
 fn the_condensed_correction_is_the_dense_one() {
     let c = Coeffs {
@@ -212,7 +212,7 @@ fn the_condensed_correction_is_the_dense_one() {
     }
 }
 
-/// The same state gives the same bits, whatever was evaluated before.
+/// Equal states give equal bits, whatever was evaluated before.
 #[test]
 fn forces_repeat_bit_for_bit() {
     let points = PointContact {
@@ -238,7 +238,7 @@ fn forces_repeat_bit_for_bit() {
     assert!(first.iter().any(|x| *x != 0.0));
 }
 
-/// Case A with the flanks of both gears overlapping by `gap < 0` and everything else a little off its place.
+/// Returns case A with the flanks of both gears overlapping by `gap < 0` and all other coordinates slightly displaced.
 fn pressed(models: &[ModelSpec], points: PointContact, gap: f64, off: f64) -> (Scene, State) {
     let scene = build(&case_a(gap), models, &with_points(points));
     let mut s = scene.initial();

@@ -1,4 +1,4 @@
-//! The clearance of rigid flanks: below the gap of every point, near the least, linear in the displacements.
+//! The clearance of rigid flanks is below the gap of every point, near the smallest, and linear in the displacements.
 
 use super::*;
 use gearbench_models::geometry::{GearParams, Side};

@@ -1,4 +1,4 @@
-//! Dashpots at flank points: forces at the end of a kick, stability, implicit methods, the ledger.
+//! Dashpots at flank points: forces at the end of an impulse, stability, implicit methods, the ledger.
 
 use super::*;
 use gearbench_integrators::Resolution;
@@ -14,8 +14,8 @@ fn damped(damping: f64) -> ContactSpec {
     })
 }
 
-/// What a kick asks for is the remainder at the velocities in which it ends; filtered or not, on compliant gears and
-/// others, beside a rigid gear too.
+/// The acceleration for an impulse is the remainder at the velocities at its end, filtered or not, on compliant and
+/// rigid gears.
 #[test]
 fn kicks_end_at_the_velocities_that_their_forces_make() {
     for (residual, partner) in [(2e-9, None), (0.0, None), (2e-9, Some(rigid()))] {

@@ -5,7 +5,7 @@ use gearbench_integrators::Report;
 use gearbench_integrators::modal::propagator::coefficients;
 use gearbench_integrators::{AcceptedStep, Control, Resolution, Sink, TimePlan, Work, method};
 
-/// Hammering within the backlash of case A, with vibrating teeth.
+/// Returns gears of case A with impacts within the backlash and vibrating teeth.
 fn vibrating(size: f64, seed: u64, torque: f64) -> (Scene, State) {
     let mut spec = case_a(0.0);
     let backlash = mesh_layout(&spec.gears[0], &spec.gears[1])
@@ -28,7 +28,7 @@ fn vibrating(size: f64, seed: u64, torque: f64) -> (Scene, State) {
     (scene, s)
 }
 
-/// Exactly until the time told nothing but the steady loads acts, whatever vibrates.
+/// Only the steady loads act until the predicted time, whatever vibrates.
 #[test]
 fn nothing_touches_before_the_time_told() {
     let (mut flights, mut looked) = (0, 0.0);
@@ -66,7 +66,7 @@ fn nothing_touches_before_the_time_told() {
     assert!(flights > 40);
 }
 
-/// Counts impacts by the contact force at the ends of steps.
+/// Sink that counts impacts by the contact force at the ends of steps.
 struct Impacts {
     channel: usize,
     out: Outputs,
@@ -85,7 +85,7 @@ impl Sink for Impacts {
     }
 }
 
-/// Energy that impacts make up, and steps between them.
+/// Impacts conserve the energy, and flights need few steps.
 #[test]
 fn impacts_keep_the_energy_and_flight_is_free() {
     let worst = [1e-7, 2.5e-8].map(|h| {

@@ -1,4 +1,4 @@
-//! Friction on flank points of elastic gears: forces at the end of a kick.
+//! Friction on flank points of elastic gears: forces at the end of an impulse.
 
 use super::*;
 use gearbench_models::law::Friction;
@@ -14,7 +14,8 @@ fn rubbing(mu: f64, v_ref: f64) -> ContactSpec {
     }
 }
 
-/// What a kick asks for is the remainder at the velocities in which it ends, also where friction is all but a step.
+/// The acceleration for an impulse is the remainder at the velocities at its end, also where friction is nearly a step
+/// function.
 #[test]
 fn kicks_end_at_the_velocities_that_their_friction_makes() {
     for (residual, partner) in [(2e-9, None), (0.0, None), (2e-9, Some(rigid()))] {

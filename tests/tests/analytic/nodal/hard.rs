@@ -1,4 +1,4 @@
-//! Hard contact: what penalties come to, gaps that stay open, one potential, what is refused.
+//! Hard contact: limit of penalties, open gaps, one potential, refusals.
 
 use super::potential::gradient_error;
 use super::*;
@@ -16,7 +16,7 @@ fn total(scene: &mut Scene, s: &State) -> f64 {
     channel(scene, s, "force:0")
 }
 
-/// Penalties at nodes come to hard contact at nodes, with the first power of their inverse.
+/// Penalties at nodes converge to hard contact at nodes, with the first power of their inverse.
 #[test]
 fn penalties_come_to_hard_contact() {
     for surface in [SurfaceKind::Smooth, SurfaceKind::Faceted] {
@@ -56,7 +56,7 @@ fn penalties_come_to_hard_contact() {
     }
 }
 
-/// Forces push, repeat bit for bit, and derive from one potential; so does the tangent.
+/// Forces are compressive, repeat bit for bit, and derive from one potential; so does the tangent.
 #[test]
 fn hard_contact_derives_from_a_potential() {
     for rule in [PointRule::Nodes, quadrature(4, 2)] {

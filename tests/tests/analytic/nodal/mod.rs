@@ -11,7 +11,7 @@ mod potential;
 mod search;
 mod tangents;
 
-use gearbench_integrators::system::{At, HalfKick, ModalSplit};
+use gearbench_integrators::system::{HalfStepImpulse, ModalSplit, StateView};
 use gearbench_integrators::{Outputs, Report, SecondOrderSystem, State};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
@@ -49,7 +49,7 @@ fn roll(spec: &SceneSpec, scene: &Scene, s: &mut State, angle: f64) {
     }
 }
 
-/// Modal coordinates that move flanks by some `size` [m], and modal speeds.
+/// Sets modal coordinates that move flanks by about `size` [m], and modal speeds.
 fn deform(scene: &Scene, s: &mut State, size: f64, seed: u64) {
     let (scale, _) = scales(scene);
     let magnitude = scene.magnitudes().deflection;
@@ -63,7 +63,7 @@ fn deform(scene: &Scene, s: &mut State, size: f64, seed: u64) {
     }
 }
 
-/// Gears under load that turn at a speed of the first.
+/// Returns gears under load that rotate at a speed of the first.
 fn loaded(gap: f64, speed: f64) -> SceneSpec {
     let mut spec = case_a(gap);
     (spec.gears[0].speed, spec.gears[1].speed) = (speed, -speed / 1.5);
@@ -72,11 +72,11 @@ fn loaded(gap: f64, speed: f64) -> SceneSpec {
     spec
 }
 
-/// What the accelerations of a half kick of half a microsecond are off those at the velocities in which it ends, over the
-/// largest of them.
+/// Returns the difference of the accelerations for an impulse of half a microsecond from those at the velocities at
+/// its end, relative to the largest.
 fn off_at_the_end_of_a_kick(scene: &mut Scene, s: &State, filter: &[f64]) -> f64 {
     let n = s.q.len();
-    let kick = HalfKick {
+    let kick = HalfStepImpulse {
         time: 5e-7,
         before: &s.v,
         steady: &[],
@@ -87,7 +87,7 @@ fn off_at_the_end_of_a_kick(scene: &mut Scene, s: &State, filter: &[f64]) -> f64
     let mut v = Vec::new();
     kick.end(&a, &mut v);
     let mut at_end = vec![0.0; n];
-    scene.remainder(At { v: &v, ..s.at() }, &mut at_end);
+    scene.remainder(StateView { v: &v, ..s.at() }, &mut at_end);
     let largest = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let worst = (a.iter().zip(&at_end)).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()));
     worst / largest
@@ -99,7 +99,7 @@ fn force(scene: &mut Scene, s: &State) -> Vec<f64> {
     f
 }
 
-/// Energy that forces without dampers derive from, less the work of constant loads.
+/// Returns the energy from which forces without dampers derive, less the work of constant loads.
 fn potential(scene: &mut Scene, s: &State) -> f64 {
     let mut out = Outputs::default();
     scene.output(s.at(), &mut out);

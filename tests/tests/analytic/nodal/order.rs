@@ -3,7 +3,7 @@
 use super::*;
 use gearbench_integrators::Resolution;
 
-/// Force and speeds at the end of an impact, by name of the gears.
+/// Returns force and speeds at the end of an impact, by name of the gears.
 fn end_of(spec: &SceneSpec, model: &ModelSpec, damping: f64, id: &str, step: f64) -> Vec<f64> {
     let points = PointContact {
         damping,

@@ -1,4 +1,4 @@
-//! An elastic gear meets any other, racks too, and an idler joins its meshes.
+//! An elastic gear in contact with any other, racks included, and an idler that couples its meshes.
 
 use super::potential::gradient_error;
 use super::*;

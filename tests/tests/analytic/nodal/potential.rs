@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Largest difference of `-dPi/dq` and the force over all coordinates, each moved as if flanks moved a nanometre and
-/// its work compared with the largest of its gear.
+/// Returns the largest difference of `-dPi/dq` and the force over all coordinates, each moved as if flanks moved a
+/// nanometre, with its work relative to the largest of its gear.
 pub fn gradient_error(scene: &mut Scene, s: &State) -> f64 {
     let f = force(scene, s);
     let (scale, _) = scales(scene);

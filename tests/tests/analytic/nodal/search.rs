@@ -1,16 +1,17 @@
-//! The searches in the transverse plane and in twisted sections find what the search on surfaces finds, and their cost
-//! follows the contact.
+//! The searches in the transverse plane and in twisted sections find the same points as the search on surfaces, and
+//! their cost depends on the contact.
 
 use super::*;
 use gearbench_models::geometry::{Flanks, GearParams, Rack, RackParams};
 use gearbench_models::kinematics::Locus;
 use gearbench_models::spec::Body;
 
-/// Force of the points that the search on surfaces finds, with displacements taken from the field by hand.
+/// Returns the number and the force of the points that the search on surfaces finds, with displacements from the
+/// field.
 fn by_hand(scene: &Scene, s: &State) -> (usize, f64) {
     let (mut count, mut force) = (0, 0.0);
     for (mesh, c) in candidates(scene, s) {
-        let mut gap = if c.gap < 0.0 { c.gap } else { c.fade * c.gap };
+        let mut gap = if c.gap < 0.0 { c.gap } else { c.taper * c.gap };
         for (k, &g) in scene.meshes()[mesh].gears.iter().enumerate() {
             let gear = &scene.gears()[g];
             let (Some(field), Locus::Quadrature { face, xi }) =
@@ -22,7 +23,7 @@ fn by_hand(scene: &Scene, s: &State) -> (usize, f64) {
             let mut a = [0.0; 4];
             let range = gear.range();
             field.displacements(&s.q[range], &flanks.corners(face), &mut a);
-            gap -= c.fade
+            gap -= c.taper
                 * (a.iter().zip(Flanks::weights(xi)))
                     .map(|(a, w)| a * w)
                     .sum::<f64>();
@@ -139,7 +140,7 @@ fn both_searches_find_the_same() {
     }
 }
 
-/// Out of contact nothing is placed; in contact nodes and points near the contact alone.
+/// Out of contact no node is evaluated; in contact only nodes and points near the contact are.
 #[test]
 fn the_work_follows_the_contact() {
     let work = |rows: usize, gap: f64| {

@@ -1,11 +1,11 @@
-//! Tangents by differences, the Newton correction against the dense inverse, repeatability.
+//! Tangents compared with differences, the Newton correction with the dense inverse, and repeatability.
 
 use super::*;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::Coeffs;
 use gearbench_models::law::Friction;
 
-/// Scenes with elastic gears that touch, and what they are.
+/// Returns scenes of elastic gears in contact, with descriptions.
 fn touching() -> Vec<(&'static str, Scene, State)> {
     let mut all = Vec::new();
     let elastic = || toy(13, 3, 6, 2e-9);
@@ -171,8 +171,8 @@ fn the_correction_is_the_inverse_of_the_newton_matrix() {
     }
 }
 
-/// The same state gives the same bits, whatever was evaluated before: the solve begins where the last one ended, but
-/// its result is that of the final set of closed points.
+/// Equal states give equal bits, whatever was evaluated before: the solve starts from the last result, but its own is
+/// that of the final set of closed points.
 #[test]
 fn forces_repeat_bit_for_bit() {
     for (name, mut scene, s) in touching() {

@@ -10,23 +10,23 @@ use super::{across, carrier_of};
 use crate::shafts::{body, frequencies, shaft};
 use gearbench_models::geometry::{Gear, GearParams, Internal};
 use gearbench_models::spec::{
-    Body, Carried, ContactSpec, GearSpec, Load, Mount, Profile, SceneSpec, effective_radius,
+    Body, ContactSpec, GearSpec, Load, Mount, Profile, SceneSpec, StationMember, effective_radius,
 };
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use gearbench_tests::*;
 use std::f64::consts::TAU;
 
-/// Carrier, ring, sun, planet.
+/// Data of carrier, ring, sun and planet.
 struct Set {
-    /// [kg]
+    /// Masses of the bodies [kg].
     mass: [f64; 4],
     /// Inertia over the square of the radius [kg].
     inertia: [f64; 4],
     /// Stiffness of the meshes [N/m].
     mesh: f64,
-    /// Of the bearings, radial [N/m].
+    /// Radial stiffness of the bearings [N/m].
     bearing: [f64; 4],
-    /// And in the direction of the turn, over the square of the radius [N/m].
+    /// Torsional stiffness of the supports over the square of the radius [N/m].
     turn: [f64; 3],
     pressure_angle: f64,
 }
@@ -49,8 +49,8 @@ const COOLEY_PARKER: Set = Set {
     pressure_angle: 20.0,
 };
 
-/// Overlap of the flanks at the start, so that all of them press: small, so that forces that turn with the bodies count for
-/// nothing; on lines of action that do not move any is small [m].
+/// Overlap of the flanks at the start, so that all of them are loaded [m]: small, so that the forces, whose directions
+/// rotate with the bodies, have no effect. On fixed lines of action any value is small.
 const OVERLAP: f64 = 2e-9;
 const OVERLAP_ON_LINES: f64 = 2e-7;
 
@@ -62,7 +62,7 @@ fn toothed(name: &str, params: GearParams, position: [f64; 2]) -> GearSpec {
     }
 }
 
-/// Sun, planets and ring without shifts, whose axes stand at their nominal distance.
+/// Returns sun, planets and ring without profile shifts, at their nominal distances.
 fn gears(planets: usize, pressure_angle: f64) -> (Vec<GearSpec>, f64) {
     let params = |teeth| GearParams {
         pressure_angle: pressure_angle.to_radians(),
@@ -96,7 +96,7 @@ fn stiff(mesh: f64, width: f64) -> ContactSpec {
     }
 }
 
-/// The meshes of sun and planets, planets and ring.
+/// Returns the meshes of sun and planets, and of planets and ring.
 fn meshes(planets: usize, overlap: f64) -> Vec<gearbench_models::spec::MeshSpec> {
     use gearbench_models::geometry::Side;
     // A planet hands the load on from one of its flanks to the other.
@@ -133,7 +133,7 @@ fn scene_of(set: &Set, planets: usize) -> (SceneSpec, Vec<ContactSpec>) {
         g.lateral = Some(lateral);
     }
     let mut carrier = body(0.0, "carrier", of(0, distance));
-    if let Carried::Body(body) = &mut carrier.carries {
+    if let StationMember::Body(body) = &mut carrier.carries {
         body.planets = (1..=planets).collect();
         let mut lateral = of_carrier;
         lateral.bearing.stiffness[5][5] = set.turn[0] * distance * distance;
@@ -153,7 +153,7 @@ fn found(spec: &SceneSpec, contact: &ContactSpec) -> Vec<f64> {
     frequencies(&mut build(spec, &vec![rigid(); spec.gears.len()], contact))
 }
 
-/// Holds found frequencies to printed ones, `times` each, in whatever order.
+/// Checks computed frequencies against printed ones, `times` each, in any order.
 fn hold(found: &[f64], printed: &[(&[f64], usize)], within: f64, what: &str) {
     let mut wanted: Vec<f64> = printed
         .iter()
@@ -251,7 +251,7 @@ fn kahramans_planetary_train() {
         g.lateral = Some(lateral);
     }
     let mut carrier = body(0.0, "carrier", 0.0);
-    if let Carried::Body(body) = &mut carrier.carries {
+    if let StationMember::Body(body) = &mut carrier.carries {
         body.planets = vec![1, 2, 3];
     }
     // The carrier moves flanks by its radius times the cosine of the pressure angle.

@@ -1,30 +1,31 @@
-//! Planetary sets: forces beside the energy, what is conserved, the same set on fixed axes and turned as a whole.
+//! Planetary sets: forces compared with the energy, conservation laws, the same set on fixed axes and rotated as a
+//! whole.
 
 mod frequencies;
 mod sharing;
 
 use crate::shafts::{body, shaft};
-use gearbench_integrators::{At, Outputs, Report, Resolution, SecondOrderSystem, State};
+use gearbench_integrators::{Outputs, Report, Resolution, SecondOrderSystem, State, StateView};
 use gearbench_models::geometry::Side;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Bearing, Carried, Freedom, LateralSpec, ModelSpec, Modelling, Mount, SceneSpec,
+    Bearing, Freedom, ModelSpec, Modelling, Mount, OutOfPlaneSpec, SceneSpec, StationMember,
 };
 use gearbench_tests::*;
 use std::f64::consts::TAU;
 
-/// Sun, three planets, carrier, by the coordinates that their hubs have.
+/// Indices of sun, three planets and carrier, in the order of their hub coordinates.
 const SUN: usize = 0;
 const PLANETS: [usize; 3] = [1, 2, 3];
 const CARRIER: usize = 4;
 /// Distance between the axes of sun and planets [m].
 const DISTANCE: f64 = 0.0801;
 
-/// Free across the axis, on a spring.
-pub(super) fn across(stiffness: f64, damping: f64) -> Option<Box<LateralSpec>> {
-    let mut lateral = LateralSpec {
+/// Returns freedom across the axis, on a spring.
+pub(super) fn across(stiffness: f64, damping: f64) -> Option<Box<OutOfPlaneSpec>> {
+    let mut lateral = OutOfPlaneSpec {
         bearing: Bearing::default(),
-        ..LateralSpec::default()
+        ..OutOfPlaneSpec::default()
     };
     for d in 0..2 {
         lateral.directions[d] = Freedom::Free;
@@ -34,7 +35,7 @@ pub(super) fn across(stiffness: f64, damping: f64) -> Option<Box<LateralSpec>> {
     Some(Box::new(lateral))
 }
 
-/// A sun with three planets on a carrier, one of them met with a gap, without anything on the ground.
+/// Returns a sun with three planets on a carrier, one of them with a gap, without a support on the ground.
 pub fn set(gap: f64) -> SceneSpec {
     let sun = gear("sun", spur(21), 0.0, 30.0);
     let planet = |k: usize| {
@@ -44,7 +45,7 @@ pub fn set(gap: f64) -> SceneSpec {
         planet
     };
     let mut carrier = body(0.0, "carrier", 2e-3);
-    if let Carried::Body(body) = &mut carrier.carries {
+    if let StationMember::Body(body) = &mut carrier.carries {
         body.planets = PLANETS.to_vec();
         body.speed = 3.0;
     }
@@ -57,14 +58,14 @@ pub fn set(gap: f64) -> SceneSpec {
     }
 }
 
-/// The same where sun, planets and carrier move across the axis.
+/// Returns the same set with freedom of sun, planets and carrier across the axis.
 fn loose(gap: f64, [of_sun, of_pins, of_carrier]: [f64; 3]) -> SceneSpec {
     let mut spec = set(gap);
     spec.gears[SUN].lateral = across(of_sun, 0.0);
     for p in PLANETS {
         spec.gears[p].lateral = across(of_pins, 0.0);
     }
-    if let Carried::Body(body) = &mut spec.shafts[0].stations[0].carries {
+    if let StationMember::Body(body) = &mut spec.shafts[0].stations[0].carries {
         body.lateral = across(of_carrier, 0.0);
         body.lateral.as_mut().unwrap().mass = Some(0.8);
     }
@@ -73,8 +74,8 @@ fn loose(gap: f64, [of_sun, of_pins, of_carrier]: [f64; 3]) -> SceneSpec {
 
 pub(super) fn carrier_of(spec: &mut SceneSpec) -> &mut gearbench_models::spec::BodySpec {
     match &mut spec.shafts[0].stations[0].carries {
-        Carried::Body(body) => body,
-        Carried::Gear(_) => unreachable!("a carrier stands there"),
+        StationMember::Body(body) => body,
+        StationMember::Gear(_) => unreachable!("a carrier stands there"),
     }
 }
 
@@ -93,7 +94,7 @@ fn models() -> Vec<(&'static str, ModelSpec)> {
     ]
 }
 
-/// Momentum along x and y, and angular momentum about the origin.
+/// Returns the momentum along x and y, and the angular momentum about the origin.
 fn momenta(scene: &mut Scene, s: &State) -> [f64; 3] {
     let mut p = vec![0.0; s.q.len()];
     scene.apply_mass(s.at(), &s.v, &mut p);
@@ -123,13 +124,13 @@ fn momenta(scene: &mut Scene, s: &State) -> [f64; 3] {
     sum
 }
 
-fn energy(scene: &mut Scene, at: At<'_>) -> [f64; 2] {
+fn energy(scene: &mut Scene, at: StateView<'_>) -> [f64; 2] {
     let mut out = Outputs::default();
     scene.output(at, &mut out);
     [out.energy.kinetic, out.energy.strain + out.energy.contact]
 }
 
-/// A state in which all three meshes press, the carrier has turned far and moved.
+/// Returns a state in which all three meshes are loaded and the carrier has rotated far and moved.
 fn pressed(scene: &mut Scene, turn: f64) -> State {
     let mut s = scene.initial();
     let mut rng = Numbers::new(11);
@@ -164,7 +165,7 @@ fn pressed(scene: &mut Scene, turn: f64) -> State {
     s
 }
 
-/// `-dV/dq` by central differences.
+/// Returns `-dV/dq` by central differences.
 fn slope(scene: &mut Scene, s: &State, i: usize, h: f64) -> f64 {
     let of = |scene: &mut Scene, h: f64| {
         let mut moved = s.clone();

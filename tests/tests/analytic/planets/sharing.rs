@@ -17,7 +17,8 @@ const WIDTH: f64 = 0.02;
 const STIFFNESS: f64 = 2e10;
 const PRESSURE_ANGLE: f64 = 20.0;
 
-/// Numbers of teeth of sun, planets and ring, directions of the planets [deg], torque on the sun [N m].
+/// Returns a set from numbers of teeth of sun, planets and ring, directions of the planets [deg], and the torque on
+/// the sun [N m].
 fn set([sun, planet, ring]: [u32; 3], directions: &[f64], torque: f64) -> Scene {
     let distance = 0.5 * MODULE * f64::from(sun + planet);
     // The torque on the carrier that balances that on the sun.
@@ -74,14 +75,14 @@ fn set([sun, planet, ring]: [u32; 3], directions: &[f64], torque: f64) -> Scene 
     Scene::build(&spec, &choice.modelling, gearbench::models::models()).unwrap()
 }
 
-/// The contacts of a set at rest under its loads.
+/// Returns the contacts of a set in static equilibrium.
 fn contacts(scene: &mut Scene) -> Vec<ContactForce> {
     let found = loaded(scene, true).unwrap_or_else(|e| panic!("{e}"));
     scene.contact_forces(found.state.at()).to_vec()
 }
 
-/// Where on its line of action a contact lies, in base pitches from the pitch point, for a mesh in a direction [deg] at a distance of
-/// the pitch point from the centre [m].
+/// Returns the position of a contact on its line of action, in base pitches from the pitch point, for a mesh in a
+/// direction [deg] with the pitch point at a distance from the centre [m].
 fn phase(contact: &ContactForce, direction: f64, pitch_radius: f64) -> f64 {
     let axis = direction.to_radians();
     let away = [
@@ -92,7 +93,7 @@ fn phase(contact: &ContactForce, direction: f64, pitch_radius: f64) -> f64 {
     along / (TAU / 2.0 * MODULE * PRESSURE_ANGLE.to_radians().cos())
 }
 
-/// Distance from the nearest whole number.
+/// Returns the distance from the nearest whole number.
 fn part(x: f64) -> f64 {
     x - x.round()
 }

@@ -5,7 +5,7 @@ use super::*;
 use gearbench::scene_file::{self, Selection};
 use gearbench_integrators::Report;
 
-/// The scene and its elastic gears, undamped but for their modes.
+/// Returns the scene and its elastic gears, undamped except for their modes.
 fn loaded_mesh(modal: f64) -> (SceneSpec, Modelling) {
     let file = scene_file::load_for("loaded_mesh", Selection::Labels(Some("elastic"))).unwrap();
     let mut modelling = file.model("elastic").unwrap().modelling.clone();
@@ -23,7 +23,7 @@ fn built(spec: &SceneSpec, modelling: &Modelling) -> Scene {
     Scene::build(spec, modelling, gearbench::models::models()).unwrap()
 }
 
-/// Energy that nothing explains over what went through the contact, by steps.
+/// Returns the unexplained energy relative to the energy through the contact, by steps.
 fn unexplained(t_end: f64, steps: &[f64]) -> Vec<f64> {
     let (spec, modelling) = loaded_mesh(0.0);
     let mut scene = built(&spec, &modelling);
@@ -57,7 +57,7 @@ fn elastic_gears_keep_their_energy_for_long() {
     assert!(found[0] < 1e-3 && found[2] < 1e-4, "{found:?}");
 }
 
-/// Observers that look at one state share its contacts; what was evaluated, held or prepared in between counts.
+/// Observers at one state share its contacts, whatever was evaluated, fixed or prepared in between.
 #[test]
 fn reports_are_those_of_their_state() {
     let (spec, modelling) = loaded_mesh(0.0);
@@ -83,7 +83,8 @@ fn reports_are_those_of_their_state() {
     assert_ne!(out[0].channels, out[3].channels);
 }
 
-/// Peak force and peak to peak transmission error of running at mesh frequencies [Hz], over those of statics, less one.
+/// Returns the relative differences of peak force and peak-to-peak transmission error of running at mesh frequencies
+/// [Hz] from those of statics.
 ///
 /// The vibration of the gears against each other has a ratio of 5 % to critical damping, by torques at the hubs in
 /// proportion to inertia and speed; the loads bring what these take at the mean speed. Dashpots at flanks could not do

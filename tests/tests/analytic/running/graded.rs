@@ -1,5 +1,5 @@
-//! Contact on half-spaces of coarse elastic gears beside finite elements that resolve the contact themselves: full order,
-//! elements that are short along the flank about the contact and thin under it, no correction.
+//! Contact on half-spaces of coarse elastic gears, compared with finite elements that resolve the contact themselves:
+//! full order, with elements that are short along the flank around the contact and thin under it, without correction.
 //!
 //! The elements touch at one point along each face, with a penalty that gives next to nothing. Their half-width is twice
 //! the standard deviation of the pressure over the arc of the flank, as it is of Hertz's semi-ellipse; their peak pressure
@@ -9,7 +9,7 @@
 
 use super::half_space::half_space;
 use super::*;
-use elements::{Fine, toothing};
+use elements::{ElementFineness, toothing};
 use gearbench_models::contact::pairs::LinePressure;
 use gearbench_models::geometry::{Deviations, FlankDeviations, Gear, GivenDeviations};
 use gearbench_models::scene::ContactForce;
@@ -18,7 +18,7 @@ use gearbench_reference::statics::LoadedContact;
 
 mod elements;
 
-/// The gear with other parameters.
+/// Changes the parameters of a gear.
 fn change(gear: &mut GearSpec, change: impl FnOnce(&mut GearParams)) {
     let mut params = toothing(&gear.body).params().clone();
     change(&mut params);
@@ -30,7 +30,7 @@ fn on_half_spaces(spec: &SceneSpec, layers: usize) -> LoadedPair {
     LoadedPair::new(spec, &modelling, gearbench::models::models()).unwrap()
 }
 
-/// Forces of rows of points [N] by their arcs [m] on the involute of the base radius `rb`.
+/// Returns the forces of rows of points [N] by their arcs [m] on the involute of the base radius `rb`.
 fn rows(contacts: &[ContactForce], rb: f64) -> Vec<(f64, f64)> {
     let mut rows: Vec<(f64, f64)> = Vec::new();
     for c in contacts {
@@ -45,7 +45,7 @@ fn rows(contacts: &[ContactForce], rb: f64) -> Vec<(f64, f64)> {
     rows
 }
 
-/// Pressure of points that stand for a part of the width [m].
+/// Returns the pressure of points on a part of the width [m].
 fn pressed(contacts: &[ContactForce], gear: &Gear, width: f64) -> LinePressure {
     let rows = rows(contacts, gear.r_base());
     assert!(rows.len() > 8, "{} rows of points press", rows.len());
@@ -72,8 +72,8 @@ fn pressed(contacts: &[ContactForce], gear: &Gear, width: f64) -> LinePressure {
     }
 }
 
-/// Prints the same balance on half-spaces and of graded elements; gives how far the first is from the second in approach,
-/// half-width and peak pressure.
+/// Prints the same equilibrium on half-spaces and with graded elements; returns the relative difference of the first
+/// from the second in approach, half-width and peak pressure.
 fn beside(
     what: &str,
     [found, graded]: [&LoadedContact; 2],
@@ -99,7 +99,8 @@ fn beside(
     off
 }
 
-/// One layer of elements over the width, 8 along the flank, beside 96 that are 14 to 26 over the width of the contact.
+/// One layer of elements over the width, 8 along the flank, is compared with 96 elements, 14 to 26 over the width of
+/// the contact.
 #[test]
 fn a_tooth_pair_over_its_load() {
     let spec = fzg_c(0.0);
@@ -108,7 +109,7 @@ fn a_tooth_pair_over_its_load() {
     for load in [50e3, 200e3, 800e3] {
         let found = coarse.under_force(s, width * load).unwrap();
         let lines = found.pressure.unwrap();
-        let fine = Fine {
+        let fine = ElementFineness {
             s,
             reach: 1.5 * lines.half_width,
             flank: 96,
@@ -125,7 +126,7 @@ fn a_tooth_pair_over_its_load() {
     }
 }
 
-/// Forces over strips of the width, from one end to the other, in per cent of their sum.
+/// Formats the forces over strips of the width, from one end to the other, in per cent of their sum.
 fn over_width(contacts: &[ContactForce], strips: usize, width: f64) -> String {
     let mut parts = vec![0.0; strips];
     let total: f64 = contacts.iter().map(|c| c.normal_force).sum();
@@ -137,7 +138,7 @@ fn over_width(contacts: &[ContactForce], strips: usize, width: f64) -> String {
     parts.join(" ")
 }
 
-/// Eight strips beside eight layers of elements over the width, with and without crowning.
+/// Eight strips are compared with eight layers of elements over the width, with and without crowning.
 #[test]
 #[ignore = "four minutes: two gears of 100,000 unknowns each, three times"]
 fn strips_of_crowned_and_of_straight_teeth() {
@@ -152,7 +153,7 @@ fn strips_of_crowned_and_of_straight_teeth() {
         let found = coarse.under_force(s, width * load).unwrap();
         let of_lines = over_width(&coarse.contacts(), STRIPS, width);
         let lines = found.pressure.unwrap();
-        let fine = Fine {
+        let fine = ElementFineness {
             s,
             reach: 1.5 * lines.half_width,
             flank: 72,
@@ -203,7 +204,7 @@ fn free_ends_of_the_width() {
         let load = 200e3;
         let found = coarse.under_force(s, width * load).unwrap();
         let lines = found.pressure.unwrap();
-        let fine = Fine {
+        let fine = ElementFineness {
             s,
             reach: 1.5 * lines.half_width,
             flank: 72,
@@ -226,8 +227,8 @@ fn free_ends_of_the_width() {
     }
 }
 
-/// A pair that is alone up to its tip edge, for the other teeth of its first gear stand back: from far away up to the edge
-/// and over it.
+/// A single pair up to its tip edge, because the other teeth of its first gear are set back: from far away up to the
+/// edge and over it.
 #[test]
 #[ignore = "a minute"]
 fn a_pair_at_its_tip_edge() {
@@ -253,7 +254,7 @@ fn a_pair_at_its_tip_edge() {
         let half_width = 0.13e-3;
         let s = (tip * tip - 2.0 * rb * part * half_width).sqrt() - 8e-6;
         let found = coarse.under_force(s, width * load).unwrap();
-        let fine = Fine {
+        let fine = ElementFineness {
             s,
             reach: 1.5 * half_width,
             flank: 96,

@@ -1,4 +1,4 @@
-//! Elastic gears that touch on half-spaces: statics that do not depend on the mesh, running under load.
+//! Elastic gears in contact on half-spaces: statics that do not depend on the mesh, running under load.
 
 use super::*;
 use gearbench::scene_file::{Origin, SceneFile};
@@ -6,7 +6,7 @@ use gearbench_models::spec::{LocalContact, Mount, PointContact};
 
 mod potential;
 
-/// Elastic gears of so many elements along a flank and over the width, with modes, on half-spaces.
+/// Returns elastic gears with a number of elements along a flank and over the width, with modes, on half-spaces.
 pub(super) fn half_space(elements: f64, layers: f64, modes: f64) -> Modelling {
     let parameters: Parameters = [
         ("modes", modes),
@@ -36,7 +36,7 @@ pub(super) fn built(spec: &SceneSpec, modelling: &Modelling) -> Scene {
     Scene::build(spec, modelling, gearbench::models::models()).unwrap()
 }
 
-/// The gears of the tables: their transmission error is that of one pair and of two by turns.
+/// Returns the gears of the tables: their transmission error is that of one pair and of two in alternation.
 fn tabled() -> [(&'static str, SceneSpec); 2] {
     [("FZG C", fzg_c(0.0)), ("S30", s30(0.0))]
 }
@@ -74,7 +74,8 @@ fn static_transmission_error_does_not_depend_on_the_mesh() {
     }
 }
 
-/// How a single pair stiffens with its load: the line contact of Hertz adds `-A q ln b`, `b` as the root of the load.
+/// A single pair stiffens with its load: the line contact of Hertz adds `-A q ln b`, with `b` proportional to the root
+/// of the load.
 #[test]
 fn a_pair_stiffens_with_its_load_as_hertz_has_it() {
     let spec = fzg_c(0.0);
@@ -93,8 +94,8 @@ fn a_pair_stiffens_with_its_load_as_hertz_has_it() {
     assert!(((light - heavy) / hertz - 1.0).abs() < 0.05);
 }
 
-/// What a polynomial of degree four leaves of the transmission error where one pair carries it, peak to peak [m]; nothing
-/// where that is the case at so few positions that it would go through them.
+/// Returns the peak-to-peak residual of a polynomial of degree four in the transmission error where one pair carries
+/// the load [m]; `None` where that is so at too few positions for a fit.
 fn ripple(cycle: &MeshCycle) -> Option<f64> {
     let single = cycle.positions.iter().filter(|p| p.pairs.len() == 1);
     let (s, mut left): (Vec<f64>, Vec<f64>) = single.map(|p| (p.s, p.approach)).unzip();
@@ -119,7 +120,7 @@ fn ripple(cycle: &MeshCycle) -> Option<f64> {
     Some(range(left.into_iter()))
 }
 
-/// Greatest less least.
+/// Returns the largest less the smallest value.
 fn range(values: impl Iterator<Item = f64>) -> f64 {
     let [low, high] = values.fold([f64::MAX, f64::MIN], |[low, high], x| {
         [low.min(x), high.max(x)]

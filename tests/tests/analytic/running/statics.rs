@@ -1,4 +1,4 @@
-//! Static equilibria of a mesh against the potential of its contacts.
+//! Static equilibria of a mesh compared with the potential of its contacts.
 
 use super::*;
 use gearbench_integrators::Report;

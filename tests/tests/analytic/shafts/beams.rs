@@ -3,13 +3,13 @@
 use super::*;
 use gearbench_integrators::{Outputs, Report, Resolution, TimePlan};
 use gearbench_models::Vec3;
-use gearbench_models::spec::{Bearing, Freedom, LateralSpec, Mount};
+use gearbench_models::spec::{Bearing, Freedom, Mount, OutOfPlaneSpec};
 use nalgebra::{Matrix2, Matrix4};
 use std::f64::consts::PI;
 
 const D: f64 = 0.05;
 
-/// Area, second moment, shear modulus, shear coefficient of a round steel bar.
+/// Returns area, second moment, shear modulus and shear coefficient of a round steel bar.
 fn properties(m: &Material) -> [f64; 4] {
     let nu = m.poisson;
     [
@@ -20,22 +20,22 @@ fn properties(m: &Material) -> [f64; 4] {
     ]
 }
 
-/// A body that moves as a [`LateralSpec`] says.
+/// Returns a body with the freedom of an [`OutOfPlaneSpec`].
 fn sideways(place: f64, name: &str, directions: [Freedom; 6], bearing: Bearing) -> Station {
     let mut body = BodySpec::new(name, 0.0);
-    body.lateral = Some(Box::new(LateralSpec {
+    body.lateral = Some(Box::new(OutOfPlaneSpec {
         directions,
         bearing,
-        ..LateralSpec::default()
+        ..OutOfPlaneSpec::default()
     }));
     Station {
         place,
-        carries: Carried::Body(Box::new(body)),
+        carries: StationMember::Body(Box::new(body)),
     }
 }
 
 const FREE: [Freedom; 6] = [const { Freedom::Free }; 6];
-const HELD: [Freedom; 6] = [const { Freedom::Held }; 6];
+const HELD: [Freedom; 6] = [const { Freedom::Fixed }; 6];
 
 fn free_beam(length: f64, divisions: usize) -> SceneSpec {
     let stations = vec![sideways(0.0, "end", FREE, Bearing::default())];
@@ -51,7 +51,7 @@ fn a_cantilever_bends_exactly() {
     let [area, second, g, kappa] = properties(&m);
     for n in [1, 3, 8] {
         let mut wall = sideways(0.0, "wall", HELD, Bearing::default());
-        if let Carried::Body(body) = &mut wall.carries {
+        if let StationMember::Body(body) = &mut wall.carries {
             body.mount = Mount::Fixed;
         }
         let stations = vec![wall, sideways(length, "tip", FREE, Bearing::default())];
@@ -93,8 +93,8 @@ fn a_cantilever_bends_exactly() {
     }
 }
 
-/// How far moment and shear at the far end of a free Timoshenko beam are from zero: the determinant of the transfer matrix
-/// of `w' = phi + V/(kappa G A)`, `phi' = M/(E I)`, `M' = -V - rho I w^2 phi`, `V' = -rho A w^2 w`.
+/// Returns the residual of moment and shear at the far end of a free Timoshenko beam: the determinant of the transfer
+/// matrix of `w' = phi + V/(kappa G A)`, `phi' = M/(E I)`, `M' = -V - rho I w^2 phi`, `V' = -rho A w^2 w`.
 fn free_end(omega: f64, length: f64) -> f64 {
     let m = Material::STEEL;
     let [area, second, g, kappa] = properties(&m);
@@ -123,7 +123,7 @@ fn free_end(omega: f64, length: f64) -> f64 {
     Matrix2::new(t[(2, 0)], t[(2, 1)], t[(3, 0)], t[(3, 1)]).determinant()
 }
 
-/// Natural frequencies of the free beam [Hz].
+/// Returns the natural frequencies of the free beam [Hz].
 fn exact_bending(length: f64, count: usize) -> Vec<f64> {
     let mut found = Vec::new();
     let step = 20.0 * TAU / 20.0;
@@ -192,7 +192,7 @@ fn a_beam_on_bearings_whirls_at_its_frequency() {
     let [area, second, g, kappa] = properties(&m);
     let mut held = FREE;
     for d in [0, 1, 2] {
-        held[d] = Freedom::Held;
+        held[d] = Freedom::Fixed;
     }
     // With k = pi / L: rho^2 I/(kappa G) w^4 - (rho A + k^2 rho I (1 + E/(kappa G))) w^2 + E I k^4 = 0.
     let k2 = (PI / length).powi(2);
@@ -263,7 +263,7 @@ fn a_free_beam_keeps_momentum_and_energy() {
     }
 }
 
-/// Corrections of many links on bearings.
+/// Corrections of many links on bearings invert tangents.
 #[test]
 fn corrections_of_beams_invert_tangents() {
     let mut stiffness = [[0.0; 6]; 6];

@@ -1,4 +1,4 @@
-//! Natural frequencies of shafts that are twisted, alone and joined by meshes.
+//! Natural frequencies of shafts in torsion, alone and joined by meshes.
 
 use super::*;
 use crate::small_signals::vibrations_of;
@@ -35,14 +35,14 @@ fn chains_have_the_frequencies_of_opentorsion() {
     }
 }
 
-/// Gears of module 4 mm at places on the x axis; only ratios of radii, inertias and springs matter.
+/// Returns gears of module 4 mm at positions on the x axis; only ratios of radii, inertias and springs matter.
 fn toothed(name: &str, teeth: u32, x: f64, inertia: f64) -> GearSpec {
     let mut g = gear(name, spur(teeth), x, 0.0);
     g.inertia = Some(inertia);
     g
 }
 
-/// Frequencies of a train whose meshes have a stiffness [N/m], at preloaded contacts.
+/// Returns the frequencies of a train whose meshes have a stiffness [N/m], at preloaded contacts.
 fn train(spec: &SceneSpec, mesh: f64) -> Vec<f64> {
     let models = vec![rigid(); spec.gears.len()];
     let width = 0.01;
@@ -51,7 +51,7 @@ fn train(spec: &SceneSpec, mesh: f64) -> Vec<f64> {
     squares(&mut scene, &s)
 }
 
-/// The same as `gearbench modes` finds them.
+/// Returns the frequencies as `gearbench modes` computes them.
 fn studied(spec: &SceneSpec, mesh: f64) -> Vec<f64> {
     let found = vibrations_of(spec, &rigid(), &contact(mesh / 0.01));
     assert_eq!(found.about, About::Preloaded);
@@ -60,7 +60,8 @@ fn studied(spec: &SceneSpec, mesh: f64) -> Vec<f64> {
     squares.zip(times).flat_map(|(x, n)| vec![x; n]).collect()
 }
 
-/// Rigid constraint gears are the limit of stiff meshes: squares of frequencies over 1/k, extrapolated.
+/// Returns the limit of stiff meshes, for comparison with rigid constraint gears: squares of frequencies over 1/k,
+/// extrapolated.
 fn with_rigid_meshes(spec: &SceneSpec, mesh: f64, of: fn(&SceneSpec, f64) -> Vec<f64>) -> Vec<f64> {
     let [once, twice] = [mesh, 2.0 * mesh].map(|k| of(spec, k));
     let limit = once.iter().zip(&twice).map(|(a, b)| 2.0 * b - a);
@@ -155,7 +156,7 @@ fn a_turbine_train_has_the_frequencies_of_friswell() {
     }
 }
 
-/// A bar that twists: frequencies `n c / (2 L)`, of second order in the length of the elements.
+/// The torsional frequencies of a bar are `n c / (2 L)`, of second order in the length of the elements.
 #[test]
 fn a_free_bar_twists_at_its_frequencies() {
     let (length, material) = (0.8, Material::STEEL);
@@ -176,7 +177,7 @@ fn a_free_bar_twists_at_its_frequencies() {
     assert!(errors[3][0] < 5e-4);
 }
 
-/// The shipped scene beside Holzer's frequencies of the same train with a rigid mesh.
+/// The shipped scene is compared with Holzer's frequencies of the same train with a rigid mesh.
 #[test]
 fn shipped_driveline() {
     let file = gearbench::scene_file::load("driveline").unwrap();

@@ -1,4 +1,5 @@
-//! Shafts: exact frequencies and deflections, what all methods keep, rigid shafts against bodies of one piece.
+//! Shafts: exact frequencies and deflections, conservation laws under all methods, rigid shafts compared with single
+//! bodies.
 
 mod beams;
 mod frequencies;
@@ -8,30 +9,30 @@ mod torsion;
 use gearbench_integrators::{Coeffs, SecondOrderSystem, State};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    BodySpec, Carried, Modelling, SceneSpec, Section, SectionKind, ShaftSpec, Station,
+    BodySpec, Modelling, SceneSpec, Section, SectionKind, ShaftSpec, Station, StationMember,
 };
 use gearbench_models::stiffness::Material;
 use gearbench_tests::*;
 use nalgebra::{DMatrix, SymmetricEigen};
 use std::f64::consts::TAU;
 
-/// A station with a body that turns freely.
+/// Returns a station with a body that rotates freely.
 pub fn body(place: f64, name: &str, inertia: f64) -> Station {
     Station {
         place,
-        carries: Carried::Body(Box::new(BodySpec::new(name, inertia))),
+        carries: StationMember::Body(Box::new(BodySpec::new(name, inertia))),
     }
 }
 
-/// A station with a gear.
+/// Returns a station with a gear.
 pub fn on(place: f64, gear: usize) -> Station {
     Station {
         place,
-        carries: Carried::Gear(gear),
+        carries: StationMember::Gear(gear),
     }
 }
 
-/// A torsional spring [N m/rad] of a length [m].
+/// Returns a torsional spring [N m/rad] of a length [m].
 pub fn coupling(length: f64, stiffness: f64) -> Section {
     Section {
         length,
@@ -40,7 +41,7 @@ pub fn coupling(length: f64, stiffness: f64) -> Section {
     }
 }
 
-/// A round bar.
+/// Returns a round bar.
 pub fn bar(length: f64, diameter: f64, material: Material, divisions: usize) -> Section {
     Section {
         length,
@@ -61,7 +62,7 @@ pub fn shaft(name: &str, stations: Vec<Station>, sections: Vec<Section>) -> Shaf
     }
 }
 
-/// A scene of shafts alone.
+/// Returns a scene of shafts without gears.
 pub fn alone(shafts: Vec<ShaftSpec>) -> SceneSpec {
     SceneSpec {
         gears: vec![],
@@ -70,7 +71,7 @@ pub fn alone(shafts: Vec<ShaftSpec>) -> SceneSpec {
     }
 }
 
-/// A scene with one model for all its gears.
+/// Builds a scene with one model for all its gears.
 pub fn of_subject(spec: &SceneSpec, subject: &Subject) -> Scene {
     let modelling = Modelling {
         gears: vec![subject.spec.clone(); spec.gears.len()],
@@ -80,7 +81,7 @@ pub fn of_subject(spec: &SceneSpec, subject: &Subject) -> Scene {
         .unwrap_or_else(|e| panic!("{}: {e}", subject.name))
 }
 
-/// A matrix of a scene, column by column.
+/// Returns a matrix of a scene, column by column.
 fn matrix(n: usize, mut column: impl FnMut(&[f64], &mut [f64])) -> DMatrix<f64> {
     let mut out = DMatrix::zeros(n, n);
     let (mut unit, mut y) = (vec![0.0; n], vec![0.0; n]);
@@ -93,7 +94,7 @@ fn matrix(n: usize, mut column: impl FnMut(&[f64], &mut [f64])) -> DMatrix<f64> 
     out
 }
 
-/// Mass and stiffness matrices at a state.
+/// Returns mass and stiffness matrices at a state.
 pub fn matrices(scene: &mut Scene, s: &State) -> [DMatrix<f64>; 2] {
     let n = s.q.len();
     let zero = vec![0.0; n];
@@ -105,7 +106,7 @@ pub fn matrices(scene: &mut Scene, s: &State) -> [DMatrix<f64>; 2] {
     [mass, stiffness]
 }
 
-/// Natural frequencies of an assembled scene about its initial state [Hz], ascending.
+/// Returns the natural frequencies of an assembled scene about its initial state [Hz], ascending.
 pub fn frequencies(scene: &mut Scene) -> Vec<f64> {
     let s = scene.initial();
     squares(scene, &s)
@@ -114,7 +115,7 @@ pub fn frequencies(scene: &mut Scene) -> Vec<f64> {
         .collect()
 }
 
-/// Squares of angular frequencies, ascending.
+/// Returns the squares of angular frequencies, ascending.
 pub fn squares(scene: &mut Scene, s: &State) -> Vec<f64> {
     let [mass, stiffness] = matrices(scene, s);
     let n = s.q.len();
@@ -131,12 +132,12 @@ pub fn squares(scene: &mut Scene, s: &State) -> Vec<f64> {
     found
 }
 
-/// The correction of a scene solves the equations whose matrix its tangents make.
+/// Checks that the correction of a scene solves the equations with the matrix of its tangents.
 pub fn corrects(scene: &mut Scene, s: &State, c: Coeffs, rigid: bool, what: &str) {
     corrects_within(scene, s, c, (rigid, 1e-7), what);
 }
 
-/// The same to a part of what moves each coordinate alike.
+/// Checks the correction of a scene to a relative tolerance.
 pub fn corrects_within(
     scene: &mut Scene,
     s: &State,
@@ -167,7 +168,7 @@ pub fn corrects_within(
     }
 }
 
-/// A direction that rigid shafts allow: accelerations by changes of force.
+/// Returns a direction that rigid shafts permit: accelerations from changes of force.
 fn held(scene: &mut Scene, s: &State, wanted: &[f64]) -> Vec<f64> {
     let n = s.q.len();
     let (mut x, zero) = (vec![0.0; n], vec![0.0; n]);

@@ -1,4 +1,4 @@
-//! Rigid shafts: what they carry moves as one body, for all models and methods.
+//! Rigid shafts: their members move as one body, for all models and methods.
 
 use super::*;
 use gearbench_integrators::{Events, Resolution};
@@ -7,12 +7,12 @@ use gearbench_models::spec::{Freedom, GearSpec, Load, Mount, Profile};
 
 const FLYWHEEL: f64 = 2e-3;
 
-/// The impact of case A with a flywheel on the pinion: on a rigid shaft, or added to its hub.
+/// Returns the impact of case A with a flywheel on the pinion: on a rigid shaft, or added to its hub.
 fn with_flywheel(on_shaft: bool) -> SceneSpec {
     let mut spec = case_of_body(1e-6);
     if on_shaft {
         let mut flywheel = body(0.1, "flywheel", FLYWHEEL);
-        if let Carried::Body(b) = &mut flywheel.carries {
+        if let StationMember::Body(b) = &mut flywheel.carries {
             b.speed = spec.gears[0].speed;
         }
         spec.shafts = vec![shaft("rigid", vec![on(0.0, 0), flywheel], vec![])];
@@ -82,7 +82,7 @@ fn rigid_gears_on_a_rigid_shaft_differ_by_rounding() {
     }
 }
 
-/// Two stages with both gears in the middle on one rigid shaft.
+/// Returns two stages with both gears in the middle on one rigid shaft.
 pub fn two_stages() -> SceneSpec {
     let at = |mut g: GearSpec, x: f64, y: f64| {
         g.position = [x, y, 0.0];
@@ -197,9 +197,9 @@ fn shafts_that_cannot_be_are_refused() {
         &["section 1", "is not positive"],
     );
     let mut pushed = body(0.2, "b", 1.0);
-    if let Carried::Body(b) = &mut pushed.carries {
+    if let StationMember::Body(b) = &mut pushed.carries {
         b.speed = 20.0;
-        let mut lateral = Box::new(gearbench_models::spec::LateralSpec::default());
+        let mut lateral = Box::new(gearbench_models::spec::OutOfPlaneSpec::default());
         lateral.directions[0] = Freedom::Driven(Profile::Constant(1e-3));
         b.lateral = Some(lateral);
     }

@@ -1,10 +1,10 @@
-//! Shafts that are twisted: methods, energies, channels.
+//! Shafts in torsion: methods, energies, channels.
 
 use super::*;
 use gearbench_integrators::{Events, Outputs, Report, Resolution};
 use gearbench_models::spec::{Load, Mount, Profile, ShaftDamping, effective_radius};
 
-/// Motor, pinion, wheel, load.
+/// Returns motor, pinion, wheel and load on shafts.
 pub fn driveline(damping: ShaftDamping) -> SceneSpec {
     let mut spec = case_of_body(-1e-6);
     spec.gears[0].speed = 0.0;
@@ -15,7 +15,7 @@ pub fn driveline(damping: ShaftDamping) -> SceneSpec {
     load.loads = vec![Load::Viscous(0.3)];
     let station = |place: f64, body: BodySpec| Station {
         place,
-        carries: Carried::Body(Box::new(body)),
+        carries: StationMember::Body(Box::new(body)),
     };
     spec.shafts = vec![
         ShaftSpec {
@@ -30,7 +30,7 @@ pub fn driveline(damping: ShaftDamping) -> SceneSpec {
     spec
 }
 
-/// All models, all methods: one answer, and books that close.
+/// All models and methods agree, and their energy balances close.
 #[test]
 fn all_methods_run_a_driveline() {
     let time = 4e-4;
@@ -62,7 +62,7 @@ fn all_methods_run_a_driveline() {
     }
 }
 
-/// The Newton correction with contacts and shafts is the inverse of what tangents say.
+/// The Newton correction with contacts and shafts is the inverse of the matrix of the tangents.
 #[test]
 fn corrections_invert_tangents() {
     for subject in subjects() {
@@ -122,7 +122,7 @@ fn a_chain_keeps_energy_and_momentum() {
     }
 }
 
-/// Order of the methods on a shaft: errors at the end over the step.
+/// Methods have their order on a shaft: errors at the end over the step.
 #[test]
 fn methods_keep_their_order_on_shafts() {
     let stations = (0..3).map(|i| body(0.1 * f64::from(i), &format!("disc {i}"), 1e-3));
@@ -175,7 +175,7 @@ fn torques_and_powers_of_a_driven_shaft() {
     });
     let drive = Station {
         place: 0.0,
-        carries: Carried::Body(Box::new(drive)),
+        carries: StationMember::Body(Box::new(drive)),
     };
     let sections = vec![coupling(0.1, 1e4), coupling(0.1, 2e4)];
     let stations = vec![drive, body(0.1, "disc", 1e-3), body(0.2, "end", 2e-3)];
@@ -205,14 +205,14 @@ fn torques_and_powers_of_a_driven_shaft() {
     assert!(torques[0].abs() > 1.0);
 }
 
-/// A driveline at rest under load: torques by the ratio, twists by the springs.
+/// A driveline in static equilibrium carries its load: torques by the ratio, twists by the springs.
 #[test]
 fn a_held_driveline_carries_its_torque() {
     use gearbench_integrators::{EquilibriumOptions, equilibrium};
     for model in models() {
         let both = [usual(&model), usual(&model)];
         let mut spec = driveline(ShaftDamping::None);
-        if let Carried::Body(load) = &mut spec.shafts[1].stations[1].carries {
+        if let StationMember::Body(load) = &mut spec.shafts[1].stations[1].carries {
             load.mount = Mount::Fixed;
             load.loads.clear();
         }

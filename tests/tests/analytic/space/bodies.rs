@@ -4,7 +4,7 @@ use super::*;
 use gearbench_integrators::{Resolution, TimePlan};
 use gearbench_models::spec::Modelling;
 
-/// A free asymmetric body that tumbles about an axis beside its own, its centre of mass off the hub.
+/// Returns a free asymmetric body that rotates about an axis other than its own, with its centre of mass off the hub.
 fn tumbling() -> SceneSpec {
     let mut body = gear("body", spur(20), 0.0, 60.0);
     let mut lateral = afloat();
@@ -24,7 +24,7 @@ fn tumbling() -> SceneSpec {
     }
 }
 
-/// Momentum and angular momentum about the origin of a rigid gear.
+/// Returns momentum and angular momentum about the origin of a rigid gear.
 fn momenta_of(scene: &Scene, s: &State, gear: usize) -> [Vec3; 2] {
     let g = &scene.gears()[gear];
     let hub = &g.model.hub().hub;
@@ -95,7 +95,7 @@ fn a_free_asymmetric_body_keeps_momentum_and_energy_to_the_order_of_the_method()
     }
 }
 
-/// A pair that strikes while both bodies float, spin terms and all.
+/// Returns a pair in an impact while both bodies float, including spin terms.
 fn striking_afloat() -> SceneSpec {
     let mut spec = helical_pair(0.25, 1e-6, false);
     tilt(&mut spec, 0, 4e-4, -2e-4);
@@ -108,7 +108,7 @@ fn striking_afloat() -> SceneSpec {
     spec
 }
 
-/// Momentum and angular momentum about the origin of all gears.
+/// Returns momentum and angular momentum about the origin of all gears.
 fn all_momenta(scene: &Scene, s: &State) -> [Vec3; 2] {
     let mut sum = [Vec3::zeros(); 2];
     for i in 0..scene.gears().len() {

@@ -3,10 +3,10 @@
 use super::*;
 use gearbench_integrators::SecondOrderSystem;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Coeffs};
+use gearbench_integrators::system::{Coeffs, StateView};
 use gearbench_models::spec::{ContactSpec, ModelSpec, Parameters, PointContact, Value};
 
-/// The made-up elastic gear with nodes over the width.
+/// Returns the artificial elastic gear with nodes over the width.
 pub fn toy() -> ModelSpec {
     let number = |key: &str, x: f64| (key.to_string(), Value::Number(x));
     ModelSpec {
@@ -30,7 +30,7 @@ pub fn on_points(damping: f64) -> ContactSpec {
     }
 }
 
-/// Pairs that press on each other on bearings, both axes tilted, and what they are.
+/// Returns pairs in loaded contact on bearings, with both axes tilted, with descriptions.
 fn pressed() -> Vec<(&'static str, Scene, State)> {
     let mut all = Vec::new();
     let teeth = || movable(5.3e8, 4.8e-3, 0.0);
@@ -73,13 +73,13 @@ fn pressed() -> Vec<(&'static str, Scene, State)> {
     all
 }
 
-fn force(scene: &mut Scene, at: At<'_>) -> Vec<f64> {
+fn force(scene: &mut Scene, at: StateView<'_>) -> Vec<f64> {
     let mut f = vec![0.0; at.q.len()];
     scene.force(at, &mut f);
     f
 }
 
-/// Largest entry over what is typical of its coordinate's force.
+/// Returns the largest difference relative to the typical force of its coordinate.
 fn off(scene: &Scene, found: &[f64], expected: &[f64]) -> f64 {
     let (scale, _) = scales(scene);
     let weighted = |x: &[f64]| {
@@ -97,7 +97,7 @@ fn forces_in_space_derive_from_one_potential() {
             continue;
         }
         let still = vec![0.0; s.v.len()];
-        let at = At {
+        let at = StateView {
             v: &still,
             ..s.at()
         };
@@ -110,7 +110,7 @@ fn forces_in_space_derive_from_one_potential() {
                 let mut q = s.q.clone();
                 q[i] += by;
                 let mut out = Outputs::default();
-                scene.output(At { q: &q, ..at }, &mut out);
+                scene.output(StateView { q: &q, ..at }, &mut out);
                 out.energy.strain + out.energy.contact
             };
             slopes[i] = (energy(-h) - energy(h)) / (2.0 * h);
@@ -147,7 +147,7 @@ fn tangents_in_space_are_slopes_of_the_forces() {
                     let v: Vec<f64> = s.v.iter().zip(&dv).map(|(v, d)| v + by * d).collect();
                     force(
                         &mut scene,
-                        At {
+                        StateView {
                             q: &q,
                             v: &v,
                             ..s.at()
@@ -211,7 +211,7 @@ fn the_newton_correction_is_the_inverse_of_mass_and_tangent() {
     }
 }
 
-/// Reduced gears from coarse meshes.
+/// Returns reduced gears from coarse meshes.
 pub fn reduced() -> ModelSpec {
     let number = |key: &str, x: f64| (key.to_string(), Value::Number(x));
     ModelSpec {

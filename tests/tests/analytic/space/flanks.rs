@@ -1,4 +1,4 @@
-//! The flanks in space against the lines of action, their forces against energy and momentum.
+//! Flanks in space compared with the lines of action, and their forces with energy and momentum.
 
 use super::*;
 use gearbench_integrators::system::SecondOrderSystem;
@@ -153,7 +153,7 @@ fn contact_at_points_adds_no_momentum() {
             scene.force(s.at(), &mut f);
             worst = worst.max(work_of_rigid_motions(&scene, &s, &f));
             let found = candidates(&scene, &s);
-            let faded = |c: &Candidate| c.gap < 0.0 && c.fade < 1.0;
+            let faded = |c: &Candidate| c.gap < 0.0 && c.taper < 1.0;
             leaving += found.iter().filter(|(_, c)| faded(c)).count();
         }
         println!("{name}: momentum within {worst:.1e}, {leaving} points leave over tips");

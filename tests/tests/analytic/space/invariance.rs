@@ -1,4 +1,4 @@
-//! The same scene turned in space, mirrored, with pinion and wheel exchanged, gives the same numbers.
+//! A scene rotated in space, mirrored, or with pinion and wheel exchanged, gives the same results.
 
 use super::*;
 use gearbench_integrators::{Resolution, TimePlan};
@@ -6,7 +6,7 @@ use gearbench_models::law::Damping;
 use gearbench_models::spec::ModelSpec;
 use nalgebra::Rotation3;
 
-/// A helical pair on bearings, both axes tilted, that strikes with a gap.
+/// Returns a helical pair on bearings with a gap, both axes tilted, in an impact.
 fn striking() -> SceneSpec {
     let mut spec = helical_pair(0.25, 2e-6, true);
     tilt(&mut spec, 0, 6e-4, -3e-4);
@@ -17,7 +17,7 @@ fn striking() -> SceneSpec {
     spec
 }
 
-/// Conical gears on bearings that strike.
+/// Returns conical gears on bearings in an impact.
 fn striking_cones() -> SceneSpec {
     let mut spec = conical::seed_pair(1e-5, 0.0);
     spec.meshes[0].start.gap = 2e-6;
@@ -28,7 +28,7 @@ fn striking_cones() -> SceneSpec {
     spec
 }
 
-/// Coordinates of both gears at the end of an impact, by name; those of the hub first.
+/// Returns the coordinates of both gears at the end of an impact, by name; those of the hub first.
 fn end(spec: &SceneSpec, models: &[ModelSpec], step: f64) -> Vec<(String, Vec<f64>)> {
     let mut law = contact(1.5e10);
     law.damping = Damping::None;
@@ -55,7 +55,7 @@ fn end(spec: &SceneSpec, models: &[ModelSpec], step: f64) -> Vec<(String, Vec<f6
     scene.gears().iter().map(of).collect()
 }
 
-/// Largest difference of two results over the largest of each kind of coordinate.
+/// Returns the largest difference of two results relative to the largest of each kind of coordinate.
 fn difference(a: &[(String, Vec<f64>)], b: &[(String, Vec<f64>)], signs: [f64; 6]) -> f64 {
     let mut worst = 0.0_f64;
     for (name, x) in a {

@@ -1,4 +1,4 @@
-//! Skewed contact of spur gears against the elastic foundation of ISO 6336-1, and forces of helical gears.
+//! Skewed contact of spur gears compared with the elastic foundation of ISO 6336-1, and forces of helical gears.
 //!
 //! With the mesh deviation `F` over the width `b`, a stiffness `c` per width and the mean load `w`, `q = F c/(2 w)`: the load
 //! at the end is `1 + q` times the mean where teeth touch over the whole width, else `2 sqrt(q)`; with the approach `d` of
@@ -8,7 +8,7 @@ use super::*;
 use gearbench_integrators::{Resolution, TimePlan};
 use gearbench_models::law::Damping;
 
-/// Contact per slice of a state: share of the width of each, and its force.
+/// Returns the contact per slice of a state: share of the width of each, and its force.
 fn loads(scene: &mut Scene, s: &State) -> Vec<f64> {
     let forces = scene.contact_forces(s.at());
     forces.iter().map(|f| f.normal_force).collect()

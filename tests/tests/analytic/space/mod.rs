@@ -18,21 +18,21 @@ use gearbench_models::geometry::{
 use gearbench_models::kinematics::Hub;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Bearing, Body, Freedom, LateralSpec, SceneSpec, SpinTerms, effective_radius, turned_to,
+    Bearing, Body, Freedom, OutOfPlaneSpec, SceneSpec, SpinTerms, effective_radius, turned_to,
 };
 use gearbench_tests::*;
 
-/// Free in all directions on stiff bearings.
-pub fn on_bearings() -> Option<Box<LateralSpec>> {
+/// Returns freedom in all directions on stiff bearings.
+pub fn on_bearings() -> Option<Box<OutOfPlaneSpec>> {
     let mut bearing = Bearing::default();
     for d in 0..5 {
         bearing.stiffness[d][d] = if d < 3 { 2e8 } else { 5e4 };
         bearing.damping[d][d] = if d < 3 { 200.0 } else { 0.05 };
     }
-    Some(Box::new(LateralSpec {
+    Some(Box::new(OutOfPlaneSpec {
         directions: [const { Freedom::Free }; 6],
         bearing,
-        ..LateralSpec::default()
+        ..OutOfPlaneSpec::default()
     }))
 }
 
@@ -44,7 +44,7 @@ pub fn helical(teeth: u32, helix: f64) -> GearParams {
     }
 }
 
-/// A pair with a gap, at the distance of zero profile shift and a little more.
+/// Returns a pair with a gap, slightly above the distance of zero profile shift.
 pub fn helical_pair(helix: f64, gap: f64, modified: bool) -> SceneSpec {
     let modifications = if modified {
         Modifications {
@@ -90,7 +90,7 @@ pub fn rack_pair(helix: f64) -> SceneSpec {
     spec
 }
 
-/// Puts the hubs of a scene's gears where they roll together by an angle of the first, the second turned further.
+/// Returns a state with the hubs rolled together by an angle of the first, the second rotated further.
 pub fn rolled(scene: &Scene, spec: &SceneSpec, roll: f64, press: f64) -> State {
     let mut s = scene.initial();
     let radii = [0, 1].map(|k| effective_radius(&spec.gears[k].body));
@@ -111,8 +111,8 @@ pub fn rolled(scene: &Scene, spec: &SceneSpec, roll: f64, press: f64) -> State {
     s
 }
 
-/// Free in all directions, with neither springs nor dampers.
-pub fn afloat() -> Option<Box<LateralSpec>> {
+/// Returns freedom in all directions, without springs or dampers.
+pub fn afloat() -> Option<Box<OutOfPlaneSpec>> {
     let mut lateral = on_bearings();
     if let Some(l) = &mut lateral {
         l.bearing = Bearing::default();
@@ -121,14 +121,14 @@ pub fn afloat() -> Option<Box<LateralSpec>> {
     lateral
 }
 
-/// Axes tilted about x and y [rad].
+/// Tilts an axis about x and y [rad].
 pub fn tilt(spec: &mut SceneSpec, gear: usize, x: f64, y: f64) {
     let turn = nalgebra::Rotation3::new(Vec3::new(x, y, 0.0));
     let axes = &mut spec.gears[gear].axes;
     *axes = turned_to(axes, &(turn * axes[2]));
 }
 
-/// A state that presses the flanks, with hubs aside and tilted.
+/// Returns a state with loaded flanks and displaced, tilted hubs.
 pub fn displaced(scene: &Scene, spec: &SceneSpec, roll: f64, numbers: &mut Numbers) -> State {
     let Body::Gear(first) = &spec.gears[0].body else {
         unreachable!("a rack comes second")
@@ -152,7 +152,7 @@ pub fn displaced(scene: &Scene, spec: &SceneSpec, roll: f64, numbers: &mut Numbe
     s
 }
 
-/// Scenes of helical and spur gears whose hubs float, aligned and tilted.
+/// Returns scenes of helical and spur gears with floating hubs, aligned and tilted.
 pub fn floating() -> Vec<(&'static str, SceneSpec)> {
     let mut all = vec![
         ("spur", helical_pair(0.0, 0.0, false)),
@@ -177,7 +177,7 @@ pub fn energy(scene: &mut Scene, s: &State) -> f64 {
     out.energy.contact + out.energy.strain
 }
 
-/// Rates of the six directions of a hub that moves at a velocity and a spin.
+/// Returns the rates of the six directions of a hub with a velocity and an angular velocity.
 fn rates_of(hub: &Hub, q: &[f64], v: &Vec3, w: &Vec3) -> [f64; 6] {
     let motion = hub.motion(0.0, q, &[]);
     let [e0, e1, e2] = hub.axes;
@@ -194,8 +194,8 @@ fn rates_of(hub: &Hub, q: &[f64], v: &Vec3, w: &Vec3) -> [f64; 6] {
     [u.x, u.y, u.z, angles.x, angles.y, angles.z]
 }
 
-/// Largest work of forces on a scene whose bodies are all moved along, or turned about, the axes of space, over the largest
-/// part of it.
+/// Returns the largest work of forces on a scene under rigid translations and rotations of all bodies, relative to the
+/// largest part of it.
 pub fn work_of_rigid_motions(scene: &Scene, s: &State, f: &[f64]) -> f64 {
     let mut worst = 0.0_f64;
     for direction in 0..6 {

@@ -8,7 +8,7 @@ use gearbench_models::law::Damping;
 use gearbench_models::spec::{ContactSpec, Load, Profile};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 
-/// A damped contact whose stiffness varies along the path and whose pairs bend no common body.
+/// Returns a damped contact whose stiffness varies along the path and whose pairs have no common elastic body.
 fn law() -> ContactSpec {
     let mut law = contact(1.5e10);
     law.stiffness = PairStiffness::Iso6336 {
@@ -18,7 +18,7 @@ fn law() -> ContactSpec {
     law
 }
 
-/// States of a run.
+/// Sink that records the states of a run.
 struct States(Vec<State>);
 
 impl Sink for States {
@@ -28,7 +28,7 @@ impl Sink for States {
     }
 }
 
-/// A loaded helical pair on bearings that tilt.
+/// Returns a loaded helical pair on bearings that tilt.
 fn loaded_pair(modified: bool) -> SceneSpec {
     let mut spec = helical_pair(0.3, 0.0, modified);
     for (gear, (speed, torque)) in spec
@@ -43,7 +43,7 @@ fn loaded_pair(modified: bool) -> SceneSpec {
     spec
 }
 
-/// Accepted states of a run of one millisecond in which events are located.
+/// Returns the accepted states of a run of one millisecond with event location.
 fn states(spec: &SceneSpec) -> (Scene, Vec<State>) {
     let mut scene = build(spec, &[rigid(), rigid()], &law());
     let (mut state, mut sink) = (scene.initial(), States(Vec::new()));

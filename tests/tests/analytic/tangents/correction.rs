@@ -1,4 +1,4 @@
-//! `correct` against the dense inverse of `m M + d D + k K`.
+//! `correct` compared with the dense inverse of `m M + d D + k K`.
 
 use super::{laws, pairs, pressed, stiffnesses};
 use gearbench_integrators::dense_solve::solve_in_place;
@@ -28,7 +28,7 @@ pub(super) const COEFFICIENTS: [Coeffs; 3] = [
     },
 ];
 
-/// What turning sliding forces add to `K`: `-F (dt/ds) (ds/dq)` of each contact, as a full matrix.
+/// Returns the contribution of rotating sliding forces to `K`: `-F (dt/ds) (ds/dq)` of each contact, as a full matrix.
 fn turning(scene: &mut Scene, s: &State) -> Vec<f64> {
     let n = s.q.len();
     let mut k = vec![0.0; n * n];
@@ -68,8 +68,8 @@ fn turning(scene: &mut Scene, s: &State) -> Vec<f64> {
     k
 }
 
-/// Largest difference of `correct` and a dense elimination without the turning of sliding forces, relative to
-/// the solution.
+/// Returns the largest difference of `correct` and a dense elimination without the rotation of sliding forces,
+/// relative to the solution.
 pub(super) fn correct_error(scene: &mut Scene, s: &State, c: Coeffs) -> f64 {
     let mut numbers = Numbers::new(23);
     let n = s.q.len();

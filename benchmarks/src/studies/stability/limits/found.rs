@@ -22,7 +22,7 @@ use super::linear::{Dense, Linear};
 use super::linearised::Linearised;
 use super::system::{Damping, Kicked, Vibrations};
 use super::{LimitError, first_unstable};
-use gearbench_integrators::linear_stability::{Kicks, Stability};
+use gearbench_integrators::linear_stability::{Impulses, Stability};
 use gearbench_integrators::{
     AcceptedStep, Control, Integrator, MethodSpec, Resolution, SecondOrderSystem, Sink, State,
     TimePlan, Work,
@@ -56,7 +56,7 @@ pub fn found(
     let mut trial = Trial { integrator };
     match method.stability() {
         Stability::Controlled => Ok(None),
-        Stability::Kicks(kicks) => trial.kicked(linearised, kicks),
+        Stability::Impulses(impulses) => trial.kicked(linearised, impulses),
         _ => match linearised.linear()? {
             Linear::Dense(dense) if damped => trial.vibrations(&dense),
             Linear::Dense(dense) => trial.vibrations(&dense.undamped()),
@@ -146,13 +146,13 @@ impl Trial {
     fn kicked(
         &mut self,
         linearised: &mut Linearised,
-        kicks: Kicks,
+        impulses: Impulses,
     ) -> Result<Option<f64>, LimitError> {
         let Some(omega) = linearised.oscillators() else {
             return Ok(None);
         };
         let first = omega.iter().copied().fold(0.0, f64::max);
-        let rest = linearised.rest(&omega, kicks, f64::MIN_POSITIVE)?;
+        let rest = linearised.rest(&omega, impulses, f64::MIN_POSITIVE)?;
         let stiffest = rest.symmetric_eigenvalues().max().max(0.0).sqrt();
         if stiffest == 0.0 {
             return Ok(None);
@@ -168,7 +168,7 @@ impl Trial {
             if h > last {
                 return Ok(true);
             }
-            sys.rest = linearised.rest(&omega, kicks, h)?;
+            sys.rest = linearised.rest(&omega, impulses, h)?;
             self.long_run_grows(&mut sys, &square, h)
         })?;
         Ok(found.filter(|h| *h < 0.99 * last))

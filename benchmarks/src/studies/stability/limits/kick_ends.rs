@@ -1,7 +1,7 @@
 //! Which dampers a scene knows at the end of a kick, by the forces that methods ask for there
 //! ([`force_after`](SecondOrderSystem::force_after)).
 
-use gearbench_integrators::{At, HalfKick, SecondOrderSystem, State};
+use gearbench_integrators::{HalfStepImpulse, SecondOrderSystem, State, StateView};
 use gearbench_models::scene::Scene;
 use nalgebra::DMatrix;
 
@@ -14,8 +14,8 @@ const SMALL: f64 = 1e-2;
 /// predicted.
 fn at_end(scene: &mut Scene, s: &State, x: &[f64], f: &mut [f64]) {
     let v: Vec<f64> = s.v.iter().zip(x).map(|(v, x)| v + x).collect();
-    let at = At { v: &v, ..s.at() };
-    let kick = HalfKick {
+    let at = StateView { v: &v, ..s.at() };
+    let kick = HalfStepImpulse {
         time: INSTANT * scene.characteristic_time(at).min(1.0),
         before: &s.v,
         steady: &[],
@@ -41,7 +41,7 @@ pub(super) fn knows_ends(scene: &mut Scene, s: &State, v: &[f64]) -> bool {
     let moved: Vec<f64> = s.v.iter().zip(&x).map(|(v, x)| v + x).collect();
     let [mut plain, mut asked] = [vec![0.0; x.len()], vec![0.0; x.len()]];
     scene.force(
-        At {
+        StateView {
             v: &moved,
             ..s.at()
         },

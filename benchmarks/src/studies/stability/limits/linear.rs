@@ -64,7 +64,7 @@ impl Linear {
         match self {
             Linear::Dense(x) => x.largest_step(stability),
             Linear::Top(x) => Ok(match stability {
-                Stability::Kicks(_) => None,
+                Stability::Impulses(_) => None,
                 Stability::Flip(flip) if flip.predicts() => {
                     Some(flip.largest_step(x.omega, x.zeta_predicted))
                 }
@@ -223,7 +223,7 @@ impl Dense {
                 }
                 Ok(Some(low))
             }
-            Stability::Kicks(_) | Stability::Unconditional | Stability::Controlled => Ok(None),
+            Stability::Impulses(_) | Stability::Unconditional | Stability::Controlled => Ok(None),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::LimitError;
 use super::kick_ends::{known_at_ends, knows_ends, predicted, speeds};
 use super::linear::{Dense, Linear, Top};
 use crate::experiment::small_signals::assemble;
-use gearbench_integrators::linear_stability::Kicks;
+use gearbench_integrators::linear_stability::Impulses;
 use gearbench_integrators::table::{DOPRI5, HHT_ALPHA, TRIGONOMETRIC};
 use gearbench_integrators::{
     AcceptedStep, Control, Events, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan,
@@ -92,11 +92,12 @@ impl Linearised {
     pub fn rest(
         &mut self,
         omega: &[f64],
-        kicks: Kicks,
+        impulses: Impulses,
         h: f64,
     ) -> Result<DMatrix<f64>, LimitError> {
         if let Some(split) = self.scene.modal() {
-            let quasi_static: Vec<f64> = omega.iter().map(|w| kicks.quasi_static(*w, h)).collect();
+            let quasi_static: Vec<f64> =
+                omega.iter().map(|w| impulses.quasi_static(*w, h)).collect();
             split.prepare(&quasi_static);
         }
         let s = self.closed.as_ref().unwrap_or(&self.start);

@@ -3,7 +3,7 @@
 use super::linearised::Linearised;
 use super::{LimitError, LineKind, StepLine, first_unstable};
 use gearbench_integrators::MethodSpec;
-use gearbench_integrators::linear_stability::{Kicks, Stability};
+use gearbench_integrators::linear_stability::{Impulses, Stability};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
@@ -24,7 +24,7 @@ impl Linearised {
                 kind: LineKind::Stability,
             });
         }
-        if let Stability::Kicks(_) = &stability
+        if let Stability::Impulses(_) = &stability
             && let Some(omega) = self.oscillators()
         {
             let highest = omega.into_iter().fold(0.0, f64::max);
@@ -56,7 +56,7 @@ impl Linearised {
     /// no limit below the first resonance.
     pub fn largest_step(&mut self, stability: &Stability) -> Result<Option<f64>, LimitError> {
         match stability {
-            Stability::Kicks(kicks) => self.largest_kick(*kicks),
+            Stability::Impulses(impulses) => self.largest_kick(*impulses),
             Stability::Controlled | Stability::Unconditional => Ok(None),
             other => self.linear()?.largest_step(other),
         }
@@ -64,12 +64,12 @@ impl Linearised {
 
     /// The largest step between kicks, up to the first resonance: where `2 + 2 cos - h^2 S F K_c F S` loses
     /// definiteness.
-    fn largest_kick(&mut self, kicks: Kicks) -> Result<Option<f64>, LimitError> {
+    fn largest_kick(&mut self, impulses: Impulses) -> Result<Option<f64>, LimitError> {
         let Some(omega) = self.oscillators() else {
             return Ok(None);
         };
         // Without what steps leave out.
-        let rest = self.rest(&omega, kicks, f64::MIN_POSITIVE)?;
+        let rest = self.rest(&omega, impulses, f64::MIN_POSITIVE)?;
         let stiffest = rest.symmetric_eigenvalues().max();
         if stiffest <= 0.0 {
             return Ok(None);
@@ -78,12 +78,12 @@ impl Linearised {
         let mut stable = |h: f64| -> Result<bool, LimitError> {
             let Some(weights) = omega
                 .iter()
-                .map(|w| kicks.weights(*w, h))
+                .map(|w| impulses.weights(*w, h))
                 .collect::<Option<Vec<_>>>()
             else {
                 return Ok(false);
             };
-            let rest = self.rest(&omega, kicks, h)?;
+            let rest = self.rest(&omega, impulses, h)?;
             let n = omega.len();
             let matrix = DMatrix::from_fn(n, n, |i, j| {
                 let own = if i == j { weights[i][0] } else { 0.0 };

@@ -1,8 +1,10 @@
 //! Linear systems as integrators see them.
 
 use super::linear::Dense;
-use gearbench_integrators::{At, Coeffs, Events, Layout, ModalSplit, SecondOrderSystem, State};
-use gearbench_integrators::{Change, HalfKick, system::Singular};
+use gearbench_integrators::{Change, HalfStepImpulse, system::Singular};
+use gearbench_integrators::{
+    Coeffs, Events, Layout, ModalSplit, SecondOrderSystem, State, StateView,
+};
 use nalgebra::{DMatrix, DVector, DVectorView, Dyn, LU};
 
 /// `q'' + D q' + K q = 0` in the modes of `K`: independent oscillators, or coupled by dampers.
@@ -99,15 +101,15 @@ impl SecondOrderSystem for Vibrations {
         v.fill(self.highest);
     }
 
-    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: StateView<'_>) -> f64 {
         1.0 / self.highest
     }
 
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         self.tangent_times(at, at.q, at.v, f);
     }
 
-    fn force_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, f: &mut [f64]) {
+    fn force_after(&mut self, at: StateView<'_>, kick: &HalfStepImpulse<'_>, f: &mut [f64]) {
         self.force(at, f);
         let Some(ends) = &mut self.at_ends else {
             return;
@@ -126,13 +128,13 @@ impl SecondOrderSystem for Vibrations {
         f.copy_from_slice(forces.as_slice());
     }
 
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
+    fn solve_mass(&mut self, _at: StateView<'_>, _f: &mut [f64]) {}
 
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         y.copy_from_slice(x);
     }
 
-    fn correct(&mut self, _at: At<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
+    fn correct(&mut self, _at: StateView<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
         match &self.damping {
             Damping::Diagonal(d) => {
                 for ((x, d), k) in x.iter_mut().zip(d).zip(&self.square) {
@@ -152,7 +154,7 @@ impl SecondOrderSystem for Vibrations {
         }
     }
 
-    fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent_times(&mut self, _at: StateView<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         match &self.damping {
             Damping::Diagonal(d) => {
                 for (f, (d, v)) in df.iter_mut().zip(d.iter().zip(dv)) {
@@ -192,21 +194,21 @@ impl SecondOrderSystem for Kicked {
         v.fill(1.0);
     }
 
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         self.remainder(at, f);
         for (f, (w, q)) in f.iter_mut().zip(self.omega.iter().zip(at.q)) {
             *f -= w * w * q;
         }
     }
 
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
+    fn solve_mass(&mut self, _at: StateView<'_>, _f: &mut [f64]) {}
 
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, _at: StateView<'_>, x: &[f64], y: &mut [f64]) {
         y.copy_from_slice(x);
     }
 
-    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
-        self.force(At { q: dq, ..at }, df);
+    fn tangent_times(&mut self, at: StateView<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+        self.force(StateView { q: dq, ..at }, df);
     }
 
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
@@ -229,14 +231,14 @@ impl ModalSplit for Kicked {
         zeta.fill(0.0);
     }
 
-    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
         let mut out = DVector::zeros(a.len());
         let q = DVectorView::from_slice(at.q, at.q.len());
         out.gemv(-1.0, &self.rest, &q, 0.0);
         a.copy_from_slice(out.as_slice());
     }
 
-    fn steady(&mut self, at: At<'_>, _a: &mut [f64]) -> f64 {
+    fn steady(&mut self, at: StateView<'_>, _a: &mut [f64]) -> f64 {
         at.t
     }
 

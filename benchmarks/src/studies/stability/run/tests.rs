@@ -18,7 +18,7 @@ use gearbench_models::spec::Body;
 use gearbench_models::stiffness::Material;
 use gearbench_reference::mesh::{self, GearMeshParams};
 use gearbench_reference::reduction::store::{Meta, write};
-use gearbench_reference::reduction::{ElasticParameters, Mounting, Request, Wanted};
+use gearbench_reference::reduction::{ElasticParameters, ModeSelection, Mounting, Request};
 use gearbench_reports::record::{Results, Status};
 use gearbench_reports::stability::Columns;
 
@@ -197,7 +197,7 @@ fn modes_of_a_stored_reduction_are_its_own() {
         sector: true,
         material: Material::STEEL,
         mounting: Mounting::gear(true, 0.0),
-        wanted: Wanted::Count(7),
+        wanted: ModeSelection::Count(7),
     };
     let basis = request.compute().unwrap();
     let stored = basis.omega.len();

@@ -1,8 +1,8 @@
 use super::*;
 use crate::law::{Damping, Law};
 
-/// Two masses of one port each, pressed together by three points: forces hold their laws at the gap and rate that they
-/// bring about, whatever the dashpot, from none to one that lets nothing move within the kick.
+/// The forces of two masses with one port each and three points satisfy their laws at the gap and rate that they
+/// cause, for dashpots from zero to one that suppresses all motion within the impulse.
 #[test]
 fn forces_hold_at_the_end_of_the_kick() {
     for c in [0.0, 1e2, 1e4, 1e6, 1e9] {
@@ -22,7 +22,7 @@ fn forces_hold_at_the_end_of_the_kick() {
             },
             points: (0..4)
                 .map(|i| {
-                    let mut p = Ported::default();
+                    let mut p = PortPoint::default();
                     p.normal.ports[1] = 1;
                     (p.normal.weights[0], p.normal.weights[1]) = (1.0, 0.5 + 0.1 * i as f64);
                     p
@@ -50,8 +50,8 @@ fn forces_hold_at_the_end_of_the_kick() {
     }
 }
 
-/// Many points on a stiff law whose damper grows with the force: however slowly they move, down to where the damper adds
-/// less than the elastic forces are rounded to, the solve ends.
+/// The solve for many points on a stiff law whose damper grows with the force converges even for slow motions, where
+/// the damper contributes less than the rounding of the elastic forces.
 #[test]
 fn gears_that_hardly_vibrate_have_forces() {
     let load = crate::law::MeshLoad {
@@ -64,9 +64,9 @@ fn gears_that_hardly_vibrate_have_forces() {
     const NODES: usize = 12;
     for exponent in 0..20 {
         let rate = -0.1 * 0.1_f64.powi(exponent);
-        let points: Vec<Ported> = (0..30)
+        let points: Vec<PortPoint> = (0..30)
             .map(|i| {
-                let mut p = Ported::default();
+                let mut p = PortPoint::default();
                 for k in 0..4 {
                     p.normal.ports[k] = ((i + k) % NODES) as u32;
                     p.normal.weights[k] = [0.31, 0.27, 0.23, 0.19][k];

@@ -1,7 +1,7 @@
 use super::*;
 use crate::law::{Damping, Law};
 
-/// Numbers in [-1, 1), always the same.
+/// Returns a generator of repeatable numbers in [-1, 1).
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
     let mut x = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
     move || {
@@ -12,7 +12,7 @@ fn numbers(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Two gears with `n` nodes each, `m` points between them, compliance of `rank` per gear.
+/// Builds two gears with `n` nodes each, `m` points between them, and a compliance of rank `rank` per gear.
 fn problem(n: usize, m: usize, rank: usize, law: Law) -> (Vec<Block>, Vec<f64>, Vec<Spring>) {
     let mut draw = numbers((n * m + rank) as u64);
     let mut compliance = Vec::new();
@@ -48,7 +48,7 @@ fn set(solve: &mut NodalSolve, blocks: &[Block], r: &[f64]) {
     });
 }
 
-/// `u = -R W^T N` and the law hold at the solution.
+/// Returns the residual of `u = -R W^T N` and of the law at the solution.
 fn residual(blocks: &[Block], r: &[f64], springs: &[Spring], u: &[f64]) -> f64 {
     let n = u.len();
     let mut f = vec![0.0; n];
@@ -133,7 +133,7 @@ fn other_exponents_hold_their_law() {
     }
 }
 
-/// The derivative of the forces by the gaps before residual compliance, by differences.
+/// The derivative of the forces by the gaps before residual compliance agrees with finite differences.
 #[test]
 fn the_compliance_of_points_is_that_of_differences() {
     let (blocks, r, springs) = problem(8, 20, 8, Law::new(1.5, Damping::None).unwrap());

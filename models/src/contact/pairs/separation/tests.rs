@@ -1,8 +1,8 @@
-//! Separations against the turn of a mate that brings its flank to a point, and against limits.
+//! Separations compared with the rotation of a mate that brings its flank to a point, and with limits.
 
 use super::*;
 
-/// Gears of 20 and 30 teeth, module 4 mm, 20 degrees, as seen by either of them.
+/// Gears of 20 and 30 teeth, module 4 mm, pressure angle 20 degrees, in the view of either of them.
 fn engagements() -> [Engagement; 2] {
     let alpha = 20.0_f64.to_radians();
     let rb = [0.04 * alpha.cos(), 0.06 * alpha.cos()];
@@ -20,8 +20,8 @@ fn engagements() -> [Engagement; 2] {
     })
 }
 
-/// The tip is turned in its own gear's frame, the mate's flank is a polyline: the least turn of the mate that
-/// brings it to the point is found by bisection of the side on which the point lies.
+/// The separation equals the smallest rotation of the mate that brings its flank, a polyline, to the tip; it is found
+/// by bisection of the side on which the tip lies.
 #[test]
 fn separation_is_the_turn_that_brings_the_mate_to_the_edge() {
     for of in engagements() {

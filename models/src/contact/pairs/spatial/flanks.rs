@@ -1,23 +1,24 @@
-//! Flanks as distances: involute helicoids with what is removed from them, and the planes of racks.
+//! Distance functions of flanks: involute helicoids with removed material, and the planes of racks.
 
 use crate::Vec3;
 use crate::contact::pairs::lines::side_index;
-use crate::geometry::{Gear, InvoluteHelicoid, Near, PlaneAngle, Rack, Side};
+use crate::geometry::{FlankDistance, Gear, InvoluteHelicoid, PlaneAngle, Rack, Side};
 
-/// Half the length over which kinks of modifications are rounded, over the length of roll at the tip and over the face width.
+/// Half-length over which kinks of modifications are rounded, relative to the length of roll at the tip and to the
+/// face width.
 const ROUNDED: f64 = 1e-4;
 const ROUNDED_OVER_WIDTH: f64 = 5e-4;
 
-/// A flank of a tooth at the angle zero (place zero of a rack), in the axes of its hub.
+/// Flank of a tooth at the angle zero (position zero of a rack), in the axes of its hub.
 #[derive(Clone, Debug)]
 pub enum FlankForm {
-    /// An involute helicoid.
+    /// An involute helicoid with removed material.
     Involute(Box<Helicoid>),
-    /// The plane of a rack.
+    /// The plane flank of a rack.
     Plane(Plane),
 }
 
-/// The involute helicoids of the left and right flanks of a gear, how far they go, and what is removed from them.
+/// Involute helicoids of the left and right flanks of a gear, with their extent and the removed material.
 #[derive(Clone, Debug)]
 pub struct Helicoid {
     gear: Gear,
@@ -25,25 +26,25 @@ pub struct Helicoid {
     tips: [f64; 2],
     tip_slope: f64,
     pub(super) modified: bool,
-    /// Modifications of all teeth.
+    /// True if all teeth have the same modifications.
     of_all: bool,
     /// Inverses of the base radii [1/m].
     per_base: [f64; 2],
 }
 
-/// The flank of a rack.
+/// Plane flank of a rack.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     pub(super) tan_pressure: f64,
     pub(super) tan_helix: f64,
-    /// Distance over the distance along the slide.
+    /// Ratio of the distance to the displacement along the motion of the rack.
     pub(super) cos: f64,
     pub(super) half_thickness: f64,
     pub(super) tip: f64,
 }
 
 impl Helicoid {
-    /// Of a gear.
+    /// Builds the flanks of a gear.
     pub fn new(gear: &Gear) -> Self {
         Helicoid {
             flanks: Side::BOTH.map(|side| *gear.flank(side)),
@@ -56,19 +57,19 @@ impl Helicoid {
         }
     }
 
-    /// The flank of a side.
+    /// Returns the helicoid of a side.
     #[inline]
     pub(super) fn flank(&self, side: Side) -> &InvoluteHelicoid {
         &self.flanks[side_index(side)]
     }
 
-    /// Inverse of the base radius of a side [1/m].
+    /// Returns the inverse of the base radius of a side [1/m].
     #[inline]
     pub(super) fn per_base(&self, side: Side) -> f64 {
         self.per_base[side_index(side)]
     }
 
-    /// Length of roll at the tip, at a height.
+    /// Returns the length of roll at the tip, at a height.
     #[inline]
     pub(super) fn tip(&self, side: Side, z: f64) -> f64 {
         if self.tip_slope == 0.0 {
@@ -78,21 +79,22 @@ impl Helicoid {
         }
     }
 
-    /// Change of that length over the height.
+    /// Returns the derivative of the length of roll at the tip by the height.
     pub(super) fn tip_rise(&self, side: Side, z: f64) -> f64 {
         self.tip_slope * self.gear.r_tip_at(z) / self.tip(side, z)
     }
 
-    /// Whether what is removed has no kink near a roll at a height [m]: closed-form slopes hold there, and turn smoothly.
+    /// Returns true if the removed material has no kink near a length of roll at a height [m]. Closed-form slopes are
+    /// valid there.
     #[inline]
     pub(super) fn is_smooth(&self, side: Side, roll: f64, z: f64) -> bool {
         let near = 2.0 * ROUNDED * self.tips[side_index(side)];
         !self.of_all || !self.gear.flank_kinks(side, roll, z, near)
     }
 
-    /// Material removed of a tooth at a roll and height [m], its first and second derivative by the roll and its derivative by
-    /// the height. On conical gears modifications follow the tip cone. Kinks are rounded: slopes near them are those of
-    /// differences, so that the direction of the force is continuous.
+    /// Returns the removed material of a tooth at a length of roll and height [m], its first and second derivative by
+    /// the length of roll and its derivative by the height. On conical gears modifications follow the tip cone. Kinks
+    /// are rounded: slopes near them are finite differences, so that the direction of the force is continuous.
     #[inline]
     pub(super) fn removed(&self, tooth: i64, side: Side, roll: f64, z: f64) -> [f64; 4] {
         if !self.modified {
@@ -116,7 +118,7 @@ impl Helicoid {
 }
 
 impl Plane {
-    /// Of a rack.
+    /// Builds the flank of a rack.
     pub fn new(rack: &Rack, tip: f64) -> Self {
         let (alpha, helix) = (rack.transverse_pressure_angle(), rack.base_helix_angle());
         Plane {
@@ -129,7 +131,7 @@ impl Plane {
         }
     }
 
-    /// The tip edge at a height and its tangent.
+    /// Returns the tip edge at a height, and its tangent.
     pub(super) fn edge(&self, side: Side, psi: f64, height: f64) -> (Vec3, Vec3) {
         let off = side.sign() * (self.half_thickness - self.tip * self.tan_pressure);
         let along = psi + height * self.tan_helix - off;
@@ -139,12 +141,12 @@ impl Plane {
         )
     }
 
-    pub(super) fn near(&self, side: Side, psi: f64, p: &Vec3) -> Near {
+    pub(super) fn near(&self, side: Side, psi: f64, p: &Vec3) -> FlankDistance {
         let sigma = side.sign();
         let off = p.x - psi - p.z * self.tan_helix;
         let distance = -sigma * off - self.half_thickness + p.y * self.tan_pressure;
         let gradient = Vec3::new(-sigma, self.tan_pressure, sigma * self.tan_helix);
-        Near {
+        FlankDistance {
             distance: self.cos * distance,
             gradient: self.cos * gradient,
             roll: p.y,
@@ -162,7 +164,7 @@ impl FlankForm {
         matches!(self, FlankForm::Involute(h) if h.modified)
     }
 
-    /// How far a flank stands out of its involute at most [m].
+    /// Returns the largest protrusion of a flank beyond its involute [m].
     pub(super) fn stands_out(&self) -> f64 {
         match self {
             FlankForm::Involute(h) => h.gear.stands_out(),
@@ -170,7 +172,7 @@ impl FlankForm {
         }
     }
 
-    /// Whether a length of roll (height) at a height of the gear lies beyond the tip.
+    /// Returns true if a length of roll (for a rack a height) lies beyond the tip at a height of the gear.
     pub(super) fn is_beyond(&self, side: Side, roll: f64, z: f64) -> bool {
         match self {
             FlankForm::Involute(h) => roll > h.tip(side, z),

@@ -1,79 +1,81 @@
-//! Places on the section of a flank and their distance from the mate's flank, in the axes of the mate's hub.
+//! Points on the section of a flank and their distance from the mate's flank, in the axes of the mate's hub.
 
 use super::flanks::{FlankForm, Helicoid};
 use crate::Vec3;
-use crate::geometry::{Frame, InvoluteHelicoid, Near, PlaneAngle, Side};
+use crate::geometry::{FlankDistance, Frame, InvoluteHelicoid, PlaneAngle, Side};
 use std::cell::Cell;
 
-/// Corrections of the length of roll.
+/// Largest number of corrections of the length of roll.
 const MAX_CORRECTIONS: usize = 40;
 
-/// Correction of the length of roll, over itself, whose square is neglected: the nearest place follows to first order, its
-/// distance to second. Corrections are squares of each other: places are exact to 1e-12, which errors of 1e-12 in time ask for.
+/// Relative correction of the length of roll whose square is neglected: the nearest point is then updated to first
+/// order, its distance to second. Corrections converge quadratically, so that points are accurate to 1e-12, as errors
+/// of 1e-12 in time require.
 const SMALL_STEP: f64 = 1e-6;
 
-/// Correction of the length of roll, over itself, that is neglected where the curvature is not that of the gap, such as near kinks:
-/// there each correction is a part of the one before, not its square.
+/// Relative correction of the length of roll that is neglected where the curvature differs from that of the gap, as
+/// near kinks: there convergence is linear.
 const SMALL_STEP_BOUNDED: f64 = 1e-11;
 
-/// Least curvature that is reckoned with: of the distance over the involute's own, where a guess is far off, and of a modified
-/// pair over that of its involutes, where modifications bend the other way.
+/// Smallest assumed curvature: of the distance relative to that of the involute, for poor initial guesses, and of a
+/// modified pair relative to that of its involutes, for modifications of opposite curvature.
 const LEAST_BEND: f64 = 0.2;
 
-/// The transverse section of a flank at a height, and the mate's flank.
+/// Transverse section of a flank at a height, with the flank of the mate.
 pub(super) struct Section<'a> {
     pub(super) own: &'a Helicoid,
     pub(super) flank: &'a InvoluteHelicoid,
     pub(super) mate: &'a FlankForm,
     pub(super) side: Side,
-    /// Height on the own axis [m].
+    /// Height on the axis of the gear [m].
     pub(super) z: f64,
-    /// Number and angle (place on the slide) of the teeth.
+    /// Number and angle (position of a rack) of the teeth.
     pub(super) tooth: (i64, f64),
     pub(super) of_mate: (i64, f64),
-    /// The own hub.
+    /// Hub frame of the gear.
     pub(super) hub: &'a Frame,
-    /// The point of the own axis at the height [m].
+    /// Point of the gear axis at the height [m].
     pub(super) middle: Vec3,
     /// Inverse of the base radius [1/m].
     pub(super) per_base: f64,
-    /// Number of places that were evaluated.
+    /// Counter of evaluated points.
     pub(super) evaluated: &'a Cell<u64>,
 }
 
-/// A place on a section.
+/// Point on a section.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct SectionPoint {
     /// Length of roll [m].
     pub(super) roll: f64,
-    /// Angle of the base radius about the own hub, its direction, and the one a quarter of a turn ahead.
+    /// Angle of the base radius about the hub of the gear, its direction, and the direction a quarter of a turn ahead.
     pub(super) base: PlaneAngle,
     pub(super) direction: Vec3,
     tangent: Vec3,
-    /// [m]
+    /// Position [m].
     pub(super) x: Vec3,
     /// Distance from the mate.
-    pub(super) near: Near,
+    pub(super) near: FlankDistance,
 }
 
 /// Derivatives of the gap along a section by the length of roll.
 pub(super) struct Slopes {
-    /// First derivative of the whole gap and of the mate's distance.
+    /// First derivative of the whole gap and of the distance from the mate.
     pub(super) gap: f64,
     distance: f64,
-    /// Second derivatives.
+    /// Second derivatives of both.
     gap_bend: f64,
     distance_bend: f64,
-    /// First and second derivative of what is removed from the mate, by its own length of roll.
+    /// First and second derivative of the material removed from the mate, by its own length of roll.
     removed: [f64; 2],
-    /// Correction of the length of roll over itself whose square is neglected.
+    /// Relative correction of the length of roll whose square is neglected.
     small: f64,
 }
 
 impl Section<'_> {
-    /// The place of a base radius and a length of roll; `around` is an angle near which the base radius of the mate lies.
+    /// Computes the point of a base radius and a length of roll; `around` is an angle near which the base radius of
+    /// the mate lies.
     #[inline]
-    fn place(&self, base: PlaneAngle, roll: f64, around: &PlaneAngle) -> Place {
+    fn place(&self, base: PlaneAngle, roll: f64, around: &PlaneAngle) -> SectionPoint {
         self.evaluated.set(self.evaluated.get() + 1);
         let [x, y, _] = &self.hub.axes;
         let direction = base.cos * x + base.sin * y;
@@ -84,7 +86,7 @@ impl Section<'_> {
             FlankForm::Involute(h) => h.flank(self.side).near(self.of_mate.1, &x, around),
             FlankForm::Plane(p) => p.near(self.side, self.of_mate.1, &x),
         };
-        Place {
+        SectionPoint {
             roll,
             base,
             direction,
@@ -94,15 +96,15 @@ impl Section<'_> {
         }
     }
 
-    /// The place that has a length of roll [m].
-    pub(super) fn at_roll(&self, roll: f64) -> Place {
+    /// Returns the point at a length of roll [m].
+    pub(super) fn at_roll(&self, roll: f64) -> SectionPoint {
         let base = self.flank.base(self.tooth.1, roll, self.z);
         self.place(base, roll, &PlaneAngle::new(0.0))
     }
 
-    /// The place with a base radius, or with the least length of roll.
+    /// Returns the point with a base radius, or with the smallest length of roll.
     #[inline]
-    pub(super) fn along(&self, base: PlaneAngle, least: f64, around: &PlaneAngle) -> Place {
+    pub(super) fn along(&self, base: PlaneAngle, least: f64, around: &PlaneAngle) -> SectionPoint {
         let roll = self.flank.roll(self.tooth.1, base.angle, self.z);
         if roll < least {
             return self.place(self.rolled(&base, least - roll), least, around);
@@ -110,29 +112,29 @@ impl Section<'_> {
         self.place(base, roll, around)
     }
 
-    /// The base radius of a length of roll that is longer by `more` [m].
+    /// Returns the base radius of a length of roll that is longer by `more` [m].
     #[inline]
     fn rolled(&self, base: &PlaneAngle, more: f64) -> PlaneAngle {
         base.turned(-self.side.sign() * more * self.per_base)
     }
 
-    /// The place with another length of roll.
-    fn moved(&self, from: &Place, roll: f64) -> Place {
+    /// Returns the point with another length of roll.
+    fn moved(&self, from: &SectionPoint, roll: f64) -> SectionPoint {
         let base = self.rolled(&from.base, roll - from.roll);
         self.place(base, roll, &from.near.base)
     }
 
-    /// Moves a place that lies beyond a range of lengths of roll to the nearer end of it.
-    pub(super) fn keep_within(&self, place: &mut Place, [low, high]: [f64; 2]) {
+    /// Moves a point outside a range of lengths of roll to the nearer end of the range.
+    pub(super) fn keep_within(&self, place: &mut SectionPoint, [low, high]: [f64; 2]) {
         let roll = place.roll.clamp(low, high);
         if roll != place.roll {
             *place = self.moved(place, roll);
         }
     }
 
-    /// The place with a length of roll that is longer by a small `step` [m], to first order.
+    /// Returns the point with a length of roll that is longer by a small `step` [m], to first order.
     #[inline]
-    fn stepped(&self, place: &mut Place, (step, low): (f64, f64), slopes: &Slopes) {
+    fn stepped(&self, place: &mut SectionPoint, (step, low): (f64, f64), slopes: &Slopes) {
         let sigma = self.side.sign();
         let dx = place.roll * self.per_base * step * place.direction;
         let near = &mut place.near;
@@ -165,9 +167,9 @@ impl Section<'_> {
         place.roll += step;
     }
 
-    /// Slopes of unmodified flanks.
+    /// Returns the slopes of unmodified flanks.
     #[inline]
-    pub(super) fn slopes(&self, place: &Place, low: f64) -> Slopes {
+    pub(super) fn slopes(&self, place: &SectionPoint, low: f64) -> Slopes {
         let near = &place.near;
         let per_roll = place.roll * self.per_base;
         let slope = per_roll * place.direction.dot(&near.gradient);
@@ -197,8 +199,8 @@ impl Section<'_> {
         }
     }
 
-    /// Adds what is removed from the mate to its distance; returns the slopes of modified flanks.
-    pub(super) fn remove(&self, place: &mut Place, low: f64) -> Slopes {
+    /// Adds the material removed from the mate to the distance; returns the slopes of modified flanks.
+    pub(super) fn remove(&self, place: &mut SectionPoint, low: f64) -> Slopes {
         let mut smooth = self.own.is_smooth(self.side, place.roll, self.z);
         let per_roll = place.roll * self.per_base;
         let (mut removed, mut bent) = ([0.0; 2], 0.0);
@@ -238,7 +240,8 @@ impl Section<'_> {
         }
     }
 
-    /// Lower bound of the distance at the nearest place of unmodified flanks downhill of a place [m]; none from far away.
+    /// Returns a lower bound of the distance at the nearest point of unmodified flanks in descent direction from a
+    /// point [m], or `None` far from it.
     ///
     /// Over the arc length `u` of the section, `du = rho_1/r_b1 d rho_1`, the distance has the slope `a = e_1 . n_2` and the
     /// curvature
@@ -259,7 +262,7 @@ impl Section<'_> {
     /// The mate's distance is that of a helicoid outside its base cylinder, where the place stays as long as
     /// `rho_2^2 > 2 (rho_2 + r_b2) u`.
     #[inline]
-    pub(super) fn lower_bound(&self, place: &Place) -> Option<f64> {
+    pub(super) fn lower_bound(&self, place: &SectionPoint) -> Option<f64> {
         let near = &place.near;
         let slope = place.direction.dot(&near.gradient);
         let across = -self.side.sign() * place.tangent.dot(&near.gradient);
@@ -288,11 +291,17 @@ impl Section<'_> {
         outside.then(|| near.distance - 0.5 * roll * turn * slope.abs())
     }
 
-    /// Moves a place within a range of lengths of roll to the one that is nearest to the mate; with modifications where `exact`.
-    /// Unmodified flanks that are known to be `far` from each other [m] are left where they are, with a lower bound of their
-    /// distance.
+    /// Moves a point within a range of lengths of roll to the one nearest to the mate; with modifications where
+    /// `exact`. Unmodified flanks that are known to be `far` from each other [m] keep their point, with a lower bound
+    /// of their distance.
     #[inline]
-    pub(super) fn least(&self, place: &mut Place, [low, high]: [f64; 2], far: f64, exact: bool) {
+    pub(super) fn least(
+        &self,
+        place: &mut SectionPoint,
+        [low, high]: [f64; 2],
+        far: f64,
+        exact: bool,
+    ) {
         let (mut from, mut to) = (low, high);
         for correction in 0..MAX_CORRECTIONS {
             let slopes = match exact {
@@ -341,9 +350,9 @@ impl Section<'_> {
         }
     }
 
-    /// The tip edge of the mate in the plane of the section, near a place: its distance from the own flank, where it is, and
-    /// what the distance changes by.
-    pub(super) fn edge_of_mate(&self, place: &Place) -> (f64, Vec3, Vec3) {
+    /// Returns the tip edge of the mate in the plane of the section, near a point: its distance from the flank, its
+    /// position, and the derivative of the distance.
+    pub(super) fn edge_of_mate(&self, place: &SectionPoint) -> (f64, Vec3, Vec3) {
         let (side, hub, axis) = (self.side, self.hub, self.hub.axes[2]);
         let mut height = place.x.z;
         let (mut edge, mut tangent) = (place.x, axis);

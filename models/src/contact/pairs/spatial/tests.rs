@@ -1,4 +1,4 @@
-//! Nearest points against those that bisection of the slope finds from scratch, and bounds of far flanks against descents.
+//! Nearest points compared with bisection of the slope, and bounds of distant flanks compared with descents.
 #![allow(clippy::print_stdout, reason = "observed figures")]
 
 use super::*;
@@ -7,7 +7,7 @@ use crate::geometry::{Gear, GearParams, Modifications, Rack, RackParams, ReliefS
 const HELIX: f64 = 0.3;
 const WIDTH: f64 = 0.02;
 
-/// Greatest length of roll [m]: the mate has its base circle beyond.
+/// Greatest length of roll [m]; the base circle of the mate lies beyond.
 const REACH: f64 = 0.033;
 
 fn gear(teeth: u32, helix: f64, modified: bool) -> Gear {
@@ -37,7 +37,7 @@ fn gear(teeth: u32, helix: f64, modified: bool) -> Gear {
     .unwrap()
 }
 
-/// A pair that is sliced on its first gear.
+/// Builds a pair that is sliced on its first gear.
 fn flanks(modified: bool) -> Spatial {
     let gears = [gear(20, HELIX, modified), gear(30, -HELIX, modified)];
     spatial(
@@ -65,8 +65,8 @@ fn hub(x: f64, tilt: [f64; 2]) -> HubFrame {
     }
 }
 
-/// The nearest place of a section by bisection.
-fn bisected(section: &Section<'_>, [low, high]: [f64; 2], exact: bool) -> Place {
+/// Finds the nearest point of a section by bisection.
+fn bisected(section: &Section<'_>, [low, high]: [f64; 2], exact: bool) -> SectionPoint {
     let (mut from, mut to) = (low, high);
     loop {
         let roll = 0.5 * (from + to);
@@ -86,8 +86,8 @@ fn bisected(section: &Section<'_>, [low, high]: [f64; 2], exact: bool) -> Place 
     }
 }
 
-/// Of parallel, tilted and crossed axes: what nearest points differ by at most in gap [m], place and normal, how many were
-/// compared, and places that were evaluated for each.
+/// Returns, for parallel, tilted and crossed axes, the largest differences of nearest points in gap [m], position and
+/// normal, the number of comparisons, and the number of evaluations for each.
 fn compared(modified: bool, tilt: f64) -> ([f64; 3], usize, f64) {
     let spatial = flanks(modified);
     let hubs = [
@@ -163,7 +163,7 @@ fn compared(modified: bool, tilt: f64) -> ([f64; 3], usize, f64) {
     (worst, count, evaluated as f64 / count as f64)
 }
 
-/// Small last corrections to first order and starts from the slice before leave nearest points exact to 1e-11.
+/// Nearest points are exact to 1e-11 despite first-order last corrections and initial guesses from the previous slice.
 #[test]
 fn nearest_points_are_those_of_bisection() {
     for modified in [false, true] {
@@ -179,10 +179,10 @@ fn nearest_points_are_those_of_bisection() {
     }
 }
 
-/// Uniform numbers in [-1, 1) that repeat (xorshift64*).
-struct Draws(u64);
+/// Generator of repeatable uniform numbers in [-1, 1) (xorshift64*).
+struct RandomNumbers(u64);
 
-impl Draws {
+impl RandomNumbers {
     fn next(&mut self) -> f64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
@@ -192,8 +192,8 @@ impl Draws {
     }
 }
 
-/// Flanks of a helical pair, a spur pair, a conical pair and a helical gear with a rack, with the hub of the mate and its angle
-/// (place) where a left or right flank of the gear at the angle zero is about in mesh.
+/// Builds the flanks of a helical pair, a spur pair, a conical pair and a helical gear with a rack, with the hub of
+/// the mate and its angle (position) where a left or right flank of the gear at the angle zero is about in mesh.
 fn arrangements() -> Vec<(&'static str, Spatial, HubFrame, [f64; 2])> {
     let involute = |g: &Gear| FlankForm::Involute(Box::new(Helicoid::new(g)));
     let aligned = |helix: f64| {
@@ -254,9 +254,9 @@ fn arrangements() -> Vec<(&'static str, Spatial, HubFrame, [f64; 2])> {
     ]
 }
 
-/// The least distance downhill of a place, in small steps and by bisection; none where the descent comes to the base cylinder of
-/// the mate.
-fn descended(section: &Section<'_>, from: &Place, least: f64) -> Option<f64> {
+/// Returns the smallest distance in descent direction from a point, in small steps and by bisection; `None` where the
+/// descent reaches the base cylinder of the mate.
+fn descended(section: &Section<'_>, from: &SectionPoint, least: f64) -> Option<f64> {
     let step = 1e-4 * section.flank.base_radius;
     let downhill = -section.slopes(from, least).gap.signum() * step;
     let (mut roll, mut distance) = (from.roll, from.near.distance);
@@ -274,10 +274,10 @@ fn descended(section: &Section<'_>, from: &Place, least: f64) -> Option<f64> {
     Some(bisected(section, around, false).near.distance.min(distance))
 }
 
-/// No flank that is nearer than the bound is left out, whatever the tilts, offsets and guesses.
+/// Distant flanks are at least as far as their bounds, whatever the tilts, offsets and guesses.
 #[test]
 fn far_flanks_are_as_far_as_their_bounds() {
-    let mut draws = Draws(7);
+    let mut draws = RandomNumbers(7);
     for (name, spatial, at, angles) in arrangements() {
         let least = LEAST_ROLL * spatial.base_pitch;
         let (mut bounded, mut left_out, mut closest, mut missed) = (0, 0, f64::INFINITY, 0);
@@ -334,7 +334,7 @@ fn far_flanks_are_as_far_as_their_bounds() {
     }
 }
 
-/// A guess far from the nearest place has no bound above the distance there.
+/// A guess far from the nearest point has no bound above the distance there.
 #[test]
 fn a_poor_guess_does_not_leave_a_near_flank_out() {
     let spatial = flanks(false);

@@ -1,4 +1,4 @@
-//! What holds for any integrals: momentum and energy are kept, tangents are derivatives.
+//! Properties of the spin terms for any integrals: momentum and energy are conserved, tangents are derivatives.
 
 use super::*;
 use crate::Vec3;
@@ -13,14 +13,14 @@ use std::sync::Arc;
 const MODES: usize = 4;
 const INERTIA: f64 = 2e-4;
 
-/// Numbers that look random and repeat.
+/// Returns repeatable pseudo-random numbers.
 fn noise(n: usize, seed: f64) -> Vec<f64> {
     (0..n)
         .map(|i| ((i as f64 * 12.9898 + seed).sin() * 43_758.545_3).fract())
         .collect()
 }
 
-/// Integrals of the size that bodies have: shapes of unit mass move all of it in the plane.
+/// Builds integrals of realistic size: shapes of unit mass move all of it in the plane.
 fn integrals() -> Integrals {
     let (g, c) = (noise(MODES * MODES, 1.0), noise(MODES * MODES, 2.0));
     let mut planar = vec![0.0; MODES * MODES];
@@ -85,8 +85,8 @@ fn gear(mount: Mount, terms: SpinTerms) -> Elastic {
         .unwrap()
 }
 
-fn at<'a>(t: f64, q: &'a [f64], v: &'a [f64]) -> At<'a> {
-    At {
+fn at<'a>(t: f64, q: &'a [f64], v: &'a [f64]) -> StateView<'a> {
+    StateView {
         t,
         q,
         v,
@@ -104,7 +104,7 @@ fn acceleration(gear: &mut Elastic, t: f64, q: &[f64], v: &[f64]) -> Vec<f64> {
     f
 }
 
-/// The classical method of order four.
+/// Integrates with the classical Runge-Kutta method of order four.
 fn run(gear: &mut Elastic, q: &mut [f64], v: &mut [f64], end: f64, steps: usize) {
     let h = end / steps as f64;
     let shifted = |x: &[f64], d: &[f64], h: f64| -> Vec<f64> {
@@ -254,7 +254,7 @@ fn the_power_of_a_drive_is_what_the_energy_changes_by() {
     );
 }
 
-/// The torque that a drive needs is the rate of the momentum.
+/// The torque of a drive equals the rate of the momentum.
 #[test]
 fn the_torque_of_a_drive_is_the_rate_of_the_momentum() {
     let mut gear = gear(ramp(), SpinTerms::Full);
@@ -274,7 +274,7 @@ fn the_torque_of_a_drive_is_the_rate_of_the_momentum() {
     assert!((torque / rate - 1.0).abs() < 1e-5, "{torque} {rate}");
 }
 
-/// One step from time `t`, in two.
+/// Makes one step from time `t`, in two halves.
 fn step_of(gear: &mut Elastic, t: f64, h: f64, q: &mut [f64], v: &mut [f64]) {
     let h = 0.5 * h;
     for half in 0..2 {

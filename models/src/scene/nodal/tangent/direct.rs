@@ -1,12 +1,12 @@
-//! Contacts without fields in the tangent: each its own few rows.
+//! Contacts without fields in the tangent, each with its few rows.
 
-use super::{Reduced, add_outer};
+use super::{ReducedTangent, add_outer};
 use crate::kinematics::Row;
-use crate::scene::active::{Active, Answer, Tangent};
+use crate::scene::active::{Active, ContactCoupling, Tangent};
 use gearbench_integrators::system::Coeffs;
 
-impl Reduced {
-    /// Adds `T` of a contact without fields, its friction included.
+impl ReducedTangent {
+    /// Adds `T` of a contact without fields, including friction.
     pub(in crate::scene) fn add_contact(
         &mut self,
         a: &Active,
@@ -31,10 +31,10 @@ impl Reduced {
         add_outer(t, n, &sliding, &sliding, c.d * a.friction.df_dv);
     }
 
-    /// Adds `T` of how a contact without fields answers to another one.
-    pub(in crate::scene) fn add_answer(
+    /// Adds `T` of the coupling of a contact without fields to another one.
+    pub(in crate::scene) fn add_coupling(
         &mut self,
-        answer: &Answer,
+        coupling: &ContactCoupling,
         rows: &[Row; 4],
         (tangent, to): (&Tangent, &Row),
         a: &Active,
@@ -46,12 +46,12 @@ impl Reduced {
         }
         rows[1].for_each(|i, x| sliding.push((self.mark[i], x)));
         let (t, n) = (&mut self.response, self.size);
-        for (gear, by) in answer.on.into_iter().enumerate() {
+        for (gear, by) in coupling.on.into_iter().enumerate() {
             let mut left = vec![];
             rows[0].for_each_of(gear, |i, x| left.push((self.mark[i], x)));
             add_outer(t, n, &left, &right, c.k * by);
         }
-        let by = c.k * a.friction.df_dn * answer.normal;
+        let by = c.k * a.friction.df_dn * coupling.normal;
         add_outer(t, n, &sliding, &right, by);
     }
 }

@@ -327,7 +327,7 @@ fn refusals_say_where_what_and_how() {
     );
 }
 
-/// Text grows a deck by what it says once, not by repetition.
+/// The size of a deck grows with its text, not by repetition of sets.
 #[test]
 fn sets_of_sets_do_not_explode() {
     let mut text = String::from("*NODE, NSET=s0\n1\n2\n3\n");

@@ -1,4 +1,4 @@
-//! What changes no body is passed over and told; what does is declined.
+//! Keywords that do not change a body are ignored with a note; those that do are declined.
 
 use super::{BRICKS, none, read};
 use crate::deck::{DeckError, Procedure, read_str};
@@ -130,7 +130,7 @@ fn conditions_in_axes_of_their_own_are_marked() {
     );
 }
 
-/// As Gmsh writes `.inp`: lines and surfaces beside solids, no section, no material.
+/// Lines and surfaces that Gmsh writes to `.inp` with solids, without section or material, become node sets.
 #[test]
 fn lines_and_surfaces_give_node_sets() {
     let deck = read(

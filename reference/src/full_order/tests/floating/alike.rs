@@ -1,9 +1,9 @@
-//! Against the same gear elsewhere, the gear of one direction, and its own points.
+//! Comparison with the same gear in another position, with the gear of one direction, and with its own points.
 
 use super::*;
 use gearbench_models::kinematics::{Hub, Locus, Point, Row, Tooth};
 
-/// The same gear on axes that are turned: forces on the hub stay, those on nodes turn.
+/// On rotated axes the forces on the hub are equal and those on nodes rotate.
 #[test]
 fn a_gear_does_not_know_where_its_axis_points() {
     let turn = Matrix3::from_columns(&some_axes());
@@ -61,7 +61,7 @@ fn a_hub_about_z_is_that_of_one_direction() {
             let hub: Hub = hub(mount, slide);
             let placement = Placement::new(&hub, 0.3);
             let own = if slide.is_some() { 0.02 } else { 1e-5 };
-            let added = Added {
+            let added = AddedInertia {
                 own,
                 mass: 0.02,
                 tilting: 6e-6,
@@ -116,7 +116,7 @@ fn a_hub_about_z_is_that_of_one_direction() {
     }
 }
 
-/// A point above its face moves as its row says.
+/// A point of a smooth flank moves as its row predicts.
 #[test]
 fn rows_are_slopes_of_points() {
     for gear in floating_cases() {
@@ -125,10 +125,10 @@ fn rows_are_slopes_of_points() {
         let node = gear.body().free[7];
         // Above its node by what turns with the frame.
         let above = Vec3::new(1e-4, 2e-4, -3e-4);
-        let place = |at: At<'_>| {
+        let place = |at: StateView<'_>| {
             let mut x = [Vec3::zeros()];
             gear.positions(at, &[node], &mut x);
-            x[0] + gear.stand(at).turn * above
+            x[0] + gear.frame_pose(at).turn * above
         };
         let mut row = Row::default();
         row.clear();

@@ -25,7 +25,7 @@ const CUT_TOLERANCE: f64 = 1e-6;
 type Block = [f64; 9];
 
 /// Parts of a block: without phase, with `exp(i mu)`, with `exp(-i mu)`.
-type Phased = [Block; 3];
+type PhaseBlocks = [Block; 3];
 
 /// One tooth sector of a gear, ready for any harmonic.
 #[derive(Clone, Debug)]
@@ -37,8 +37,8 @@ pub struct Sector {
     free: usize,
     /// Pairs of free nodes, the column's first: lower triangle of nodes.
     pairs: Vec<(u32, u32)>,
-    stiffness: Vec<Phased>,
-    mass: Vec<Phased>,
+    stiffness: Vec<PhaseBlocks>,
+    mass: Vec<PhaseBlocks>,
     motions: Vec<Motion>,
 }
 
@@ -61,12 +61,12 @@ fn sector_error(text: impl Into<String>) -> ModesError {
     ModesError::Sector(text.into())
 }
 
-/// `A^T B`.
+/// Returns the product `A^T B`.
 fn transposed_times(a: &Block, b: &Block) -> Block {
     std::array::from_fn(|k| (0..3).map(|l| a[3 * l + k / 3] * b[3 * l + k % 3]).sum())
 }
 
-/// `A B`.
+/// Returns the product `A B`.
 fn times(a: &Block, b: &Block) -> Block {
     std::array::from_fn(|k| (0..3).map(|l| a[3 * (k / 3) + l] * b[3 * l + k % 3]).sum())
 }
@@ -76,7 +76,7 @@ fn transposed(a: &Block) -> Block {
 }
 
 impl Sector {
-    /// Assembles a sector with node sets `cut_low` and `cut_high`; its bore is held by the hub.
+    /// Assembles a sector with node sets `cut_low` and `cut_high`; its bore is tied to the hub.
     pub fn new(gear: &GearMesh, material: &Material, hub: &Hub) -> Result<Self, ModesError> {
         let mesh = &gear.mesh;
         let teeth = gear.teeth;
@@ -153,7 +153,7 @@ impl Sector {
         self.teeth
     }
 
-    /// Unknowns of one harmonic, hub motions apart.
+    /// Returns the number of unknowns of one harmonic, without hub motions.
     pub fn unknowns(&self) -> usize {
         3 * self.free
     }
@@ -172,7 +172,7 @@ impl Sector {
         self.motions.iter().filter(move |m| m.harmonic == harmonic)
     }
 
-    /// Angle from one sector to the next in a harmonic.
+    /// Returns the angle from one sector to the next in a harmonic.
     pub(super) fn phase(&self, harmonic: u32) -> f64 {
         std::f64::consts::TAU * f64::from(harmonic) / f64::from(self.teeth)
     }
@@ -285,7 +285,7 @@ impl Sector {
         let (sin, cos) = self.phase(harmonic).sin_cos();
         let hub = self.hub_rows(harmonic);
         let (pattern, sources) = self.pattern(&hub);
-        let values = |of: &[Phased], which: usize| -> Vec<T> {
+        let values = |of: &[PhaseBlocks], which: usize| -> Vec<T> {
             let value = |source: &Source| match *source {
                 Source::Pair(pair, i) => {
                     let [a, b, c] = of[pair].map(|part| part[i]);

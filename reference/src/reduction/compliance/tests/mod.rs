@@ -8,7 +8,7 @@ use crate::assembly::tie::Reduced;
 use crate::mesh::{GearMeshParams, Tooth, gear, rack, sector};
 use crate::modes::{self, Options, cyclic};
 use crate::reduction::choose::{self, Choice, Criterion};
-use crate::reduction::{Kept, Wanted, basis, without_modes};
+use crate::reduction::{KeptModes, ModeSelection, basis, without_modes};
 use crate::test_support::{self, coarse, largest, stub, tied};
 use faer::Side;
 use gearbench_models::geometry::Gear;
@@ -58,8 +58,8 @@ fn forces_on_one_tooth_say_all_of_a_cyclic_gear() {
     }
 }
 
-/// `sum over all modes of phi phi^T / omega^2` is the static compliance: whatever holds the body meanwhile, and
-/// nothing is left when all modes are kept.
+/// The sum over all modes of `phi phi^T / omega^2` is the static compliance, whatever the support, and nothing is left
+/// when all modes are kept.
 #[test]
 fn all_modes_carry_everything_and_what_is_left_never_pulls() {
     let (g, p) = toothed(6, 0.0);
@@ -98,8 +98,8 @@ fn all_modes_carry_everything_and_what_is_left_never_pulls() {
     }
 }
 
-/// Contact forces hold a torque at rest: the deflection of the flanks against the hub is that of a direct solution,
-/// however many modes are kept.
+/// The deflection of the flanks relative to the hub under a static torque is that of a direct solution, however many
+/// modes are kept.
 #[test]
 fn deflections_at_rest_are_those_of_the_finite_elements() {
     let (g, mut p) = toothed(9, 0.0);
@@ -268,7 +268,7 @@ fn declines_what_does_not_belong_together() {
     loose.bore.clear();
     assert!(text(of_mesh(&loose, &a, &held)).contains("not positive definite"));
     let total = of_mesh(&whole, &a, &held).unwrap();
-    let kept = Kept {
+    let kept = KeptModes {
         omega: &[0.0],
         shapes: &vec![0.0; a.nodes()],
         hub: &[0.0],
@@ -278,7 +278,7 @@ fn declines_what_does_not_belong_together() {
     assert!(
         text(without_modes(
             &total,
-            Kept {
+            KeptModes {
                 shapes: &[],
                 ..kept
             }
@@ -287,8 +287,8 @@ fn declines_what_does_not_belong_together() {
     );
 }
 
-/// Halving the elements adds to the compliance of a row of nodes what a half space loaded over half the length has
-/// more; between two rows it is less.
+/// Halving the elements increases the compliance of a row of nodes as for a half-space loaded over half the length;
+/// between two rows the increase is smaller.
 #[test]
 fn a_line_load_flattens_the_flank_by_the_logarithm_of_the_elements() {
     let g = test_support::gear(16, 4.5e-3, |p| {
@@ -346,7 +346,7 @@ fn a_line_load_flattens_the_flank_by_the_logarithm_of_the_elements() {
     }
 }
 
-/// Unit loads on a floating hub move it, beyond rigid motion, by what its modes say.
+/// The displacement of a floating hub under unit loads, beyond rigid motion, is that of its modes.
 #[test]
 fn modes_carry_the_loads_of_bearings() {
     let mesh = gear(&stub(6, 0.0), &coarse(1, 1)).unwrap();
@@ -372,8 +372,8 @@ fn modes_carry_the_loads_of_bearings() {
     }
 }
 
-/// What a hundred modes leave of the static compliance of a floating hub is little beside a bearing, also along the axis and in
-/// tilts, where a narrow gear yields more. The gear is that of the shipped impact.
+/// The part of the static compliance of a floating hub that a hundred modes leave out is small relative to a bearing,
+/// also along the axis and in tilts, where a narrow gear is more compliant. The gear is that of the shipped impact.
 #[test]
 fn few_modes_leave_little_of_the_compliance_of_a_hub() {
     let g = test_support::gear(20, 4e-3, |p| {
@@ -386,7 +386,7 @@ fn few_modes_leave_little_of_the_compliance_of_a_hub() {
     for (what, mounting) in [("light", none), ("0.1 kg", none.with_added(0.1, 1e-5))] {
         let total = held_of_sector(&mesh, &STEEL, &surface, &mounting).unwrap();
         let total = total.hub_compliance(&mounting);
-        let wanted = Wanted::Count(400);
+        let wanted = ModeSelection::Count(400);
         let basis = basis::of_sector(&mesh, &STEEL, &mounting, wanted, false).unwrap();
         let hub = &basis.lateral.as_ref().unwrap().hub;
         let kept = choose::choose(

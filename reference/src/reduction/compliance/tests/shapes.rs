@@ -42,8 +42,8 @@ impl Shapes {
         s
     }
 
-    pub(super) fn kept(&self) -> Kept<'_> {
-        Kept {
+    pub(super) fn kept(&self) -> KeptModes<'_> {
+        KeptModes {
             omega: &self.omega,
             shapes: &self.shapes,
             hub: &self.hub,
@@ -82,8 +82,8 @@ pub(super) fn worst(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |l, (a, b)| l.max((a - b).abs()))
 }
 
-/// Smallest eigenvalue of the compliance of flank nodes and hub together, over the largest; the hub in units that
-/// make its own entry one of them.
+/// Returns the smallest eigenvalue of the compliance of flank nodes and hub together, relative to the largest; the hub
+/// is in units that make its entry equal to one of the flanks.
 pub(super) fn definiteness(r: &Residual) -> f64 {
     let n = r.hub.len();
     let c = dense(r);
@@ -105,7 +105,7 @@ pub(super) fn definiteness(r: &Residual) -> f64 {
     values[0] / values[n]
 }
 
-/// A hub that is free in all directions but its own motion, if that is held.
+/// Returns a hub that is free in all directions except, if it is fixed, its own motion.
 pub(super) fn floating(mounting: Mounting) -> Mounting {
     let mounting = mounting.with_added(0.03, 4e-5);
     mounting.lateral([true; 6]).unwrap()

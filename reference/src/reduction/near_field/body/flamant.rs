@@ -34,7 +34,7 @@ impl Flamant {
         depth.hypot(along)
     }
 
-    /// Displacement over `A`.
+    /// Returns the displacement over `A`.
     pub fn displacement(&self, x: &Vec3) -> Vec3 {
         let [depth, along] = self.seen(x);
         let (r, t) = (depth.hypot(along), along.atan2(depth));

@@ -4,7 +4,7 @@ use super::super::of_lattices;
 use super::*;
 use crate::deck;
 use crate::mesh::{ElementKind, GearMeshParams, Tooth};
-use crate::reduction::{Basis, Mounting, Request, Wanted};
+use crate::reduction::{Basis, ModeSelection, Mounting, Request};
 use crate::test_support::bare;
 use gearbench_models::gear::elastic::lines::{LinesOfFlanks, Strips, spread};
 use gearbench_models::geometry::{Gear, GearParams};
@@ -62,8 +62,7 @@ fn hexahedra_answer_as_their_lattice_does() {
     }
 }
 
-/// What is left of the compliance of a line load when the near field is taken out: over `A`, at radii of the right flank of
-/// a tooth.
+/// Returns the compliance of a line load without the near field, over `A`, at radii of the right flank of a tooth.
 fn support(basis: &Basis, radii: &[f64]) -> Vec<f64> {
     let near_field = basis.near_field.as_ref().unwrap();
     let lines = LinesOfFlanks::new(&basis.flanks, near_field, Strips::Count(1)).unwrap();
@@ -99,9 +98,9 @@ fn support(basis: &Basis, radii: &[f64]) -> Vec<f64> {
     radii.iter().map(at).collect()
 }
 
-/// The body behind half-spaces is one body, whatever elements it is made of: hexahedra with incompatible modes (lattice),
-/// quadratic ones and tetrahedra without sets (elements themselves). With `-ln b` of a half-width of 0.1 mm the approach
-/// is 9.2 more: 1 % of it is 0.1.
+/// The compliance of the body behind half-spaces does not depend on the elements: hexahedra with incompatible modes
+/// (lattice), quadratic ones, and tetrahedra without sets (elements themselves). With `-ln b` of a half-width of 0.1
+/// mm the approach is larger by 9.2: 1 % of it is 0.1.
 #[test]
 fn the_support_behind_half_spaces_does_not_depend_on_the_elements() {
     let gear = gear(12);
@@ -113,7 +112,7 @@ fn the_support_behind_half_spaces_does_not_depend_on_the_elements() {
             sector,
             material: Material::STEEL,
             mounting: Mounting::gear(false, 0.0),
-            wanted: Wanted::Count(1),
+            wanted: ModeSelection::Count(1),
         };
         support(&request.compute().unwrap(), &radii)
     };

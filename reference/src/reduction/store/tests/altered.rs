@@ -17,7 +17,7 @@ pub(super) fn repacked(
     )
 }
 
-/// The archive with one more file.
+/// Returns the archive with one more file.
 fn with_further(bytes: &[u8], name: &str, data: &[u8]) -> Vec<u8> {
     let mut all = entries(bytes);
     all.push((name.to_owned(), data.to_vec()));
@@ -88,7 +88,7 @@ fn packed_archives_and_further_arrays_are_read() {
     );
 }
 
-/// One array replaced.
+/// Returns the archive with one array replaced.
 pub(super) fn with(bytes: &[u8], array: &str, new: &[u8]) -> Vec<u8> {
     repacked(bytes, false, |name, data| {
         Some(match name.strip_suffix(".npy") == Some(array) {

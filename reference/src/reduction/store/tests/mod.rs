@@ -7,7 +7,7 @@ use super::*;
 use crate::hash::Hash;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::inertia::Integrals;
-use gearbench_models::gear::elastic::reduced::{FlankCompliance, LateralShapes, Residual};
+use gearbench_models::gear::elastic::reduced::{FlankCompliance, OutOfPlaneShapes, Residual};
 use gearbench_models::geometry::{FlankGrid, Flanks, Side};
 
 /// Numbers without a pattern in (-1, 1).
@@ -16,7 +16,7 @@ fn noise(seed: &mut u64) -> f64 {
     ((*seed >> 11) as f64 / (1_u64 << 52) as f64) - 1.0
 }
 
-/// A basis that fits together, of a few numbers without meaning.
+/// Returns a consistent basis of a few arbitrary numbers.
 pub(in crate::reduction) fn example(teeth: u32, modes: usize, cyclic: bool) -> (Basis, Meta) {
     let mut seed = 7;
     let mut next = || noise(&mut seed);
@@ -77,7 +77,7 @@ pub(in crate::reduction) fn example(teeth: u32, modes: usize, cyclic: bool) -> (
         // One kind of gear with them, one without.
         added: if cyclic { [0.1, 2e-5] } else { [0.0; 2] },
         lateral: cyclic.then(|| {
-            Arc::new(LateralShapes {
+            Arc::new(OutOfPlaneShapes {
                 free: [true, true, false, true, true, false],
                 hub: some(6 * modes).as_chunks().0.to_vec(),
                 mass: 0.4,
@@ -160,7 +160,7 @@ pub(in crate::reduction) fn all_bits(b: &Basis) -> Vec<u64> {
             all.extend([*teeth as u64, *per_tooth as u64]);
             all.extend(bits(blocks));
         }
-        FlankCompliance::Lessened(_) => panic!("a basis holds the whole compliance"),
+        FlankCompliance::Deflated(_) => panic!("a basis holds the whole compliance"),
     }
     all
 }
@@ -211,7 +211,7 @@ fn files_are_whole_or_not_there() {
     assert_eq!(fs::read_dir(folder).unwrap().count(), 1);
 }
 
-/// Whatever belongs to a mode goes with it: the file of some modes fits together.
+/// A selection of the modes of a basis is a consistent basis.
 #[test]
 fn some_modes_of_a_basis_make_a_basis() {
     let (basis, meta) = example(3, 6, true);

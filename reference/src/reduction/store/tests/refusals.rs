@@ -1,4 +1,4 @@
-//! What is refused, with which words.
+//! Refusals of stored files, and their messages.
 
 use super::altered::{array, repacked, with};
 use super::*;

@@ -1,4 +1,4 @@
-//! Finite elements of full order that are short along the flank about a place and thin under it.
+//! Finite elements of full order that are short along the flank around a position and thin under it.
 
 use crate::running::*;
 use gearbench_models::error::BuildError;
@@ -85,7 +85,7 @@ fn graded(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     )))
 }
 
-/// The gear.
+/// Returns the gear of a body.
 pub fn toothing(body: &Body) -> &Gear {
     match body {
         Body::Gear(gear) => gear,
@@ -93,19 +93,19 @@ pub fn toothing(body: &Body) -> &Gear {
     }
 }
 
-/// How fine the finite elements are: `flank` of them along the teeth that touch at the path coordinate `s`, of equal length
-/// within `reach` of it [m], `layers` under the flank, `width` over the width of each gear.
-pub struct Fine {
+/// Fineness of the finite elements: `flank` of them along the teeth that touch at the path coordinate `s`, of equal
+/// length within `reach` of it [m], `layers` under the flank, `width` over the width of each gear.
+pub struct ElementFineness {
     pub s: f64,
     pub reach: f64,
     pub flank: usize,
     pub layers: usize,
     pub width: [usize; 2],
-    /// [Pa/m].
+    /// Penalty of the contact [Pa/m].
     pub penalty: f64,
 }
 
-impl Fine {
+impl ElementFineness {
     pub fn pair(&self, spec: &SceneSpec) -> LoadedPair {
         let length = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap().length;
         let gears = [self.s, length - self.s].into_iter().enumerate();

@@ -6,7 +6,7 @@ use gearbench_integrators::Report;
 use gearbench_models::Vec3;
 use gearbench_models::kinematics::{Locus, Point, Row, Tooth};
 
-/// Largest part by which forces at some coordinates differ from slopes of strain and contact energy.
+/// Returns the largest relative difference between forces at some coordinates and slopes of strain and contact energy.
 fn off_potential(scene: &mut Scene, s: &State, scales: &[f64], coordinates: &[usize]) -> f64 {
     let mut force = vec![0.0; s.q.len()];
     scene.force(s.at(), &mut force);
@@ -75,7 +75,8 @@ fn forces_are_the_slope_of_one_potential() {
     }
 }
 
-/// The same of full finite elements on an elastic gear, turned far: the nodes about the contact and the hubs.
+/// Forces of full finite elements on an elastic gear, rotated far, are slopes of the same potential: at the nodes
+/// around the contact and at the hubs.
 #[test]
 fn forces_of_finite_elements_are_the_slope_of_the_same_potential() {
     of_finite_elements("C3D8I");

@@ -10,7 +10,7 @@ use gearbench_models::spec::{
 };
 use gearbench_reference::statics::LoadedPair;
 
-/// A model on a mesh of so many elements along the flank and over the width.
+/// Returns a model on a mesh with a number of elements along the flank and over the width.
 fn meshed(id: &str, flank: f64, width: f64, modes: Option<f64>) -> ModelSpec {
     let counts = [
         ("flank_elements", flank),
@@ -27,7 +27,7 @@ fn meshed(id: &str, flank: f64, width: f64, modes: Option<f64>) -> ModelSpec {
     }
 }
 
-/// So many points of a face along the profile and over the width.
+/// Returns a contact with a number of points of a face along the profile and over the width.
 fn points(along: usize, across: usize) -> ContactSpec {
     let mut law = on_points(0.0);
     law.points = Some(PointContact {
@@ -38,7 +38,7 @@ fn points(along: usize, across: usize) -> ContactSpec {
     law
 }
 
-/// Distance of a point of one gear from the helicoid of the other, gear `k` [m].
+/// Returns the distance of a point of one gear from the helicoid of the other, gear `k` [m].
 fn exact_gap(spec: &SceneSpec, scene: &Scene, s: &State, k: usize, c: &Candidate) -> f64 {
     let g = &scene.gears()[k];
     let frame = Frame {
@@ -72,7 +72,7 @@ fn gaps_of_meshed_cones_are_distances_from_their_helicoids() {
             s.q[scene.gears()[1].range().start] -= turn * ratio(&spec);
             for (_, c) in candidates(&scene, &s) {
                 // Gaps that fade over a tip are no distances.
-                if c.fade < 1.0 || c.gap.abs() > 5e-5 {
+                if c.taper < 1.0 || c.gap.abs() > 5e-5 {
                     continue;
                 }
                 // A point of either gear lies on its own flank and off that of the other.
@@ -101,7 +101,7 @@ fn transmission_error_of_meshed_cones_is_that_of_the_tooth_contact_analysis() {
     }
 }
 
-/// A small pair, 20 on 24 teeth of module 4 mm, 12 mm wide, on axes that meet at 10 degrees.
+/// Returns a small pair, 20 on 24 teeth of module 4 mm, 12 mm wide, on axes that meet at 10 degrees.
 fn small_pair(gap: f64) -> SceneSpec {
     let cone = [4.544_f64, 5.456];
     let params = |k: usize, teeth: u32| GearParams {
@@ -172,7 +172,7 @@ fn static_forces_of_elastic_cones_are_those_of_finite_elements() {
     }
 }
 
-/// The force of the mesh at accepted steps.
+/// Sink that records the force of the mesh at accepted steps.
 #[derive(Default)]
 struct History(Vec<f64>, Outputs);
 

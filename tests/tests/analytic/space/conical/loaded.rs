@@ -15,7 +15,7 @@ fn load(name: &str) -> SceneFile {
     scene_file::load(name).unwrap_or_else(|e| panic!("{e:?}"))
 }
 
-/// Static transmission error at so many places, peak to peak [m].
+/// Returns the static transmission error at a number of positions, peak to peak [m].
 fn at_rest(scene: &SceneFile, modelling: &Modelling, places: usize) -> f64 {
     let models = gearbench::models::models();
     let mut pair = LoadedPair::new(&scene.spec, modelling, models).unwrap();
@@ -28,7 +28,7 @@ fn modelling<'a>(scene: &'a SceneFile, label: &str) -> &'a Modelling {
     &scene.model(label).unwrap().modelling
 }
 
-/// Least and largest transmission error from a time on.
+/// Sink that records the smallest and largest transmission error from a time on.
 struct Error {
     radii: [f64; 2],
     after: f64,
@@ -51,7 +51,7 @@ impl Sink for Error {
     }
 }
 
-/// Transmission error over the last mesh cycle of a run, peak to peak [m].
+/// Returns the transmission error over the last mesh cycle of a run, peak to peak [m].
 fn running(file: &SceneFile, modelling: &Modelling, method: &str) -> f64 {
     let mut scene = Scene::build(&file.spec, modelling, gearbench::models::models()).unwrap();
     let cycle = std::f64::consts::TAU / (35.0 * file.spec.gears[0].speed);
@@ -83,7 +83,7 @@ fn tip_relief_makes_conical_gears_steadier() {
     }
 }
 
-/// The gears of the scene on a coarser mesh.
+/// Returns the gears of the scene on a coarser mesh.
 fn meshed(scene: &SceneFile, label: &str) -> Modelling {
     let mut coarse = modelling(scene, label).clone();
     let counts = [
@@ -109,9 +109,9 @@ fn tip_relief_makes_meshed_cones_steadier_at_rest() {
     assert!(corrected < 0.7 * original, "{corrected:.2e} {original:.2e}");
 }
 
-/// The scene a tenth as fast, its load let on over fourteen periods of the gears on their teeth: what elastic gears have
-/// between their modes and their contact, the compliance of the modes that are cut, has no damping, so that at full speed
-/// they ring through the run whatever their flanks are.
+/// Returns the scene at a tenth of its speed, with its load applied over fourteen periods of the gears on their teeth.
+/// The compliance of the truncated modes of elastic gears, between their modes and their contact, is undamped, so that
+/// at full speed its vibration persists through the run whatever the flanks are.
 fn slowly(mut file: SceneFile) -> SceneFile {
     for gear in &mut file.spec.gears {
         gear.speed *= 0.1;

@@ -7,13 +7,13 @@ mod tooth_contact;
 use super::*;
 use gearbench_models::geometry::{Frame, Gear};
 use gearbench_models::spec::mesh_layout;
-use tooth_contact::{Contact, Enveloped, touch};
+use tooth_contact::{Contact, EnvelopedFlank, touch};
 
 /// Angle between the axes [rad].
 const SHAFT_ANGLE: f64 = 10.0 * std::f64::consts::PI / 180.0;
 
-/// z = 35/39, m_n = 6.5 mm, axes that meet at 10 degrees, 1401.489 and 1400.33 mm from the middles of the faces; `lead` and
-/// `profile` are crownings [m], the same on both gears.
+/// Returns the pair z = 35/39, m_n = 6.5 mm, on axes that meet at 10 degrees, 1401.489 and 1400.33 mm from the middles
+/// of the faces; `lead` and `profile` are crownings [m], equal on both gears.
 pub fn seed_pair(lead: f64, profile: f64) -> SceneSpec {
     let params = |[teeth, shift, angle, cone, helix, width]: [f64; 6]| GearParams {
         teeth: teeth as u32,
@@ -62,7 +62,8 @@ fn ratio(spec: &SceneSpec) -> f64 {
     f64::from(toothing(spec, 0).teeth()) / f64::from(toothing(spec, 1).teeth())
 }
 
-/// How far the second gear has to turn [rad] for the least gap of a side to vanish, where the first has turned by `turn`.
+/// Returns the rotation of the second gear [rad] at which the smallest gap of a side vanishes, where the first has
+/// rotated by `turn`.
 fn follows(scene: &Scene, spec: &SceneSpec, side: Side, turn: f64) -> f64 {
     let rb = toothing(spec, 1).r_base();
     let cos = toothing(spec, 1).base_helix_angle().cos();
@@ -75,7 +76,7 @@ fn follows(scene: &Scene, spec: &SceneSpec, side: Side, turn: f64) -> f64 {
         s.q[second] = at_start + by;
         let found = candidates(scene, &s);
         // What fades over a tip tells no distance.
-        let whole = found.iter().filter(|(_, c)| c.fade >= 1.0);
+        let whole = found.iter().filter(|(_, c)| c.taper >= 1.0);
         let of_side = whole.filter(|(_, c)| is_of(scene, c, side));
         let gap = of_side.map(|(_, c)| c.gap).fold(f64::INFINITY, f64::min);
         by += side.sign() * gap / (rb * cos);
@@ -96,7 +97,8 @@ fn built(spec: &SceneSpec, slices: usize) -> Scene {
     build(spec, &[rigid(), rigid()], &law)
 }
 
-/// How far the second gear has to turn [rad] by the tooth-contact analysis; contacts have to lie on the flanks of both.
+/// Returns the rotation of the second gear [rad] by the tooth-contact analysis; contacts have to lie on the flanks of
+/// both.
 fn analysed(scene: &Scene, spec: &SceneSpec, side: Side, turn: f64) -> f64 {
     let gears = [0, 1].map(|k| toothing(spec, k));
     let frames = [0, 1].map(|k| Frame {
@@ -108,7 +110,7 @@ fn analysed(scene: &Scene, spec: &SceneSpec, side: Side, turn: f64) -> f64 {
         let [x, y, _] = frames[k].axes;
         y.dot(&to).atan2(x.dot(&to))
     });
-    let flanks = gears.map(|g| Enveloped::new(g, side));
+    let flanks = gears.map(|g| EnvelopedFlank::new(g, side));
     let flanks = [&flanks[0], &flanks[1]];
     // The teeth that are nearest to the mate; the angles of the first teeth are all that is taken from the scene.
     let pitch = gears.map(Gear::pitch_angle);
@@ -145,8 +147,8 @@ fn analysed(scene: &Scene, spec: &SceneSpec, side: Side, turn: f64) -> f64 {
     at[1] + side.sign() * least
 }
 
-/// Transmission error [m] at the base radius of the second gear over a mesh cycle on either side: of the scene, and how far
-/// the analysis is from it.
+/// Returns the transmission error [m] at the base radius of the second gear over a mesh cycle on either side: that of
+/// the scene, and its difference from the analysis.
 fn over_a_cycle(scene: &Scene, spec: &SceneSpec, places: i32) -> [(f64, f64); 2] {
     let (rb, pitch) = (toothing(spec, 1).r_base(), toothing(spec, 0).pitch_angle());
     Side::BOTH.map(|side| {

@@ -10,8 +10,8 @@ use gearbench_models::Vec3;
 use gearbench_models::geometry::{Frame, Gear, Side};
 use nalgebra::{Rotation3, SMatrix, SVector};
 
-/// A flank with what is removed from it.
-pub struct Enveloped {
+/// An enveloped flank with its removed material.
+pub struct EnvelopedFlank {
     normal: Vec3,
     through: Vec3,
     radius: f64,
@@ -21,7 +21,7 @@ pub struct Enveloped {
     profile: (f64, [f64; 2], f64, f64),
 }
 
-impl Enveloped {
+impl EnvelopedFlank {
     pub fn new(gear: &Gear, side: Side) -> Self {
         let p = gear.params();
         let sigma = side.sign();
@@ -30,7 +30,7 @@ impl Enveloped {
         let askew = Rotation3::from_axis_angle(&Vec3::x_axis(), -p.helix_angle);
         let radius = 0.5 * f64::from(p.teeth) * p.module / p.helix_angle.cos();
         let half = 0.25 * std::f64::consts::PI * p.module / p.helix_angle.cos() - 0.5 * p.thinning;
-        Enveloped {
+        EnvelopedFlank {
             normal: tilted * askew * Vec3::new(sin, sigma * cos, 0.0),
             through: Vec3::new(radius + p.profile_shift * p.module, sigma * half, 0.0),
             radius,
@@ -44,8 +44,8 @@ impl Enveloped {
         }
     }
 
-    /// The point that the rack cuts at a turn and a height, in the axes of the gear with the tooth at the angle zero, and the
-    /// outward normal of the rack there.
+    /// Returns the point that the rack generates at a rotation and a height, in the axes of the gear with the tooth at
+    /// the angle zero, and the outward normal of the rack there.
     fn cut(&self, turn: f64, height: f64) -> (Vec3, Vec3) {
         let n = &self.normal;
         let along = n.dot(&self.through) + n.y * self.radius * turn - n.z * height;
@@ -60,7 +60,7 @@ impl Enveloped {
         (back * x, back * n)
     }
 
-    /// The same with what modifications remove.
+    /// Returns the generated point with the removed material of modifications.
     pub fn point(&self, turn: f64, height: f64) -> Vec3 {
         let (x, n) = self.cut(turn, height);
         let (lead, half) = self.lead;
@@ -72,7 +72,8 @@ impl Enveloped {
         x - removed * n
     }
 
-    /// Radius over that of the tip cone, and height over half the face: below one on the flank.
+    /// Returns the ratio of the radius to that of the tip cone, and of the height to half the face: below one on the
+    /// flank.
     pub fn beyond(&self, gear: &Gear, turn: f64, height: f64) -> [f64; 2] {
         let x = self.point(turn, height);
         [
@@ -81,7 +82,7 @@ impl Enveloped {
         ]
     }
 
-    /// In space, of a tooth at an angle, and its outward unit normal by differences.
+    /// Returns the point in space, for a tooth at an angle, and its outward unit normal by differences.
     fn placed(&self, frame: &Frame, psi: f64, [turn, height]: [f64; 2]) -> (Vec3, Vec3) {
         let turned = Rotation3::from_axis_angle(&Vec3::z_axis(), psi);
         let at = |turn: f64, height: f64| frame.point(&(turned * self.point(turn, height)));
@@ -95,15 +96,15 @@ impl Enveloped {
     }
 }
 
-/// Where two flanks touch: turns and heights on both, and the angle of the second tooth.
+/// Contact of two flanks: rotations and heights on both, and the angle of the second tooth.
 pub struct Contact {
     pub place: [[f64; 2]; 2],
     pub psi: f64,
 }
 
-/// The angle of the second tooth at which the flanks touch, from a start nearby; the residual has to vanish.
+/// Finds the angle of the second tooth at which the flanks touch, from a nearby start; the residual has to vanish.
 pub fn touch(
-    flanks: [&Enveloped; 2],
+    flanks: [&EnvelopedFlank; 2],
     frames: [&Frame; 2],
     psi: f64,
     start: Contact,

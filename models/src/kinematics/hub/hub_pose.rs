@@ -1,4 +1,4 @@
-//! Where a hub that may move sideways stands at a state: what all points on its gear ask it for.
+//! Pose of a hub with out-of-plane freedom at a state, shared by all points of its gear.
 //!
 //! A unit force along `n` at `x` has the wrench `[n; (x - o) x n]` about the place `o` of the hub. Of it the turn takes the
 //! component along the turned axis, and the lateral directions `S^T` of it, in the axes of the mount.
@@ -10,30 +10,30 @@ use crate::kinematics::freedom::{self, Motion};
 use crate::kinematics::row::Row;
 use crate::spec::Freedom;
 
-/// Place of a hub with lateral directions.
+/// Pose of a hub with out-of-plane directions.
 #[derive(Clone, Copy, Debug)]
-pub struct Standing {
+pub struct HubPose {
     motion: Motion,
     frame: HubFrame,
-    /// Axes of the three rotations, in those of the mount.
+    /// Axes of the three rotations, in the axes of the mount.
     rotations: [Vec3; 3],
 }
 
 /// Motion of a body on a hub, in space.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyMotion {
-    /// Place of the hub [m].
+    /// Position of the hub [m].
     pub origin: Vec3,
-    /// Its velocity [m/s].
+    /// Velocity of the hub [m/s].
     pub velocity: Vec3,
-    /// Spin of the body [rad/s].
+    /// Angular velocity of the body [rad/s].
     pub spin: Vec3,
-    /// Axes of the three rotations.
+    /// Axes of the three rotations in space.
     rotations: [Vec3; 3],
 }
 
 impl Hub {
-    /// How a body on the hub moves.
+    /// Returns the motion of a body on the hub.
     pub fn body_motion(&self, t: f64, q: &[f64], v: &[f64]) -> BodyMotion {
         let Motion { x, v, .. } = self.motion(t, q, v);
         let rotations = freedom::rotation_axes(&x).map(|axis| self.in_space(&axis));
@@ -45,7 +45,7 @@ impl Hub {
         }
     }
 
-    /// Adds the generalised forces of a force [N] and of a moment [N m] about a point in space to those of the hub's
+    /// Adds the generalised forces of a force [N] and of a moment [N m] about a point in space to those of the hub
     /// coordinates.
     pub fn add_wrench(
         &self,
@@ -62,21 +62,21 @@ impl Hub {
         }
     }
 
-    /// Where the hub stands; `None` where it only turns or slides.
-    pub fn standing(&self, t: f64, q: &[f64]) -> Option<Standing> {
+    /// Returns the pose of the hub, or `None` where it only rotates or translates.
+    pub fn hub_pose(&self, t: f64, q: &[f64]) -> Option<HubPose> {
         self.lateral.as_ref()?;
         let motion = self.motion(t, q, &[]);
-        Some(Standing {
+        Some(HubPose {
             frame: self.frame_of(&motion.x),
             rotations: freedom::rotation_axes(&motion.x),
             motion,
         })
     }
 
-    /// The effective radius of [`Self::effective_radius_at`] where the hub stands.
+    /// Returns [`Self::effective_radius_at`] for a known pose of the hub.
     #[inline]
-    pub fn effective_radius_on(&self, standing: Option<&Standing>, x: &Vec3, n: &Vec3) -> f64 {
-        let Some(Standing { frame, .. }) = standing else {
+    pub fn effective_radius_on(&self, hub_pose: Option<&HubPose>, x: &Vec3, n: &Vec3) -> f64 {
+        let Some(HubPose { frame, .. }) = hub_pose else {
             return self.effective_radius(x, n);
         };
         match self.slide {
@@ -85,12 +85,12 @@ impl Hub {
         }
     }
 
-    /// Appends the lateral directions to a row; `with_own` that of its own motion as well. Returns the part of
-    /// `d(x . n)/dt` [m/s] that driven directions prescribe.
+    /// Appends the out-of-plane directions to a row, and with `with_own` that of its own motion. Returns the part of
+    /// `d(x . n)/dt` [m/s] from driven directions.
     pub fn lateral_row_on(
         &self,
         t: f64,
-        standing: &Standing,
+        hub_pose: &HubPose,
         (x, n): (&Vec3, &Vec3),
         row: &mut Row,
         with_own: bool,
@@ -107,18 +107,18 @@ impl Hub {
                 self.axes[2].dot(y),
             )
         };
-        let r = x - standing.frame.origin;
+        let r = x - hub_pose.frame.origin;
         let (force, moment) = (local(n), local(&r.cross(n)));
         let component = |d: usize| match d {
             0..3 => force[d],
-            _ => standing.rotations[d - 3].dot(&moment),
+            _ => hub_pose.rotations[d - 3].dot(&moment),
         };
         let first = usize::from(self.is_free());
         row.push_span(first, lateral.free(own).map(component));
         let mut prescribed = 0.0;
         for (d, freedom) in lateral.directions.iter().enumerate() {
             if d != own && matches!(freedom, Freedom::Driven(_)) {
-                prescribed += component(d) * standing.motion.v[d];
+                prescribed += component(d) * hub_pose.motion.v[d];
             }
         }
         if with_own {

@@ -1,27 +1,28 @@
-//! What the user says of a body, and why a body is refused.
+//! Specification of a body by the user, and reasons of refusals.
 //!
-//! What is said leads the search: a direction is looked along first, a point takes the place of the hull's middle where
-//! the hull is no circle, a bore is the cylinder whose radius is nearest. What is found then has to agree: the geometry
-//! has more digits than the user, so that it decides within the tolerances below, and beyond them the body is refused with
-//! both figures.
+//! The specification guides the search: a direction is tried first, a point replaces the middle of the hull where the
+//! hull is no circle, a bore is the cylinder whose radius is nearest. The result then has to agree: the geometry is
+//! more precise than the user, so that it decides within the tolerances below, and beyond them the body is refused
+//! with both figures.
 
 use super::axis::Axis;
 use gearbench_models::Vec3;
 use std::fmt;
 
-/// Angle between the axis that is said and the one that is found [rad].
+/// Largest angle between the specified axis and the recognised one [rad].
 const ALIGNED: f64 = 0.02;
 
-/// Distance of the axis that is found from the point that is said, over the tooth's height.
+/// Largest distance of the recognised axis from the specified point, relative to the tooth height.
 const CLOSE: f64 = 0.1;
 
-/// How far flanks may end from where they are said to, over the tooth's height: a row of coarse faces.
+/// Largest difference of the ends of flanks from the specified ones, relative to the tooth height: a row of coarse
+/// faces.
 const ENDS: f64 = 0.3;
 
-/// What the user says of a body.
+/// Specification of a body by the user.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Known {
-    /// Number of teeth.
+pub struct SpecifiedBody {
+    /// Number of teeth, if specified.
     pub teeth: Option<u32>,
     /// Direction of the axis of rotation, with the sense of its own z axis; of a rack that of its width. Of any length but
     /// 0.
@@ -37,15 +38,15 @@ pub struct Known {
 /// Why a body is refused.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Misfit {
-    /// What was looked for and not found.
+    /// A part that is missing.
     Missing(String),
-    /// What is found is not what is said.
+    /// The recognised value differs from the specified one.
     Against {
-        /// What it is about: `axis`, `axis_point_m`, `flank_radii_m`, as scenes call them.
+        /// Key of the quantity as in scenes: `axis`, `axis_point_m`, `flank_radii_m`.
         key: &'static str,
-        /// What is said.
+        /// Specified value.
         said: String,
-        /// What is found.
+        /// Recognised value.
         found: String,
     },
 }
@@ -74,13 +75,13 @@ fn place(x: &Vec3) -> String {
     format!("({x:.4}, {y:.4}, {z:.4}) mm")
 }
 
-impl Known {
-    /// Unit vector of the axis that is said.
+impl SpecifiedBody {
+    /// Returns the unit vector of the specified axis.
     pub fn unit_axis(&self) -> Option<Vec3> {
         self.axis.and_then(|a| a.try_normalize(0.0))
     }
 
-    /// That a direction is the one that is said, sense included.
+    /// Checks that a direction agrees with the specified one, including its sense.
     ///
     /// # Errors
     /// Both directions, where they are apart.
@@ -95,7 +96,7 @@ impl Known {
         }
     }
 
-    /// That an axis passes the point that is said, within a part of the tooth's height [m].
+    /// Checks that an axis passes through the specified point, within a fraction of the tooth height [m].
     ///
     /// # Errors
     /// The point and the one of the axis next to it.
@@ -114,7 +115,7 @@ impl Known {
         })
     }
 
-    /// That flanks lie between the radii that are said [m].
+    /// Checks that flanks lie between the specified radii [m].
     ///
     /// # Errors
     /// Both ranges, where they are apart.

@@ -6,24 +6,24 @@ use super::{BodyShape, DeckGear, flank_words, snapped};
 use crate::deck::data::Deck;
 use crate::mesh::{GearMesh, Mesh, TiedPoint, flank_set};
 use crate::recognise::tied::{self, TiedGrid, Unroll};
-use crate::recognise::{Found, Patch, RecognisedRack, Skin};
+use crate::recognise::{Patch, RecognisedBody, RecognisedRack, Skin};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
 use std::collections::BTreeMap;
 
-/// The mesh of a recognised body in its own frame; the hub holds `bore`. A flank whose faces are a structured grid of
-/// quadrilaterals touches at its nodes, any other at points tied to its faces.
-pub(super) fn gear(body: Body, deck: &Deck, skin: &Skin<'_>, found: Found) -> DeckGear {
-    let placed = Placed::of(&found);
+/// Returns the mesh of a recognised body in its own frame, with its `bore` tied to the hub. A flank whose faces are a
+/// structured grid of quadrilaterals has contact at its nodes, any other at points tied to its faces.
+pub(super) fn gear(body: Body, deck: &Deck, skin: &Skin<'_>, found: RecognisedBody) -> DeckGear {
+    let placed = BodyPose::of(&found);
     let own: Vec<Vec3> = (body.positions.iter())
         .map(|x| match &found {
-            Found::Gear(gear) => gear.own(x),
-            Found::Rack(rack) => rack.own(x),
+            RecognisedBody::Gear(gear) => gear.own(x),
+            RecognisedBody::Rack(rack) => rack.own(x),
         })
         .collect();
     let toothing: &dyn Unroll = match &found {
-        Found::Gear(gear) => &**gear,
-        Found::Rack(rack) => &**rack,
+        RecognisedBody::Gear(gear) => &**gear,
+        RecognisedBody::Rack(rack) => &**rack,
     };
     let mut node_sets = BTreeMap::from([("bore".to_owned(), body.bore.clone())]);
     let mut face_sets = BTreeMap::new();
@@ -106,33 +106,33 @@ pub(super) fn gear(body: Body, deck: &Deck, skin: &Skin<'_>, found: Found) -> De
     }
 }
 
-/// Where a recognised body stands, in the terms of [`DeckGear`].
-struct Placed {
+/// Pose of a recognised body in the terms of [`DeckGear`].
+struct BodyPose {
     shape: BodyShape,
     teeth: u32,
     centre: Vec3,
     phase: f64,
 }
 
-impl Placed {
-    fn of(found: &Found) -> Self {
+impl BodyPose {
+    fn of(found: &RecognisedBody) -> Self {
         match found {
-            Found::Gear(gear) => Placed {
+            RecognisedBody::Gear(gear) => BodyPose {
                 shape: BodyShape::Gear,
                 teeth: gear.fit.teeth,
                 centre: gear.axis.point,
                 phase: gear.fit.phase,
             },
-            Found::Rack(rack) => Self::of_rack(rack, found),
+            RecognisedBody::Rack(rack) => Self::of_rack(rack, found),
         }
     }
 
-    fn of_rack(rack: &RecognisedRack, found: &Found) -> Self {
+    fn of_rack(rack: &RecognisedRack, found: &RecognisedBody) -> Self {
         let [x, y, _] = rack.axes;
         let [e, f] = found.axis().across();
         let size = rack.pitch * f64::from(rack.teeth);
         let phase = snapped(rack.origin.dot(&y), size);
-        Placed {
+        BodyPose {
             shape: BodyShape::Rack {
                 direction: snapped(x.dot(&f).atan2(x.dot(&e)), 1.0),
             },
@@ -143,14 +143,14 @@ impl Placed {
     }
 }
 
-/// Flanks of which no face was found; the ends of a rack may have cut theirs off.
-fn absent(found: &Found, teeth: u32) -> Vec<String> {
+/// Lists flanks without faces; the ends of a rack may have cut theirs off.
+fn absent(found: &RecognisedBody, teeth: u32) -> Vec<String> {
     let flanks = found.flanks();
     let has = |tooth: u32, side: Side| flanks.iter().any(|p| (p.tooth, p.side) == (tooth, side));
     let ends = |tooth: u32, side: Side| match (found, side) {
-        (Found::Gear(_), _) => false,
-        (Found::Rack(_), Side::Left) => tooth == (teeth / 2 + 1) % teeth,
-        (Found::Rack(_), Side::Right) => tooth == teeth / 2,
+        (RecognisedBody::Gear(_), _) => false,
+        (RecognisedBody::Rack(_), Side::Left) => tooth == (teeth / 2 + 1) % teeth,
+        (RecognisedBody::Rack(_), Side::Right) => tooth == teeth / 2,
     };
     (0..teeth)
         .flat_map(|tooth| Side::BOTH.map(|side| (tooth, side)))
@@ -164,7 +164,7 @@ fn absent(found: &Found, teeth: u32) -> Vec<String> {
         .collect()
 }
 
-/// The faces of a flank as a grid of nodes, if they are one.
+/// Returns the faces of a flank as a grid of nodes, if they form one.
 fn structured(
     deck: &Deck,
     skin: &Skin<'_>,

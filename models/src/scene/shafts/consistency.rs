@@ -1,12 +1,13 @@
-//! What the members of a shaft have to have in common: names of their own, one axis, and where it is rigid one motion.
+//! Consistency of the members of a shaft: unique names, one axis, and one motion where the shaft is rigid.
 
 use crate::Vec3;
 use crate::error::BuildError;
 use crate::spec::{
-    Body, Carried, Freedom, GearSpec, LateralSpec, Mount, SceneSpec, ShaftSpec, Station, UPRIGHT,
+    Body, Freedom, GearSpec, Mount, OutOfPlaneSpec, SceneSpec, ShaftSpec, Station, StationMember,
+    UPRIGHT,
 };
 
-/// How far gears of a shaft may stand off its axis [m], and the sine between axes.
+/// Largest distance of gears of a shaft from its axis [m], and the largest sine between axes.
 const OFF_AXIS: f64 = 1e-6;
 
 pub(super) fn check_names(spec: &SceneSpec) -> Result<(), BuildError> {
@@ -18,7 +19,7 @@ pub(super) fn check_names(spec: &SceneSpec) -> Result<(), BuildError> {
         }
         for station in &shaft.stations {
             match &station.carries {
-                Carried::Body(body) if seen.contains(&body.name.as_str()) => {
+                StationMember::Body(body) if seen.contains(&body.name.as_str()) => {
                     return Err(shaft.refuse((
                         format!(
                             "the name `{}` is taken by a gear or another body",
@@ -27,8 +28,8 @@ pub(super) fn check_names(spec: &SceneSpec) -> Result<(), BuildError> {
                         "rename one",
                     )));
                 }
-                Carried::Body(body) => seen.push(&body.name),
-                Carried::Gear(i) => {
+                StationMember::Body(body) => seen.push(&body.name),
+                StationMember::Gear(i) => {
                     let Some(other) = carried.get_mut(*i) else {
                         return Err(shaft.refuse(format!("there is no gear number {i}")));
                     };
@@ -52,18 +53,18 @@ pub(super) fn check_names(spec: &SceneSpec) -> Result<(), BuildError> {
     Ok(())
 }
 
-/// Gears of a shaft with their places.
+/// Returns the gears of a shaft with their positions.
 pub(super) fn gears_of<'a>(
     spec: &'a SceneSpec,
     shaft: &'a ShaftSpec,
 ) -> impl Iterator<Item = (&'a GearSpec, f64)> {
     shaft.stations.iter().filter_map(|s| match s.carries {
-        Carried::Gear(i) => Some((&spec.gears[i], s.place)),
-        Carried::Body(_) => None,
+        StationMember::Gear(i) => Some((&spec.gears[i], s.place)),
+        StationMember::Body(_) => None,
     })
 }
 
-/// Axes of a shaft, a point on it, and the place of that point: those of its first gear.
+/// Returns the axes of a shaft, a point on it, and the position of that point: those of its first gear.
 pub(super) fn axis_of(
     spec: &SceneSpec,
     shaft: &ShaftSpec,
@@ -71,8 +72,8 @@ pub(super) fn axis_of(
     let Some((first, place)) = gears_of(spec, shaft).next() else {
         // A carrier stands on the axis of the gears that its planets mesh with.
         let carries = |s: &Station| match &s.carries {
-            Carried::Body(body) => Some((spec.centre_of(body)?, s.place)),
-            Carried::Gear(_) => None,
+            StationMember::Body(body) => Some((spec.centre_of(body)?, s.place)),
+            StationMember::Gear(_) => None,
         };
         let carrier = shaft.stations.iter().find_map(carries);
         let of = |(g, place): (&GearSpec, f64)| (g.axes, Vec3::from(g.position), place);
@@ -100,15 +101,15 @@ fn mounts<'a>(
     shaft: &'a ShaftSpec,
 ) -> impl Iterator<Item = (&'a str, &'a Mount, f64)> {
     shaft.stations.iter().map(|s| match &s.carries {
-        Carried::Gear(i) => {
+        StationMember::Gear(i) => {
             let g = &spec.gears[*i];
             (g.name.as_str(), &g.mount, g.speed)
         }
-        Carried::Body(b) => (b.name.as_str(), &b.mount, b.speed),
+        StationMember::Body(b) => (b.name.as_str(), &b.mount, b.speed),
     })
 }
 
-/// The mount that holds or drives a rigid shaft as a whole.
+/// Returns the mount that fixes or drives a rigid shaft as a whole.
 pub(super) fn rigid_mount(spec: &SceneSpec, shaft: &ShaftSpec) -> Option<Mount> {
     if !shaft.sections.is_empty() {
         return None;
@@ -117,12 +118,12 @@ pub(super) fn rigid_mount(spec: &SceneSpec, shaft: &ShaftSpec) -> Option<Mount> 
     mounts(spec, shaft).map(|m| m.1).find(held).cloned()
 }
 
-/// All that a rigid shaft carries turns alike, however one of them is held or driven.
+/// Gives all members of a rigid shaft the mount of the one that is fixed or driven.
 pub(super) fn share_mount(with: &mut SceneSpec, shaft: &ShaftSpec) -> Result<(), BuildError> {
     if !shaft.sections.is_empty() {
         return Ok(());
     }
-    let moved = |l: &Option<Box<LateralSpec>>| {
+    let moved = |l: &Option<Box<OutOfPlaneSpec>>| {
         let directions = l.iter().flat_map(|l| &l.directions);
         directions
             .into_iter()
@@ -166,7 +167,7 @@ pub(super) fn share_mount(with: &mut SceneSpec, shaft: &ShaftSpec) -> Result<(),
         )));
     }
     for station in &shaft.stations {
-        if let Carried::Gear(i) = station.carries {
+        if let StationMember::Gear(i) = station.carries {
             with.gears[i].mount = shared.clone();
         }
     }

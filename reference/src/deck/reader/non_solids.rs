@@ -1,7 +1,7 @@
 //! Elements that are no solids: lines and surfaces beside them, as Gmsh writes them.
 //!
-//! Without a section of their own they have neither stiffness nor mass: they are passed over, and their sets become
-//! node sets, for that is what they are there for. With one they are declined where the section stands.
+//! Without a section of their own they have neither stiffness nor mass: they are ignored, and their sets become node
+//! sets, which is their purpose. With one they are declined at the section.
 
 use super::Reader;
 use crate::deck::data::{Deck, Label};
@@ -16,19 +16,19 @@ pub(crate) const MARK: u32 = 1 << 31;
 
 /// Elements that are no solids.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Others {
-    /// Their nodes.
+pub(crate) struct NonSolidElements {
+    /// Nodes of elements that are not solids.
     pub(super) elements: IndexMap<Label, Vec<u32>>,
     /// How many there are of each type.
     pub(super) types: BTreeMap<String, u32>,
-    /// Solids that are taken for another kind, by the words that say so.
+    /// Solids that are replaced by another kind, with a description.
     pub(super) taken: BTreeMap<String, u32>,
 }
 
-/// The solid kind that a type of element is read as. Of the others hybrid, coupled and modified kinds have the nodes
-/// of a plain one, and of an isotropic solid that is not incompressible the same stiffness up to the element's
-/// error; reduced integration of linear hexahedra needs a stiffness against hourglassing, which programs choose
-/// freely, so that incompatible modes stand in for it.
+/// Returns the solid kind that an element type is read as. Hybrid, coupled and modified kinds have the nodes of a
+/// plain one, and for a compressible isotropic solid the same stiffness up to the error of the element. Reduced
+/// integration of linear hexahedra needs hourglass control, which differs between programs, so that incompatible modes
+/// are used instead.
 pub(super) fn solid(name: &str) -> Option<ElementKind> {
     let name = name.to_ascii_uppercase();
     if let Some(kind) = ElementKind::from_name(&name) {
@@ -151,7 +151,7 @@ impl Reader<'_> {
 }
 
 impl Deck {
-    /// Number of an element; of one that is no solid with [`MARK`].
+    /// Returns the number of an element, with [`MARK`] for one that is not a solid.
     pub(in crate::deck) fn any_element(&self, label: Label) -> Option<u32> {
         let other = || self.others.elements.get_index_of(&label);
         match self.element_labels.get_index_of(&label) {

@@ -1,43 +1,44 @@
-//! The compliance of a gear whose teeth are all alike, without what modes carry that are made for some of its teeth.
+//! Deflated compliance of a cyclic gear: without the compliance that modes fitted to some of its teeth carry.
 //!
 //! ```text
 //! R = A - T T^T,     T_ki = b_ki / omega_i
 //! ```
 //!
-//! `A` is kept by blocks, `T` by rows. Between the rows of the teeth that the modes are made for, which touch, `R` stands
-//! ready; between any others it is put together when it is asked for.
+//! `A` is stored by blocks, `T` by rows. Between the rows of the teeth for which the modes were fitted, which touch,
+//! `R` is stored; between any others it is computed when needed.
 
 use super::lines::{Sum, rows_of_sums};
 use super::reduced::FlankCompliance;
 use crate::cholesky::dot;
 
-/// A row that belongs to none of the teeth.
+/// Index of a row that belongs to none of the selected teeth.
 const FAR: u32 = u32::MAX;
 
-/// See the module.
+/// Deflated compliance `R = A - T T^T` of a cyclic gear; see the module for its terms.
 #[derive(Clone, Debug)]
-pub struct Lessened {
+pub struct Deflated {
     whole: FlankCompliance,
     modes: usize,
-    /// `T`, a row of `modes` for each row of the flanks.
+    /// Matrix `T`, a row of `modes` entries for each row of the flanks.
     taken: Vec<f64>,
-    /// Place of each row among those of the teeth, or [`FAR`].
+    /// Index of each row among those of the selected teeth, or [`FAR`].
     places: Vec<u32>,
-    /// Rows of the teeth.
+    /// Number of rows of the selected teeth.
     near: usize,
-    /// `R` between them, row-major.
+    /// Block of `R` between these rows, row-major.
     block: Vec<f64>,
 }
 
-impl Lessened {
-    /// Of the compliance `whole` what `taken` leaves; `near` are the rows of the teeth, ascending.
+impl Deflated {
+    /// Subtracts the compliance of the rows `taken` from `whole`; `near` has the rows of the selected teeth,
+    /// ascending.
     pub fn new(whole: FlankCompliance, modes: usize, taken: Vec<f64>, near: &[u32]) -> Self {
         let rows = taken.len() / modes.max(1);
         let mut places = vec![FAR; rows];
         for (place, row) in near.iter().enumerate() {
             places[*row as usize] = place as u32;
         }
-        let mut made = Lessened {
+        let mut made = Deflated {
             whole,
             modes,
             taken,
@@ -55,7 +56,7 @@ impl Lessened {
         made
     }
 
-    /// Number of rows of the flanks.
+    /// Returns the number of rows of the flanks.
     pub fn rows(&self) -> usize {
         self.places.len()
     }
@@ -68,7 +69,7 @@ impl Lessened {
         self.whole.between(i, j, self.rows()) - dot(self.row(i), self.row(j))
     }
 
-    /// Compliance between two rows [m/N].
+    /// Returns the compliance between two rows [m/N].
     #[inline]
     pub fn between(&self, i: u32, j: u32) -> f64 {
         let [p, q] = [i, j].map(|row| self.places[row as usize]);
@@ -78,7 +79,8 @@ impl Lessened {
         self.block[p as usize * self.near + q as usize]
     }
 
-    /// Adds `g_i . g_j` between the rows of the teeth; `given` has a row of `width` for each row of the flanks.
+    /// Adds `g_i . g_j` between the rows of the selected teeth; `given` has `width` entries for each row of the
+    /// flanks.
     pub fn give(&mut self, given: &[f64], width: usize) {
         let near: Vec<(usize, usize)> = (self.places.iter().enumerate())
             .filter(|(_, p)| **p != FAR)
@@ -92,7 +94,8 @@ impl Lessened {
         }
     }
 
-    /// The same between sums of rows, where `whole` is that of [`FlankCompliance`]: a sum belongs to the teeth with all its rows.
+    /// Returns the deflated compliance between sums of rows; `whole` transforms a [`FlankCompliance`] accordingly. A
+    /// sum belongs to the selected teeth if all its rows do.
     pub(super) fn over(
         &self,
         sums: &[Sum],
@@ -103,10 +106,10 @@ impl Lessened {
             .filter(|s| is_near(&sums[*s as usize]))
             .collect();
         let taken = rows_of_sums(&self.taken, self.modes, sums);
-        Lessened::new(whole(&self.whole), self.modes, taken, &near)
+        Deflated::new(whole(&self.whole), self.modes, taken, &near)
     }
 
-    /// All its numbers are finite, and there are as many as for `rows`; else what was found.
+    /// Returns a description of the problem if numbers are not finite or do not match the number of `rows`.
     pub(super) fn problem(&self, rows: usize) -> Option<String> {
         if self.rows() != rows {
             return Some(format!(

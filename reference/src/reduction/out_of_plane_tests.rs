@@ -1,14 +1,14 @@
-//! Hubs that are free beside their own motion: what every basis must be, one tooth sector against the whole mesh.
+//! Hubs with out-of-plane freedom: properties of every basis, and one tooth sector compared with the whole mesh.
 
 use super::rigid::rigid_mass;
-use super::{Basis, Mounting, Wanted, basis, mounting_of};
+use super::{Basis, ModeSelection, Mounting, basis, mounting_of};
 use crate::assembly::assemble;
 use crate::mesh::{self, GearMesh};
 use crate::test_support::{self, coarse, stub};
 use crate::vector::dot;
 use gearbench_models::Vec3;
-use gearbench_models::gear::elastic::reduced::LateralShapes;
-use gearbench_models::kinematics::{BodyMass, Lateral};
+use gearbench_models::gear::elastic::reduced::OutOfPlaneShapes;
+use gearbench_models::kinematics::{BodyMass, OutOfPlane};
 use gearbench_models::spec::{Bearing, Body, Freedom, Mount, Parameters};
 use gearbench_models::stiffness::Material;
 use nalgebra::Matrix3;
@@ -21,16 +21,16 @@ fn floating(mounting: Mounting, free: [bool; 6], mass: f64, tilting: f64) -> Mou
     mounting.with_added(mass, tilting).lateral(free).unwrap()
 }
 
-fn of_mesh(mesh: &GearMesh, mounting: &Mounting, wanted: Wanted) -> Basis {
+fn of_mesh(mesh: &GearMesh, mounting: &Mounting, wanted: ModeSelection) -> Basis {
     basis::of_mesh(mesh, &STEEL, mounting, wanted, false).unwrap()
 }
 
-fn lateral(b: &Basis) -> &LateralShapes {
+fn lateral(b: &Basis) -> &OutOfPlaneShapes {
     b.lateral.as_ref().unwrap()
 }
 
-/// Linear momentum, and angular momentum about the hub, of a mode by unit velocity of its coordinate, with what is added at the
-/// hub.
+/// Returns the linear momentum, and the angular momentum about the hub, of a mode per unit velocity of its coordinate,
+/// including the inertia added at the hub.
 fn momentum(b: &Basis, mounting: &Mounting, mode: usize) -> [f64; 6] {
     let (i, added) = (b.integrals.as_ref().unwrap(), mounting.added());
     let mut hub = lateral(b).hub[mode];
@@ -89,7 +89,7 @@ fn sector_and_whole_mesh_agree_and_no_mode_holds_momentum() {
         let gear = stub(teeth, helix);
         let whole = mesh::gear(&gear, &coarse(2, 2)).unwrap();
         let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
-        let wanted = Wanted::Count(61);
+        let wanted = ModeSelection::Count(61);
         let a = basis::of_sector(&sector, &STEEL, &mounting, wanted, false).unwrap();
         let b = of_mesh(&whole, &mounting, wanted);
         assert_eq!(a.unknowns, b.unknowns);
@@ -146,13 +146,14 @@ fn sector_and_whole_mesh_agree_and_no_mode_holds_momentum() {
     }
 }
 
-/// Moving the hub of the frame by a unit moves the mesh by the motion itself: the body's mass matrix is that of the elements.
+/// A unit displacement of the hub moves the mesh by the rigid motion: the mass matrix of the body is that of the
+/// elements.
 #[test]
 fn the_rigid_part_is_that_of_the_elements() {
     let rack = test_support::rack(3, 2e-3, |p| p.face_width = 4e-3);
     let bar = mesh::rack(&rack, &coarse(2, 1)).unwrap();
     let mounting = floating(Mounting::rack(true, 0.01), ALL, 0.01, 2e-7);
-    let b = of_mesh(&bar, &mounting, Wanted::Count(30));
+    let b = of_mesh(&bar, &mounting, ModeSelection::Count(30));
     holds_no_momentum(&b, &mounting);
     let body = lateral(&b);
     // A rack stands beside its reference line: translations and rotations are coupled.
@@ -176,13 +177,13 @@ fn the_rigid_part_is_that_of_the_elements() {
     }
 }
 
-/// A hub that is very heavy stands still; one that is held in a direction is the limit.
+/// A very heavy hub is at rest; a hub fixed in a direction is the limit.
 #[test]
 fn a_heavy_hub_is_a_held_one() {
     let gear = stub(9, 0.0);
     let sector = mesh::sector(&gear, &coarse(1, 1)).unwrap();
     let modes = |mounting: &Mounting| {
-        basis::of_sector(&sector, &STEEL, mounting, Wanted::Count(40), false).unwrap()
+        basis::of_sector(&sector, &STEEL, mounting, ModeSelection::Count(40), false).unwrap()
     };
     let light = modes(&floating(Mounting::gear(false, 0.0), ALL, 0.0, 0.0));
     let heavy = modes(&floating(Mounting::gear(false, 0.0), ALL, 1e6, 1e3));
@@ -226,9 +227,9 @@ fn a_mounting_is_that_of_the_hub() {
     let none = Parameters::new();
     let steel = STEEL.density;
     let lateral_of = |mass: f64, free: [usize; 2]| {
-        let mut directions = [const { Freedom::Held }; 6];
+        let mut directions = [const { Freedom::Fixed }; 6];
         free.into_iter().for_each(|d| directions[d] = Freedom::Free);
-        Some(Arc::new(Lateral {
+        Some(Arc::new(OutOfPlane {
             directions,
             bearing: Bearing::default(),
             body: BodyMass {

@@ -1,27 +1,28 @@
-//! What kicks leave out of oscillators, and what a system wins that gives it as local compliance.
+//! The quasi-static correction: the compliance that impulses leave out of oscillators, and the gain of a system that
+//! adds it as local compliance.
 
 use crate::problems::*;
 use crate::unit_masses;
-use gearbench_integrators::{At, Layout, ModalSplit, SecondOrderSystem, State};
+use gearbench_integrators::{Layout, ModalSplit, SecondOrderSystem, State, StateView};
 
-/// Oscillators pressed at one point by a two-sided spring that stands on a local compliance.
-struct Pressed {
+/// Oscillators with a two-sided spring at one point, in series with a local compliance.
+struct SpringLoadedOscillators {
     omega: Vec<f64>,
     /// Shape of the oscillators at the point.
     shape: Vec<f64>,
-    /// Steady load on each.
+    /// Steady load on each oscillator.
     load: Vec<f64>,
     spring: f64,
     local: f64,
-    /// Gives what the method says that it leaves out.
+    /// True if the system adds the compliance that the method leaves out.
     gives: bool,
     quasi_static: Vec<f64>,
 }
 
-impl Pressed {
-    /// A free body with modes of which the fastest is about as fast as the contact.
+impl SpringLoadedOscillators {
+    /// Builds a free body with modes, the fastest of which is about as fast as the contact.
     fn body(gives: bool) -> Self {
-        Pressed {
+        SpringLoadedOscillators {
             omega: vec![0.0, 1.4],
             shape: vec![1.0, 0.8],
             load: vec![0.0; 2],
@@ -37,13 +38,13 @@ impl Pressed {
         of.map(|(b, quasi_static)| b * b * quasi_static).sum()
     }
 
-    /// Force of the spring.
+    /// Returns the force of the spring.
     fn press(&self, q: &[f64]) -> f64 {
         let x: f64 = self.shape.iter().zip(q).map(|(b, q)| b * q).sum();
         x / (1.0 / self.spring + self.local + self.given())
     }
 
-    /// Frequencies of two oscillators with the spring: roots of the characteristic polynomial.
+    /// Returns the frequencies of two oscillators with the spring: roots of the characteristic polynomial.
     fn frequencies(&self) -> [f64; 2] {
         let k = 1.0 / (1.0 / self.spring + self.local);
         let (b, w) = (&self.shape, &self.omega);
@@ -53,7 +54,7 @@ impl Pressed {
         [(mean - half).sqrt(), (mean + half).sqrt()]
     }
 
-    /// Frequencies of the motion over steps `h`: cosines of its phases are those of the one-step map.
+    /// Returns the frequencies of the motion over steps `h`, from the cosines of the phases of the one-step map.
     fn stepped(&mut self, h: f64) -> [f64; 2] {
         let mut map = [[0.0; 4]; 4];
         for j in 0..4 {
@@ -83,7 +84,7 @@ impl Pressed {
     }
 }
 
-impl ModalSplit for Pressed {
+impl ModalSplit for SpringLoadedOscillators {
     fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
         omega.copy_from_slice(&self.omega);
         zeta.fill(0.0);
@@ -93,13 +94,13 @@ impl ModalSplit for Pressed {
             self.quasi_static.copy_from_slice(quasi_static);
         }
     }
-    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: StateView<'_>, a: &mut [f64]) {
         let force = self.press(at.q);
         for i in 0..a.len() {
             a[i] = self.load[i] - self.shape[i] * force;
         }
     }
-    fn steady(&mut self, _at: At<'_>, a: &mut [f64]) -> f64 {
+    fn steady(&mut self, _at: StateView<'_>, a: &mut [f64]) -> f64 {
         a.copy_from_slice(&self.load);
         f64::INFINITY
     }
@@ -108,27 +109,26 @@ impl ModalSplit for Pressed {
     }
 }
 
-impl SecondOrderSystem for Pressed {
+impl SecondOrderSystem for SpringLoadedOscillators {
     unit_masses!(|own| [own.omega.len(), 0, 0], modal: ModalSplit);
 
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn force(&mut self, at: StateView<'_>, f: &mut [f64]) {
         self.remainder(at, f);
         for i in 0..f.len() {
             f[i] -= self.omega[i] * self.omega[i] * at.q[i];
         }
     }
-    fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], _df: &mut [f64]) {
+    fn tangent_times(&mut self, _at: StateView<'_>, _dq: &[f64], _dv: &[f64], _df: &mut [f64]) {
         unreachable!("an explicit method only")
     }
 }
 
-/// Frequencies of a body in contact converge with order two, and with order four where it gives the quasi-static
-/// correction back.
+/// Frequencies of a body in contact converge with order two, and with order four with the quasi-static correction.
 #[test]
 fn a_contact_with_the_quasi_static_correction_has_order_four() {
     let lengths = [0.8, 0.4, 0.2, 0.1];
     for (gives, declared) in [(false, 2.0), (true, 4.0)] {
-        let mut body = Pressed::body(gives);
+        let mut body = SpringLoadedOscillators::body(gives);
         let exact = body.frequencies();
         let mut errors = [[0.0; 4]; 2];
         for (i, h) in lengths.into_iter().enumerate() {
@@ -149,16 +149,16 @@ fn a_contact_with_the_quasi_static_correction_has_order_four() {
     }
 }
 
-/// The force that a steady load leaves on the contact at rest is that of the springs in series, at every step.
+/// The contact force under a steady load at rest is that of the springs in series, at every step.
 #[test]
 fn a_load_at_rest_presses_alike_at_every_step() {
     let mut errors = [0.0_f64; 2];
     for gives in [false, true] {
         for h in [0.05, 0.5, 1.0] {
-            let mut body = Pressed {
+            let mut body = SpringLoadedOscillators {
                 omega: vec![0.7, 1.9],
                 load: vec![0.3, 0.0],
-                ..Pressed::body(gives)
+                ..SpringLoadedOscillators::body(gives)
             };
             // One step tells the quasi-static correction.
             body.gives = true;

@@ -1,24 +1,24 @@
-//! What follows for any gear from what it hands out: free functions, and methods of `dyn GearModel`.
+//! Functions that are defined for any gear by its capabilities: free functions, and methods of `dyn GearModel`.
 
 use super::capabilities::ToothCoordinates;
 use super::flank_displacement::FlankDisplacement;
 use super::model::GearModel;
 use crate::geometry::Flanks;
 use crate::kinematics::Tooth;
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 
-/// Work of a steady `load` on the hub of any gear between two states [J].
-pub fn work_on_hub(gear: &dyn GearModel, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+/// Returns the work of a steady `load` on the hub of a gear between two states [J].
+pub fn work_on_hub(gear: &dyn GearModel, from: StateView<'_>, to: StateView<'_>, load: f64) -> f64 {
     if !gear.hub().is_free() || load == 0.0 {
         return 0.0;
     }
     load * (gear.hub_state(to).displacement - gear.hub_state(from).displacement)
 }
 
-/// [`LargeGear::condensed`](super::LargeGear::condensed) of any gear, one solve per coordinate.
+/// Computes [`LargeGear::condensed`](super::LargeGear::condensed) for any gear, with one solve per coordinate.
 pub fn condensed(
     gear: &mut dyn GearModel,
-    at: At<'_>,
+    at: StateView<'_>,
     c: Coeffs,
     hub_damping: f64,
     coordinates: &[u32],
@@ -33,10 +33,10 @@ pub fn condensed(
     })
 }
 
-/// [`LargeGear::add_response`](super::LargeGear::add_response) of any gear, by one solve.
+/// Computes [`LargeGear::add_response`](super::LargeGear::add_response) for any gear, with one solve.
 pub fn add_response(
     gear: &mut dyn GearModel,
-    at: At<'_>,
+    at: StateView<'_>,
     c: Coeffs,
     hub_damping: f64,
     touched: (&[u32], &[f64]),
@@ -48,7 +48,7 @@ pub fn add_response(
     respond_by(touched, x, |y| gear.correct(at, c, hub_damping, y))
 }
 
-/// Restriction of a matrix to some coordinates, column by column; `solve` applies the matrix in place, `x` is its room.
+/// Restricts a matrix to some coordinates, column by column; `solve` applies the matrix in place, `x` is work space.
 pub fn condense_by(
     x: &mut [f64],
     coordinates: &[u32],
@@ -85,26 +85,26 @@ pub fn respond_by(
 }
 
 impl dyn GearModel + '_ {
-    /// The grids of its flanks, if it brings any.
+    /// Returns the grids of the flanks, if the gear has any.
     pub fn flanks(&self) -> Option<&Flanks> {
         self.surface().map(|s| s.flanks)
     }
 
-    /// Its flank displacement operator, if it has one.
+    /// Returns the flank displacement operator, if the gear has one.
     #[inline]
     pub fn displacement(&self) -> Option<&dyn FlankDisplacement> {
         self.surface()?.displacement
     }
 
-    /// Angle or displacement of a tooth from its assembled position.
-    pub fn tooth_displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
+    /// Returns the angle or displacement of a tooth from its assembled position.
+    pub fn tooth_displacement(&self, at: StateView<'_>, tooth: Tooth) -> f64 {
         match self.teeth() {
             Some(teeth) => teeth.displacement(at, tooth),
             None => self.hub().displacement_at(at),
         }
     }
 
-    /// Whether its springs know the contact radius.
+    /// Returns true if the tooth springs depend on the contact radius.
     pub fn follows_contact(&self) -> bool {
         self.teeth().is_some_and(ToothCoordinates::follows_contact)
     }

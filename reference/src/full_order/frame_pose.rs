@@ -1,4 +1,4 @@
-//! Where a hub of several directions stands: pose, axes of its directions, and how they turn with each other.
+//! Pose of a hub of several directions: frame, axes of its directions, and their rotations.
 //!
 //! Velocities are linear in the rates of the hub, `v = sum_d x_d' v_d` at a place `y` from its origin: `v_d = a_d` along an axis
 //! of the hub, `v_d = w_d x y` about one of the three axes of its rotations, `e_x`, `Rx e_y`, `Rx Ry e_z` in the axes of the
@@ -12,14 +12,14 @@
 //! as in [`gearbench_models::kinematics`].
 
 use super::frame::Frame;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use gearbench_models::Vec3;
 use gearbench_models::kinematics::{Hub, Motion};
 use nalgebra::Matrix3;
 
 /// The pose of a hub and the axes of its directions in space.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stand {
+pub(super) struct FramePose {
     /// Turn from the assembled position.
     pub turn: Matrix3<f64>,
     /// Displacement of its origin [m].
@@ -30,9 +30,9 @@ pub(super) struct Stand {
     pub motion: Motion,
 }
 
-/// Change of a stand along a change of its directions, or its rate.
+/// Change of a pose for a change of its directions, or its rate.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turning {
+pub(super) struct PoseChange {
     /// Turn of the whole.
     pub turn: Vec3,
     /// Shift of the origin.
@@ -41,9 +41,9 @@ pub(super) struct Turning {
     pub axes: [Vec3; 3],
 }
 
-impl Stand {
-    /// That of a hub at a state of its gear.
-    pub fn of(hub: &Hub, at: At<'_>) -> Self {
+impl FramePose {
+    /// Returns the pose of a hub at a state of its gear.
+    pub fn of(hub: &Hub, at: StateView<'_>) -> Self {
         let motion = hub.motion(at.t, at.q, at.v);
         let assembled = Matrix3::from_columns(&hub.axes);
         let x = &motion.x;
@@ -53,7 +53,7 @@ impl Stand {
         let tilted = Matrix3::new(cb, 0.0, sb, sa * sb, ca, -sa * cb, -ca * sb, sa, ca * cb);
         let spun = Matrix3::new(cg, -sg, 0.0, sg, cg, 0.0, 0.0, 0.0, 1.0);
         let about = |k: usize| assembled * tilted.column(k);
-        Stand {
+        FramePose {
             turn: assembled * (tilted * spun) * assembled.transpose(),
             shift: assembled * Vec3::new(x[0], x[1], x[2]),
             axes: [
@@ -68,7 +68,7 @@ impl Stand {
         }
     }
 
-    /// The floating frame.
+    /// Returns the floating frame.
     pub fn frame(&self) -> Frame {
         Frame::Posed {
             turn: self.turn,
@@ -105,23 +105,23 @@ impl Stand {
         [spin, second.into_iter().sum()]
     }
 
-    /// What a change of the six directions, or their rates, do to the stand.
-    pub fn along(&self, dx: &[f64; 6]) -> Turning {
+    /// Returns the change of the pose for a change of the six directions, or for their rates.
+    pub fn along(&self, dx: &[f64; 6]) -> PoseChange {
         let mut turned = Vec3::zeros();
         let axes = [3, 4, 5].map(|d| {
             let by_those_before = turned.cross(&self.axes[d]);
             turned += dx[d] * self.axes[d];
             by_those_before
         });
-        Turning {
+        PoseChange {
             turn: turned,
             shift: (0..3).map(|d| dx[d] * self.axes[d]).sum(),
             axes,
         }
     }
 
-    /// Changes of [`Stand::spin`] along changes of place and rates.
-    pub fn spin_change(&self, along: &Turning, dv: &[f64; 6]) -> [Vec3; 2] {
+    /// Changes of [`FramePose::spin`] along changes of place and rates.
+    pub fn spin_change(&self, along: &PoseChange, dv: &[f64; 6]) -> [Vec3; 2] {
         let v = &self.motion.v;
         let changed = |d: usize| &along.axes[d - 3];
         let spin = (3..6)

@@ -1,60 +1,61 @@
-//! How both gears of a mesh stand: their own frames in space, and how far from where they were laid out.
+//! Poses of both gears of a mesh: their frames in space, and their distance from the layout of the mesh.
 
-use super::flanked::Flanked;
-use super::owner::Owner;
+use super::flanked::FlankedGear;
+use super::search_gear::SearchGear;
 use crate::Vec3;
 use crate::contact::pairs::MeshGeometry;
 use crate::kinematics::Pose;
 
-/// Angle between two axes below which they are parallel [rad].
+/// Angle between two axes below which they count as parallel [rad].
 const PARALLEL: f64 = 1e-12;
 
-/// Both gears at a state.
+/// Poses and displacements of both gears at a state.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stand {
-    /// Of the hubs along their own motion [rad] or [m].
+pub(super) struct MeshPoses {
+    /// Displacements of the hubs along their own motion [rad or m].
     pub displacements: [f64; 2],
-    /// The own frames in space.
+    /// Gear frames in space.
     pub poses: [Pose; 2],
-    /// By how much all other motion of the hubs may bring flanks together along the path of contact [m].
+    /// Largest approach of the flanks along the path of contact by all other motion of the hubs [m].
     pub beside: f64,
 }
 
-impl Stand {
+impl MeshPoses {
     pub fn is_finite(&self) -> bool {
         self.displacements.iter().all(|x| x.is_finite()) && self.beside.is_finite()
     }
 }
 
-/// Where the gears of a mesh were laid out.
+/// Layout of the gears of a mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
-    /// From the centre of the first gear to that of the second [m].
+    /// Vector from the centre of the first gear to that of the second [m].
     apart: Vec3,
-    /// Those of both gears: the one in common of cylindrical gears, on which their flanks are the same everywhere.
+    /// Axes of both gears; for cylindrical gears the common axis, along which their flanks are equal.
     axes: [Vec3; 2],
-    /// How far nodes are from the centres of their gears at most [m].
+    /// Largest distance of the nodes of each gear from its centre [m].
     radii: [f64; 2],
-    /// Of the path of contact per length along the axis.
+    /// Change of the path of contact per length along the axis.
     tan_helix: f64,
     slides: [bool; 2],
 }
 
 impl Layout {
-    /// That of gears which do not just turn about parallel axes, their middles at one height.
+    /// Returns the layout of gears that do not merely rotate about parallel fixed axes with their middles at one
+    /// height, otherwise `None`.
     pub fn of(
-        owners: &[Owner<'_>; 2],
+        search_gears: &[SearchGear<'_>; 2],
         geometry: &MeshGeometry,
-        gears: &[Flanked; 2],
+        gears: &[FlankedGear; 2],
     ) -> Option<Self> {
-        let [a, b] = [0, 1].map(|k| &owners[k].gear.hub().hub);
+        let [a, b] = [0, 1].map(|k| &search_gears[k].gear.hub().hub);
         let apart = b.centre - a.centre;
         let held = a.lateral.is_none() && b.lateral.is_none();
         let parallel = a.axes[2].cross(&b.axes[2]).norm() < PARALLEL;
         if held && parallel && a.axes[2].dot(&apart).abs() < PARALLEL * apart.norm() {
             return None;
         }
-        let furthest = |g: &Flanked| {
+        let furthest = |g: &FlankedGear| {
             let nodes = g.shapes.iter().flat_map(|s| &s.positions);
             nodes.fold(0.0_f64, |most, x| most.max(x.norm()))
         };
@@ -70,7 +71,7 @@ impl Layout {
         })
     }
 
-    /// What the gears' being elsewhere may change the path coordinates by [m].
+    /// Returns the largest change of the path coordinates from out-of-plane hub motion [m].
     pub fn beside(&self, poses: &[Pose; 2]) -> f64 {
         let mut moved = poses[1].origin - poses[0].origin - self.apart;
         for (pose, _) in poses.iter().zip(self.slides).filter(|(_, slides)| *slides) {

@@ -1,5 +1,4 @@
-//! Newton corrections of an elastic gear on a bearing, which counts as six further unknowns: with `E` from the coordinates of the hub
-//! to `h`, `P = T Phi`, and the bearing's own `B`,
+//! Newton corrections of an elastic gear on a bearing.
 //!
 //! ```text
 //! [ A_hh       -E^T       ] [x_h]   [ r_h          ]
@@ -9,13 +8,13 @@
 use super::{Elastic, Motion, add, dot};
 use crate::kinematics::listed;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Coeffs, Singular};
+use gearbench_integrators::system::{Coeffs, Singular, StateView};
 
 impl Elastic {
-    /// Solves with `c.m M + c.d D + c.k K` of a gear on a bearing, `hub_damping` on its turn.
+    /// Solves with `c.m M + c.d D + c.k K` of a gear on a bearing, with `hub_damping` on its rotation.
     pub(in super::super) fn correct_on_bearing(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         hub_damping: f64,
         x: &mut [f64],
@@ -23,7 +22,7 @@ impl Elastic {
         let Some((lateral, shapes)) = self.lateral() else {
             return Err(Singular);
         };
-        let s = self.standing(shapes, at);
+        let s = self.lateral_motion(shapes, at);
         let own = self.hub.moving();
         let (list, n) = listed(self.hub.free_directions());
         let mass = lateral.mass(&s.frame.x, own, self.hub.inertia);
@@ -110,8 +109,8 @@ impl Elastic {
         Ok(())
     }
 
-    /// The rigid part of the mass matrix over the free directions of the hub, row-major, and their number.
-    pub(in super::super) fn hub_mass(&self, at: At<'_>) -> ([f64; 36], usize) {
+    /// Returns the rigid part of the mass matrix over the free directions of the hub, row-major, and their number.
+    pub(in super::super) fn hub_mass(&self, at: StateView<'_>) -> ([f64; 36], usize) {
         let n = self.own;
         let mut out = [0.0; 36];
         match self.hub.lateral.as_deref().filter(|l| l.spins) {

@@ -1,4 +1,5 @@
-//! A few points, fewer than nodes: residual compliance and dashpots point by point.
+//! Point-based (dual) solve for contacts with fewer points than nodes: residual compliance and dashpots point by
+//! point.
 //!
 //! With the compliance between points `C_pr = w_p . R w_r` the gaps under elastic forces solve
 //!
@@ -13,8 +14,8 @@
 //! N_p = n_p(g_p, r_p),   g = g0 + C N,   r = D (r* + Y N),   D = (I + C K)^-1
 //! ```
 //!
-//! which is what [`DissipativeSolve`](super::DissipativeSolve) solves over the nodes: see there for `D` and `K`. Newton's
-//! method on either has as many unknowns as there are points. Where it begins depends on nothing but the points at hand.
+//! which [`DissipativeSolve`](super::DissipativeSolve) solves over the nodes; `D` and `K` are defined there. Newton's
+//! method on either has as many unknowns as there are points. Its start depends only on the present points.
 
 use super::compliance::Block;
 use super::descent::{Descent, norm_of};
@@ -22,39 +23,39 @@ use super::spring::{Spring, deepest, elastic_at};
 use gearbench_integrators::dense_solve::Lu;
 use gearbench_integrators::system::Singular;
 
-/// Part of an approach that the law of a point takes, where the solve by gaps begins.
+/// Fraction of an approach taken by the law of a point, as initial guess of the solve by gaps.
 const LAW_PART: f64 = 0.2;
 
-/// Rounding of gaps over the deepest.
+/// Rounding of gaps relative to the deepest.
 const ROUNDING: f64 = 4e-16;
 
-/// What gaps may lack over the deepest where they lack no less after a step.
+/// Residual of the gaps, relative to the deepest, at which a solve ends that no longer reduces it.
 const ENDS: f64 = 1e-12;
 
-/// Newton iterations before a solve is given up.
+/// Largest number of Newton iterations.
 const MOST_ITERATIONS: usize = 50;
 
-/// The solves and their buffers.
+/// Point-based solves with their buffers.
 #[derive(Clone, Debug, Default)]
-pub struct FewPoints {
-    /// `R w_r`, point by point.
+pub struct PointBasedSolve {
+    /// Products `R w_r` of each point.
     columns: Vec<f64>,
     /// Columns of the mobility.
     line: Vec<f64>,
-    /// `C`, row-major.
+    /// Compliance `C` between points, row-major [m/N].
     compliance: Vec<f64>,
-    /// `Y`, then `D Y`, row-major [m/s/N]; to be set before a solve with dashpots.
+    /// Mobility `Y`, then `D Y`, row-major [m/s/N]; to be set before a solve with dashpots.
     pub mobility: Vec<f64>,
-    /// Gaps [m]; then forces [N].
+    /// Gaps [m], later forces [N].
     gaps: Vec<f64>,
-    lack: Vec<f64>,
+    residual: Vec<f64>,
     matrix: Vec<f64>,
     step: Vec<f64>,
     descent: Descent,
     factor: Lu,
 }
 
-/// `out += A w` of a point, `A` block by block.
+/// Adds `A w` of a point to `out`, with the blocks of `A`.
 fn add_column(blocks: &[Block], matrix: &[f64], s: &Spring, out: &mut [f64]) {
     let mut begin = 0;
     for b in blocks {
@@ -75,7 +76,7 @@ fn add_column(blocks: &[Block], matrix: &[f64], s: &Spring, out: &mut [f64]) {
     }
 }
 
-/// `W^T A W`, row-major, and the columns `A W`.
+/// Computes `W^T A W`, row-major, and the columns `A W`.
 fn between(
     springs: &[Spring],
     (blocks, matrix): (&[Block], &[f64]),
@@ -94,7 +95,7 @@ fn between(
     }
 }
 
-/// `y += A x` of a square matrix.
+/// Adds the product `A x` with a square matrix to `y`.
 fn add_product(a: &[f64], x: impl Iterator<Item = f64> + Clone, y: &mut [f64]) {
     let n = y.len().max(1);
     for (y, row) in y.iter_mut().zip(a.chunks_exact(n)) {
@@ -102,9 +103,9 @@ fn add_product(a: &[f64], x: impl Iterator<Item = f64> + Clone, y: &mut [f64]) {
     }
 }
 
-impl FewPoints {
-    /// Gaps and elastic forces of the points with the compliance of `n` nodes; false where Newton's method does not
-    /// settle.
+impl PointBasedSolve {
+    /// Solves for gaps and elastic forces of the points with the compliance of `n` nodes; returns false where Newton's
+    /// method does not converge.
     pub(super) fn press(
         &mut self,
         springs: &mut [Spring],
@@ -130,7 +131,7 @@ impl FewPoints {
                 return Ok(true);
             }
             self.step.clear();
-            self.step.extend_from_slice(&self.lack);
+            self.step.extend_from_slice(&self.residual);
             self.linearise(springs, |s| -s.force.dn_dg)?;
             self.factor.solve(&mut self.step);
             let before = norm;
@@ -159,21 +160,21 @@ impl FewPoints {
         }
     }
 
-    /// Elastic forces at the gaps; what the gaps lack, and its norm.
+    /// Computes the elastic forces at the gaps, the residual of the gaps, and its norm.
     fn yield_to(&mut self, springs: &mut [Spring]) -> f64 {
-        self.lack.clear();
+        self.residual.clear();
         for (s, gap) in springs.iter_mut().zip(&self.gaps) {
             s.gap = *gap;
             s.force = elastic_at(s, *gap);
-            self.lack.push(s.gap0 - gap);
+            self.residual.push(s.gap0 - gap);
         }
         let forces = springs.iter().map(|s| s.force.n);
-        add_product(&self.compliance, forces, &mut self.lack);
-        self.lack.iter_mut().for_each(|x| *x = -*x);
-        norm_of(&self.lack)
+        add_product(&self.compliance, forces, &mut self.residual);
+        self.residual.iter_mut().for_each(|x| *x = -*x);
+        norm_of(&self.residual)
     }
 
-    /// The factor of `I + C K`.
+    /// Computes the factor of `I + C K`.
     fn linearise(
         &mut self,
         springs: &[Spring],
@@ -189,7 +190,7 @@ impl FewPoints {
         self.factor.set(&mut self.matrix, points)
     }
 
-    /// Residual displacements `u = -R F` under the forces of the points.
+    /// Computes the residual displacements `u = -R F` under the forces of the points.
     pub(super) fn displace(&self, springs: &[Spring], n: usize, u: &mut Vec<f64>) {
         u.clear();
         u.resize(n, 0.0);
@@ -200,13 +201,13 @@ impl FewPoints {
         }
     }
 
-    /// Sets the mobility between points, whose compliance the solve by gaps found, from that of `n` nodes.
+    /// Computes the mobility between points, whose compliance is known from the solve by gaps, from that of `n` nodes.
     pub fn set_mobility(&mut self, springs: &[Spring], mobility: (&[Block], &[f64]), n: usize) {
         between(springs, mobility, n, &mut self.line, &mut self.mobility);
     }
 
-    /// Forces with dashpots of points that were pressed, whose rates are those before residual compliance; these become
-    /// what is left as the nodes follow, where `follows`. The mobility is used up.
+    /// Computes forces with dashpots of points after the elastic solve, from rates before residual compliance. With
+    /// `follows` the rates become those with quasi-statically following nodes. The mobility is overwritten.
     ///
     /// # Errors
     /// [`Singular`] where numbers are not finite or the iteration does not end.
@@ -253,7 +254,7 @@ impl FewPoints {
             }
             self.factor.set(&mut self.matrix, points)?;
             self.step.clear();
-            self.step.extend_from_slice(&self.lack);
+            self.step.extend_from_slice(&self.residual);
             self.factor.solve(&mut self.step);
             let mut length = 1.0;
             self.move_gaps(length);
@@ -267,18 +268,18 @@ impl FewPoints {
         Err(Singular)
     }
 
-    /// Gaps and forces of the points under forces that stand in `gaps`; what these lack, and its norm.
+    /// Computes gaps and forces of the points under the forces in `gaps`, and the residual of the forces and its norm.
     fn push(&mut self, springs: &mut [Spring]) -> f64 {
         let (points, forces) = (springs.len(), &self.gaps);
-        self.lack.clear();
+        self.residual.clear();
         let rows = self.compliance.chunks_exact(points);
         for (i, (c, y)) in rows.zip(self.mobility.chunks_exact(points)).enumerate() {
             let sum = |row: &[f64]| -> f64 { row.iter().zip(forces).map(|(a, f)| a * f).sum() };
             let s = &mut springs[i];
             s.gap = s.gap0 + sum(c);
             s.force = s.law.at_point(s.gap, s.rate + sum(y), s.stiffness);
-            self.lack.push(s.force.n - forces[i]);
+            self.residual.push(s.force.n - forces[i]);
         }
-        norm_of(&self.lack)
+        norm_of(&self.residual)
     }
 }

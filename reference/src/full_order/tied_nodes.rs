@@ -1,4 +1,4 @@
-//! The nodes that a hub of several directions holds, as the others feel them.
+//! Coupling of the nodes tied to a hub of several directions with the other nodes.
 //!
 //! With the six unit motions `e_p` of the held nodes in the assembled position (along and about the axes of space through the
 //! hub's centre) the elements couple them to the others by `K_fb e_p` and `M_fb e_p`, and have among themselves the stiffness
@@ -19,20 +19,20 @@ pub(super) fn motions() -> [HubMotion; 6] {
     })
 }
 
-/// What the held nodes are to the others.
+/// Matrices that couple the tied nodes to the others.
 #[derive(Clone, Debug)]
-pub struct Held {
+pub struct TiedNodes {
     /// Per coordinate of the others that has any: `K_fb e_p` and `M_fb e_p`.
     pub coupling: Vec<(u32, [[f64; 6]; 2])>,
-    /// `e_p^T K_bb e_q`.
+    /// Stiffness matrix `e_p^T K_bb e_q`.
     pub stiffness: Matrix6<f64>,
     /// Per place among the others that has any: `M_fb 1` [kg] and `M_fb X_b` [kg m].
     pub mass: Vec<(u32, f64, Vec3)>,
-    /// The held nodes among themselves with what is added at the hub, in the axes of the hub.
+    /// Rigid body of the tied nodes with the mass added at the hub, in the axes of the hub.
     pub body: BodyMass,
 }
 
-impl Held {
+impl TiedNodes {
     /// Splits matrices over the coordinates of the other nodes and the six motions into those of the nodes alone and the rest;
     /// a mass [kg] and inertias about its `axes` [kg m^2] are `added` at the hub.
     pub fn split(
@@ -40,7 +40,7 @@ impl Held {
         mass: Vec<(u32, f64, Vec3)>,
         axes: &[Vec3; 3],
         added: (f64, Vec3),
-    ) -> (Reduced, Held) {
+    ) -> (Reduced, TiedNodes) {
         let n = all.mass.ncols() - 6;
         let is_hub: Vec<bool> = (0..n + 6).map(|i| i >= n).collect();
         let mut coupling = vec![[[0.0; 6]; 2]; n];
@@ -62,7 +62,7 @@ impl Held {
             }
         }
         let some = |c: &[[f64; 6]; 2]| c.iter().flatten().any(|x| *x != 0.0);
-        let held = Held {
+        let held = TiedNodes {
             coupling: (0..).zip(coupling).filter(|(_, c)| some(c)).collect(),
             stiffness: own[0],
             mass,
@@ -72,7 +72,7 @@ impl Held {
     }
 }
 
-/// The rigid body of a mass matrix over six motions and of what is added, in the axes of a hub.
+/// Returns the rigid body of a mass matrix over six motions and of the added mass, in the axes of a hub.
 fn body_of(m: &Matrix6<f64>, axes: &[Vec3; 3], added: (f64, Vec3)) -> BodyMass {
     let turn = Matrix3::from_columns(axes).transpose();
     // The motion about an axis moves the first moment `s` along the next but one by what it has along the next.

@@ -1,4 +1,4 @@
-//! What of a scene cannot be, whatever the models.
+//! Checks of a scene that do not depend on the models.
 
 use super::assembly_lines::is_half_space;
 use super::members::{SceneGear, SceneMesh};
@@ -7,7 +7,7 @@ use crate::error::{BuildError, GearPart, MeshPart};
 use crate::kinematics::Hub;
 use crate::spec::{Body, Load, Modelling, SceneSpec, UPRIGHT};
 
-/// Meshes that residual compliance couples are solved together, by one kind of law.
+/// Refuses different laws on meshes that residual compliance couples, because these are solved together.
 pub(super) fn refuse_two_laws(
     spec: &SceneSpec,
     gears: &[SceneGear],
@@ -35,7 +35,7 @@ pub(super) fn refuse_two_laws(
     Ok(())
 }
 
-/// Refuses contacts on half-spaces that a model of the scene cannot have, before any gear is meshed.
+/// Refuses contacts on half-spaces that a model of the scene does not support, before any gear is meshed.
 ///
 /// # Errors
 /// A conical gear, a hub that does more than turn about z.
@@ -73,7 +73,7 @@ pub(super) fn check_contacts(
     Ok(())
 }
 
-/// Refuses loads that no run could take.
+/// Refuses loads that no run can apply.
 pub(super) fn check_load(gear: &str, load: &Load) -> Result<(), BuildError> {
     let problem = match load {
         Load::Applied(p) => p.problem(),

@@ -1,8 +1,8 @@
-//! The coarse step of the point search: which flanks of both gears are looked at in a state.
+//! Coarse phase of the point search: the pairs of flanks that may touch at a state.
 //!
-//! [`CoarseStep`] is the seam. What a step yields may be too much, never too little; the narrow phase is the same
-//! behind every step, and pairs come in one order, so that the forces of flanks that both steps find are the same to
-//! the last bit.
+//! [`CoarseStep`] is the interface. The result of a step may contain too many pairs, never too few. The narrow phase
+//! is the same for every step, and pairs are in one order, so that the forces of flanks that both steps find are equal
+//! to the last bit.
 //!
 //! - [`ToothIndices`] looks up sorted path coordinates. It asks that flanks follow the involutes of the toothing that
 //!   the scene names, so that one number tells where they are.
@@ -18,9 +18,9 @@
 //! cargo test --release -p gearbench-tests --test analytic coarse -- --ignored --nocapture
 //! ```
 
-use super::flanked::{Flanked, Near};
+use super::flanked::{FlankedGear, NearbyFlank};
 use super::mesh_flanks::MeshFlanks;
-use super::stand::Stand;
+use super::poses::MeshPoses;
 use super::surface::Shape;
 use crate::Vec3;
 use crate::geometry::Side;
@@ -30,32 +30,32 @@ use parry3d_f64::math::{self, Rotation, Vector};
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use std::fmt::Debug;
 
-/// Buffers of a step; they grow and stay.
+/// Buffers of the coarse phase, reused between evaluations.
 #[derive(Debug, Default)]
 pub(super) struct CoarseScratch {
-    /// What was found: left flanks, then right ones, each by the path coordinates of the first and the second gear.
-    pub pairs: Vec<[Near; 2]>,
-    near: [Vec<Near>; 2],
+    /// Result: left flanks, then right ones, each by the path coordinates of the first and the second gear.
+    pub pairs: Vec<[NearbyFlank; 2]>,
+    near: [Vec<NearbyFlank>; 2],
     found: Vec<[usize; 2]>,
 }
 
-/// Finds the pairs of flanks that may touch.
+/// A method that finds the pairs of flanks that may touch.
 pub(super) trait CoarseStep: Debug + Send {
-    /// The pairs of a side where both gears stand at finite places, appended to `scratch.pairs`.
-    fn pairs(&self, of: &MeshFlanks, side: Side, stand: &Stand, scratch: &mut CoarseScratch);
+    /// Appends the pairs of a side to `scratch.pairs`, where both gears have finite poses.
+    fn pairs(&self, of: &MeshFlanks, side: Side, poses: &MeshPoses, scratch: &mut CoarseScratch);
 }
 
-/// Flanks about the line of centres, and the flanks that they face: by path coordinates.
+/// Coarse phase by path coordinates: flanks near the line of centres, and the flanks opposite to them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ToothIndices;
 
 impl CoarseStep for ToothIndices {
-    fn pairs(&self, of: &MeshFlanks, side: Side, stand: &Stand, scratch: &mut CoarseScratch) {
+    fn pairs(&self, of: &MeshFlanks, side: Side, poses: &MeshPoses, scratch: &mut CoarseScratch) {
         let CoarseScratch { pairs, near, .. } = scratch;
         near[0].clear();
-        let by = &stand.displacements;
+        let by = &poses.displacements;
         of.gears[0].each_near(side, by[0], of.zone, |first| near[0].push(first));
-        let reach = of.reach_along() + stand.beside;
+        let reach = of.reach_along() + poses.beside;
         for first in &near[0] {
             let facing = of.length - first.s;
             let range = [facing - reach, facing + 0.5 * of.base_pitch];
@@ -66,19 +66,19 @@ impl CoarseStep for ToothIndices {
     }
 }
 
-/// Part of the base pitch by which flanks may overlap: deeper, a flank stands behind the tooth and not in it.
+/// Largest overlap of flanks relative to the base pitch: a flank that is deeper lies behind the tooth, not in it.
 const DEEPEST: f64 = 0.25;
 
-/// Trees of boxes about the undeformed flanks.
+/// Coarse phase by trees of bounding boxes of the undeformed flanks.
 #[derive(Debug)]
 pub(super) struct FlankBoxes {
-    /// Of both sides of each gear.
+    /// Trees of both sides of each gear.
     trees: [[Tree; 2]; 2],
-    /// How deep flanks may overlap, and what displacements may add [m].
+    /// Largest overlap of flanks, including displacements [m].
     deepest: f64,
 }
 
-/// The flanks of one side of a gear in its own frame.
+/// Flanks of one side of a gear in its own frame.
 #[derive(Debug)]
 struct Tree {
     boxes: Bvh,
@@ -92,14 +92,14 @@ struct Flank {
     centre: Vec3,
     /// Mean unit normal, out of the tooth.
     normal: Vec3,
-    /// Height of its lowest node along that normal [m].
+    /// Height of the lowest node along the mean normal [m].
     lowest: f64,
 }
 
 impl FlankBoxes {
-    /// `reach` [m] is the gap, and the displacement of each gear, up to which points are wanted.
-    pub fn new(gears: &[Flanked; 2], reach: f64, base_pitch: f64) -> Self {
-        let tree = |g: &Flanked, side: Side| {
+    /// Builds the trees; `reach` [m] is the largest gap of returned points, and the largest displacement of each gear.
+    pub fn new(gears: &[FlankedGear; 2], reach: f64, base_pitch: f64) -> Self {
+        let tree = |g: &FlankedGear, side: Side| {
             let of_side = (0..g.shapes.len()).filter(|&i| g.shapes[i].side == side);
             let flanks: Vec<Flank> = of_side.map(|i| Flank::new(g, i)).collect();
             let boxes: Vec<Aabb> = (flanks.iter())
@@ -120,14 +120,14 @@ impl FlankBoxes {
     }
 }
 
-/// How far the surface of a flank and its continuation beyond the tip may leave the box of its nodes [m].
+/// Returns the largest distance of the surface of a flank, continued beyond the tip, from the box of its nodes [m].
 fn beyond_the_nodes(shape: &Shape) -> f64 {
     let most = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(*x));
     most(&shape.chord_bound) + most(&shape.lengths)
 }
 
 impl Flank {
-    fn new(g: &Flanked, shape: usize) -> Self {
+    fn new(g: &FlankedGear, shape: usize) -> Self {
         let nodes = g.grids.grids()[shape].positions.clone();
         let s = &g.shapes[shape];
         let at = |row: usize, column: usize| nodes[row * s.columns + column];
@@ -163,8 +163,8 @@ impl Flank {
         )
     }
 
-    /// Whether another flank rises above this one, or lies no deeper under it than `deepest`; `pose` leads from the
-    /// other's frame to this one.
+    /// Returns true if another flank rises above this one, or is at most `deepest` below it; `pose` maps the other's
+    /// frame to this one.
     fn is_faced_by(&self, other: &Flank, pose: &math::Pose, deepest: f64) -> bool {
         let vector = |x: &Vec3| Vector::new(x.x, x.y, x.z);
         let normal = pose.rotation.inverse() * vector(&self.normal);
@@ -185,9 +185,9 @@ fn in_space(pose: &Pose) -> math::Pose {
 }
 
 impl CoarseStep for FlankBoxes {
-    fn pairs(&self, of: &MeshFlanks, side: Side, stand: &Stand, scratch: &mut CoarseScratch) {
+    fn pairs(&self, of: &MeshFlanks, side: Side, poses: &MeshPoses, scratch: &mut CoarseScratch) {
         let CoarseScratch { pairs, near, found } = scratch;
-        let [first, second] = [0, 1].map(|k| in_space(&stand.poses[k]));
+        let [first, second] = [0, 1].map(|k| in_space(&poses.poses[k]));
         // From the second gear's frame to the first's, and back.
         let pose = first.inverse() * second;
         let back = pose.inverse();
@@ -206,7 +206,7 @@ impl CoarseStep for FlankBoxes {
         let middle = 0.5 * (of.zone[0] + of.zone[1]);
         for (k, about) in [middle, of.length - middle].into_iter().enumerate() {
             near[k].clear();
-            of.gears[k].each_about(side, stand.displacements[k], about, |flank| {
+            of.gears[k].each_about(side, poses.displacements[k], about, |flank| {
                 near[k].push(flank)
             });
         }

@@ -1,4 +1,4 @@
-//! What is said of a gear: it leads where the search is free, and is held against what is found.
+//! Specification of a gear: it guides the search where that is ambiguous, and is compared with the result.
 
 use super::*;
 use crate::mesh::{self, ElementKind, GearMeshParams, Web};
@@ -6,14 +6,14 @@ use crate::recognise::tests::plain;
 use crate::recognise::{Skin, recognise};
 use crate::test_support;
 
-fn held(of: Result<crate::recognise::Recognised, Misfit>) -> &'static str {
+fn held(of: Result<crate::recognise::RecognisedGear, Misfit>) -> &'static str {
     match of {
         Err(Misfit::Against { key, .. }) => key,
         other => panic!("{other:?}"),
     }
 }
 
-/// A gear with a web has two cylinders that are seen from within: the bore and the rim's.
+/// A specified radius selects the bore of a gear with a web, which has two inner cylinders.
 #[test]
 fn a_radius_that_is_said_tells_the_bore() {
     let gear = test_support::gear(30, 4e-3, |p| p.bore_radius = 20e-3);
@@ -32,9 +32,9 @@ fn a_radius_that_is_said_tells_the_bore() {
     let own = mesh::gear(&gear, &params).unwrap();
     let skin = Skin::of(&own.mesh.nodes, &own.mesh.blocks);
     let of = |bore_radius| {
-        let known = Known {
+        let known = SpecifiedBody {
             bore_radius,
-            ..Known::default()
+            ..SpecifiedBody::default()
         };
         recognise(&skin, &known).unwrap().bore.radius
     };
@@ -52,10 +52,10 @@ fn the_sense_of_an_axis_is_the_one_that_is_said() {
     let own = mesh::gear(&gear, &plain(ElementKind::C3D8)).unwrap();
     let skin = Skin::of(&own.mesh.nodes, &own.mesh.blocks);
     let of = |axis: [f64; 3], point: [f64; 3]| {
-        let known = Known {
+        let known = SpecifiedBody {
             axis: Some(axis.into()),
             point: Some(point.into()),
-            ..Known::default()
+            ..SpecifiedBody::default()
         };
         recognise(&skin, &known)
     };
@@ -70,7 +70,7 @@ fn the_sense_of_an_axis_is_the_one_that_is_said() {
     assert_eq!(held(of([0.0, 0.0, 1.0], [2e-3, 0.0, 0.0])), "axis_point_m");
 }
 
-/// Radii that are said cut flanks off, and take in what a relief has taken away.
+/// Specified radii limit the flanks, and include parts that a relief has removed.
 #[test]
 fn radii_that_are_said_bound_the_flanks() {
     use gearbench_models::geometry::{Modifications, ReliefShape, TipRelief};
@@ -89,9 +89,9 @@ fn radii_that_are_said_bound_the_flanks() {
     let own = mesh::gear(&gear, &plain(ElementKind::C3D8)).unwrap();
     let skin = Skin::of(&own.mesh.nodes, &own.mesh.blocks);
     let faces = |flanks| {
-        let known = Known {
+        let known = SpecifiedBody {
             flanks,
-            ..Known::default()
+            ..SpecifiedBody::default()
         };
         let found = recognise(&skin, &known)?;
         let faces: usize = found.flanks.iter().map(|p| p.faces.len()).sum();

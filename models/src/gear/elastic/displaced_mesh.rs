@@ -1,10 +1,10 @@
-//! The mesh behind an elastic gear, as it is displaced at a state.
+//! The displaced mesh behind an elastic gear, for figures.
 
 use super::body::Elastic;
 use crate::error::Reason;
-use crate::gear::body::{BodyLoad, Displaced, MeshedBody, Recovery};
+use crate::gear::body::{BodyLoad, DisplacedNodes, MeshedBody, Recovery};
 use crate::geometry::swept::Cells;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use std::sync::Arc;
 
 impl Elastic {
@@ -19,10 +19,10 @@ impl MeshedBody for Elastic {
         self.recovered()?.cells()
     }
 
-    fn displaced(&self, at: At<'_>, load: &BodyLoad) -> Result<Displaced, Reason> {
+    fn displaced(&self, at: StateView<'_>, load: &BodyLoad) -> Result<DisplacedNodes, Reason> {
         let [nodes, u] = self.recovered()?.displacements(&at.q[self.own..], load)?;
         let pose = self.pose(at);
-        Ok(Displaced {
+        Ok(DisplacedNodes {
             rigid: nodes.iter().map(|x| pose.point(x)).collect(),
             displacement: u.iter().map(|u| pose.turn(u)).collect(),
         })

@@ -1,8 +1,9 @@
-//! The elastic gear on a hub that also moves aside of its own turn: how modes move the hub, and what the bearing does to them.
+//! The elastic gear on a hub with out-of-plane freedom: motion of the hub by the modes, and forces of the bearing on
+//! the modes.
 //!
-//! The floating frame moves as a rigid body does ([`crate::kinematics::Lateral`]); the modes hold no momentum in the
-//! directions in which the hub is free. The hub stands off the frame by what the modes make of it, own axes turned with the
-//! gear,
+//! The floating frame moves as a rigid body does ([`crate::kinematics::OutOfPlane`]); the modes have no momentum in
+//! the free directions of the hub. The displacement of the hub from the frame follows from the modes, with the gear
+//! frame rotating with the gear,
 //!
 //! ```text
 //! h = x + u,   u = T(theta) s,   s = sum_i Phi_i q_i,   h' = x' + T s' + theta' z x u,   T = diag(R_z, R_z)
@@ -16,49 +17,49 @@
 mod newton;
 
 use super::body::Elastic;
-use super::reduced::LateralShapes;
+use super::reduced::OutOfPlaneShapes;
 use crate::Vec3;
 use crate::error::Reason;
-use crate::kinematics::{BodyMass, Lateral, Motion, Placement};
+use crate::kinematics::{BodyMass, Motion, OutOfPlane, Placement};
 use crate::spec::Freedom;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::StateView;
 use nalgebra::{Matrix3, Rotation3};
 use std::sync::Arc;
 
-/// Translations and rotations.
-type Six = [f64; 6];
+/// Three translations and three rotations.
+type SixDirections = [f64; 6];
 
-/// Hub shapes of the modes, that of the own motion with the others.
+/// Hub shapes of the modes in all six directions.
 #[derive(Clone, Debug)]
-pub(super) struct HubShapes(pub Vec<Six>);
+pub(super) struct HubShapes(pub Vec<SixDirections>);
 
-/// A turn of own axes into those of the hub.
+/// Rotation of the gear frame into the axes of the hub.
 #[derive(Clone, Copy, Debug)]
-struct Turned {
+struct FrameRotation {
     cos: f64,
     sin: f64,
-    /// The own frame turns with the hub's own motion.
+    /// True if the gear frame rotates with the hub's own motion.
     turns: bool,
 }
 
-impl Turned {
-    fn to_hub(self, s: &Six) -> Six {
-        let Turned { cos, sin, .. } = self;
+impl FrameRotation {
+    fn to_hub(self, s: &SixDirections) -> SixDirections {
+        let FrameRotation { cos, sin, .. } = self;
         let of = |x: f64, y: f64| [cos * x - sin * y, sin * x + cos * y];
         let ([a, b], [c, d]) = (of(s[0], s[1]), of(s[3], s[4]));
         [a, b, s[2], c, d, s[5]]
     }
 
-    fn to_own(self, f: &Six) -> Six {
-        Turned {
+    fn to_own(self, f: &SixDirections) -> SixDirections {
+        FrameRotation {
             sin: -self.sin,
             ..self
         }
         .to_hub(f)
     }
 
-    /// `dT/dtheta s` from `T s`.
-    fn slope(self, u: &Six) -> Six {
+    /// Computes `dT/dtheta s` from `T s`.
+    fn slope(self, u: &SixDirections) -> SixDirections {
         if self.turns {
             [-u[1], u[0], 0.0, -u[4], u[3], 0.0]
         } else {
@@ -67,33 +68,33 @@ impl Turned {
     }
 }
 
-/// Frame and hub at a state.
-struct Standing {
-    turned: Turned,
+/// Motion of frame and hub at a state.
+struct LateralMotion {
+    turned: FrameRotation,
     frame: Motion,
     hub: Motion,
-    /// Hub off the frame, and the part of its rate that the modes' own rates make.
-    off: Six,
-    rate: Six,
+    /// Displacement of the hub from the frame, and the part of its rate from the modal velocities.
+    off: SixDirections,
+    rate: SixDirections,
 }
 
-fn dot(a: &Six, b: &Six) -> f64 {
+fn dot(a: &SixDirections, b: &SixDirections) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn add(a: &mut Six, factor: f64, b: &Six) {
+fn add(a: &mut SixDirections, factor: f64, b: &SixDirections) {
     a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
 }
 
-/// The body of a reduction on a hub with these lateral directions.
+/// Transforms the reduction to the out-of-plane directions of a hub.
 ///
 /// # Errors
 /// What of the directions the modes do not know.
 pub(super) fn on_hub(
-    lateral: &Lateral,
-    shapes: Option<&Arc<LateralShapes>>,
+    lateral: &OutOfPlane,
+    shapes: Option<&Arc<OutOfPlaneShapes>>,
     placement: &Placement,
-) -> Result<Lateral, Reason> {
+) -> Result<OutOfPlane, Reason> {
     let driven = |f: &Freedom| matches!(f, Freedom::Driven(_));
     if lateral.directions.iter().any(driven) {
         return Err((
@@ -117,7 +118,7 @@ pub(super) fn on_hub(
         *Rotation3::from_axis_angle(&Vec3::z_axis(), placement.phase).matrix()
     };
     let inertia = Matrix3::from_row_slice(&shapes.inertia);
-    Ok(Lateral {
+    Ok(OutOfPlane {
         body: BodyMass {
             mass: shapes.mass,
             inertia: to_hub * inertia * to_hub.transpose(),
@@ -127,36 +128,37 @@ pub(super) fn on_hub(
     })
 }
 
-/// Directions of a hub along own axes: the hub of a rack has its slide, own y, first.
+/// Returns the directions of a hub in the axes of the gear frame: the hub of a rack has its direction of motion, the y
+/// axis of the gear frame, first.
 fn own_order(free: [bool; 6], slides: bool) -> [bool; 6] {
     let [a, b, c, d, e, f] = free;
     if slides { [b, a, c, e, d, f] } else { free }
 }
 
 impl Elastic {
-    fn lateral(&self) -> Option<(&Lateral, &HubShapes)> {
+    fn lateral(&self) -> Option<(&OutOfPlane, &HubShapes)> {
         Some((self.hub.lateral.as_deref()?, self.shapes.as_ref()?))
     }
 
-    fn turned(&self, t: f64, q: &[f64]) -> Turned {
+    fn turned(&self, t: f64, q: &[f64]) -> FrameRotation {
         if self.placement.slides {
             // Own y is the first axis of the hub.
-            return Turned {
+            return FrameRotation {
                 cos: 0.0,
                 sin: -1.0,
                 turns: false,
             };
         }
         let (sin, cos) = (self.placement.phase + self.hub.displacement(t, q)).sin_cos();
-        Turned {
+        FrameRotation {
             cos,
             sin,
             turns: true,
         }
     }
 
-    /// `sum_i Phi_i x_i` over the modes of a vector of coordinates.
-    fn of_modes(&self, shapes: &HubShapes, x: &[f64]) -> Six {
+    /// Computes `sum_i Phi_i x_i` over the modes of a vector of coordinates.
+    fn of_modes(&self, shapes: &HubShapes, x: &[f64]) -> SixDirections {
         let mut sum = [0.0; 6];
         for (phi, x) in shapes.0.iter().zip(&x[self.own..]) {
             add(&mut sum, *x, phi);
@@ -164,7 +166,7 @@ impl Elastic {
         sum
     }
 
-    fn standing(&self, shapes: &HubShapes, at: At<'_>) -> Standing {
+    fn lateral_motion(&self, shapes: &HubShapes, at: StateView<'_>) -> LateralMotion {
         let frame = self.hub.motion(at.t, at.q, at.v);
         let turned = self.turned(at.t, at.q);
         let off = turned.to_hub(&self.of_modes(shapes, at.q));
@@ -173,7 +175,7 @@ impl Elastic {
         add(&mut hub.x, 1.0, &off);
         add(&mut hub.v, 1.0, &rate);
         add(&mut hub.v, frame.v[self.hub.moving()], &turned.slope(&off));
-        Standing {
+        LateralMotion {
             turned,
             frame,
             hub,
@@ -182,27 +184,28 @@ impl Elastic {
         }
     }
 
-    /// Where the hub is and how fast.
-    pub(super) fn standing_hub(&self, at: At<'_>) -> Motion {
+    /// Returns position and velocity of the hub.
+    pub(super) fn hub_motion_on_frame(&self, at: StateView<'_>) -> Motion {
         match self.lateral() {
-            Some((_, shapes)) => self.standing(shapes, at).hub,
+            Some((_, shapes)) => self.lateral_motion(shapes, at).hub,
             None => self.hub.motion(at.t, at.q, at.v),
         }
     }
 
-    /// What the bearing exerts on the hub; zeros without one.
-    pub(super) fn bearing_on_hub(&self, at: At<'_>) -> Six {
+    /// Returns the bearing forces on the hub, or zeros without a bearing.
+    pub(super) fn bearing_on_hub(&self, at: StateView<'_>) -> SixDirections {
         self.lateral().map_or([0.0; 6], |(lateral, shapes)| {
-            lateral.bearing_forces(&self.standing(shapes, at).hub)
+            lateral.bearing_forces(&self.lateral_motion(shapes, at).hub)
         })
     }
 
-    /// Energy in the bearing [J], the power that it takes and that a driven turn puts into it [W].
-    pub(super) fn bearing_books(&self, at: At<'_>) -> [f64; 3] {
+    /// Returns the energy in the bearing [J], the power of its dampers, and the power of a driven rotation into it
+    /// [W].
+    pub(super) fn bearing_books(&self, at: StateView<'_>) -> [f64; 3] {
         let Some((lateral, shapes)) = self.lateral() else {
             return [0.0; 3];
         };
-        let s = self.standing(shapes, at);
+        let s = self.lateral_motion(shapes, at);
         let [energy, taken] = lateral.bearing_energy(&s.hub);
         let mut driven = 0.0;
         if !self.hub.is_free() {
@@ -213,13 +216,13 @@ impl Elastic {
         [energy, taken, driven]
     }
 
-    /// Adds bearing and spin terms of the rigid body; without `whole` those of the bearing beyond what it exerts on a rigid
-    /// body.
-    pub(super) fn add_bearing(&self, at: At<'_>, whole: bool, f: &mut [f64]) {
+    /// Adds bearing forces and the spin terms of the rigid body; without `whole` only the part of the bearing forces
+    /// that modes add to those on a rigid body.
+    pub(super) fn add_bearing(&self, at: StateView<'_>, whole: bool, f: &mut [f64]) {
         let Some((lateral, shapes)) = self.lateral() else {
             return;
         };
-        let s = self.standing(shapes, at);
+        let s = self.lateral_motion(shapes, at);
         let force = lateral.bearing_forces(&s.hub);
         let mut on_frame = force;
         if !whole {
@@ -239,12 +242,17 @@ impl Elastic {
         }
     }
 
-    /// Change of the whole of it.
-    pub(super) fn add_bearing_tangent(&self, at: At<'_>, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
+    /// Adds the change of bearing forces and spin terms.
+    pub(super) fn add_bearing_tangent(
+        &self,
+        at: StateView<'_>,
+        [dq, dv]: [&[f64]; 2],
+        df: &mut [f64],
+    ) {
         let Some((lateral, shapes)) = self.lateral() else {
             return;
         };
-        let s = self.standing(shapes, at);
+        let s = self.lateral_motion(shapes, at);
         let own = self.hub.moving();
         let mut along = Motion::default();
         for (k, d) in self.hub.free_directions().enumerate() {

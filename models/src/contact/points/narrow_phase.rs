@@ -1,49 +1,49 @@
-//! The narrow phase: points of one flank held against the deformed surface of the other.
+//! Narrow phase of the point search: projection of the points of one flank on the deformed surface of the other.
 
-use super::coarse::{CoarseScratch, CoarseStep};
-use super::flanked::Near;
+use super::coarse_phase::{CoarseScratch, CoarseStep};
+use super::flanked::NearbyFlank;
 use super::mesh_flanks::MeshFlanks;
-use super::projection::{Begin, Deformed, Fade, Hit, MOST_PAST};
+use super::poses::MeshPoses;
+use super::projection::{DeformedSurface, MOST_PAST, Projection, ProjectionStart, TipTaper};
 use super::rule::FlankPoint;
-use super::stand::Stand;
 use super::surface::Shape;
 use crate::Vec3;
-use crate::contact::party::{Party, SearchWork};
+use crate::contact::gear_state::{GearState, SearchWork};
 use crate::geometry::{Side, Tips};
 use crate::kinematics::{Locus, Point, Pose};
 
-/// A flank at a state.
+/// A flank whose nodes are evaluated at a state.
 #[derive(Clone, Copy, Debug)]
 struct Active {
-    near: Near,
+    near: NearbyFlank,
     pose: Pose,
-    /// Its nodes in the buffer of positions.
+    /// Index of its first node in the buffer of positions.
     start: usize,
 }
 
-/// Buffers; they grow to the most that was ever active and stay.
+/// Buffers of the narrow phase, reused between evaluations.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     active: [Vec<Active>; 2],
     positions: [Vec<Vec3>; 2],
     coarse: CoarseScratch,
     pairs: Vec<[usize; 2]>,
-    /// Clearance of each node of a flank [m].
+    /// Height of each node of a flank over the other flank [m].
     heights: Vec<f64>,
     pub work: SearchWork,
 }
 
-/// A point of gear `k`, the slave, that is projected on the other gear, the master.
-pub(super) struct Found<'a> {
+/// A point of gear `k`, the slave, with its projection on the other gear, the master.
+pub(super) struct ProjectedPoint<'a> {
     pub k: usize,
-    /// Slave and master.
-    pub flanks: [&'a Deformed<'a>; 2],
+    /// Flanks of slave and master.
+    pub flanks: [&'a DeformedSurface<'a>; 2],
     active: [&'a Active; 2],
     pub point: FlankPoint,
     pub x: Vec3,
-    pub hit: Hit,
-    /// How it leaves over the tip of the master.
-    pub fade: Fade,
+    pub hit: Projection,
+    /// Taper of the point at the tip of the master.
+    pub taper: TipTaper,
 }
 
 impl MeshFlanks {
@@ -51,12 +51,12 @@ impl MeshFlanks {
     pub fn each_point(
         &self,
         step: &dyn CoarseStep,
-        parties: [&Party<'_>; 2],
+        gear_states: [&GearState<'_>; 2],
         limit: f64,
         scratch: &mut Scratch,
-        mut found: impl FnMut(&Found<'_>),
+        mut found: impl FnMut(&ProjectedPoint<'_>),
     ) {
-        self.find_pairs(step, parties, scratch);
+        self.find_pairs(step, gear_states, scratch);
         let mut work = SearchWork {
             pairs: scratch.pairs.len(),
             flanks: scratch.active.iter().map(Vec::len).sum(),
@@ -76,37 +76,42 @@ impl MeshFlanks {
         scratch.work = work;
     }
 
-    /// First and second step: flanks about the line of centres, and the flanks they face.
-    fn find_pairs(&self, step: &dyn CoarseStep, parties: [&Party<'_>; 2], scratch: &mut Scratch) {
-        let stand = self.stand(parties);
+    /// Finds the flanks near the line of centres and the flanks opposite to them (first and second step).
+    fn find_pairs(
+        &self,
+        step: &dyn CoarseStep,
+        gear_states: [&GearState<'_>; 2],
+        scratch: &mut Scratch,
+    ) {
+        let poses = self.poses(gear_states);
         scratch.pairs.clear();
         for k in 0..2 {
             scratch.active[k].clear();
             scratch.positions[k].clear();
         }
-        if !stand.is_finite() {
+        if !poses.is_finite() {
             return;
         }
         let mut coarse = std::mem::take(&mut scratch.coarse);
         coarse.pairs.clear();
         for side in Side::BOTH {
-            step.pairs(self, side, &stand, &mut coarse);
+            step.pairs(self, side, &poses, &mut coarse);
         }
         for [near, other] in &coarse.pairs {
-            let a = self.activate(0, *near, parties[0], &stand, scratch);
-            let b = self.activate(1, *other, parties[1], &stand, scratch);
+            let a = self.activate(0, *near, gear_states[0], &poses, scratch);
+            let b = self.activate(1, *other, gear_states[1], &poses, scratch);
             scratch.pairs.push([a, b]);
         }
         scratch.coarse = coarse;
     }
 
-    /// Index of a flank among the active ones; its nodes are placed when it is new.
+    /// Returns the index of a flank among the active ones; the nodes of a new flank are evaluated.
     fn activate(
         &self,
         k: usize,
-        near: Near,
-        party: &Party<'_>,
-        stand: &Stand,
+        near: NearbyFlank,
+        gear_state: &GearState<'_>,
+        poses: &MeshPoses,
         scratch: &mut Scratch,
     ) -> usize {
         let (active, positions) = (&mut scratch.active[k], &mut scratch.positions[k]);
@@ -117,15 +122,15 @@ impl MeshFlanks {
         let shape = &g.shapes[near.shape];
         let start = positions.len();
         positions.resize(start + shape.nodes.len(), Vec3::zeros());
-        let pose = if let Some(surface) = party.gear.surface() {
+        let pose = if let Some(surface) = gear_state.gear.surface() {
             surface
                 .nodes
-                .positions(party.at, &shape.nodes, &mut positions[start..]);
-            stand.poses[k]
+                .positions(gear_state.at, &shape.nodes, &mut positions[start..]);
+            poses.poses[k]
         } else {
             let tooth = self.tooth(k, &near);
-            let displacement = party.gear.tooth_displacement(party.at, tooth);
-            let pose = g.pose(party, displacement);
+            let displacement = gear_state.gear.tooth_displacement(gear_state.at, tooth);
+            let pose = g.pose(gear_state, displacement);
             let undeformed = &g.grids.grids()[near.shape].positions;
             for (x, u) in positions[start..].iter_mut().zip(undeformed) {
                 *x = pose.point(u);
@@ -136,10 +141,15 @@ impl MeshFlanks {
         active.len() - 1
     }
 
-    fn deformed<'a>(&'a self, k: usize, scratch: &'a Scratch, active: usize) -> Deformed<'a> {
+    fn deformed<'a>(
+        &'a self,
+        k: usize,
+        scratch: &'a Scratch,
+        active: usize,
+    ) -> DeformedSurface<'a> {
         let a = &scratch.active[k][active];
         let shape = &self.gears[k].shapes[a.near.shape];
-        Deformed {
+        DeformedSurface {
             shape,
             x: &scratch.positions[k][a.start..][..shape.nodes.len()],
             pose: &a.pose,
@@ -147,7 +157,7 @@ impl MeshFlanks {
         }
     }
 
-    /// Height of a point on the flanks of gear `k`, as [`Shape::heights`] has it.
+    /// Returns the height of a point on the flanks of gear `k`, as in [`Shape::heights`].
     #[inline]
     fn height(&self, k: usize, pose: &Pose, x: &Vec3) -> f64 {
         match self.gears[k].tips {
@@ -157,9 +167,9 @@ impl MeshFlanks {
         }
     }
 
-    /// Place of a point on the last face by its height, and the gradient of that [1/m].
+    /// Returns the position of a point on the last face by its height, and the gradient of the position [1/m].
     #[inline]
-    fn tip_place(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (f64, Vec3) {
+    fn tip_place(&self, m: usize, master: &DeformedSurface<'_>, x: &Vec3) -> (f64, Vec3) {
         let heights = &master.shape.heights;
         let (low, tip) = (heights[heights.len() - 2], heights[heights.len() - 1]);
         let per = (tip - low).recip();
@@ -182,7 +192,7 @@ impl MeshFlanks {
         ((self.height(m, pose, x) - low) * per, per * gradient)
     }
 
-    /// A point of gear `k`: on its mesh, or on its rigid flank.
+    /// Returns a point of gear `k`, on its mesh or on its rigid flank.
     #[inline]
     fn point(&self, k: usize, active: &Active, face: u32, [a, b]: [f64; 2], x: Vec3) -> Point {
         let g = &self.gears[k];
@@ -205,15 +215,15 @@ impl MeshFlanks {
         }
     }
 
-    /// Third step: the points of gear `k`'s flank against the other flank of a pair. Faces whose corners all
-    /// stand clearly off the other flank are passed over.
+    /// Projects the points of gear `k` on the other flank of a pair (third step). Faces whose corners are all clearly
+    /// above the other flank are skipped.
     fn hold_points(
         &self,
         k: usize,
         pair: [usize; 2],
         (scratch, heights, work): (&Scratch, &mut Vec<f64>, &mut SearchWork),
         limit: f64,
-        mut found: impl FnMut(&Found<'_>),
+        mut found: impl FnMut(&ProjectedPoint<'_>),
     ) {
         let m = 1 - k;
         let slave = self.deformed(k, scratch, pair[k]);
@@ -247,7 +257,7 @@ impl MeshFlanks {
                 return;
             }
             let past = (0.5 * p.length / tip).min(MOST_PAST);
-            let Some(fade) = Fade::new(self.tip_place(m, &master, &x), past) else {
+            let Some(taper) = TipTaper::new(self.tip_place(m, &master, &x), past) else {
                 return;
             };
             work.projections += 1;
@@ -257,26 +267,31 @@ impl MeshFlanks {
             if hit.gap > limit {
                 return;
             }
-            found(&Found {
+            found(&ProjectedPoint {
                 k,
                 flanks: [&slave, &master],
                 active,
                 point: p,
                 x,
                 hit,
-                fade,
+                taper,
             });
         });
     }
 
-    /// Where the projection of a point on the master begins, and a gap that it surely has [m]: infinite more
+    /// Returns the start of the projection of a point on the master, and a lower bound of its gap [m]: infinite more
     /// than a face beyond root, tip or sides.
     #[inline]
-    fn clearance_bound(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
+    fn clearance_bound(
+        &self,
+        m: usize,
+        master: &DeformedSurface<'_>,
+        x: &Vec3,
+    ) -> (ProjectionStart, f64) {
         let (column, b) = master.shape.column_at(master.pose.height(x));
         let height = self.height(m, master.pose, x);
         let (row, a) = master.shape.row_at(height, (column, b));
-        let begin = Begin {
+        let begin = ProjectionStart {
             row,
             column,
             place: [a, b],
@@ -290,10 +305,10 @@ impl MeshFlanks {
         (begin, over - master.shape.chord_bound[row])
     }
 
-    /// The points on both gears.
+    /// Returns the contact points on both gears.
     #[inline]
-    pub fn points(&self, found: &Found<'_>) -> [Point; 2] {
-        let Found {
+    pub fn points(&self, found: &ProjectedPoint<'_>) -> [Point; 2] {
+        let ProjectedPoint {
             k,
             flanks: [slave, master],
             active: [s_active, m_active],

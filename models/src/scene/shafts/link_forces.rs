@@ -1,4 +1,4 @@
-//! What the links of shafts do in a scene.
+//! Links of shafts in a scene: forces, tangents, corrections and reports.
 
 use super::links::{Link, small};
 use crate::kinematics::Wrench;
@@ -6,27 +6,30 @@ use crate::scene::assembled::Scene;
 use crate::scene::low_rank::LowRank;
 use crate::scene::members::SceneGear;
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::system::{At, Coeffs, Energy, Power, SecondOrderSystem, Singular};
+use gearbench_integrators::system::{
+    Coeffs, Energy, Power, SecondOrderSystem, Singular, StateView,
+};
 
 impl Scene {
-    /// Adds what elastic shafts exert.
+    /// Adds the forces of elastic shafts.
     #[inline]
-    pub(in crate::scene) fn add_shafts(&self, at: At<'_>, f: &mut [f64]) {
+    pub(in crate::scene) fn add_shafts(&self, at: StateView<'_>, f: &mut [f64]) {
         for link in self.shafts.springs() {
             link.add_to(link.force(&self.gears, at), f);
         }
     }
 
-    /// Takes from forces what rigid shafts do not let act.
+    /// Projects forces to those compatible with rigid shafts.
     #[inline]
-    pub(in crate::scene) fn hold_shafts(&mut self, at: At<'_>, f: &mut [f64]) {
+    pub(in crate::scene) fn hold_shafts(&mut self, at: StateView<'_>, f: &mut [f64]) {
         if !self.shafts.rigid().is_empty() {
             self.hold_rigid(at, f);
         }
     }
 
-    /// The same; leaves the forces along the rows in `work.shafts.forces`.
-    fn hold_rigid(&mut self, at: At<'_>, f: &mut [f64]) {
+    /// Projects forces to those compatible with rigid shafts and stores the forces along the rows in
+    /// `work.shafts.forces`.
+    fn hold_rigid(&mut self, at: StateView<'_>, f: &mut [f64]) {
         let mut work = std::mem::take(&mut self.work.shafts);
         let n = f.len();
         work.x.clear();
@@ -63,7 +66,7 @@ impl Scene {
     /// Adds the tangent of elastic shafts.
     pub(in crate::scene) fn add_shaft_tangent(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         [dq, dv]: [&[f64]; 2],
         df: &mut [f64],
     ) {
@@ -74,9 +77,14 @@ impl Scene {
     }
 
     /// Adds the terms of the links to those of contacts in a Newton correction.
-    pub(in crate::scene) fn terms_of_shafts(&self, at: At<'_>, c: Coeffs, terms: &mut LowRank) {
+    pub(in crate::scene) fn terms_of_shafts(
+        &self,
+        at: StateView<'_>,
+        c: Coeffs,
+        terms: &mut LowRank,
+    ) {
         for (i, link) in self.shafts.links.iter().enumerate() {
-            link.add_to(-self.answer(link, at, c), &mut terms.row);
+            link.add_to(-self.link_response(link, at, c), &mut terms.row);
             link.add_to(1.0, &mut terms.column);
             let [one, other] = link.members;
             let second = Some(one.max(other)).filter(|m| *m != one.min(other));
@@ -88,10 +96,10 @@ impl Scene {
         }
     }
 
-    /// The correction with all links.
+    /// Solves for the correction with all links.
     pub(in crate::scene) fn correct_with_shafts(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         x: &mut [f64],
     ) -> Result<(), Singular> {
@@ -110,9 +118,14 @@ impl Scene {
         self.correct_statics(at, c, x)
     }
 
-    /// The correction without mass from a dense matrix, `P^T A + s C C^T` where rigid shafts project by `P`: any `s` gives
-    /// the solution that they allow.
-    fn correct_statics(&mut self, at: At<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
+    /// Solves for the correction without mass from a dense matrix, `P^T A + s C C^T` with the projection `P` of rigid
+    /// shafts: any `s` gives the admissible solution.
+    fn correct_statics(
+        &mut self,
+        at: StateView<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
         let n = self.n;
         let (mut dq, mut dv, mut df) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut a = vec![0.0; n * n];
@@ -135,10 +148,10 @@ impl Scene {
         solve_in_place(&mut a, x)
     }
 
-    /// Adds the links to `x = B^-1 rhs` with a correction `B` that has all contacts, where these have a form of their own.
+    /// Adds the links to `x = B^-1 rhs` with a correction `B` that includes all contacts in a form of their own.
     fn correct_links_after(
         &mut self,
-        at: At<'_>,
+        at: StateView<'_>,
         c: Coeffs,
         x: &mut [f64],
     ) -> Result<(), Singular> {
@@ -147,7 +160,7 @@ impl Scene {
         let (mut v, mut z) = (vec![0.0; n * count], vec![0.0; n * count]);
         let lines = v.chunks_exact_mut(n).zip(z.chunks_exact_mut(n));
         for (link, (row, column)) in self.shafts.links.iter().zip(lines) {
-            link.add_to(-self.answer(link, at, c), row);
+            link.add_to(-self.link_response(link, at, c), row);
             link.add_to(1.0, column);
         }
         for column in z.chunks_exact_mut(n) {
@@ -168,7 +181,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Diagonal of the equation of a link's force in a correction: a rigid one gives no way.
+    /// Returns the diagonal of the equation of a link's force in a correction: zero for a rigid link, which has no
+    /// compliance.
     pub(in crate::scene) fn unit_of_link(&self, link: usize) -> f64 {
         f64::from(u8::from(!self.shafts.links[link].is_rigid()))
     }
@@ -176,7 +190,7 @@ impl Scene {
     /// Adds energy and powers of elastic shafts.
     pub(in crate::scene) fn add_shaft_books(
         &self,
-        at: At<'_>,
+        at: StateView<'_>,
         energy: &mut Energy,
         power: &mut Power,
     ) {
@@ -192,9 +206,9 @@ impl Scene {
         }
     }
 
-    /// What all links exert along their rows, into `work.shafts.acting`; `contacts` are the forces of contacts and loads, and
-    /// what gears on carriers have of their own.
-    pub(in crate::scene) fn evaluate_links(&mut self, at: At<'_>, contacts: &[f64]) {
+    /// Computes the forces of all links along their rows in `work.shafts.acting`; `contacts` are the forces of
+    /// contacts and loads, and the internal forces of gears on carriers.
+    pub(in crate::scene) fn evaluate_links(&mut self, at: StateView<'_>, contacts: &[f64]) {
         let mut acting = std::mem::take(&mut self.work.shafts.acting);
         acting.clear();
         acting.extend(
@@ -211,8 +225,8 @@ impl Scene {
                     g.model.forces(own, &mut f[range]);
                 }
             }
-            self.relative_forces(at, &mut f, |scene, seen, f| {
-                scene.add_carried_forces(seen, f)
+            self.relative_forces(at, &mut f, |scene, carrier_state, f| {
+                scene.add_carried_forces(carrier_state, f)
             });
             for (link, force) in self.shafts.springs().iter().zip(&acting) {
                 link.add_to(*force, &mut f);
@@ -223,7 +237,7 @@ impl Scene {
         self.work.shafts.acting = acting;
     }
 
-    /// Adds what the links exert on a member, forces on its coordinates and as a wrench.
+    /// Adds the forces of the links on a member, to its coordinates and as a wrench.
     pub(in crate::scene) fn add_links_on(&self, member: usize, f: &mut [f64], wrench: &mut Wrench) {
         for (link, force) in self.shafts.links.iter().zip(&self.work.shafts.acting) {
             if !link.members.contains(&member) {
@@ -245,27 +259,27 @@ impl Scene {
         }
     }
 
-    /// Torque with which the ground holds or drives a member of a planetary set [N m].
+    /// Returns the torque with which the ground fixes or drives a member of a planetary set [N m].
     pub(in crate::scene) fn torque_of_ground(&self, member: usize) -> f64 {
         let links = self.shafts.links.iter().zip(&self.work.shafts.acting);
         let own = links.filter(|(l, _)| l.ground.as_ref().is_some_and(|g| g.member == member));
         own.map(|(_, force)| force).sum()
     }
 
-    /// Power that what drives gears of planetary sets puts in, by the forces of the last [`Self::evaluate_links`] [W].
+    /// Returns the power of the drives of planetary sets, from the forces of the last [`Self::evaluate_links`] [W].
     pub(in crate::scene) fn power_of_grounds(&self, t: f64) -> f64 {
         let links = self.shafts.links.iter().zip(&self.work.shafts.acting);
         let power = links.filter_map(|(l, force)| Some(force * l.ground.as_ref()?.motion(t)[0]));
         power.sum()
     }
 
-    /// What all links exert along their rows, by the last [`Self::evaluate_links`].
+    /// Returns the forces of all links along their rows, from the last [`Self::evaluate_links`].
     pub(super) fn acting_links(&self) -> &[f64] {
         &self.work.shafts.acting
     }
 
-    /// How a link's force answers to its deformation in a correction; of a rigid one by its sign alone.
-    fn answer(&self, link: &Link, at: At<'_>, c: Coeffs) -> f64 {
+    /// Returns the derivative of a link's force by its deformation in a correction; for a rigid link only the sign.
+    fn link_response(&self, link: &Link, at: StateView<'_>, c: Coeffs) -> f64 {
         if link.is_rigid() {
             return 1.0;
         }
@@ -273,14 +287,14 @@ impl Scene {
         c.k * stiffness + c.d * damping
     }
 
-    /// Torques that stations exert on the next through the shaft [N m].
+    /// Computes the torques of stations on the next one through the shaft [N m].
     pub(in crate::scene) fn fill_shaft_torques(&self, channels: &mut [f64]) {
         for (channel, link) in channels.iter_mut().zip(&self.shafts.torques) {
             *channel = link.map_or(0.0, |i| self.work.shafts.acting[i]);
         }
     }
 
-    /// Coordinates that rigid shafts join are no oscillators, or none that swing.
+    /// Returns true if rigid shafts join coordinates that oscillate.
     pub(in crate::scene) fn rigid_shafts_swing(&self) -> bool {
         let swings = |g: &SceneGear, i: usize| {
             let of = g.model.linear().and_then(|l| l.oscillators());
@@ -293,14 +307,14 @@ impl Scene {
     }
 }
 
-/// Buffers.
+/// Buffers of the shafts.
 #[derive(Default)]
 pub(in crate::scene) struct ShaftWork {
-    /// Of rigid links: accelerations, columns, equations, forces.
+    /// Buffers of rigid links: accelerations, columns, equations, forces.
     x: Vec<f64>,
     z: Vec<f64>,
     small: Vec<f64>,
     forces: Vec<f64>,
-    /// What all links exert at the state that is reported.
+    /// Forces of all links at the state of the report.
     acting: Vec<f64>,
 }
