@@ -321,7 +321,8 @@ impl Calibration {
         for (name, labels) in &other.sets {
             let own = self.sets.entry(name.clone()).or_default();
             for (label, constants) in labels {
-                own.entry(label.clone()).or_insert_with(|| constants.clone());
+                own.entry(label.clone())
+                    .or_insert_with(|| constants.clone());
             }
         }
         self

@@ -76,7 +76,7 @@ pub struct Init {
     /// File to write [default: WHAT.toml], of own_gears the folder
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Write over a file that is there
+    /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,
 }

@@ -30,7 +30,7 @@ pub struct Mesh {
     /// Write a file for ParaView, with the sets and the quality of the elements
     #[arg(long, value_name = "F.vtu")]
     pub vtu: Option<PathBuf>,
-    /// Write over a file that is there, though it is not one that this command has written
+    /// Overwrite an existing file even if this command did not write it
     #[arg(long)]
     pub force: bool,
     /// Only this gear [default: all]
@@ -66,7 +66,7 @@ pub struct Mesh {
     /// One pitch only, for cyclic symmetry
     #[arg(long)]
     pub sector: bool,
-    /// Only these teeth as fine as asked for, the others coarse; numbers from 1, between commas
+    /// Only these teeth as fine as asked for, the others coarse; numbers from 1, separated by commas
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     pub fine_teeth: Vec<u32>,
 }

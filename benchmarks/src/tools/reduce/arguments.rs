@@ -37,7 +37,7 @@ pub struct Reduce {
     /// Write to this file, or into this folder [default: nothing is written]
     #[arg(long, value_name = "F.npz|DIR")]
     pub out: Option<PathBuf>,
-    /// Write over a file that is there, though it is not one that this command has written
+    /// Overwrite an existing file even if this command did not write it
     #[arg(long)]
     pub force: bool,
     /// Modes to store, most [default: 400, or all up to --max-frequency]

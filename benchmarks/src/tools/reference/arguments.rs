@@ -64,7 +64,7 @@ pub struct Reference {
     /// CSV file to write
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Write over a file that is there, though it is not one that this command has written
+    /// Overwrite an existing file even if this command did not write it
     #[arg(long)]
     pub force: bool,
     /// Name of the reference in the scene [default: the name of the file, with -reference where a model is called so]
