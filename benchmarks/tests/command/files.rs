@@ -87,7 +87,7 @@ fn folders_and_names_without_an_ending_lead_to_what_is_there() {
     for named in ["out/pair", "out"] {
         folder.refuses(
             &format!("report {named}"),
-            &["name one of the studies in it", "out/pair/compare"],
+            &["name one of the studies in this folder", "out/pair/compare"],
         );
     }
     folder.refuses(
@@ -96,7 +96,7 @@ fn folders_and_names_without_an_ending_lead_to_what_is_there() {
     );
     folder.refuses(
         "report nowhere",
-        &["name the folder that a study has written"],
+        &["name the output folder of a study"],
     );
     folder.refuses(
         "identify pair.toml",
