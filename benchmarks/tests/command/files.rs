@@ -94,10 +94,7 @@ fn folders_and_names_without_an_ending_lead_to_what_is_there() {
         "report pair.toml",
         &["this is a scene", "gearbench compare pair.toml"],
     );
-    folder.refuses(
-        "report nowhere",
-        &["name the output folder of a study"],
-    );
+    folder.refuses("report nowhere", &["name the output folder of a study"]);
     folder.refuses(
         "identify pair.toml",
         &["reference = { csv =", "gearbench reference pair.toml"],

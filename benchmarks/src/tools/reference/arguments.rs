@@ -10,7 +10,8 @@ const PATIENT: f64 = 3600.0;
 const EXAMPLES: &str = "\
 Examples:
   gearbench reference my_scene.toml --model fe --out fe.csv --add
-  gearbench reference my_scene.toml --model fe --method hht-alpha@5e-7 --speed pinion=60 --duration 1e-4 --out fe_60.csv --add
+  gearbench reference my_scene.toml --model fe --method hht-alpha@5e-7 --speed pinion=60 \\
+      --duration 1e-4 --out fe_60.csv --add
   gearbench reference loaded_mesh --model elastic --load wheel=-40 --out loaded.csv
 
 The command runs one model of a scene, repeats the run with half the step (a tenth of the tolerance), and writes
