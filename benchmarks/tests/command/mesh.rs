@@ -97,7 +97,7 @@ fn meshes_that_cannot_be_made_are_refused_and_nothing_is_written() {
     // The input itself is never overwritten, and a folder that does not exist is named.
     folder.refuses(
         "mesh spur_impact --gear pinion --out broken.inp",
-        &["is there already", "--force"],
+        &["exists already", "--force"],
     );
     folder.says("mesh spur_impact --gear pinion --out broken.inp --force");
     folder.ends("mesh spur_impact --gear pinion --out nowhere/x.inp", 2);

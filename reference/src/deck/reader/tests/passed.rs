@@ -89,7 +89,7 @@ fn what_changes_a_body_is_declined() {
         ),
         (
             format!("{solid}*STEP\n*MODEL CHANGE, TYPE=ELEMENT, REMOVE\nlow\n*END STEP\n"),
-            "elements that come or go",
+            "elements that are added or removed",
         ),
         (
             format!("{solid}*NGEN\n1, 5\n"),
