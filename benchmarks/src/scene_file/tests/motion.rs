@@ -169,7 +169,11 @@ fn loads_of_the_wrong_sign_are_named() {
             &wheel(-40.0),
             "flank = \"left\"",
         ),
-        &["test.toml:5:", "all act with the motion", "opposite sign"],
+        &[
+            "test.toml:5:",
+            "act in the direction of motion",
+            "opposite sign",
+        ],
     );
     one(
         &pair(
@@ -186,7 +190,7 @@ fn loads_of_the_wrong_sign_are_named() {
             "inertia_kgm2 = 4e-3, loads = [{ torque_nm = -40.0 }]",
             "flank = \"left\"",
         ),
-        &["press no flank"],
+        &["act on no flank"],
     );
     // A load that changes its sign is not judged.
     let swinging =
@@ -270,7 +274,7 @@ fn racks_have_a_speed_in_metres_per_second() {
     );
     one(
         &whole.replace("force_n = -185.0", "force_n = 185.0"),
-        &["all act with the motion"],
+        &["act in the direction of motion"],
     );
 }
 
@@ -305,7 +309,9 @@ fn planetary_sets_run_at_the_speed_of_their_carrier() {
     let text = whole.replace(", mount = \"fixed\"", ", speed_rad_s = 5.0");
     let found = warnings(&text);
     assert!(
-        found.iter().all(|w| !w.contains("out of step")),
+        found
+            .iter()
+            .all(|w| !w.contains("does not match the train")),
         "{found:#?}"
     );
     let scene = read(&whole);

@@ -10,7 +10,7 @@ use gearbench_models::scene::Scene;
 fn said(from: &str, to: &str) -> Vec<String> {
     let all = read(from, to).odd;
     let all = all.iter().map(|odd| odd.told());
-    all.filter(|odd| !odd.contains("in step with the train"))
+    all.filter(|odd| !odd.contains("the kinematics of the train give"))
         .collect()
 }
 
