@@ -70,7 +70,7 @@ fn folders_and_names_without_an_ending_lead_to_what_is_there() {
         "compare pair",
         &[
             "there is no scene `pair`",
-            "write `pair.toml`, which is here",
+            "write `pair.toml`, the file in this folder",
         ],
     );
     folder.refuses(

@@ -320,7 +320,7 @@ fn meshes_of_a_scene_are_recognised_and_corrected() {
         "no sets name its flanks: axis along (0.000000, 0.000000, 1.000000)",
         "36 flanks from",
         "bore 6.0000 mm",
-        "units m-kg-s: a guess",
+        "units m-kg-s: an assumption",
         "pitch 6.283185 mm along (0.000000, 1.000000, 0.000000)",
         "pressure angle 20.0000 and helix 0.0000 degrees, 10 flanks",
     ];

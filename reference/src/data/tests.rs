@@ -234,7 +234,11 @@ fn refusals_say_where_and_what() {
             4,
             "column 1|after|an earlier time",
         ),
-        (format!("{head}2,5,6\n"), 4, "2, as there are names|3 cells"),
+        (
+            format!("{head}2,5,6\n"),
+            4,
+            "2 cells, the number of names|3 cells",
+        ),
         (head.into(), 1, "at least 3 samples|2"),
         (format!("{head}\"2\n3,4\n"), 4, "cells within one line"),
         ("t [ms];force [N]\n0;1\n1;1.234,5\n".into(), 3, "thousands"),

@@ -102,7 +102,7 @@ fn gears_out_of_step_are_named_with_their_speed() {
             &format!("speed_rad_s = -60.0, {torque}"),
             "flank = \"left\"",
         ),
-        &["open at 0.376 m/s", "speed_rad_s = -50"],
+        &["separate at 0.376 m/s", "speed_rad_s = -50"],
     );
     one(
         &pair(
@@ -157,7 +157,7 @@ fn loads_of_the_wrong_sign_are_named() {
         &pair(driven, &wheel(-40.0), "flank = \"left\""),
         &[
             "test.toml:6:",
-            "press the right flanks of `pinion` and `wheel`",
+            "act on the right flanks of `pinion` and `wheel`",
             "start = { flank = \"right\" }",
         ],
     );
@@ -181,7 +181,7 @@ fn loads_of_the_wrong_sign_are_named() {
             &wheel(40.0),
             "flank = \"left\"",
         ),
-        &["press the right flanks"],
+        &["act on the right flanks"],
     );
     // Both gears accelerate alike: T_a R_a / I_a + T_b R_b / I_b = 0 of inertias 1 and 4.
     one(
@@ -237,7 +237,7 @@ fn speeds_are_those_of_the_whole_train() {
     // The second pinion presses its right flanks, whatever the first one does.
     one(
         &whole.replace(", start = { flank = \"right\" }", ""),
-        &["press the right flanks of `p2` and `w2`"],
+        &["act on the right flanks of `p2` and `w2`"],
     );
     one(
         &whole.replace("speed_rad_s = 14.986", "speed_rad_s = -14.986"),

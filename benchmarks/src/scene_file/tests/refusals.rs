@@ -162,7 +162,7 @@ const FILE: &str = r##"
 1: schema = 1\n =>
     `schema` is missing
 21: centre_distance_m = 0.1001\n =>
-    where `wheel` stands | `centre_distance_m` or `backlash_m`
+    position of `wheel` | `centre_distance_m` or `backlash_m`
 26: model = "rigid"\n =>
     `model` is missing
 32: stiffness = "iso6336" => exponent = 1.0
@@ -179,7 +179,7 @@ const FILE: &str = r##"
 9: teeth = 20 => teeth =
     not TOML
 15: [gears.wheel] => [gears.pinion]
-    duplicate | stands once
+    duplicate | each name once
 10: teeth = 20 => teeth = 20\nteeth = 21
     duplicate
 3: title = "A test" => title = "A test
