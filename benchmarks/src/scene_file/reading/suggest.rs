@@ -120,10 +120,7 @@ const NOT_DONE: &[(&[&str], &str)] = &[
         &["planet", "carrier", "sun", "annulus"],
         "a body on a shaft with `planets` is a carrier",
     ),
-    (
-        &["shaft"],
-        "members that rotate together belong to `[[shafts]]`",
-    ),
+    (&["shaft"], "what turns together stands in `[[shafts]]`"),
     (&["housing", "support"], "housings are not modelled"),
     (&["helix_dev", "lead_dev"], "no deviations of the helix"),
     (
