@@ -6,20 +6,21 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   gearbench-validation sample tuning:7 > scene.toml     scene 7 of the set `tuning`
-  gearbench-validation run tuning --scenes 1..12        choices beside all candidates, tried one by one
-  gearbench-validation reduction reduction              elastic gears beside full finite elements
-  gearbench-validation run held-out --threads 2         on the set that no rule was made on
-  gearbench-validation coverage --model movable-teeth   do the intervals of identified constants hold the truth?
+  gearbench-validation run tuning --scenes 1..12        compare choices with runs of all candidates
+  gearbench-validation reduction reduction              compare elastic gears with full finite elements
+  gearbench-validation run held-out --threads 2         use a set that was not used for development
+  gearbench-validation coverage --model movable-teeth   do confidence intervals contain the true constants?
   gearbench-validation agreement                        do compare and choose contradict each other?
   gearbench-validation figures impact                   measure the figures of one source for the documents
-  gearbench-validation identification                   identified constants against finite elements at other speeds
+  gearbench-validation identification                   compare constants with finite elements at other speeds
 
-Exit code 1 says that fewer than 95 % are right, or that the median choice costs more than twice the cheapest.";
+Exit code 1 means that fewer than 95 % of the choices are right, or that the median cost of the choices is more than
+twice that of the cheapest adequate candidates.";
 
 /// Are the choices of `gearbench choose` right? Validation on random scenes.
 ///
-/// The seeds of the sets stand in validation/sets.toml. On every scene all candidates are tried against a reference over
-/// the whole scene, and the choice is held against the cheapest that keeps the tolerance.
+/// The file validation/sets.toml contains the seeds of the sets. On every scene all candidates are compared with a
+/// reference over the whole scene, and the choice is compared with the cheapest candidate within the tolerance.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "gearbench-validation", version, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Cli {
@@ -39,13 +40,13 @@ pub enum Command {
     },
     /// Validate the choices on a set of random scenes
     Run(Run),
-    /// Hold elastic gears against full finite elements on a set of random scenes
+    /// Compare elastic gears with full finite elements on a set of random scenes
     Reduction(Reduction),
-    /// Check that 95 % intervals of identified constants hold what made data were made with
+    /// Check that 95 % intervals of identified constants contain the true constants of synthetic data
     Coverage(Coverage),
-    /// Run `compare` and `choose` on random scenes of users, and hold their answers against each other
+    /// Run `compare` and `choose` on random scenes and compare their results
     Agreement(Agreement),
-    /// Hold identified constants against finite elements at other speeds, and beside other stiffnesses
+    /// Compare identified constants with finite elements at other speeds, and with other stiffness formulas
     Identification(Identification),
     /// Measure the figures that README and book quote, store them, and write them into the documents
     Figures(Figures),
@@ -54,7 +55,7 @@ pub enum Command {
 /// Arguments of `agreement`.
 #[derive(Args, Clone, Debug)]
 pub struct Agreement {
-    /// Scenes, from the first to the last [default: all 40]
+    /// First and last scene [default: all 40]
     #[arg(long, value_name = "A..B", value_parser = range)]
     pub scenes: Option<[usize; 2]>,
     /// Folder for scenes, records and the table
@@ -82,7 +83,7 @@ pub struct Coverage {
     /// A model with a calibration
     #[arg(long, value_name = "LABEL", default_value = "movable-teeth")]
     pub model: String,
-    /// Sets of data
+    /// Number of synthetic data sets
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub sets: u32,
     /// Seed of noise and offsets
@@ -109,7 +110,7 @@ pub struct Identification {
 pub struct Reduction {
     /// A set of validation/sets.toml
     pub set: String,
-    /// Scenes of the set, from the first to the last [default: all]
+    /// First and last scene of the set [default: all]
     #[arg(long, value_name = "A..B", value_parser = range)]
     pub scenes: Option<[usize; 2]>,
     /// Table to write
@@ -122,19 +123,20 @@ pub struct Reduction {
 pub struct Run {
     /// A set of validation/sets.toml
     pub set: String,
-    /// Scenes of the set, from the first to the last [default: all]
+    /// First and last scene of the set [default: all]
     #[arg(long, value_name = "A..B", value_parser = range)]
     pub scenes: Option<[usize; 2]>,
-    /// Hold so many scenes, the first of one impact, against full finite elements [default: as the set says]
+    /// Number of scenes, the first with one impact, to compare with full finite elements [default: the number of the
+    /// set]
     #[arg(long, value_name = "N")]
     pub full_order: Option<usize>,
-    /// Scenes that are validated at the same time
+    /// Number of scenes that are validated simultaneously
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub threads: u32,
     /// Folder to write to [default: out/SET/choice-check]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Start over, whatever the journal of the folder holds
+    /// Repeat all scenes, including those in the journal of the folder
     #[arg(long)]
     pub fresh: bool,
 }
@@ -143,7 +145,9 @@ fn range(text: &str) -> Result<[usize; 2], String> {
     let (a, b) = text.split_once("..").unwrap_or((text, text));
     match (a.trim().parse(), b.trim().parse()) {
         (Ok(a), Ok(b)) if 1 <= a && a <= b => Ok([a, b]),
-        _ => Err("expected two numbers from 1 on, for example 1..12, both ends included".into()),
+        _ => Err(
+            "expected two numbers, at least 1, for example 1..12 with both ends included".into(),
+        ),
     }
 }
 

@@ -12,16 +12,17 @@ pub struct Output {
     /// Folder to write to [default: out/SCENE/STUDY]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Measured curves (CSV) to compare the tables of the study with: columns are called as in those tables
+    /// CSV file of measured curves, which the report draws with the curves of the study
     ///
-    /// The first column of numbers is the abscissa, every further one is a curve, for example `mesh_frequency [kHz],
-    /// transmission_error_rms [um]` for `sweep` and `response`. The page draws them; docs/data.md has all columns.
+    /// Columns have the names of the tables of the study. The first column of numbers is the abscissa, every further
+    /// one is a curve, for example `mesh_frequency [kHz], transmission_error_rms [um]` for `sweep` and `response`.
+    /// `gearbench help data` lists all columns.
     #[arg(long, value_name = "FILE")]
     pub measured: Vec<PathBuf>,
-    /// Start over: do not go on with runs that an interrupted start has finished
+    /// Repeat all runs, including those that an interrupted study has finished
     #[arg(long)]
     pub fresh: bool,
-    /// Replace what the folder holds of another study, scene or choice of models, or of another program
+    /// Replace the results of another study, scene or choice of models in the folder, or files of another program
     #[arg(long)]
     pub force: bool,
     /// The choice of models on the command line, which distinguishes two studies of one scene.
@@ -32,9 +33,9 @@ pub struct Output {
 /// How long a whole study may take that tries one thing after the other.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct Budgeted {
-    /// Processor time in seconds that the whole study may take; what is not tried within it is listed
+    /// Limit on the processor time of the whole study in seconds; runs that were not made within it are listed
     ///
-    /// All threads count, set-up included. The answer is of what was tried.
+    /// The limit includes all threads and the set-up. The result is based on the runs that were made.
     #[arg(long, value_name = "S", default_value_t = DEFAULT_BUDGET, value_parser = positive)]
     pub budget: f64,
 }
@@ -52,9 +53,10 @@ pub struct Bounded {
     /// Where results go.
     #[command(flatten)]
     pub output: Output,
-    /// Bound on the processor time of one integration in seconds; a run that would take far longer at its pace ends at once
+    /// Limit on the processor time of one integration in seconds; a run whose progress is far too slow for it ends
+    /// early
     ///
-    /// The time that recording takes does not count, nor does other work on the machine.
+    /// The limit excludes the time for recording results and other work of the machine.
     #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
     pub timeout: f64,
 }
@@ -81,7 +83,7 @@ pub struct Timed {
     /// Where results go, and how long a run may take.
     #[command(flatten)]
     pub bounded: Bounded,
-    /// Timed repeats of every run; the report shows their median and spread
+    /// Number of timed repetitions of each run; the report shows their median and spread
     #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
 }
@@ -98,7 +100,7 @@ impl Default for Timed {
 /// Whether a reference of other gears will do.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Insist {
-    /// Take the scene's reference though it is of other gears, speeds or loads; the report says so
+    /// Use the scene's reference even if it belongs to other gears, speeds or loads; the report states this
     #[arg(long)]
     pub any_reference: bool,
 }

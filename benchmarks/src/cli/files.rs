@@ -153,20 +153,21 @@ impl Overwriting<'_> {
         };
         if self.inputs.iter().any(|input| is_same(input, path)) {
             return refuse(
-                "the file is an input of the command, and would be replaced by its output",
+                "the file is an input of the command and would be overwritten by its output",
                 "choose another name with --out",
             );
         }
         match fs::metadata(path) {
             Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
             Err(e) => Err(Refusal::Files(format!("{}: {e}", path.display()))),
-            Ok(found) if !found.is_file() => {
-                refuse("is not a regular file", "choose another name with --out")
-            }
+            Ok(found) if !found.is_file() => refuse(
+                "this is not a regular file",
+                "choose another name with --out",
+            ),
             Ok(_) if self.force || self.mark.is_some_and(|mark| has_mark(path, mark)) => Ok(()),
             Ok(_) => refuse(
-                "the file is there already, and is not one that this command has written",
-                "name another with --out, or write over it with --force",
+                "the file exists already and was not written by this command",
+                "name another file with --out, or overwrite it with --force",
             ),
         }
     }

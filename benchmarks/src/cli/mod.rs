@@ -49,13 +49,13 @@ fn after_help() -> String {
 
 const EXAMPLES: &str = "\
 Examples:
-  gearbench                                    the default comparison, the same as
+  gearbench                                    the default comparison, equal to the next line
   gearbench compare spur_impact
   gearbench compare hammer --models rigid      one model of a shipped scene
   gearbench compare my_scene.toml --out out/a  a scene of your own
-  gearbench init                               a commented scene to start from
+  gearbench init                               a commented scene as a starting point
   gearbench reference my_scene.toml --model fe --out fe.csv --add
-  gearbench init own_gears                     gears of other programs and data from a file
+  gearbench init own_gears                     an example with gears of other programs and data from a file
   gearbench list                               scenes, models, integrators, references
 
 Results (--out DIR, default out/SCENE/STUDY/, printed at the end):
@@ -74,11 +74,12 @@ const VERSION: &str = concat!(
     ")"
 );
 
-/// Which gear-contact model and which integrator is just good enough for a scene, and what does it cost?
+/// Which gear-contact model and which integrator are just accurate enough for a scene, and what do they cost?
 ///
-/// gearbench simulates one scene under several gear models and integrators, measures every run against a
-/// finite-element reference and against the model's own converged solution, times it, keeps an energy and
-/// an impulse ledger, and writes one report. Without a command it compares the scene spur_impact.
+/// gearbench simulates one scene with several gear models and integrators. It compares each run with a
+/// finite-element reference and with the model's own converged solution, measures its processor time,
+/// computes its balances of energy and impulse, and writes one report. Without a command it compares the
+/// models of the scene spur_impact.
 #[derive(Clone, Debug, Parser)]
 #[command(
     name = "gearbench",
@@ -89,16 +90,16 @@ const VERSION: &str = concat!(
     max_term_width = 100
 )]
 pub struct Cli {
-    /// What to do; left out, `compare spur_impact`.
+    /// Command to run; without one, `compare spur_impact`.
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
-    /// Answer with one JSON object on standard output (a refusal: on standard error) in place of lines for people
+    /// Print one JSON object on standard output in place of text; for a refusal, on standard error
     #[arg(long, global = true, conflicts_with = "quiet")]
     json: bool,
     /// Print nothing but warnings and errors
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// Refuse what would take more memory than this [GB]
+    /// Largest memory that the command may use [GB]; work that needs more is refused
     #[arg(long, global = true, value_name = "GB", default_value_t = DEFAULT_MEMORY, value_parser = gigabytes)]
     memory: f64,
 }
@@ -106,7 +107,7 @@ pub struct Cli {
 /// The commands.
 #[derive(Clone, Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Write a commented scene to start from: a pair, a rack, a train, or a shipped one
+    /// Write a commented scene as a starting point: a pair, a rack, a train, or a shipped scene
     Init(Init),
     /// Run a study of a scene.
     #[command(flatten)]
@@ -115,17 +116,17 @@ pub(crate) enum Command {
     Mesh(Mesh),
     /// Reduce gears of a deck or a scene to modes and static compliance, stored for the elastic model and for numpy
     Reduce(Reduce),
-    /// Run a model as a reference for others: a CSV file, and the lines of the scene that name it
+    /// Run a model and store its results as a reference: a CSV file, and the lines that add it to the scene
     Reference(Reference),
     /// Pack a model of a scene as an FMU (FMI 3.0) for co-simulation and model exchange
     Fmu(Fmu),
-    /// List shipped scenes, gear models with their parameters, integrators and references, and what the cache holds
+    /// List shipped scenes, gear models with their parameters, integrators, references and the contents of the cache
     List(List),
-    /// Help on a command, or a document: scene, limits, data, fmus
+    /// Print help on a command, or a document: scene, limits, data, fmus
     Help(Help),
-    /// Write the report of a results folder again
+    /// Rewrite the report of a results folder
     Report(Report),
-    /// Make a study again from its record, and hold it against that
+    /// Repeat a study from its record and compare the results
     Rerun(Rerun),
     /// Print a script that completes commands and options in a shell
     Completions(Completions),
@@ -213,26 +214,26 @@ pub fn run(cli: Cli) -> ExitCode {
     terminal::end(&told, done)
 }
 
-/// Makes a study again from its record. A record is input from elsewhere: its command has to be the study that the record
-/// is of, and all that the study writes goes into the output folder.
+/// Makes a study again from its record. A record is input from elsewhere: its command has to be the study that the
+/// record is of, and all that the study writes goes into the output folder.
 fn again(args: &Rerun) -> Result<Answer, Refusal> {
     let again = rerun::prepare(args)?;
     let shown = again.command();
     let refuse = |help: String| {
         Refusal::Input(miette::miette!(
             help = help,
-            "the command of the record, `{shown}`, cannot be made again"
+            "the command of the record, `{shown}`, cannot be repeated"
         ))
     };
     let words = std::iter::once("gearbench").chain(again.words.iter().map(String::as_str));
     let command = match Cli::read(words) {
         Ok(cli) => cli.command,
         Err(e) if e.kind() == ErrorKind::DisplayHelp || e.kind() == ErrorKind::DisplayVersion => {
-            return Err(refuse("it asks for help, and runs nothing".into()));
+            return Err(refuse("it prints help and runs no study".into()));
         }
         Err(_) => {
             return Err(refuse(
-                "a record of another version may have a command that is called otherwise now"
+                "a record of another version may contain a command that has a different name now"
                     .into(),
             ));
         }
@@ -243,7 +244,7 @@ fn again(args: &Rerun) -> Result<Answer, Refusal> {
     };
     let study = study.ok_or_else(|| {
         refuse(format!(
-            "the record is of the study `{}`: only `gearbench {0} ..` makes it again",
+            "the record belongs to the study `{}`: only `gearbench {0} ..` repeats it",
             again.study()
         ))
     })?;

@@ -30,8 +30,8 @@ impl Refusal {
             Refusal::Interrupted => (
                 Exit::Interrupted,
                 miette::miette!(
-                    help = "the same command goes on with what is finished",
-                    "interrupted before there was anything to report"
+                    help = "the same command continues after the finished parts",
+                    "the command was interrupted before it had any results"
                 ),
             ),
         }
@@ -49,7 +49,7 @@ pub fn refuse_run(e: RunError) -> Refusal {
     match e {
         RunError::Build(e) => Refusal::Input(miette::miette!("{e}")),
         e @ (RunError::Method(_) | RunError::Unsupported(_)) => Refusal::Input(miette::miette!(
-            help = "`gearbench list` names the integrators; a step or tolerance follows an @, as in rk4@1us or dopri5@1e-6",
+            help = "`gearbench list` names the integrators; the step or tolerance follows an @, as in rk4@1us or dopri5@1e-6",
             "{e}"
         )),
         e @ RunError::NoLinearPart(_) => Refusal::Input(miette::miette!("{e}")),

@@ -25,33 +25,34 @@ use std::path::PathBuf;
 /// A command that runs a study and writes its folder.
 #[derive(Clone, Debug, Subcommand)]
 pub(crate) enum StudyCommand {
-    /// Compare the models and integrators of a scene, against its reference
+    /// Compare the models and integrators of a scene with its reference
     Compare(Compare),
-    /// Error against cost of every model, integrator and resolution of a scene, with its Pareto front
+    /// Compute error and cost of every model, integrator and resolution of a scene, and the Pareto front
     Precision(Precision),
-    /// Where methods fail: maps over step size and stiffness, damping, speed or modes, with theory beside
+    /// Map the stability of integrators over step size and stiffness, damping, speed or modes, and compare it with
+    /// theory
     Stability(Stability),
-    /// The cheapest model, integrator and step that keep a tolerance on a scene, and why
+    /// Choose the cheapest model, integrator and step that meet a tolerance on a scene, with reasons
     Choose(Choose),
-    /// Fit stiffness, tooth mass and touch time of the models to the scene's reference
+    /// Fit stiffness, tooth mass and time of first contact of the models to the scene's reference
     Identify(Identify),
-    /// Static mesh stiffness, load sharing and transmission error of the models of a scene
+    /// Compute static mesh stiffness, load sharing and transmission error of the models of a scene
     Stiffness(Stiffness),
-    /// Error of the elastic model by number of modes, against full finite elements on the same mesh
+    /// Compute the error of the elastic model over the number of modes, against full finite elements on the same mesh
     Truncation(Truncation),
-    /// Natural frequencies and shapes of the whole scene about its loaded state
+    /// Compute natural frequencies and mode shapes of the whole scene about its loaded state
     Modes(Modes),
-    /// Frequency response to the passing of teeth: transmission error and forces of mounts, without running
+    /// Compute the response to tooth mesh excitation in the frequency domain: transmission error and forces of mounts
     Response(Response),
-    /// Results over the penalty of the contact, beside hard contact
+    /// Compute results over the contact penalty and compare them with hard contact
     Penalty(Penalty),
-    /// Run under load at speed after speed: transmission error, bearing forces, spectra, resonances
+    /// Run under load at a series of speeds: transmission error, bearing forces, spectra, resonances
     Sweep(Sweep),
-    /// Gears as a sub-system whose hubs a host moves: error, energy and stability over the communication step
+    /// Couple the gears to a host that moves their hubs: error, energy and stability over the communication step
     Coupling(Coupling),
-    /// Run from one speed to another: spectra and orders over the speed, resonances
+    /// Run through a range of speed: spectra and orders over the speed, resonances
     RunUp(RunUp),
-    /// Hold results, work and runtime of chosen runs against a stored baseline, for CI
+    /// Compare results, work and runtime of selected runs with a stored baseline, for CI
     Check(Check),
 }
 
@@ -103,8 +104,8 @@ impl StudyCommand {
         }
     }
 
-    /// Returns the study with all of its output in one folder. Options that write elsewhere (a baseline, a calibration, the
-    /// scene) are left out, and so is what overwrites the work of others.
+    /// Returns the study with all of its output in one folder. Options that write elsewhere (a baseline, a calibration,
+    /// the scene) are left out, and so is what overwrites the work of others.
     pub(super) fn confined_to(mut self, folder: PathBuf) -> Self {
         match &mut self {
             StudyCommand::Identify(args) => args.write = None,

@@ -165,7 +165,7 @@ impl StudyFolder {
         match self.journal.take() {
             Some(journal) => Runner::new(journal, progress).announcing(&|pieces| {
                 say(&format!(
-                    "going on after {pieces} finished pieces of an interrupted start (--fresh starts over)"
+                    "continuing after {pieces} finished pieces of an interrupted study (--fresh repeats all)"
                 ));
             }),
             None => Runner::default(),
@@ -178,7 +178,7 @@ impl StudyFolder {
         let pieces = pieces(&self.path.join(JOURNAL));
         if pieces > 0 {
             say(&format!(
-                "interrupted: {pieces} finished pieces are kept; the same command goes on"
+                "interrupted: {pieces} finished pieces are stored; the same command continues the study"
             ));
         }
         Refusal::Interrupted
@@ -216,10 +216,15 @@ impl StudyFolder {
             }
             let what = match (&results.part, planned) {
                 (Part::Stability(_), _) => {
-                    "cells that were not made say so; the same command goes on".into()
+                    "cells that were not computed are marked; the same command continues the study"
+                        .into()
                 }
-                (_, 0) => format!("{parts} parts were finished; the same command goes on"),
-                _ => format!("{made} of {planned} runs were made; the same command goes on"),
+                (_, 0) => {
+                    format!("{parts} parts were finished; the same command continues the study")
+                }
+                _ => format!(
+                    "{made} of {planned} runs were finished; the same command continues the study"
+                ),
             };
             results.settings.push((INTERRUPTED_STUDY.into(), what));
         }
@@ -278,7 +283,7 @@ fn none_can_run(rows: &[Run]) -> Refusal {
         }
     }
     Refusal::Input(miette::miette!(
-        help = "take other models (--models), or a way out that the reasons name",
+        help = "choose other models (--models), or follow the advice in the reasons",
         "none of the models can run: {}",
         reasons.join("; ")
     ))
@@ -370,7 +375,7 @@ fn refuse_input(folder: &Path, input: &Path) -> Result<(), Refusal> {
     }
     Err(Refusal::Input(miette::miette!(
         help = "name another folder with --out",
-        "{}: `{}`, which the study reads, is in the folder that it would write to",
+        "{}: `{}`, an input of the study, is in the output folder",
         folder.display(),
         input.display()
     )))
@@ -401,7 +406,7 @@ fn belongs_to(
 ) -> Result<(), Refusal> {
     let refuse = |what: &str| {
         Err(Refusal::Input(miette::miette!(
-            help = "name another folder with --out, or replace what is there with --force",
+            help = "name another folder with --out, or replace its contents with --force",
             "{}: {what}",
             folder.display()
         )))
@@ -411,7 +416,7 @@ fn belongs_to(
         return match first_result(folder) {
             None => Ok(()),
             Some(name) => refuse(&format!(
-                "the folder has files that are not those of a study (`{name}`)"
+                "the folder contains files that no study has written (`{name}`)"
             )),
         };
     }

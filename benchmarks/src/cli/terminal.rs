@@ -113,7 +113,7 @@ fn put_error(text: &str) {
 pub fn end(command: &str, result: Result<Answer, Refusal>) -> ExitCode {
     if let Some(why) = gearbench_reference::reduction::cache::trouble() {
         warn(&format!(
-            "what was reduced is not kept for the next time: {why}; GEARBENCH_CACHE names another folder, or `off`"
+            "reductions cannot be stored in the cache: {why}; set GEARBENCH_CACHE to another folder, or to `off`"
         ));
     }
     let warnings = WARNINGS.lock().map_or_else(|_| Vec::new(), |w| w.clone());
@@ -141,7 +141,7 @@ pub fn end(command: &str, result: Result<Answer, Refusal>) -> ExitCode {
         None => exit.into(),
         Some(e) => {
             let report = miette::miette!(
-                help = "what was written to files is whole",
+                help = "the files of the command are complete",
                 "standard output cannot be written: {e}"
             );
             complain(command, Exit::BadInput, &report, Vec::new());

@@ -29,7 +29,7 @@ pub struct ContactLog {
 }
 
 /// The teeth of a contact that move on springs of their own.
-fn sprung_teeth(touch: &Touch) -> [Option<SprungTooth>; 2] {
+fn sprung_teeth(touch: &MemberContact) -> [Option<SprungTooth>; 2] {
     touch.sprung.map(|tooth| {
         tooth.map(|t| SprungTooth {
             radial_n: t.radial,

@@ -78,7 +78,7 @@ impl Converged {
 pub fn described() -> String {
     let [first, others @ ..] = TIGHT.map(|(rtol, _)| format!("{rtol:.0e}"));
     format!(
-        "{}, rtol {first} ({} where that takes too many steps); of gears with modes {} at a tenth of the shortest of its steps, or rtol {EXACT_RTOL:.0e}; each run names its own, which is at least ten times finer; a tolerance multiplies the scene's typical deflection and speed",
+        "{}, rtol {first} ({} if this needs too many steps); for gears with modes {} at a tenth of the shortest of its steps, or rtol {EXACT_RTOL:.0e}; each run names its converged solution, which is at least ten times finer; a tolerance is relative to the scene's typical deflection and speed",
         DOPRI5.info().id,
         others.join(", "),
         TRIGONOMETRIC.info().id,
@@ -137,7 +137,7 @@ pub fn of_model(job: &Job<'_>, row: &Run, candidates: &[Candidate]) -> Result<Fo
     match converged(job, candidates)? {
         Ok(found) => Ok(Ok(found)),
         Err(_) if candidates.is_empty() => Ok(Err(format!(
-            "{} coordinates are beyond the {SMALL} up to which a converged solution is computed",
+            "{} coordinates are too many: a converged solution is computed for at most {SMALL}",
             row.dofs
         ))),
         Err(why) => Ok(Err(why)),

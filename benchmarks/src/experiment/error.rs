@@ -52,11 +52,11 @@ impl RunError {
                 format!("the rotation of the carrier couples the gears on it; {OTHER}")
             }
             Some(Coupling::Gyroscopic(i)) => format!(
-                "gyroscopic terms couple the directions of `{}` on its bearing; leave them out (`spin_terms = \"off\"` of the bearing), or {OTHER}",
+                "gyroscopic terms couple the directions of `{}` on its bearing; remove them (`spin_terms = \"off\"` of the bearing), or {OTHER}",
                 name(i)
             ),
             Some(Coupling::Coriolis(i)) => format!(
-                "Coriolis forces couple the modes of `{}`; leave them out (`spin_terms = \"none\"` among the model's parameters), or {OTHER}",
+                "Coriolis forces couple the modes of `{}`; remove them (`spin_terms = \"none\"` in the parameters of the model), or {OTHER}",
                 name(i)
             ),
             Some(Coupling::Bearing(i)) => format!(
@@ -64,11 +64,11 @@ impl RunError {
                 name(i)
             ),
             Some(Coupling::Gear(i)) => format!(
-                "those of `{}` are none, as those of rigid and elastic gears are; {OTHER}",
+                "the coordinates of `{}` are coupled, in contrast to those of rigid and elastic gears; {OTHER}",
                 name(i)
             ),
             Some(Coupling::Shaft) | None => {
-                format!("a rigid shaft joins coordinates that swing; {OTHER}")
+                format!("a rigid shaft couples coordinates that vibrate; {OTHER}")
             }
         };
         RunError::NoLinearPart(format!(

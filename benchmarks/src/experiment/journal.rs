@@ -95,11 +95,11 @@ impl<'a> Line<'a> {
     fn read(bytes: &'a [u8]) -> Result<Self, String> {
         let line: Line<'_> = serde_json::from_slice(bytes).map_err(|e| e.to_string())?;
         if !bytes.ends_with(b"\n") {
-            return Err("it has no end".into());
+            return Err("its end is missing".into());
         }
         match sum(&line.key, line.result) == line.sum {
             true => Ok(line),
-            false => Err("its checksum is not that of its key and its result".into()),
+            false => Err("its checksum does not match its key and result".into()),
         }
     }
 }
@@ -132,7 +132,7 @@ pub enum JournalError {
     },
     /// A line before a sound one is damaged.
     #[error(
-        "{}:{line}: the line is damaged ({reason}); start over with --fresh",
+        "{}:{line}: the line is damaged ({reason}); repeat all runs with --fresh",
         path.display()
     )]
     Damaged {
@@ -145,7 +145,7 @@ pub enum JournalError {
     },
     /// What lies in its place is no journal.
     #[error(
-        "{}: {found}, where the journal of the study would be written; name another folder with --out, or remove it",
+        "{}: {found} in the place of the journal of the study; name another folder with --out, or remove it",
         path.display()
     )]
     Foreign {
@@ -156,8 +156,8 @@ pub enum JournalError {
     },
     /// It has finished pieces of another study.
     #[error(
-        "{}: {pieces} finished pieces of another study ({}) that was interrupted; name another folder with --out, go on \
-         with that study, or give its pieces up with --fresh",
+        "{}: {pieces} finished pieces of another, interrupted study ({}); name another folder with --out, continue that \
+         study, or discard its pieces with --fresh",
         path.display(), of(subject)
     )]
     Other {
@@ -357,7 +357,7 @@ impl Journal {
             .map_err(|e| self.io(e))?;
         let read = Line::read(&bytes).and_then(|line| match line.key == key {
             true => serde_json::from_str(line.result.get()).map_err(|e| e.to_string()),
-            false => Err("it has the key of another piece".into()),
+            false => Err("its key belongs to another piece".into()),
         });
         read.map(Some).map_err(|e| self.damaged(place.line, &e))
     }
@@ -503,7 +503,7 @@ mod tests {
         lines.swap(1, 3);
         std::fs::write(&file, lines.join("\n") + "\n").unwrap();
         let error = journal.get::<f64>("a").unwrap_err().to_string();
-        assert!(error.contains("key of another piece"), "{error}");
+        assert!(error.contains("key belongs to another piece"), "{error}");
     }
 
     #[test]

@@ -48,7 +48,7 @@ impl Pictures {
         let numbers = 2 * state.q.len() + state.discrete.len();
         let what = format!("the states of {} frames", self.frames);
         let bytes = 8.0 * self.frames as f64 * numbers as f64;
-        limits::check(what, bytes, "ask for fewer frames")?;
+        limits::check(what, bytes, "use fewer frames")?;
         let [from, to] = self.window;
         let last = self.frames.saturating_sub(1).max(1) as f64;
         Ok(Frames {

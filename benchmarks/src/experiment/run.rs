@@ -151,7 +151,7 @@ fn check_histories(job: &Job<'_>, scene: &Scene) -> Result<(), RunError> {
     let bytes = if job.histories { RECORDED } else { MEASURED };
     let what = format!("a run with {samples} samples of {columns} histories");
     let way_out =
-        "take fewer `samples` (table [study] of the scene), or fewer models and integrators";
+        "use fewer `samples` (table [study] of the scene), or fewer models and integrators";
     Ok(limits::check(
         what,
         bytes * samples as f64 * columns as f64,
@@ -226,7 +226,7 @@ fn timed_from(
         let n = scene.layout().n;
         let what = format!("{} for {n} coordinates", info.id);
         let way_out =
-            "take a method that solves with the model's own matrices, for example hht or newmark";
+            "use a method that solves with the matrices of the model, for example hht or newmark";
         limits::check(what, dense_bytes(n), way_out)?;
     }
     check_histories(job, scene)?;
@@ -268,7 +268,7 @@ fn timed_from(
     let observed = begin.read(monitor.spent);
     match &outcome {
         Err(StepError::Unsupported { .. }) if scene.layout().n == 0 => {
-            let why = "every gear is fixed or driven, nothing is left to integrate; free one of them, or take a method of fixed steps";
+            let why = "every gear is fixed or driven, so that there is nothing to integrate; free one of them, or use a method with fixed steps";
             return Err(RunError::Unsupported(why.into()));
         }
         Err(e @ StepError::Unsupported { .. }) => return Err(RunError::Unsupported(e.to_string())),

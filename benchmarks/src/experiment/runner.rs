@@ -263,7 +263,7 @@ impl<E: ModelRefusal> NotMade<E> {
         match self {
             NotMade::Interrupted => Ok((
                 Status::Interrupted,
-                "not made: the study was interrupted".into(),
+                "not run: the study was interrupted".into(),
             )),
             NotMade::Error(e) => match e.refusal() {
                 Some(why) => Ok((Status::Refused, why)),

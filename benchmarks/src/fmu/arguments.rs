@@ -7,11 +7,11 @@ const EXAMPLES: &str = "\
 Examples:
   gearbench fmu loaded_mesh                               loaded_mesh.fmu: torques on both hubs are inputs
   gearbench fmu hammer --model rigid --method rk4@1us --out hammer.fmu
-  gearbench fmu loaded_mesh --move pinion                 the host moves the pinion, and gets its forces
+  gearbench fmu loaded_mesh --move pinion                 the host prescribes the motion of the pinion
 
-The file serves co-simulation and model exchange under FMI 3.0. It needs the shared library of gearbench-fmu, which
-is looked for in the folder of this program and in ../lib, and is built in a checkout of gearbench with
-cargo build --release -p gearbench-fmu. `gearbench help fmus` describes inputs, outputs and what coupling costs in accuracy.";
+The FMU supports co-simulation and model exchange under FMI 3.0. The command needs the shared library of gearbench-fmu
+and searches for it in the folder of this program and in ../lib. In a checkout of gearbench,
+`cargo build --release -p gearbench-fmu` builds it. `gearbench help fmus` describes inputs, outputs and accuracy.";
 
 /// Arguments of `fmu`.
 #[derive(Args, Clone, Debug)]
@@ -22,11 +22,11 @@ pub struct Fmu {
     /// Model, by its label in the scene [default: the first of the study]
     #[arg(long, value_name = "LABEL")]
     pub model: Option<String>,
-    /// Integrator of co-simulation with step or tolerance, such as rk4@1us [default: the first of the model, or of the
+    /// Integrator for co-simulation with step or tolerance, such as rk4@1us [default: the first of the model, or of the
     /// study]
     #[arg(long, value_name = "METHOD")]
     pub method: Option<String>,
-    /// Gears whose hubs the host moves, between commas
+    /// Gears whose hub motion the host prescribes, separated by commas
     #[arg(long = "move", value_name = "GEAR,..", value_delimiter = ',')]
     pub moved: Vec<String>,
     /// Shared library of gearbench-fmu [default: the one in the folder of this program, or in ../lib]
@@ -35,7 +35,7 @@ pub struct Fmu {
     /// File to write [default: SCENE.fmu]
     #[arg(long, value_name = "F.fmu")]
     pub out: Option<PathBuf>,
-    /// Write over a file that is there, though it is not one that this command has written
+    /// Overwrite an existing file even if this command did not write it
     #[arg(long)]
     pub force: bool,
 }

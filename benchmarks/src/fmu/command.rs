@@ -59,7 +59,7 @@ fn choice<'a>(args: &Fmu, scene: &'a SceneFile) -> Result<&'a ModelChoice, Refus
         [one] => Ok(one),
         _ => Err(bad(
             "several models are named",
-            "an FMU holds one model: name one",
+            "an FMU contains one model: name one",
         )),
     }
 }
@@ -76,7 +76,7 @@ fn scheme(args: &Fmu, scene: &SceneFile, choice: &ModelChoice) -> Result<Scheme,
         [one] => Ok(*one),
         _ => Err(bad(
             "one method is needed",
-            "an FMU steps by one method: name one, as in --method rk4@1us",
+            "an FMU uses one integrator: name one, as in --method rk4@1us",
         )),
     }
 }
@@ -91,7 +91,7 @@ fn library_name() -> String {
 fn library(args: &Fmu) -> Result<Vec<u8>, Refusal> {
     let name = library_name();
     let build = format!(
-        "`{name}` comes with gearbench: put it into the folder of this program or name it with --library; in a checkout of \
+        "`{name}` is part of gearbench: put it into the folder of this program, or name it with --library; in a checkout of \
          gearbench `cargo build --release -p gearbench-fmu` makes target/release/{name}"
     );
     let path = match &args.library {

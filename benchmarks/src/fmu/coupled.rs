@@ -93,7 +93,7 @@ fn move_by_host(spec: &mut SceneSpec, name: &str) -> Result<(), SceneError> {
     let Some(gear) = spec.gears.iter().position(|g| g.name == *name) else {
         let names: Vec<&str> = spec.gears.iter().map(|g| g.name.as_str()).collect();
         return Err(SceneError::plain(
-            format!("there is no gear `{name}` for a host to move"),
+            format!("the scene has no gear `{name}` that a host could move"),
             format!(
                 "{}the scene has {}",
                 did_you_mean(name, &names),
@@ -105,8 +105,8 @@ fn move_by_host(spec: &mut SceneSpec, name: &str) -> Result<(), SceneError> {
     let mut on_shafts = stations.map(|s| &s.carries);
     if on_shafts.any(|c| matches!(c, StationMember::Gear(g) if *g == gear)) {
         return refuse(
-            format!("`{name}` stands on a shaft of the scene, which moves it"),
-            "leave the shaft to the host, or apply a torque to what is on it",
+            format!("`{name}` is on a shaft of the scene, which determines its motion"),
+            "model the shaft in the host, or apply a torque to a member on the shaft",
         );
     }
     let planets = spec.bodies().flat_map(|b| &b.planets);

@@ -206,7 +206,7 @@ fn read_files(file: &SceneFile, choice: &ModelChoice) -> Result<Vec<Entry>, Scen
         let Some(inside) = inside else {
             return Err(SceneError::plain(
                 format!(
-                    "{} does not lie beside or below the scene, so that an FMU cannot hold it",
+                    "{} is not in the folder of the scene or below it, so that an FMU cannot contain it",
                     path.display()
                 ),
                 "move it into the folder of the scene, and name it from there",

@@ -42,7 +42,7 @@ pub struct Settings {
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// A file cannot be read.
-    #[error("{path}: {error}; the resources of an FMU have to be unpacked as they are")]
+    #[error("{path}: {error}; the resources of an FMU have to be unpacked without changes")]
     Read {
         /// Which.
         path: String,
@@ -111,7 +111,7 @@ pub fn open(resources: &Path, token: &str) -> Result<Opened, OpenError> {
     let (settings, text) = (read(SETTINGS)?, read(SCENE)?);
     if Settings::token(&settings, &text) != token {
         return Err(OpenError::Changed(
-            "scene or settings are not those that the description was written for".into(),
+            "scene or settings do not match the model description".into(),
         ));
     }
     let settings: Settings = serde_json::from_str(&settings)?;
@@ -119,11 +119,11 @@ pub fn open(resources: &Path, token: &str) -> Result<Opened, OpenError> {
     let file = SceneFile::unbuilt(SCENE, &text, origin, true)?;
     let changed = |why: &str| OpenError::Changed(why.to_owned());
     let choice = (file.model(&settings.model)).ok_or_else(|| changed("the model is missing"))?;
-    let scheme = (settings.scheme()).ok_or_else(|| changed("step and tolerance are unclear"))?;
+    let scheme = (settings.scheme()).ok_or_else(|| changed("step and tolerance are not unique"))?;
     let coupled = Coupled::assemble(&file, choice, &settings.moved)?;
     if coupled.interface.key() != settings.interface {
         return Err(OpenError::Changed(format!(
-            "the library ({}) numbers variables otherwise than the program that packed it ({})",
+            "the library ({}) and the program that packed the FMU ({}) number variables differently",
             env!("CARGO_PKG_VERSION"),
             settings.gearbench
         )));

@@ -89,15 +89,15 @@ pub(super) fn calibration(
             };
             let there = match labels.is_empty() {
                 true => String::new(),
-                false => format!("; there is one for {}", suggest::words(&labels)),
+                false => format!("; the scene has one for {}", suggest::words(&labels)),
             };
             let way = match FittedTo::named(&name) {
                 None | Some(FittedTo::Impact) => String::new(),
                 Some(other) => format!(" --to {}", other.as_str()),
             };
             return at.refuse(
-                format!("there is no calibration \"{name}\" of `{label}` in scene `{scene}`"),
-                "not there",
+                format!("the scene `{scene}` has no calibration \"{name}\" of `{label}`"),
+                "this calibration is missing",
                 format!(
                     "fit it with `gearbench identify {from} --model {label}{way} --write`{there}"
                 ),
@@ -108,8 +108,8 @@ pub(super) fn calibration(
         let of_gears = found.parameters.keys().filter_map(|key| of_gear(key).0);
         if let Some(other) = of_gears.into_iter().find(|of| !gears.contains(of)) {
             return at.refuse(
-                format!("the calibration \"{name}\" of `{label}` in scene `{scene}` has constants of a gear `{other}`"),
-                "not a gear of this scene",
+                format!("the calibration \"{name}\" of `{label}` in scene `{scene}` has constants of a gear `{other}`, which is not in this scene"),
+                "unknown gear",
                 suggest::there_are(other, &gears),
             );
         }

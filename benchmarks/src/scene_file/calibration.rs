@@ -62,11 +62,13 @@ impl FittedTo {
     pub fn holds_for(self) -> &'static str {
         match self {
             FittedTo::Impact => {
-                "single impacts; under a load that stays it is too stiff, as an impact is over before the bodies give way"
+                "single impacts; under constant load the stiffness is too high, since an impact ends before the bodies deform"
             }
-            FittedTo::Static => "standing and slow running under load; impacts are too soft",
+            FittedTo::Static => {
+                "gears at rest and slow running under load; for impacts the stiffness is too low"
+            }
             FittedTo::Running => {
-                "running under load with impacts, as well as one set of constants can"
+                "running under load with impacts, with the best single set of constants"
             }
         }
     }
@@ -282,7 +284,7 @@ impl Calibration {
             if !NAMES.contains(&set.as_str()) {
                 return at.key(&set).refuse(
                     format!("unknown calibration `{set}`"),
-                    "not known here",
+                    "unknown name",
                     suggest::there_are(&set, &NAMES),
                 );
             }
@@ -298,7 +300,7 @@ impl Calibration {
                 if let Some((key, x, at)) = values.iter().find(|(key, x, _)| wrong(key, *x)) {
                     return at.refuse(
                         format!("`{key}` is {x}"),
-                        "expected more than zero",
+                        "expected more than 0",
                         "write the file again with `gearbench identify SCENE --write`",
                     );
                 }

@@ -172,7 +172,7 @@ fn friction(keys: &FrictionKeys, at: &Place<'_>) -> Result<Friction, SceneError>
                     "friction has {} of `v_ref_m_s` and `stick_m`",
                     if given.is_some() { "both" } else { "none" }
                 ),
-                "give one: `v_ref_m_s = 0.01` smooths it over a sliding speed, `stick_m = 1e-6` holds what sticks".into(),
+                "give one: `v_ref_m_s = 0.01` smooths friction over a sliding velocity, `stick_m = 1e-6` permits sticking".into(),
             ));
         }
     };

@@ -105,7 +105,7 @@ fn half_space(at: &Place<'_>) -> Result<PointContact, SceneError> {
     match others.find(|key| at.has(key)) {
         None => Ok(PointContact::half_space()),
         Some(key) => at.key(key).refuse(
-            format!("`{key}` belongs to the points of a mesh, but the flanks touch on half-spaces"),
+            format!("`{key}` belongs to the points of a mesh, but the contact uses half-spaces"),
             "remove this",
             "or give local = \"mesh\"",
         ),
@@ -125,7 +125,7 @@ fn rule(keys: &ContactKeys, at: &Place<'_>) -> Result<PointRule, SceneError> {
             return at.key("points").refuse(
                 "\"mortar\" belongs to hard contact, but the law is a penalty",
                 "expected \"quadrature\", \"nodes\" or { along, across }",
-                "or add law = \"hard\" and leave out the penalty",
+                "or add law = \"hard\" and remove the penalty",
             );
         }
     })
@@ -139,8 +139,8 @@ fn per_node(penalty: f64, keys: &ContactKeys, at: &Place<'_>) -> Result<PointCon
             ..PointContact::new(penalty)
         }),
         _ => at.key("penalty_n_per_m").refuse(
-            "`penalty_n_per_m` is the penalty of a node",
-            "but the points are not nodes",
+            "`penalty_n_per_m` is a penalty per node",
+            "the points are not nodes",
             "add points = \"nodes\", or give `penalty_pa_per_m`",
         ),
     }
@@ -153,15 +153,14 @@ fn hard(keys: &ContactKeys, at: &Place<'_>) -> Result<PointContact, SceneError> 
         return at.key(key).refuse(
             format!("`{key}` belongs to a penalty law, but the law is hard"),
             "remove this",
-            "or leave out law = \"hard\"",
+            "or remove law = \"hard\"",
         );
     }
     match keys.points {
         None | Some(PointsChoice::Mortar) => Ok(PointContact::hard(PointRule::default())),
         Some(PointsChoice::Nodes) => Ok(PointContact::hard(PointRule::Nodes)),
         Some(PointsChoice::Quadrature | PointsChoice::Grid(_)) => at.key("points").refuse(
-            "quadrature points have no forces of their own in hard contact: there are more of them than nodes that \
-             give way",
+            "hard contact cannot use quadrature points: they outnumber the nodes, so that their forces are not unique",
             "expected \"mortar\" or \"nodes\"",
             "\"mortar\" averages their gaps at the nodes",
         ),

@@ -54,9 +54,9 @@ pub(super) fn deviations(
     match (keys.class, keys.seed) {
         (Some(class), seed) => match measured.iter().find(|(_, given)| *given) {
             Some(&(key, _)) => at.key(key).refuse(
-                format!("`{key}` stands beside `class`"),
+                format!("`{key}` and `class` are both given"),
                 "remove this, or `class`",
-                "deviations are drawn from a class or measured",
+                "deviations are either random values of a class or measured values",
             ),
             None => Ok(Deviations::Class {
                 class,
@@ -64,9 +64,9 @@ pub(super) fn deviations(
             }),
         },
         (None, Some(_)) => at.key("seed").refuse(
-            "`seed` stands without `class`",
+            "`seed` is given without `class`",
             "remove this",
-            "a seed draws deviations of a class: `class = 6`",
+            "add a class: `class = 6`; the seed determines the random deviations of the class",
         ),
         (None, None) => Ok(Deviations::Given(Box::new(GivenDeviations {
             sides: [&keys.left, &keys.right]

@@ -42,7 +42,9 @@ impl SceneError {
         if !others.is_empty() {
             let help = first.help.take().unwrap_or_default();
             let others = others.join("\n");
-            first.help = Some(format!("{help}\nno other model can run either: {others}"));
+            first.help = Some(format!(
+                "{help}\nthe other models cannot run either: {others}"
+            ));
         }
         first
     }

@@ -54,7 +54,7 @@ impl SceneFile {
                 all.push(
                     place
                         .first(&["stiffness"])
-                        .error(message, "out of its range", ""),
+                        .error(message, "outside its range", ""),
                 );
             }
         }

@@ -229,8 +229,8 @@ pub(super) fn check_name(name: &str, at: &Place<'_>) -> Result<(), SceneError> {
         return Ok(());
     }
     at.refuse(
-        format!("the name of a gear is {name:?}: it becomes that of columns"),
-        "cannot be used",
+        format!("the gear has the name {name:?}, which cannot be part of a column name"),
+        "not a valid name",
         "give 1 to 60 characters, for example [gears.pinion]",
     )
 }
@@ -360,7 +360,7 @@ fn axis(given: Option<[f64; 3]>, at: &Place<'_>) -> Result<Option<Vec3>, SceneEr
     let length = Vec3::from(given).norm();
     if !(length.is_finite() && length > 0.0) {
         return at.refuse(
-            "the direction of the axis is none",
+            "the direction of the axis is zero",
             "no direction",
             "give a vector such as [0.0, 0.0, 1.0]",
         );
@@ -377,9 +377,9 @@ pub(super) fn initial_speed(
 ) -> Result<f64, SceneError> {
     match (speed, mount) {
         (Some(_), Mount::Driven(_)) => at.key(key).refuse(
-            format!("`{key}` stands beside a driven mount, which sets the speed"),
+            format!("`{key}` is given, but the driven mount prescribes the speed"),
             "remove this",
-            "the motion stands in `mount = { driven = .. }`",
+            "give the motion in `mount = { driven = .. }`",
         ),
         (Some(speed), Mount::Fixed) if speed != 0.0 => at.key(key).refuse(
             format!("`{key}` is {speed}, but the mount is fixed"),

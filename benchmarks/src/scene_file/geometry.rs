@@ -10,7 +10,7 @@ pub(super) fn geometry(at: &Place<'_>, e: &GeometryError) -> SceneError {
     let Reason { cause, help } = e.reason();
     let message = format!("{}: {cause}", at.header());
     at.first(keys_of(e))
-        .error(message, "this cannot be cut", help)
+        .error(message, "impossible geometry", help)
 }
 
 /// The keys that can cause a geometry error, the likeliest first.

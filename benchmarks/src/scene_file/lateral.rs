@@ -141,7 +141,7 @@ pub(super) fn misaligned(
                 .key(if about.is_some() { "about" } else { "angle" })
                 .refuse(
                     "`about` and `angle` belong together",
-                    "one of them",
+                    "only one is given",
                     "give both, as about = [0.0, 1.0, 0.0], angle = 0.03",
                 );
         }
@@ -152,7 +152,7 @@ pub(super) fn misaligned(
             format!("the axis is turned by {:.3} degrees", away.to_degrees()),
             "this much",
             format!(
-                "misalignments are small, at most {} degrees",
+                "a misalignment is at most {} degrees",
                 LARGEST_MISALIGNMENT.to_degrees()
             ),
         );
@@ -180,8 +180,8 @@ fn matrix(
     match (values, matrix) {
         (Some(_), Some(_)) => at.key(key).refuse(
             format!("`{key}` and `{key}_matrix` are both given"),
-            "one of them",
-            "the matrix holds the six values on its diagonal",
+            "only one is given",
+            "the diagonal of the matrix contains the six values",
         ),
         (None, Some(matrix)) => Ok(matrix),
         (values, None) => {
@@ -211,7 +211,7 @@ pub(super) fn lateral(
         return match of_body.into_iter().find(|(_, given)| *given) {
             None => Ok(None),
             Some((key, _)) => at.key(key).refuse(
-                format!("`{key}` has no effect on a hub that only turns"),
+                format!("`{key}` has no effect on a hub that only rotates"),
                 "this key",
                 "add `bearing` or `directions`, or remove it",
             ),
@@ -254,9 +254,9 @@ pub(super) fn lateral(
             if i == own {
                 let key = ["x", "", "", "", "", "tilt_z"][own];
                 return at.key("directions").key(key).refuse(
-                    format!("`{key}` is the gear's own motion"),
-                    "told by `mount`",
-                    "give it there",
+                    format!("`{key}` is the direction of motion of the mount"),
+                    "defined by `mount`",
+                    "give it in `mount`",
                 );
             }
             spec.directions[i] = freedom;

@@ -148,10 +148,10 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
         let near = suggest::did_you_mean(path_or_name, &names);
         let file = path.with_extension("toml");
         let help = match (file.is_file(), path.is_file()) {
-            (true, _) => format!("write `{}`, which is here", file.display()),
-            (_, true) => "the file is here, but scenes end in .toml".to_owned(),
+            (true, _) => format!("write `{}`, the file in this folder", file.display()),
+            (_, true) => "this file exists, but the names of scenes end in .toml".to_owned(),
             _ => format!(
-                "{near}shipped are {}; a scene of your own is a path that ends in .toml",
+                "{near}shipped scenes are {}; the path of your own scene ends in .toml",
                 names.join(", ")
             ),
         };
@@ -181,7 +181,7 @@ fn contents(folder: &Path) -> String {
     if folder.join(RECORD).is_file() {
         let shown = folder.display();
         return format!(
-            "it holds the record of a study: `gearbench report {shown}` writes its page again, `gearbench rerun {shown}` makes it again"
+            "it contains the record of a study: `gearbench report {shown}` rewrites its report, `gearbench rerun {shown}` repeats the study"
         );
     }
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
@@ -192,7 +192,7 @@ fn contents(folder: &Path) -> String {
     scenes.sort();
     scenes.truncate(MOST_NAMED);
     match scenes.is_empty() {
-        true => "name a scene file, which ends in .toml: `gearbench init` writes one".to_owned(),
+        true => "name a scene file with the ending .toml: `gearbench init` writes one".to_owned(),
         false => format!("name a scene file in it, such as {}", scenes.join(", ")),
     }
 }
@@ -218,7 +218,7 @@ pub(super) fn find_calibration(
             Err(e) => {
                 return Err(SceneError::plain(
                     format!("{}: {e}", beside.display()),
-                    "expected a file of calibrations as `gearbench identify --write` makes it; move it away to run without",
+                    "expected a calibration file of `gearbench identify --write`; move it elsewhere to run without it",
                 ));
             }
         }

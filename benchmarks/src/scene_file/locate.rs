@@ -12,7 +12,7 @@ impl SceneFile {
         let models = self.document.at("models");
         let model = choice.map_or_else(|| models.root(), |i| models.member(i));
         let help = match error.reason.help.as_str() {
-            "" => "correct the value, or leave it out to take the default",
+            "" => "correct the value, or remove it to use the default",
             help => help,
         };
         let message = format!(
@@ -121,10 +121,10 @@ impl SceneFile {
         };
         let error = place.error(
             format!(
-                "model `{}`: its gears touch along lines of action, a contact of flank points has no effect",
+                "model `{}`: its gears are in contact along lines of action, so that a contact of flank points has no effect",
                 choice.label
             ),
-            "no flanks to touch with",
+            "no flank points",
             "give the stiffness of a tooth pair, such as stiffness = \"iso6336\", or another gear model",
         );
         match points.hard {

@@ -67,7 +67,7 @@ pub(super) fn meshes(
         if let Some(other) = meshes.iter().position(same) {
             return Err(at.key("gears").against(
                 (&all.member(other).key("gears"), "first here"),
-                "these two gears mesh twice",
+                "these two gears have two meshes",
                 "again here",
                 "remove one of the two meshes",
             ));
@@ -78,9 +78,9 @@ pub(super) fn meshes(
         let again = pair.map(|i| std::mem::replace(&mut seen[i], true));
         if keys.start.is_some() && again == [true; 2] {
             return at.key("start").refuse(
-                "both gears have their angle from earlier meshes",
-                "this start cannot be met",
-                "remove `start` here; the mesh closes a loop and starts where the others put it",
+                "earlier meshes already determine the angles of both gears",
+                "conflicting start",
+                "remove `start` here; the mesh closes a loop, and the other meshes determine its start",
             );
         }
         meshes.push(MeshSpec {
@@ -93,7 +93,7 @@ pub(super) fn meshes(
         Some(i) => {
             let name = &gears[i].spec.name;
             root.key("gears").key(name).refuse(
-                format!("gear `{name}` takes part in no mesh"),
+                format!("gear `{name}` is in no mesh"),
                 "this gear",
                 format!("add a [[meshes]] with `{name}`, or remove the gear"),
             )
@@ -123,16 +123,16 @@ fn pair_of(keys: &MeshKeys, gears: &[GearDraft], at: &Place<'_>) -> Result<[usiz
     if pair[0] == pair[1] {
         return at.refuse(
             "a gear cannot mesh with itself",
-            "twice the same",
+            "the same gear twice",
             "name two gears",
         );
     }
     if let [Body::Rack(_), second] = pair.map(|i| &gears[i].spec.body) {
         let way_out = match second {
             Body::Gear(_) => format!("write gears = [\"{}\", \"{}\"]", two.0, one.0),
-            Body::Rack(_) => "two racks do not mesh; one of them must be a gear".to_owned(),
+            Body::Rack(_) => "two racks cannot mesh; one of them has to be a gear".to_owned(),
         };
-        let message = "the first gear of a mesh may not be a rack";
+        let message = "the first gear of a mesh must not be a rack";
         return at.member(0).refuse(message, "a rack", way_out);
     }
     Ok(pair)
@@ -157,12 +157,12 @@ fn put(
             let own = [b, a].map(|i| &gears[i].spec.name);
             let own = own.into_iter().find(|name| all.key(name).has("position_m"));
             return at.key(key).refuse(
-                format!("`{key}` is given, but both gears have a position already"),
+                format!("`{key}` is given, but the positions of both gears are known"),
                 "too much",
                 match own {
                     Some(name) => format!("remove it, or remove `position_m` of `{name}`"),
                     None => {
-                        "remove it: earlier meshes place both gears, and this one closes a loop"
+                        "remove it: earlier meshes determine the positions of both gears, and this mesh closes a loop"
                             .into()
                     }
                 },
@@ -180,9 +180,9 @@ fn put(
         (Some(distance), None) => distance.0,
         (None, Some(_)) if [a, b].iter().any(|i| is_conical(&gears[*i].spec.body)) => {
             return at.key("backlash_m").refuse(
-                "the backlash of conical gears does not tell where they stand",
-                "no place follows from this",
-                "give `centre_distance_m` for parallel axes, or `position_m` and `axis` to the gears",
+                "the backlash of conical gears does not determine their positions",
+                "no position follows from this",
+                "give `centre_distance_m` for parallel axes, or `position_m` and `axis` of the gears",
             );
         }
         (None, Some(backlash)) => for_backlash(&gears[a].spec.body, &gears[b].spec.body, backlash)
@@ -192,12 +192,12 @@ fn put(
                 (&at.key("centre_distance_m"), "this"),
                 "centre distance and backlash are both given",
                 "and this",
-                "remove one: the other follows from it",
+                "remove one of them: it follows from the other",
             ));
         }
         (None, None) => {
             return at.refuse(
-                format!("where `{}` stands is not given", gears[b].spec.name),
+                format!("the position of `{}` is not given", gears[b].spec.name),
                 "in this mesh",
                 match gears.iter().find(|g| g.position == Some([0.0; 3])) {
                     Some(first) if is_internal(&gears[b].spec.body) => format!(
@@ -205,7 +205,7 @@ fn put(
                          `backlash_m` here",
                         gears[b].spec.name, first.spec.name
                     ),
-                    _ => "add `centre_distance_m` or `backlash_m` here, or `position_m = [x, y]` to the gear"
+                    _ => "add `centre_distance_m` or `backlash_m` here, or `position_m = [x, y]` of the gear"
                         .to_owned(),
                 },
             );
@@ -345,7 +345,7 @@ fn start_of(keys: Option<&StartKeys>, pair: &Pair, at: &Place<'_>) -> Result<Sta
     if at.has("gap_m") && gap > backlash * (1.0 + 1e-9) {
         return at.key("gap_m").refuse(
             format!("the gap {gap:.4e} m is larger than the normal backlash {backlash:.4e} m"),
-            "the other flanks would overlap",
+            "the opposite flanks would overlap",
             "use a smaller gap, a larger centre distance or thinner teeth",
         );
     }
@@ -354,7 +354,7 @@ fn start_of(keys: Option<&StartKeys>, pair: &Pair, at: &Place<'_>) -> Result<Sta
         Some(x) if !(start..=end).contains(&x) => at.key("path_coordinate_m").refuse(
             format!("the path coordinate {x:.6e} m lies outside the path of contact"),
             format!("expected {start:.6e} to {end:.6e} m"),
-            "leave it out to start at the pitch point",
+            "remove it to start at the pitch point",
         ),
         _ => Ok(Start {
             side,
@@ -380,9 +380,9 @@ pub(super) fn misalign<'k>(
         let layout = mesh.map(|m| mesh_layout(&spec.gears[m.gears[0]], &spec.gears[m.gears[1]]));
         let (Some(mesh), Some(Ok(layout))) = (mesh, layout) else {
             return at.refuse(
-                "there is no mesh whose plane of action tells the direction",
+                "no mesh determines the direction of the axis",
                 "this",
-                "give the direction of the axis by `axis`",
+                "give the direction as `axis`",
             );
         };
         let angle = layout.direction + std::f64::consts::FRAC_PI_2 - layout.working_pressure_angle;

@@ -147,7 +147,7 @@ impl TryFrom<String> for SceneName {
         }
         let shown: String = name.chars().take(60).collect();
         Err(format!(
-            "the name \"{shown}\" cannot be used: it becomes a folder; the `title` may be any text"
+            "the name \"{shown}\" cannot be the name of a folder; the `title` may be any text"
         ))
     }
 }

@@ -190,7 +190,7 @@ fn model(
         let Some(found) = names.iter().position(|n| *n == name) else {
             return at.refuse(
                 format!("there is no gear `{name}`"),
-                "not known here",
+                "unknown name",
                 suggest::there_are(&name, &names),
             );
         };
@@ -278,7 +278,7 @@ fn parameters(
             };
             return at.key(&key).refuse(
                 format!("the model `{model}` has no parameter `{key}`"),
-                "not known here",
+                "unknown name",
                 suggest::help_for(&key, number, &names, &meaning),
             );
         }

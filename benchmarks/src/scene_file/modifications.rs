@@ -123,14 +123,14 @@ pub(super) fn topography(
     if let (Some(_), Some((key, _))) = (&keys.both, sides.iter().find(|(_, k)| k.is_some())) {
         return Err(at.key("both").against(
             (&at.key(key), "this"),
-            format!("`both` and `{key}` say what is removed of the same flanks"),
+            format!("`both` and `{key}` define the removed material of the same flanks"),
             "and this",
             "remove one",
         ));
     }
     if keys.both.is_none() && sides.iter().all(|(_, k)| k.is_none()) {
         return at.refuse(
-            "the topography has no amounts",
+            "the topography contains no amounts",
             "here",
             "add `both`, `left` or `right`: rows from root to tip, or a CSV file",
         );
@@ -173,7 +173,7 @@ fn rows_of(path: &Path, at: &Place<'_>) -> Result<Vec<Vec<f64>>, SceneError> {
         Ok(bytes) => bytes,
         Err(e) => {
             let help = match e.kind() {
-                ErrorKind::NotFound => "paths count from the folder of the scene file",
+                ErrorKind::NotFound => "paths are relative to the folder of the scene file",
                 ErrorKind::FileTooLarge => "give at most 1000 rows of 1000 amounts",
                 _ => "give the path of a readable CSV file of numbers",
             };
@@ -208,7 +208,7 @@ fn rows_of(path: &Path, at: &Place<'_>) -> Result<Vec<Vec<f64>>, SceneError> {
                     i + 1,
                     j + 1
                 );
-                return refuse(found, "lines of names begin with `#`");
+                return refuse(found, "start lines of names with `#`");
             };
             row.push(value);
         }

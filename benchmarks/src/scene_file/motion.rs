@@ -204,15 +204,15 @@ impl Start<'_> {
             let speed = short(left.abs(), 3);
             let pair = self.pair(mesh);
             let what = match (both, mesh.start.side.sign() * left > 0.0) {
-                (true, _) => format!("the flanks of {pair} strike at {speed} m/s"),
+                (true, _) => format!("the flanks of {pair} collide at {speed} m/s"),
                 (_, true) => format!("the flanks of {pair} close at {speed} m/s at the start"),
                 (_, false) => format!(
-                    "the flanks of {pair} open at {speed} m/s at the start, and the opposite flanks strike"
+                    "the flanks of {pair} separate at {speed} m/s at the start, and the opposite flanks collide"
                 ),
             };
             let what = match force.is_finite() {
                 true => format!("{what}, an impact of the order of {} N", short(force, 2)),
-                false => format!("{what}, and neither gear can give way"),
+                false => format!("{what}, and neither gear can move freely"),
             };
             let carrier = self.train.carrier_of(mesh);
             for member in mesh.gears.into_iter().chain(carrier) {
@@ -248,9 +248,9 @@ impl Start<'_> {
         };
         place.error(
             format!("{is}: {what}"),
-            "out of step",
+            "speed does not match the train",
             format!(
-                "in step with the train it has {key} = {}",
+                "the kinematics of the train give {key} = {}",
                 written(right, 7)
             ),
         )
@@ -325,10 +325,10 @@ impl Start<'_> {
                 if !judged.contains(&train[0]) {
                     judged.push(train[0]);
                     found.push(self.load_place(&train).error(
-                        format!("the loads press no flank of {}", self.pair(mesh)),
+                        format!("the loads act on no flank of {}", self.pair(mesh)),
                         "these loads",
-                        "a load on one gear and a load that holds it on the other press flanks: in balance \
-                         torques of a pair of gears are in the ratio of their teeth and have one sign",
+                        "give a load on one gear and an opposing load on the other: balanced torques of a pair of \
+                         gears have the ratio of their numbers of teeth and the same sign",
                     ));
                 }
                 continue;
@@ -351,8 +351,8 @@ impl Start<'_> {
             let (own, other) = (word(start), word(pressed));
             found.push(at.error(
                 format!(
-                    "the loads press the {other} flanks of {}, which start on the {own} ones: the flanks part and cross \
-                     the backlash",
+                    "the loads act on the {other} flanks of {}, which start on the {own} flanks: the flanks separate \
+                     and cross the backlash",
                     self.pair(mesh)
                 ),
                 format!("the {own} flanks"),
@@ -403,12 +403,12 @@ impl Start<'_> {
             let last = powers[powers.len() - 1].0;
             found.push(self.place(last).key("loads").error(
                 format!(
-                    "the loads on {} all act with the motion, and nothing brakes: the train accelerates",
+                    "all loads on {} act in the direction of motion, so that the train accelerates",
                     names.join(" and ")
                 ),
-                "acts with the motion",
+                "acts in the direction of motion",
                 format!(
-                    "a load that brakes `{}` has the opposite sign",
+                    "a braking load on `{}` has the opposite sign",
                     self.name(last)
                 ),
             ));

@@ -56,7 +56,7 @@ pub(super) fn pressure_angle(angle: f64, gear: &Place<'_>) -> Result<(), SceneEr
     };
     place.refuse(
         format!(
-            "a pressure angle of {} degrees: no tool cuts such teeth",
+            "a pressure angle of {} degrees, which no tool can cut",
             short(degrees, 4)
         ),
         format!("expected at least {LEAST_PRESSURE_ANGLE} degrees"),
@@ -114,7 +114,7 @@ fn driven(scene: &SceneFile) -> Result<(), SceneError> {
     let gear = scene.document.at("gears").key(b);
     gear.first(&["mount"]).refuse(
         format!("`{a}` and `{b}` mesh and are both driven"),
-        "nothing is left to move",
+        "no free gear",
         format!("drive one of them and give the other `loads`, for example {b}.loads = [{{ torque_nm = 10.0 }}]"),
     )
 }
@@ -131,7 +131,7 @@ fn tolerance(scene: &SceneFile, at: &Place<'_>) -> Option<SceneError> {
     };
     let odd = TOLERANCE.odd(&place, key, of.limit)?;
     let message = format!(
-        "`{key}` = {} accepts an error of {} %",
+        "`{key}` = {} permits an error of {} %",
         short(of.limit, 4),
         short(100.0 * of.limit, 4)
     );
@@ -179,7 +179,7 @@ fn tooth_springs(scene: &SceneFile, model: &ModelChoice) -> Result<(), SceneErro
                     gear.name,
                     short(wave, 3)
                 ),
-                "a tooth of steel has about 5e8 N/m per 10 mm of width and a few grams; for teeth without springs take the model `rigid`",
+                "a tooth of steel has about 5e8 N/m per 10 mm of width and a few grams; for teeth without springs use the model `rigid`",
             );
             let key = match p.tooth_stiffness_n_per_m {
                 Some(_) => "tooth_stiffness_n_per_m",
@@ -213,7 +213,7 @@ fn calibrated(scene: &SceneFile, model: &ModelChoice, at: &Place<'_>) -> Option<
             ),
             "odd",
             format!(
-                "take \"running\" or \"static\": `gearbench identify {} --to running --write` fits it",
+                "use \"running\" or \"static\": `gearbench identify {} --to running --write` fits it",
                 calibration.scene
             ),
         )
@@ -274,14 +274,15 @@ fn speed(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(
     if surface >= sound {
         let young = short(gear.material.young, 4);
         return place.refuse(
-            format!("{what}, beyond the speed of sound in their material, {} m/s", short(sound, 4)),
-            "no solid holds together at this speed",
-            format!("speeds are in rad/s (of a rack in m/s), and Young's modulus, here {young} Pa, is in pascal"),
+            format!("{what}, faster than the speed of sound in their material, {} m/s", short(sound, 4)),
+            "no solid withstands this speed",
+            format!("give speeds in rad/s (of a rack in m/s) and Young's modulus, here {young} Pa, in pascal"),
         );
     }
     if surface > FAST {
-        let help =
-            format!("gears run at up to some {FAST} m/s; speeds are in rad/s, of a rack in m/s");
+        let help = format!(
+            "pitch line velocities of gears are at most about {FAST} m/s; give speeds in rad/s, of a rack in m/s"
+        );
         odd.push(place.error(what, "odd", help));
     }
     Ok(())
@@ -301,7 +302,7 @@ fn loads(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(
         let stress = force / (module * width);
         let place = at.key("loads").member(i);
         let what = format!(
-            "the load means {} N on the teeth of `{}`, {} of its Young's modulus over module and face width",
+            "the load causes {} N on the teeth of `{}`, {} of its Young's modulus times module and face width",
             short(force, 3),
             gear.name,
             short(stress / gear.material.young, 3)
@@ -309,12 +310,16 @@ fn loads(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(
         if stress >= gear.material.young {
             return place.refuse(
                 what,
-                "no solid carries this",
-                "torques are in N m, forces in N, lengths in metres, Young's modulus in pascal",
+                "too large for any solid",
+                "give torques in N m, forces in N, lengths in metres, Young's modulus in pascal",
             );
         }
         if stress > HEAVY * gear.material.young {
-            odd.push(place.error(what, "odd", "hardly any steel carries a hundredth of it"));
+            odd.push(place.error(
+                what,
+                "odd",
+                "few steels withstand a hundredth of Young's modulus",
+            ));
         }
     }
     Ok(())
@@ -371,7 +376,7 @@ fn steps(schemes: &[Scheme], scene: &SceneFile, at: &Place<'_>) -> Result<(), Sc
     for (i, scheme) in schemes.iter().enumerate() {
         if let Some(why) = too_long(scheme, scene.duration) {
             let place = at.member(i);
-            let help = "give a smaller step; contact wants some microseconds or less";
+            let help = "give a smaller step; contact usually needs microseconds or less";
             return place.first(&["step_s"]).refuse(why, "too long", help);
         }
     }

@@ -157,14 +157,14 @@ fn dry(
         (None, None, None) => return Ok(None),
         (None, _, _) => {
             return Err(format!(
-                "`{of_stick}` and `{of_v_ref}` are of friction: give `{of_force}` beside it"
+                "`{of_stick}` and `{of_v_ref}` belong to friction: also give `{of_force}`"
             ));
         }
         (_, Some(l), None) => FrictionForm::StickSlip(l),
         (_, None, Some(v)) => FrictionForm::Regularised(v),
         _ => {
             return Err(format!(
-                "friction takes one of two forms: give `{of_stick}`, over which it holds what sticks, or `{of_v_ref}`, over which it is smoothed"
+                "friction needs one regularisation: give `{of_stick}`, the elastic displacement while it sticks, or `{of_v_ref}`, the sliding velocity over which it is smoothed"
             ));
         }
     };
@@ -203,7 +203,7 @@ macro_rules! guides {
                 };
                 if guide == Guide::default() {
                     return Err(format!(
-                        "a guide without spring, damper and friction guides nothing: give `{}`, `{}` or `{}`",
+                        "a guide without spring, damper and friction has no effect: give `{}`, `{}` or `{}`",
                         stringify!($stiffness), stringify!($damping), stringify!($friction),
                     ));
                 }

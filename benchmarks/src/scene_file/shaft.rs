@@ -148,7 +148,7 @@ fn shaft(
         (Some(_), Some(_)) => {
             return Err(at.key("damping_s").against(
                 (&at.key("damping_ratio"), "this"),
-                "damping is given twice",
+                "two values of damping are given",
                 "and this",
                 "give a ratio or a time",
             ));
@@ -198,8 +198,8 @@ fn carried(
             ];
             if let Some(key) = of_body.into_iter().find(|key| at.has(key)) {
                 return at.key(key).refuse(
-                    format!("`{key}` stands beside a gear"),
-                    "of a body",
+                    format!("`{key}` is given for a gear"),
+                    "a key of bodies",
                     format!("give it in [gears.{}]", gear.0),
                 );
             }
@@ -229,8 +229,8 @@ fn carried(
     let fits = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
     if name.is_empty() || name.len() > 60 || !name.chars().all(fits) {
         return at.key("body").refuse(
-            "the name of a body becomes that of columns",
-            "cannot be used",
+            "the name of a body has to be valid in column names",
+            "not a valid name",
             "give 1 to 60 letters, digits, `_`, `-`",
         );
     }

@@ -235,15 +235,15 @@ fn scheme(keys: &IntegratorKeys, at: &Place<'_>) -> Result<Scheme, SceneError> {
         }
         (Some(_), None, Stepping::Adaptive) => {
             return at.key("step_s").refuse(
-                format!("{id} chooses its steps"),
-                "it takes no step",
+                format!("{id} controls its step size"),
+                "no fixed step",
                 "give `rtol`, for example 1e-6",
             );
         }
         (None, Some(_), Stepping::Fixed) => {
             return at.key("rtol").refuse(
                 format!("{id} has fixed steps"),
-                "it takes no tolerance",
+                "no tolerance",
                 "give `step_s`, for example 1e-6",
             );
         }
@@ -289,14 +289,14 @@ pub(super) fn tolerance(
         (Some("reference"), None, _) => {
             return at.key("against").refuse(
                 "the scene has no reference",
-                "nothing to refer to",
+                "no reference",
                 "write \"self\", or give the scene a `reference`",
             );
         }
         (Some(name), ..) if own().any(|r| r.name == name) => name,
         (Some("model"), _, None) => {
             return at.key("against").refuse(
-                "the tolerance is against a model, but the study names none",
+                "the tolerance refers to a model, but the study has no `reference_model`",
                 "against nothing",
                 "add `reference_model = \"LABEL\"` to [study]",
             );
@@ -309,11 +309,11 @@ pub(super) fn tolerance(
             if let Some(other) = references.iter().find(|r| r.name == name) {
                 return place.refuse(
                     format!(
-                        "the reference \"{}\" is of other conditions than the scene",
+                        "the reference \"{}\" belongs to other conditions than the scene",
                         other.name
                     ),
-                    "models are not run there",
-                    "it serves identification; name one of the scene's own speeds and loads",
+                    "no runs at these conditions",
+                    "it is used by identification only; name a reference with the speeds and loads of the scene",
                 );
             }
             return place.refuse(
@@ -331,8 +331,8 @@ pub(super) fn tolerance(
     {
         return at.key("metric").refuse(
             format!("the tolerance limits {metric} against \"{against}\", a run of gearbench"),
-            "of references alone",
-            "write `against` the name of a reference that has angles or torques, or limit a force",
+            "defined for references only",
+            "set `against` to a reference with angles or torques, or use a metric of the force",
         );
     }
     Ok(Tolerance {

@@ -231,7 +231,7 @@ impl Usual {
                 format!("if {value} is in {slip}, write {key} = {right}")
             }
             None => format!(
-                "usual are {} to {} {unit}",
+                "typical values are {} to {} {unit}",
                 scientific(least),
                 scientific(most)
             )
@@ -239,7 +239,7 @@ impl Usual {
             .to_owned(),
         };
         let message = format!(
-            "`{key}` = {} {unit} is far from what gears have",
+            "`{key}` = {} {unit} is far outside the typical range of gears",
             plain(value)
         );
         Some(place.error(message.replace("  ", " "), "odd", help))

@@ -11,8 +11,8 @@ const EXAMPLES: &str = "\
 Examples:
   gearbench init                                two gears under load, pair.toml
   gearbench init train --out gearbox.toml       three gears
-  gearbench init spur_impact                    a shipped scene as it is, with its fitted constants
-  gearbench init own_gears                      a folder: gears of other programs, data from a file, five commands
+  gearbench init spur_impact                    a copy of a shipped scene with its fitted constants
+  gearbench init own_gears                      a folder with gears of other programs, data in a file, and five commands
   gearbench init check                          check.toml, for `gearbench check`
   gearbench init workflow                       workflow.yml, which runs that check for every pull request";
 
@@ -35,7 +35,7 @@ const OTHERS: [(&str, &str, &str, &str); 2] = [
         "workflow",
         "yml",
         include_str!("../../templates/workflow.yml"),
-        "its first lines say what it needs",
+        "its first lines state its requirements",
     ),
 ];
 
@@ -73,10 +73,10 @@ pub struct Init {
     /// pair, rack, train, the name of a shipped scene, own_gears, check or workflow
     #[arg(value_name = "WHAT", default_value = TEMPLATES[0].0)]
     pub what: String,
-    /// File to write [default: WHAT.toml], of own_gears the folder
+    /// File to write [default: WHAT.toml]; for own_gears, the folder
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Write over a file that is there
+    /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,
 }
@@ -126,7 +126,7 @@ fn write_folder(args: &Init) -> Result<Answer, Refusal> {
     let folder = absolute(folder);
     say(&format!("written: {}", folder.display()));
     say(&format!(
-        "go there; the first lines of {} have the commands",
+        "change to this folder; the first lines of {} contain the commands",
         FILES[0].0
     ));
     Ok(Answer::done().with("written", folder))
@@ -146,7 +146,7 @@ fn text(what: &str) -> Result<String, SceneError> {
                 .chain([FOLDER])
                 .collect::<Vec<_>>();
             Err(SceneError::plain(
-                format!("there is no scene `{what}` to start from"),
+                format!("there is no template or shipped scene `{what}`"),
                 format!(
                     "{}there are {}",
                     did_you_mean(what, &names),
@@ -168,7 +168,7 @@ fn alone(shipped: &Shipped) -> String {
     match constants.is_empty() {
         true => shipped.text.to_owned(),
         false => format!(
-            "{}\n\n# Fitted constants; `gearbench identify FILE --write` writes others beside this file, which then count.\n{}\n",
+            "{}\n\n# Fitted constants; `gearbench identify FILE --write` writes others to a calibration file, which then takes precedence.\n{}\n",
             shipped.text.trim_end(),
             constants.join("\n")
         ),

@@ -37,10 +37,10 @@ pub enum Section {
 #[derive(Args, Clone, Debug, Default)]
 #[command(after_help = EXAMPLES)]
 pub struct List {
-    /// What to list with all details; left out, a line for each of all
+    /// Part to list with all details [default: all parts, one line per entry]
     #[arg(value_name = "WHAT")]
     pub section: Option<Section>,
-    /// Remove the reductions that are kept in the cache ($GEARBENCH_CACHE, else the user's cache folder), and list
+    /// Remove all reductions from the cache ($GEARBENCH_CACHE, else the user's cache folder), then list
     #[arg(long)]
     pub clear_cache: bool,
 }
@@ -84,7 +84,7 @@ pub fn run(args: &List) -> Result<Answer, Refusal> {
     if args.section.is_none() {
         cached.print(removed);
         answer = answer.with("cache", cached.to_json());
-        say("\n`gearbench list scenes`, `models` and `integrators` have the details");
+        say("\n`gearbench list scenes`, `models` and `integrators` print the details");
     }
     Ok(answer)
 }
@@ -137,7 +137,7 @@ impl Cached {
 
     fn print(&self, removed: usize) {
         say(
-            "\ncache of reductions (--clear-cache removes it; GEARBENCH_CACHE names its folder, or `off`)",
+            "\ncache of reductions (--clear-cache empties it; GEARBENCH_CACHE sets its folder, or `off`)",
         );
         let Some(folder) = &self.folder else {
             return say("  off");
@@ -146,7 +146,7 @@ impl Cached {
             say(&format!("  {removed} files were removed"));
         }
         say(&format!(
-            "  {}: {} files, {:.1} MB of at most {:.1} GB, beyond which those go that were not used for longest",
+            "  {}: {} files, {:.1} MB of at most {:.1} GB; the least recently used files are removed first",
             folder.display(),
             self.files.len(),
             1e-6 * self.bytes as f64,
@@ -260,7 +260,7 @@ fn print_integrators(in_full: bool) {
     }
     if in_full {
         say(&format!(
-            "  all take {} in {{0, 1}}, default {}; {}",
+            "  all have the parameter {} in {{0, 1}}, default {}; {}",
             FREE_FLIGHT.name, FREE_FLIGHT.default, FREE_FLIGHT.meaning
         ));
     }
@@ -272,6 +272,6 @@ fn print_references() {
         say(&format!("  {:<24} {}", r.id, r.title));
     }
     say(
-        "  a table of your own: reference = { csv = \"press.csv\" }; a run of a model: gearbench reference",
+        "  your own table: reference = { csv = \"press.csv\" }; the run of a model: gearbench reference",
     );
 }

@@ -24,7 +24,7 @@ fn refuse(dir: &Path, e: ReportError) -> Refusal {
     match &e {
         ReportError::Io { .. } => Refusal::Input(miette::miette!(help = way_out(dir), "{e}")),
         ReportError::Record { .. } => Refusal::Input(miette::miette!(
-            help = "a record is made again by the command that it names: `command` in results.json",
+            help = "repeat the study with the command in the record (`command` in results.json)",
             "{e}"
         )),
         ReportError::Draw(_) => Refusal::Failed(e.to_string()),
@@ -53,7 +53,7 @@ pub(super) fn check_record(path: &Path) -> Result<(), Refusal> {
         refuse(path, error)
     })?;
     let what = format!("the record {} of {size} bytes", file.display());
-    let way_out = "make the study again with fewer samples";
+    let way_out = "repeat the study with fewer samples";
     limits::check(what, MEMORY_OVER_TEXT * size as f64, way_out)
         .map_err(|e| Refusal::Input(miette::miette!("{e}")))
 }
@@ -81,11 +81,10 @@ fn way_out(dir: &Path) -> String {
     studies.truncate(MOST_NAMED);
     match studies.is_empty() {
         true => {
-            "name the folder that a study has written (its `--out`, by default out/SCENE/STUDY)"
-                .to_owned()
+            "name the output folder of a study (its `--out`, by default out/SCENE/STUDY)".to_owned()
         }
         false => format!(
-            "name one of the studies in it: {}{more}",
+            "name one of the studies in this folder: {}{more}",
             studies.join(", ")
         ),
     }

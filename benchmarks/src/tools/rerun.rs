@@ -18,12 +18,12 @@ use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
-  gearbench rerun out/spur_impact/compare                  into out/spur_impact/compare/rerun
+  gearbench rerun out/spur_impact/compare                  writes out/spur_impact/compare/rerun
   gearbench rerun results.json --out again
 
-The study of the record runs again, with the scene and the calibrations that the record holds, and the new record is
-compared with it: all but times has to be the same (exit code 1 where it is not). Nothing is written outside of the
-folder: options of the command that write a baseline, a calibration or a scene are left out.";
+The command repeats the study of the record, with the scene and the calibrations that the record contains, and
+compares the new record with it: all values except times have to be equal, else the exit code is 1. It writes to the
+output folder only: options of the study that write a baseline, a calibration or a scene are ignored.";
 
 /// What tells the two programs apart, beside what depends on the clock.
 const OF_THE_PROGRAM: [&str; 2] = ["commit", "source"];
@@ -35,7 +35,7 @@ pub struct Rerun {
     /// A results.json, or the folder of a study
     #[arg(value_name = "RECORD")]
     pub record: PathBuf,
-    /// Folder to write to [default: `rerun` beside the record]
+    /// Folder to write to [default: `rerun` in the folder of the record]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
@@ -58,9 +58,8 @@ fn refuse(e: &ReportError) -> Refusal {
 
 /// Reads the record and puts it in the place of its scene.
 ///
-/// # Errors
-/// [`Refusal`] for a record that cannot be made again: of a version that did not keep its scene, or with files that have
-/// changed.
+/// # Errors [`Refusal`] for a record that cannot be made again: of a version that did not keep its scene, or with files
+/// that have changed.
 pub fn prepare(args: &Rerun) -> Result<Again, Refusal> {
     check_record(&args.record)?;
     let before = load_results(&args.record).map_err(|e| refuse(&e))?;
@@ -69,22 +68,20 @@ pub fn prepare(args: &Rerun) -> Result<Again, Refusal> {
     let Some(source) = before.header.source.clone() else {
         return Err(Refusal::Input(miette::miette!(
             help = format!("its command was `{command}`"),
-            "{shown}: the record was made by a version of gearbench (commit {commit}) that did not keep the scene"
+            "{shown}: the record does not contain its scene; a version of gearbench without this feature wrote it (commit {commit})"
         )));
     };
     let changed = changed(&source);
     if !changed.is_empty() {
         return Err(Refusal::Input(miette::miette!(
-            help = format!(
-                "bring these files back to what they were, or run the command anew: `{command}`"
-            ),
-            "{shown}: not the same as when the record was made, or not there: {}",
+            help = format!("restore these files, or run the command again: `{command}`"),
+            "{shown}: these files have changed since the record was written, or are missing: {}",
             changed.join(", ")
         )));
     }
     if before.header.commit != machine::COMMIT {
         warn(&format!(
-            "the record was made at commit {}, this program is of {}: results may differ",
+            "the record was written at commit {}, this program was built at {}: results may differ",
             before.header.commit,
             machine::COMMIT
         ));
@@ -114,8 +111,8 @@ impl Again {
         self.before.study().as_str()
     }
 
-    /// Whether the command line runs the study of the record: options that all commands have take no values, and the first
-    /// other word is the command.
+    /// Whether the command line runs the study of the record: options that all commands have take no values, and the
+    /// first other word is the command.
     pub fn names_its_study(&self) -> bool {
         let command = self.words.iter().find(|word| !word.starts_with('-'));
         command.is_some_and(|word| word == self.study())
@@ -135,7 +132,7 @@ impl Again {
         let answer = (answer.with("compared", total)).with("differences", &differences);
         if differences.is_empty() {
             say(&format!(
-                "the same: all {total} values of the record but times ({})",
+                "the same: all {total} values of the record except times ({})",
                 record.display()
             ));
             return Ok(answer);
@@ -171,7 +168,11 @@ fn differ(at: &str, a: &Value, b: &Value, total: &mut usize, found: &mut Vec<Str
             *total += 1;
             if a != b {
                 let short = |v: &Value| v.to_string().chars().take(60).collect::<String>();
-                found.push(format!("{at}: {} there, {} now", short(a), short(b)));
+                found.push(format!(
+                    "{at}: {} in the record, {} now",
+                    short(a),
+                    short(b)
+                ));
             }
         }
     }
@@ -190,7 +191,7 @@ mod tests {
         differ("", &a, &b, &mut total, &mut found);
         assert_eq!(
             (total, found),
-            (3, vec!["/runs/0/steps: 3 there, 4 now".to_owned()])
+            (3, vec!["/runs/0/steps: 3 in the record, 4 now".to_owned()])
         );
     }
 }

@@ -39,14 +39,20 @@ fn moved(record: &CheckRecord) -> Vec<String> {
 #[test]
 fn a_change_of_one_per_cent_is_named_and_an_update_takes_it() {
     let folder = folder();
-    folder.refuses("check --out r", &["no baseline", "--update"]);
+    folder.refuses(
+        "check --out r",
+        &["the baseline for the comparison is missing", "--update"],
+    );
     has(&folder.says("check --update --out r"), &["stored:"]);
     let first = folder.read("check.baseline.jsonl");
     assert_eq!(first.lines().count(), 2);
     has(&folder.says("check --out r"), &["2 entries hold"]);
     assert!(record(&folder).holds());
     // Nothing moved: an update leaves the file alone.
-    has(&folder.says("check --update --out r"), &["nothing moved"]);
+    has(
+        &folder.says("check --update --out r"),
+        &["no value has moved"],
+    );
     assert_eq!(folder.read("check.baseline.jsonl"), first);
 
     let scene = folder.read("s.toml");

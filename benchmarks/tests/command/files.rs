@@ -70,7 +70,7 @@ fn folders_and_names_without_an_ending_lead_to_what_is_there() {
         "compare pair",
         &[
             "there is no scene `pair`",
-            "write `pair.toml`, which is here",
+            "write `pair.toml`, the file in this folder",
         ],
     );
     folder.refuses(
@@ -87,17 +87,14 @@ fn folders_and_names_without_an_ending_lead_to_what_is_there() {
     for named in ["out/pair", "out"] {
         folder.refuses(
             &format!("report {named}"),
-            &["name one of the studies in it", "out/pair/compare"],
+            &["name one of the studies in this folder", "out/pair/compare"],
         );
     }
     folder.refuses(
         "report pair.toml",
         &["this is a scene", "gearbench compare pair.toml"],
     );
-    folder.refuses(
-        "report nowhere",
-        &["name the folder that a study has written"],
-    );
+    folder.refuses("report nowhere", &["name the output folder of a study"]);
     folder.refuses(
         "identify pair.toml",
         &["reference = { csv =", "gearbench reference pair.toml"],

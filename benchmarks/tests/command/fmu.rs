@@ -89,7 +89,7 @@ fn what_cannot_be_packed_is_refused_with_a_way_out() {
     );
     refused(
         &format!("driveline --move wheel {library}"),
-        &["stands on a shaft"],
+        &["is on a shaft"],
     );
     assert_eq!(folder.files(), 1);
 }

@@ -70,8 +70,12 @@ fn what_is_not_of_gearbench_is_not_replaced() {
     let folder = with_scene();
     for (name, text, words) in [
         ("results.json", "{\"mine\": 1}", "not a record of gearbench"),
-        ("index.html", "<p>mine", "not those of a study"),
-        ("measured.csv", "t,f\n0,1\n", "not those of a study"),
+        ("index.html", "<p>mine", "files that no study has written"),
+        (
+            "measured.csv",
+            "t,f\n0,1\n",
+            "files that no study has written",
+        ),
         ("journal.jsonl", "{\"mine\": 1}\n", "not gearbench's"),
     ] {
         std::fs::create_dir(folder.at("o")).unwrap();

@@ -136,7 +136,7 @@ fn what_cannot_be_fitted_is_refused() {
         ),
         (
             "--model movable-teeth --fit pinon.tooth_mass_kg",
-            &["not of a gear that takes the model", "pinion, wheel"],
+            &["does not belong to a gear of the model", "pinion, wheel"],
         ),
         (
             "--weight other=2",

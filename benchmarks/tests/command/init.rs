@@ -9,7 +9,7 @@ fn scenes_to_start_from_run_in_every_command() {
         let said = folder.says(&format!("init {what}"));
         has(&said, &["written:", &format!("{what}.toml")]);
         // Nothing is written over.
-        folder.refuses(&format!("init {what}"), &["is there already", "--force"]);
+        folder.refuses(&format!("init {what}"), &["exists already", "--force"]);
         folder.says(&format!("init {what} --force"));
         let scene = format!("{what}.toml");
         let rigid = "--models rigid --yardstick rigid --integrators dopri5 --repeats 1";
@@ -41,7 +41,7 @@ fn scenes_to_start_from_run_in_every_command() {
 fn the_example_with_foreign_gears_comes_with_the_program() {
     let folder = Folder::new();
     has(&folder.says("init own_gears"), &["own_gears", "press.toml"]);
-    folder.refuses("init own_gears", &["is there already", "--force"]);
+    folder.refuses("init own_gears", &["exists already", "--force"]);
     folder.says("init own_gears --force");
     let run = "compare own_gears/press.toml --models rigid --integrators dopri5@1e-6 --repeats 1";
     folder.says(run);

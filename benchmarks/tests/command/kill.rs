@@ -235,6 +235,9 @@ fn a_record_is_run_again() {
     std::fs::write(folder.at("here/results.json"), before).unwrap();
     folder.refuses(
         "rerun here",
-        &["did not keep the scene", "gearbench compare spur_impact"],
+        &[
+            "does not contain its scene",
+            "gearbench compare spur_impact",
+        ],
     );
 }

@@ -6,7 +6,7 @@ use super::{Folder, has};
 fn meshes_are_written_as_decks_and_for_paraview() {
     let folder = Folder::new();
     let said = folder.says("mesh spur_impact");
-    has(&said, &["pinion", "wheel", "nothing was written"]);
+    has(&said, &["pinion", "wheel", "no file was written"]);
     assert_eq!(folder.files(), 0);
 
     let arguments = "--width 1 --flank 5 --element c3d20r --out g.inp --vtu g.vtu";
@@ -27,7 +27,7 @@ fn meshes_are_written_as_decks_and_for_paraview() {
     // Four files and nothing else.
     assert_eq!(folder.files(), 4);
 
-    // A deck brings its own mesh.
+    // A deck contains a mesh.
     folder.says("mesh g-pinion.inp --vtu again.vtu");
     assert!(folder.at("again.vtu").exists());
 }
@@ -84,7 +84,7 @@ fn meshes_that_cannot_be_made_are_refused_and_nothing_is_written() {
         ),
         ("spur_impact --fine-teeth 0", &["--fine-teeth"]),
         ("broken.inp", &["broken.inp"]),
-        ("broken.inp --flank 3", &["--flank", "brings its own mesh"]),
+        ("broken.inp --flank 3", &["--flank", "contains a mesh"]),
         (
             "spur_impact --vtu x.inp",
             &["has to end in .vtu", "write --vtu x.vtu"],
@@ -97,7 +97,7 @@ fn meshes_that_cannot_be_made_are_refused_and_nothing_is_written() {
     // The input itself is never overwritten, and a folder that does not exist is named.
     folder.refuses(
         "mesh spur_impact --gear pinion --out broken.inp",
-        &["is there already", "--force"],
+        &["exists already", "--force"],
     );
     folder.says("mesh spur_impact --gear pinion --out broken.inp --force");
     folder.ends("mesh spur_impact --gear pinion --out nowhere/x.inp", 2);

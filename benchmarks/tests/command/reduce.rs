@@ -46,7 +46,7 @@ fn foreign_decks_are_reduced_and_compared() {
         "module 4.000 mm at 20.0 degrees",
         "40 flanks with 524 nodes and 222 faces",
         "gear with 30 teeth, tip radius 64.000 mm",
-        "208 nodes at 15.000 mm tied to the hub, which is free to turn",
+        "208 nodes at 15.000 mm tied to the hub, which is free to rotate",
         "impA_g2_C3D8.npz",
     ];
     has(&said, &words);
@@ -100,7 +100,7 @@ fn held_modes_are_those_of_calculix() {
         let found = w / TAU;
         assert!((found / f - 1.0).abs() < 1e-6, "{found} Hz for {f} Hz");
     }
-    // A scene whose gear is free to turn does not take it.
+    // A scene whose gear is free to rotate does not take it.
     let scene = repository("benchmarks/examples/foreign_gears.toml");
     let scene = std::fs::read_to_string(scene).unwrap();
     let wrong = scene.replace("reduced/impA_g1_C3D8.npz", "held.npz");
@@ -134,7 +134,7 @@ fn a_floating_hub_is_told_and_does_not_suit_a_held_one() {
     let told = folder.says(&format!(
         "reduce {input} --modes 20 --mount free,x,y,z,tilt_x,tilt_y --added-mass 0.1 --out floating.npz"
     ));
-    let words = "free to turn and free in x, y, z, tilt_x, tilt_y";
+    let words = "free to rotate and free in x, y, z, tilt_x, tilt_y";
     assert!(told.contains(words), "{told}");
     let basis = store::read(&folder.at("floating.npz")).unwrap().basis;
     let lateral = basis.lateral.as_ref().unwrap();
@@ -174,7 +174,7 @@ fn what_cannot_be_reduced_is_refused_and_nothing_is_written() {
         ),
         (
             format!("{gear} --model a"),
-            &["--model does not go with a deck"],
+            &["--model cannot be used with a deck"],
         ),
         (
             "spur_impact --model nothing".into(),
@@ -191,7 +191,7 @@ fn what_cannot_be_reduced_is_refused_and_nothing_is_written() {
         ),
         (
             format!("{gear} --added-mass 0.1"),
-            &["this one is held", "--mount free,x,y"],
+            &["this hub is fixed", "--mount free,x,y"],
         ),
         (
             format!("{gear} --out gear.txt"),
@@ -199,7 +199,7 @@ fn what_cannot_be_reduced_is_refused_and_nothing_is_written() {
         ),
         (
             format!("{gear} {gear} --out reduced/"),
-            &["asked for twice", "one by one"],
+            &["given twice", "one by one"],
         ),
     ];
     for (arguments, words) in cases {
@@ -252,7 +252,7 @@ fn gears_of_a_scene_are_reduced_as_its_elastic_model_has_them() {
     let words = [
         "one sector of 18",
         "scene small, gear rack, generated mesh",
-        "of it 1e-6 kg m^2 added at the hub",
+        "including 1e-6 kg m^2 added at the hub",
         "rack with 5 teeth, tips 2.000 mm above its reference line; module 2.000 mm at 20.0 degrees",
         "of one tooth on all",
     ];
@@ -320,7 +320,7 @@ fn meshes_of_a_scene_are_recognised_and_corrected() {
         "no sets name its flanks: axis along (0.000000, 0.000000, 1.000000)",
         "36 flanks from",
         "bore 6.0000 mm",
-        "units m-kg-s: a guess",
+        "units m-kg-s: an assumption",
         "pitch 6.283185 mm along (0.000000, 1.000000, 0.000000)",
         "pressure angle 20.0000 and helix 0.0000 degrees, 10 flanks",
     ];
@@ -336,7 +336,10 @@ fn meshes_of_a_scene_are_recognised_and_corrected() {
         ),
         ("pinion.inp --axis-point 0.01,0,0", &["`axis_point_m` says"]),
         ("pinion.inp --axis 0,0", &["expected a direction x,y,z"]),
-        ("good.toml --axis 0,0,1", &["--axis is for decks", "`axis`"]),
+        (
+            "good.toml --axis 0,0,1",
+            &["--axis applies to decks", "`axis`"],
+        ),
     ];
     for (arguments, words) in cases {
         folder.refuses(&format!("reduce {arguments} --modes 2"), words);

@@ -278,7 +278,7 @@ fn references_are_refused_before_they_are_computed() {
         ("--out a.csv --method rk4@1s", ["longer", "smaller step"]),
         (
             "--out rigid.csv --add --name rigid",
-            ["as a model", "`name`"],
+            ["of a model", "`name`"],
         ),
     ] {
         folder.refuses(&reference(rest), &words);

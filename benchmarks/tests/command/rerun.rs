@@ -68,7 +68,7 @@ fn a_record_runs_its_own_study_alone() {
         changed["command"] = format!("gearbench {command}").into();
         folder.write("r/results.json", &changed.to_string());
         let before = tree(folder.path());
-        folder.refuses("rerun r", &["cannot be made again", "help:"]);
+        folder.refuses("rerun r", &["cannot be repeated", "help:"]);
         assert!(tree(folder.path()) == before, "{command}");
     }
 }

@@ -149,7 +149,7 @@ fn checks_identifications_and_choices_report_what_is_finished() {
         ),
     );
     let said = interrupted(&folder, "check --update --no-runtime", 4);
-    has(&said, &["interrupted", "the same command goes on"]);
+    has(&said, &["interrupted", "the same command continues"]);
     assert!(!folder.at("check.baseline.jsonl").exists());
     let record = gearbench_reports::load_results(&folder.at("here")).unwrap();
     let gearbench_reports::Part::Check(part) = record.part else {
@@ -161,16 +161,16 @@ fn checks_identifications_and_choices_report_what_is_finished() {
         part.entries.len()
     );
     let said = folder.says("check --update --no-runtime --out here");
-    has(&said, &["going on after", "stored:"]);
+    has(&said, &["continuing after", "stored:"]);
 
     let folder = Folder::new();
     folder.says("init spur_impact --out own.toml");
     let said = interrupted(&folder, "identify own.toml --write", 3);
-    has(&said, &["interrupted", "the same command goes on"]);
+    has(&said, &["interrupted", "the same command continues"]);
     assert!(!folder.at("own.calibration.toml").exists());
 
     let folder = Folder::new();
     folder.write("s.toml", include_str!("../malformed/scene.toml"));
     let said = interrupted(&folder, "choose s.toml --metric peak --tolerance 0.01", 3);
-    has(&said, &["finished pieces are kept"]);
+    has(&said, &["finished pieces are stored"]);
 }

@@ -26,7 +26,10 @@ fn a_run_beyond_the_tolerance_gates() {
     let said = stdout(&folder.ends(run, 1));
     has(
         &said,
-        &["inaccurate: force_l2 against self is", "beyond the scene's"],
+        &[
+            "inaccurate: force_l2 against self is",
+            "above the limit of the scene",
+        ],
     );
     folder.write(
         "mine.toml",

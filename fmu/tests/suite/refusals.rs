@@ -19,7 +19,7 @@ fn all_functions_of_the_standard_are_there() {
 fn another_scene_than_the_described_one_is_refused() {
     let mut package = packed(&shipped("hammer"), "rigid", "rk4@2us", &[]);
     assert!(Fmu::try_new(&package, false, Some("another")).is_none());
-    assert!(said().contains("not those that the description was written for"));
+    assert!(said().contains("do not match the model description"));
     let scene = package.entries.iter_mut();
     let scene = scene.into_iter().find(|e| e.path.ends_with("scene.toml"));
     scene.unwrap().bytes.extend(b"# changed\n");
@@ -130,7 +130,7 @@ fn hubs_that_nobody_can_move_are_refused() {
             Err(e) => e.told(),
         }
     };
-    assert!(refuse("pinion").contains("stands on a shaft"));
+    assert!(refuse("pinion").contains("is on a shaft"));
     assert!(refuse("pinon").contains("did you mean `pinion`"));
 }
 

@@ -226,7 +226,7 @@ pub(super) fn columns(
                 head,
                 (index, &name),
                 &format!("one column for {} and one for {}", what[0], what[1]),
-                "name two columns",
+                "name two different columns",
             ));
         }
         let unit = match (request.unit_of(role), unit) {
@@ -273,11 +273,11 @@ pub(super) fn columns(
     let all: Vec<String> = headers.iter().take(20).map(|h| shown(h)).collect();
     let there_are = format!("the columns {}", all.join(", "));
     if headers.iter().all(|h| h.parse::<f64>().is_ok()) {
-        let help = "begin the file with a line of names, such as `t [ms],force [N]`";
-        return Err(rows.error(head, "", "a line of names", "numbers alone", help));
+        let help = "begin the file with a line of column names, such as `t [ms],force [N]`";
+        return Err(rows.error(head, "", "a line of names", "numbers only", help));
     }
     if !has(true) {
-        let help = "name it: columns = { time = \"t [ms]\", .. }; or another `delimiter`";
+        let help = "name it: columns = { time = \"t [ms]\", .. }; or set another `delimiter`";
         return Err(rows.error(head, "", "a column of time", &there_are, help));
     }
     if !has(false) {
@@ -310,7 +310,7 @@ fn unknown_unit(
         head,
         (index, name),
         &format!("a unit of {}: {known}", role.told(subjects)),
-        "write it in the header, `name [unit]`, or give it: units = { force = \"kN\" }",
+        "give the unit in the header, `name [unit]`, or in the scene: units = { force = \"kN\" }",
     );
     error.found = shown(unit.trim_start_matches('_'));
     error

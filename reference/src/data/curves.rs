@@ -113,7 +113,7 @@ pub fn curves(text: &str) -> Result<Vec<Curve>, TableError> {
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         if let Some(w) = points.windows(2).find(|w| w[0].0 == w[1].0) {
             let help =
-                "tell curves apart by a column of texts, such as `model`, or average the rows";
+                "distinguish curves by a column of texts, such as `model`, or average the rows";
             let name = cell(&head, x);
             let expected = "a value that no other row of the curve has";
             return Err(rows.error_in(&body[w[1].2], (x, &name), expected, help));

@@ -37,7 +37,7 @@ impl Processing {
     ) -> Result<Vec<String>, ProcessingProblem> {
         let mut lines = Vec::new();
         if self.offset != 0.0 {
-            lines.push(format!("times moved by {:e} s", self.offset));
+            lines.push(format!("times shifted by {:e} s", self.offset));
             let times = channels.iter_mut().flat_map(|c| &mut c.time);
             times.for_each(|t| *t += self.offset);
         }
@@ -51,7 +51,7 @@ impl Processing {
             let span = whole[1] - whole[0];
             if width > span {
                 return Err((
-                    format!("a moving average over at most the {span:e} s of the table"),
+                    format!("a moving average over at most {span:e} s, the duration of the table"),
                     format!("one over {width:e} s"),
                     "give a window of a few samples in seconds".into(),
                 ));
@@ -60,7 +60,7 @@ impl Processing {
                 c.value = moving_average(&c.time, &c.value, width);
             }
             lines.push(format!(
-                "centred moving average over {width:e} s, of the reference alone: runs keep their own force"
+                "centred moving average over {width:e} s, applied to the reference but not to the runs"
             ));
         }
         let mut left_out = 0;
@@ -79,13 +79,13 @@ impl Processing {
             return Err((
                 format!("at least {least} samples from {:e} s to {to}", self.from),
                 format!("times from {:e} s to {:e} s", whole[0], whole[1]),
-                "the scene begins at 0: move the times by `offset_s`, and see their unit".into(),
+                "the scene begins at 0: shift the times by `offset_s`, and check their unit".into(),
             ));
         }
         for c in channels.iter().filter(|c| c.time.len() < least) {
             let what = c.quantity.words();
             lines.push(format!(
-                "a {what} has fewer than {least} samples there and is left out"
+                "a {what} has fewer than {least} samples in this range and is left out"
             ));
         }
         channels.retain(|c| c.time.len() >= least);
@@ -123,9 +123,9 @@ impl Processing {
         match channels.iter().find(|c| !sound(c)) {
             None => Ok(lines),
             Some(c) => Err((
-                "times that can be told apart".into(),
-                format!("times of a {} that their digits do not", c.quantity.words()),
-                "count times from the start of the scene; see `offset_s`".into(),
+                "times that differ in their digits".into(),
+                format!("equal times of a {}", c.quantity.words()),
+                "give times from the start of the scene; see `offset_s`".into(),
             )),
         }
     }

@@ -84,19 +84,19 @@ impl Numbers {
         if self.between_cells && is_thousands(cell) {
             return Err((
                 "a number without thousands separators",
-                "export plain numbers, or say `decimal = \"comma\"` where the comma is the decimal sign",
+                "export plain numbers, or set `decimal = \"comma\"` if the comma is the decimal sign",
             ));
         }
         if comma || point {
             match self.comma {
                 Some(known) if known != comma => {
                     let expected = match known {
-                        true => "a number with a comma, as those before",
-                        false => "a number with a point, as those before",
+                        true => "a number with a decimal comma, like the numbers before it",
+                        false => "a number with a decimal point, like the numbers before it",
                     };
                     return Err((
                         expected,
-                        "use one sign in the whole table; `decimal` says which",
+                        "use one decimal sign in the whole table; the key `decimal` sets it",
                     ));
                 }
                 _ => self.comma = Some(comma),
@@ -111,11 +111,11 @@ impl Numbers {
             Ok(x) if (factor * x).abs() < 1e150 => Ok(factor * x),
             Ok(_) => Err((
                 "a finite number",
-                "leave the cell empty where nothing was measured",
+                "leave the cell empty if there is no measured value",
             )),
             Err(_) => Err((
                 "a number",
-                "leave the cell empty where nothing was measured",
+                "leave the cell empty if there is no measured value",
             )),
         }
     }
@@ -161,7 +161,7 @@ pub fn read(text: &str, request: &Request, subjects: &Subjects) -> Result<Refere
                 column.role.told(subjects),
                 known(dimension)
             ),
-            "write it in the header, `name [unit]`, or give it: units = { force = \"kN\" }",
+            "give the unit in the header, `name [unit]`, or in the scene: units = { force = \"kN\" }",
         );
         error.found = format!("none in {}", shown(&column.name));
         return Err(error);
@@ -212,7 +212,7 @@ pub fn read(text: &str, request: &Request, subjects: &Subjects) -> Result<Refere
             return Err(rows.error(
                 &row,
                 "",
-                &format!("{names}, as there are names"),
+                &format!("{names} cells, the number of names"),
                 &found,
                 help,
             ));
@@ -238,7 +238,7 @@ pub fn read(text: &str, request: &Request, subjects: &Subjects) -> Result<Refere
         match time {
             None if values.iter().all(Option::is_none) => {}
             None => {
-                let help = "every row with data has its time";
+                let help = "give a time in every row with data";
                 return Err(rows.error_in(&row, place, "a time", help));
             }
             Some(t) => {
@@ -299,7 +299,7 @@ pub fn read(text: &str, request: &Request, subjects: &Subjects) -> Result<Refere
             .take(20)
             .map(|n| shown(n))
             .collect();
-        lines.push(format!("columns passed over: {}", names.join(", ")));
+        lines.push(format!("ignored columns: {}", names.join(", ")));
     }
     let place = rows.error(&head, "", "", "", "");
     lines.extend(request.processing.apply(&mut channels, LEAST).map_err(
@@ -361,13 +361,15 @@ fn force_line(kind: ForceKind, angle: f64, what: &str) -> String {
     let degrees = angle.to_degrees();
     match kind {
         _ if angle == 0.0 => {
-            format!("{what}: normal force, which is that in the transverse plane of spur gears")
+            format!(
+                "{what}: normal force, which in spur gears is equal to the force in the transverse plane"
+            )
         }
         ForceKind::Normal => {
-            format!("{what}: taken as the normal force (base helix angle {degrees:.4} degrees)")
+            format!("{what}: read as the normal force (base helix angle {degrees:.4} degrees)")
         }
         ForceKind::Transverse => format!(
-            "{what}: given in the transverse plane, over cos(beta_b) = {:.6} the normal force (base helix angle {degrees:.4} degrees)",
+            "{what}: given in the transverse plane, divided by cos(beta_b) = {:.6} to the normal force (base helix angle {degrees:.4} degrees)",
             angle.cos()
         ),
     }

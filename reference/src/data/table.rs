@@ -202,12 +202,18 @@ impl<'t> Rows<'t> {
             if row.cells.len() > MOST_COLUMNS {
                 let found = format!("{} cells", row.cells.len());
                 let expected = format!("at most {MOST_COLUMNS} columns");
-                return Err(self.error(row, "", &expected, &found, "keep the columns needed"));
+                return Err(self.error(
+                    row,
+                    "",
+                    &expected,
+                    &found,
+                    "keep only the columns that are needed",
+                ));
             }
             if row.cells.iter().any(|c| c.contains('\n')) {
-                let found = "a cell over several lines";
-                let help = "close the double quote, or leave quotes out";
-                return Err(self.error(row, "", "cells in one line", found, help));
+                let found = "a cell with several lines";
+                let help = "close the double quote, or remove the quotes";
+                return Err(self.error(row, "", "cells within one line", found, help));
             }
             if row.cells.iter().any(|c| !c.is_empty()) {
                 return Ok(true);

@@ -161,7 +161,7 @@ fn transverse_forces_become_normal_ones() {
     assert_eq!(read_as("contact_force_transverse_n", None).0, force);
     let (force, told) = read_as("force [N]", None);
     assert!(
-        force == 3.0 && told.contains("taken as the normal force"),
+        force == 3.0 && told.contains("read as the normal force"),
         "{told}"
     );
 }
@@ -195,7 +195,7 @@ fn refusals_say_where_and_what() {
     for (text, line, words) in [
         (String::new(), 1, "a table|nothing"),
         ("# only a comment\n".into(), 2, "a table|nothing"),
-        ("0,1\n1,2\n2,3\n".into(), 1, "a line of names|numbers alone"),
+        ("0,1\n1,2\n2,3\n".into(), 1, "a line of names|numbers only"),
         (
             "a,b\n0,1\n1,2\n2,3\n".into(),
             1,
@@ -235,14 +235,18 @@ fn refusals_say_where_and_what() {
             4,
             "column 1|after|an earlier time",
         ),
-        (format!("{head}2,5,6\n"), 4, "2, as there are names|3 cells"),
+        (
+            format!("{head}2,5,6\n"),
+            4,
+            "2 cells, the number of names|3 cells",
+        ),
         (head.into(), 1, "at least 3 samples|2"),
-        (format!("{head}\"2\n3,4\n"), 4, "cells in one line"),
+        (format!("{head}\"2\n3,4\n"), 4, "cells within one line"),
         ("t [ms];force [N]\n0;1\n1;1.234,5\n".into(), 3, "thousands"),
         (
             "t [ms];force [N]\n0;1,5\n1;1.5\n".into(),
             3,
-            "a comma, as those before",
+            "a decimal comma, like the numbers before it",
         ),
     ] {
         let e = plain(&text).unwrap_err();

@@ -251,7 +251,7 @@ impl Deck {
                 n => format!("{n} {k}"),
             });
             lines.push(format!(
-                "passed over what changes no body: {}",
+                "ignored keywords without influence on the bodies: {}",
                 each.collect::<Vec<_>>().join(", ")
             ));
         }

@@ -89,7 +89,7 @@ pub fn check_gtm(deck: &Deck) -> Vec<Finding> {
             GtmRequirement::OneGear,
             None,
             format!("{bodies} bodies that share no nodes"),
-            "write each gear into a deck of its own, or join parts that were meant to share nodes",
+            "write each gear to its own deck, or connect parts that should share nodes",
         );
     }
     check.units();
@@ -164,7 +164,7 @@ impl Check<'_> {
                 GtmRequirement::Units,
                 None,
                 format!("{} ({})", self.deck.units.name, self.deck.units_from),
-                "nothing to do here, for they are converted; other programs want m-kg-s",
+                "no change is needed for gearbench, which converts units; other programs require m-kg-s",
             );
         }
         let used = self.deck.blocks.iter().flat_map(|b| &b.connectivity);
@@ -204,7 +204,9 @@ impl Check<'_> {
                 Some((e, _)) if !(1e8..=2e12).contains(&e) => self.find(
                     GtmRequirement::Units,
                     place(),
-                    format!("E = {e:e} of material `{name}`, unlike any gear material in Pa"),
+                    format!(
+                        "E = {e:e} of material `{name}`, outside the range of gear materials in Pa"
+                    ),
                     "give E in Pa, steel has 2.1e11",
                 ),
                 _ => {}
@@ -238,7 +240,7 @@ impl Check<'_> {
                 GtmRequirement::Bore,
                 None,
                 "none".into(),
-                "put the nodes that the hub holds into the node set `bore`",
+                "put the nodes of the bore into the node set `bore`",
             );
             return false;
         }
@@ -287,7 +289,7 @@ impl Check<'_> {
                 GtmRequirement::Flanks,
                 None,
                 "none".into(),
-                "put the nodes of each flank into a node set of its own",
+                "put the nodes of each flank into its own node set",
             );
         }
         if let Some(name) = flanks.iter().find(|n| one && !n.starts_with("flank_")) {
@@ -310,7 +312,7 @@ impl Check<'_> {
                     "the middle of gear `{}` at ({:.6e}, {:.6e}, {:.6e})",
                     g.name, g.centre.x, g.centre.y, g.centre.z
                 ),
-                "move the model so that the gear is coupled at the origin",
+                "move the model so that the middle of the gear is at the origin",
             );
         }
         let has = |tooth: u32, side: Side| {
@@ -334,7 +336,7 @@ impl Check<'_> {
                     2 * g.mesh.teeth,
                     g.name
                 ),
-                "name all flanks; flanks without a set cannot touch",
+                "define a set for each flank; flanks without a set have no contact",
             );
         }
         // Teeth of a rack have no first one that all agree on.
@@ -352,7 +354,7 @@ impl Check<'_> {
                 self.find(
                     GtmRequirement::Flanks,
                     deck.defined.get(name).cloned(),
-                    format!("`{name}` on the tooth that counts as {label}"),
+                    format!("`{name}` on the tooth with number {label}"),
                     &format!(
                         "number the teeth counter-clockwise, seen against +z: this is `{}`",
                         flank_set(f.tooth, f.side)

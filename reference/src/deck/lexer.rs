@@ -132,7 +132,7 @@ fn check_length(place: &Place, text: &str) -> Result<(), DeckError> {
         DeckErrorKind::Limit,
         "",
         format!("lines of at most {MAX_LINE_BYTES} bytes"),
-        "a longer one",
+        "a longer line",
         "is it a deck?",
     ))
 }
@@ -173,9 +173,9 @@ impl<'a> Lexer<'a> {
             return Err(from.error(
                 DeckErrorKind::Limit,
                 "*INCLUDE",
-                format!("at most {MAX_DECK_BYTES} bytes in all"),
+                format!("at most {MAX_DECK_BYTES} bytes in total"),
                 format!("{} bytes with {}", self.bytes, quote(name)),
-                "split the model",
+                "split the model into several files",
             ));
         }
         self.stack.push(Source {
@@ -297,7 +297,7 @@ impl<'a> Lexer<'a> {
                 return Err(place.error(
                     DeckErrorKind::Syntax,
                     short(&text),
-                    "each option once",
+                    "each option at most once",
                     format!("{} twice", quote(&key)),
                     "keep one",
                 ));
@@ -337,7 +337,7 @@ impl<'a> Lexer<'a> {
         if self.stack.len() > MAX_INCLUDE_DEPTH {
             return error(
                 DeckErrorKind::Limit,
-                &format!("at most {MAX_INCLUDE_DEPTH} includes within each other"),
+                &format!("at most {MAX_INCLUDE_DEPTH} nested includes"),
                 "more".into(),
                 "does a file include itself?",
             );
@@ -346,9 +346,9 @@ impl<'a> Lexer<'a> {
         if self.includes > MAX_INCLUDES {
             return error(
                 DeckErrorKind::Limit,
-                &format!("at most {MAX_INCLUDES} includes in all"),
+                &format!("at most {MAX_INCLUDES} includes in total"),
                 "more".into(),
-                "put the included files into one",
+                "merge the included files",
             );
         }
         let name = join(&keyword.place.file, input);
@@ -358,7 +358,7 @@ impl<'a> Lexer<'a> {
                 DeckErrorKind::Io,
                 "a readable file",
                 format!("{}: {e}", quote(&name)),
-                "the name counts from the folder of the including file",
+                "the path is relative to the folder of the including file",
             ),
         }
     }

@@ -74,7 +74,7 @@ pub fn read_str_in(
 pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Deck, DeckError> {
     let bytes = unpacked(bytes).map_err(|e| unreadable(name, "a deck as text or gzip", &e))?;
     read_bytes_in(name, &bytes, None, &mut |_| {
-        Err(io::Error::other("an embedded deck includes no files"))
+        Err(io::Error::other("an embedded deck without included files"))
     })
 }
 
@@ -133,7 +133,7 @@ fn unpacked(bytes: &[u8]) -> io::Result<Cow<'_, [u8]>> {
                 .read_to_end(&mut unpacked)
                 .map_err(|e| {
                     io::Error::other(format!(
-                        "an archive of gzip that is cut off, damaged or followed by other bytes ({e})"
+                        "a gzip archive that is incomplete, damaged or followed by other bytes ({e})"
                     ))
                 })?;
             check_memory(unpacked.len())?;

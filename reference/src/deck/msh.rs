@@ -78,7 +78,7 @@ impl Reader<'_> {
             self.lines.begin_text("");
             let syntax = DeckErrorKind::Syntax;
             let Some(name) = line.strip_prefix(b"$") else {
-                let (expected, help) = ("a section such as $Nodes", "was a count too small?");
+                let (expected, help) = ("a section such as $Nodes", "is a count too small?");
                 return Err(self.lines.error(syntax, expected, shown(line), help));
             };
             if !seen.insert(line) {
@@ -101,7 +101,7 @@ impl Reader<'_> {
             let found = self.lines.next();
             if found != Some(end.as_bytes()) {
                 let found = found.map_or("the end of the file".to_owned(), shown);
-                let help = "does the count of the section fit?";
+                let help = "check the count of the section";
                 return Err(self.lines.error(syntax, end, found, help));
             }
         }
@@ -124,7 +124,7 @@ impl Reader<'_> {
         self.version = lines.parsed("a version")?;
         let binary: u32 = lines.parsed("0 for text, 1 for binary")?;
         let unsupported = DeckErrorKind::Unsupported;
-        let ways = "save it anew: `gmsh -format msh41 -save in.msh`";
+        let ways = "convert the file: `gmsh -format msh41 -save in.msh`";
         if !matches!(self.version, 4.1 | 2.2) {
             let found = self.version.to_string();
             return Err(lines.error(unsupported, "version 4.1 or 2.2", found, ways));

@@ -62,8 +62,9 @@ fn without_foreign_text(deck: &str, error: DeckError) -> DeckError {
     }
     DeckError {
         context: "".into(),
-        found: "a line that does not fit, which is not shown: the file is outside the folder of the deck".into(),
-        help: "include files of the deck, from its own folder".into(),
+        found: "an invalid line, not shown because the file is outside the folder of the deck"
+            .into(),
+        help: "include files from the folder of the deck only".into(),
         ..error
     }
 }
@@ -104,7 +105,7 @@ impl Reader<'_> {
                         "",
                         "a keyword line",
                         format!("the data line {}", quote(&data.fields.join(", "))),
-                        "the keyword before it takes no further data; a comment starts with **",
+                        "the keyword before it has no further data lines; a comment starts with **",
                     ));
                 }
             }
@@ -154,7 +155,7 @@ impl Reader<'_> {
             None => Ok(()),
             Some(_) => Err(k.syntax(
                 "model data before the first *STEP",
-                "them inside a step",
+                "model data inside a step",
                 "move them in front of *STEP",
             )),
         }
@@ -314,7 +315,7 @@ fn options<'k, const N: usize>(
                 return Err(k.unsupported(
                     expected,
                     quote(&option.key),
-                    "it may change the model, so it is not passed over",
+                    "the option may change the model and is therefore not ignored",
                 ));
             }
         }
@@ -353,7 +354,7 @@ fn direction(k: &Keyword, data: &Data, field: &str) -> Result<u8, DeckError> {
             k,
             "a direction 1, 2 or 3",
             quote(field),
-            "nodes of solid elements have no other",
+            "nodes of solid elements have no other directions",
         )),
     }
 }
@@ -389,6 +390,6 @@ fn at_most(k: &Keyword, data: &Data, count: usize) -> Result<(), DeckError> {
         k,
         format!("at most {count} values in the line"),
         data.fields.len().to_string(),
-        "a further value may change the model, so it is not passed over",
+        "a further value may change the model and is therefore not ignored",
     ))
 }

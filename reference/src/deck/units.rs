@@ -107,7 +107,10 @@ pub(super) fn in_si(mut deck: Deck, units: Option<Units>) -> Deck {
             let Units { name, .. } = found.0;
             (
                 given,
-                format!("as given, though {name} fits {}", &found.1[CERTAIN.len()..]),
+                format!(
+                    "as given, although {name} corresponds to {}",
+                    &found.1[CERTAIN.len()..]
+                ),
             )
         }
         Some(given) => (given, "as given".to_owned()),
@@ -145,7 +148,7 @@ fn found(deck: &Deck) -> (Units, String) {
             (Some(one), None) => return (one, format!("{CERTAIN}{what}")),
             (Some(one), Some(other)) => {
                 let guess = format!(
-                    "a guess from {what}, which fits {} too; say which if it is wrong",
+                    "an assumption from {what}, which also corresponds to {}; give the units if it is wrong",
                     other.name
                 );
                 return (one, guess);
@@ -154,8 +157,9 @@ fn found(deck: &Deck) -> (Units, String) {
         }
     }
     if let Some(what) = unfit {
-        let reason =
-            format!("taken for want of any that {what} would fit; say which if it is wrong");
+        let reason = format!(
+            "an assumption, since no known units correspond to {what}; give the units if it is wrong"
+        );
         return (Units::SI, reason);
     }
     let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
@@ -174,7 +178,7 @@ fn found(deck: &Deck) -> (Units, String) {
     };
     let unit = if size > GREATEST { "mm" } else { "m" };
     let reason = format!(
-        "a guess, for there is no material: the model is {size:.4} large, which is taken as {unit}; say which if it is wrong"
+        "an assumption, since there is no material: the size of {size:.4} is read as {unit}; give the units if it is wrong"
     );
     (units, reason)
 }
@@ -268,7 +272,7 @@ mod tests {
         assert_eq!(guess.units.name, "mm-t-s");
         assert!(
             guess.told()[0]
-                .contains("a guess, for there is no material: the model is 20.0000 large")
+                .contains("an assumption, since there is no material: the size of 20.0000 is read")
         );
         let given =
             deck::read_str_in("a.inp", BRICK, Some(Units::SI), &mut |_| unreachable!()).unwrap();
@@ -282,14 +286,14 @@ mod tests {
         let said = &against.units_from;
         assert_eq!(against.units, Units::SI);
         assert!(
-            said.starts_with("as given, though mm-t-s fits E = 2.1e5"),
+            said.starts_with("as given, although mm-t-s corresponds to E = 2.1e5"),
             "{said}"
         );
         // Mixed units fit nothing.
         let mixed = with_material("2.1e5", "7850");
         assert_eq!(mixed.units, Units::SI);
         assert!(
-            mixed.units_from.contains("for want of any"),
+            mixed.units_from.contains("no known units correspond"),
             "{}",
             mixed.units_from
         );
@@ -298,7 +302,7 @@ mod tests {
             &format!("{BRICK}*MATERIAL, NAME=m\n*ELASTIC\n2.1e8, .3\n"),
         );
         assert!(
-            alone.units_from.contains("fits mm-kg-s too"),
+            alone.units_from.contains("also corresponds to mm-kg-s"),
             "{}",
             alone.units_from
         );

@@ -22,10 +22,10 @@ use std::io::{self, Write};
 pub enum WriteError {
     #[error("cannot write the deck: {0}")]
     Io(#[from] io::Error),
-    #[error("{what} is {value}, a deck needs a finite number")]
+    #[error("{what} is {value}, but a deck needs a finite number")]
     NotFinite { what: String, value: f64 },
     #[error(
-        "flank {flank}: row {row}, column {column} of its grid is no face at the surface of the mesh"
+        "flank {flank}: row {row}, column {column} of its grid is not a face at the surface of the mesh"
     )]
     NoFace {
         flank: String,
@@ -38,7 +38,7 @@ pub enum WriteError {
         flank: String,
         known: String,
     },
-    #[error("{what} is {value}, it has to be {range}")]
+    #[error("{what} is {value}, but it has to be {range}")]
     Range {
         what: &'static str,
         value: f64,

@@ -93,7 +93,7 @@ fn known(reader: &Reader<'_>, given: &MeshParameters) -> Result<SpecifiedBody, B
     let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
     let axis = given.axis.map(Vec3::from);
     if axis.is_some_and(|a| !(finite(a.as_slice()) && a.norm() > 0.0)) {
-        return Err(reader.error("axis", "expected a direction [x, y, z], not all of it 0"));
+        return Err(reader.error("axis", "expected a direction [x, y, z] other than zero"));
     }
     if given.axis_point_m.is_some_and(|p| !finite(&p)) {
         return Err(reader.error("axis_point_m", "expected a position [x, y, z] in metres"));

@@ -105,7 +105,7 @@ fn what_does_not_agree_is_refused() {
             &|g| g.units = Some("inch".into()),
             &["`units`", "inch", "mm-kg-ms"],
         ),
-        (&|g| g.axis = Some([0.0; 3]), &["`axis`", "not all of it 0"]),
+        (&|g| g.axis = Some([0.0; 3]), &["`axis`", "other than zero"]),
         (
             &|g| g.axis = Some([0.0, 0.0, 1.0]),
             &[

@@ -56,7 +56,7 @@ pub enum ValidationError {
     #[error(transparent)]
     Choose(#[from] ChooseError),
     /// The reference did not reach the end.
-    #[error("the reference under {method} did not reach the end: {why}")]
+    #[error("the reference under {method} did not complete the run: {why}")]
     Reference { method: String, why: String },
     #[error(transparent)]
     Journal(#[from] JournalError),

@@ -8,7 +8,7 @@ use gearbench_models::gear::table::properties_of;
 
 /// The way out for full finite elements.
 const TAKE_ELASTIC: &str =
-    "take elastic gears: their modes and compliance are reduced from the same mesh";
+    "use elastic gears, whose modes and compliance are reduced from the same mesh";
 
 /// Models, and settings to show.
 type Taken<'s> = (Vec<&'s ModelChoice>, Vec<(String, String)>);

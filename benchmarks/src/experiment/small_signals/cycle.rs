@@ -178,7 +178,7 @@ fn turns(scene: &Scene, mechanism: &DMatrix<f64>) -> Result<Vec<Option<Vec<f64>>
             let by_hub = mechanism.view((own.start, range.start), (own.len(), 1));
             let solved = block.into_owned().lu().solve(&-by_hub);
             let solved = solved.ok_or(NotSolved::Matrices(
-                "own coordinates of a gear have no stiffness",
+                "the internal coordinates of a gear have no stiffness",
             ))?;
             turn[own].copy_from_slice(solved.as_slice());
         }
@@ -240,7 +240,7 @@ impl Cycle<'_> {
             let [stiffness, damping] = [false, true].map(|rate| self.slope(s, mesh, rate));
             if stiffness <= 0.0 || !stiffness.is_finite() {
                 return Err(NotSolved::Matrices(
-                    "a mesh carries no load, or none of its gears is free, so that it has no stiffness",
+                    "a mesh has no stiffness: it carries no load, or none of its gears can move",
                 ));
             }
             let of_mesh = &self.scene.meshes()[mesh];
@@ -339,7 +339,7 @@ pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Run
     let frequencies = frequencies(scene, spec, &seen);
     if frequencies.iter().any(|f| *f <= 0.0) {
         return Err(NotSolved::Matrices(
-            "a mesh stands still at the speeds of the start, so that no teeth pass",
+            "a mesh does not rotate at the initial speeds, so that its mesh frequency is zero",
         ));
     }
     let mechanism = scene.mechanism(start.state.at(), &start.linear.mass);

@@ -37,7 +37,7 @@ pub fn mesh_mode_of(
     };
     let found = match found {
         Ok(found) if found.pressed.iter().all(|f| *f == 0.0) => {
-            return none("the loads press no flanks together".into());
+            return none("the loads act on no flanks".into());
         }
         Ok(found) => found,
         Err(why) => return none(why.to_string()),
@@ -90,7 +90,7 @@ fn mesh_mode(entry: &Configuration, models: &[Model]) -> Option<MeshMode> {
         0 => Err(NotSolved::Matrices("nothing in it can move")),
         n if n > FEW => {
             return Some(none(format!(
-                "not computed: {n} coordinates, more than {FEW}; `gearbench modes` takes more"
+                "not computed: {n} coordinates, more than {FEW}; `gearbench modes` permits more"
             )));
         }
         _ => loaded(&mut scene, true),

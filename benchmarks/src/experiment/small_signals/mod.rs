@@ -44,9 +44,9 @@ pub enum NotSolved {
     Matrices(&'static str),
     /// No equilibrium was found.
     #[error(
-        "no equilibrium under its loads was found: after {steps} Newton steps the forces on `{at}` are out of balance by {:.3e} of \
-         the largest load; let the loads balance but for what accelerates the whole train, or start pressed together without \
-         loads (`gap_m` below zero)",
+        "no equilibrium under its loads was found: after {steps} Newton steps the residual force on `{at}` is {:.3e} of the \
+         largest load; balance the loads except for the resultant that accelerates the whole train, or start without loads and \
+         with a negative `gap_m`",
         imbalance
     )]
     Unbalanced {
@@ -62,7 +62,7 @@ pub enum NotSolved {
     Interrupted,
     /// The scene is too large.
     #[error(
-        "it has {0} coordinates, of which dense matrices take at most {MOST}; take elastic gears with fewer modes in its place"
+        "it has {0} coordinates, but dense matrices have at most {MOST}; use elastic gears with fewer modes"
     )]
     TooLarge(usize),
 }
@@ -121,7 +121,7 @@ pub fn assemble(
         let mut ids: Vec<&str> = modelling.gears.iter().map(|g| g.id.as_str()).collect();
         ids.dedup();
         let why = format!(
-            "the loaded start of the model `{}` cannot be met: {why}",
+            "the loaded start of the model `{}` cannot be computed: {why}",
             ids.join("`, `")
         );
         Err(BuildError::mesh(names, MeshPart::Start, (why, help)).of_model())
@@ -129,7 +129,7 @@ pub fn assemble(
     if !has_loads(spec, 0.0) {
         return refuse(
             "no load acts at time zero".into(),
-            "give loads that are there from the start, or remove `loaded`",
+            "give loads that act from the start, or remove `loaded`",
         );
     }
     let found = match scene.layout().n {
@@ -139,8 +139,8 @@ pub fn assemble(
     };
     match found {
         Ok(found) if found.pressed.iter().all(|f| *f == 0.0) => refuse(
-            "the loads press no flanks together".into(),
-            "let loads act against each other, or remove `loaded`",
+            "the loads act on no flanks".into(),
+            "give opposing loads, or remove `loaded`",
         ),
         Ok(found) => {
             scene.start_from(found.state);

@@ -103,7 +103,9 @@ fn slowly(
     let between = own.iter().map(|i| row.flanks[*i] - row.hubs[*i]);
     let between = DVector::from_iterator(own.len(), between);
     let moved = block.lu().solve(&between);
-    let moved = moved.ok_or(NotSolved::Matrices("own coordinates have no stiffness"))?;
+    let moved = moved.ok_or(NotSolved::Matrices(
+        "internal coordinates have no stiffness",
+    ))?;
     Ok(between.dot(&moved))
 }
 

@@ -59,10 +59,10 @@ fn way_out(run: &Run, against: &str, limit: f64) -> &'static str {
     // The error of integration is known where the model's own converged solution is.
     match run.against(SELF).and_then(|m| m.force_l1) {
         Some(own) if own <= 0.25 * limit => {
-            "the integration is accurate enough: use a finer model, or another one"
+            "the integration is accurate enough; use a finer model, or another one"
         }
         Some(own) if own >= limit => {
-            "the integration alone is beyond the limit: use a smaller step or tolerance first"
+            "the integration error alone exceeds the limit; use a smaller step or tolerance first"
         }
         _ => "use a smaller step or tolerance, or a finer model",
     }
@@ -93,16 +93,16 @@ fn by_tolerance(
     {
         Some((_, Adequacy::Adequate)) => Verdict::Within,
         Some((x, Adequacy::NotDecided)) => Verdict::NotDecided(format!(
-            "{metric} is {} of {}, and {against} itself is {}",
+            "{metric} is {} with a limit of {}, and {against} itself {}",
             short(x, digits(x.abs())),
             short(*limit, digits(x.abs())),
             match yardstick.error {
-                Some(own) => format!("off by about {}", short(own, 2)),
-                None => "of unknown accuracy".into(),
+                Some(own) => format!("has an error of about {}", short(own, 2)),
+                None => "has an unknown error".into(),
             }
         )),
         Some((x, Adequacy::NotAdequate)) => Verdict::Beyond(format!(
-            "{metric} against {against} is {}, beyond the scene's {}; {}",
+            "{metric} against {against} is {}, above the limit of the scene, {}; {}",
             short(x, digits(x.abs())),
             short(*limit, digits(x.abs())),
             way_out(run, against, *limit)
@@ -121,7 +121,7 @@ fn by_own_solution(run: &Run, missing: Option<&str>) -> Verdict {
         ),
         (Some(metrics), _) => match metrics.force_l1 {
             Some(e) if e > OWN_ERROR => Verdict::Beyond(format!(
-                "the force is {} % off the model's own converged solution; use a smaller step or tolerance",
+                "the error of the force against the model's own converged solution is {} %; use a smaller step or tolerance",
                 short(100.0 * e, 3)
             )),
             Some(_) => Verdict::Within,
@@ -162,7 +162,7 @@ pub fn against_contact(run: &mut Run, reference: &TimeSeries) {
             Some(t) => {
                 run.status = Status::Inaccurate;
                 run.message = Some(format!(
-                    "the teeth touch at t = {t:.4e} s, where they stay apart in the converged solution; use a smaller step or tolerance"
+                    "the teeth touch at t = {t:.4e} s, but not in the converged solution; use a smaller step or tolerance"
                 ));
             }
         }
@@ -171,7 +171,7 @@ pub fn against_contact(run: &mut Run, reference: &TimeSeries) {
     if first_touch(series).is_none() && at <= run.simulated_s {
         run.status = Status::Tunnelling;
         run.message = Some(format!(
-            "no contact at all, where the teeth touch at t = {at:.4e} s: the steps went over it; use smaller ones"
+            "no contact, but the teeth touch at t = {at:.4e} s in the converged solution: the steps are too large; use smaller ones"
         ));
         return;
     }
@@ -181,7 +181,7 @@ pub fn against_contact(run: &mut Run, reference: &TimeSeries) {
     let error = run.against(SELF).and_then(|m| m.force_l1);
     if own.spells() != wanted.spells() && error.is_some_and(|e| e > OTHER_CONTACTS) {
         run.message.get_or_insert(format!(
-            "{} spells of contact, where the converged solution has {}: another sequence of impacts, so that errors are of the order of one from the first that differs on",
+            "{} periods of contact, but {} in the converged solution: the sequence of impacts differs, so that errors are of the order of one after the first difference",
             own.spells(),
             wanted.spells()
         ));

@@ -72,7 +72,7 @@ pub fn message_of(e: &StepError, fixed: bool) -> String {
         }
         StepError::StepTooSmall { t, h } if fixed => {
             format!(
-                "a step of {h:.3e} s at t = {t:.6e} s does not move the time on; use a larger one"
+                "a step of {h:.3e} s at t = {t:.6e} s does not advance the time; use a larger step"
             )
         }
         StepError::StepTooSmall { .. } => {
@@ -213,7 +213,7 @@ impl RunMonitor {
                 time: end,
                 status: Status::AdhesiveForce,
                 message: format!(
-                    "a contact pulls with {:.3e} N, {:.1} % of the largest force; a contact law may only push",
+                    "the contact force is tensile, {:.3e} N or {:.1} % of the largest force; a contact law must be compressive",
                     -self.history.least_normal,
                     -100.0 * self.history.least_normal / self.history.peak.max(f64::MIN_POSITIVE)
                 ),
@@ -232,20 +232,20 @@ impl RunMonitor {
         let (status, message) = if !(made_up.is_finite() && energy.is_finite()) {
             (
                 Status::BlowUp,
-                format!("the energy is no number any more at t = {t:.4e} s; use a smaller step"),
+                format!("the energy is not a number at t = {t:.4e} s; use a smaller step"),
             )
         } else if energy > BLOWN_UP * given {
             (
                 Status::BlowUp,
                 format!(
-                    "the energy runs away: by t = {t:.4e} s it has become {energy:.1e} J, where start and loads put in {given:.1e} J; use a smaller step"
+                    "the energy grows without bound: at t = {t:.4e} s it is {energy:.1e} J, but initial state and loads account for {given:.1e} J; use a smaller step"
                 ),
             )
         } else {
             let ledger = &self.ledger;
             let (jumps, residual) = (ledger.unpaid_jumps(), ledger.residual());
             let by = if jumps > residual {
-                "by contacts that close with their whole force at once, which no step mends; use a contact whose force grows from zero"
+                "by contacts whose force jumps when they close, at any step size; use a contact whose force grows from zero"
             } else if self.fixed {
                 "by the integration; use a smaller step"
             } else {
@@ -254,7 +254,7 @@ impl RunMonitor {
             (
                 Status::EnergyGrowth,
                 format!(
-                    "{:.2e} J at t = {t:.4e} s, {} % of the energy that vibrates, are made up {by}",
+                    "{:.2e} J at t = {t:.4e} s, {} % of the vibration energy, are added {by}",
                     residual + jumps,
                     short(100.0 * ledger.growth(), 3),
                 ),

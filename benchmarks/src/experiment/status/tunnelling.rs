@@ -220,7 +220,7 @@ impl TunnellingDetector {
         let (_, pair) = self.pairs.iter().find(|(mesh, _)| *mesh == m)?;
         let [first, second] = &self.names[m];
         Some(format!(
-            "the teeth of `{first}` and `{second}` deflect by up to {depth:.3e} m (at t = {time:.4e} s), {:.2} of the module; beyond {PASSED} no contact law and no linear tooth holds: lower speeds or loads, or check the stiffness",
+            "the teeth of `{first}` and `{second}` deflect by up to {depth:.3e} m (at t = {time:.4e} s), {:.2} of the module; contact laws and linear teeth are not valid above {PASSED}: reduce speeds or loads, or check the stiffness",
             depth / pair.module
         ))
     }
@@ -271,8 +271,8 @@ impl TunnellingDetector {
         };
         [
             self.grazed
-                .map(|x| finding(x, "met and parted within one step, overlapping")),
-            unseen.map(|x| finding(x, "stand in each other without a force,")),
+                .map(|x| finding(x, "touched and separated within one step, with an overlap")),
+            unseen.map(|x| finding(x, "overlap without a contact force,")),
             passed.map(|x| finding(x, "overlap")),
         ]
         .into_iter()

@@ -101,7 +101,7 @@ impl<'d> Node<'d> {
         };
         if let Some(second) = more.first() {
             let help = format!("give one of {}; {}", suggest::words(words), self.help());
-            let message = format!("{} takes one key only", self.called());
+            let message = format!("{} has exactly one key", self.called());
             let error = second.error(message, "and this", help);
             return Err(Flaw::Placed(error.and(entry.at.0..entry.at.1, "this")));
         }
@@ -196,7 +196,7 @@ impl<'d> Deserializer<'d> for Node<'d> {
                 };
                 let same = |n: &Node<'_>| matches!(n.value, DeValue::String(w) if w == word);
                 if nodes[..i].iter().any(same) {
-                    let message = format!("`{word}` stands twice in `{}`", self.key);
+                    let message = format!("`{word}` occurs twice in `{}`", self.key);
                     return node.refuse(message, "again", "remove one");
                 }
             }

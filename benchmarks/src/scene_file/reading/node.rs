@@ -107,7 +107,7 @@ impl<'d> Node<'d> {
         match flaw {
             Flaw::Placed(e) => e,
             Flaw::Missing(key) => self.missing(key, ""),
-            Flaw::UnknownKey => self.error("unknown key", "not known here", self.help()),
+            Flaw::UnknownKey => self.error("unknown key", "unknown in this table", self.help()),
             Flaw::UnknownWord(word, known) => self.unknown_word(&word, known),
             Flaw::Said(why) => self.error(why, "this", self.help()),
             Flaw::Expected(what) => {
@@ -147,7 +147,7 @@ impl<'d> Node<'d> {
         let meaning = |key: &str| table.map_or("", |t| t.meaning(key));
         entry.error(
             format!("unknown key `{}` in {}", entry.key, self.called()),
-            "not known here",
+            "unknown in this table",
             suggest::help_for(entry.key, entry.number().ok(), known, &meaning),
         )
     }

@@ -83,7 +83,7 @@ impl Document {
 /// An error of the TOML syntax.
 fn syntax(source: &Source, e: &toml::de::Error) -> SceneError {
     let message = e.message().trim().replace('\n', "; ");
-    let help = "a line is `key = value`, a table begins with `[name]`, text stands in quotes, a name stands once \
+    let help = "write `key = value` in a line, `[name]` at the start of a table, text in quotes, and each name once \
                 (https://toml.io)";
     let span = e.span().unwrap_or(0..0);
     source.error(span, format!("not TOML: {message}"), "here", help)

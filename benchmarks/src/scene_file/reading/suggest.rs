@@ -259,13 +259,13 @@ pub(in super::super) fn help_for(
     } else if let Some(write) = other_name(unknown, value, known) {
         format!("write `{write}`")
     } else if let Some(why) = not_done(unknown) {
-        format!("{why}: `gearbench help limits` says what gearbench does not do")
+        format!("{why}: `gearbench help limits` describes what gearbench does not do")
     } else if let Some(name) = without_unit(unknown, known) {
         format!("keys carry their unit; write {}", explained(name))
     } else if let Some(name) = nearest(unknown, known) {
         format!("did you mean {}?", explained(name))
     } else if known.is_empty() {
-        "it takes no keys".to_owned()
+        "this table has no keys".to_owned()
     } else {
         format!("known are {}", known.join(", "))
     }
@@ -285,7 +285,7 @@ mod tests {
             let help = help_for(words[0], None, &["teeth"], &|_| "");
             assert_eq!(
                 help,
-                format!("{why}: `gearbench help limits` says what gearbench does not do")
+                format!("{why}: `gearbench help limits` describes what gearbench does not do")
             );
         }
     }

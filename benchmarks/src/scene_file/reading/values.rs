@@ -157,7 +157,9 @@ impl<'de> Deserialize<'de> for Method {
         let text = String::deserialize(deserializer)?;
         text.parse().map(Method).map_err(|e| match e {
             MethodError::Unknown(id) => D::Error::unknown_variant(&id, &METHOD_IDS),
-            e => D::Error::custom(format!("{e}; parameters stand in brackets: id(name=value)")),
+            e => D::Error::custom(format!(
+                "{e}; give parameters in parentheses: id(name=value)"
+            )),
         })
     }
 }

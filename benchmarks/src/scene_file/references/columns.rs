@@ -194,7 +194,7 @@ pub(super) fn units(
             return at.refuse(
                 format!("the unit \"{unit}\" of {what} is not known"),
                 "here",
-                "units are written as s, ms, us; N, kN; m, mm, um; rad, deg; rad/s, 1/min; N m; m/s",
+                "known units are s, ms, us; N, kN; m, mm, um; rad, deg; rad/s, 1/min; N m; m/s",
             );
         }
     }

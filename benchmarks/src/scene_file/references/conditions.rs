@@ -84,8 +84,8 @@ pub(super) fn read(
             };
             return place.key(key).refuse(
                 format!("`{name}` is {is}"),
-                "not of this one",
-                format!("it takes {takes}"),
+                "not a key of this body",
+                format!("use {takes}"),
             );
         }
         gears.push(ConditionsOfGear { gear, speed, load });
@@ -145,10 +145,10 @@ impl ReferenceConditions {
                     return Err((
                         key(load_key),
                         format!(
-                            "`{}` is held or driven: a load does nothing to it",
+                            "`{}` is fixed or driven, so that a load has no effect",
                             gear.name
                         ),
-                        "give the load of a gear that is free".into(),
+                        "give the load of a gear that can move".into(),
                     ));
                 }
                 gear.loads = match load == 0.0 {
@@ -161,13 +161,13 @@ impl ReferenceConditions {
             let [mesh] = spec.meshes.as_slice() else {
                 return Err((
                     "centre_distance_m".into(),
-                    "the scene has several meshes, and the distance is of one".into(),
-                    "write a scene for each distance".into(),
+                    "the scene has several meshes, but the distance belongs to one mesh".into(),
+                    "write one scene for each distance".into(),
                 ));
             };
             let [a, b] = mesh.gears;
             let refuse = |e: &dyn std::fmt::Display| {
-                let help = "the distance is that of two axes whose flanks meet";
+                let help = "give a distance of the axes at which the flanks can mesh";
                 (
                     "centre_distance_m".to_owned(),
                     e.to_string(),
@@ -207,7 +207,7 @@ impl ReferenceConditions {
                 return Err((
                     "path_coordinate_m".into(),
                     format!("the path coordinate {x:e} m lies outside the path of contact"),
-                    "leave it out to start where the scene does".into(),
+                    "remove it to start at the position of the scene".into(),
                 ));
             }
         }

@@ -89,14 +89,14 @@ impl SceneFile {
             let place = self.document.at(&*named.at);
             let error = place.error(
                 format!(
-                    "the reference is of another run than the scene: {}",
+                    "the reference belongs to other conditions than the scene: {}",
                     differs.join(", ")
                 ),
-                "not of these gears",
+                "reference of other conditions",
                 match (self.fitting(), named.stored()) {
-                    (Some(fitting), _) => format!("write `{fitting}`; --any-reference insists"),
-                    (None, Some(_)) => "no stored reference is of these gears, speeds and loads: leave it out; --any-reference insists".into(),
-                    (None, None) => "what differs may stand beside the reference, as gears.pinion.speed_rad_s, duration_s, gap_m; `gearbench reference` makes it again; --any-reference insists".into(),
+                    (Some(fitting), _) => format!("write `{fitting}`, or use this reference with --any-reference"),
+                    (None, Some(_)) => "no stored reference belongs to these gears, speeds and loads: remove it, or use it with --any-reference".into(),
+                    (None, None) => "give the conditions that differ in the table of the reference, such as gears.pinion.speed_rad_s, duration_s, gap_m; compute it again with `gearbench reference`; or use it with --any-reference".into(),
                 },
             );
             if !any {
@@ -119,13 +119,13 @@ impl SceneFile {
         })?;
         Some(self.document.at(&*named.at).error(
             format!(
-                "the contact force of the reference \"{}\" is negative: it goes from {} to {} N",
+                "the contact force of the reference \"{}\" is negative, from {} to {} N",
                 data.id,
                 short(least, 4),
                 short(greatest, 4)
             ),
             "sign of the force",
-            "contact forces of runs are magnitudes: change the sign of the column, or errors are above 100 %",
+            "contact forces of runs are magnitudes: change the sign of the column, otherwise errors exceed 100 %",
         ))
     }
 
@@ -174,9 +174,9 @@ impl SceneFile {
                 "the tolerance limits {} against \"{}\", which has no {lacking}",
                 tolerance.metric, data.id
             ),
-            "cannot be told",
+            "undefined for this reference",
             match others.is_empty() {
-                true => "write `against = \"self\"`, or leave the tolerance out".into(),
+                true => "write `against = \"self\"`, or remove the tolerance".into(),
                 false => format!(
                     "write `metric` {}, or `against = \"self\"`",
                     others.join(" or ")
@@ -194,7 +194,7 @@ impl SceneFile {
     ) -> Result<Reference, SceneError> {
         let place = self.document.at(&*named.at);
         let place = place.first(&["csv"]);
-        let from = "paths count from the folder of the scene file";
+        let from = "paths are relative to the folder of the scene file";
         let text = tables::text(path, LARGEST, from)
             .map_err(|e| place.error(e.why, "this file", e.help))?;
         // A table over the angle of rotation counts by the speed of its own conditions.

@@ -224,16 +224,16 @@ pub(super) fn references(
                 (&root.at(&other.at).first(&own), "first here"),
                 format!("two references are called \"{}\"", found.name),
                 "again here",
-                "give one of them a `name` of its own",
+                "give one of them another `name`",
             ));
         }
         if found.name == SELF || beside.labels.contains(&found.name.as_str()) {
             return place.first(&own).refuse(
                 format!(
-                    "the reference is called \"{}\", as a model or its own solution is",
+                    "the reference has the name \"{}\" of a model or of the converged solution",
                     found.name
                 ),
-                "not a name of its own",
+                "not a unique name",
                 "give it another `name`",
             );
         }
@@ -276,7 +276,7 @@ fn named(
                     format!("there is no reference `{}`", id),
                     "not known",
                     format!(
-                        "{}; a file of your own is reference = {{ csv = \"press.csv\" }}",
+                        "{}; your own file is reference = {{ csv = \"press.csv\" }}",
                         there_are(id, &known)
                     ),
                 );
@@ -295,8 +295,8 @@ fn named(
             ];
             if let Some(key) = of_tables.into_iter().find(|key| at.has(key)) {
                 return at.key(key).refuse(
-                    format!("`{key}` is about a table, and the reference is a stored one"),
-                    "of no effect",
+                    format!("`{key}` applies to a table, but the reference is a stored one"),
+                    "no effect",
                     "remove it",
                 );
             }
@@ -321,7 +321,7 @@ fn named(
         }
         (None, None) => {
             return at.refuse(
-                "the reference says not where its data are",
+                "the reference does not specify its data",
                 "here",
                 "add `csv = \"press.csv\"`, or `stored = \"calculix/case-a-fine\"` (`gearbench list`)",
             );
@@ -330,8 +330,8 @@ fn named(
     let name = keys.name.unwrap_or(name).trim().to_owned();
     if name.is_empty() || name.chars().count() > 60 || name.chars().any(char::is_control) {
         return at.first(&["name", "csv"]).refuse(
-            "the name of a reference is a short text in one line",
-            "cannot be a name",
+            "the name of a reference has to be a short text in one line",
+            "not a valid name",
             "give it a `name`, for example \"press\"",
         );
     }

@@ -51,7 +51,7 @@ impl SceneFile {
         let mut differs = Differs(Vec::new());
         let ([a, b], [mesh]) = (self.spec.gears.as_slice(), self.spec.meshes.as_slice()) else {
             let count = format!("{} gears", self.spec.gears.len());
-            differs.say("a scene of", &count, "one mesh of two", "");
+            differs.say("a scene of", &count, "two gears with one mesh", "");
             return differs.0;
         };
         let [a, b] = if mesh.gears == [0, 1] { [a, b] } else { [b, a] };
@@ -60,7 +60,7 @@ impl SceneFile {
             (Body::Rack(_), Some(_)) => {
                 common(b, of, 0.0, &mut differs);
                 if !matches!(b.mount, Mount::Fixed) {
-                    differs.say(&format!("mount of `{}`", b.name), "free", "held", "");
+                    differs.say(&format!("mount of `{}`", b.name), "free", "fixed", "");
                 }
             }
             (Body::Rack(_), None) => {
@@ -96,7 +96,12 @@ fn gear(g: &GearSpec, of: Option<&GearData>, whole: &ImpactParameters, differs: 
         differs.say(&name("axis"), &own, &of, "");
     }
     if g.lateral.is_some() {
-        differs.say(&name("mount"), "on a bearing", "held aside of its turn", "");
+        differs.say(
+            &name("mount"),
+            "on a bearing",
+            "fixed except for its rotation",
+            "",
+        );
     }
     if (p.profile_shift - of.profile_shift).abs() > SAME {
         let [a, b] = [p.profile_shift, of.profile_shift].map(|x| short(x, 4));

@@ -22,8 +22,8 @@ pub(super) fn request(
     let to = keys.to_s.map_or(end, |t| t.0.min(end));
     if from >= to {
         return at.first(&["from_s", "to_s"]).refuse(
-            format!("nothing lies between {from:e} s and {to:e} s"),
-            "no window of time",
+            format!("the time window from {from:e} s to {to:e} s is empty"),
+            "empty window",
             format!("the scene lasts {end:e} s: give `from_s` below `to_s` within it"),
         );
     }

@@ -120,6 +120,6 @@ fn lengths_of_usual_size_are_no_subject() {
         ),
     ] {
         let found = remarks(from, to);
-        assert!(!found.contains("is far from"), "{to}: {found}");
+        assert!(!found.contains("is far outside"), "{to}: {found}");
     }
 }

@@ -102,7 +102,7 @@ fn gears_out_of_step_are_named_with_their_speed() {
             &format!("speed_rad_s = -60.0, {torque}"),
             "flank = \"left\"",
         ),
-        &["open at 0.376 m/s", "speed_rad_s = -50"],
+        &["separate at 0.376 m/s", "speed_rad_s = -50"],
     );
     one(
         &pair(
@@ -157,7 +157,7 @@ fn loads_of_the_wrong_sign_are_named() {
         &pair(driven, &wheel(-40.0), "flank = \"left\""),
         &[
             "test.toml:6:",
-            "press the right flanks of `pinion` and `wheel`",
+            "act on the right flanks of `pinion` and `wheel`",
             "start = { flank = \"right\" }",
         ],
     );
@@ -169,7 +169,11 @@ fn loads_of_the_wrong_sign_are_named() {
             &wheel(-40.0),
             "flank = \"left\"",
         ),
-        &["test.toml:5:", "all act with the motion", "opposite sign"],
+        &[
+            "test.toml:5:",
+            "act in the direction of motion",
+            "opposite sign",
+        ],
     );
     one(
         &pair(
@@ -177,7 +181,7 @@ fn loads_of_the_wrong_sign_are_named() {
             &wheel(40.0),
             "flank = \"left\"",
         ),
-        &["press the right flanks"],
+        &["act on the right flanks"],
     );
     // Both gears accelerate alike: T_a R_a / I_a + T_b R_b / I_b = 0 of inertias 1 and 4.
     one(
@@ -186,7 +190,7 @@ fn loads_of_the_wrong_sign_are_named() {
             "inertia_kgm2 = 4e-3, loads = [{ torque_nm = -40.0 }]",
             "flank = \"left\"",
         ),
-        &["press no flank"],
+        &["act on no flank"],
     );
     // A load that changes its sign is not judged.
     let swinging =
@@ -233,7 +237,7 @@ fn speeds_are_those_of_the_whole_train() {
     // The second pinion presses its right flanks, whatever the first one does.
     one(
         &whole.replace(", start = { flank = \"right\" }", ""),
-        &["press the right flanks of `p2` and `w2`"],
+        &["act on the right flanks of `p2` and `w2`"],
     );
     one(
         &whole.replace("speed_rad_s = 14.986", "speed_rad_s = -14.986"),
@@ -270,7 +274,7 @@ fn racks_have_a_speed_in_metres_per_second() {
     );
     one(
         &whole.replace("force_n = -185.0", "force_n = 185.0"),
-        &["all act with the motion"],
+        &["act in the direction of motion"],
     );
 }
 
@@ -305,7 +309,9 @@ fn planetary_sets_run_at_the_speed_of_their_carrier() {
     let text = whole.replace(", mount = \"fixed\"", ", speed_rad_s = 5.0");
     let found = warnings(&text);
     assert!(
-        found.iter().all(|w| !w.contains("out of step")),
+        found
+            .iter()
+            .all(|w| !w.contains("does not match the train")),
         "{found:#?}"
     );
     let scene = read(&whole);

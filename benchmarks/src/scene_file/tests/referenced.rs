@@ -68,7 +68,7 @@ fn a_reference_of_other_gears_is_refused_with_both_values() {
         "module of `pinion` 4 mm (reference: 2)",
         "initial speed of `pinion` 20 rad/s (reference: 100)",
         "`wheel` is a gear (reference: a rack)",
-        "no stored reference is of these gears",
+        "no stored reference belongs to these gears",
     ] {
         assert!(shown.contains(word), "{word}\n{shown}");
     }
@@ -76,7 +76,14 @@ fn a_reference_of_other_gears_is_refused_with_both_values() {
     let held = scene.held(true).unwrap();
     assert_eq!(held[0].named.stored(), Some("calculix/rack-pinion"));
     assert_eq!(held[0].data.id, "calculix");
-    assert!(scene.odd.last().unwrap().told().contains("of another run"));
+    assert!(
+        scene
+            .odd
+            .last()
+            .unwrap()
+            .told()
+            .contains("belongs to other conditions")
+    );
 }
 
 /// Messages that suggest a reference suggest one that fits.
@@ -218,7 +225,10 @@ fn references_that_are_no_references_are_refused() {
             "reference = { csv = \"press.csv\", stored = \"calculix/case-c\" }".into(),
             "both given",
         ),
-        ("reference = { name = \"x\" }".into(), "where its data are"),
+        (
+            "reference = { name = \"x\" }".into(),
+            "does not specify its data",
+        ),
         (one("colums = { time = \"t\" }"), "unknown key `colums`"),
         (
             one("columns = { speed.pinoin = \"n1\" }"),
@@ -231,7 +241,7 @@ fn references_that_are_no_references_are_refused() {
         (one("force_kind = \"tangential\""), "tangential"),
         (one("delimiter = \"|\""), "not known"),
         (one("to_s = -1.0"), "more than 0"),
-        (one("from_s = 1.0"), "nothing lies between"),
+        (one("from_s = 1.0"), "time window"),
         (
             one("gears.pinoin.speed_rad_s = 1.0"),
             "there is no gear `pinoin`",
@@ -249,12 +259,18 @@ fn references_that_are_no_references_are_refused() {
             one("path_coordinate_m = 1.0"),
             "outside the path of contact",
         ),
-        (one("name = \"rigid\""), "as a model or its own solution is"),
-        (one("name = \"self\""), "as a model or its own solution is"),
+        (
+            one("name = \"rigid\""),
+            "of a model or of the converged solution",
+        ),
+        (
+            one("name = \"self\""),
+            "of a model or of the converged solution",
+        ),
         (one("name = \"a\\nb\""), "a short text"),
         (
             "reference = { stored = \"calculix/case-c\", offset_s = 1.0 }".into(),
-            "is about a table",
+            "applies to a table",
         ),
         (
             "[[references]]\ncsv = \"press.csv\"\n[[references]]\ncsv = \"press.csv\"".into(),

@@ -162,7 +162,7 @@ const FILE: &str = r##"
 1: schema = 1\n =>
     `schema` is missing
 21: centre_distance_m = 0.1001\n =>
-    where `wheel` stands | `centre_distance_m` or `backlash_m`
+    position of `wheel` | `centre_distance_m` or `backlash_m`
 26: model = "rigid"\n =>
     `model` is missing
 32: stiffness = "iso6336" => exponent = 1.0
@@ -179,7 +179,7 @@ const FILE: &str = r##"
 9: teeth = 20 => teeth =
     not TOML
 15: [gears.wheel] => [gears.pinion]
-    duplicate | stands once
+    duplicate | each name once
 10: teeth = 20 => teeth = 20\nteeth = 21
     duplicate
 3: title = "A test" => title = "A test
@@ -189,9 +189,9 @@ const FILE: &str = r##"
 const GEARS: &str = r##"
 # gears
 8: [gears.pinion] => [gears.""] && "pinion" => ""
-    the name of a gear is "" | columns | 1 to 60 characters
+    the gear has the name "" | column name | 1 to 60 characters
 8: [gears.pinion] => [gears."a\u001bb"] && "pinion" => "a\u001bb"
-    the name of a gear | \u{1b} | 1 to 60 characters
+    the gear has the name | \u{1b} | 1 to 60 characters
 9: teeth = 20 => teeth = 12
     [gears.pinion]: undercut | profile shift of at least
 9: teeth = 20 => teeth = 2
@@ -207,9 +207,9 @@ const GEARS: &str = r##"
 10: teeth = 20 => teeth = 20\nend_relief = { low = { amount_m = 1e-5, length_m = 1.0 } }
     the face is | choose a length up to
 10: teeth = 20 => teeth = 20\ntopography = { both = "none.csv" }
-    cannot be read | paths count from the folder of the scene file
+    cannot be read | paths are relative to the folder of the scene file
 10: teeth = 20 => teeth = 20\ntopography = { both = [[0, 1], [0]], left = [[0, 1], [0, 1]] }
-    say what is removed of the same flanks | remove one
+    define the removed material of the same flanks | remove one
 10: teeth = 20 => teeth = 20\ntopography = { both = [[0, 1e-6], [0]] }
     1 amounts in row 2 | 2 as in the first row
 10: teeth = 20 => teeth = 20\ntopography = { both = [[0, 1], [0, 1]] }
@@ -219,9 +219,9 @@ const GEARS: &str = r##"
 10: teeth = 20 => teeth = 20\ntwist_m = "much"
     a number or a table
 10: teeth = 20 => teeth = 20\ndeviations = { class = 6, seed = 1, runout_m = 1e-5 }
-    `runout_m` stands beside `class`
+    `runout_m` and `class` are both given
 10: teeth = 20 => teeth = 20\ndeviations = { seed = 1 }
-    `seed` stands without `class`
+    `seed` is given without `class`
 10: teeth = 20 => teeth = 20\ndeviations = { left = { cumulative_pitch_m = [1e-6, 2e-6] } }
     2 values | one for each of the 20 teeth
 10: teeth = 20 => teeth = 20\nthinning_m = 0.01
@@ -243,11 +243,11 @@ const GEARS: &str = r##"
 19: mount = "revolute" => mount = "prismatic"
     there are `revolute`, `fixed`, `driven` and `guided`
 19: mount = "revolute" => mount = { guided = {} }
-    guides nothing | stiffness_nm_per_rad
+    has no effect | stiffness_nm_per_rad
 19: mount = "revolute" => mount = { guided = { friction_nm = 1.0 } }
-    one of two forms | stick_rad
+    one regularisation | stick_rad
 19: mount = "revolute" => mount = { guided = { stick_rad = 1e-5 } }
-    friction_nm | beside it
+    friction_nm | belong to friction
 19: mount = "revolute" => mount = { guided = { stiffness_n_per_m = 1.0 } }
     stiffness_n_per_m | stiffness_nm_per_rad
 19: mount = "revolute" => mount = "driven"
@@ -258,7 +258,7 @@ const GEARS: &str = r##"
     driven mount
 # loads
 13: { torque_nm = 10.0 } => { torque_nm = 10.0, viscous_nms_per_rad = 1.0 }
-    one key only | `ramp`
+    exactly one key | `ramp`
 13: { torque_nm = 10.0 } => {}
     is empty | `ramp`
 13: { torque_nm = 10.0 } => { viscous_nms_per_rad = -1.0 }
@@ -291,22 +291,22 @@ const GEARS: &str = r##"
 23: centre_distance_m = 0.1001 => centre_distance_mm = 100.1
     `centre_distance_m = 0.1001`
 24: gap_m = 1e-6 => gap_m = 1e-3
-    larger than the normal backlash | other flanks would overlap
+    larger than the normal backlash | opposite flanks would overlap
 24: gap_m = 1e-6 => path_coordinate_m = 0.1
     outside the path of contact | expected 4.2
 24: flank = "left" => flank = "top"
     `left` and `right`
 27: [[models]] => [[meshes]]\ngears = ["wheel", "pinion"]\n\n[[models]]
-    mesh twice | first here
+    have two meshes | first here
 15: [gears.wheel] => [gears.third]\nteeth = 30\nmodule_m = 0.004\nface_width_m = 0.01\n\n[gears.wheel]
-    gear `third` takes part in no mesh
+    gear `third` is in no mesh
 24: mount = "revolute" => position_m = [0.1001, 0.0] && teeth = 20 => teeth = 20\nposition_m = [0.0, 0.0]
-    `centre_distance_m` is given, but both gears have a position
+    `centre_distance_m` is given, but the positions of both gears are known
 17: teeth = 30\nmodule_m = 0.004 => teeth = 30\nmodule_m = 0.005
     unequal modules | this one | differs from this one
 # racks
 23: teeth = 30 => kind = "rack"\nteeth = 30 && mount = "revolute" => mount = "prismatic" && gears = ["pinion", "wheel"] => gears = ["wheel", "pinion"]
-    may not be a rack | gears = ["pinion", "wheel"]
+    must not be a rack | gears = ["pinion", "wheel"]
 20: teeth = 30 => kind = "rack"\nteeth = 30
     `mount` is "revolute" | `prismatic`
 16: teeth = 30 => kind = "rak"\nteeth = 30
@@ -317,13 +317,13 @@ const IMPOSSIBLE: &str = r##"
 10: teeth = 20 => teeth = 20\npressure_angle_deg = 0.349
     pressure angle of 0.349 degrees | at least 5 degrees | in radians, write pressure_angle_deg = 19.99
 12: speed_rad_s = 20.0 => speed_rad_s = 1e12
-    the teeth of `pinion` move at | beyond the speed of sound in their material, 5172 m/s
+    the teeth of `pinion` move at | faster than the speed of sound in their material, 5172 m/s
 19: mount = "revolute" => mount = { driven = { ramp = { from_rad_s = 0, to_rad_s = -1e6, start_s = 0, end_s = 1 } } }
     the teeth of `wheel` move at | speed of sound
 13: torque_nm = 10.0 => torque_nm = 1e15
     on the teeth of `pinion` | of its Young's modulus
 13: [{ torque_nm = 10.0 }] => [{ viscous_nms_per_rad = 1.0 }, { table = { time_s = [0.0, 1.0], torque_nm = [0.0, -1e9] } }]
-    no solid carries this
+    too large for any solid
 13: teeth = 20 => teeth = 20\nmaterial = { young_pa = 210, poisson = 0.3, density_kg_m3 = 7850 }
     speed of sound in their material | here 210 Pa | pascal
 33: tooth_stiffness_n_per_m = 5.3e8 => tooth_stiffness_n_per_m = 1e300
@@ -335,13 +335,13 @@ const IMPOSSIBLE: &str = r##"
 28: contact = { stiffness = { kind = "constant", stiffness_n_per_m2 = 1.4e10 }, damping = { law = "flores", e = 0.9 } } => integrators = [{ method = "rk4", step_s = 1e-3 }]\ncontact = { stiffness = "iso6336" } && [study] => \n[study]
     longer than the 1e-4 s
 28: { stiffness = { kind = "constant", stiffness_n_per_m2 = 1.4e10 }, damping = { law = "flores", e = 0.9 } } => { law = "hard", points = "nodes" }
-    a contact of flank points has no effect | no flanks to touch with
+    a contact of flank points has no effect | no flank points
 # in each other's place
 34: [[models]] => [[meshes]]\ngears = ["wheel", "third"]\ncentre_distance_m = 0.1001\ndirection_deg = 180\n\n[[models]] && [[meshes]] => [gears.third]\nteeth = 20\nmodule_m = 0.004\nface_width_m = 0.01\n\n[[meshes]]
     `pinion` and `third` do not mesh and overlap | 0 m apart, their tip circles need 0.088 m
 # closed loops
 37: [[models]] => [[meshes]]\ngears = ["third", "pinion"]\nbacklash_m = 1e-4\n\n[[models]] && [[models]] => [[meshes]]\ngears = ["wheel", "third"]\ncentre_distance_m = 0.1001\n\n[[models]] && [[meshes]] => [gears.third]\nteeth = 20\nmodule_m = 0.004\nface_width_m = 0.01\n\n[[meshes]]
-    both gears have a position already | earlier meshes place both gears
+    the positions of both gears are known | earlier meshes determine the positions of both gears
 "##;
 
 const NOT_DONE: &str = r##"
@@ -367,7 +367,7 @@ const CONICAL: &str = r##"
 10: teeth = 20 => profile_shift_angle_deg = 5\ndeviations = { class = 6 }\nteeth = 20
     found a conical gear
 24: teeth = 20 => profile_shift_angle_deg = 3\nteeth = 20 && centre_distance_m = 0.1001 => backlash_m = 1e-4
-    the backlash of conical gears does not tell where they stand | `position_m` and `axis`
+    the backlash of conical gears does not determine their positions | `position_m` and `axis`
 25: teeth = 20 => profile_shift_angle_deg = 3\nprofile_shift = 0.3\nteeth = 20
     flanks overlap | thin
 "##;
@@ -380,11 +380,11 @@ const LATERAL: &str = r#"
     12: speed_rad_s = 20.0 => bearing = { stiffness = [1e8, 2e8, 1e8, 1e4, 1e4, 0.0], clearance_m = 1e-5 }
     a radial clearance | one radial stiffness
     12: speed_rad_s = 20.0 => directions = { tilt_z = "free" }
-    the gear's own motion | give it there
+    the direction of motion of the mount | give it in `mount`
     12: speed_rad_s = 20.0 => centre_of_mass_m = [0.0, 1e-3, 0.0]
-    no effect on a hub that only turns | add `bearing` or `directions`
+    no effect on a hub that only rotates | add `bearing` or `directions`
     12: speed_rad_s = 20.0 => axis = [0.0, 0.0, 0.0]
-    the direction of the axis is none | [0.0, 0.0, 1.0]
+    the direction of the axis is zero | [0.0, 0.0, 1.0]
     12: speed_rad_s = 20.0 => misalignment_deg = { plane_of_action = 5.0 }
     turned by 5.000 degrees | at most 2
     12: speed_rad_s = 20.0 => misalignment_deg = { about = [0.0, 1.0, 0.0] }
@@ -403,9 +403,9 @@ const SHAFTS: &str = r#"
     28: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { at_m = 0.1 }]\n[[models]]
     neither a gear nor a body
     28: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0, inertia_kgm2 = 1.0 }]\n[[models]]
-    stands beside a gear | [gears.pinion]
+    is given for a gear | [gears.pinion]
     28: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "a b", at_m = 0.1 }]\n[[models]]
-    becomes that of columns | letters
+    has to be valid in column names | letters
     28: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "nobody", at_m = 0.0 }]\n[[models]]
     nobody
     27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.3, inertia_kgm2 = 1e-3 }]\nsections = [{ length_m = 0.2, diameter_m = 0.02 }]\n[[models]]
@@ -417,7 +417,7 @@ const SHAFTS: &str = r#"
     27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2 }]\nsections = [{ length_m = 0.2, stiffness_nm_per_rad = 1e3 }]\n[[models]]
     nothing has inertia | give the body an inertia
     30: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2, inertia_kgm2 = 1e-3 }]\nsections = [{ length_m = 0.2, diameter_m = 0.02 }]\ndamping_s = 1e-6\ndamping_ratio = 0.1\n[[models]]
-    given twice | a ratio or a time
+    two values of damping are given | a ratio or a time
     27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2, inertia_kgm2 = 1e-3 }]\ndamping_ratio = 0.1\n[[models]]
     no effect on a rigid shaft
     27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2, inertia_kgm2 = 1e-3 }]\n[[models]]

@@ -101,7 +101,7 @@ const MODELS: &str = r##"
 28: model = "rigid" => model = "rigid"\ncalibration = "impct"
     did you mean `impact`
 28: model = "rigid" => model = "rigid"\ncalibration = "impact"
-    no calibration "impact" of `rigid` in scene `test` | gearbench identify test --model rigid --write
+    the scene `test` has no calibration "impact" of `rigid` | gearbench identify test --model rigid --write
 28: model = "rigid" => model = "rigid"\ncalibration = { name = "impact", scene = "spur_impact", label = "stiff" }
     there is one for `movable-teeth` or `rigid`
 "##;
@@ -137,11 +137,11 @@ const STUDIES: &str = r##"
 36: step_s = 1e-6 => step_s = -1e-6
     expected more than 0
 36: method = "dopri5", rtol => method = "bdf", step_s
-    bdf chooses its steps
+    bdf controls its step size
 36: [study] => [study]\nmodels = ["rigd"]
     did you mean `rigid`
 36: [study] => [study]\nmodels = ["rigid", "rigid"]
-    stands twice
+    occurs twice
 36: [study] => [study]\nmodels = []
     is empty
 36: [study] => [study]\nsamples = 1
@@ -211,11 +211,11 @@ const MAPS: &str = r##"
 40: ["rk4" => ["rk5"
     rk5 | rk4
 40: rho_inf=0.5 => rho_inf=5
-    outside | brackets
+    outside | parentheses
 41: duration_s = 5e-5 => duration_s = 0
     `duration_s` is the number 0 | more than 0
 42: to = 1e-5 => to = 1e-8
-    has not begun | smaller value as `from`
+    below the start of the map | smaller value as `from`
 42: points = 5 => points = 1
     `points` is the number 1 | 2 to 400
 42: from = 1e-7,  => 
@@ -229,7 +229,7 @@ const MAPS: &str = r##"
 43: values = [0.2, 0.0] => values = [0.2], to = 1.0
     both given | and this
 43: "speed", from = 0.5, to = 2.0, points = 3 => "damping", values = [0.1]
-    stands twice | leave it out
+    is given twice | remove it
 43: "speed", from = 0.5 => "speed", from = 0.0
     `from` is the number 0.0 | more than 0
 44: max_steps = 1000 => max_steps = 0

@@ -51,7 +51,7 @@ impl Baselines {
             Ok(text) => text,
             Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Baselines::default()),
             Err(e) => {
-                let help = "`baseline` names a file that --update writes";
+                let help = "`baseline` is the file that --update writes";
                 return Err(bad(e.to_string(), help));
             }
         };

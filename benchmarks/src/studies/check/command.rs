@@ -68,7 +68,7 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
     if baselines.newest().is_none() && !args.update {
         return Err(Refusal::Input(miette::miette!(
             help = "`--update` runs the check and stores what it measures; commit the file",
-            "{}: there is no baseline to hold the runs against",
+            "{}: the baseline for the comparison is missing",
             file.baseline.display()
         )));
     }
@@ -149,7 +149,7 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
     if update {
         say(&match &stored {
             Some(path) => format!("stored: {}", path.display()),
-            None => "nothing moved: the baseline stays as it is".into(),
+            None => "no value has moved: the baseline is unchanged".into(),
         });
     }
     Ok(match stored {

@@ -204,7 +204,7 @@ impl CheckFile {
         let text = files::read_text(path, files::MOST_OF_TEXT).map_err(|e| {
             SceneError::plain(
                 format!("{}: {e}", path.display()),
-                "expected a readable TOML file that says what is checked; `gearbench init check` writes one",
+                "expected a readable check file in TOML; `gearbench init check` writes one",
             )
         })?;
         Self::parse(path, &text)
@@ -236,9 +236,9 @@ impl CheckFile {
         ] {
             if factor <= 1.0 {
                 return root.key("runtime").key(key).refuse(
-                    format!("a factor of {factor} calls every run slow"),
+                    format!("a factor of {factor} makes every run too slow"),
                     "expected more than 1",
-                    format!("{usual} is told from noise on a busy machine"),
+                    format!("{usual} exceeds the noise on a busy machine"),
                 );
             }
         }
@@ -262,9 +262,9 @@ impl CheckFile {
                     below.map(|c| matches!(c, Component::Normal(_) | Component::CurDir));
                 if name.trim().is_empty() || !below.all(|inside| inside) {
                     return root.key("baseline").refuse(
-                        format!("the baseline `{name}` is not in the folder of the check file, or below it"),
+                        format!("the baseline `{name}` is not in the folder of the check file or below it"),
                         "not here",
-                        "name a file beside the check file, such as \"check.baseline.jsonl\"",
+                        "name a file in the folder of the check file, such as \"check.baseline.jsonl\"",
                     );
                 }
                 folder.join(name)

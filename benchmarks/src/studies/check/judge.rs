@@ -69,7 +69,7 @@ pub(super) fn gone(before: &Measured) -> Checked {
             what: "entry".into(),
             now: "absent".into(),
             before: "stored".into(),
-            allowed: "all entries of the baseline; --update forgets them".into(),
+            allowed: "all entries of the baseline; --update removes them".into(),
             verdict: Verdict::Moved,
             ..Finding::default()
         }],

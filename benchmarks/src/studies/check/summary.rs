@@ -18,7 +18,7 @@ pub(super) fn summarise(record: &CheckRecord) {
         }
         say(&entry.measured.name());
         tell("moved", &moved);
-        tell("said ", &reported);
+        tell("noted", &reported);
     }
     say(&format!("check: {}", record.verdict()));
 }

@@ -10,18 +10,20 @@ Examples:
   gearbench choose spur_impact --metric force-aligned --tolerance 0.05
   gearbench choose hammer --metric impulse --tolerance 0.02
   gearbench choose my_scene.toml --metric peak --tolerance 0.1 --out out/peak
-  gearbench choose my_scene.toml --references      and compare what was chosen with what was measured
-  gearbench choose my_scene.toml --runs 1000       for many runs of the scene, over which the set-up is distributed
+  gearbench choose my_scene.toml --references      also compare the choice with the references
+  gearbench choose my_scene.toml --runs 1000       for many runs of the scene, which share the set-up
   gearbench choose my_scene.toml --timeout 5 --budget 60
 
-No finite-element transient runs: a hierarchy of models is refined on a short part of the scene, and differences between
-its levels estimate the errors. Modes, contact and mesh are levels of it: flanks touch on half-spaces where they may, and
-all models are compared with elastic gears of twice the elements, the yardstick. The folder holds chosen.toml, the scene with the choice written in:
-`gearbench compare out/SCENE/choose/chosen.toml --out out/chosen` runs it. What --budget leaves untried is listed, and the
-answer is of what was tried. Every level is judged with the yardstick's own error: adequate where both together keep the
-tolerance, not adequate where the error is beyond it by more than that, else not decided. Exit code 1 says that nothing is adequate, or
-that it is not decided: the yardstick is too far off itself, the history does not repeat, or a reference (--references) is
-further from the choice than was asked for.";
+The study runs no transient simulation with full finite elements. It refines a hierarchy of models on a short part of
+the scene and estimates errors from the differences between the levels. Levels differ in modes, contact and mesh; the
+contact uses half-spaces where the flanks permit it. The yardstick of all models is a model of elastic gears with
+twice the elements. The folder contains chosen.toml, the scene with the choice: `gearbench compare
+out/SCENE/choose/chosen.toml --out out/chosen` runs it. Candidates that --budget excludes are listed, and the choice
+is made among the others. The judgement of a level includes the error of the yardstick: a level is adequate if both
+errors together are within the tolerance, not adequate if its error exceeds the tolerance by more than the error of
+the yardstick, and undecided otherwise. Exit code 1 means that no level is adequate or that the result is undecided:
+the error of the yardstick is too large, the history does not repeat, or the error against a reference (--references)
+exceeds the tolerance.";
 
 /// Arguments of `choose`.
 #[derive(Args, Clone, Debug)]
@@ -29,18 +31,18 @@ further from the choice than was asked for.";
 pub struct Choose {
     /// Name of a shipped scene, or path of a scene file (.toml)
     pub scene: String,
-    /// What has to be right: force, force-aligned, peak, impulse, rebound, transmission-error or energy
+    /// Metric of the tolerance: force, force-aligned, peak, impulse, rebound, transmission-error or energy
     #[arg(long, value_name = "METRIC", default_value = "force-aligned", value_parser = of_models)]
     pub metric: Metric,
-    /// Largest relative error in it that is accurate enough, 0.05 for 5 %
+    /// Largest permissible relative error of the metric, 0.05 for 5 %
     #[arg(long, value_name = "T", default_value_t = 0.05, value_parser = tolerance)]
     pub tolerance: f64,
-    /// Also run the choice over the whole scene, at the speeds and loads of each reference of the scene, and hold it against
-    /// these
+    /// Also run the choice over the whole scene, at the speeds and loads of each reference, and compare it with the
+    /// references
     #[arg(long)]
     pub references: bool,
-    /// Number of runs of the scene that are planned: the cheapest is the one with the least processor time of one set-up and
-    /// so many runs
+    /// Planned number of runs of the scene; the cheapest candidate has the least processor time for one set-up and all
+    /// these runs
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     pub runs: u64,
     /// Where results go, and how long a run may take.
@@ -57,7 +59,7 @@ fn of_models(text: &str) -> Result<Metric, String> {
     match found.is_of_measurements() {
         false => Ok(found),
         true => Err(format!(
-            "`{text}` is told of references alone, and choices are estimated between models: ask for a force, and hold the choice against references with --references"
+            "`{text}` is defined for references only, but a choice compares models: use a metric of the force, and compare the choice with references by --references"
         )),
     }
 }

@@ -14,8 +14,8 @@ Examples:
   gearbench compare hammer --no-events --repeats 1
   gearbench compare spur_impact --models elastic --vtu 60 --vtu-window 0,1.5e-4
 
-A run that fails (blow-up, Newton failure, energy growth, ...) is a row of the report, not an abort.
-Errors against the yardstick are those of the model, errors against `self` those of the integrator.";
+A run that fails (blow-up, Newton failure, energy growth, ...) is a row of the report and does not stop the study.
+The error against the yardstick is the error of the model, the error against `self` is that of the integrator.";
 
 /// Arguments of `compare`.
 #[derive(Args, Clone, Debug)]
@@ -24,31 +24,30 @@ pub struct Compare {
     /// Name of a shipped scene, or path of a scene file (.toml)
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
-    /// Models of the scene by label, between commas [default: those of its study]
+    /// Models of the scene by label, separated by commas [default: the models of its study]
     #[arg(long, value_name = "A,B")]
     pub models: Option<String>,
-    /// Integrators between commas: id, id(name=value), each optionally with @STEP or @RTOL
+    /// Integrators separated by commas: id or id(name=value), optionally with @STEP or @RTOL
     ///
     /// A value with a unit of time is a step (rk4@500ns, trigonometric@1us), a bare number a step in seconds for
-    /// methods of fixed steps and a relative tolerance for adaptive ones; left out, the scene's own.
-    /// [default: those of the scene's study]
+    /// methods with fixed steps and a relative tolerance for adaptive ones. Without it, the value of the scene applies.
+    /// [default: the integrators of the scene's study]
     #[arg(long, value_name = "X,Y")]
     pub integrators: Option<String>,
     /// Yardstick of the comparison: `refined`, or the label of a model
     ///
-    /// `refined` are elastic gears with twice the elements, on half-spaces where flanks may touch so, made for the
-    /// comparison together with an estimate of their own error.
-    /// [default: the reference of the scene; where it has none and a tolerance for models, `refined`; else its most detailed
-    /// model]
+    /// `refined` is a model of elastic gears that the study makes: twice the elements, half-space contact where the
+    /// flanks permit it, and an estimate of its own error. [default: the reference of the scene; if it has none but a
+    /// tolerance for models, `refined`; else its most detailed model]
     #[arg(long, value_name = "WHAT")]
     pub yardstick: Option<String>,
     /// Where results go, how long a run may take, how often it is timed.
     #[command(flatten)]
     pub run: Timed,
-    /// Write so many frames of every run for ParaView, evenly over it: the bodies of all gears, displaced, with contact
+    /// Number of frames of each run to write for ParaView, evenly spaced: displaced bodies of all gears with contact
     /// forces and pressures
     ///
-    /// A run has a file OUT/vtu/RUN.pvd, which names its frames and their times.
+    /// The file OUT/vtu/RUN.pvd of a run lists its frames and their times.
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub vtu: Option<u32>,
     /// First and last time of these frames in seconds [default: the whole run]
@@ -60,7 +59,7 @@ pub struct Compare {
         requires = "vtu"
     )]
     pub vtu_window: Vec<f64>,
-    /// Do not locate contact events: shows what a method loses when steps run across them
+    /// Do not locate contact events, which shows the error of a method whose steps cross them
     #[arg(long)]
     pub no_events: bool,
     /// Whether a reference of other gears will do.

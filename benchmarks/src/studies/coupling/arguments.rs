@@ -8,21 +8,22 @@ use gearbench_reports::coupling::{Extrapolation, Motion};
 
 const EXAMPLES: &str = "\
 Examples:
-  gearbench coupling                                  the scene spur_impact, its usual models
+  gearbench coupling                                  the scene spur_impact with the models of its study
   gearbench coupling loaded_mesh --duration 1e-3 --models rigid,elastic
   gearbench coupling spur_impact --extrapolations quadratic --motions linear,cubic
   gearbench coupling my_scene.toml --steps 1e-7:1e-4:16 --tolerance 0.01
 
-The hubs of the gears that are free to move, with their inertia and their loads, are a host; the gears are a sub-system whose
-hubs it moves. The host goes first, on forces extrapolated through their last values; the gears follow on interpolated motion.
-Every run is held against the same model under the same integrator as one system: error of the force history, speeds at the
-end, and the energy that the coupling makes up or loses. A run is accurate within --tolerance, inaccurate beyond, and failed
-where the gears cannot go on or the coupling makes up more than half of the energy that vibrates.
+The host simulates the movable hubs with their inertia and loads; the gears are a subsystem whose hub motion the host
+prescribes. In each communication step the host moves first, with forces extrapolated from their last values; the
+gears follow with interpolated motion. Each run is compared with the same model under the same integrator without
+coupling: error of the force history, final speeds, and the energy that the coupling adds or removes. A run is
+accurate if its error is within --tolerance. It has failed if the gears cannot be integrated further or if the
+coupling adds more than half of the vibration energy.
 
-An elastic model has its twin by plain truncation (the lowest modes, without residual compliance) beside it, unless the scene
-has one or models are named.
+The study adds to an elastic model its variant with plain truncation (the lowest modes, without residual compliance),
+unless the scene has one or --models is given.
 
-Results (--out DIR, default out/SCENE/coupling/), beside report and record:
+Results besides report and record (--out DIR, default out/SCENE/coupling/):
   coupling.csv          one line per run";
 
 /// Most steps on a line.
@@ -35,10 +36,12 @@ pub struct Coupling {
     /// Name of a shipped scene, or path of a scene file (.toml)
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
-    /// Models of the scene by label, between commas [default: those of the study but for full finite elements]
+    /// Models of the scene by label, separated by commas [default: the models of its study without full finite
+    /// elements]
     #[arg(long, visible_alias = "model", value_name = "A,B")]
     pub models: Option<String>,
-    /// Communication steps with a unit (1us:100us), or in seconds [default: from the step of the gears, doubled until the hubs outrun their teeth]
+    /// Communication steps with a unit (1us:100us), or in seconds [default: the step of the gears and its doubles up to
+    /// 4/omega, where omega is the frequency of the hubs on their teeth]
     #[arg(long, value_name = "FROM:TO[:POINTS]", value_parser = steps)]
     pub steps: Option<Steps>,
     /// Extrapolations of the forces on hubs: constant, linear, quadratic [default: all]
@@ -47,16 +50,16 @@ pub struct Coupling {
     /// Interpolations of the motion of hubs: linear, cubic
     #[arg(long, value_name = "X,Y", value_delimiter = ',', value_parser = motion, default_value = "linear")]
     pub motions: Vec<Motion>,
-    /// Integrator of the gears, X@STEP [default: the first explicit one with a step that the model has, else rk4]
+    /// Integrator of the gears, X@STEP [default: the first explicit one of the model with a step, else rk4]
     #[arg(long, value_name = "X@STEP")]
     pub integrator: Option<String>,
-    /// Relative L2 error of the force history within which a run is accurate
+    /// Largest relative L2 error of the force history of an accurate run
     #[arg(long, value_name = "E", default_value_t = 0.05, value_parser = tolerance)]
     pub tolerance: f64,
-    /// Simulated time in seconds [default: that of the scene]
+    /// Simulated time in seconds [default: the duration of the scene]
     #[arg(long, value_name = "S", value_parser = positive)]
     pub duration: Option<f64>,
-    /// Runs at a time [default: the cores there are]
+    /// Number of simultaneous runs [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
     /// Where results go, and how long a run may take.

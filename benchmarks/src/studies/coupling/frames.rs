@@ -69,16 +69,14 @@ impl Frame {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoHost {
     /// Its gears stand on shafts.
-    #[error(
-        "its gears stand on shafts, or go round with a carrier, whose motions are not those of single hubs"
-    )]
+    #[error("its gears are on shafts or on a carrier, whose motions are not those of single hubs")]
     Shafts,
     /// Nothing is free.
-    #[error("every gear is fixed or driven: a host has no hub to move")]
+    #[error("every gear is fixed or driven, so that there is no hub for a host")]
     NoneFree,
     /// A hub has inertia in common with something else.
     #[error(
-        "the hub of `{0}` shares inertia with other coordinates, by terms of rotation or because it tilts"
+        "the hub of `{0}` has inertia coupling with other coordinates, by gyroscopic terms or by tilting"
     )]
     Shared(String),
 }
@@ -88,11 +86,11 @@ impl NoHost {
     pub fn help(&self) -> &'static str {
         match self {
             NoHost::Shafts => {
-                "take a scene of gears on hubs of their own; `gearbench fmu` couples drivelines through torques on hubs"
+                "use a scene of gears on separate hubs; `gearbench fmu` couples drivelines through torques on hubs"
             }
             NoHost::NoneFree => "free a gear: mount = \"revolute\", or \"prismatic\" of a rack",
             NoHost::Shared(_) => {
-                "leave the terms of rotation out (spin_terms = \"none\"), or hold the tilt of the hub"
+                "remove the gyroscopic terms (spin_terms = \"none\"), or fix the tilt of the hub"
             }
         }
     }

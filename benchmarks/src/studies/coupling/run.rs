@@ -259,13 +259,13 @@ impl About<'_> {
             End::RanAway => (
                 Status::BlowUp,
                 Some(format!(
-                    "hubs and gears drive each other out of all bounds by t = {at:.4e} s; use a smaller communication step"
+                    "the motion of hubs and gears diverges by t = {at:.4e} s; use a smaller communication step"
                 )),
             ),
             End::Timeout => (
                 Status::Timeout,
                 Some(format!(
-                    "stopped at t = {at:.4e} s after the time that a run may take"
+                    "stopped at t = {at:.4e} s at the limit of processor time"
                 )),
             ),
             End::Reached => self.judged(cell),
@@ -276,7 +276,7 @@ impl About<'_> {
         let percent = |x: f64| short(100.0 * x, 3);
         if let Some(made_up) = cell.energy_error_rel.filter(|e| *e > ALLOWED) {
             let why = format!(
-                "the coupling makes up {} % of the energy that vibrates; use a smaller communication step",
+                "the coupling adds {} % of the vibration energy; use a smaller communication step",
                 percent(made_up)
             );
             return (Status::EnergyGrowth, Some(why));
@@ -286,14 +286,14 @@ impl About<'_> {
             Some(e) => (
                 Status::Inaccurate,
                 Some(format!(
-                    "the force is {} % off the run as one system, beyond {} %",
+                    "the error of the force against the run without coupling is {} %, above the limit of {} %",
                     percent(e),
                     percent(self.plan.tolerance)
                 )),
             ),
             None => (
                 Status::Unchecked,
-                Some("there is no force of the run as one system to hold it against".into()),
+                Some("the run without coupling has no contact force for comparison".into()),
             ),
         }
     }

@@ -11,37 +11,38 @@ Examples:
   gearbench identify spur_impact                    fit and report, with 95 % confidence intervals
   gearbench identify spur_impact --model rigid
   gearbench identify spur_impact --model movable-teeth --fit stiffness_n_per_m2,tooth_stiffness_n_per_m,gap_m \\
-      --hold tooth_mass_kg=5e-3                     choose what is fitted, hold what is known
+      --hold tooth_mass_kg=5e-3                     fit some parameters, fix the known ones
   gearbench identify spur_impact --write            also write the calibration file
-  gearbench identify my_scene.toml --write=scene    write the constants into the scene file
+  gearbench identify my_scene.toml --write=scene    write the constants to the scene file
   gearbench identify spur_impact --model movable-teeth --fit pinion.tooth_mass_kg,wheel.tooth_mass_kg
                                                     constants of single gears
   gearbench identify spur_impact --to running --load 27 --write
-                                                    fitted to the impact and to finite elements at rest at once
+                                                    fit to the impact and to static finite elements together
   gearbench identify my_scene.toml --measured rig.csv
-                                                    and compare a measured curve, such as transmission_error_um over
+                                                    compare a measured curve, such as transmission_error_um over
                                                     mesh_cycle, with the initial and the identified model
 
-A calibration holds for what it was fitted to: `impact` for single impacts, `static` for standing and slow running under
-load, `running` for both. `impact` and `running` need a reference of the scene, `static` and `running` a model of finite
-elements (--against). With --write the constants go to the calibration file that models with
-`calibration = \"impact\"` read: NAME.calibration.toml beside a scene file, and for a shipped scene
-benchmarks/calibrations/NAME.toml (run it in the repository and build again: it is embedded). With --write=scene they go
-into the scene file itself, which keeps its comments and its layout: into the contact, the parameters and `gap_m` of the
-model, with a comment that says where they come from; the model then takes no calibration any more.
+A calibration is valid for the data that it was fitted to: `impact` for single impacts, `static` for gears at rest and
+slow running under load, `running` for both. `impact` and `running` need a reference of the scene, `static` and
+`running` a model of finite elements (--against). --write stores the constants in the calibration file that models
+with `calibration = \"impact\"` read: NAME.calibration.toml in the folder of a scene file, and for a shipped scene
+benchmarks/calibrations/NAME.toml (run the command in the repository and build again, since the program embeds this
+file). --write=scene stores them in the scene file itself, in the contact, the parameters and `gap_m` of the model,
+with a comment on their origin. Comments and layout of the file are preserved. The model then no longer uses a
+calibration.
 
-What can be fitted: stiffness_n_per_m2 and damping_ns_per_m of the contact, path_slope and path_curvature (the stiffness
-along the path of contact is then k (1 + a xi + b xi^2), with xi from -1 where contact starts to 1 where it ends), gap_m,
-clock_s (the offset of the data's clock, which is never written), and the springs, masses and dampers of the gear model, of
-all gears or of one: pinion.tooth_mass_kg. What the data do not determine is said to
-be so and is not written, unless --write comes with --force.";
+Parameters that can be fitted: stiffness_n_per_m2 and damping_ns_per_m of the contact, path_slope and path_curvature
+(the stiffness along the path of contact is then k (1 + a xi + b xi^2), with xi from -1 at the start of contact to 1
+at its end), gap_m, clock_s (the time offset of the data, which is never written), and the springs, masses and dampers
+of the gear model, of all gears or of one (pinion.tooth_mass_kg). Parameters that the data do not determine are
+reported and are not written, unless --write is used with --force.";
 
 /// Where constants are written to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum WriteTo {
     /// The calibration file of the scene.
     Calibration,
-    /// The scene file, where the model then takes no calibration any more.
+    /// The scene file; the model then no longer uses a calibration.
     Scene,
 }
 
@@ -91,43 +92,43 @@ pub struct Identify {
     /// Fit this model only [default: every model with a calibration]
     #[arg(long, value_name = "LABEL")]
     pub model: Option<String>,
-    /// What to fit to: impact, static or running (both at once)
+    /// Data of the fit: impact, static or running (both together)
     #[arg(long, value_name = "WHAT", default_value = "impact", value_parser = fitted_to())]
     pub to: FittedTo,
-    /// Parameters to fit, by their keys [default: those of the model that the data may tell]
+    /// Keys of the parameters to fit [default: the parameters of the model that the data may determine]
     #[arg(long, value_name = "KEYS", value_delimiter = ',')]
     pub fit: Option<Vec<String>>,
-    /// Hold parameters at values, for example tooth_mass_kg=5e-3
+    /// Fix parameters at values, for example tooth_mass_kg=5e-3
     #[arg(long, value_name = "KEY=VALUE", value_delimiter = ',', value_parser = assigned)]
     pub hold: Vec<(String, f64)>,
-    /// Start parameters from values [default: usual ones for steel]
+    /// Start parameters from values [default: typical values for steel]
     #[arg(long, value_name = "KEY=VALUE", value_delimiter = ',', value_parser = assigned)]
     pub start: Vec<(String, f64)>,
-    /// Keep parameters between bounds, for example gap_m=0:1e-5
+    /// Bounds of parameters, for example gap_m=0:1e-5
     #[arg(long, value_name = "KEY=LOW:HIGH", value_delimiter = ',', value_parser = bounded)]
     pub bounds: Vec<(String, [f64; 2])>,
-    /// Further starting points, scattered about the usual ones by a factor of two
+    /// Number of further starting points, at random within a factor of two of the first
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1000))]
     pub starts: u16,
-    /// Profiles of all parameters [default: of those over whose interval the problem is not linear]
+    /// Compute profiles of all parameters [default: of parameters over whose interval the problem is not linear]
     #[arg(long)]
     pub profiles: bool,
-    /// Model at rest whose compliance is fitted [default: the first of finite elements]
+    /// Model whose static compliance is the data of the fit [default: the first model of finite elements]
     #[arg(long, value_name = "LABEL")]
     pub against: Option<String>,
-    /// Load at rest over the common face width [N/mm]
+    /// Load of the static equilibria per common face width [N/mm]
     #[arg(long, value_name = "N/MM", default_value_t = 100.0, value_parser = positive_load)]
     pub load: f64,
-    /// Weight of what is at rest beside histories; each counts over its own size
+    /// Weight of the static data relative to histories; both are normalised by their magnitude
     #[arg(long, value_name = "W", default_value_t = 1.0, value_parser = positive_load)]
     pub static_weight: f64,
-    /// Weights of references by their names beside one another, each over its own size [default: 1]
+    /// Weights of references by name; each reference is normalised by its magnitude [default: 1]
     #[arg(long, value_name = "NAME=W", value_delimiter = ',', value_parser = weighted)]
     pub weight: Vec<(String, f64)>,
-    /// Weight of residuals where the force is greatest over that where there is none
+    /// Weight of residuals at the largest force relative to the weight at zero force
     #[arg(long, value_name = "W", default_value_t = 1.0, value_parser = positive_load)]
     pub peak_weight: f64,
-    /// Write the constants: into the calibration file of the scene, or into the scene itself (--write=scene)
+    /// Write the constants to the calibration file of the scene, or to the scene itself (--write=scene)
     #[arg(long, value_name = "WHERE", num_args = 0..=1, require_equals = true, default_missing_value = "calibration")]
     pub write: Option<WriteTo>,
     /// Where the record and the report go.

@@ -57,7 +57,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
         .collect();
     if fitted.is_empty() {
         return Err(Refusal::Input(miette::miette!(
-            help = "a model takes part when it has a line calibration = \"impact\"",
+            help = "a model is fitted if it has a line calibration = \"impact\"",
             "the scene `{}` has no model to calibrate",
             scene.name
         )));
@@ -108,7 +108,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
             return Err(Refusal::Failed(why));
         }
         warn(&format!(
-            "the model `{}` is not fitted, the others are: {why}",
+            "the model `{}` is not fitted, unlike the others: {why}",
             choice.label
         ));
         let row = Configuration::of(&scene, choice).refused(why);
@@ -125,7 +125,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     let answer = folder.finish(results, |_| Exit::Done, summarise)?;
     let answer = answer.with("reference", &names).with("models", told);
     if interruption::requested() {
-        say("nothing was written of the constants");
+        say("no constants were written");
         return Ok(answer);
     }
     if let Some(to) = args.write {
@@ -144,7 +144,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
         return Ok(answer.with("written", path));
     }
     say(&format!(
-        "nothing was written; `--write` stores the constants for `calibration = \"{}\"`, `--write=scene` in the scene file",
+        "no constants were written; `--write` stores the constants for `calibration = \"{}\"`, `--write=scene` in the scene file",
         args.to.as_str()
     ));
     Ok(answer)
@@ -285,24 +285,24 @@ fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<Held>, Ref
                 did_you_mean(other, &names),
                 names.join(", ")
             ),
-            "`{other}` has a weight and is no reference that is fitted"
+            "`{other}` has a weight but is not a reference of the fit"
         )));
     }
     if !names.is_empty() {
         return Ok(references);
     }
     let way_out = match scene.fitting() {
-        Some(fitting) => format!("give it a line `{fitting}`"),
+        Some(fitting) => format!("add a line `{fitting}`"),
         None => format!(
-            "give it measured or computed data, `reference = {{ csv = \"press.csv\" }}`, or compute them: `gearbench \
-             reference {} --model fe --out fe.csv --add`; no stored reference is of these gears, speeds and loads \
+            "add measured or computed data, `reference = {{ csv = \"press.csv\" }}`, or compute a reference: `gearbench \
+             reference {} --model fe --out fe.csv --add`; no stored reference belongs to these gears, speeds and loads \
              (`gearbench list references`)",
             args.scene
         ),
     };
     Err(Refusal::Input(miette::miette!(
         help = way_out,
-        "the scene `{}` has no reference to identify against",
+        "the scene `{}` has no reference for the fit",
         scene.name
     )))
 }
@@ -316,7 +316,7 @@ fn statics_of(scene: &SceneFile, args: &Identify) -> Result<(String, StaticTarge
     let Some(choice) = choice else {
         return Err(Refusal::Input(miette::miette!(
             help = "give the scene a model of finite elements, or name another with --against",
-            "the scene `{}` has no model whose statics could be fitted",
+            "the scene `{}` has no model of finite elements for static data",
             scene.name
         )));
     };

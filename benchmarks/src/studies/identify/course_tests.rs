@@ -143,7 +143,7 @@ fn what_a_model_has_not_is_refused_with_what_there_is() {
         let said = refused(label, key, &nothing);
         assert!(words.iter().all(|w| said.contains(w)), "{key}: {said}");
     }
-    // No stiffness that a course could be one of, and contacts that are points of flanks.
+    // No stiffness that a course could be one of, and contacts at points of flanks.
     let normed = |plan: &mut FitPlan<'_>| {
         plan.modelling.contacts[0].stiffness =
             gearbench_models::stiffness::PairStiffness::Iso6336 {
@@ -155,7 +155,7 @@ fn what_a_model_has_not_is_refused_with_what_there_is() {
         plan.modelling.contacts[0].points = Some(PointContact::new(1e15));
         plan.modelling.gears[1].id = "elastic".into();
     };
-    assert!(refused("rigid", CURVATURE, &points).contains("points of flanks"));
+    assert!(refused("rigid", CURVATURE, &points).contains("contact at flank points"));
 }
 
 /// The weight of the peak counts as documented, and none changes nothing.

@@ -23,33 +23,33 @@ pub fn undetermined(estimate: &Estimate, chosen: &Chosen, data: &[DataSet]) -> V
         let clock = members.iter().any(|p| matches!(p, Parameter::Clock(_)));
         let at_rest = data.iter().all(|d| matches!(d.data, Data::Statics(_)));
         let why = if only(&[STIFFNESS, TOOTH_STIFFNESS]) {
-            "they act in series, only the sum of their compliances is determined"
+            "they act in series, so that the data determine only the sum of their compliances"
         } else if clock && has(GAP) {
-            "both shift the force in time alike"
+            "both shift the force in time in the same way"
         } else if has(SLOPE) || has(CURVATURE) {
-            "the flanks touch on too little of the path, or on too much of it at once"
+            "the contacts cover too little of the path of contact, or too much of it at the same time"
         } else if members.len() > 1 {
             "the data determine only a combination of them"
         } else if at_rest && !has(STIFFNESS) && !has(TOOTH_STIFFNESS) {
             "gears at rest do not depend on it"
         } else if has(TOOTH_MASS) {
-            "the force is too slow for a tooth to swing on its spring"
+            "the force changes too slowly to excite the vibration of a tooth on its spring"
         } else if has(GAP) {
-            "nothing in the data says when the flanks touch"
+            "the data do not determine the time at which the flanks touch"
         } else if has(DAMPING) {
-            "the data lose no energy that would tell it"
+            "the data contain no loss of energy that depends on it"
         } else {
-            "the data hardly change with it"
+            "it has hardly any influence on the data"
         };
         let subject = match names.as_slice() {
             [one] => format!("{one} is not determined"),
-            _ => format!("{} cannot be told apart", join(&names)),
+            _ => format!("{} cannot be determined separately", join(&names)),
         };
         let way_out = match names.as_slice() {
-            [_] => "hold it with --hold",
-            _ => "hold one with --hold",
+            [_] => "fix it with --hold",
+            _ => "fix one with --hold",
         };
-        format!("{subject}: {why}; {way_out}, or add data that tell")
+        format!("{subject}: {why}; {way_out}, or add data")
     };
     let mut all: Vec<String> = estimate.weak.iter().map(told).collect();
     all.dedup();
@@ -61,12 +61,12 @@ pub fn undetermined(estimate: &Estimate, chosen: &Chosen, data: &[DataSet]) -> V
         let name = chosen.parameters[j].name(data);
         let value = |z: f64| chosen.coordinates[j].value(z);
         let bound = match (low.is_finite(), high.is_finite()) {
-            (true, _) => format!("the data bound it from below alone, at {:.3e}", value(low)),
-            (_, true) => format!("the data bound it from above alone, at {:.3e}", value(high)),
-            _ => "the data bound it to neither side".into(),
+            (true, _) => format!("the data give only a lower bound, {:.3e}", value(low)),
+            (_, true) => format!("the data give only an upper bound, {:.3e}", value(high)),
+            _ => "the data give no bounds".into(),
         };
         all.push(format!(
-            "{name} is not determined: {bound}; hold it with --hold, or add data that depend on it"
+            "{name} is not determined: {bound}; fix it with --hold, or add data that depend on it"
         ));
     }
     all

@@ -56,7 +56,7 @@ pub fn write_scene(scene: &SceneFile, all: &[Written<'_>]) -> Result<PathBuf, Re
     })?;
     if there.trim_start_matches('\u{feff}') != scene.text() {
         return Err(Refusal::Files(format!(
-            "{shown} is not the scene that was fitted: it has changed since; fit it again"
+            "{shown} has changed since the fit; fit it again"
         )));
     }
     let text = written(scene, all)?;
@@ -69,7 +69,7 @@ fn written(scene: &SceneFile, all: &[Written<'_>]) -> Result<String, Refusal> {
     let unseen = |label: &str| {
         Refusal::Input(miette::miette!(
             help = "write a calibration with `--write` instead",
-            "the constants of `{label}` cannot be written into the scene: its entry stands in an unusual way"
+            "the constants of `{label}` cannot be written into the scene: its entry has an unexpected form"
         ))
     };
     let mut document: DocumentMut =
@@ -81,8 +81,8 @@ fn written(scene: &SceneFile, all: &[Written<'_>]) -> Result<String, Refusal> {
     let read = SceneFile::parse(&scene.name, &text, scene.origin.clone(), false);
     let read = read.map_err(|e| {
         Refusal::Input(miette::miette!(
-            help = "what the data do not determine is not written: hold it with --hold, or write it all the same with --force",
-            "the scene with its constants is none: {}",
+            help = "constants that the data do not determine are not written: fix them with --hold, or write them with --force",
+            "the scene with these constants is not valid: {}",
             e.told()
         ))
     })?;

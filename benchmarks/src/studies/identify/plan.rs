@@ -199,29 +199,29 @@ pub enum IdentifyError {
     #[error(transparent)]
     Build(#[from] BuildError),
     /// There is no recipe for the model.
-    #[error("there is nothing to identify for the model `{0}`; {known} have stiffness to fit", known = .1.join(" and "))]
+    #[error("the model `{0}` has nothing to identify; {known} have a stiffness to fit", known = .1.join(" and "))]
     Model(String, Vec<&'static str>),
     /// A key is none that can be fitted.
     #[error("`{0}` cannot be fitted for the model `{1}`; there are {known}", known = .2.join(", "))]
     Key(String, String, Vec<&'static str>),
     /// The contact has no stiffness along a path.
     #[error(
-        "`{0}` cannot be fitted: the contacts of this model are points of flanks, which have a penalty and no stiffness along the path of contact"
+        "`{0}` cannot be fitted: this model has contact at flank points, with a penalty but without a stiffness along the path of contact"
     )]
     NoPath(String),
     /// The course of a stiffness that is not known.
     #[error(
-        "`{0}` cannot be fitted alone: it is the course of a stiffness that is not \"constant\" or \"parabola\" so far; fit or hold `stiffness_n_per_m2` with it"
+        "`{0}` cannot be fitted alone: it describes the variation of a stiffness, which is neither \"constant\" nor \"parabola\" here; fit or fix `stiffness_n_per_m2` too"
     )]
     Course(String),
     /// A constant of one gear, of a model whose gears have none.
     #[error("`{0}` cannot be fitted: gears of the model `{1}` have no constants of their own")]
     NothingOfGears(String, String),
     /// A constant of a gear that is none, or takes another model.
-    #[error("`{0}` cannot be fitted: it is not of a gear that takes the model `{1}`; there are {known}", known = .2.join(", "))]
+    #[error("`{0}` cannot be fitted: it does not belong to a gear of the model `{1}`; there are {known}", known = .2.join(", "))]
     Gear(String, String, Vec<String>),
     /// A key that no gear has.
-    #[error("`{0}` cannot be fitted: `{1}` is no constant of a gear; there are {known}", known = .2.join(", "))]
+    #[error("`{0}` cannot be fitted: `{1}` is not a constant of a gear; there are {known}", known = .2.join(", "))]
     KeyOfGear(String, String, Vec<&'static str>),
     /// A value cannot be one of the parameter.
     #[error("`{0}` cannot be {1:e}")]
@@ -239,7 +239,7 @@ pub enum IdentifyError {
     #[error("{0} has no contact force to fit to")]
     NoForce(String),
     /// The run of a trial does not reach the end of the data.
-    #[error("the run does not reach the end of {0}")]
+    #[error("the run ends before {0}")]
     Short(String),
     /// No start led to a fit.
     #[error("the fit failed from every start: {0}")]

@@ -11,7 +11,7 @@ pub fn summarise(results: &Results) {
 
 fn one(f: &FitRecord) {
     say(&format!(
-        "{}: {} trials, {} of {} starting points led here",
+        "{}: {} evaluations; {} of {} starting points converged to this solution",
         f.label, f.evaluations, f.starts_agreed, f.starts
     ));
     for d in &f.data {
@@ -36,9 +36,9 @@ fn data(d: &DataRecord) -> String {
         d.kind,
         d.name,
         if d.validation {
-            "held against it within"
+            "compared with an error of"
         } else {
-            "fitted within"
+            "fitted with an error of"
         },
         100.0 * d.l2,
         part("peak", d.peak_rel),
@@ -55,8 +55,10 @@ fn told(p: &ParameterRecord) -> String {
             let half = half.map_or_else(String::new, |r| format!("  +- {:.1} %", 100.0 * r));
             format!("{value}{half} (95 %: {} to {})", end(p.low), end(p.high))
         }
-        Outcome::AtBound => format!("{value}  at its bound: the data would have it beyond"),
-        Outcome::Held => format!("{value}  held"),
+        Outcome::AtBound => {
+            format!("{value}  at its bound; the least error lies outside the bounds")
+        }
+        Outcome::Held => format!("{value}  fixed"),
         Outcome::NotIdentifiable => "not identifiable".into(),
     }
 }

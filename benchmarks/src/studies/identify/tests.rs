@@ -164,7 +164,7 @@ fn what_the_data_do_not_tell_is_said_and_has_no_value() {
         [Identified, NotIdentifiable, NotIdentifiable]
     );
     let said = &found.record.undetermined[0];
-    assert!(said.contains("in time alike"), "{said}");
+    assert!(said.contains("in time in the same way"), "{said}");
     assert!(found.constants().gap.is_none() && found.constants().stiffness.is_some());
 }
 

@@ -10,14 +10,15 @@ Examples:
   gearbench modes loaded_mesh --models elastic --count 60
   gearbench modes my_scene.toml --up-to 5000 --out out/modes
 
-The whole scene to first order about its equilibrium under its loads (ramps at their end, harmonics at their mean, viscous
-loads at the speeds of the train); what accelerates a free train as a whole deflects nothing and is left out. A scene that
-starts pressed together without loads is taken as it stands. Full finite elements have too many coordinates: take elastic
-gears, whose modes were reduced from the same mesh.
+The study linearises the whole scene about its equilibrium under its loads (ramps at their final value, harmonics at
+their mean, viscous loads at the speeds of the train). The resultant load that accelerates a free train as a rigid
+mechanism causes no deflection and is removed. A scene without loads that starts with a negative gap is linearised
+about its initial state. Full finite elements have too many coordinates; use elastic gears, whose modes are reduced
+from the same mesh.
 
 Results (--out DIR, default out/SCENE/modes/):
   modes.csv          frequencies, damping ratios, shares of energy
-  modes_shapes.csv   motions of gears and bodies in each mode";
+  modes_shapes.csv   displacements of gears and bodies in each mode";
 
 /// Arguments of `modes`.
 #[derive(Args, Clone, Debug)]
@@ -26,16 +27,17 @@ pub struct Modes {
     /// Name of a shipped scene, or path of a scene file (.toml)
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
-    /// Models of the scene by label, between commas [default: those of its study, without full finite elements]
+    /// Models of the scene by label, separated by commas [default: the models of its study without full finite
+    /// elements]
     #[arg(long, visible_alias = "model", value_name = "A,B")]
     pub models: Option<String>,
-    /// Most frequencies to list of each model, the lowest first
+    /// Largest number of frequencies to list for each model, the lowest first
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=2000))]
     pub count: u32,
     /// List frequencies up to this one [Hz]
     #[arg(long, value_name = "HZ", value_parser = frequency)]
     pub up_to: Option<f64>,
-    /// Relative distance of frequencies that count as one
+    /// Relative distance below which frequencies count as equal
     #[arg(long, value_name = "X", default_value_t = 1e-6, value_parser = distance)]
     pub group: f64,
     /// Where results go.

@@ -141,13 +141,12 @@ fn fill(
     let unstable = squares.iter().filter(|x| **x < -SLACK * highest).count();
     if unstable > 0 {
         record.message = format!(
-            "{unstable} of its motions have a negative stiffness, as a force that follows its contact makes them; they are \
+            "{unstable} of its modes have a negative stiffness, caused by contact forces that follow the motion; they are \
              listed without a frequency"
         );
     } else if record.about == About::Apart {
         record.message =
-            "nothing presses the gears together: frequencies are those of gears that stand apart"
-                .into();
+            "no load closes the contacts: the frequencies are those of separate gears".into();
     }
     record.steps = found.steps;
     record.residual_rel = found.modes.residual;

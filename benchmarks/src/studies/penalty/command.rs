@@ -39,7 +39,7 @@ pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {
     if args.to <= args.from {
         return Err(Refusal::Input(miette::miette!(
             help = "give the softer penalty with --from",
-            "the penalties from {:e} to {:e} Pa/m do not grow",
+            "the penalties from {:e} to {:e} Pa/m do not increase",
             args.from,
             args.to
         )));

@@ -12,7 +12,8 @@ use gearbench_reports::record::{Part, ReferenceSeries, Results, Run, SELF};
 use gearbench_reports::series::TimeSeries;
 
 /// The way out for a model without a penalty.
-pub(super) const TAKE_POINTS: &str = "take a model that touches with the points of its flanks: `contact = { penalty_pa_per_m = .. }`";
+pub(super) const TAKE_POINTS: &str =
+    "use a model with contact at flank points: `contact = { penalty_pa_per_m = .. }`";
 
 /// The entry with another penalty in all its meshes.
 fn with_penalty(entry: &Configuration, penalty: f64) -> Result<Configuration, StudyError> {

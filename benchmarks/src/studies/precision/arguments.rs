@@ -13,19 +13,21 @@ Examples:
   gearbench precision hammer --integrators rk4,dopri5 --steps 500ns,1us,2us --rtols 1e-3,1e-5
   gearbench precision my_scene.toml --modes 0,25,100 --timeout 10
 
-Every model runs under every integrator at a series of steps or tolerances, coarse enough to fail, elastic models also
-with a series of mode counts. Errors against the model's own converged solution are those of the integrator; errors
-against a reference are those of the model. Failed and timed-out runs are rows, and crosses on their own edge of the
-charts. Cost is processor time without setup, and work: steps, force evaluations, factorisations.
+Every model runs under every integrator at a series of steps or tolerances, the coarsest of which may fail. Elastic
+models also run with a series of mode counts. The error against the model's own converged solution is the error of the
+integrator; the error against a reference is that of the model. Failed and timed-out runs are rows of the tables and
+crosses at the edge of the charts. The cost is the processor time without set-up; the counts of steps, force
+evaluations and factorisations are recorded as well.
 
-References are the scene's stored one and its models `fe` on a fine step; each model is held against those that have
-its contact. Without any, the elastic model with the most modes takes their place. A reference named with --against
-stands for all models, and the report says where contacts differ.
+References are the stored reference of the scene and its models `fe` with a fine step. Each model is compared with the
+references that have its contact. Without a reference, the elastic model with the most modes serves as one. A
+reference named with --against applies to all models, and the report states where contacts differ.
 
-Metrics: force, force-aligned, peak, impulse, rebound, transmission-error, angle, torque, torque-peak, energy; or their keys in results.json.
+Metrics: force, force-aligned, peak, impulse, rebound, transmission-error, angle, torque, torque-peak, energy; or
+their keys in results.json.
 
-Defaults come from [study] precision of the scene. Results (--out DIR, default out/SCENE/precision/), beside report and
-record:
+Defaults come from [study] precision of the scene. Results besides report and record (--out DIR, default
+out/SCENE/precision/):
   precision.csv   one line per run and reference: errors, cost, work, whether it is on the Pareto front";
 
 /// Arguments of `precision`.
@@ -34,7 +36,7 @@ record:
 pub struct Precision {
     /// Name of a shipped scene, or path of a scene file (.toml)
     pub scene: String,
-    /// Models of the scene by label, between commas [default: those of its study]
+    /// Models of the scene by label, separated by commas [default: the models of its study]
     #[arg(long, value_name = "A,B")]
     pub models: Option<String>,
     /// What is compared, and with what.
@@ -43,14 +45,15 @@ pub struct Precision {
     /// Where results go.
     #[command(flatten)]
     pub output: Output,
-    /// Timed repeats of every run, at least; short runs are repeated more often
+    /// Least number of timed repetitions of each run; short runs are repeated more often
     #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
-    /// Bound on the processor time of one integration in seconds; beyond it a run is recorded as a timeout, and finer ones
-    /// are left out
+    /// Limit on the processor time of one integration in seconds; a run beyond it is recorded as a timeout, and runs
+    /// with finer resolution are left out
     ///
-    /// The time that recording takes does not count. References and converged solutions are bounded by their steps alone:
-    /// where these keep one from its tolerance, the next coarser one is taken and the record and the terminal say so.
+    /// The limit excludes the time for recording results. References and converged solutions have a limit on their
+    /// steps instead: if a solution exceeds it, the next coarser tolerance is used, and the record and the terminal
+    /// report this.
     #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
     pub timeout: f64,
     /// How long the whole study may take.
@@ -64,25 +67,26 @@ pub struct Precision {
 /// What the command line asks for; what it leaves out is the scene's.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Asked {
-    /// Metrics between commas, the first above all [default: that of the scene's tolerance]
+    /// Metrics separated by commas, the main one first [default: the metric of the scene's tolerance]
     #[arg(long = "metric", visible_alias = "metrics", value_name = "M,N", value_delimiter = ',', value_parser = metric)]
     pub metrics: Vec<Metric>,
-    /// References between commas: the stored one by its program (calculix), a model `fe` or `elastic` by its label
+    /// References separated by commas: the stored one by its program (calculix), a model `fe` or `elastic` by its label
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     pub against: Vec<String>,
-    /// Integrators between commas: id, id(name=value); with @STEP or @RTOL that resolution alone, else the series
+    /// Integrators separated by commas: id or id(name=value); @STEP or @RTOL gives one resolution in place of the
+    /// series
     ///
     /// A value with a unit of time is a step (rk4@500ns, trigonometric@1us), a bare number a step in seconds for
-    /// methods of fixed steps and a tolerance for adaptive ones. [default: those of the scene]
+    /// methods with fixed steps and a tolerance for adaptive ones. [default: the integrators of the scene]
     #[arg(long, value_name = "X,Y")]
     pub integrators: Option<String>,
-    /// Numbers of modes per gear of elastic models, between commas
+    /// Numbers of modes per gear of elastic models, separated by commas
     #[arg(long, value_name = "N,M", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(0..=2000))]
     pub modes: Vec<u32>,
-    /// Steps of methods of fixed steps, between commas, such as 500ns,1us,2e-6
+    /// Steps of methods with fixed steps, separated by commas, such as 500ns,1us,2e-6
     #[arg(long, value_name = "H,H", value_delimiter = ',', value_parser = time)]
     pub steps: Vec<f64>,
-    /// Tolerances of adaptive methods, between commas
+    /// Tolerances of adaptive methods, separated by commas
     #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = tolerance)]
     pub rtols: Vec<f64>,
 }

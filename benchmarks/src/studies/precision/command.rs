@@ -22,7 +22,7 @@ pub fn run(args: &Precision, command: &str) -> Result<Answer, Refusal> {
     let refused = |reason: String| {
         Refusal::from(SceneError::plain(
             reason,
-            "`gearbench precision --help` shows what can be asked for",
+            "`gearbench precision --help` shows all options",
         ))
     };
     let mut scene =

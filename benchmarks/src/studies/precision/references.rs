@@ -84,7 +84,7 @@ pub(super) fn references(
                 known.join(", ")
             };
             format!(
-                "`{id}` is no reference of the scene `{}`; it has {known}",
+                "`{id}` is not a reference of the scene `{}`; it has {known}",
                 scene.name
             )
         })?);

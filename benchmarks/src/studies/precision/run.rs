@@ -52,7 +52,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
         let what = format!("reference {}", full.id);
         if runner.budget().is_spent() {
             return Err(RunError::Reference(format!(
-                "the budget of {} is spent before the reference {}; allow more (--budget), or name another reference (--against)",
+                "the budget of {} was used up before the reference {}; increase it (--budget), or name another reference (--against)",
                 runner.budget().described(),
                 full.id
             )));
@@ -169,7 +169,7 @@ fn short_of(found: &Converged, whose: &str) -> Option<String> {
         .filter(|rtol| *rtol > wanted)
         .map(|rtol| {
             format!(
-                "{whose} to {rtol:.0e} in place of {wanted:.0e}, which takes more than {steps:.0e} steps: runs that are not ten times coarser have no error of integration"
+                "{whose} with {rtol:.0e} in place of {wanted:.0e}, which needs more than {steps:.0e} steps: the integration error is unknown for runs that are not ten times coarser"
             )
         })
 }
@@ -273,7 +273,7 @@ impl Study<'_> {
         };
         let own = found.map_err(|why| {
             RunError::Reference(format!(
-                "{}, which the others would be compared with, has no converged solution: {why}; shorten the scene ([study.precision] duration_s), or name another reference (--against)",
+                "the reference {} has no converged solution: {why}; shorten the scene ([study.precision] duration_s), or name another reference (--against)",
                 full.id,
             ))
         })?;

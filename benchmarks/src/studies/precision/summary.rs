@@ -34,7 +34,7 @@ pub fn summarise(results: &Results) {
             }
             let which = match (cloud.has_fitted(), fitted_too) {
                 (false, _) => "cheapest within a limit",
-                (true, false) => "cheapest within a limit, nothing fitted",
+                (true, false) => "cheapest within a limit, without fitted models",
                 (true, true) => "cheapest within a limit, fitted models included",
             };
             let lines: Vec<String> = (LEVELS.iter())
@@ -75,11 +75,11 @@ pub fn summarise(results: &Results) {
         .filter(|r| r.status == Status::Timeout)
         .count();
     say(&format!(
-        "{} runs, {failed} of them failed and recorded as such{}",
+        "{} runs, {failed} of them failed{}",
         results.runs.len(),
         match timeouts {
             0 => String::new(),
-            n => format!(", {n} as they took longer than --timeout"),
+            n => format!(", {n} because they exceeded --timeout"),
         }
     ));
 }

@@ -20,7 +20,7 @@ pub fn run(args: &Response, command: &str) -> Result<Answer, Refusal> {
     let range = args.from.zip(args.to).map(|(a, b)| [a, b]);
     if let Some([from, to]) = range.filter(|[from, to]| to <= from) {
         return Err(SceneError::plain(
-            format!("the range from {from} Hz to {to} Hz is none"),
+            format!("the range from {from} Hz to {to} Hz is empty"),
             "give the lower frequency as --from",
         )
         .into());

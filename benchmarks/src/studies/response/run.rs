@@ -131,7 +131,8 @@ fn solve(
             }
             let f = ratio * (from + (to - from) * i as f64 / last);
             let answer = response.at(f);
-            let answer = answer.ok_or(NotSolved::Matrices("its harmonics have no balance"))?;
+            let answer =
+                answer.ok_or(NotSolved::Matrices("its harmonic balance has no solution"))?;
             points.push(point(&answer, spec));
         }
         let phases = cycle.meshes.iter().zip(&cycle.phases);

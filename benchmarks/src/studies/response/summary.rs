@@ -15,7 +15,7 @@ pub fn summarise(results: &Results) {
         for group in &r.groups {
             for (k, limit) in group.meshes.iter().enumerate() {
                 say(&format!(
-                    "  {}: {} , {} per m, transmission error {} um rms when it runs slowly",
+                    "  {}: force {}, stiffness {}/m, quasi-static transmission error {} um rms",
                     limit.name,
                     quantity(limit.force_n, "N", 5),
                     quantity(limit.stiffness_n_per_m, "N", 4),
@@ -27,7 +27,7 @@ pub fn summarise(results: &Results) {
                 let peak = valid.max_by(|a, b| rms(a).total_cmp(&rms(b)));
                 if let Some(peak) = peak {
                     say(&format!(
-                        "    largest with flanks in contact at a mesh frequency of {}: {} um, force {} to {}",
+                        "    largest transmission error with continuous contact, at a mesh frequency of {}: {} um rms, force {} to {}",
                         quantity(peak.mesh_frequency_hz, "Hz", 5),
                         short(1e6 * peak.meshes[k].error_rms_m, 4),
                         quantity(peak.meshes[k].force_least_n, "N", 4),
@@ -37,7 +37,7 @@ pub fn summarise(results: &Results) {
             }
             if let (Some(f), Some([low, high])) = (group.resonance_hz, group.resonance_range_hz) {
                 say(&format!(
-                    "  resonance {}, over the mesh cycle {} to {}",
+                    "  resonance {}, varying over the mesh cycle from {} to {}",
                     quantity(f, "Hz", 4),
                     quantity(low, "Hz", 4),
                     quantity(high, "Hz", 4),
@@ -49,7 +49,7 @@ pub fn summarise(results: &Results) {
                 .collect();
             if let (Some(first), Some(last)) = (parts.first(), parts.last()) {
                 say(&format!(
-                    "  flanks part at {} of {} frequencies, from {} to {}: the response is not valid there",
+                    "  flanks separate at {} of {} frequencies, from {} to {}, where the response is not valid",
                     parts.len(),
                     group.points.len(),
                     quantity(*first, "Hz", 4),

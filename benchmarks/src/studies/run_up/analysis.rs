@@ -36,8 +36,8 @@ fn missed(name: &str, turns: &[f64], recorder: &Recorder, ramp: &Ramp) -> Option
     (left.abs() > MISSED).then(|| {
         let sense = if left < 0.0 { "below" } else { "above" };
         format!(
-            "`{name}` does not follow the run-up: at its end it has {reached:.1} rad/s in place of {asked:.1}, {:.1} % of the change of speed \
-             {sense} it where {:.0} % is allowed; the driver balances the loads, but not what friction and vibration take: drive a hub \
+            "`{name}` does not follow the run-up: at its end its speed is {reached:.1} rad/s in place of {asked:.1}, {:.1} % of the change of speed \
+             {sense} the ramp, with a limit of {:.0} %; the driving torque balances the loads, but not the losses by friction and vibration: drive a hub \
              (mount = {{ driven = {{ speed_rad_s = .. }} }}), whose speed is then the ramp of --from and --to",
             100.0 * left.abs(),
             100.0 * MISSED
@@ -79,7 +79,7 @@ pub fn analyse(
     let angle = recorded.angle(recorder, look.gear);
     let n = recorder.len();
     if n < 64 {
-        return Err("the run ended before it could be looked at".into());
+        return Err("the run ended before the evaluation started".into());
     }
     let sense = (angle[n - 1] - angle[0]).signum();
     let all_turns: Vec<f64> = angle.iter().map(|a| sense * a / TAU).collect();
@@ -88,16 +88,14 @@ pub fn analyse(
     let turned = turns[turns.len() - 1] - turns[0];
     if turned < LEAST_TURNS || turns.len() < n / 2 {
         let way_out = match ramp {
-            Some(_) => {
-                "take a longer --over, a higher --to, or a faster gear as the reference (--gear)"
-            }
+            Some(_) => "use a longer --over, a higher --to, or a faster reference gear (--gear)",
             None => {
-                "name a run-up with --from, --to and --over, or take a faster gear as the reference (--gear)"
+                "define a run-up with --from, --to and --over, or use a faster reference gear (--gear)"
             }
         };
         return Err(format!(
-            "a run-up needs {LEAST_TURNS} turns without a turn back, but from {:.4} s on, after the last time that it turns back, \
-             `{name}` turns {turned:.2} times; {way_out}",
+            "a run-up needs {LEAST_TURNS} revolutions without reversal, but after its last reversal at {:.4} s \
+             `{name}` makes {turned:.2} revolutions; {way_out}",
             recorder.time(from)
         ));
     }
@@ -135,7 +133,7 @@ pub fn analyse(
     let (slowest, fastest) = (ends(f64::min, f64::INFINITY), ends(f64::max, 0.0));
     if fastest < CHANGES * slowest {
         return Err(format!(
-            "the speed of `{name}` stays between {slowest:.4} and {fastest:.4} rad/s, which is no run-up; name one with --from and \
+            "the speed of `{name}` stays between {slowest:.4} and {fastest:.4} rad/s, which is not a run-up; define one with --from and \
              --to, or drive a hub with a ramp"
         ));
     }
@@ -145,7 +143,7 @@ pub fn analyse(
     let lasts = recorder.apart() * turns.len() as f64;
     let rising = mesh * (fastest - slowest) / TAU / lasts;
     let Some(by_time) = cut.by_time(rising) else {
-        return Err("too few samples for a spectrum; take more (--samples)".into());
+        return Err("too few samples for a spectrum; use more (--samples)".into());
     };
     let nyquist = 0.25 / recorder.apart();
     let top_hz = (top * fastest / TAU).min(nyquist);

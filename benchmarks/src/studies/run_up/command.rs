@@ -33,8 +33,8 @@ pub fn run(args: &RunUp, command: &str) -> Result<Answer, Refusal> {
     let full = |c: &&ModelChoice| properties_of(models(), &c.model).full_order;
     let (left, taken): (Vec<&ModelChoice>, Vec<&ModelChoice>) = choices.into_iter().partition(full);
     if let Some(choice) = left.first().filter(|_| taken.is_empty()) {
-        let why = format!("`{}` would take hours for a run-up", choice.label);
-        let way_out = "take rigid gears, movable teeth or elastic gears with few modes";
+        let why = format!("a run-up of `{}` would take hours", choice.label);
+        let way_out = "use rigid gears, movable teeth or elastic gears with few modes";
         return Err(SceneError::plain(why, way_out).into());
     }
     let ramp = match (args.from, args.to) {
@@ -55,14 +55,14 @@ pub fn run(args: &RunUp, command: &str) -> Result<Answer, Refusal> {
     };
     if look.onset >= duration {
         let why = format!(
-            "the onset at {} s lies behind the end of the run at {duration} s",
+            "the onset at {} s is after the end of the run at {duration} s",
             look.onset
         );
         return Err(SceneError::plain(why, "give an earlier --onset").into());
     }
     let mut told = settings(&scene, &taken, false);
     told.extend(left.iter().map(|c| {
-        let why = format!("{}: full finite elements take hours for a run-up", c.label);
+        let why = format!("{}: a run-up of full finite elements takes hours", c.label);
         (LEFT_OUT.to_owned(), why)
     }));
     if let Some(Ramp { from, to, over }) = &ramp {
@@ -107,12 +107,12 @@ fn gear_of(scene: &SceneFile, asked: Option<&str>) -> Result<usize, SceneError> 
     };
     found.ok_or_else(|| match asked {
         Some(name) => SceneError::plain(
-            format!("the scene `{}` has no gear `{name}` that turns", scene.name),
-            format!("those that turn are {}", names()),
+            format!("the scene `{}` has no rotating gear `{name}`", scene.name),
+            format!("the rotating gears are {}", names()),
         ),
         None => SceneError::plain(
-            format!("no gear of the scene `{}` turns", scene.name),
-            "a run-up needs one that does",
+            format!("no gear of the scene `{}` rotates", scene.name),
+            "a run-up needs a rotating gear",
         ),
     })
 }

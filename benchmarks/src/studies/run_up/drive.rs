@@ -69,12 +69,12 @@ pub fn run_up(
     let reference = own[gear];
     if reference == 0.0 {
         let why = format!(
-            "`{}` does not turn at the start, so that nothing says in which sense a run-up of it goes",
+            "`{}` does not rotate at the start, so that the sense of its run-up is unknown",
             spec.gears[gear].name
         );
         return Ok(Err(NoRamp(
             why,
-            "give the gears their `speed_rad_s`, or take another reference with --gear",
+            "give the gears their `speed_rad_s`, or name another reference gear with --gear",
         )));
     }
     let scale = ramp.from / reference.abs();

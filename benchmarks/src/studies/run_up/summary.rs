@@ -16,7 +16,7 @@ pub fn summarise(results: &Results) {
             continue;
         }
         say(&format!(
-            "{}: {} at mean speeds of windows from {} to {} rad/s in {} turns, windows of {} {} and {}",
+            "{}: {} with mean speeds of the windows from {} to {} rad/s in {} revolutions, windows of {} {} and {}",
             run.label,
             run.gear,
             short(run.lowest_rad_s, 4),
@@ -24,9 +24,9 @@ pub fn summarise(results: &Results) {
             short(run.turns, 4),
             short(run.by_turns.span, 4),
             if run.by_turns.span == 1.0 {
-                "turn"
+                "revolution"
             } else {
-                "turns"
+                "revolutions"
             },
             quantity(run.by_time.span, "s", 3)
         ));

@@ -14,16 +14,17 @@ Examples:
   gearbench stability spur_rotation --models movable-teeth-3.6e9 --axis tooth-stiffness=5.6e7:3.6e9
   gearbench stability hammer --axis damping=0,0.05,0.2 --axis speed=0.5:2:3
 
-Every cell is a run of the scene with one label: converged, inaccurate, energy growth, chatter, newton failure, step
-underflow, blow-up, tunnelling, adhesive force or timeout. At the scene's own parameters the largest stable step is
-closed in on to 2 %, and stands beside theory where there is one.
+Every cell of a map is a run of the scene with one status: converged, inaccurate, energy growth, chatter, newton
+failure, step underflow, blow-up, tunnelling, adhesive force or timeout. At the scene's own parameters the study
+determines the largest stable step to 2 % and compares it with the theoretical limit, if one is known.
 
-Axes: contact-stiffness and speed (factors on the scene's), tooth-stiffness (N/m), damping (ratio), modes, rho-inf,
-hht-alpha. A second axis makes one panel per value. Without --axis the maps are those of [study] stability in the scene.
+Axes: contact-stiffness and speed (factors on the values of the scene), tooth-stiffness (N/m), damping (ratio), modes,
+rho-inf, hht-alpha. A second axis makes one panel per value. Without --axis, [study] stability of the scene defines
+the maps.
 
-Results (--out DIR, default out/SCENE/stability/), beside report and record:
+Results besides report and record (--out DIR, default out/SCENE/stability/):
   stability.csv         one line per run
-  stability_limits.csv  the largest stable steps beside theory
+  stability_limits.csv  the largest stable steps and their theoretical limits
   timings.csv           wall time per run";
 
 /// Arguments of `stability`.
@@ -32,34 +33,36 @@ Results (--out DIR, default out/SCENE/stability/), beside report and record:
 pub struct Stability {
     /// Name of a shipped scene, or path of a scene file (.toml)
     pub scene: String,
-    /// Models of the scene by label, between commas [default: those of its maps]
+    /// Models of the scene by label, separated by commas [default: those of the scene's maps]
     #[arg(long, value_name = "A,B")]
     pub models: Option<String>,
-    /// Integrators between commas: id or id(name=value) [default: those of its maps]
+    /// Integrators separated by commas: id or id(name=value) [default: those of the scene's maps]
     #[arg(long, value_name = "X,Y")]
     pub integrators: Option<String>,
-    /// A parameter beside the step: NAME=FROM:TO, NAME=FROM:TO:POINTS or NAME=A,B,C; given twice, small multiples
+    /// Parameter of a map besides the step: NAME=FROM:TO, NAME=FROM:TO:POINTS or NAME=A,B,C; a second one gives panels
     #[arg(long, value_name = "NAME=VALUES", value_parser = axis)]
     pub axis: Vec<AxisValues>,
-    /// Steps with a unit (10ns:1us), or in seconds [default: those of the scene, else around the model's fastest oscillation]
+    /// Steps with a unit (10ns:1us), or in seconds [default: the range of the scene, else a range about the period of
+    /// the model's fastest oscillation]
     #[arg(long, value_name = "FROM:TO[:POINTS]", value_parser = span)]
     pub steps: Option<Span>,
-    /// Tolerances of methods that choose their steps [default: those of the scene, else 1e-9 to 1e-1]
+    /// Tolerances of adaptive methods [default: the range of the scene, else 1e-9 to 1e-1]
     #[arg(long, value_name = "FROM:TO[:POINTS]", value_parser = tolerances)]
     pub rtol: Option<Span>,
-    /// Steps by values of the first axis, between the same ends
+    /// Number of steps and number of values of the first axis, within the same ranges
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = grid)]
     pub grid: Option<[usize; 2]>,
-    /// Simulated time in seconds [default: that of the scene's maps]
+    /// Simulated time in seconds [default: the duration of the scene's maps]
     #[arg(long, value_name = "S", value_parser = positive_load)]
     pub duration: Option<f64>,
-    /// Steps after which a run is a timeout, whatever the clock says, rejected ones included [default: that of the scene, else 200000]
+    /// Number of steps, rejected ones included, after which a run counts as a timeout [default: the number of the
+    /// scene, else 200000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_steps: Option<u64>,
-    /// Do not close in on the largest stable steps
+    /// Do not refine the largest stable steps
     #[arg(long)]
     pub no_refine: bool,
-    /// Runs at a time [default: the cores there are]
+    /// Number of simultaneous runs [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
     /// Where results go, and how long a run may take.

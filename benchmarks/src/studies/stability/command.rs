@@ -117,8 +117,7 @@ fn sets(scene: &SceneFile, args: &Stability) -> Result<Vec<StabilitySet>, Refusa
         if let Some(text) = &args.integrators {
             if text.contains('@') {
                 return Err(Refusal::Input(miette::miette!(
-                    help =
-                        "the map goes over steps: give them with --steps, tolerances with --rtol",
+                    help = "the steps are the axis of the map: give them with --steps, tolerances with --rtol",
                     "`{text}` names a step or tolerance"
                 )));
             }
@@ -216,7 +215,7 @@ fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'stat
     told.push((
         "inaccurate".into(),
         format!(
-            "{} beyond {} against the model's own converged solution at the same parameters",
+            "{} above {} against the model's own converged solution at the same parameters",
             tolerance.metric,
             short(tolerance.limit, 3)
         ),

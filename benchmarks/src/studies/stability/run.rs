@@ -250,7 +250,7 @@ impl Work<'_> {
                 cell: Cell {
                     at,
                     status: Status::Interrupted,
-                    message: Some("not made: the study was interrupted".into()),
+                    message: Some("not run: the study was interrupted".into()),
                     ..Cell::default()
                 },
                 wall_s: 0.0,

@@ -134,7 +134,7 @@ impl StabilityKeys {
         let list = self.axes.unwrap_or_default();
         if list.len() > 2 {
             return lists.refuse(
-                format!("{} axes beside the step", list.len()),
+                format!("{} axes besides the step", list.len()),
                 "expected one or two",
                 "a map has the step and one parameter, small multiples a second one; write further sets of maps",
             );
@@ -146,9 +146,9 @@ impl StabilityKeys {
             && a.axis == b.axis
         {
             return lists.member(1).refuse(
-                format!("the axis `{}` stands twice", a.axis.id()),
+                format!("the axis `{}` is given twice", a.axis.id()),
                 "again",
-                "name another parameter or leave it out",
+                "name another parameter, or remove it",
             );
         }
         Ok(StabilitySet {
@@ -172,7 +172,7 @@ fn span(
 ) -> Result<Span, SceneError> {
     if to <= from {
         return at.key("to").refuse(
-            format!("`to` is {to}, where the map has not begun"),
+            format!("`to` is {to}, below the start of the map"),
             format!("expected more than {from}"),
             "give the smaller value as `from`",
         );

@@ -68,7 +68,7 @@ impl Axis {
                 Ok(1.0)
             }
             Axis::ToothStiffness => match gears.iter().find_map(MovableTeethParameters::of) {
-                None => without("its teeth are no springs"),
+                None => without("its teeth have no springs"),
                 Some(p) => match p.tooth_stiffness_n_per_m.and_then(|k| k.common()) {
                     Some(k) => Ok(k),
                     None => without("its teeth have stiffnesses of their own"),
@@ -76,7 +76,7 @@ impl Axis {
             },
             Axis::Damping if elastic.is_some() => match elastic {
                 Some(p) if p.rayleigh.is_some() => {
-                    without("its modes have Rayleigh damping, which is no ratio")
+                    without("its modes have Rayleigh damping instead of a damping ratio")
                 }
                 p => Ok(p.and_then(|p| p.damping_ratio).unwrap_or(0.0)),
             },

@@ -39,7 +39,7 @@ pub fn run(args: &Stiffness, command: &str) -> Result<Answer, Refusal> {
     let first = &entries[0];
     if first.spec.gears.len() != 2 || first.spec.meshes.len() != 1 {
         return Err(Refusal::Input(miette::miette!(
-            help = "take a scene with one mesh of two gears",
+            help = "use a scene with one mesh of two gears",
             "the scene `{}` has {} gears and {} meshes",
             scene.name,
             first.spec.gears.len(),

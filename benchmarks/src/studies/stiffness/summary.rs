@@ -21,9 +21,13 @@ pub fn summarise(results: &Results) {
         short(1e3 * first.face_width_m, 4)
     ));
     say("stiffness in N/(mm um), transmission error in um:");
-    say("  c'      largest secant stiffness of one pair, its load over the approach of the gears");
+    say(
+        "  c'      largest secant stiffness of one tooth pair, its load divided by the approach of the gears",
+    );
     say("  at C    the same at the pitch point");
-    say("  c_g     mean secant stiffness of the mesh;  tangent: its slope at the load, mean");
+    say(
+        "  c_g     mean secant stiffness of the mesh;  tangent: mean tangent stiffness at the load",
+    );
     say("  TE      mean static transmission error, and peak to peak");
     say("");
     let wide = all.iter().map(|m| m.label.len()).max().unwrap_or(0).max(5);
@@ -49,7 +53,7 @@ pub fn summarise(results: &Results) {
     }
     for m in all {
         for limit in &m.limits {
-            say(&format!("out of range: {}: {limit}", m.label));
+            say(&format!("outside its range: {}: {limit}", m.label));
         }
     }
     for m in solved().filter(|m| m.unknowns > 0) {

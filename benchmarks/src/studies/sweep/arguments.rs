@@ -13,16 +13,18 @@ Examples:
   gearbench sweep loaded_mesh --models rigid --points 100
   gearbench sweep my_scene.toml --from 200 --to 6000 --out out/run_up
 
-The speed goes up and down again, each run from the state in which the last one ended: with backlash gears may run in
-two ways at one speed, in contact or hammering, and stay in the one they come from. At every speed each model runs
-until it has settled; then transmission error, contact force and bearing forces are taken
-over whole mesh cycles. The static transmission error under the same load is the limit of slow running; models `fe` of
-the scene stand beside it at rest.
+The speed increases and then decreases in steps. Each run starts from the final state of the run before it, since
+gears with backlash can have two steady motions at one speed, with continuous contact or with impacts. At every speed
+each model runs until it is steady; then transmission error, contact force and bearing forces are measured over whole
+mesh cycles. The static transmission error under the same load is the limit for low speeds; it is also computed for
+the models `fe` of the scene.
 
-The scene has one mesh of two gears with torques that press the flank of its start: constant ones on both gears in
-balance, or on one while the other is driven or, where loads are viscous, given the torque that holds the speed. Speeds are those of [study] sweep in the scene; without, around the mesh resonance.
+The scene needs one mesh of two gears with torques that load the flank of its start: constant and balanced torques on
+both gears, or a torque on one gear while the other is driven. With viscous loads, the study sets the driving torque
+that keeps the speed. The range of speeds is that of [study] sweep in the scene, else a range about the mesh
+resonance.
 
-Results (--out DIR, default out/SCENE/sweep/), beside report and record:
+Results besides report and record (--out DIR, default out/SCENE/sweep/):
   sweep.csv         one line per speed: transmission error, forces, harmonics
   sweep_cycles.csv  one mean mesh cycle of each run
   sweep_orders.csv  transmission error at the orders of the shafts, where whole turns were measured (--turns)
@@ -44,7 +46,7 @@ pub struct Sweep {
     /// Name of a shipped scene, or path of a scene file (.toml)
     #[arg(default_value = "loaded_mesh")]
     pub scene: String,
-    /// Models of the scene by label, between commas [default: those of its study]
+    /// Models of the scene by label, separated by commas [default: the models of its study]
     #[arg(long, value_name = "A,B")]
     pub models: Option<String>,
     /// Lowest mesh frequency in hertz
@@ -56,16 +58,17 @@ pub struct Sweep {
     /// Number of speeds
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10_000))]
     pub points: Option<u32>,
-    /// Whole mesh cycles that are measured
+    /// Number of whole mesh cycles of the measurement
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub cycles: Option<u32>,
-    /// Whole turns of the first gear that are measured in place of cycles: gives the orders of its shaft
+    /// Number of whole revolutions of the first gear in place of cycles, which also gives the orders of its shaft
     #[arg(long, value_name = "N", conflicts_with = "cycles", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub turns: Option<u32>,
-    /// How runs come to their speed, between commas: up, down (each from the speed before), fresh [default: up,down]
+    /// Branches of the sweep, separated by commas: up and down continue from the speed before, fresh starts anew at
+    /// each speed [default: up,down]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = branch())]
     pub branches: Option<Vec<Branch>>,
-    /// Positions of the static cycle over one base pitch
+    /// Number of positions of the static cycle over one base pitch
     #[arg(long, value_name = "N", default_value_t = DEFAULT_POSITIONS, value_parser = positions)]
     pub positions: usize,
     /// Where results go, and how long a run may take.

@@ -27,7 +27,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
     {
         return Err(Refusal::Input(miette::miette!(
             help = "give the lower mesh frequency with --from",
-            "the sweep from {from} to {to} Hz goes nowhere"
+            "the sweep from {from} to {to} Hz is empty"
         )));
     }
     let unbuilt = scene_file::load_for(&args.scene, Selection::None)?;

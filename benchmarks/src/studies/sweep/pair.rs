@@ -88,28 +88,31 @@ impl Pair {
     fn of(spec: &SceneSpec) -> Result<Self, String> {
         let ([a, b], [mesh]) = (spec.gears.as_slice(), spec.meshes.as_slice()) else {
             return Err(format!(
-                "a sweep is of one mesh of two gears, but the scene has {} gears and {} meshes",
+                "a sweep needs one mesh of two gears, but the scene has {} gears and {} meshes",
                 spec.gears.len(),
                 spec.meshes.len()
             ));
         };
         if let Some(shaft) = spec.shafts.first() {
             return Err(format!(
-                "a sweep is of two gears by themselves, but the scene has the shaft `{}`",
+                "a sweep needs two gears without shafts, but the scene has the shaft `{}`",
                 shaft.name
             ));
         }
         if let Some(guided) = [a, b].iter().find(|g| g.guide.is_some()) {
             return Err(format!(
-                "a sweep is of gears that turn on, but `{}` is guided",
+                "a sweep needs gears that rotate freely, but `{}` has a guide",
                 guided.name
             ));
         }
         let (Body::Gear(first), Body::Gear(second)) = (&a.body, &b.body) else {
-            return Err("a sweep is of two gears; a rack comes to its end".into());
+            return Err("a sweep needs two gears; a rack has a limited travel".into());
         };
         if let Some(held) = [a, b].iter().find(|g| matches!(g.mount, Mount::Fixed)) {
-            return Err(format!("`{}` is fixed, so that nothing runs", held.name));
+            return Err(format!(
+                "`{}` is fixed, so that the gears cannot rotate",
+                held.name
+            ));
         }
         let layout = mesh_layout(a, b).map_err(|e| e.to_string())?;
         let sign = mesh.start.side.sign();
@@ -120,14 +123,16 @@ impl Pair {
         // Both torques press the flanks together along the line of action.
         let [fa, fb] = [0, 1].map(|i| sign * loads[i].constant / base_radii[i]);
         let holds = match (driven, viscous) {
-            ([true, true], _) => return Err("both gears are driven: nothing can vibrate".into()),
+            ([true, true], _) => {
+                return Err("both gears are driven, so that no gear can vibrate".into());
+            }
             ([true, false], _) => Some(0),
             ([false, true], _) => Some(1),
             (_, [false, true] | [true, true]) => Some(0),
             (_, [true, false]) => Some(1),
             _ if (fa - fb).abs() > BALANCE * fa.abs().max(fb.abs()) => {
                 return Err(format!(
-                    "the constant torques {} and {} N m do not balance, the speed would drift; {} N m on `{}` needs {} N m on `{}`",
+                    "the constant torques {} and {} N m are not balanced, so that the speed would drift; {} N m on `{}` needs {} N m on `{}`",
                     short(loads[0].constant, 5),
                     short(loads[1].constant, 5),
                     short(loads[0].constant, 5),
@@ -154,7 +159,7 @@ impl Pair {
         let rest = pair.own_force();
         if rest <= 0.0 && viscous == [false; 2] {
             return Err(format!(
-                "the loads press {rest:.4} N on the flank of the mesh's start; a sweep needs torques that press it"
+                "the loads cause {rest:.4} N on the flank of the start; a sweep needs torques that load this flank"
             ));
         }
         Ok(pair)
@@ -201,10 +206,10 @@ impl Pair {
             None => Ok(()),
             Some(f) => Err(StudyError::Scene(
                 format!(
-                    "the scene `{name}` cannot be swept to {f:.0} Hz: there the loads press {:.4} N on the flank of the mesh's start",
+                    "the scene `{name}` cannot be swept to {f:.0} Hz: there the loads cause {:.4} N on the flank of the start",
                     self.force(f)
                 ),
-                "give a range of speeds in which the viscous loads leave the flank pressed",
+                "give a range of speeds in which the flank remains loaded despite the viscous loads",
             )),
         }
     }

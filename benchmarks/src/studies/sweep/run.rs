@@ -368,7 +368,7 @@ fn settled(
             if steady.irregular > UNSETTLED {
                 row.status = Status::Inaccurate;
                 row.message = Some(format!(
-                    "{:.0} % of the transmission error at a mesh frequency of {frequency:.0} Hz does not repeat from cycle to cycle: subharmonic, or not settled after {:.1} ms",
+                    "{:.0} % of the transmission error at a mesh frequency of {frequency:.0} Hz differs from cycle to cycle: the motion is subharmonic, or not steady after {:.1} ms",
                     100.0 * steady.irregular,
                     1e3 * settle
                 ));

@@ -79,7 +79,7 @@ impl Sweep {
     pub(crate) fn check(&self, at: &Place<'_>) -> Result<(), SceneError> {
         match (self.from_hz, self.to_hz) {
             (Some(from), Some(to)) if to.0 <= from.0 => at.key("to_hz").refuse(
-                format!("the sweep ends at {} Hz, where it has not begun", to.0),
+                format!("the sweep ends at {} Hz, below its start", to.0),
                 format!("expected more than {} Hz", from.0),
                 "give the lower mesh frequency as `from_hz`",
             ),

@@ -8,7 +8,7 @@ use gearbench_reports::sweep::bistable;
 pub fn summarise(results: &Results) {
     say(&format!(
         "{:<28} {:>11} {:>9} {:>13} {:>13} {:>8} {:>9}",
-        "model", "TE at rest", "fn", "greatest TE", "at", "speeds", "wall"
+        "model", "static TE", "fn", "largest TE", "at", "speeds", "wall"
     ));
     let mut labels: Vec<String> = results.statics().iter().map(|s| s.label.clone()).collect();
     labels.dedup();
@@ -42,7 +42,7 @@ pub fn summarise(results: &Results) {
             .map(|[a, b]| format!("{a:.0} to {b:.0} Hz"))
             .collect();
         say(&format!(
-            "{} runs in one way on the way up and in another on the way down: {}",
+            "{} has two steady motions, for increasing and for decreasing speed: {}",
             two.label,
             ranges.join(", ")
         ));
@@ -64,7 +64,7 @@ pub fn summarise(results: &Results) {
         .collect();
     if let Some(first) = unsettled.first() {
         say(&format!(
-            "{} of {} runs are inaccurate, so that the exit code is 1; the first: {}, {}",
+            "{} of {} runs are inaccurate, hence exit code 1; the first: {}, {}",
             unsettled.len(),
             results.runs.len(),
             first.model_label(),

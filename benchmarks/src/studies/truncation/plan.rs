@@ -215,7 +215,7 @@ pub(super) fn sides<'s>(
         let whole: Vec<&ModelChoice> = whole.collect();
         (!whole.is_empty()).then_some(whole).ok_or_else(|| {
             SceneError::plain(
-                format!("the scene `{}` offers no model of the kind `{id}` here", scene.name),
+                format!("the scene `{}` has no model of the kind `{id}`", scene.name),
                 format!(
                     "the study compares `{ELASTIC}` with `{FULL}` on the same mesh; add a [[models]] with model = \"{id}\""
                 ),

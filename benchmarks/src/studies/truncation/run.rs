@@ -36,7 +36,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
         .filter(|_| !reference.status.is_failure())
     else {
         return Err(RunError::Reference(format!(
-            "the full model under {} did not reach the end: {}",
+            "the full model under {} did not complete the run: {}",
             plan.full_method.method,
             reference.message.as_deref().unwrap_or("no reason given")
         )));

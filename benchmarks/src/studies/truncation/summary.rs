@@ -46,7 +46,7 @@ pub fn summarise(results: &Results) {
             })
             .collect();
         say(&format!(
-            "fewest modes for {} %: {}",
+            "least number of modes for {} %: {}",
             100.0 * limit,
             found.join(", ")
         ));

@@ -6,16 +6,17 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  gearbench mesh spur_impact                             nothing is written: sizes and quality of the meshes
+  gearbench mesh spur_impact                             print sizes and quality of the meshes, write no file
   gearbench mesh spur_impact --gear pinion --out pinion.inp
   gearbench mesh spur_impact --flank 20 --fine-teeth 1,2,20 --out fine.inp --vtu fine.vtu
   gearbench mesh my_scene.toml --element C3D20R --sector --out sector.inp
-  gearbench mesh old_deck.inp --vtu old_deck.vtu         quality of a mesh from elsewhere
+  gearbench mesh old_deck.inp --vtu old_deck.vtu         quality of the mesh of another program
 
-A deck holds one gear in its own frame: axis z, tooth 1 on +x, metre. Its sets are bore, flank_1l, flank_1r, ...
-(l: the counter-clockwise flank of a tooth, of internal gears the clockwise one, so that
-flanks of one letter mesh), its surfaces sflank_1l, ...; a sector also has cut_low and cut_high, where node i
-of one is node i of the other turned by a pitch. Several gears make several files, NAME appended to each.";
+A deck contains one gear in its own frame, with the axis along z, tooth 1 on +x, and lengths in metres. Its node sets
+are bore, flank_1l, flank_1r, ... (l is the counter-clockwise flank of a tooth, in internal gears the clockwise one,
+so that flanks with the same letter mesh); its surfaces are sflank_1l, ... A sector also has the sets cut_low and
+cut_high: node i of one is node i of the other rotated by one pitch. For several gears, each file has the name of its
+gear appended.";
 
 /// Arguments of `mesh`.
 #[derive(Args, Clone, Debug)]
@@ -30,13 +31,13 @@ pub struct Mesh {
     /// Write a file for ParaView, with the sets and the quality of the elements
     #[arg(long, value_name = "F.vtu")]
     pub vtu: Option<PathBuf>,
-    /// Write over a file that is there, though it is not one that this command has written
+    /// Overwrite an existing file even if this command did not write it
     #[arg(long)]
     pub force: bool,
-    /// Only this gear [default: all]
+    /// Name of the gear to mesh [default: all]
     #[arg(long, value_name = "NAME")]
     pub gear: Option<String>,
-    /// Units of a deck, one of m-kg-s, mm-t-s, mm-kg-s, mm-kg-ms, mm-g-ms [default: found from material or size]
+    /// Units of a deck, one of m-kg-s, mm-t-s, mm-kg-s, mm-kg-ms, mm-g-ms [default: deduced from material or size]
     #[arg(long, value_name = "UNITS", value_parser = units)]
     pub units: Option<Units>,
     /// Kind of element: C3D8, C3D8I, C3D20 or C3D20R [default: C3D8I]
@@ -54,7 +55,7 @@ pub struct Mesh {
     /// Elements across the tooth [default: 6]
     #[arg(long, value_name = "N")]
     pub across: Option<usize>,
-    /// Layers of the skin under flank, fillet and root, which grow inwards [default: 2]
+    /// Layers of elements under flank, fillet and root, whose thickness grows inwards [default: 2]
     #[arg(long, value_name = "N")]
     pub layers: Option<usize>,
     /// Layers from the root to the bore or the back of a rack [default: 4]
@@ -63,10 +64,10 @@ pub struct Mesh {
     /// Layers over the face width [default: 4]
     #[arg(long, value_name = "N")]
     pub width: Option<usize>,
-    /// One pitch only, for cyclic symmetry
+    /// Mesh one pitch only, for cyclic symmetry
     #[arg(long)]
     pub sector: bool,
-    /// Only these teeth as fine as asked for, the others coarse; numbers from 1, between commas
+    /// Numbers of the teeth with the full resolution, from 1, separated by commas; the other teeth are coarse
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     pub fine_teeth: Vec<u32>,
 }

@@ -81,7 +81,7 @@ pub fn run(args: &Arguments, command: &str) -> Result<Answer, Refusal> {
         }
     }
     if files.0.is_empty() {
-        say("nothing was written; `--out F.inp` writes a deck, `--vtu F.vtu` a file for ParaView");
+        say("no file was written; `--out F.inp` writes a deck, `--vtu F.vtu` a file for ParaView");
     }
     let written: Vec<PathBuf> = files.keep()?.into_iter().map(absolute).collect();
     for path in &written {
@@ -170,8 +170,8 @@ fn from_deck(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
     ];
     if let Some((option, _)) = counts.iter().find(|(_, given)| *given) {
         return Err(Refusal::Input(miette::miette!(
-            help = "leave it out, or mesh a scene with that gear",
-            "{option} does not go with a deck, which brings its own mesh"
+            help = "remove the option, or mesh a scene with that gear",
+            "{option} cannot be used with a deck, which contains a mesh"
         )));
     }
     let start = Instant::now();
@@ -196,7 +196,7 @@ fn from_scene(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
     if args.units.is_some() {
         return Err(Refusal::Input(miette::miette!(
             help = "leave it out",
-            "--units is for decks: scenes are in SI units"
+            "--units applies to decks: scenes are in SI units"
         )));
     }
     let scene = scene_file::load_unbuilt(&args.input)?;
@@ -212,7 +212,7 @@ fn from_scene(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
                 Body::Gear(gear) => mesh::gear(gear, &params),
                 Body::Rack(_) if args.sector => {
                     return Err(Refusal::Input(miette::miette!(
-                        help = "leave out --sector, or choose a gear with --gear NAME",
+                        help = "remove --sector, or choose a gear with --gear NAME",
                         "`{}` is a rack: it has no sector",
                         g.name
                     )));
@@ -271,9 +271,9 @@ fn params(args: &Arguments) -> Result<GearMeshParams, Refusal> {
 fn refuse(name: &str, e: &MeshError) -> Refusal {
     let help = match e {
         MeshError::NoSuchTooth { .. } => {
-            "--fine-teeth counts from 1, as the sets flank_1l, flank_1r".to_owned()
+            "the numbers of --fine-teeth start at 1, as in the sets flank_1l, flank_1r".to_owned()
         }
-        _ => "--flank, --fillet, --root, --across, --layers, --rim and --width set the counts"
+        _ => "--flank, --fillet, --root, --across, --layers, --rim and --width set the numbers of elements"
             .to_owned(),
     };
     Refusal::Input(miette::miette!(
@@ -318,7 +318,7 @@ fn table(gears: &[Meshed]) {
         if q.min_scaled_jacobian <= 0.0 {
             let i = q.worst_element;
             say(&format!(
-                "  element {} (counted from 1) is turned inside out: no program can compute with it",
+                "  element {} (counted from 1) has a negative Jacobian and cannot be used by any program",
                 i + 1
             ));
         }
@@ -380,7 +380,7 @@ impl Files {
         overwriting.check(path)?;
         if self.0.iter().any(|other| other.path() == path) {
             return Err(fail(
-                &"is asked for twice; --out and --vtu need names of their own",
+                &"is given twice; --out and --vtu need different names",
             ));
         }
         let mut out = BufWriter::new(Staged::begin(path).map_err(|e| fail(&e))?);

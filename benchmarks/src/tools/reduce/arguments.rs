@@ -9,57 +9,60 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  gearbench reduce gear.inp                              nothing is written: what the deck holds, modes, compliance
+  gearbench reduce gear.inp                              print contents, modes and compliance, write no file
   gearbench reduce gear.inp.gz --modes 200 --out gear.npz
   gearbench reduce old.inp --gear wheel --mount held --max-frequency 80e3 --out wheel.npz
   gearbench reduce gear.inp --mount free,x,y,z,tilt_x,tilt_y --added-mass 0.4 --out floating.npz
   gearbench reduce turned.inp --axis 0,0.2,1 --axis-point 0.1,0,0 --out turned.npz
-  gearbench reduce a.inp b.inp --modes 100 --out reduced/      one file each: reduced/a.npz, reduced/b.npz
+  gearbench reduce a.inp b.inp --modes 100 --out reduced/      writes reduced/a.npz and reduced/b.npz
   gearbench reduce spur_impact --modes 200 --out spur.npz      spur-pinion.npz, spur-wheel.npz
 
-A mesh from elsewhere needs solid elements. Axis, bore, teeth and flanks are found from its surface; node sets `bore`,
-`flank_1l`, `flank_1r`, ... (l: the counter-clockwise flank) say them where they are there. Units are found and said, and
---units overrides. Of a scene the meshes of its elastic model are taken, with the mounts and added inertias of its gears.
+The mesh of another program needs solid elements. The node sets `bore`, `flank_1l`, `flank_1r`, ... (l is the
+counter-clockwise flank) define bore and flanks; without them, axis, bore, teeth and flanks are identified from the
+surface of the mesh. The command deduces and prints the units; --units overrides them. For a scene, the command uses
+the meshes of its elastic model, with the mounts and added inertias of its gears.
 
-What the file holds: flank nodes with normals, frequencies and mode shapes there, static compliance between the flank
-nodes and towards the hub; docs/reduction-format.md describes it. The elastic model of a scene takes it by
-`parameters = { reduction = \"gear.npz\" }`, paths from the folder of the scene.
+The file contains the flank nodes with their normals, natural frequencies, mode shapes at the flank nodes, and the
+static compliance between the flank nodes and at the hub; docs/reduction-format.md describes it. The elastic model of
+a scene reads it by `parameters = { reduction = \"gear.npz\" }`, with a path relative to the folder of the scene.
 
-What was computed before comes from a cache ($GEARBENCH_CACHE, else the user's cache folder; `off` for none).";
+Earlier reductions are read from a cache ($GEARBENCH_CACHE, else the user's cache folder; `off` disables it).";
 
 /// Arguments of `reduce`.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Reduce {
-    /// Decks (.inp) or meshes of Gmsh (.msh), also .gz; or the name of a shipped scene, or the path of a scene file (.toml)
+    /// Decks (.inp) or meshes of Gmsh (.msh), also .gz; or the name of a shipped scene, or the path of a scene file
+    /// (.toml)
     #[arg(value_name = "SCENE|DECK", required = true)]
     pub inputs: Vec<String>,
-    /// Write to this file, or into this folder [default: nothing is written]
+    /// File or folder to write to [default: no file is written]
     #[arg(long, value_name = "F.npz|DIR")]
     pub out: Option<PathBuf>,
-    /// Write over a file that is there, though it is not one that this command has written
+    /// Overwrite an existing file even if this command did not write it
     #[arg(long)]
     pub force: bool,
-    /// Modes to store, most [default: 400, or all up to --max-frequency]
+    /// Largest number of modes to store [default: 400, or all up to --max-frequency]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=5000))]
     pub modes: Option<u32>,
     /// Highest frequency of a mode to store [Hz]
     #[arg(long, value_name = "HZ", value_parser = positive_load)]
     pub max_frequency: Option<f64>,
-    /// Which modes to store where --modes leaves some out
+    /// Criterion by which --modes selects the modes to store
     #[arg(long, value_name = "RULE", default_value = "frequency", value_parser = ["frequency", "flank-compliance"])]
     pub choose: String,
-    /// Only this gear [default: all]
+    /// Name of the gear to reduce [default: all]
     #[arg(long, value_name = "NAME")]
     pub gear: Option<String>,
-    /// Units of a deck, one of m-kg-s, mm-t-s, mm-kg-s, mm-kg-ms, mm-g-ms [default: found from material or size]
+    /// Units of a deck, one of m-kg-s, mm-t-s, mm-kg-s, mm-kg-ms, mm-g-ms [default: deduced from material or size]
     #[arg(long, value_name = "UNITS", value_parser = units)]
     pub units: Option<Units>,
-    /// Direction of the axis of the gear of a deck, of a rack that of its width; its sense is that of the gear's own z axis
-    /// [default: found]
+    /// Direction of the gear's z axis in a deck; for a rack, the direction of its width [default: identified from the
+    /// mesh]
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     pub axis: Option<[f64; 3]>,
-    /// A point on that axis, of a rack on its reference line, in metres whatever the units [default: found]
+    /// A point on that axis, for a rack on its reference line, in metres for all units [default: identified from the
+    /// mesh]
     #[arg(long, value_name = "X,Y,Z", value_parser = position, allow_hyphen_values = true)]
     pub axis_point: Option<[f64; 3]>,
     /// Label of the scene's elastic model whose meshes are taken [default: its first]
@@ -68,28 +71,28 @@ pub struct Reduce {
     /// Also store how flanks move along their profile, which friction loads
     #[arg(long)]
     pub along_profile: bool,
-    /// The hub is `free` to move or `held`, then, with commas, its free directions beside that in the gear's own frame: some
-    /// of x, y, z, tilt_x, tilt_y, tilt_z [default: free; of a scene as its gear is mounted]
+    /// The hub is `free` to move or `held`, then, with commas, its free directions beside that in the gear's own frame:
+    /// some of x, y, z, tilt_x, tilt_y, tilt_z [default: free; of a scene as its gear is mounted]
     #[arg(long, value_name = "MOUNT", value_parser = mount)]
     pub mount: Option<(bool, [bool; 6])>,
-    /// Inertia added at the hub [kg m^2], mass of a rack [kg] [default: 0; of a scene that of its gear]
+    /// Inertia added at the hub [kg m^2], for a rack mass [kg] [default: 0; for a scene the value of its gear]
     #[arg(long, value_name = "J", value_parser = not_negative)]
     pub added_inertia: Option<f64>,
-    /// Mass added at a hub that is free in translations beside its own motion [kg]; of a rack --added-inertia [default: 0; of a
-    /// scene that of its gear]
+    /// Mass added at a hub with out-of-plane translations [kg]; for a rack, see --added-inertia [default: 0; for a
+    /// scene the value of its gear]
     #[arg(long, value_name = "KG", value_parser = not_negative)]
     pub added_mass: Option<f64>,
-    /// Inertia added at a hub that tilts, about each axis beside that of its own motion [kg m^2] [default: 0; of a scene that of
-    /// its gear]
+    /// Inertia added at a hub that can tilt, about each tilting axis [kg m^2] [default: 0; for a scene the value of its
+    /// gear]
     #[arg(long, value_name = "J", value_parser = not_negative)]
     pub added_tilting: Option<f64>,
-    /// Young's modulus [Pa] [default: as the deck says, else steel]
+    /// Young's modulus [Pa] [default: value of the deck, else steel]
     #[arg(long, value_name = "PA", value_parser = modulus)]
     pub young: Option<f64>,
-    /// Poisson's ratio [default: as the deck says, else steel]
+    /// Poisson's ratio [default: value of the deck, else steel]
     #[arg(long, value_name = "NU", value_parser = not_negative)]
     pub poisson: Option<f64>,
-    /// Density [kg/m^3] [default: as the deck says, else steel]
+    /// Density [kg/m^3] [default: value of the deck, else steel]
     #[arg(long, value_name = "KG_M3", value_parser = positive_load)]
     pub density: Option<f64>,
 }
@@ -117,7 +120,7 @@ fn mount(text: &str) -> Result<(bool, [bool; 6]), String> {
     for word in words {
         let direction = DIRECTIONS.iter().position(|d| *d == word).ok_or_else(|| {
             format!(
-                "expected some of {} behind it, found `{word}`",
+                "expected some of {} after it, found `{word}`",
                 DIRECTIONS.join(", ")
             )
         })?;
@@ -127,7 +130,7 @@ fn mount(text: &str) -> Result<(bool, [bool; 6]), String> {
 }
 
 fn direction(text: &str) -> Result<[f64; 3], String> {
-    let expected = "expected a direction x,y,z, not all of it 0, for example 0,0,1";
+    let expected = "expected a direction x,y,z other than 0,0,0, for example 0,0,1";
     let x = three(text, expected)?;
     (x != [0.0; 3]).then_some(x).ok_or_else(|| expected.into())
 }

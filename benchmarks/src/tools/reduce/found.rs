@@ -78,7 +78,7 @@ fn of_found_rack(f: &RecognisedRack) -> String {
     format!(
         "no sets name its flanks: pitch {:.6} mm along {}, width along {}, reference line through {} mm (teeth half a pitch \
          thick), pressure angle {} and helix {} degrees, {} from {} to {} mm about that line, tips {:.4} mm above it, roots \
-         {:.4} mm and back {:.4} mm below; {} stand off the planes by {:.1e} mm rms, {:.1e} mm at most",
+         {:.4} mm and back {:.4} mm below; {} deviate from the planes by {:.1e} mm rms, {:.1e} mm at most",
         mm(f.pitch),
         triple(f.axes[1].into()),
         triple(f.axes[2].into()),

@@ -96,7 +96,7 @@ pub fn run(args: &Arguments) -> Result<Answer, Refusal> {
     }
     drop(display);
     if args.out.is_none() {
-        say("nothing was written; `--out F.npz` writes the reduction");
+        say("no file was written; `--out F.npz` writes the reduction");
     }
     Ok(Answer::done().with("gears", gears))
 }
@@ -108,8 +108,8 @@ fn refuse(message: &str, help: &str) -> Refusal {
 fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     if args.model.is_some() {
         return Err(refuse(
-            "--model does not go with a deck, which brings its own mesh",
-            "leave it out, or give a scene",
+            "--model cannot be used with a deck, which contains a mesh",
+            "remove the option, or give a scene",
         ));
     }
     let bad = |e: deck::DeckError| Refusal::Input(miette::miette!("{e}"));
@@ -123,7 +123,8 @@ fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     };
     let alone = deck::gears_known(&deck, None, &known);
     if alone.is_err() || alone.is_ok_and(|all| all.iter().any(Result::is_err)) {
-        notes.push("what the deck does not say of the material is taken from steel".to_owned());
+        notes
+            .push("material constants that the deck does not define are those of steel".to_owned());
     }
     let mut gears = deck::gears_known(&deck, Some(Material::STEEL), &known).map_err(bad)?;
     let one = gears.len() == 1;
@@ -205,9 +206,9 @@ fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     ] {
         if given {
             return Err(refuse(
-                &format!("{option} is for decks, not for scenes"),
+                &format!("{option} applies to decks, not to scenes"),
                 &format!(
-                    "leave it out; of a mesh that the scene names, give `{key}` beside `mesh` there"
+                    "remove the option; for a mesh that the scene names, give `{key}` next to `mesh` in the scene"
                 ),
             ));
         }
@@ -225,7 +226,7 @@ fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
         Some(label) => Some(elastic.find(|m| m.label == *label).ok_or_else(|| {
             refuse(
                 &format!("the scene `{}` has no elastic model `{label}`", scene.name),
-                "leave --model out to take the first, or meshes with default sizes where there is none",
+                "remove --model to use the first elastic model, or meshes with default sizes if there is none",
             )
         })?),
     };
@@ -246,7 +247,7 @@ fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     match jobs.is_empty() {
         true => Err(refuse(
             "the gear is not elastic in the scene's elastic model",
-            "leave --gear out, or choose another model with --model",
+            "remove --gear, or choose another model with --model",
         )),
         false => Ok(jobs),
     }
@@ -322,10 +323,7 @@ fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal
             (false, _) => named(out, Some(&job.name)),
         };
         if files.contains(&path) {
-            return Err(fail(
-                &path,
-                "is asked for twice; reduce the gears one by one",
-            ));
+            return Err(fail(&path, "is given twice; reduce the gears one by one"));
         }
         files.push(path);
     }
@@ -407,8 +405,8 @@ fn reduce(args: &Arguments, job: &Job) -> Result<Done, Refusal> {
 /// What the hub does, in words.
 fn hub(motion: Motion, free: bool) -> &'static str {
     match (motion, free) {
-        (Motion::Turn, true) => "free to turn",
-        (Motion::Slide, true) => "free to slide",
+        (Motion::Turn, true) => "free to rotate",
+        (Motion::Slide, true) => "free to translate",
         (_, false) => "held",
     }
 }

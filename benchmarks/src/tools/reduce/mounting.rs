@@ -16,8 +16,8 @@ pub(super) fn mounted(args: &Arguments, of: Mounting) -> Result<Mounting, Refusa
     let given = args.added_mass.is_some() || args.added_tilting.is_some();
     if given && !mounting.is_lateral() {
         return Err(refuse(
-            "--added-mass and --added-tilting move with a hub that is free beside its own motion, and this one is held",
-            "free it, for example with --mount free,x,y, or leave them out",
+            "--added-mass and --added-tilting need a hub with out-of-plane directions, but this hub is fixed in them",
+            "add directions, for example --mount free,x,y, or remove these options",
         ));
     }
     Ok(mounting)

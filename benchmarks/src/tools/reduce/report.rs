@@ -182,7 +182,7 @@ fn of_involute(fit: &Involute) -> String {
         ),
     };
     format!(
-        "base pitch {:.6} mm, {helix}, base thickness {:.6} mm; {} stand off it by {:.1e} mm rms, {:.1e} mm at most",
+        "base pitch {:.6} mm, {helix}, base thickness {:.6} mm; {} deviate from the flank surface by {:.1e} mm rms, {:.1e} mm at most",
         1e3 * fit.base_pitch(),
         1e3 * fit.base_thickness(),
         some(fit.nodes, "node"),
@@ -280,7 +280,7 @@ fn of_inertia(job: &Job, motion: Motion, basis: &Basis) -> String {
         Motion::Turn => {
             let added = match added {
                 0.0 => String::new(),
-                j => format!(", of it {j:e} kg m^2 added at the hub"),
+                j => format!(", including {j:e} kg m^2 added at the hub"),
             };
             format!(
                 "mass {mass:.6} kg, inertia {:.6e} kg m^2{added}",
@@ -290,7 +290,7 @@ fn of_inertia(job: &Job, motion: Motion, basis: &Basis) -> String {
         Motion::Slide => {
             let added = match added {
                 0.0 => String::new(),
-                m => format!(", with {m} kg added at the hub {:.6} kg", basis.inertia),
+                m => format!("; with {m} kg added at the hub, {:.6} kg", basis.inertia),
             };
             format!("mass {mass:.6} kg{added}")
         }
@@ -341,7 +341,7 @@ fn of_compliance(basis: &Basis) -> Option<String> {
     let layout = match c.flanks {
         FlankCompliance::Full(_) => "between all flank nodes",
         FlankCompliance::Cyclic { .. } => "of one tooth on all",
-        FlankCompliance::Deflated(_) => "of one tooth on all, less some modes",
+        FlankCompliance::Deflated(_) => "of one tooth on all, without some modes",
     };
     Some(format!(
         "{layout}; {own:.4e} m/N in the middle of a flank of tooth {}, {:.1} % of it in the modes",

@@ -10,14 +10,16 @@ const PATIENT: f64 = 3600.0;
 const EXAMPLES: &str = "\
 Examples:
   gearbench reference my_scene.toml --model fe --out fe.csv --add
-  gearbench reference my_scene.toml --model fe --method hht-alpha@5e-7 --speed pinion=60 --duration 1e-4 --out fe_60.csv --add
+  gearbench reference my_scene.toml --model fe --method hht-alpha@5e-7 --speed pinion=60 \\
+      --duration 1e-4 --out fe_60.csv --add
   gearbench reference loaded_mesh --model elastic --load wheel=-40 --out loaded.csv
 
-Runs one model of a scene once, and once more at half its step (a tenth of its tolerance), and writes contact force, speeds,
-angles and transmission error as a CSV file: SI units in the header, and in its comments the command, the commit, the
-conditions and the error of its own. The lines of the scene that name it are printed, and with --add written to the scene:
-models are then held against it (compare, precision, truncation) and fitted to it (identify). At other speeds, loads,
-distances or durations than the scene's it serves identify.";
+The command runs one model of a scene, repeats the run with half the step (a tenth of the tolerance), and writes
+contact force, speeds, angles and transmission error as a CSV file. The header contains SI units; comments contain the
+command, the commit, the conditions and the estimated error of the reference. The command prints the lines that add
+the reference to the scene, and --add writes them. Models are then compared with it (compare, precision, truncation)
+and fitted to it (identify). A reference for other speeds, loads, distances or durations than those of the scene is
+by identify and by `choose --references`.";
 
 /// A gear and a number, as in `pinion=60`.
 fn of_gear(text: &str) -> Result<(String, f64), String> {
@@ -46,13 +48,13 @@ pub struct Reference {
     /// Integrator with step or tolerance, such as hht-alpha@5e-7 [default: the first of the model, else dopri5@1e-10]
     #[arg(long, value_name = "METHOD")]
     pub method: Option<String>,
-    /// Speed of a gear in rad/s (rack: m/s) in place of the scene's: initial, or the constant one of a driven gear
+    /// Initial speed of a gear, or constant speed of a driven gear, in rad/s (rack: m/s), in place of the scene's
     #[arg(long, value_name = "GEAR=SPEED", value_parser = of_gear, allow_hyphen_values = true)]
     pub speed: Vec<(String, f64)>,
-    /// Constant torque on a gear in N m (rack: force in N) in place of its loads
+    /// Constant torque on a gear in N m (rack: force in N), in place of its loads
     #[arg(long, value_name = "GEAR=LOAD", value_parser = of_gear, allow_hyphen_values = true)]
     pub load: Vec<(String, f64)>,
-    /// Gap at the start of the first mesh in metres
+    /// Initial gap of the first mesh in metres
     #[arg(long, value_name = "M", value_parser = length, allow_hyphen_values = true)]
     pub gap: Option<f64>,
     /// Centre distance of the only mesh in metres
@@ -64,19 +66,19 @@ pub struct Reference {
     /// CSV file to write
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Write over a file that is there, though it is not one that this command has written
+    /// Overwrite an existing file even if this command did not write it
     #[arg(long)]
     pub force: bool,
-    /// Name of the reference in the scene [default: the name of the file, with -reference where a model is called so]
+    /// Name of the reference in the scene [default: the name of the file, with -reference appended if a model has it]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
-    /// Append the lines that name it to the scene file
+    /// Append the lines of the reference to the scene file
     #[arg(long)]
     pub add: bool,
-    /// Hold it out of identification (role = "validate")
+    /// Exclude the reference from fits and use it for validation (role = "validate")
     #[arg(long)]
     pub validate: bool,
-    /// Bound on the processor time of one integration in seconds
+    /// Limit on the processor time of one integration in seconds
     #[arg(long, value_name = "S", default_value_t = PATIENT, value_parser = positive)]
     pub timeout: f64,
 }

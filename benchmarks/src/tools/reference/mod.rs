@@ -66,20 +66,20 @@ pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
     let row = row(args, &other, &choice, &method)?;
     if row.status.is_failure() {
         return Err(Refusal::Failed(format!(
-            "{} under {} did not reach the end: {}",
+            "{} under {} did not complete the run: {}",
             choice.label,
             told(&method),
             row.message.as_deref().unwrap_or("no reason given")
         )));
     }
     let finer = finer(&method);
-    display.tell(1, 2, &format!("its own error, {}", told(&finer)));
+    display.tell(1, 2, &format!("its error, {}", told(&finer)));
     let check = self::row(args, &other, &choice, &finer)?;
     drop(display);
     let own = own_error(&row, &check);
     let note = match &own {
         Some(m) => format!(
-            "own error, beside {}: {}",
+            "own error, compared with {}: {}",
             told(&finer),
             [
                 ("force history", m.force_l2),
@@ -96,7 +96,7 @@ pub fn run(args: &Reference, command: &str) -> Result<Answer, Refusal> {
             .join(", ")
         ),
         None => format!(
-            "own error unknown: the run under {} did not reach the end",
+            "own error unknown: the run under {} was not completed",
             told(&finer)
         ),
     };
@@ -210,8 +210,8 @@ fn lines(
     let name = name(args, scene);
     if args.add && named(args, scene) {
         return Err(bad(
-            format!("the scene has a reference called \"{name}\" already"),
-            "give another --name, or leave out --add: the file is then written anew",
+            format!("the scene already has a reference \"{name}\""),
+            "give another --name, or remove --add to overwrite only the file",
         ));
     }
     let text = |text: &str| toml::Value::String(text.to_owned()).to_string();
@@ -334,7 +334,7 @@ fn can_be_written(path: &Path) -> Result<(), Refusal> {
     if path.is_dir() || parent.is_some_and(|p| !p.is_dir()) {
         return Err(bad(
             format!("{} cannot be written", path.display()),
-            "--out names a file in a folder that is there, such as --out ref.csv",
+            "give --out a file in an existing folder, such as --out ref.csv",
         ));
     }
     Ok(())
@@ -347,7 +347,7 @@ fn scene_path(scene: &SceneFile) -> Result<PathBuf, Refusal> {
         Origin::Shipped => Err(bad(
             "a shipped scene is part of the program",
             format!(
-                "`gearbench init {}` writes it as a file of your own",
+                "`gearbench init {}` writes a copy that you can edit",
                 scene.name
             ),
         )),

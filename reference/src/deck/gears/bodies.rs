@@ -27,7 +27,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                 deck,
                 "",
                 format!("coordinates within {GREATEST:e} m"),
-                format!("node {} beyond", deck.node_name(n)),
+                format!("node {} outside this range", deck.node_name(n)),
                 "give coordinates in metres",
             ));
         }
@@ -72,7 +72,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                 set,
                 "nodes of elements",
                 "a node that belongs to no element",
-                "take free nodes out of the set",
+                "remove free nodes from the set",
             )),
             Some((n, _)) => Err(decline(
                 deck,
@@ -96,7 +96,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                     name,
                     "one bore set on a body",
                     format!("`{other}` on the same"),
-                    "name the second set otherwise",
+                    "give the second set another name",
                 ));
             }
         } else if let Some((label, side)) = flank_name(name) {
@@ -131,7 +131,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                     bore_set,
                     "one material in a body",
                     format!("another at element {}", deck.element_name(e)),
-                    "gears are homogeneous",
+                    "a gear has one material",
                 ));
             }
             let nodes = deck.element(e).iter().map(|&n| local[n as usize]);
@@ -249,7 +249,7 @@ fn full_material(
     deck.material(name).ok_or_else(|| {
         refuse(
             format!("*ELASTIC and *DENSITY of material `{name}`"),
-            "only part of them",
+            "only some of these constants",
             "a gear needs E, nu and the density",
         )
     })

@@ -220,7 +220,7 @@ impl Body {
             Some(_) if !gear.mesh.flanks.is_empty() => Err(Misfit::Against {
                 key: "flank_radii_m",
                 said: "where flanks end".to_owned(),
-                found: "node sets name the flanks of the body".to_owned(),
+                found: "node sets define the flanks of the body".to_owned(),
             }),
             _ => Ok(()),
         };
@@ -255,8 +255,8 @@ impl Body {
             "a gear: teeth with involute flanks and a bore about one axis; a rack: teeth with plane flanks and a plane back; \
              or a node set `bore` (or `bore1`, ...) and sets such as `flank_1l`",
             format!("{why}, on the body of element {first}"),
-            "name the nodes that the hub holds `bore` and the flanks `flank_1l`, `flank_1r`, or say in the scene the `axis` \
-             and the `axis_point_m` of the gear",
+            "name the set of the bore nodes `bore` and the sets of the flanks `flank_1l`, `flank_1r`, or give `axis` and \
+             `axis_point_m` of the gear in the scene",
         )
     }
 }
@@ -266,7 +266,7 @@ fn against(deck: &Deck, body: &str, why: &Misfit) -> DeckError {
     decline(
         deck,
         "",
-        format!("`{body}` as the scene says it"),
+        format!("`{body}` as given in the scene"),
         why.to_string(),
         "correct the parameter, or leave it out",
     )

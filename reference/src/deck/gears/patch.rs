@@ -93,7 +93,7 @@ fn lay_out(
     z: &dyn Fn(u32) -> f64,
 ) -> Result<Grid, String> {
     if quads.is_empty() {
-        return Err("no face at the surface whose corners are all in the set".into());
+        return Err("no face at the surface with all corners in the set".into());
     }
     // Faces at each node, and how many faces have each edge: boundary edges have one.
     let mut at: HashMap<u32, Vec<u32>> = HashMap::new();
@@ -190,7 +190,7 @@ fn lay_out(
             used[i as usize] = true;
             let known = &mut nodes[r * columns + c];
             if *known != u32::MAX && *known != last {
-                return Err(format!("rows that do not meet at row {r}, column {c}"));
+                return Err(format!("rows without a common node at row {r}, column {c}"));
             }
             *known = last;
             faces.push(quad.face);

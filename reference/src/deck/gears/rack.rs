@@ -39,7 +39,7 @@ pub(super) fn place(body: &Body, deck: &Deck, normal: Vec3) -> Result<Placement,
         )
     };
     let teeth_nodes =
-        teeth(body, &height).ok_or_else(|| uneven("none that stay apart near the tip".into()))?;
+        teeth(body, &height).ok_or_else(|| uneven("no separate teeth near the tip".into()))?;
     let teeth = teeth_nodes.len();
     let mut centres: Vec<f64> = teeth_nodes
         .iter()
@@ -77,7 +77,7 @@ pub(super) fn place(body: &Body, deck: &Deck, normal: Vec3) -> Result<Placement,
         return Err(decline(
             deck,
             &body.bore_set,
-            "a flank that passes the reference line, where the tooth is half a pitch thick",
+            "a flank across the reference line, where the tooth is half a pitch thick",
             "none",
             "give the rack at least one set such as `flank_1l`",
         ));

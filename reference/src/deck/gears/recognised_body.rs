@@ -54,7 +54,7 @@ pub(super) fn gear(body: Body, deck: &Deck, skin: &Skin<'_>, found: RecognisedBo
                     Ok(grid) => grid,
                     Err(why) => {
                         let flank = flank_words(patch.tooth, patch.side);
-                        missing.push(format!("{flank} takes no points of contact: {why}"));
+                        missing.push(format!("{flank} cannot have contact points: {why}"));
                         continue;
                     }
                 };

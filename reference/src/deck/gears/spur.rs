@@ -149,10 +149,10 @@ pub(super) fn stands(
                 &flank.set,
                 match flank.side {
                     Side::Left => {
-                        "l on the counter-clockwise side of the tooth, seen against +z (of a rack: the side that meets left flanks)"
+                        "l on the counter-clockwise side of the tooth, seen against +z (for a rack: the side in contact with left flanks)"
                     }
                     Side::Right => {
-                        "r on the clockwise side of the tooth, seen against +z (of a rack: the side that meets right flanks)"
+                        "r on the clockwise side of the tooth, seen against +z (for a rack: the side in contact with right flanks)"
                     }
                 },
                 "the other side",
@@ -186,8 +186,11 @@ pub(super) fn place(
                 deck,
                 &body.bore_set,
                 "the rigid body's reference node on the axis",
-                format!("node {} {off:.3e} m off it", deck.node_name(r.reference)),
-                "the hub turns about its reference node: put it on the axis of the bore",
+                format!(
+                    "node {} at a distance of {off:.3e} m from it",
+                    deck.node_name(r.reference)
+                ),
+                "the hub rotates about its reference node: put this node on the axis of the bore",
             ));
         }
         (centre.x, centre.y) = (reference.x, reference.y);
@@ -204,7 +207,7 @@ pub(super) fn place(
             deck,
             &body.bore_set,
             "a body with teeth around its bore",
-            "none that stay apart near the tip",
+            "no separate teeth near the tip",
             "is this body a gear?",
         )
     };
@@ -227,8 +230,8 @@ pub(super) fn place(
             return Err(decline(
                 deck,
                 &body.bore_set,
-                format!("{teeth} teeth evenly around the axis"),
-                format!("one {:.2} pitches from another", steps.abs()),
+                format!("{teeth} teeth with equal pitch around the axis"),
+                format!("two teeth {:.2} pitches apart", steps.abs()),
                 "are there gaps or further bodies joined to the rim?",
             ));
         }

@@ -87,7 +87,7 @@ fn each_requirement_is_found_alone() {
             .replace("NSET=flank_4", "NSET=flank_2")
             .replace("NSET=flank_x", "NSET=flank_4"),
         R::Flanks,
-        &["counter-clockwise", "on the tooth that counts as"],
+        &["counter-clockwise", "on the tooth with number"],
     );
     only(
         &good.replace("*SOLID SECTION, ELSET=gear, MATERIAL=STEEL\n", ""),
@@ -164,7 +164,7 @@ fn millimetres_and_tetrahedra_are_told() {
     only(
         &mm,
         GtmRequirement::Units,
-        &["found mm-t-s (from E = 2.1e5", "they are converted"],
+        &["found mm-t-s (from E = 2.1e5", "which converts units"],
     );
     let found =
         findings("*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n");

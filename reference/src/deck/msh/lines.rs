@@ -136,7 +136,7 @@ impl<'a> Lines<'a> {
             [0, 0, 0, 1] => Some(Bytes::HighFirst),
             other => {
                 let kind = DeckErrorKind::Syntax;
-                let help = "was the file transferred as text?";
+                let help = "was the binary file transferred as text?";
                 let expected = "the number 1 as four bytes";
                 return Err(self.error(kind, expected, format!("{other:02x?}"), help));
             }

@@ -95,7 +95,7 @@ fn entities_are_sets_where_there_are_no_groups() {
     );
     let guessed = read_str("a.msh", &corpus("msh/wedge6.msh"), &mut |_| unreachable!()).unwrap();
     assert!(
-        guessed.units_from.starts_with("a guess"),
+        guessed.units_from.starts_with("an assumption"),
         "{}",
         guessed.units_from
     );

@@ -75,7 +75,7 @@ impl Reader<'_> {
         };
         Err(k.syntax(
             format!("{end} of {} first", quote(&scope.name)),
-            "a keyword of the whole model",
+            "a keyword for the whole model",
             format!("it was opened in line {}", scope.place.line),
         ))
     }
@@ -226,7 +226,7 @@ impl Reader<'_> {
             200.0 * labels as f64 + 8.0 * (sets + blocks + others) as f64
         };
         let needed = size(&self.deck) + 2.0 * size(part);
-        let checked = limits::check("the instances of the deck", needed, "use fewer of them");
+        let checked = limits::check("the instances of the deck", needed, "use fewer instances");
         checked.map_err(|e| {
             let kind = DeckErrorKind::Limit;
             let expected = format!("at most {} of memory", e.allowed);

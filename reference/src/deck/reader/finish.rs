@@ -32,9 +32,9 @@ impl Reader<'_> {
                 DeckError::new(
                     DeckErrorKind::Reference,
                     "*PART",
-                    "an *INSTANCE of it in an *ASSEMBLY",
+                    "an *INSTANCE of this part in an *ASSEMBLY",
                     found,
-                    "parts come into being as instances",
+                    "a part becomes a body through an instance",
                 )
                 .at(&self.deck.name, 0)
             };
@@ -61,7 +61,7 @@ impl Reader<'_> {
                     context,
                     "solid elements in its set",
                     format!("element {label} of another type"),
-                    "take it out, or mesh it as a solid",
+                    "remove it, or mesh it as a solid",
                 ));
             }
             if members.is_empty() {
@@ -75,7 +75,7 @@ impl Reader<'_> {
                     format!("linear elasticity of material `{}`: E and nu", s.material),
                     "more",
                     format!(
-                        "{}; take the line out if its elastic part will do",
+                        "{}; remove the line if the elastic part of the material is sufficient",
                         beyond.reason
                     ),
                 ));
@@ -130,7 +130,7 @@ impl Reader<'_> {
         }
         if marked > 0 {
             deck.notes
-                .push(format!("{marked} conditions are in axes of their own"));
+                .push(format!("{marked} conditions are in local axes"));
         }
     }
 }
@@ -186,7 +186,7 @@ impl Deck {
                     return Err(block.place.error(
                         DeckErrorKind::Gear,
                         "*ELEMENT",
-                        "elements that are not turned inside out",
+                        "elements with a positive Jacobian",
                         format!(
                             "element {} with the Jacobian {determinant:.3e}",
                             self.element_name(e)

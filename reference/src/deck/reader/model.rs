@@ -106,12 +106,12 @@ impl Reader<'_> {
             self.deck.blocks.push(block);
         }
         if name != kind.name() && end > first {
-            let words = format!("{name} is taken as {}", kind.name());
+            let words = format!("{name} is read as {}", kind.name());
             *self.deck.others.taken.entry(words).or_default() += end - first;
         }
         if beyond > 0 {
             let words = format!(
-                "values after the {} nodes of {name} are passed over",
+                "values after the {} nodes of {name} are ignored",
                 kind.nodes()
             );
             *self.deck.others.taken.entry(words).or_default() += beyond;
@@ -171,7 +171,7 @@ impl Reader<'_> {
                     k,
                     format!("{count} nodes of element {label}"),
                     found.to_string(),
-                    "an element goes on in the next line until it has its nodes",
+                    "an element continues in the next line until it has all its nodes",
                 ));
             };
             (data, skip) = (more, 0);

@@ -210,7 +210,7 @@ impl Deck {
         let types = self.others.types.iter();
         let types: Vec<String> = types.map(|(name, n)| format!("{n} {name}")).collect();
         let mut note = format!(
-            "passed over elements that are no solids and have no section: {}",
+            "ignored elements that are not solids and have no section: {}",
             types.join(", ")
         );
         if !named.is_empty() {

@@ -48,12 +48,12 @@ const BEYOND_ELASTIC: &str = "\
 const DECLINED: &[(&str, &str, &str)] = &[
     (
         "EQUATION MPC TIE EMBEDDEDELEMENT SHELLTOSOLIDCOUPLING FASTENER COUPLEDNODES",
-        "nodes that are held together by their elements alone",
-        "let parts that belong together share their nodes, and take it out",
+        "nodes that are connected by their elements only",
+        "let connected parts share their nodes, and remove the keyword",
     ),
     (
         "CYCLICSYMMETRYMODEL SELECTCYCLICSYMMETRYMODES",
-        "a whole body, no sector that stands for one",
+        "a whole body, not a sector",
         "mesh the whole body",
     ),
     (
@@ -61,21 +61,21 @@ const DECLINED: &[(&str, &str, &str)] = &[
          FLUIDSECTIONS FRAMESECTION GASKETSECTION MEMBRANE MEMBRANESECTION PRE-TENSIONSECTION \
          SHELLGENERALSECTION SHELLSECTION SURFACESECTION TRUSSSECTION USERSECTION",
         "solid elements only",
-        "take its elements out, or mesh them as solids",
+        "remove its elements, or mesh them as solids",
     ),
     (
         "DASHPOT GAP MASS NONSTRUCTURALMASS POINTMASS ROTARYINERTIA SPRING INERTIA",
         "solid elements only",
-        "take it out, and give masses and springs in the scene",
+        "remove it, and give masses and springs in the scene",
     ),
     (
         "CHANGEMATERIAL CHANGEPLASTIC CHANGESOLIDSECTION",
         "one body in all steps",
-        "take the change out",
+        "remove the change",
     ),
     (
         "ELCOPY ELGEN IMPORT NCOPY NFILL NGEN NMAP PARAMETER SUPERPROPERTY SYSTEM",
-        "nodes and elements that the deck lists",
+        "explicit lists of nodes and elements",
         "let the preprocessor write the whole mesh",
     ),
 ];
@@ -103,17 +103,17 @@ impl Reader<'_> {
                 match kind.is_some_and(|t| t.eq_ignore_ascii_case("ELEMENT")) {
                     true => Err(k.unsupported(
                         "one body in all steps",
-                        "elements that come or go",
-                        "take it out",
+                        "elements that are added or removed",
+                        "remove it",
                     )),
                     false => self.pass_over(k),
                 }
             }
             "RESTART" => match k.options.iter().any(|o| o.key == "READ") {
                 true => Err(k.unsupported(
-                    "a deck that starts by itself",
-                    "one that goes on from another",
-                    "take it out",
+                    "a deck that does not continue another one",
+                    "a deck that continues another one",
+                    "remove it",
                 )),
                 false => self.pass_over(k),
             },
@@ -122,9 +122,9 @@ impl Reader<'_> {
                     Err(k.unsupported(*expected, quote(&name(k)), *way_out))
                 }
                 None => Err(k.unsupported(
-                    "a keyword that is known to change the body or not to",
-                    "one that is not read here",
-                    "take it out of the deck if the body does not depend on it",
+                    "a keyword whose influence on the body is known",
+                    "an unknown keyword",
+                    "remove it from the deck if the body does not depend on it",
                 )),
             },
         }

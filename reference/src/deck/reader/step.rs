@@ -99,7 +99,7 @@ impl Reader<'_> {
             Some(_) => Err(k.syntax(
                 "one procedure in a step",
                 "a second one",
-                "open a further step",
+                "begin another step",
             )),
             None => Err(outside(k)),
         }
@@ -187,7 +187,11 @@ impl Reader<'_> {
 }
 
 fn outside(k: &Keyword) -> DeckError {
-    k.syntax("it between *STEP and *END STEP", "it outside a step", "")
+    k.syntax(
+        "the keyword between *STEP and *END STEP",
+        "the keyword outside a step",
+        "",
+    )
 }
 
 /// An option's value as a data line, for the functions that read those.

@@ -17,7 +17,7 @@ impl<'a> Impact<'a> {
         };
         let [one, two] = gears else {
             let found = gears.len().to_string();
-            return Err(decline("two gears", found, "one deck holds both"));
+            return Err(decline("two gears", found, "one deck contains both gears"));
         };
         let (step, end, alpha) = match deck.steps.as_slice() {
             [step] => match step.procedure {
@@ -59,11 +59,11 @@ impl<'a> Impact<'a> {
             }
             if pair.kind == ContactKind::Other {
                 let expected = "TYPE=SURFACE TO SURFACE or NODE TO SURFACE";
-                return Err(wrong(expected, "another or none".into()));
+                return Err(wrong(expected, "another type or no type".into()));
             }
             let interaction = &deck.interactions[&pair.interaction];
             if let Some(more) = interaction.more.first() {
-                return Err(wrong("a linear penalty alone", more.clone()));
+                return Err(wrong("a linear penalty only", more.clone()));
             }
             let stiffness = interaction.stiffness;
             let Some(k) = stiffness else {
@@ -78,7 +78,7 @@ impl<'a> Impact<'a> {
             return Err(decline(
                 "contact pairs",
                 "none".into(),
-                "name the flanks that may touch",
+                "name the flanks of the contact pairs",
             ));
         };
         let hub = |gear: &DeckGear| {

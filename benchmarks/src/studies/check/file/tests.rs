@@ -40,7 +40,7 @@ fn what_is_wrong_is_said_with_its_line() {
         (
             format!("schema = 1\nruntime = {{ factor = 0.9 }}\n{case}"),
             2,
-            "calls every run slow",
+            "makes every run too slow",
         ),
         (
             format!("schema = 1\n{case}metrics = [\"peek\"]\n"),

@@ -25,7 +25,7 @@ fn includes_are_bounded_in_number() {
     };
     let e = read_str("a.inp", "*INCLUDE, INPUT=i0.inp\n", &mut resolver).unwrap_err();
     assert_eq!(e.kind, DeckErrorKind::Limit);
-    assert!(e.to_string().contains("includes in all"), "{e}");
+    assert!(e.to_string().contains("includes in total"), "{e}");
     assert!(asked <= MAX_INCLUDES);
 }
 

@@ -243,7 +243,7 @@ fn refusals_say_where_what_and_how() {
         ("*PLASTIC\n1\n", "expected *MATERIAL before it"),
         (
             "*HUMIDITY\n1\n",
-            "a.inp:1: *HUMIDITY: expected a keyword that is known to change the body or not to",
+            "a.inp:1: *HUMIDITY: expected a keyword whose influence on the body is known",
         ),
         (
             "*SOLID SECTION, ELSET=e, MATERIAL=m\n",
@@ -284,12 +284,12 @@ fn refusals_say_where_what_and_how() {
         ),
         ("*STEP\n*DYNAMIC, ALPHA=1\n", "between -1/3 and 0"),
         ("*STEP\n*FREQUENCY\n0\n", "a number of modes"),
-        ("*STATIC\n", "found it outside a step"),
-        ("*END STEP\n", "found it outside a step"),
+        ("*STATIC\n", "found the keyword outside a step"),
+        ("*END STEP\n", "found the keyword outside a step"),
         ("*INCLUDE\n", "expected *INCLUDE, INPUT=file"),
         (
             "*INCLUDE, INPUT=b.inp\n",
-            "found `b.inp`: asked for b.inp; the name counts",
+            "found `b.inp`: asked for b.inp; the path is relative",
         ),
     ];
     for (text, expected) in cases {
@@ -307,7 +307,7 @@ fn refusals_say_where_what_and_how() {
         .unwrap_err()
         .to_string();
     assert!(
-        shown.contains("expected 8 nodes of element 2, found 2; an element goes on"),
+        shown.contains("expected 8 nodes of element 2, found 2; an element continues"),
         "{shown}"
     );
     let wedge = format!("{BRICKS}*ELEMENT, TYPE=C3D8\n2, 1,2,3,3,5,6,7,7\n");

@@ -64,8 +64,8 @@ fn instances_are_moved_turned_and_named() {
     let told = deck.told().join("\n");
     for words in [
         "units mm-t-s: from E = 2.1e5 and density 7.85e-9 of material `steel`",
-        "passed over what changes no body: *CLOAD, *COUPLING, *KINEMATIC, *OUTPUT, *PREPRINT, *RESTART, *SURFACE",
-        "C3D8R is taken as C3D8I (2 elements)",
+        "ignored keywords without influence on the bodies: *CLOAD, *COUPLING, *KINEMATIC, *OUTPUT, *PREPRINT, *RESTART, *SURFACE",
+        "C3D8R is read as C3D8I (2 elements)",
     ] {
         assert!(told.contains(words), "{words}\n{told}");
     }

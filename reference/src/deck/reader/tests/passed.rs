@@ -61,11 +61,11 @@ fn what_changes_a_body_is_declined() {
         ),
         (
             format!("{solid}*EQUATION\n2\n1,1,1.,2,1,-1.\n"),
-            "*EQUATION: expected nodes that are held together by their elements alone",
+            "*EQUATION: expected nodes that are connected by their elements only",
         ),
         (
             format!("{solid}*TIE, NAME=t\na, b\n"),
-            "found `*TIE`; let parts that belong together share their nodes",
+            "found `*TIE`; let connected parts share their nodes",
         ),
         (
             format!("{solid}*CYCLIC SYMMETRY MODEL, N=5\n"),
@@ -89,7 +89,7 @@ fn what_changes_a_body_is_declined() {
         ),
         (
             format!("{solid}*STEP\n*MODEL CHANGE, TYPE=ELEMENT, REMOVE\nlow\n*END STEP\n"),
-            "elements that come or go",
+            "elements that are added or removed",
         ),
         (
             format!("{solid}*NGEN\n1, 5\n"),
@@ -126,7 +126,7 @@ fn conditions_in_axes_of_their_own_are_marked() {
     assert!(
         deck.told()
             .iter()
-            .any(|l| l.contains("2 conditions are in axes of their own"))
+            .any(|l| l.contains("2 conditions are in local axes"))
     );
 }
 
@@ -152,7 +152,7 @@ fn lines_and_surfaces_give_node_sets() {
     assert_eq!(deck.element_sets.keys().collect::<Vec<_>>(), ["volume1"]);
     assert_eq!(deck.units.name, "mm-t-s");
     let told = deck.told().join("\n");
-    let words = "no solids and have no section: 2 CPS3, 1 T3D2; their nodes are the node sets bore, line1, surface1, surface2";
+    let words = "not solids and have no section: 2 CPS3, 1 T3D2; their nodes are the node sets bore, line1, surface1, surface2";
     assert!(told.contains(words), "{told}");
 }
 
