@@ -128,8 +128,8 @@ pub(super) fn flank_points(
             MeshPart::Damping,
             (
                 format!(
-                    "the damping `{}` is that of a tooth pair, but gear `{name}` touches \
-                     with the points of its flanks",
+                    "the damping `{}` belongs to a tooth pair, but gear `{name}` has contact \
+                     at flank points",
                     contact.damping.id()
                 ),
                 "use a ratio at load, { law = \"ratio-at-load\", ratio = 0.05 }, or give a dashpot per area, `damping_ns_per_m3`",
