@@ -341,7 +341,9 @@ impl Instance {
     pub fn step(&mut self, from: f64, size: f64) -> Done<f64> {
         self.running(Kind::CoSimulation)?;
         if !(size > 0.0 && size.is_finite()) {
-            return fail(format!("a communication step of {size} s is none"));
+            return fail(format!(
+                "the communication step of {size} s is not positive"
+            ));
         }
         let here = self.memory.state.t;
         if (self.in_scene(from) - here).abs() > OFF_TIME * size {

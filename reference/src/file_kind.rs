@@ -50,25 +50,25 @@ pub const KINDS: &[FileKind] = &[
         endings: &["inp", "inp.gz", "msh", "msh.gz"],
         name: "a mesh (deck of Abaqus or CalculiX, or mesh of Gmsh)",
         read_as: &[Input::Mesh],
-        way_out: "`gearbench reduce F.inp` reduces its gears; elastic gears of a scene take it by `parameters = { mesh = \"F.inp\" }`",
+        way_out: "`gearbench reduce F.inp` reduces its gears; elastic gears of a scene use it by `parameters = { mesh = \"F.inp\" }`",
     },
     FileKind {
         endings: &["npz"],
         name: "a stored reduction",
         read_as: &[],
-        way_out: "elastic gears of a scene take it by `parameters = { reduction = \"F.npz\" }`",
+        way_out: "elastic gears of a scene use it by `parameters = { reduction = \"F.npz\" }`",
     },
     FileKind {
         endings: &["csv", "tsv"],
         name: "a table",
         read_as: &[Input::Table],
-        way_out: "a scene takes it as its reference: reference = { csv = \"F.csv\" }",
+        way_out: "a scene uses it as its reference: reference = { csv = \"F.csv\" }",
     },
     FileKind {
         endings: &["json"],
         name: "a record (results.json)",
         read_as: &[Input::Record],
-        way_out: "`gearbench report DIR` writes its page again, `gearbench rerun results.json` makes the study again",
+        way_out: "`gearbench report DIR` rewrites its report, `gearbench rerun results.json` repeats the study",
     },
     FileKind {
         endings: &["jsonl"],
@@ -112,7 +112,7 @@ pub const KINDS: &[FileKind] = &[
         endings: &["frd"],
         name: "a result of CalculiX",
         read_as: &[],
-        way_out: "`gearbench reduce` reads its deck (.inp); histories go into a CSV file, which a scene takes as its reference: reference = { csv = \"F.csv\" }",
+        way_out: "`gearbench reduce` reads its deck (.inp); write histories to a CSV file, the reference of a scene: reference = { csv = \"F.csv\" }",
     },
     FileKind {
         endings: &["rst", "rth", "db", "cdb", "wbpj", "mechdb"],
@@ -146,25 +146,25 @@ pub const KINDS: &[FileKind] = &[
         ],
         name: "a spreadsheet or a file of measurements",
         read_as: &[],
-        way_out: "export the histories as CSV with a line of names; a scene takes them as its reference: reference = { csv = \"F.csv\" }",
+        way_out: "export the histories as CSV with a line of names; a scene uses them as its reference: reference = { csv = \"F.csv\" }",
     },
     FileKind {
         endings: &["fmu"],
         name: "an FMU",
         read_as: &[],
-        way_out: "`gearbench fmu SCENE` writes FMUs for other programs and reads none",
+        way_out: "`gearbench fmu SCENE` writes FMUs for other programs but does not read them",
     },
     FileKind {
         endings: &["yaml", "yml", "xml", "ini"],
         name: "a file in another format than TOML",
         read_as: &[],
-        way_out: "scenes are TOML: `gearbench init` writes one to start from, `gearbench help scene` describes the format",
+        way_out: "scenes are TOML: `gearbench init` writes a template, `gearbench help scene` describes the format",
     },
     FileKind {
         endings: &["html", "svg", "png", "pdf"],
         name: "a page or a picture",
         read_as: &[],
-        way_out: "`gearbench report DIR` writes the page of a study again from its folder",
+        way_out: "`gearbench report DIR` rewrites the report of a study from its folder",
     },
 ];
 

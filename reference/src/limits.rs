@@ -39,7 +39,7 @@ pub fn release(bytes: u64) {
 /// Something that would take more memory than it may.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{what} would take about {needed} of memory, where {allowed} are allowed: {way_out}, or raise the limit with --memory"
+    "{what} would need about {needed} of memory, but {allowed} are allowed: {way_out}, or raise the limit with --memory"
 )]
 pub struct TooMuchMemory {
     /// Name of the data that need the memory.

@@ -248,8 +248,8 @@ fn generated(
         return Err(reader.error(
             key,
             (
-                "is for meshes that are read, but this one is generated",
-                "leave it out, or give `mesh` the path of a file",
+                "applies to meshes from files, but this one is generated",
+                "remove it, or set `mesh` to the path of a file",
             ),
         ));
     }

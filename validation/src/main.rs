@@ -133,7 +133,7 @@ fn quote(args: &arguments::Figures) -> Result<Answer, Refusal> {
 fn refuse_sample(e: SampleError) -> Refusal {
     match e {
         SampleError::Set { .. } | SampleError::Number { .. } => Refusal::Input(miette::miette!(
-            help = "sets and their sizes stand in validation/sets.toml",
+            help = "validation/sets.toml contains the sets and their sizes",
             "{e}"
         )),
         e => Refusal::Failed(e.to_string()),
@@ -216,7 +216,7 @@ fn cover(args: &arguments::Coverage) -> Result<Answer, Refusal> {
     let found = coverage::coverage(&rows);
     for (key, part, open) in &found {
         say(&format!(
-            "{key}: the 95 % interval holds the truth in {:.1} % of {} sets; {open} times not identifiable",
+            "{key}: the 95 % interval contains the true value in {:.1} % of {} sets; {open} times not identifiable",
             100.0 * part,
             plan.sets
         ));

@@ -38,11 +38,11 @@ fn a_model_beyond_the_memory_is_a_row_and_the_others_run() {
         "{ended:?}"
     );
     let reason = rows[2]["message"].as_str().unwrap();
-    assert!(reason.contains("would take about"), "{reason}");
+    assert!(reason.contains("would need about"), "{reason}");
     // Where none can run that is an error of the input, with the limit that was given.
     folder.refuses(
         "compare s.toml --models fe --repeats 1 --memory 0.05 --out p",
-        &["would take about", "raise the limit with --memory"],
+        &["would need about", "raise the limit with --memory"],
     );
     assert!(!folder.at("p").exists());
     // Commands without a folder have the limit as well.
@@ -70,7 +70,7 @@ fn lumped_finite_elements_take_what_is_estimated() {
     // The larger gear has 65,250 unknowns.
     folder.refuses(
         &format!("{study} --memory 0.25 --out o"),
-        &["65250 unknowns", "matrices", "take about 0.3 GB"],
+        &["65250 unknowns", "matrices", "need about 0.3 GB"],
     );
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_gearbench"))
         .args(format!("{study} --memory 0.3 --out o").split_whitespace())
@@ -114,12 +114,12 @@ fn a_half_space_on_bearings_is_refused_before_its_gears_are_meshed() {
     folder.write("s.toml", &text);
     folder.refuses(
         "compare s.toml --models elastic --repeats 1 --out o",
-        &["hubs about z that only turn"],
+        &["hubs about z that only rotate"],
     );
     for study in ["modes", "stiffness", "response"] {
         folder.refuses(
             &format!("{study} s.toml --models elastic --out o"),
-            &["hubs about z that only turn"],
+            &["hubs about z that only rotate"],
         );
     }
 }

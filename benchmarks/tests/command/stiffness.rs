@@ -116,6 +116,9 @@ fn stiffness_refuses_what_it_cannot_load() {
     folder.refuses("stiffness spur_impact --load 0", &["positive"]);
     folder.refuses("stiffness spur_impact --positions 1", &["2 to 2000"]);
     let failed = folder.ends("stiffness spur_impact --models rigid --load 1e8", 3);
-    has(&stderr(&failed), &["rigid", "no approach", "less load"]);
+    has(
+        &stderr(&failed),
+        &["rigid", "no approach", "a smaller load"],
+    );
     assert_eq!(folder.files(), 0, "nothing is written");
 }

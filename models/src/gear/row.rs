@@ -93,9 +93,9 @@ impl Model {
             if !self.parameters.iter().any(|p| p.key == key) {
                 let known: Vec<&str> = self.parameters.iter().map(|p| p.key).collect();
                 let way_out = if known.is_empty() {
-                    "it takes none".to_string()
+                    "it has no parameters".to_string()
                 } else {
-                    format!("it takes {}", known.join(", "))
+                    format!("its parameters are {}", known.join(", "))
                 };
                 return Err(BuildError::parameter(
                     self.id,

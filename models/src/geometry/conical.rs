@@ -42,7 +42,7 @@ impl ConicalError {
         let (cause, help) = match self {
             Self::Overlap { overlap } => (
                 format!(
-                    "flanks overlap: where the conical gears stand the backlash is {:.3e} m",
+                    "flanks overlap: at the positions of the conical gears the backlash is {:.3e} m",
                     -overlap
                 ),
                 "move one along its axis towards the side where its teeth are thinner, lower a profile shift, or thin \
@@ -51,7 +51,7 @@ impl ConicalError {
             ),
             Self::FacesApart { offset } => (
                 format!(
-                    "the face widths do not meet: their middles are {offset:.4e} m apart along the axis"
+                    "the face widths do not overlap: their middles are {offset:.4e} m apart along the axis"
                 ),
                 "give positions that bring the gears in front of each other".to_owned(),
             ),

@@ -112,8 +112,8 @@ fn undercut_help(min_profile_shift: f64, min_teeth: u64) -> String {
         ways.push(format!("at least {min_teeth} teeth"));
     }
     if ways.is_empty() {
-        return "pressure angle, addendum and dedendum do not go together: 20 degrees, 1 and 1.25 \
-                are usual"
+        return "pressure angle, addendum and dedendum are not compatible: typical values are 20 degrees, \
+                1 and 1.25"
             .to_owned();
     }
     ways.push("a larger tip radius factor".to_owned());
@@ -177,7 +177,7 @@ impl GeometryError {
                 thickness,
             } => (
                 format!(
-                    "no tooth left: thinning {thinning:.6} m takes the whole tooth thickness \
+                    "no tooth left: thinning {thinning:.6} m removes the whole tooth thickness \
                      {thickness:.6} m at the reference circle"
                 ),
                 "thin less".to_owned(),
@@ -247,8 +247,8 @@ impl GeometryError {
             ),
             Self::ModificationTooDeep { removed, available } => (
                 format!(
-                    "flank modifications take {removed:.6} m normal to each flank at the tip, \
-                     where only {available:.6} m is there"
+                    "flank modifications remove {removed:.6} m normal to each flank at the tip, \
+                     but only {available:.6} m is available"
                 ),
                 "use smaller amounts".to_owned(),
             ),

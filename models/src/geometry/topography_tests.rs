@@ -170,7 +170,7 @@ fn what_is_no_flank_is_refused_with_a_way_out() {
     };
     assert!(of(laid(Some([0.03, 0.048]), None, 0.0)).contains("rows from radius"));
     assert!(of(laid(None, Some([-0.01, 0.011]), 0.0)).contains("columns from"));
-    assert!(of(laid(None, None, 1.0)).contains("flank modifications take"));
+    assert!(of(laid(None, None, 1.0)).contains("flank modifications remove"));
     let relief = |amount, length| Modifications {
         end_relief: [
             None,

@@ -62,7 +62,7 @@ pub(super) fn strips(
                 GearPart::Model,
                 (
                     format!(
-                        "half-spaces are known to elastic gears, to finite elements and to rigid gears that they meet, but `{}` is `{}`",
+                        "half-space contact needs elastic gears, finite elements, or a rigid gear in mesh with them, but `{}` is `{}`",
                         spec.gears[i].name, gears[i].id
                     ),
                     "give the contact local = \"mesh\" and a penalty",
@@ -79,7 +79,7 @@ pub(super) fn strips(
                 MeshPart::Contact,
                 (
                     format!(
-                        "`{}` touches on half-spaces here and with the elements of its mesh elsewhere",
+                        "`{}` has half-space contact here and contact of mesh elements in another mesh",
                         spec.gears[i].name
                     ),
                     "give all contacts of a gear the same `local`",
@@ -94,7 +94,7 @@ pub(super) fn strips(
                 GearPart::Model,
                 (
                     "its flanks have different numbers of elements over the width",
-                    "mesh all flanks alike, or give the contact local = \"mesh\"",
+                    "use the same mesh for all flanks, or give the contact local = \"mesh\"",
                 ),
             ));
         }
@@ -104,7 +104,7 @@ pub(super) fn strips(
                     MeshPart::Slices,
                     (
                         format!(
-                            "half-spaces meet strip by strip, but the flanks have {other} and {own} strips over the width"
+                            "half-space contact pairs the strips of both flanks, but they have {other} and {own} strips over the width"
                         ),
                         "give both gears the same `width_elements`, or the contact `slices`",
                     )
@@ -118,8 +118,8 @@ pub(super) fn strips(
         return Err(error(
             MeshPart::Contact,
             (
-                "half-spaces stand in for what a mesh does not resolve, but neither gear is elastic",
-                "leave out `local`: the stiffness of a tooth pair has Hertz's approach",
+                "half-space contact adds the compliance that a mesh does not resolve, but neither gear is elastic",
+                "remove `local`: the stiffness of a tooth pair has Hertz's approach",
             )
                 .into(),
         ));
@@ -132,8 +132,8 @@ pub(super) fn strips(
         return Err(error(
             MeshPart::Slices,
             (
-                "half-spaces meet strip by strip, but the face widths differ",
-                "give both gears one face width, or one element over it",
+                "half-space contact pairs the strips of both flanks, but the face widths differ",
+                "give both gears the same face width, or one element over it",
             )
                 .into(),
         ));
@@ -171,10 +171,10 @@ pub(super) fn flank_lines(
             MeshPart::Exponent,
             (
                 format!(
-                    "half-spaces have a law of their own, but the exponent {} is given",
+                    "half-space contact has its own force law, but the exponent {} is given",
                     contact.exponent
                 ),
-                "leave it out",
+                "remove it",
             )
                 .into(),
         ));
@@ -185,10 +185,10 @@ pub(super) fn flank_lines(
             MeshPart::Damping,
             (
                 format!(
-                    "the damping `{}` is that of a tooth pair, but its gears give way along lines",
+                    "the damping `{}` belongs to a tooth pair, but its gears deform along contact lines",
                     contact.damping.id()
                 ),
-                "take a ratio at load, { law = \"ratio-at-load\", ratio = 0.05 }, or damp the modes",
+                "use a ratio at load, { law = \"ratio-at-load\", ratio = 0.05 }, or damp the modes",
             )
                 .into(),
         ));

@@ -24,7 +24,7 @@ fn refuse_singular(
                     "hard contact has no exponent, but {} is given",
                     contact.exponent
                 ),
-                "leave it out",
+                "remove it",
             )
                 .into(),
         ));
@@ -46,7 +46,7 @@ fn refuse_singular(
     let way_out = if gives(1 - slave) {
         let passes = if slave == 0 { "second" } else { "first" };
         format!(
-            "take the points of `{}`, passes = \"{passes}\"",
+            "use the points of `{}`, passes = \"{passes}\"",
             name(1 - slave)
         )
     } else {
@@ -56,8 +56,8 @@ fn refuse_singular(
         MeshPart::Contact,
         (
             format!(
-                "hard contact needs nodes that give way under their own force, but gear \
-                     `{}`, whose points touch, has no residual compliance",
+                "hard contact needs nodes that deform under their own force, but gear `{}`, \
+                     which has the contact points, has no residual compliance",
                 name(slave)
             ),
             way_out,
@@ -88,10 +88,7 @@ pub(super) fn flank_points(
         return Err(error(
             MeshPart::Contact,
             (
-                format!(
-                    "gear `{name}` touches with the points of its flanks and needs their \
-                     penalty in Pa/m"
-                ),
+                format!("gear `{name}` has contact at flank points and needs a penalty in Pa/m"),
                 "give the contact `penalty_pa_per_m`, for steel for example 1e15",
             )
                 .into(),
@@ -101,8 +98,8 @@ pub(super) fn flank_points(
         return Err(error(
             MeshPart::Friction,
             (
-                format!("the hard contact of gear `{name}` knows no friction"),
-                "give it a penalty, or leave friction out",
+                format!("the hard contact of gear `{name}` has no friction"),
+                "give it a penalty, or remove friction",
             )
                 .into(),
         ));
@@ -113,7 +110,7 @@ pub(super) fn flank_points(
             MeshPart::Damping,
             (
                 format!(
-                    "the damping `{}` stands beside {}",
+                    "the damping `{}` is given together with {}",
                     contact.damping.id(),
                     if points.hard {
                         "hard contact"
@@ -121,7 +118,7 @@ pub(super) fn flank_points(
                         "a dashpot per area"
                     }
                 ),
-                "give one of both",
+                "give one of them",
             )
                 .into(),
         ));
@@ -131,11 +128,11 @@ pub(super) fn flank_points(
             MeshPart::Damping,
             (
                 format!(
-                    "the damping `{}` is that of a tooth pair, but gear `{name}` touches \
-                     with the points of its flanks",
+                    "the damping `{}` belongs to a tooth pair, but gear `{name}` has contact \
+                     at flank points",
                     contact.damping.id()
                 ),
-                "take a ratio at load, { law = \"ratio-at-load\", ratio = 0.05 }, or give a dashpot per area, `damping_ns_per_m3`",
+                "use a ratio at load, { law = \"ratio-at-load\", ratio = 0.05 }, or give a dashpot per area, `damping_ns_per_m3`",
             )
                 .into(),
         ));
@@ -150,7 +147,7 @@ pub(super) fn flank_points(
             (
                 format!(
                     "the springs of gear `{}` vary with the contact radius, which the flank \
-                     points of gear `{name}` do not tell",
+                     points of gear `{name}` do not define",
                     spec.gears[*i].name
                 ),
                 "use a constant tooth stiffness",

@@ -43,10 +43,10 @@ impl Scene {
                 if gear.model.surface().is_some() {
                     let why = (
                         format!(
-                            "the model `{}` knows the flanks of its teeth, but not the body behind them",
+                            "the model `{}` has the flanks of its teeth, but not the mesh of the body",
                             gear.id
                         ),
-                        "give it a mesh in place of a stored reduction, or leave the model out of the pictures",
+                        "give it a mesh in place of a stored reduction, or exclude the model from the pictures",
                     );
                     return Err(refused(why.into()));
                 }

@@ -53,16 +53,16 @@ pub(super) fn check_contacts(
             (
                 GearPart::Model,
                 (
-                    "contact on half-spaces needs cylindrical gears, but this one is conical",
-                    "take the elements' own contact, local = \"mesh\"",
+                    "half-space contact needs cylindrical gears, but this one is conical",
+                    "use the contact of the elements, local = \"mesh\"",
                 ),
             )
         } else if hub.axes[2] != UPRIGHT[2] || hub.lateral.is_some() {
             (
                 GearPart::Mount,
                 (
-                    "contact on half-spaces needs hubs about z that only turn",
-                    "take the elements' own contact, or take bearing, directions and tilt of the axis away",
+                    "half-space contact needs hubs about z that only rotate",
+                    "use the contact of the elements, or remove bearing, directions and tilt of the axis",
                 ),
             )
         } else {

@@ -147,10 +147,10 @@ pub(super) fn lateral_of(
                     return Err(error(
                         (
                             format!(
-                                "the {what} couples direction {} with the gear's own motion",
+                                "the {what} couples direction {} with the direction of motion of the mount",
                                 i + j - own + 1
                             ),
-                            "leave row and column of the own motion to its diagonal",
+                            "set the off-diagonal values of this row and column to 0",
                         )
                             .into(),
                     ));

@@ -109,7 +109,7 @@ pub(super) fn lines_of_action(
             MeshPart::Layout,
             (
                 "an internal gear meshes on axes that are not parallel, or on hubs that tilt",
-                "hold the tilts of both gears: directions = { tilt_x = \"held\", tilt_y = \"held\" }",
+                "fix the tilts of both gears: directions = { tilt_x = \"held\", tilt_y = \"held\" }",
             )
                 .into(),
         ));
@@ -252,7 +252,7 @@ fn law_of(
                 return Err(error(
                     MeshPart::Damping,
                     (
-                        "a damping ratio needs a gear that can move, but both are held",
+                        "a damping ratio needs a gear that can move, but both are fixed",
                         "give the damper in N s/m",
                     )
                         .into(),

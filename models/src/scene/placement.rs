@@ -162,14 +162,14 @@ pub(super) fn check_start(
                 MeshPart::Start,
                 (
                     format!(
-                        "this mesh closes a loop that does not close: flanks overlap, and `{}` would have to be turned by {:.4} degrees more, \
-                         {:.3} of its pitch, than the other meshes have it",
+                        "this mesh closes a loop that does not close: flanks overlap, and `{}` would have to be rotated by {:.4} degrees, \
+                         {:.3} of its pitch, relative to its position from the other meshes",
                         b.name,
                         angle.to_degrees(),
                         least / l.base_pitch
                     ),
-                    "give another position or other numbers of teeth: N planets stand evenly around their axis where the teeth of sun \
-                     and ring add up to a multiple of N",
+                    "give another position or other numbers of teeth: N planets can be equally spaced if the sum of the teeth of sun \
+                     and ring is a multiple of N",
                 ),
             ));
         }

@@ -187,7 +187,7 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
     let Body::Gear(ga) = &a.body else {
         return Err(error(
             (
-                "the first gear of a mesh may not be a rack",
+                "the first gear of a mesh must not be a rack",
                 "name the gear first",
             )
                 .into(),
@@ -210,7 +210,7 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
         return Err(error(
             (
                 format!(
-                    "the face widths do not meet: their middles are {dz:.4e} m apart along the axis"
+                    "the face widths do not overlap: their middles are {dz:.4e} m apart along the axis"
                 ),
                 "give positions whose third coordinates lie closer together",
             )

@@ -174,13 +174,13 @@ impl PointContact {
             );
         }
         if self.hard && self.damping != 0.0 {
-            return Some(("hard contact has no dashpot", "leave the damping out").into());
+            return Some(("hard contact has no dashpot", "remove the damping").into());
         }
         if self.hard && self.passes == Passes::Both {
             return Some(
                 (
-                    "hard contact of both passes holds every place twice",
-                    "take the first or the second",
+                    "hard contact in both passes constrains every position twice",
+                    "use the first or the second pass",
                 )
                     .into(),
             );

@@ -125,7 +125,7 @@ impl Profile {
                     Some("a harmonic needs finite numbers".into())
                 } else {
                     (*frequency <= 0.0).then(|| {
-                        format!("a harmonic of {frequency} Hz is none; expected more than 0")
+                        format!("a harmonic has the frequency {frequency} Hz; expected more than 0")
                     })
                 }
             }

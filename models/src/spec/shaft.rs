@@ -176,10 +176,10 @@ impl ShaftSpec {
         if self.stations.len() < 2 && rigid && !carries {
             return Err(self.refuse((
                 format!(
-                    "a rigid shaft joins at least two, but carries {}",
+                    "a rigid shaft joins at least two members, but carries {}",
                     self.stations.len()
                 ),
-                "name two gears or bodies, or take the shaft away",
+                "name two gears or bodies, or remove the shaft",
             )));
         }
         let mut last = f64::NEG_INFINITY;
@@ -188,7 +188,7 @@ impl ShaftSpec {
             if !(z.is_finite() && z > last) {
                 return Err(self.refuse((
                     format!("the place {z} m does not come after the one before it, {last} m"),
-                    "give the places in ascending order, each its own",
+                    "give different places in ascending order",
                 )));
             }
             if !rigid && !(-1e-9 * length..=length * (1.0 + 1e-9)).contains(&z) {
@@ -214,7 +214,7 @@ impl ShaftSpec {
             return refuse(format!("inertia {} is not zero or positive", body.inertia));
         }
         if matches!(body.mount, Mount::Prismatic) {
-            return refuse("a body on a shaft turns, it does not slide".into());
+            return refuse("a body on a shaft rotates and cannot translate".into());
         }
         if let Mount::Driven(p) = &body.mount
             && let Some(problem) = p.problem()
@@ -263,7 +263,9 @@ impl Section {
             } => {
                 if !(good(*outer) && *inner >= 0.0 && inner < outer) {
                     return Some((
-                        format!("outer diameter {outer} m, inner {inner} m: no wall is left"),
+                        format!(
+                            "outer diameter {outer} m, inner {inner} m: the wall thickness is not positive"
+                        ),
                         "give an outer diameter that is larger than the inner one",
                     ));
                 }
@@ -274,7 +276,7 @@ impl Section {
                     && material.density.is_finite();
                 (!sound).then(|| {
                     (
-                        "Young's modulus, Poisson's ratio or density are those of no material"
+                        "Young's modulus, Poisson's ratio or density are outside the range of materials"
                             .into(),
                         "steel has 2.1e11 Pa, 0.3, 7850 kg/m3",
                     )

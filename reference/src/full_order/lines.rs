@@ -57,8 +57,8 @@ impl Lines {
             near_field_of_flanks(mesh, material, &surface).map_err(|e| e.to_string())?;
         let Some(near_field) = near_field else {
             return Err((
-                "contact on half-spaces takes what the mesh does to a line load, which is not known of these flanks",
-                "take straight teeth or C3D8 or C3D8I, or give the contact local = \"mesh\"",
+                "half-space contact needs the response of the mesh to a line load, which is not available for these flanks",
+                "use straight teeth or C3D8 or C3D8I, or give the contact local = \"mesh\"",
             )
                 .into());
         };

@@ -67,8 +67,8 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         return Err(reader.error(
             "mesh",
             (
-                "the faces of its flanks are no grids of quadrilaterals, on whose nodes this model touches",
-                "give the contact local = \"half-space\", or take the model `elastic`: there flanks may be of any faces",
+                "the faces of its flanks are not grids of quadrilaterals, which this model needs for contact",
+                "give the contact local = \"half-space\", or use the model `elastic`, which accepts all faces",
             ),
         ));
     }
@@ -80,7 +80,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
                     "flanks touch on faces with four nodes, on elements with eight; the elements are {}",
                     mesh.mesh.kind_names()
                 ),
-                "take C3D8 or C3D8I, or give the contact local = \"half-space\"",
+                "use C3D8 or C3D8I, or give the contact local = \"half-space\"",
             ),
         ));
     }
@@ -92,7 +92,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
             "mesh",
             (
                 "half-spaces touch lines of full finite elements whose hub is about z and moves in its own direction alone",
-                "give the contact local = \"mesh\", hold the hub, or take the model `elastic`",
+                "give the contact local = \"mesh\", hold the hub, or use the model `elastic`",
             ),
         );
         return Err(error.of_model());

@@ -37,11 +37,11 @@ impl Disagreement {
         let help = match self.ratio {
             // A factor between units of length.
             r if !(0.02..50.0).contains(&r) => format!(
-                "the file was read in {} ({}): say its units by `units = \"mm-t-s\"`, \"m-kg-s\" or another",
+                "the file was read in {} ({}): give its units as `units = \"mm-t-s\"`, \"m-kg-s\" or another",
                 deck.units.name, deck.units_from
             ),
             _ => format!(
-                "give the gear the data of the mesh by {keys} (`gearbench reduce` tells them), or give the mesh of this gear"
+                "give the gear the data of the mesh by {keys} (`gearbench reduce` prints them), or use the mesh of this gear"
             ),
         };
         (message, help)

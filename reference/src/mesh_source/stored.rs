@@ -39,8 +39,8 @@ pub(super) fn stored(
         return Err(reader.error(
             key,
             (
-                format!("is for generated meshes, but the mesh is \"{source}\""),
-                "leave it out",
+                format!("applies to generated meshes, but the mesh is \"{source}\""),
+                "remove it",
             ),
         ));
     }
@@ -49,7 +49,7 @@ pub(super) fn stored(
             "mesh",
             (
                 "meshes of internal gears are not recognised in files",
-                "leave it out: the mesh is generated then",
+                "remove it to generate the mesh",
             ),
         ));
     }
@@ -72,7 +72,7 @@ pub(super) fn stored(
             "mesh",
             (
                 format!("of `{}` in \"{source}\" {first}{more}", gear.name),
-                "mesh all flanks alike, say by `flank_radii_m` where they lie, or name those that shall touch by node sets \
+                "use the same mesh for all flanks, give their radii as `flank_radii_m`, or name the flanks in contact by node sets \
                  (`flank_1l`, `flank_1r`, ...)",
             ),
         ));
@@ -143,7 +143,7 @@ fn read(reader: &Reader<'_>, given: &MeshParameters, source: &str) -> Result<Dec
                 "units",
                 (
                     format!("the stored reference \"{source}\" is in m-kg-s"),
-                    "leave it out",
+                    "remove it",
                 ),
             ));
         }
@@ -204,7 +204,9 @@ fn chosen(
     gear.ok_or_else(|| match refused {
         Some(e) if found.is_empty() => reader.error("mesh", e.to_string()),
         refused => {
-            let other = refused.map_or(String::new(), |e| format!("; another body is none: {e}"));
+            let other = refused.map_or(String::new(), |e| {
+                format!("; another body is not a gear: {e}")
+            });
             reader.error(
                 "mesh",
                 format!(

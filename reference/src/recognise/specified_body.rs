@@ -90,7 +90,7 @@ impl SpecifiedBody {
             Some(said) if said.dot(found) < ALIGNED.cos() => Err(Misfit::Against {
                 key: "axis",
                 said: direction(&said),
-                found: format!("the body stands about {}", direction(found)),
+                found: format!("the axis of the body is {}", direction(found)),
             }),
             _ => Ok(()),
         }

@@ -151,7 +151,7 @@ pub fn count(
         let wish = wished.is_some_and(|w| w as usize == c);
         std::cmp::Reverse((wish, holds(c), c))
     });
-    let mut why = "nothing stays apart near its outer circle".to_owned();
+    let mut why = "no separate teeth near its outer circle".to_owned();
     for count in tried {
         let levels: Vec<usize> = (0..LEVELS).filter(|&l| counts[l] == count).collect();
         // Low on the teeth, where most of their faces are; what is uneven there may be even further up.
@@ -189,7 +189,7 @@ fn evenly(skin: &Skin<'_>, polar: &Polar, pieces: &[Vec<u32>]) -> Result<Teeth, 
     sorted.sort_unstable();
     if worst > UNEVEN || sorted.windows(2).any(|w| w[0] == w[1]) {
         return Err(format!(
-            "{count} pieces stand out, one of them {worst:.2} pitches from even places"
+            "{count} teeth, one of them {worst:.2} pitches from equal spacing"
         ));
     }
     let mut of_face = vec![None; skin.facets.len()];

@@ -164,8 +164,8 @@ fn stored(reader: &Reader<'_>, path: &str, asked: &ModeRequest) -> Result<BasisR
         return Err(reader.error(
             key,
             (
-                "stands beside `reduction`, which brings its own mesh",
-                "leave one of them out",
+                "is given with `reduction`, which contains its own mesh",
+                "remove one of them",
             ),
         ));
     }
@@ -179,8 +179,8 @@ fn stored(reader: &Reader<'_>, path: &str, asked: &ModeRequest) -> Result<BasisR
         return Err(reader.error(
             "modes",
             (
-                format!("{n} modes are asked for, but {path} holds {modes}"),
-                format!("ask for fewer, or reduce the gear with `--modes {n}`"),
+                format!("{n} modes are requested, but {path} contains {modes}"),
+                format!("use fewer, or reduce the gear with `--modes {n}`"),
             ),
         ));
     }
@@ -190,7 +190,7 @@ fn stored(reader: &Reader<'_>, path: &str, asked: &ModeRequest) -> Result<BasisR
             "max_frequency_hz",
             (
                 format!(
-                    "modes up to {f} Hz are asked for, but those of {path} end at {highest:.0} Hz"
+                    "modes up to {f} Hz are requested, but {path} contains modes up to {highest:.0} Hz"
                 ),
                 format!(
                     "reduce the gear with \

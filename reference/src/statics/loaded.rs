@@ -34,7 +34,7 @@ pub enum StaticsError {
     #[error(transparent)]
     Build(#[from] BuildError),
     #[error(
-        "static tooth contact is that of one mesh of two gears, but the scene has {gears} gears and {meshes} meshes; leave the others out"
+        "static tooth contact needs one mesh of two gears, but the scene has {gears} gears and {meshes} meshes; remove the others"
     )]
     NotAPair { gears: usize, meshes: usize },
     #[error("at s = {s:.6e} m, approach {approach:.4e} m: {source}")]
@@ -44,7 +44,7 @@ pub enum StaticsError {
         source: EquilibriumError,
     },
     #[error(
-        "at s = {s:.6e} m no approach up to {approach:.4e} m carries {force:.4e} N: the last one carried {reached:.4e} N; ask for less load"
+        "at s = {s:.6e} m no approach up to {approach:.4e} m carries {force:.4e} N: the last one carried {reached:.4e} N; use a smaller load"
     )]
     Force {
         s: f64,
@@ -52,7 +52,7 @@ pub enum StaticsError {
         approach: f64,
         reached: f64,
     },
-    #[error("no tooth pair presses on the path of contact at an approach of {approach:.4e} m")]
+    #[error("no tooth pair is loaded on the path of contact at an approach of {approach:.4e} m")]
     NoContact { approach: f64 },
     #[error("{what} is {value}; it must be finite{and}")]
     Value {

@@ -142,7 +142,7 @@ fn models_and_their_parameters() {
     ];
     model(unknown, &known);
     let extra = with(rigid(), "k", Value::Number(1.0));
-    model(extra, &["`rigid`", "`k`", "it takes none"]);
+    model(extra, &["`rigid`", "`k`", "it has no parameters"]);
     let teeth = || movable(5e8, 5e-3, 0.0);
     let (mass, text) = ("tooth_mass_kg", |x: &str| Value::Text(x.into()));
     let radii = Value::List(vec![0.04, 0.05]);
@@ -215,7 +215,7 @@ fn contacts() {
     let mut held = case_a(3e-6);
     held.gears[0].mount = Mount::Fixed;
     held.gears[1].mount = Mount::Driven(Profile::Constant(1.0));
-    let words = ["both are held", "N s/m"];
+    let words = ["both are fixed", "N s/m"];
     refused(&held, &rigid_pair, &with_damping(1.0, ratio), &words);
     let mesh = ContactSpec {
         stiffness: PairStiffness::Constant {

@@ -233,5 +233,5 @@ fn full_finite_elements_on_a_carrier_are_refused() {
     let modelling = modelling(&spec, &fe, &points);
     let refused = Scene::build(&spec, &modelling, gearbench::models::models());
     let text = refused.err().expect("it is refused").to_string();
-    assert!(text.contains("take the model `elastic`"), "{text}");
+    assert!(text.contains("use the model `elastic`"), "{text}");
 }

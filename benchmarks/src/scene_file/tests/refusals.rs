@@ -213,7 +213,7 @@ const GEARS: &str = r##"
 10: teeth = 20 => teeth = 20\ntopography = { both = [[0, 1e-6], [0]] }
     1 amounts in row 2 | 2 as in the first row
 10: teeth = 20 => teeth = 20\ntopography = { both = [[0, 1], [0, 1]] }
-    flank modifications take
+    flank modifications remove
 10: teeth = 20 => teeth = 20\ntopography = { unit_m = 1e-6 }
     no amounts | a CSV file
 10: teeth = 20 => teeth = 20\ntwist_m = "much"
@@ -392,14 +392,14 @@ const LATERAL: &str = r#"
     12: speed_rad_s = 20.0 => position_m = [0.0]
     [x, y] or [x, y, z]
     22: mount = "revolute" => position_m = [0.1001, 0.0, 0.05] && speed_rad_s = 20.0 => position_m = [0.0, 0.0] && centre_distance_m = 0.1001\n =>
-    the face widths do not meet | third coordinates
+    the face widths do not overlap | third coordinates
 "#;
 
 const SHAFTS: &str = r#"
     27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }]\n[[models]]
     shaft `s`: a rigid shaft joins at least two | name two
     27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { gear = "wheel", at_m = 0.1 }]\n[[models]]
-    does not stand on the axis of `pinion` | the same axis
+    is not on the axis of `pinion` | the same axis
     28: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { at_m = 0.1 }]\n[[models]]
     neither a gear nor a body
     28: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0, inertia_kgm2 = 1.0 }]\n[[models]]
@@ -413,9 +413,9 @@ const SHAFTS: &str = r#"
     29: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2, inertia_kgm2 = 1e-3 }]\nsections = [{ length_m = 0.2 }]\n[[models]]
     neither a diameter nor a torsional stiffness
     27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2, inertia_kgm2 = 1e-3 }]\nsections = [{ length_m = 0.2, diameter_m = 0.02, inner_diameter_m = 0.03 }]\n[[models]]
-    no wall is left
+    the wall thickness is not positive
     27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2 }]\nsections = [{ length_m = 0.2, stiffness_nm_per_rad = 1e3 }]\n[[models]]
-    nothing has inertia | give the body an inertia
+    there is no inertia | give the body an inertia
     30: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2, inertia_kgm2 = 1e-3 }]\nsections = [{ length_m = 0.2, diameter_m = 0.02 }]\ndamping_s = 1e-6\ndamping_ratio = 0.1\n[[models]]
     two values of damping are given | a ratio or a time
     27: [[models]] => [[shafts]]\nname = "s"\ncarries = [{ gear = "pinion", at_m = 0.0 }, { body = "b", at_m = 0.2, inertia_kgm2 = 1e-3 }]\ndamping_ratio = 0.1\n[[models]]

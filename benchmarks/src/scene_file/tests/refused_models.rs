@@ -89,7 +89,7 @@ const MODELS: &str = r##"
 28: model = "rigid" => model = "rigid"\nparameters = { tooth_mass_kg = 1.0 }
     the model `rigid` has no parameter
 33: tooth_mass_kg = 4.8e-3 => tooth_mass_kg = 1.0
-    `tooth_mass_kg` | take an inertia of
+    `tooth_mass_kg` | have an inertia of
 33: tooth_mass_kg = 4.8e-3 => tooth_mass_kg = [1e-3, 2e-3]
     2 values for 20 teeth
 33: tooth_mass_kg = 4.8e-3 => tooth_mass_kg = -1.0

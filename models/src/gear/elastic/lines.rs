@@ -156,7 +156,7 @@ impl LinesOfFlanks {
             if lines.len() < LEAST {
                 return Err((
                     format!(
-                        "contact on half-spaces spreads over {LEAST} rows of nodes along a flank, but there are {}",
+                        "half-space contact needs {LEAST} rows of nodes along a flank, but there are {}",
                         lines.len()
                     ),
                     "mesh the flanks with at least 3 elements along the profile, 8 are usual",
@@ -173,7 +173,7 @@ impl LinesOfFlanks {
                     format!(
                         "the contact has {strips} slices, but the flanks have {layers} layers of elements over the width"
                     ),
-                    "let the layers be a multiple of the slices",
+                    "use a number of layers that is a multiple of the slices",
                 )
                     .into());
             }
@@ -223,15 +223,15 @@ impl Reduced {
     pub fn over_lines(&self, strips: Strips) -> Result<Reduced, Reason> {
         let Some(residual) = &self.residual else {
             return Err((
-                "contact on half-spaces takes the static compliance of the whole mesh, but that of the truncated modes is left out",
-                "leave out `residual = false`",
+                "half-space contact needs the static compliance of the whole mesh, but the residual compliance of the truncated modes is switched off",
+                "remove `residual = false`",
             )
                 .into());
         };
         let Some(near_field) = &self.near_field else {
             return Err((
-                "contact on half-spaces has to know what the mesh does to a line load, but the reduction does not say",
-                "make the reduction again, `gearbench reduce`, of a mesh with straight teeth or of hexahedra with eight nodes",
+                "half-space contact needs the response of the mesh to a line load, which the reduction does not contain",
+                "repeat the reduction, `gearbench reduce`, with a mesh with straight teeth or of hexahedra with eight nodes",
             )
                 .into());
         };

@@ -98,8 +98,8 @@ pub(super) fn on_hub(
     let driven = |f: &Freedom| matches!(f, Freedom::Driven(_));
     if lateral.directions.iter().any(driven) {
         return Err((
-            "a direction of its hub beside its own motion is driven, which modes do not know",
-            "hold or free it, or take a rigid gear or movable teeth",
+            "an out-of-plane direction of its hub is driven, which the modes do not include",
+            "fix or free it, or use a rigid gear or movable teeth",
         )
             .into());
     }

@@ -24,15 +24,15 @@ impl Elastic {
         if terms == SpinTerms::Full {
             if self.hub.slide.is_some() {
                 return Err((
-                    "a rack does not turn: it has no spin terms",
-                    "leave them out",
+                    "a rack does not rotate and has no spin terms",
+                    "remove them",
                 )
                     .into());
             }
             if self.data.integrals.is_none() {
                 return Err((
-                    "the reduction holds no inertia integrals",
-                    "reduce the gear again, with fewer modes if it had very many",
+                    "the reduction contains no inertia integrals",
+                    "reduce the gear again, with fewer modes if there were very many",
                 )
                     .into());
             }

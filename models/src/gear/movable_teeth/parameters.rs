@@ -307,7 +307,7 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
             "tooth_mass_kg",
             (
                 format!(
-                    "{teeth} teeth take an inertia of {taken:.4e}, more than the {:.4e} of gear `{}`",
+                    "{teeth} teeth have an inertia of {taken:.4e}, more than the {:.4e} of gear `{}`",
                     context.hub.inertia, context.name
                 ),
                 "use a smaller tooth mass",

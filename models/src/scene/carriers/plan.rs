@@ -74,7 +74,7 @@ pub(in crate::scene) fn grounded(
                 return Err(refuse(
                     &spec.gears[planet],
                     (
-                        "it stands on two carriers, or twice on one",
+                        "it is on two carriers, or twice on the same carrier",
                         "name it once, among the `planets` of one body",
                     ),
                 ));
@@ -95,7 +95,7 @@ pub(in crate::scene) fn grounded(
                             &spec.gears[gear],
                             (
                                 "planets of two carriers mesh with each other",
-                                "let them mesh with gears that stand on no carrier",
+                                "let them mesh with gears that are not on a carrier",
                             ),
                         ));
                     }
@@ -127,8 +127,8 @@ pub(in crate::scene) fn grounded(
             return Err(of_body(
                 body,
                 (
-                    "it moves sideways, and the planets on its rigid pins are out of balance",
-                    "give the planets bearings, or hold the carrier sideways",
+                    "it can move out of plane, but the planets on its rigid pins are not balanced",
+                    "give the planets bearings, or fix the out-of-plane directions of the carrier",
                 ),
             ));
         }
@@ -195,8 +195,8 @@ impl PlanetarySets {
                 let why: Option<Reason> = if !hub.is_free() {
                     Some(
                         (
-                            "a rigid shaft holds or drives it together with something else",
-                            "hold or drive the gear of the planetary set itself, or its carrier",
+                            "a rigid shaft fixes or drives it together with another member",
+                            "fix or drive the gear of the planetary set itself, or its carrier",
                         )
                             .into(),
                     )
@@ -211,21 +211,24 @@ impl PlanetarySets {
                 } else if hub.free_directions().any(|d| d == 3 || d == 4) {
                     Some(
                         (
-                            "it tilts, which gears of a planetary set do not",
-                            "hold its tilts: directions = { tilt_x = \"held\", tilt_y = \"held\" }",
+                            "it can tilt, but gears of a planetary set cannot",
+                            "fix its tilts: directions = { tilt_x = \"held\", tilt_y = \"held\" }",
                         )
                             .into(),
                     )
                 } else if hub.free_directions().filter(|d| *d < 2).count() == 1 {
-                    Some((
-                        "it moves along one of the directions across its axis and not along the other",
-                        "free or hold both",
-                    ).into())
+                    Some(
+                        (
+                            "it can move in one radial direction but not in the other",
+                            "free or fix both",
+                        )
+                            .into(),
+                    )
                 } else if moves && !across(g) && set.gears.contains(&(member, false)) {
                     Some(
                         (
-                            "its carrier moves sideways and it does not",
-                            "give it a bearing, or hold the carrier sideways",
+                            "its carrier can move radially, but it cannot",
+                            "give it a bearing, or fix the radial directions of the carrier",
                         )
                             .into(),
                     )
@@ -246,7 +249,7 @@ impl PlanetarySets {
 fn full_order_in_set(name: &str) -> BuildError {
     let why = (
         "full finite elements describe their nodes in space, and gears of a planetary set are described in the frame of its carrier",
-        "take the model `elastic`, or leave the carrier out, so that all gears turn about axes of their own",
+        "use the model `elastic`, or remove the carrier, so that all gears rotate about fixed axes",
     );
     BuildError::gear(name, GearPart::Mount, why).of_model()
 }
@@ -309,7 +312,7 @@ fn check<'a>(
             return Err(refuse(
                 g,
                 (
-                    "a rack is part of no planetary set",
+                    "a rack cannot be part of a planetary set",
                     "let the rack mesh with another gear",
                 ),
             ));
@@ -321,7 +324,7 @@ fn check<'a>(
                 g,
                 (
                     format!(
-                        "it meshes with a planet, but stands {off:.3e} m off the axis of the carrier `{}`",
+                        "it meshes with a planet, but its axis is {off:.3e} m from the axis of the carrier `{}`",
                         body.name
                     ),
                     "name it among the `planets`, or give it the same position across the axis as the sun",
@@ -334,7 +337,7 @@ fn check<'a>(
                 g,
                 (
                     "a direction of a gear of a planetary set is driven",
-                    "free or hold it",
+                    "free or fix it",
                 ),
             ));
         }
@@ -353,7 +356,7 @@ fn shared(spec: &SceneSpec, sets: &PlanetarySets) -> Result<(), BuildError> {
             return Err(refuse(
                 gear,
                 (
-                    "it meshes with planets and with a gear that is none, or with planets of two carriers",
+                    "it meshes with planets and with another gear, or with planets of two carriers",
                     "put two gears on a rigid shaft, one for each",
                 ),
             ));

@@ -15,16 +15,13 @@ pub(super) fn check_names(spec: &SceneSpec) -> Result<(), BuildError> {
     let mut carried = vec![None; spec.gears.len()];
     for (k, shaft) in spec.shafts.iter().enumerate() {
         if spec.shafts[..k].iter().any(|s| s.name == shaft.name) {
-            return Err(shaft.refuse(("there is another shaft of this name", "rename one")));
+            return Err(shaft.refuse(("another shaft has this name", "rename one")));
         }
         for station in &shaft.stations {
             match &station.carries {
                 StationMember::Body(body) if seen.contains(&body.name.as_str()) => {
                     return Err(shaft.refuse((
-                        format!(
-                            "the name `{}` is taken by a gear or another body",
-                            body.name
-                        ),
+                        format!("a gear or another body has the name `{}`", body.name),
                         "rename one",
                     )));
                 }
@@ -36,13 +33,13 @@ pub(super) fn check_names(spec: &SceneSpec) -> Result<(), BuildError> {
                     let name = &spec.gears[*i].name;
                     if let Some(other) = other.replace(&shaft.name) {
                         return Err(shaft.refuse((
-                            format!("the gear `{name}` stands on the shaft `{other}` already"),
-                            "a gear stands on one shaft, once",
+                            format!("the gear `{name}` is already on the shaft `{other}`"),
+                            "a gear can be on one shaft only, once",
                         )));
                     }
                     if matches!(spec.gears[*i].body, Body::Rack(_)) {
                         return Err(shaft.refuse((
-                            format!("`{name}` is a rack, which slides"),
+                            format!("`{name}` is a rack, which translates"),
                             "put gears on the shaft",
                         )));
                     }
@@ -86,7 +83,7 @@ pub(super) fn axis_of(
         if off > OFF_AXIS || tilted > OFF_AXIS || gear.axes[2].dot(&axes[2]) < 0.0 {
             return Err(shaft.refuse((
                 format!(
-                    "`{}` does not stand on the axis of `{}`: it is {off:.3e} m off it, and tilted by {tilted:.3e} rad",
+                    "`{}` is not on the axis of `{}`: its distance is {off:.3e} m, its tilt {tilted:.3e} rad",
                     gear.name, first.name
                 ),
                 "give both the same position_m across the axis, and the same axis",
@@ -135,7 +132,7 @@ pub(super) fn share_mount(with: &mut SceneSpec, shaft: &ShaftSpec) -> Result<(),
     if let Some(name) = driven.or(body.map(|b| b.name.as_str())) {
         return Err(shaft.refuse((
             format!("it is rigid, but a direction of `{name}` is driven"),
-            "give the sections of an elastic shaft, or hold the direction",
+            "give the sections of an elastic shaft, or fix the direction",
         )));
     }
     let mut speed: Option<(&str, f64)> = None;
@@ -161,9 +158,9 @@ pub(super) fn share_mount(with: &mut SceneSpec, shaft: &ShaftSpec) -> Result<(),
     {
         return Err(shaft.refuse((
             format!(
-                "it is rigid, but `{name}` is held or driven otherwise than what stands before it"
+                "it is rigid, but the mount of `{name}` (fixed or driven) differs from the member before it"
             ),
-            "hold or drive one of them, or give the sections of an elastic shaft",
+            "fix or drive one of them, or give the sections of an elastic shaft",
         )));
     }
     for station in &shaft.stations {

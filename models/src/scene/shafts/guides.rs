@@ -94,14 +94,14 @@ pub(in crate::scene) fn guides(
         }
         if !gears[member].model.hub().is_free() {
             return refuse((
-                "its mount is guided, but the rigid shaft that it stands on is held or driven",
-                "take the guide away, or let the shaft turn freely",
+                "its mount has a guide, but its rigid shaft is fixed or driven",
+                "remove the guide, or let the shaft rotate freely",
             ));
         }
         if spec.bodies().any(|b| b.planets.contains(&member)) {
             return refuse((
-                "a guide is fixed to the ground, but this gear goes round with a carrier",
-                "take the guide away",
+                "a guide is fixed to the ground, but this gear is on a carrier",
+                "remove the guide",
             ));
         }
         found.push(Guided { member, guide });

@@ -80,8 +80,8 @@ struct Node {
 /// Returns the error of a gear whose modes move with the hub in its own direction alone.
 fn moves_sideways(name: &str) -> BuildError {
     let why = (
-        "an elastic gear on a shaft holds its hub sideways, but this one moves",
-        "take its bearing and directions away, or use a rigid gear, movable teeth or `fe`",
+        "an elastic gear on a shaft needs a hub without out-of-plane motion, but this hub can move",
+        "remove its bearing and directions, or use a rigid gear, movable teeth or `fe`",
     );
     BuildError::gear(name, GearPart::Mount, why).of_model()
 }
@@ -297,7 +297,7 @@ fn shaft_body(
     if inertia <= 0.0 {
         return Err(shaft.refuse((
             format!(
-                "at {} m nothing has inertia: neither `{}` nor the shaft",
+                "at {} m there is no inertia: neither `{}` nor the shaft has any",
                 node.place, body.name
             ),
             "give the body an inertia, or the shaft sections with a diameter and a density",

@@ -280,7 +280,7 @@ fn what_is_not_cyclic_is_declined() {
     let mut moved = good.clone();
     let node = moved.mesh.node_sets["cut_high"][4] as usize;
     moved.mesh.nodes[node].z += 1e-4;
-    declined(run(&moved, &Hub::fixed(), 5), "beside the image");
+    declined(run(&moved, &Hub::fixed(), 5), "from the image");
     let one = Hub {
         motions: vec![HubMotion::Slide(Vec3::x())],
         added_inertia: vec![0.0],

@@ -265,7 +265,7 @@ fn of_pair(
     let [a, b] = [left, right].map(|g| planes(&mut place(g), APART * height));
     let steps = a.windows(2).chain(b.windows(2)).map(|w| w[1] - w[0]);
     let pitch = median(steps).filter(|_| a.len() > 1 || b.len() > 1);
-    let pitch = pitch.ok_or_else(|| no(1, "one tooth alone, which has no pitch".into()))?;
+    let pitch = pitch.ok_or_else(|| no(1, "only one tooth, so that there is no pitch".into()))?;
     let turns = |y: f64| (y - a[0]) / pitch;
     // Right flanks stand a thickness further.
     let thick = median(b.iter().map(|&y| turns(y).rem_euclid(1.0)))
@@ -279,7 +279,7 @@ fn of_pair(
         let count = a.len() + b.len();
         return Err(no(
             2,
-            format!("{count} parallel planes, one of them {off:.2} pitches from an even place"),
+            format!("{count} parallel planes, one of them {off:.2} pitches from equal spacing"),
         ));
     }
     let step = |f: u32, side: Side| match side {

@@ -156,7 +156,7 @@ fn singular_hard_contact_is_refused() {
                 damping: 1e7,
                 ..hard
             },
-            ["dashpot", "leave the damping out"],
+            ["dashpot", "remove the damping"],
         ),
     ] {
         let Err(e) = try_build(&spec, &models, &with_points(points)) else {

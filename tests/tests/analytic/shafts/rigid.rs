@@ -153,12 +153,12 @@ fn shafts_that_cannot_be_are_refused() {
     let one = |stations, sections| with(shaft("s", stations, sections));
     refused(
         &one(vec![on(0.0, 0), on(0.1, 1)], vec![]),
-        &["shaft `s`", "does not stand on the axis"],
+        &["shaft `s`", "is not on the axis"],
     );
     refused(&one(vec![on(0.0, 0)], vec![]), &["joins at least two"]);
     refused(
         &one(vec![on(0.0, 0), on(0.1, 0)], vec![]),
-        &["stands on the shaft `s` already"],
+        &["is already on the shaft `s`"],
     );
     refused(
         &one(
@@ -172,14 +172,14 @@ fn shafts_that_cannot_be_are_refused() {
             vec![on(0.0, 0), body(0.2, "b", 0.0)],
             vec![coupling(0.2, 1e3)],
         ),
-        &["nothing has inertia", "give the body an inertia"],
+        &["there is no inertia", "give the body an inertia"],
     );
     refused(
         &one(
             vec![on(0.0, 0), body(0.2, "wheel", 1.0)],
             vec![coupling(0.2, 1e3)],
         ),
-        &["the name `wheel` is taken"],
+        &["has the name `wheel`"],
     );
     refused(
         &one(vec![on(0.0, 0), body(0.2, "b", 1.0)], vec![]),

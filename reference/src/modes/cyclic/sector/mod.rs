@@ -111,7 +111,7 @@ impl Sector {
             let miss = (turned(from, pitch) - to).norm();
             if miss > CUT_TOLERANCE * from.norm() {
                 return Err(sector_error(format!(
-                    "node {b} of cut_high lies {miss:.2e} m beside the image of node {a} of cut_low"
+                    "node {b} of cut_high is {miss:.2e} m from the image of node {a} of cut_low"
                 )));
             }
             if is_bore[a as usize] != is_bore[b as usize] {
