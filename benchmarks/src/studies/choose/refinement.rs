@@ -160,18 +160,39 @@ fn integration_error(
     };
     let mut trial = Trial::new(problem, &candidate.scene, &candidate.modelling)?;
     let highest = level.outcome.row.highest_hz.unwrap_or(0.0);
+    let found = error_of_step((step, highest), |other| {
+        let other = trial.run(&candidate.method.method.at_step(other), window)?;
+        Ok::<_, ChooseError>(other.error(metric, &level.outcome))
+    })?;
+    Ok(found.unwrap_or(f64::INFINITY))
+}
+
+/// Error of a run by the step of its integration, from its `distance` to one with another step: twice the step, or half of it
+/// where twice the step does not carry modes up to the highest [Hz], or says nothing. The method is of the second order.
+///
+/// # Errors
+/// Those of `distance`.
+pub fn error_of_step<E>(
+    (step, highest): (f64, f64),
+    mut distance: impl FnMut(f64) -> Result<f64, E>,
+) -> Result<Option<f64>, E> {
     let coarse_carries = SAFE / (4.0 * step) > highest;
     for (factor, of_distance) in [2.0, 0.5].into_iter().zip(OF_STEPS) {
         if factor > 1.0 && !coarse_carries {
             continue;
         }
-        let other = trial.run(&candidate.method.method.at_step(factor * step), window)?;
-        let distance = other.error(metric, &level.outcome);
-        if distance.is_finite() {
-            return Ok(of_distance * distance);
+        let found = distance(factor * step)?;
+        if found.is_finite() {
+            return Ok(Some(of_distance * found));
         }
     }
-    Ok(f64::INFINITY)
+    Ok(None)
+}
+
+/// Error of elastic gears by the modes that they lack, from the distances between levels of fewer modes and the next, the last to
+/// themselves.
+pub fn error_of_modes(distances: &[f64], metric: Metric) -> f64 {
+    remaining(distances).max(FLOOR[usize::from(is_scalar(metric))])
 }
 
 /// Why differences between levels do not fall with more modes, if so.
@@ -307,11 +328,10 @@ pub fn refine_over(
             false => ChooseError::Budget(budget.described()),
         });
     };
-    let floor = FLOOR[usize::from(is_scalar(requirement.metric))];
     let mut refinement = Refinement {
         finer: Err(String::new()),
         levels: Vec::new(),
-        remaining: modes.max(floor),
+        remaining: error_of_modes(&differences_of_modes, requirement.metric),
         of_finer: None,
         integration: 0.0,
         growth,
