@@ -399,7 +399,8 @@ fn remaining(d: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{not_falling, remaining};
+    use super::{error_of_step, not_falling, remaining};
+    use std::convert::Infallible;
 
     /// Differences that stay as large as they were say nothing of the error; those that fall, or are within what is allowed,
     /// do.
@@ -409,6 +410,31 @@ mod tests {
         assert_eq!(not_falling(&[0.6, 0.5, 0.3, 0.2, 0.15, 0.12], 0.1), None);
         assert_eq!(not_falling(&[0.06, 0.05, 0.06, 0.05, 0.06], 0.1), None);
         assert_eq!(not_falling(&[0.6, 0.5, 0.6], 0.1), None);
+    }
+
+    /// Of a method of the second order a third of the distance to twice the step is left, and four thirds of that to half.
+    #[test]
+    fn the_error_of_a_step_follows_from_another_one() {
+        let exact = |h: f64| 3.0 * h * h;
+        let found = |highest: f64, fails: bool| {
+            let distance = |other: f64| {
+                let fails = fails && other > 1e-3;
+                let found = if fails {
+                    f64::INFINITY
+                } else {
+                    (exact(other) - exact(1e-3)).abs()
+                };
+                Ok::<_, Infallible>(found)
+            };
+            error_of_step((1e-3, highest), distance).unwrap().unwrap()
+        };
+        // Twice the step does not carry modes of 400 Hz, or its run fails.
+        for (highest, fails) in [(10.0, false), (400.0, false), (10.0, true)] {
+            let found = found(highest, fails);
+            assert!((found / exact(1e-3) - 1.0).abs() < 1e-9, "{found}");
+        }
+        let none = error_of_step((1e-3, 10.0), |_| Ok::<_, Infallible>(f64::NAN));
+        assert_eq!(none, Ok(None));
     }
 
     #[test]

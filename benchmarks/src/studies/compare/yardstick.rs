@@ -267,16 +267,13 @@ impl Maker<'_> {
         };
         match made {
             Err(e) => cannot_run(&e).map(Err).ok_or(e),
+            Ok(row) if row.status == Status::Timeout => Ok(Err(format!(
+                "{} of processor time are not enough for the {} of the scene; allow more with --timeout",
+                quantity(conditions.timeout.as_secs_f64(), "s", 3),
+                quantity(conditions.duration, "s", 3)
+            ))),
             Ok(row) if row.status.is_failure() => {
-                let why = row.message.unwrap_or_else(|| row.status.to_string());
-                let reached = quantity(row.simulated_s, "s", 3);
-                let end = quantity(conditions.duration, "s", 3);
-                Ok(Err(match row.status {
-                    Status::Timeout => format!(
-                        "their run got to {reached} of {end} within its processor time: {why}; allow more with --timeout"
-                    ),
-                    _ => why,
-                }))
+                Ok(Err(row.message.unwrap_or_else(|| row.status.to_string())))
             }
             Ok(row) => Ok(Ok(row)),
         }
@@ -322,19 +319,27 @@ impl Maker<'_> {
         made: &Run,
         series: &TimeSeries,
     ) -> Result<Option<f64>, RunError> {
+        if made.step.is_none() {
+            // Of an adaptive method the order says little: the whole distance counts.
+            let looser = Variant {
+                coarser: 2.0,
+                ..*finest
+            };
+            return self.distance("a looser tolerance", &looser, series);
+        }
         let highest = made.highest_hz.unwrap_or(0.0);
-        let mut found = None;
-        let by_order = error_of_step((self.step, highest), |step| {
+        let told = self.unknown.len();
+        let found = error_of_step((self.step, highest), |step| {
             let coarser = step / self.step;
             let other = Variant { coarser, ..*finest };
-            found = self.distance(&format!("{coarser} times the step"), &other, series)?;
+            let found = self.distance(&format!("{coarser} times the step"), &other, series)?;
             Ok::<_, RunError>(found.unwrap_or(f64::INFINITY))
         })?;
-        Ok(match made.step {
-            Some(_) => by_order,
-            // Of an adaptive method the order says little: the whole distance counts.
-            None => found,
-        })
+        if found.is_some() {
+            // One of both steps is enough.
+            self.unknown.truncate(told);
+        }
+        Ok(found)
     }
 
     /// Error by the modes that they lack.
@@ -383,5 +388,65 @@ pub fn of_stored(reference: &ReferenceSeries) -> Yardstick {
         },
         error: reference.own_error,
         ..Yardstick::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::studies::test_scene::coarse;
+    use gearbench_reports::Adequacy;
+    use std::time::Duration;
+
+    /// Refined gears are bounded by processor time as all runs are: where they do not reach the end there are none, and where a
+    /// run that tells what they are off gives nothing, their error is not known, nothing is decided, and both are told.
+    #[test]
+    fn refined_gears_that_do_not_end_are_told() {
+        let scene = coarse("modes = 10");
+        let choices: Vec<_> = scene.models.iter().collect();
+        let mut plan = Plan::of(&scene, &choices, &[]);
+        let problem = Problem::of(&scene);
+        let runner = Runner::default();
+        let made = refined(&plan, &problem, &runner).unwrap().ok().unwrap();
+        assert_eq!(made.yardstick.note.matches("not known").count(), 0);
+        let parts = [
+            made.yardstick.integration_error,
+            made.yardstick.modes_error,
+            made.yardstick.mesh_error,
+        ];
+        assert!(
+            parts.iter().all(|e| e.is_some_and(|e| e > 0.0)),
+            "{parts:?}"
+        );
+        let mut maker = Maker {
+            plan: &plan,
+            problem: &problem,
+            runner: &runner,
+            step: 1e-7,
+            metric: Metric::default(),
+            begun: 0,
+            unknown: Vec::new(),
+        };
+        let ended_early = Err("it got to half of the end".to_owned());
+        let series = &made.reference.series;
+        assert_eq!(maker.between(("75 modes", &ended_early), series), None);
+        let why = maker.unknown.join("; ");
+        assert!(
+            why.contains("75 modes") && why.contains("half of the end"),
+            "{why}"
+        );
+        let without = Yardstick {
+            error: None,
+            ..made.yardstick
+        };
+        assert_eq!(without.verdict(1e-9, 0.5), Adequacy::NotDecided);
+
+        // No run ends within a nanosecond.
+        plan.conditions.timeout = Duration::from_nanos(1);
+        let why = refined(&plan, &problem, &runner).unwrap().err().unwrap();
+        assert!(
+            why.contains("--timeout") && why.contains("not enough"),
+            "{why}"
+        );
     }
 }
