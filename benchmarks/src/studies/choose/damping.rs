@@ -19,6 +19,11 @@ use std::f64::consts::TAU;
 
 /// Modes per gear of the elastic gears whose mesh mode tells the damping.
 const MODES: usize = 50;
+/// Relative error of the ratio of a level, after so many trials at most.
+const WITHIN: f64 = 1e-4;
+const TRIALS: usize = 12;
+/// Factor of a damper beyond which it does not damp the mesh mode.
+const MOST: f64 = 1e3;
 /// Coordinates of a hub at most.
 const HUB: usize = 6;
 
@@ -53,16 +58,28 @@ impl OfMesh {
             (scaled.contacts.iter_mut()).for_each(|c| c.damping = times(c.damping, factor));
             scaled
         };
-        let found = [0.0, 1.0].map(|factor| {
+        let ratio = |factor: f64| {
             mesh_mode("", (&problem.scene, &with(factor)), problem.models, 0)?.damping_ratio
-        });
-        let [Some(without), Some(whole)] = found else {
+        };
+        let Some(without) = ratio(0.0) else {
             return;
         };
-        let factor = (self.ratio - without) / (whole - without);
-        if factor.is_finite() {
-            *modelling = with(factor.max(0.0));
+        let wanted = (self.ratio - without).max(0.0);
+        let mut factor = 1.0;
+        // Nearly linear, but for a damper behind the springs of teeth.
+        for _ in 0..TRIALS {
+            let Some(found) = ratio(factor).map(|r| r - without) else {
+                return;
+            };
+            if (found - wanted).abs() <= WITHIN * self.ratio {
+                break;
+            }
+            factor *= wanted / found;
+            if !(0.0..=MOST).contains(&factor) {
+                return;
+            }
         }
+        *modelling = with(factor);
     }
 }
 
