@@ -131,7 +131,7 @@ mod tests {
         near(first.ripple_rms_n, 0.0, 1e-6);
         near(second.peak_force_n, 100.0, 1e-2);
         near(second.first_contact_s, 0.25, 1e-3);
-        let square = 0.25 * 5000.0 + 0.5 * (2500.0 + 200.0);
+        let square: f64 = 0.25 * 5000.0 + 0.5 * (2500.0 + 200.0);
         near(second.rms_force_n, square.sqrt(), 0.1);
         // The ripple lasts for half of the run; its begin and end leak a little.
         near(second.ripple_rms_n, 10.0, 1.0);

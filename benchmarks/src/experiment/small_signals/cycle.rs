@@ -12,8 +12,10 @@
 //! Meshes of one frequency are taken together, so that their phases to each other are those of the scene. Motions are seen
 //! from the carriers of planetary sets.
 //!
-//! **Resonance.** At each phase one natural mode without damping strains the meshes of a frequency most. The resonance of
-//! these meshes is the root mean square of its frequencies over the cycle, which of two gears is the frequency on the mean
+//! **Resonance.** At each phase one natural mode without damping is that of the meshes of a frequency: in it the hubs close them
+//! most, `k (r x)^2 / omega^2` with the closing `r x` by the hubs and the stiffness `k` between these. The strain of the contacts
+//! themselves does not tell it: of elastic gears a contact that swings on its own teeth, ten times as fast, has more. The
+//! resonance of these meshes is the root mean square of its frequencies over the cycle, which of two gears is the frequency on the mean
 //! tangent stiffness; the least and the greatest are its range. `modes`, `response`, `sweep` and the mesh modes of all other
 //! studies have it from here.
 
@@ -27,6 +29,9 @@ use std::f64::consts::TAU;
 
 /// Part of a typical deflection or speed by which forces are differenced.
 const STEP: f64 = 1e-3;
+/// Why a mesh is no spring.
+const NO_STIFFNESS: &str =
+    "a mesh has no stiffness: it carries no load, or none of its gears can move";
 /// Relative distance of mesh frequencies that count as one.
 const ALIKE: f64 = 1e-6;
 
@@ -60,6 +65,13 @@ pub struct MeshRow {
     pub frequency: f64,
 }
 
+impl MeshRow {
+    /// Its mesh carries a load, and has a stiffness.
+    fn carries(&self) -> bool {
+        self.stiffness > 0.0 && self.stiffness.is_finite()
+    }
+}
+
 /// Meshes of one frequency through their cycle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshCycle {
@@ -69,7 +81,7 @@ pub struct MeshCycle {
     pub frequency: f64,
     /// Phases at even times, by mesh.
     pub phases: Vec<Vec<MeshPhase>>,
-    /// Natural frequencies of the mode that strains these meshes most, by phase [Hz].
+    /// Natural frequencies of the mode of these meshes, by phase [Hz].
     pub natural: Vec<f64>,
 }
 
@@ -145,12 +157,15 @@ struct Cycle<'a> {
     rows: Vec<MeshRow>,
 }
 
-/// The natural frequency that strains some meshes most [Hz]; each with its row and the stiffness of its contact.
-fn natural(found: &Loaded, meshes: &[(&MeshRow, f64)]) -> f64 {
+/// A mesh as a spring between hubs: its closing by unit of each coordinate, and its stiffness [N/m].
+pub(super) type HubSpring<'a> = (&'a [f64], f64);
+
+/// The natural mode in which hubs close some meshes most.
+pub(super) fn of_meshes(found: &Loaded, meshes: &[HubSpring<'_>]) -> Option<usize> {
     let (space, modes) = (&found.space, &found.modes);
     let mut strain = vec![0.0; modes.squares.len()];
-    for (row, stiffness) in meshes {
-        let on = modes.vectors.tr_mul(&space.force(&row.flanks));
+    for (closing, stiffness) in meshes {
+        let on = modes.vectors.tr_mul(&space.force(closing));
         for (sum, x) in strain.iter_mut().zip(on.iter()) {
             *sum += stiffness * x * x;
         }
@@ -159,8 +174,25 @@ fn natural(found: &Loaded, meshes: &[(&MeshRow, f64)]) -> f64 {
     let share = |i: &usize| strain[*i] / modes.squares[*i].max(f64::MIN_POSITIVE);
     let floor = 1e-12 * modes.squares.last().map_or(0.0, |x| x.abs());
     let swinging = (0..strain.len()).filter(|i| modes.squares[*i] > floor);
-    let most = swinging.max_by(|a, b| share(a).total_cmp(&share(b)));
-    most.map_or(0.0, |i| modes.squares[i].sqrt() / TAU)
+    swinging.max_by(|a, b| share(a).total_cmp(&share(b)))
+}
+
+/// The mode of all meshes that carry a load, by its place among the natural modes.
+///
+/// # Errors
+/// [`NotSolved`] where own coordinates of a gear have no stiffness, or no mesh has one.
+pub(super) fn mesh_mode_at(scene: &mut Scene, found: &Loaded) -> Result<usize, NotSolved> {
+    let mut cycle = Cycle::of(scene, found)?;
+    cycle.fill_rows(&found.state);
+    let all = cycle.at(found, &vec![0.0; found.state.q.len()]);
+    let springs: Vec<HubSpring<'_>> = (cycle.rows.iter().zip(&all))
+        .filter(|(row, _)| row.carries())
+        .map(|(row, phase)| (&row.hubs[..], 1.0 / phase.compliance))
+        .collect();
+    match springs.is_empty() {
+        true => Err(NotSolved::Matrices(NO_STIFFNESS)),
+        false => of_meshes(found, &springs).ok_or(NotSolved::Matrices("nothing in it vibrates")),
+    }
 }
 
 /// How a gear turns as a rigid body: own coordinates go with the hub where nothing strains them.
@@ -187,7 +219,24 @@ fn turns(scene: &Scene, mechanism: &DMatrix<f64>) -> Result<Vec<Option<Vec<f64>>
     scene.gears().iter().map(of).collect()
 }
 
-impl Cycle<'_> {
+impl<'a> Cycle<'a> {
+    /// Of a loaded state; rows are to be filled.
+    fn of(scene: &'a mut Scene, start: &Loaded) -> Result<Cycle<'a>, NotSolved> {
+        let n = start.state.q.len();
+        let (mut scales, mut speeds) = (vec![0.0; n], vec![0.0; n]);
+        scene.scales(&mut scales, &mut speeds);
+        let mechanism = scene.mechanism(start.state.at(), &start.linear.mass);
+        let meshes = scene.meshes().len();
+        Ok(Cycle {
+            turns: turns(scene, &mechanism.stiffness)?,
+            sides: vec![1.0; meshes],
+            rows: vec![MeshRow::default(); meshes],
+            scene,
+            scales,
+            speeds,
+        })
+    }
+
     /// Slope of the force of a mesh by what its gears close it by, as rigid bodies: by displacement, or by their rate.
     ///
     /// On the way of one gear the stiffness changes as teeth pass, on that of the other as much the other way.
@@ -220,8 +269,8 @@ impl Cycle<'_> {
         sum / count
     }
 
-    /// Rows of the meshes at the first phase.
-    fn fill_rows(&mut self, s: &State) -> Result<(), NotSolved> {
+    /// Rows of the meshes at the first phase. One that carries no load closes by nothing.
+    fn fill_rows(&mut self, s: &State) {
         let n = s.q.len();
         let none = vec![0.0; n];
         let mut slopes = vec![vec![0.0; n]; self.rows.len()];
@@ -238,10 +287,11 @@ impl Cycle<'_> {
             let slope = self.slope(s, mesh, false);
             self.sides[mesh] = if slope < 0.0 { -1.0 } else { 1.0 };
             let [stiffness, damping] = [false, true].map(|rate| self.slope(s, mesh, rate));
-            if stiffness <= 0.0 || !stiffness.is_finite() {
-                return Err(NotSolved::Matrices(
-                    "a mesh has no stiffness: it carries no load, or none of its gears can move",
-                ));
+            let row = &mut self.rows[mesh];
+            (row.stiffness, row.damping) = (stiffness, damping);
+            if !row.carries() {
+                (row.flanks, row.hubs) = (none.clone(), none.clone());
+                continue;
             }
             let of_mesh = &self.scene.meshes()[mesh];
             let mut flanks: Vec<f64> = slopes.iter().map(|x| x / stiffness).collect();
@@ -264,9 +314,7 @@ impl Cycle<'_> {
             }
             let row = &mut self.rows[mesh];
             (row.flanks, row.hubs) = (flanks, hubs);
-            (row.stiffness, row.damping) = (stiffness, damping);
         }
-        Ok(())
     }
 
     /// The meshes at a loaded state that has moved by `away` from the first, as seen from carriers.
@@ -332,9 +380,6 @@ fn frequencies(scene: &Scene, spec: &SceneSpec, seen: &State) -> Vec<f64> {
 /// [`NotSolved`] where a loaded state is not found, where gears stand still, or a mesh carries no load.
 pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Running, NotSolved> {
     let start = loaded(scene, true)?;
-    let n = start.state.q.len();
-    let (mut scales, mut speeds) = (vec![0.0; n], vec![0.0; n]);
-    scene.scales(&mut scales, &mut speeds);
     let seen = scene.relative_state(&start.state);
     let frequencies = frequencies(scene, spec, &seen);
     if frequencies.iter().any(|f| *f <= 0.0) {
@@ -342,16 +387,11 @@ pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Run
             "a mesh does not rotate at the initial speeds, so that its mesh frequency is zero",
         ));
     }
-    let mechanism = scene.mechanism(start.state.at(), &start.linear.mass);
-    let mut cycle = Cycle {
-        turns: turns(scene, &mechanism.stiffness)?,
-        sides: vec![1.0; frequencies.len()],
-        rows: vec![MeshRow::default(); frequencies.len()],
-        scene,
-        scales,
-        speeds,
-    };
-    cycle.fill_rows(&start.state)?;
+    let mut cycle = Cycle::of(scene, &start)?;
+    cycle.fill_rows(&start.state);
+    if !cycle.rows.iter().all(MeshRow::carries) {
+        return Err(NotSolved::Matrices(NO_STIFFNESS));
+    }
     let mut cycles: Vec<MeshCycle> = Vec::new();
     for (mesh, f) in frequencies.into_iter().enumerate() {
         cycle.rows[mesh].frequency = f;
@@ -379,10 +419,12 @@ pub fn running(scene: &mut Scene, spec: &SceneSpec, phases: usize) -> Result<Run
                 // What carriers move by is seen by nobody on them.
                 (cycle.scene.carrier_coordinates().into_iter()).for_each(|i| away[i] = 0.0);
                 let all = cycle.at(found, &away);
-                let of_group: Vec<(&MeshRow, f64)> = (group.meshes.iter())
-                    .map(|m| (&cycle.rows[*m], 1.0 / all[*m].contact))
+                let of_group: Vec<HubSpring<'_>> = (group.meshes.iter())
+                    .map(|m| (&cycle.rows[*m].hubs[..], 1.0 / all[*m].compliance))
                     .collect();
-                group.natural.push(natural(found, &of_group));
+                let mode = of_meshes(found, &of_group);
+                let frequency = |i: usize| found.modes.squares[i].sqrt() / TAU;
+                group.natural.push(mode.map_or(0.0, frequency));
                 for (to, mesh) in group.phases.iter_mut().zip(&group.meshes) {
                     to.push(all[*mesh]);
                 }

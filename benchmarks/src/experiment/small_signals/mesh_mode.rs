@@ -1,10 +1,10 @@
-//! The mesh mode of a model: of the natural motions of its scene about the equilibrium of the loads that with the largest share
-//! of strain energy in the meshes.
+//! The mesh mode of a model: of the natural motions of its scene about the equilibrium of the loads that in which the hubs close
+//! the meshes most; see [`super::cycle`].
 //!
 //! A damping that a scene states means different things to different models: a ratio of the contact's spring, of each mode of a
 //! body, of tooth springs. The damping ratio of the mesh mode is comparable across models.
 
-use super::cycle::{PHASES, Resonance, running};
+use super::cycle::{PHASES, Resonance, mesh_mode_at, running};
 use super::motions::energies;
 use super::{Loaded, NotSolved, has_loads, loaded, settled};
 use crate::experiment::configuration::Configuration;
@@ -15,7 +15,7 @@ use crate::experiment::runner::Runner;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::{Scene, StrainIn};
-use gearbench_models::spec::{ModelSpec, SceneSpec};
+use gearbench_models::spec::{ModelSpec, Modelling, SceneSpec};
 use gearbench_reports::record::{MeshMode, finite};
 use std::f64::consts::TAU;
 
@@ -42,47 +42,54 @@ pub fn mesh_mode_of(
         Ok(found) => found,
         Err(why) => return none(why.to_string()),
     };
-    let mut best: Option<MeshMode> = None;
-    for motion in found.motions().into_iter().filter(|m| m.omega > 0.0) {
-        let strain = energies(scene, &found.state, &found.linear, &motion.x).strain;
-        let in_meshes = |(place, energy): (&StrainIn, &f64)| match place {
-            StrainIn::Mesh(_) => *energy,
-            _ => 0.0,
-        };
-        let all: f64 = strain.values().sum();
-        let share = strain.iter().map(in_meshes).sum::<f64>() / all.max(f64::MIN_POSITIVE);
-        if best.as_ref().is_none_or(|b| b.mesh_share < Some(share)) {
-            best = Some(MeshMode {
-                label: label.to_owned(),
-                frequency_hz: finite(motion.omega / TAU),
-                damping_ratio: motion.damped.and_then(|d| finite(d.ratio)),
-                mesh_share: finite(share),
-                ..MeshMode::default()
-            });
-        }
+    let place = match mesh_mode_at(scene, found) {
+        Ok(place) => found.rigid.len() + place,
+        Err(why) => return none(why.to_string()),
+    };
+    let motion = found.motions().into_iter().nth(place);
+    let Some(motion) = motion.filter(|m| m.omega > 0.0) else {
+        return none("nothing in it vibrates".into());
+    };
+    let strain = energies(scene, &found.state, &found.linear, &motion.x).strain;
+    let in_meshes = |(place, energy): (&StrainIn, &f64)| match place {
+        StrainIn::Mesh(_) => *energy,
+        _ => 0.0,
+    };
+    let all: f64 = strain.values().sum();
+    let share = strain.iter().map(in_meshes).sum::<f64>() / all.max(f64::MIN_POSITIVE);
+    MeshMode {
+        label: label.to_owned(),
+        frequency_hz: finite(motion.omega / TAU),
+        damping_ratio: motion.damped.and_then(|d| finite(d.ratio)),
+        mesh_share: finite(share),
+        ..MeshMode::default()
     }
-    best.unwrap_or_else(|| none("nothing in it vibrates".into()))
 }
 
-/// The mesh mode of a model of a scene; `None` where the scene has no loads.
-fn mesh_mode(entry: &Configuration, models: &[Model]) -> Option<MeshMode> {
-    let spec = settled(&entry.scene);
+/// The mesh mode of a model of a scene, with the resonance over its cycle up to so many coordinates; `None` where the scene has
+/// no loads.
+pub fn mesh_mode(
+    label: &str,
+    (scene, modelling): (&SceneSpec, &Modelling),
+    models: &[Model],
+    over_cycle: usize,
+) -> Option<MeshMode> {
+    let spec = settled(scene);
     if !has_loads(&spec, 0.0) {
         return None;
     }
-    let label = entry.model_label();
     let none = |message: String| MeshMode {
-        label: label.clone(),
+        label: label.to_owned(),
         message,
         ..MeshMode::default()
     };
     let full = |g: &ModelSpec| properties_of(models, &g.id).full_order;
-    if entry.modelling.gears.iter().any(full) {
+    if modelling.gears.iter().any(full) {
         return Some(none(
             "not computed: full finite elements have too many coordinates".into(),
         ));
     }
-    let mut scene = match Scene::build(&spec, &entry.modelling, models) {
+    let mut scene = match Scene::build(&spec, modelling, models) {
         Ok(scene) => scene,
         Err(e) => return Some(none(e.to_string())),
     };
@@ -95,8 +102,8 @@ fn mesh_mode(entry: &Configuration, models: &[Model]) -> Option<MeshMode> {
         }
         _ => loaded(&mut scene, true),
     };
-    let mode = mesh_mode_of(&label, &mut scene, found.as_ref());
-    let of_cycle = resonance(&mut scene, &spec, FEW_OVER_CYCLE);
+    let mode = mesh_mode_of(label, &mut scene, found.as_ref());
+    let of_cycle = resonance(&mut scene, &spec, over_cycle);
     Some(with_resonance(mode, of_cycle))
 }
 
@@ -135,7 +142,11 @@ pub fn mesh_modes<'e>(
             break;
         }
         let key = Key::new("mesh mode").and_scene(&entry.scene, &entry.modelling);
-        let found = runner.piece(key, || Ok::<_, JournalError>(mesh_mode(entry, models)))?;
+        let label = entry.model_label();
+        let of = (&entry.scene, &entry.modelling);
+        let found = runner.piece(key, || {
+            Ok::<_, JournalError>(mesh_mode(&label, of, models, FEW_OVER_CYCLE))
+        })?;
         all.extend(found);
     }
     Ok(all)

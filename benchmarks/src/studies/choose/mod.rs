@@ -14,6 +14,7 @@
 //! | [`level`] | the hierarchy of models |
 //! | [`detail`] | its levels of contact and mesh |
 //! | [`plan`] | what could be run: levels, integrators, steps |
+//! | `damping` | what damps models without modes: the damping ratio of the mesh mode of the elastic ones |
 //! | `statics` | the stiffness of rigid gears from static solves of the elastic ones |
 //! | `pilot` | a rigid run through the scene: the window, and how errors grow beyond it |
 //! | [`trial`] | a model on the window: its history, its cost |
@@ -29,6 +30,7 @@
 pub(crate) mod arguments;
 mod chosen;
 pub(crate) mod command;
+mod damping;
 pub mod detail;
 mod domain;
 mod held;

@@ -3,6 +3,7 @@
 //! Steps are halves of halves of the contact time `T = pi sqrt(m/k)` of rigid gears with the stiffness of the norm, so
 //! that candidates of small and large gears resolve a contact alike.
 
+use super::damping::OfMesh;
 use super::detail::Details;
 use super::level::{Level, Stiffness};
 use super::problem::{Flexible, Own, Problem};
@@ -173,9 +174,18 @@ impl Prepared {
     pub fn with(problem: &Problem, details: Details) -> Result<Prepared, ChooseError> {
         let oscillator = MeshOscillator::of(&problem.scene)?;
         let scene = Arc::new(problem.scene.clone());
-        // Dampers belong to a force, which the first run tells; a ratio would need a linear law.
-        let relaxation =
-            |m: usize, force| problem.relaxation(&details.lead, m, oscillator.stiffness, force);
+        let of_mesh = OfMesh::of(problem, &details);
+        // Without a mesh mode dampers belong to a force, which the first run tells.
+        let relaxation = |m: usize, force| match &of_mesh {
+            Some(of_mesh) => of_mesh.relaxation,
+            None => problem.relaxation(&details.lead, m, oscillator.stiffness, force),
+        };
+        let damped = |mut modelling: Modelling| {
+            if let Some(of_mesh) = &of_mesh {
+                of_mesh.give(problem, &mut modelling);
+            }
+            Arc::new(modelling)
+        };
         let fixed = |stiffness: Stiffness, source: statics::Source<'_>, force: f64| {
             let contacts = (problem.flexible.contacts.iter().enumerate())
                 .map(|(m, flexible)| {
@@ -184,7 +194,7 @@ impl Prepared {
                     if let Damping::RatioAtLoad { ratio } = flexible.damping {
                         let of_modes = relaxation(m, force) / (2.0 * oscillator.lag());
                         c.damping = Damping::RatioAtLoad {
-                            ratio: ratio + of_modes,
+                            ratio: of_mesh.map_or(ratio + of_modes, |o| o.ratio),
                         };
                     }
                     c
@@ -193,7 +203,7 @@ impl Prepared {
             Fixed {
                 level: Level::Rigid(stiffness),
                 scene: scene.clone(),
-                modelling: Arc::new(statics::rigid(&problem.scene, contacts)),
+                modelling: damped(statics::rigid(&problem.scene, contacts)),
             }
         };
         let first = fixed(Stiffness::Norm, statics::Source::Norm, 0.0);
@@ -222,11 +232,15 @@ impl Prepared {
             };
             let derived = statics::movable_teeth(&problem.scene, statics.as_ref().ok(), damping);
             if let Ok(mut modelling) = derived {
-                modelling.contacts[0].friction = problem.flexible.contacts[0].friction;
+                let flexible = &problem.flexible.contacts[0];
+                modelling.contacts[0].friction = flexible.friction;
+                if let (Some(o), Damping::RatioAtLoad { .. }) = (of_mesh, flexible.damping) {
+                    modelling.contacts[0].damping = Damping::RatioAtLoad { ratio: o.ratio };
+                }
                 all.push(Fixed {
                     level: Level::MovableTeeth(None),
                     scene: scene.clone(),
-                    modelling: Arc::new(modelling),
+                    modelling: damped(modelling),
                 });
             }
         }

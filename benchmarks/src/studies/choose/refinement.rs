@@ -160,18 +160,39 @@ fn integration_error(
     };
     let mut trial = Trial::new(problem, &candidate.scene, &candidate.modelling)?;
     let highest = level.outcome.row.highest_hz.unwrap_or(0.0);
+    let found = error_of_step((step, highest), |other| {
+        let other = trial.run(&candidate.method.method.at_step(other), window)?;
+        Ok::<_, ChooseError>(other.error(metric, &level.outcome))
+    })?;
+    Ok(found.unwrap_or(f64::INFINITY))
+}
+
+/// Error of a run by the step of its integration, from its `distance` to one with another step: twice the step, or half of it
+/// where twice the step does not carry modes up to the highest [Hz], or says nothing. The method is of the second order.
+///
+/// # Errors
+/// Those of `distance`.
+pub fn error_of_step<E>(
+    (step, highest): (f64, f64),
+    mut distance: impl FnMut(f64) -> Result<f64, E>,
+) -> Result<Option<f64>, E> {
     let coarse_carries = SAFE / (4.0 * step) > highest;
     for (factor, of_distance) in [2.0, 0.5].into_iter().zip(OF_STEPS) {
         if factor > 1.0 && !coarse_carries {
             continue;
         }
-        let other = trial.run(&candidate.method.method.at_step(factor * step), window)?;
-        let distance = other.error(metric, &level.outcome);
-        if distance.is_finite() {
-            return Ok(of_distance * distance);
+        let found = distance(factor * step)?;
+        if found.is_finite() {
+            return Ok(Some(of_distance * found));
         }
     }
-    Ok(f64::INFINITY)
+    Ok(None)
+}
+
+/// Error of elastic gears by the modes that they lack, from the distances between levels of fewer modes and the next, the last to
+/// themselves.
+pub fn error_of_modes(distances: &[f64], metric: Metric) -> f64 {
+    remaining(distances).max(FLOOR[usize::from(is_scalar(metric))])
 }
 
 /// Why differences between levels do not fall with more modes, if so.
@@ -307,11 +328,10 @@ pub fn refine_over(
             false => ChooseError::Budget(budget.described()),
         });
     };
-    let floor = FLOOR[usize::from(is_scalar(requirement.metric))];
     let mut refinement = Refinement {
         finer: Err(String::new()),
         levels: Vec::new(),
-        remaining: modes.max(floor),
+        remaining: error_of_modes(&differences_of_modes, requirement.metric),
         of_finer: None,
         integration: 0.0,
         growth,
@@ -379,7 +399,8 @@ fn remaining(d: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{not_falling, remaining};
+    use super::{error_of_step, not_falling, remaining};
+    use std::convert::Infallible;
 
     /// Differences that stay as large as they were say nothing of the error; those that fall, or are within what is allowed,
     /// do.
@@ -389,6 +410,31 @@ mod tests {
         assert_eq!(not_falling(&[0.6, 0.5, 0.3, 0.2, 0.15, 0.12], 0.1), None);
         assert_eq!(not_falling(&[0.06, 0.05, 0.06, 0.05, 0.06], 0.1), None);
         assert_eq!(not_falling(&[0.6, 0.5, 0.6], 0.1), None);
+    }
+
+    /// Of a method of the second order a third of the distance to twice the step is left, and four thirds of that to half.
+    #[test]
+    fn the_error_of_a_step_follows_from_another_one() {
+        let exact = |h: f64| 3.0 * h * h;
+        let found = |highest: f64, fails: bool| {
+            let distance = |other: f64| {
+                let fails = fails && other > 1e-3;
+                let found = if fails {
+                    f64::INFINITY
+                } else {
+                    (exact(other) - exact(1e-3)).abs()
+                };
+                Ok::<_, Infallible>(found)
+            };
+            error_of_step((1e-3, highest), distance).unwrap().unwrap()
+        };
+        // Twice the step does not carry modes of 400 Hz, or its run fails.
+        for (highest, fails) in [(10.0, false), (400.0, false), (10.0, true)] {
+            let found = found(highest, fails);
+            assert!((found / exact(1e-3) - 1.0).abs() < 1e-9, "{found}");
+        }
+        let none = error_of_step((1e-3, 10.0), |_| Ok::<_, Infallible>(f64::NAN));
+        assert_eq!(none, Ok(None));
     }
 
     #[test]

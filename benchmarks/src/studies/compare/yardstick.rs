@@ -7,26 +7,31 @@
 //! | has a `reference_model`, or models of several degrees of detail | its most detailed model |
 //!
 //! **Refined gears** are those that `choose` judges by: elastic gears with twice the elements of the scene's, on half-spaces
-//! where flanks may touch so. Three further runs give the parts of their own error in the metric `e` of the tolerance:
+//! where flanks may touch so. Further runs give the parts of their own error in the metric `e` of the tolerance, by the functions
+//! that `choose` estimates its own yardstick with:
 //!
 //! ```text
-//! integration  e(step 2 h)                      first order at least, as events are located
-//! modes        e(half the modes)                a difference that falls by one half for twice the modes
+//! integration  e(step 2 h)/3                    second order; where 2 h does not carry all modes, 4/3 e(step h/2)
+//! modes        d q/(1 - q)                      d, q: last distance of 50, 75, 100 modes, and its ratio to the one before
 //! mesh         e(mesh of the scene) q/(1 - q)   q = 1/4 on half-spaces, 1/2 where elements touch; all of e above 0.2
 //! ```
 //!
-//! Their sum is the error of the yardstick. All is bounded by a number of steps, never by time.
+//! Their sum is the error of the yardstick. Each of these runs is bounded by processor time as every other run is (`--timeout`).
+//! Where refined gears themselves do not reach the end, the most detailed model of the scene takes their place; where a further
+//! run does not, its part is not known. Either is told, and nothing is decided, since the error of the yardstick is not known.
 
 use super::Plan;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::run::{Job, NO_BOUND, RunError, run};
+use crate::experiment::run::{Job, RunError, run};
 use crate::experiment::runner::Runner;
 use crate::models::models;
 use crate::scene_file::SceneFile;
 use crate::studies::choose::detail::Details;
 use crate::studies::choose::plan::{elastic, fine_step};
 use crate::studies::choose::problem::{Flexible, Problem};
-use crate::studies::choose::refinement::{error_of_mesh, steps_per_contact};
+use crate::studies::choose::refinement::{
+    error_of_mesh, error_of_modes, error_of_step, steps_per_contact,
+};
 use crate::studies::choose::trial::cannot_run;
 use gearbench_integrators::Scheme;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
@@ -36,18 +41,21 @@ use gearbench_models::spec::{LocalContact, ModelSpec};
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::comparison::{Kind, Yardstick};
 use gearbench_reports::metrics::{Metric, compare};
-use gearbench_reports::record::{ReferenceSeries, Run, SELF};
+use gearbench_reports::numbers::quantity;
+use gearbench_reports::record::{ReferenceSeries, Run, SELF, Status};
+use gearbench_reports::series::TimeSeries;
 
 /// Id of refined gears among the references of a record, and in `tolerance.against` of a scene.
 pub const REFINED: &str = "refined";
-/// Dynamic modes per gear of refined gears.
+/// Dynamic modes per gear of refined gears, and of the runs that tell what they are off by these.
 const MODES: usize = 100;
+const FEWER: [usize; 2] = [75, 50];
+/// Runs of the yardstick.
+const RUNS: usize = 5;
 /// Tolerance that the step is fine enough for where the scene says none.
 const USUAL: f64 = 0.05;
 /// Tolerance of refined gears whose modes are coupled.
 const COUPLED_RTOL: f64 = 1e-6;
-/// Steps that a run of refined gears may take.
-const MOST_STEPS: u64 = 400_000;
 
 /// What a comparison is to compare its models with.
 #[derive(Clone, Debug, Default)]
@@ -121,11 +129,25 @@ pub struct Refined {
 }
 
 /// One way to run the gears.
+#[derive(Clone, Copy)]
 struct Variant<'a> {
     flexible: &'a Flexible,
     modes: usize,
-    /// Steps of the finest run in one of this one.
+    /// Step over that of the finest run.
     coarser: f64,
+}
+
+/// Runs refined gears in several ways.
+struct Maker<'a> {
+    plan: &'a Plan<'a>,
+    problem: &'a Problem,
+    runner: &'a Runner<'a>,
+    step: f64,
+    metric: Metric,
+    /// Runs that were begun.
+    begun: usize,
+    /// Why parts of their error are not known.
+    unknown: Vec<String>,
 }
 
 /// Runs refined gears of a scene over the whole of it.
@@ -147,52 +169,36 @@ pub fn refined(
         Ok(step) => step,
         Err(e) => return Ok(Err(e.to_string())),
     };
-    let steps = plan.conditions.duration / step;
-    if steps > MOST_STEPS as f64 {
-        return Ok(Err(format!(
-            "their {steps:.1e} steps are more than the {MOST_STEPS} that they may take"
-        )));
-    }
-    let tell = |what: &str| runner.tell(0, plan.len(), &format!("yardstick: {what}"));
-    tell("mesh and modes of refined gears");
+    let mut maker = Maker {
+        plan,
+        problem,
+        runner,
+        step,
+        metric,
+        begun: 0,
+        unknown: Vec::new(),
+    };
+    maker.tell("mesh and modes of refined gears");
     let details = Details::of(problem, MODES);
     let finest = Variant {
         flexible: details.judge(),
         modes: MODES,
         coarser: 1.0,
     };
-    let mut made = match variant(plan, problem, &finest, step, runner)? {
+    let mut made = match maker.run("refined gears", &finest)? {
         Ok(made) => made,
         Err(why) => return Ok(Err(why)),
     };
     let series = made.series.take().unwrap_or_default();
-    let error_of = |of: &Variant<'_>, what: &str| -> Result<Option<f64>, RunError> {
-        tell(what);
-        let other = variant(plan, problem, of, step, runner)?;
-        Ok(other.ok().and_then(|other| {
-            let run = other.finished().ok()?;
-            compare(run, &series, REFINED).get(metric).map(f64::abs)
-        }))
-    };
-    let coarser = Variant {
-        coarser: 2.0,
+    let integration = maker.integration(&finest, &made, &series)?;
+    let modes = maker.modes(&finest, &series)?;
+    let lead = Variant {
+        flexible: &details.lead,
         ..finest
     };
-    let integration = error_of(&coarser, "twice the step")?;
-    let fewer = Variant {
-        modes: MODES / 2,
-        ..finest
-    };
-    let modes = error_of(&fewer, "half the modes")?;
     let mesh = match &details.finer {
-        Ok(_) => {
-            let lead = Variant {
-                flexible: &details.lead,
-                ..finest
-            };
-            let distance = error_of(&lead, "mesh of the scene")?;
-            distance.map(|e| error_of_mesh(e, details.on_half_spaces()))
-        }
+        Ok(_) => (maker.distance("mesh of the scene", &lead, &series)?)
+            .map(|e| error_of_mesh(e, details.on_half_spaces())),
         Err(_) => None,
     };
     let error = [integration, modes, mesh]
@@ -202,7 +208,7 @@ pub fn refined(
         "refined elastic gears ({}; {MODES} modes)",
         details.describe_judge()
     );
-    let mut notes: Vec<String> = Vec::new();
+    let mut notes = maker.unknown;
     notes.extend(details.no_half_spaces.iter().cloned());
     notes.extend(details.finer.as_ref().err().cloned());
     Ok(Ok(Refined {
@@ -231,39 +237,129 @@ pub fn refined(
     }))
 }
 
-/// Runs a variant; the inner error is the reason why it does not reach its end.
-fn variant(
-    plan: &Plan<'_>,
-    problem: &Problem,
-    of: &Variant<'_>,
-    step: f64,
-    runner: &Runner<'_>,
-) -> Result<Result<Run, String>, RunError> {
-    let modelling = elastic(of.flexible, of.modes, Some(step));
-    let conditions = &plan.conditions;
-    let grid = conditions.grid();
-    let under = |method: &Scheme| {
-        let job = Job {
-            repeats: 0,
-            timeout: NO_BOUND,
-            max_steps: MOST_STEPS,
-            ..conditions.job((&problem.scene, &modelling), method, &grid)
+impl Maker<'_> {
+    fn tell(&self, what: &str) {
+        let what = format!("yardstick: {what}");
+        self.runner.tell(0, self.plan.len(), &what);
+    }
+
+    /// Runs a variant; the inner error is the reason why it does not reach its end.
+    fn run(&mut self, what: &str, of: &Variant<'_>) -> Result<Result<Run, String>, RunError> {
+        self.begun += 1;
+        self.tell(&format!("run {} of {RUNS}, {what}", self.begun));
+        let modelling = elastic(of.flexible, of.modes, Some(self.step));
+        let conditions = &self.plan.conditions;
+        let grid = conditions.grid();
+        let under = |method: &Scheme| {
+            let job = Job {
+                repeats: 0,
+                ..conditions.job((&self.problem.scene, &modelling), method, &grid)
+            };
+            let key = job.key().and(&"yardstick");
+            self.runner.piece(key, || run(&job))
         };
-        runner.piece(job.key().and(&"yardstick"), || run(&job))
-    };
-    let made = match under(&TRIGONOMETRIC.at_step(of.coarser * step)) {
-        // Where something couples the modes, an adaptive method of the fifth order runs them.
-        Err(RunError::NoLinearPart(_)) => {
-            under(&DOPRI5.at_tolerance(of.coarser.powi(5) * COUPLED_RTOL))
+        let made = match under(&TRIGONOMETRIC.at_step(of.coarser * self.step)) {
+            // Where something couples the modes, an adaptive method of the fifth order runs them.
+            Err(RunError::NoLinearPart(_)) => {
+                under(&DOPRI5.at_tolerance(of.coarser.powi(5) * COUPLED_RTOL))
+            }
+            other => other,
+        };
+        match made {
+            Err(e) => cannot_run(&e).map(Err).ok_or(e),
+            Ok(row) if row.status == Status::Timeout => Ok(Err(format!(
+                "{} of processor time are not enough for the {} of the scene; allow more with --timeout",
+                quantity(conditions.timeout.as_secs_f64(), "s", 3),
+                quantity(conditions.duration, "s", 3)
+            ))),
+            Ok(row) if row.status.is_failure() => {
+                Ok(Err(row.message.unwrap_or_else(|| row.status.to_string())))
+            }
+            Ok(row) => Ok(Ok(row)),
         }
-        other => other,
-    };
-    match made {
-        Err(e) => cannot_run(&e).map(Err).ok_or(e),
-        Ok(row) if row.status.is_failure() => {
-            Ok(Err(row.message.unwrap_or_else(|| row.status.to_string())))
+    }
+
+    /// Distance of a run to a history; nothing where it has none, for a reason that is kept.
+    fn between(
+        &mut self,
+        (what, made): (&str, &Result<Run, String>),
+        series: &TimeSeries,
+    ) -> Option<f64> {
+        let found = made.as_ref().map_err(Clone::clone).and_then(|run| {
+            let run = run.finished().map_err(|e| e.to_string())?;
+            let found = compare(run, series, REFINED).get(self.metric).map(f64::abs);
+            found.ok_or_else(|| "the metric has no value".to_owned())
+        });
+        match found {
+            Ok(distance) => Some(distance),
+            Err(why) => {
+                let why =
+                    format!("what they are off is not known, because {what} gave nothing: {why}");
+                self.unknown.push(why);
+                None
+            }
         }
-        Ok(row) => Ok(Ok(row)),
+    }
+
+    /// Distance of a variant to refined gears.
+    fn distance(
+        &mut self,
+        what: &str,
+        of: &Variant<'_>,
+        series: &TimeSeries,
+    ) -> Result<Option<f64>, RunError> {
+        let made = self.run(what, of)?;
+        Ok(self.between((what, &made), series))
+    }
+
+    /// Error of their integration.
+    fn integration(
+        &mut self,
+        finest: &Variant<'_>,
+        made: &Run,
+        series: &TimeSeries,
+    ) -> Result<Option<f64>, RunError> {
+        if made.step.is_none() {
+            // Of an adaptive method the order says little: the whole distance counts.
+            let looser = Variant {
+                coarser: 2.0,
+                ..*finest
+            };
+            return self.distance("a looser tolerance", &looser, series);
+        }
+        let highest = made.highest_hz.unwrap_or(0.0);
+        let told = self.unknown.len();
+        let found = error_of_step((self.step, highest), |step| {
+            let coarser = step / self.step;
+            let other = Variant { coarser, ..*finest };
+            let found = self.distance(&format!("{coarser} times the step"), &other, series)?;
+            Ok::<_, RunError>(found.unwrap_or(f64::INFINITY))
+        })?;
+        if found.is_some() {
+            // One of both steps is enough.
+            self.unknown.truncate(told);
+        }
+        Ok(found)
+    }
+
+    /// Error by the modes that they lack.
+    fn modes(
+        &mut self,
+        finest: &Variant<'_>,
+        series: &TimeSeries,
+    ) -> Result<Option<f64>, RunError> {
+        let mut distances = Vec::new();
+        let mut next = series.clone();
+        for modes in FEWER {
+            let what = format!("{modes} modes");
+            let made = self.run(&what, &Variant { modes, ..*finest })?;
+            let Some(distance) = self.between((&what, &made), &next) else {
+                return Ok(None);
+            };
+            distances.insert(0, distance);
+            next = made.ok().and_then(|m| m.series).unwrap_or_default();
+        }
+        Ok(Some(error_of_modes(&distances, self.metric)))
     }
 }
 
@@ -292,5 +388,65 @@ pub fn of_stored(reference: &ReferenceSeries) -> Yardstick {
         },
         error: reference.own_error,
         ..Yardstick::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::studies::test_scene::coarse;
+    use gearbench_reports::Adequacy;
+    use std::time::Duration;
+
+    /// Refined gears are bounded by processor time as all runs are: where they do not reach the end there are none, and where a
+    /// run that tells what they are off gives nothing, their error is not known, nothing is decided, and both are told.
+    #[test]
+    fn refined_gears_that_do_not_end_are_told() {
+        let scene = coarse("modes = 10");
+        let choices: Vec<_> = scene.models.iter().collect();
+        let mut plan = Plan::of(&scene, &choices, &[]);
+        let problem = Problem::of(&scene);
+        let runner = Runner::default();
+        let made = refined(&plan, &problem, &runner).unwrap().ok().unwrap();
+        assert_eq!(made.yardstick.note.matches("not known").count(), 0);
+        let parts = [
+            made.yardstick.integration_error,
+            made.yardstick.modes_error,
+            made.yardstick.mesh_error,
+        ];
+        assert!(
+            parts.iter().all(|e| e.is_some_and(|e| e > 0.0)),
+            "{parts:?}"
+        );
+        let mut maker = Maker {
+            plan: &plan,
+            problem: &problem,
+            runner: &runner,
+            step: 1e-7,
+            metric: Metric::default(),
+            begun: 0,
+            unknown: Vec::new(),
+        };
+        let ended_early = Err("it got to half of the end".to_owned());
+        let series = &made.reference.series;
+        assert_eq!(maker.between(("75 modes", &ended_early), series), None);
+        let why = maker.unknown.join("; ");
+        assert!(
+            why.contains("75 modes") && why.contains("half of the end"),
+            "{why}"
+        );
+        let without = Yardstick {
+            error: None,
+            ..made.yardstick
+        };
+        assert_eq!(without.verdict(1e-9, 0.5), Adequacy::NotDecided);
+
+        // No run ends within a nanosecond.
+        plan.conditions.timeout = Duration::from_nanos(1);
+        let why = refined(&plan, &problem, &runner).unwrap().err().unwrap();
+        assert!(
+            why.contains("--timeout") && why.contains("not enough"),
+            "{why}"
+        );
     }
 }

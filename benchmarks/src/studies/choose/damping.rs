@@ -1,0 +1,95 @@
+//! What damps rigid gears and movable teeth in the place of elastic ones.
+//!
+//! A damping that a scene gives its elastic gears is one of their modes and of their contact, in which little of the compliance
+//! of a mesh is: with 5 % in both the gears of `gearbench init` swing in their mesh with 0.5 %. Two models are alike under load
+//! only where the mesh mode has the same damping. So in a scene with loads the elastic gears that judge ([`Details::judge`]) are
+//! made linear about the loaded state, and every derived level gets their damping ratio: its damper is multiplied until its own
+//! mesh mode has it. What else damps that mode, as bearings do, counts.
+//!
+//! Without loads nothing swings about a state, and the damper follows from the losses of a slow cycle
+//! ([`Problem::relaxation`]).
+
+use super::detail::Details;
+use super::plan::elastic;
+use super::problem::Problem;
+use crate::experiment::small_signals::mesh_mode::{FEW, mesh_mode};
+use gearbench_models::law::Damping;
+use gearbench_models::spec::Modelling;
+use std::f64::consts::TAU;
+
+/// Modes per gear of the elastic gears whose mesh mode tells the damping.
+const MODES: usize = 50;
+/// Relative error of the ratio of a level, after so many trials at most.
+const WITHIN: f64 = 1e-4;
+const TRIALS: usize = 12;
+/// Factor of a damper beyond which it does not damp the mesh mode.
+const MOST: f64 = 1e3;
+/// Coordinates of a hub at most.
+const HUB: usize = 6;
+
+/// Damping of the mesh mode of elastic gears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OfMesh {
+    /// Damping ratio [-].
+    pub ratio: f64,
+    /// Time by which a damper runs ahead of its spring that gives this ratio alone, `2 ratio / omega` [s].
+    pub relaxation: f64,
+}
+
+impl OfMesh {
+    /// That of the elastic gears that judge; `None` in a scene without loads, and where it has no such mode.
+    pub fn of(problem: &Problem, details: &Details) -> Option<OfMesh> {
+        let gears = problem.scene.gears.len();
+        let modes = MODES.min((FEW / gears).saturating_sub(HUB));
+        let judge = elastic(details.judge(), modes, None);
+        let mode = mesh_mode("", (&problem.scene, &judge), problem.models, 0)?;
+        let (frequency, ratio) = (mode.frequency_hz?, mode.damping_ratio?);
+        Some(OfMesh {
+            ratio,
+            relaxation: 2.0 * ratio / (TAU * frequency),
+        })
+    }
+
+    /// Multiplies the damping of contacts until the mesh mode of the models has this ratio; models whose mesh mode is not known,
+    /// or does not depend on it, stay as they are.
+    pub fn give(&self, problem: &Problem, modelling: &mut Modelling) {
+        let with = |factor: f64| {
+            let mut scaled = modelling.clone();
+            (scaled.contacts.iter_mut()).for_each(|c| c.damping = times(c.damping, factor));
+            scaled
+        };
+        let ratio = |factor: f64| {
+            mesh_mode("", (&problem.scene, &with(factor)), problem.models, 0)?.damping_ratio
+        };
+        let Some(without) = ratio(0.0) else {
+            return;
+        };
+        let wanted = (self.ratio - without).max(0.0);
+        let mut factor = 1.0;
+        // Nearly linear, but for a damper behind the springs of teeth.
+        for _ in 0..TRIALS {
+            let Some(found) = ratio(factor).map(|r| r - without) else {
+                return;
+            };
+            if (found - wanted).abs() <= WITHIN * self.ratio {
+                break;
+            }
+            factor *= wanted / found;
+            if !(0.0..=MOST).contains(&factor) {
+                return;
+            }
+        }
+        *modelling = with(factor);
+    }
+}
+
+/// A damper, or a ratio, times a factor.
+fn times(damping: Damping, factor: f64) -> Damping {
+    match damping {
+        Damping::KelvinVoigt { c } => Damping::KelvinVoigt { c: factor * c },
+        Damping::RatioAtLoad { ratio } => Damping::RatioAtLoad {
+            ratio: factor * ratio,
+        },
+        other => other,
+    }
+}
