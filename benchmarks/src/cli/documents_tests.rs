@@ -190,7 +190,11 @@ fn commands(text: &str) -> Vec<Vec<String>> {
             found.extend(program(&line).then(|| words(&line)));
         } else {
             let code = line.split('`').skip(1).step_by(2);
-            found.extend(code.filter(|c| program(c)).map(words));
+            // In a sentence a command may lack its arguments.
+            found.extend(
+                code.filter(|c| program(c))
+                    .map(|c| [words(c), vec!["--help".into()]].concat()),
+            );
         }
     }
     // Words in capitals, dots and brackets stand for something else.

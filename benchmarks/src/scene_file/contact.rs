@@ -38,7 +38,7 @@ keys! {
         pub(super) penalty_n_per_m: Option<f64>,
         /// of flank points: "penalty" (default), or "hard": no penalty, for elastic gears with residual compliance
         pub(super) law: Option<PointLaw>,
-        /// what gives way where flanks touch: "mesh" (default), the elements, with a penalty; or "half-space", Hertz's
+        /// compliance next to the contact: "mesh" (default), the elements, with a penalty; or "half-space", Hertz's
         /// approach in their place, for elastic gears
         pub(super) local: Option<LocalContact>,
         /// "quadrature" (default), "nodes", or { along, across }; with law = "hard" "mortar" (default) or "nodes"
@@ -76,7 +76,7 @@ keys! {
         film: Option<FilmKeys>,
         /// sliding speed in m/s over which the force is smoothed, for example 0.01
         v_ref_m_s: Option<f64>,
-        /// in place of v_ref_m_s: displacement in m over which friction holds what sticks, for example 1e-6
+        /// in place of v_ref_m_s: elastic displacement in m of sticking contacts, for example 1e-6
         stick_m: Option<f64>,
     }
 

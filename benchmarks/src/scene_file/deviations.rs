@@ -13,7 +13,7 @@ use gearbench_models::geometry::{Deviations, FlankDeviations, GivenDeviations};
 
 keys! {
     pub(super) struct DeviationKeys {
-        /// tolerance class of ISO 1328-1 to draw from, 1 to 11; stands alone with `seed`
+        /// tolerance class of ISO 1328-1 to draw from, 1 to 11; combined with `seed` alone
         class: Option<u32>,
         /// a whole number, default 0; the same seed gives the same gear
         seed: Option<u32>,
@@ -28,7 +28,7 @@ keys! {
     }
 
     pub(super) struct FlankKeys {
-        /// list over the teeth: how far each flank stands counter-clockwise of its place on the reference circle in metres
+        /// list over the teeth: counter-clockwise displacement of each flank on the reference circle in metres
         cumulative_pitch_m: Option<Vec<f64>>,
         /// list over the teeth: profile slope deviation f_Halpha in metres, positive for more material at the tip
         profile_slope_m: Option<Vec<f64>>,

@@ -57,7 +57,7 @@ keys! {
         /// reduction of the tooth thickness at the reference circle in metres, default 0
         #[serde(default)]
         thinning_m: f64,
-        /// bore radius in metres, default 0 (solid: the elastic body then stands on a seat of half the root radius)
+        /// bore radius in metres, default 0 (solid: the elastic body then has a seat of half the root radius)
         #[serde(default)]
         bore_radius_m: f64,
         /// true for an internal gear (a ring gear): dedendum and tip radius factors are those of its cutter, a positive profile shift thickens its teeth and moves their tips inwards; default false

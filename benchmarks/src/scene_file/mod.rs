@@ -86,12 +86,12 @@ keys! {
         /// one line for lists and reports
         #[serde(default)]
         title: String,
-        /// what the scene shows, several lines
+        /// purpose of the scene, several lines
         #[serde(default)]
         description: String,
         /// simulated time in seconds, for example 0.00025
         duration_s: Positive,
-        /// what models are held against: id of a stored reference, as "calculix/case-a-fine", or { csv = "press.csv" }
+        /// reference that models are compared with: id of a stored one, as "calculix/case-a-fine", or { csv = "press.csv" }
         reference: Option<ReferenceChoice>,
         /// tables [[references]] of further ones, also at other speeds and loads
         references: Option<Vec<ReferenceKeys>>,
@@ -101,11 +101,11 @@ keys! {
         gears: InOrder<gear::ToothedKeys>,
         /// tables [[meshes]]
         meshes: Vec<mesh::MeshKeys>,
-        /// tables [[shafts]] of what several gears, or gears and bodies without teeth, stand on
+        /// tables [[shafts]]: shafts with several gears, or with gears and bodies without teeth
         shafts: Option<Vec<shaft::ShaftKeys>>,
         /// tables [[models]], the configurations to compare
         models: Vec<model::ModelKeys>,
-        /// tables [calibration.NAME.LABEL] of fitted constants, as `gearbench identify` writes them beside the scene
+        /// tables [calibration.NAME.LABEL] of fitted constants, as `gearbench identify` writes them next to the scene
         #[serde(default)]
         calibration: calibration::Sets,
         /// table [study]

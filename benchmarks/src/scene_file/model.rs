@@ -38,7 +38,7 @@ keys! {
         /// true where that time is not printed there but follows from other published numbers
         #[serde(default)]
         published_derived: bool,
-        /// "impact", "static" or "running", or { name, scene, label } to take another one's
+        /// "impact", "static" or "running", or { name, scene, label } for the calibration of another model or scene
         calibration: Option<CalibrationChoice>,
     }
 

@@ -55,7 +55,7 @@ keys! {
         right: Option<AmountKeys>,
         /// the same of both sides
         both: Option<AmountKeys>,
-        /// what one unit of the amounts is in metres, default 1; for micrometres 1e-6
+        /// length of one unit of the amounts in metres, default 1; for micrometres 1e-6
         unit_m: Option<Positive>,
         /// radii of the first and the last row in metres; left out, form circle and tip
         radii_m: Option<[f64; 2]>,

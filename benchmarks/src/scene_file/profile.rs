@@ -182,7 +182,7 @@ macro_rules! guides {
                 $damping: Option<NotNegative>,
                 /// sliding force (torque) of dry friction, default 0
                 $friction: Option<NotNegative>,
-                /// way over which friction holds what sticks, a thousandth of what is to be seen or less
+                /// elastic displacement of sticking friction, at most a thousandth of the motions of interest
                 $stick: Option<Positive>,
                 /// in its place: speed over which friction is smoothed
                 $v_ref: Option<Positive>,

@@ -28,11 +28,11 @@ keys! {
     pub(super) struct ShaftKeys {
         /// name of the shaft, for example "input"
         name: String,
-        /// what stands on it from one end to the other: { gear = "pinion", at_m = 0.2 } and { body = "motor", at_m = 0.0, inertia_kgm2 = 0.01 }
+        /// gears and bodies on it from one end to the other: { gear = "pinion", at_m = 0.2 } and { body = "motor", at_m = 0.0, inertia_kgm2 = 0.01 }
         carries: Vec<StationKeys>,
         /// list of { length_m, diameter_m } from the place 0 on; left out, the shaft is rigid
         sections: Option<Vec<SectionKeys>>,
-        /// damping ratio at the lowest frequencies of the shaft with what it carries, default 0
+        /// damping ratio at the lowest frequencies of the shaft with its gears and bodies, default 0
         damping_ratio: Option<NotNegative>,
         /// damping over stiffness in seconds, in place of a ratio
         damping_s: Option<NotNegative>,
@@ -47,7 +47,7 @@ keys! {
         body: Option<String>,
         /// place along the shaft in metres
         at_m: f64,
-        /// inertia of the body about the axis in kg m^2, beside that of the shaft, default 0
+        /// inertia of the body about the axis in kg m^2, in addition to that of the shaft, default 0
         inertia_kgm2: Option<NotNegative>,
         /// of a body: "revolute" (default), "fixed" or { driven = { speed_rad_s = 100.0 } }
         mount: Option<GearMount>,

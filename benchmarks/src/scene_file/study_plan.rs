@@ -39,7 +39,7 @@ keys! {
         samples: Option<Count<2, 1_000_000>>,
         /// metrics of interest, default all, for example ["force_l2_aligned", "peak_force_n"]
         quantities: Option<Distinct<MetricKey>>,
-        /// label of a model whose run the others are held against, beside the scene's reference
+        /// label of a model whose run the others are compared with, in addition to the scene's reference
         reference_model: Option<Label>,
         /// frequency above which the force of each mesh of a scene with several counts as ripple, for example 25e3
         ripple_above_hz: Option<Positive>,

@@ -24,7 +24,7 @@ keys! {
         angle: Option<InOrder<String>>,
         /// columns of torques of the contact forces by gear
         torque: Option<InOrder<String>>,
-        /// columns of torques of mounts that hold or drive, by gear
+        /// columns of torques of held and driven mounts, by gear
         mount_torque: Option<InOrder<String>>,
     }
 

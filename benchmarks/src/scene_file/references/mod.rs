@@ -38,7 +38,7 @@ use std::path::{Path, PathBuf};
 keys! {
     #[derive(Default)]
     pub(super) struct ReferenceKeys {
-        /// what records and `tolerance` call it, default the program of a stored one, else the name of the file
+        /// name in records and in `tolerance`, default the program of a stored one, else the name of the file
         name: Option<String>,
         /// id of a stored reference, for example "calculix/case-a-fine"
         stored: Option<String>,
@@ -82,7 +82,7 @@ keys! {
         path_coordinate_m: Option<f64>,
         /// centre distance of this reference in metres, default the scene's
         centre_distance_m: Option<Positive>,
-        /// what differs at gears: { pinion = { speed_rad_s = 40.0, torque_nm = 20.0 } }
+        /// conditions that differ at gears: { pinion = { speed_rad_s = 40.0, torque_nm = 20.0 } }
         #[serde(default)]
         gears: InOrder<GearConditionKeys>,
     }

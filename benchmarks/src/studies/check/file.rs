@@ -25,7 +25,7 @@ keys! {
         /// runtime in units of the kernel, { factor, all, gate }
         #[serde(default)]
         runtime: RuntimeKeys,
-        /// what quantities may differ, by key: tolerances.peak_force_n = { relative, absolute, most }
+        /// tolerated differences of quantities, by key: tolerances.peak_force_n = { relative, absolute, most }
         #[serde(default)]
         tolerances: InOrder<DifferenceKeys>,
         /// tables [[cases]]

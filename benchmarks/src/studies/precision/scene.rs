@@ -15,7 +15,7 @@ keys! {
     pub(crate) struct PrecisionKeys {
         /// labels, default those of the study
         models: Option<Distinct<Label>>,
-        /// in place of the study's, and beside a model's own (full finite elements keep their own)
+        /// in place of the study's, in addition to a model's own (full finite elements keep their own)
         integrators: Option<Vec<IntegratorKeys>>,
         /// numbers of modes per gear of elastic models, default [0, 10, 35, 70, 100, 150]
         modes: Option<Vec<Count<0, 2000>>>,
