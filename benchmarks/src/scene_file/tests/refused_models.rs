@@ -103,7 +103,7 @@ const MODELS: &str = r##"
 28: model = "rigid" => model = "rigid"\ncalibration = "impact"
     the scene `test` has no calibration "impact" of `rigid` | gearbench identify test --model rigid --write
 28: model = "rigid" => model = "rigid"\ncalibration = { name = "impact", scene = "spur_impact", label = "stiff" }
-    there is one for `movable-teeth` or `rigid`
+    the scene has one for `movable-teeth` or `rigid`
 "##;
 
 const STUDIES: &str = r##"
