@@ -268,7 +268,7 @@ fn a_constant_speed_is_refused_with_a_way_out() {
     };
     let message = &found.run_ups()[0].message;
     assert!(
-        message.contains("no run-up") && message.contains("--from"),
+        message.contains("not a run-up") && message.contains("--from"),
         "{message}"
     );
 }

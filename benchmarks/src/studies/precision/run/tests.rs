@@ -204,6 +204,6 @@ fn a_coarse_solution_is_named() {
     let [(finest, _), .., (coarsest, _)] = EXACT_MODES;
     assert_eq!(of(exact_for_modes(finest)), None);
     let note = of(exact_for_modes(coarsest)).unwrap();
-    let words = format!("the reference elastic to {coarsest:.0e} in place of {finest:.0e}");
+    let words = format!("the reference elastic with {coarsest:.0e} in place of {finest:.0e}");
     assert!(note.contains(&words), "{note}");
 }
