@@ -185,8 +185,11 @@ fn constants_that_are_not_fitted_stay_stored() {
     let folder = Folder::new();
     let scene =
         include_str!("../../scenes/spur_impact.toml").replacen("limit = 0.05", "limit = 0.2", 1);
+    let model = "model = \"movable-teeth\"\n";
+    let mass = "parameters = { tooth_mass_kg = 5e-3 }\n";
+    let scene = scene.replacen(model, &format!("{model}{mass}"), 1);
     let stored = "\n[calibration.impact.rigid]\nstiffness_n_per_m2 = 1.4e10\n\n[calibration.impact.movable-teeth]\n\
-                  stiffness_n_per_m2 = 2.5e10\ntooth_stiffness_n_per_m = 8e8\ntooth_mass_kg = 5e-3\n";
+                  stiffness_n_per_m2 = 2.5e10\ntooth_stiffness_n_per_m = 8e8\ntooth_mass_kg = 6e-3\n";
     folder.write("own.toml", &(scene + stored));
     folder.says(
         "identify own.toml --model movable-teeth --fit stiffness_n_per_m2 --hold tooth_stiffness_n_per_m=8e8,gap_m=2e-6 \
@@ -195,7 +198,7 @@ fn constants_that_are_not_fitted_stay_stored() {
     let written = folder.read("own.calibration.toml");
     has(
         &written,
-        &["tooth_mass_kg = 5e-3", "[impact.movable-teeth]"],
+        &["tooth_mass_kg = 6e-3", "[impact.movable-teeth]"],
     );
     let run = |model: &str| {
         let integrators = "--integrators dopri5@1e-4 --repeats 1";
@@ -205,7 +208,7 @@ fn constants_that_are_not_fitted_stay_stored() {
         run_of(&folder, &format!("{model}/results.json"))["parameters"].clone()
     };
     let mass = &run("movable-teeth")["pinion"]["tooth_mass_kg"];
-    assert_eq!(mass.as_f64(), Some(5e-3));
+    assert_eq!(mass.as_f64(), Some(6e-3));
     let stiffness = &run("rigid")["contact pinion - wheel"]["stiffness_n_per_m2"];
     assert_eq!(stiffness.as_f64(), Some(1.4e10));
 }

@@ -62,7 +62,10 @@ fn the_smallest_scene_works() {
     let shifted = example.replacen("teeth = 30", "teeth = 30\nprofile_shift = 0.1", 1);
     folder.write("s.toml", shifted.split("```").next().unwrap());
     let said = folder.says("stiffness s.toml --positions 4");
-    has(&said, &["out of range: ISO 6336-1", "fitted for x1 >= x2"]);
+    has(
+        &said,
+        &["outside its range: ISO 6336-1", "fitted for x1 >= x2"],
+    );
     has(
         &folder.says("stiffness s.toml --positions 4 --json"),
         &["\"limits\":[\"ISO 6336-1"],
