@@ -202,7 +202,7 @@ fn run_ups_are_told() {
     assert!((order - 16.0).abs() < 1e-3, "{order}");
     folder.refuses(
         "run-up loaded_mesh --models rigid --gear sun --out gear",
-        &["no gear `sun`", "pinion, wheel"],
+        &["no rotating gear `sun`", "pinion, wheel"],
     );
     folder.refuses("run-up loaded_mesh --from 200", &["--to"]);
 }

@@ -80,7 +80,7 @@ fn meshes_that_cannot_be_made_are_refused_and_nothing_is_written() {
         ),
         (
             "spur_impact --fine-teeth 1,31",
-            &["fine tooth 30 does not exist", "from 1"],
+            &["fine tooth 30 does not exist", "start at 1"],
         ),
         ("spur_impact --fine-teeth 0", &["--fine-teeth"]),
         ("broken.inp", &["broken.inp"]),
