@@ -149,7 +149,7 @@ fn work_failures_and_entries() {
     assert!(!folder.at("x").exists());
 }
 
-/// What `init` writes is a check that runs, and its files keep to the schema and the dictionary.
+/// The template of `init check` runs, and its files conform to the schema and the dictionary.
 #[test]
 fn the_template_runs_and_keeps_to_the_formats() {
     let folder = Folder::new();

@@ -229,8 +229,8 @@ fn bad_requirements_and_scenes_are_refused() {
     assert!(!folder.at("out").exists());
 }
 
-/// What was chosen is held against every reference of the scene, at the speeds and loads of each; one that says otherwise has
-/// the last word.
+/// The choice is compared with every reference of the scene, at the speeds and loads of each; a reference outside of
+/// the tolerance overrides the estimate.
 #[test]
 fn a_choice_is_held_against_references() {
     let folder = Folder::new();

@@ -190,7 +190,7 @@ fn a_baseline_lies_beside_its_check() {
     assert_eq!(folder.files(), 2);
 }
 
-/// What a process that was killed while it wrote has left goes with the next start.
+/// The next start removes the staging folder and the lock of a process that was killed while it wrote.
 #[test]
 fn staging_folders_of_dead_processes_go() {
     let folder = with_scene();
@@ -260,7 +260,7 @@ const QUICK: [&str; 11] = [
     "run-up m.toml --models rigid --from 200 --to 900 --over 0.05 --samples 8192",
     "check --no-runtime",
 ];
-/// Those that solve finite elements: only the last of their pairs is run to its end.
+/// Studies that solve finite elements: only the last of their pairs is run to its end.
 const DEAR: [&str; 3] = [
     "choose s.toml --tolerance 0.2 --metric impulse",
     "penalty pair.toml --model elastic --points 2 --positions 2",

@@ -21,7 +21,7 @@ const QUICK: [&str; 5] = [
     "sweep loaded_mesh --models rigid --from 1000 --to 3000 --points 24 --cycles 4",
     "identify spur_impact --model rigid",
 ];
-/// Those that reduce finite elements first, or run them.
+/// Studies that reduce finite elements first, or run them.
 const SLOW: [&str; 3] = [
     "penalty spur_impact --points 9 --positions 4",
     "truncation spur_impact --counts 10,20,30,40 --no-refine --repeats 1",
@@ -54,7 +54,7 @@ fn several_models(folder: &Folder) {
     );
 }
 
-/// What follows from times: what is chosen by them, and where it lies.
+/// Keys of the record that depend on measured times, or on the place of the files.
 const BY_THE_CLOCK: [&str; 5] = ["record", "report", "tried", "chosen", "cheapest"];
 
 /// The answer and the record of a study without what depends on the clock.
@@ -83,7 +83,7 @@ pub(super) fn start(folder: &Folder, study: &str, read: bool) -> Child {
     command.spawn().unwrap()
 }
 
-/// What a study answers and records at its end.
+/// Runs a study to its end and returns its answer and its record.
 pub(super) fn finish(folder: &Folder, study: &str) -> [Value; 2] {
     let out = start(folder, study, true).wait_with_output().unwrap();
     // Answers name files by their full path.
@@ -125,7 +125,8 @@ fn killed_and_resumed(study: &str, kills: usize) -> usize {
     killed_by_pieces(study, kills, 3.0)
 }
 
-/// The same with a kill after one piece to some more.
+/// Kills a study after one to `more` further pieces of its journal, until it has ended, and compares it with an
+/// undisturbed one.
 fn killed_by_pieces(study: &str, kills: usize, more: f64) -> usize {
     let (mut whole, mut killed) = (Folder::new(), Folder::new());
     (whole.cached, killed.cached) = (true, true);

@@ -88,7 +88,7 @@ impl Folder {
         out
     }
 
-    /// What it says when it succeeds.
+    /// Runs the program, which must succeed, and returns its standard output.
     fn says(&self, arguments: &str) -> String {
         stdout(&self.ends(arguments, 0))
     }
@@ -128,7 +128,7 @@ fn as_documented(folder: &std::path::Path) {
     }
 }
 
-/// What it complains of; diagnostics wrap at the width of the terminal.
+/// Returns standard error with single spaces; diagnostics wrap at the width of the terminal.
 fn stderr(o: &Output) -> String {
     let all = String::from_utf8_lossy(&o.stderr);
     let words = all.split_whitespace().filter(|w| *w != "│");

@@ -121,7 +121,7 @@ fn change(path: &Path, edit: &str) {
     std::fs::write(path, after).unwrap();
 }
 
-/// What is wrong with how a case ended.
+/// Returns a description of a wrong end of a case; `None` if it ended as expected.
 fn flaw(case: &Case, out: &Output) -> Option<String> {
     let said = String::from_utf8_lossy(&out.stderr);
     let code = out.status.code();

@@ -67,7 +67,7 @@ fn a_signal_in_set_up_ends_the_program_with_130() {
     }
 }
 
-/// What `nohup` has it ignore stays ignored.
+/// A signal that `nohup` has set to be ignored stays ignored.
 #[test]
 fn a_signal_that_is_ignored_stays_ignored() {
     let folder = Folder::new();

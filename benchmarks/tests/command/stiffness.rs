@@ -1,4 +1,4 @@
-//! `gearbench stiffness`.
+//! Tests of the command `gearbench stiffness`.
 
 use super::{Folder, has, stderr};
 

@@ -151,7 +151,7 @@ fn a_quiet_command_says_nothing() {
     assert!(folder.at("here/index.html").is_file());
 }
 
-/// What is wrong with arguments comes in the form of all refusals.
+/// Errors in arguments have the form of all refusals.
 #[test]
 fn arguments_are_refused_in_the_style_of_scenes() {
     let folder = Folder::new();

@@ -1,5 +1,5 @@
-//! What `compare` compares models with: refined elastic gears, the most detailed model, or a model that is named; and that
-//! its finding follows from the numbers of the record.
+//! Tests of the yardstick of `compare` (refined elastic gears, the most detailed model, or a named model), and of its
+//! verdict, which follows from the numbers of the record.
 
 use super::{Folder, has, stdout};
 use gearbench_reports::comparison::{Kind, Yardstick};

@@ -199,7 +199,7 @@ fn mutated_records_do_not_panic() {
 /// The limit of memory of a run [GB], and how far the program may be above its own estimates.
 const MEMORY: &str = "0.5";
 const ABOVE: f64 = 1.5;
-/// What the program takes before it reads anything [GB].
+/// Memory of the program before it reads any input [GB].
 const ITSELF: f64 = 0.1;
 /// Time after which a process counts as one that hangs: far more than its own bounds, also on a busy machine.
 const HANGS: Duration = Duration::from_secs(300);
@@ -270,7 +270,7 @@ struct Count {
 }
 
 impl Count {
-    /// Whether the process is worth a look: wrong or slow.
+    /// Counts a process and returns true if it needs attention: a wrong end, or a slow one.
     fn add(&mut self, name: &str, ended: &Ended) -> bool {
         let before = self.wrong.len();
         let known = [0, 1, 2, 3, 130];

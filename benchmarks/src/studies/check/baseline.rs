@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// A line.
+/// One line of a baseline file: a measured entry with the number, date and machine of its baseline.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Line {
     #[serde(flatten)]
@@ -18,12 +18,12 @@ struct Line {
     measured: Measured,
 }
 
-/// A baseline.
+/// Stored results of one run of a check, with which later runs are compared.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Baseline {
     /// Its number, where and when it was stored.
     pub(super) stored: Stored,
-    /// Its entries.
+    /// Measured results of the baseline, one entry per case, model and integrator.
     pub(super) entries: Vec<Measured>,
 }
 

@@ -1,4 +1,4 @@
-//! `gearbench check FILE`.
+//! Implements `gearbench check FILE`: runs the cases of a check file and compares the results with its baseline.
 
 use super::arguments::Check;
 use super::baseline::{Baseline, Baselines};
@@ -158,7 +158,6 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
     })
 }
 
-/// Runs all cases.
 fn measure<'l>(
     loaded: &'l [Loaded<'l>],
     (runner, total): (&Runner<'_>, usize),
@@ -200,7 +199,7 @@ fn time(groups: &mut [Group<'_>], doubt: &Doubt<'_>, runner: &Runner<'_>) -> Res
 /// either verdict would be chance.
 struct Doubt<'a> {
     newest: &'a Baseline,
-    /// What is stored is measured as often as what looks slow.
+    /// True if the results become a new baseline: every entry is then timed as often as a slow one.
     update: bool,
     /// Limit of the median over all entries.
     all: f64,
@@ -211,7 +210,7 @@ impl Doubt<'_> {
         self.newest.entries.iter().find(|b| b.is(&entry.measured))
     }
 
-    /// Whether a ratio over its limit leaves doubt after as many passes.
+    /// True if a runtime ratio, as a fraction of its limit, is still inconclusive after this number of passes.
     fn about(part: f64, pass: usize) -> bool {
         match pass < PASSES {
             true => part > LIKELY,

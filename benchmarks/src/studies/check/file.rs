@@ -89,14 +89,14 @@ impl TryFrom<u32> for CheckSchema {
     }
 }
 
-/// What a different count of work comes to.
+/// Rule for a work count (steps, force evaluations) that differs from the baseline.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Work {
     /// It fails the check.
     #[default]
     Exact,
-    /// It is said.
+    /// The difference is reported and does not fail the check.
     Report,
 }
 
@@ -110,29 +110,29 @@ const FACTOR: f64 = 1.35;
 /// Median of these ratios from which on the program is slower.
 const ALL: f64 = 1.25;
 
-/// What a quantity may differ.
+/// Permitted deviation of a quantity from its baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tolerance {
     /// Over the baseline [-].
     pub(super) relative: f64,
     /// In the unit of the quantity.
     pub(super) absolute: f64,
-    /// Greatest magnitude.
+    /// Upper limit of the magnitude, in the unit of the quantity.
     pub(super) most: Option<f64>,
 }
 
-/// What runtimes are held to, as ratios to the baseline.
+/// Limits of the runtimes, as ratios to the baseline.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Runtime {
     /// Ratio from which on a run is slower.
     pub(super) factor: f64,
     /// Median of the ratios over all entries from which on the program is slower.
     pub(super) all: f64,
-    /// Whether what is slower fails the check.
+    /// True if an exceeded runtime limit fails the check; otherwise it is only reported.
     pub(super) gate: bool,
 }
 
-/// What a case holds its entries to.
+/// Acceptance rules for the entries of a case: work counts, runtimes and tolerances.
 #[derive(Clone, Debug)]
 pub(super) struct Rules {
     pub(super) work: Work,
@@ -168,9 +168,9 @@ pub(super) struct Case {
     pub(super) name: String,
     /// Name of a shipped scene, or path.
     pub(super) scene: String,
-    /// Labels between commas.
+    /// Labels of the models, separated by commas.
     pub(super) models: Option<String>,
-    /// Methods between commas.
+    /// Integrators as on the command line, separated by commas.
     pub(super) integrators: Option<String>,
     pub(super) metrics: Vec<Quantity>,
     pub(super) rules: Rules,
@@ -186,13 +186,13 @@ pub(super) struct CheckFile {
     /// File of the baselines.
     pub(super) baseline: PathBuf,
     pub(super) cases: Vec<Case>,
-    /// What the runtimes of all cases together are held to.
+    /// Limits of the runtimes of all cases together.
     pub(super) runtime: Runtime,
     document: Document,
 }
 
 impl CheckFile {
-    /// Reads a file.
+    /// Reads and validates a check file.
     ///
     /// # Errors
     /// [`SceneError`] with line and a way out.
@@ -371,7 +371,7 @@ mod tests;
 pub(super) mod tests_support {
     use super::*;
 
-    /// Those of a check with such a line.
+    /// Returns the acceptance rules of a check file with the given additional line.
     pub(in super::super) fn rules(line: &str) -> Rules {
         let text = format!("schema = 1\n{line}\n[[cases]]\nscene = \"spur_impact\"\n");
         let file = CheckFile::parse(Path::new("check.toml"), &text);

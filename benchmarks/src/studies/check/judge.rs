@@ -185,7 +185,7 @@ fn runtime(now: &Measured, before: &Measured, rules: &Rules, same: bool) -> Opti
     })
 }
 
-/// What a ratio of runtimes may be, and what it comes to.
+/// Returns the permitted range of a runtime ratio in words, and the verdict on the ratio.
 fn slower(ratio: f64, most: f64, rules: &Runtime, same: bool) -> (String, Verdict) {
     let gate = rules.gate && same;
     let allowed = match (gate, rules.gate) {

@@ -95,7 +95,7 @@ fn work(run: &Run) -> BTreeMap<String, u64> {
 }
 
 impl Loaded<'_> {
-    /// Number of runs.
+    /// Returns the number of runs, one for each model and integrator of the case.
     pub(super) fn len(&self) -> usize {
         self.configurations
             .iter()
@@ -107,7 +107,7 @@ impl Loaded<'_> {
         c.methods.as_deref().unwrap_or(&self.methods)
     }
 
-    /// Runs every entry.
+    /// Runs every model of the case under each of its integrators.
     ///
     /// # Errors
     /// [`RunError`] when a model cannot be built, or the user ended it.
@@ -168,7 +168,7 @@ impl Loaded<'_> {
         Ok(all)
     }
 
-    /// What a check keeps of a run.
+    /// Returns the results of a run that a check compares: quantities, work counts, status and parameters.
     fn measured(&self, named: Measured, run: Run) -> Measured {
         let failed = run.status.is_failure();
         Measured {
@@ -220,7 +220,7 @@ pub(super) struct Group<'l> {
 
 /// An entry that was run, and how long it takes.
 pub(super) struct Entry<'l> {
-    /// Its case.
+    /// Case of the check file that the entry belongs to.
     pub(super) case: &'l Case,
     method: Scheme,
     pub(super) measured: Measured,

@@ -151,7 +151,7 @@ fn model(file: &SceneFile, candidate: &Candidate) -> String {
     out
 }
 
-/// What is not the default of scenes.
+/// Returns a value as JSON, or null if it is the default of scenes.
 fn given<T: Default + PartialEq + Serialize>(value: &T) -> Json {
     match *value == T::default() {
         true => Json::Null,

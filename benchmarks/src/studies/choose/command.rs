@@ -1,4 +1,4 @@
-//! `gearbench choose SCENE`.
+//! Implements `gearbench choose SCENE`: selects the cheapest model and integrator within an error tolerance.
 
 use super::arguments::Choose;
 use super::held::Subject;
@@ -209,7 +209,7 @@ fn refuse(scene: &SceneFile, problem: &Problem, e: ChooseError) -> Refusal {
     }
 }
 
-/// What heads the scene file.
+/// Returns the comment lines at the head of the written scene file: command, estimated errors and cost.
 fn remarks(choice: &Choice, requirement: &Requirement, command: &str) -> Vec<String> {
     let mut all = vec![
         format!("Chosen by `{command}`:"),

@@ -1,4 +1,4 @@
-//! What damps rigid gears and movable teeth in the place of elastic ones.
+//! Damping of rigid gears and movable teeth that is equivalent to the damping of elastic gears.
 //!
 //! A damping that a scene gives its elastic gears is one of their modes and of their contact, in which little of the compliance
 //! of a mesh is: with 5 % in both the gears of `gearbench init` swing in their mesh with 0.5 %. Two models are alike under load
@@ -37,7 +37,8 @@ pub struct OfMesh {
 }
 
 impl OfMesh {
-    /// That of the elastic gears that judge; `None` in a scene without loads, and where it has no such mode.
+    /// Computes the damping of the mesh mode of the elastic gears that serve as yardstick; `None` in a scene without
+    /// loads, and where they have no such mode.
     pub fn of(problem: &Problem, details: &Details) -> Option<OfMesh> {
         let gears = problem.scene.gears.len();
         let modes = MODES.min((FEW / gears).saturating_sub(HUB));

@@ -1,4 +1,4 @@
-//! What lies beyond the mesh of a scene: levels of contact and of elements, beside those of modes.
+//! Details of elastic gears beyond the number of modes: kind of flank contact and density of the finite-element mesh.
 //!
 //! A scene gives its elastic gears a mesh and a contact, but neither is what gears are: a coarse mesh that touches with its
 //! elements is too soft or too stiff by several per cent, and ripples. So there are three **details**:
@@ -51,7 +51,7 @@ impl Detail {
         }
     }
 
-    /// What stands behind the name of a level.
+    /// Returns the suffix of the name of a level with this detail.
     pub fn suffix(self) -> &'static str {
         match self {
             Detail::Given => "",
@@ -64,7 +64,8 @@ impl Detail {
 /// The details of a problem.
 #[derive(Clone, Debug)]
 pub struct Details {
-    /// What modes are refined on: half-spaces on the mesh of the scene, else what the scene says.
+    /// Elastic gears on which modes are refined: half-spaces on the mesh of the scene, else mesh and contact of the
+    /// scene.
     pub lead: Flexible,
     /// Why flanks do not touch on half-spaces, if so.
     pub no_half_spaces: Option<String>,
@@ -88,7 +89,7 @@ impl Details {
         Details::led_by((problem, modes), lead, no_half_spaces, begin)
     }
 
-    /// Those with the contact of the scene, for a reason.
+    /// Returns the details with the contact of the scene in place of half-spaces, for the reason `why`.
     pub fn as_given(problem: &Problem, why: String) -> Details {
         Details::led_by(
             (problem, 0),
@@ -130,12 +131,12 @@ impl Details {
         format!("{}; {contact}", of_gears.join("; "))
     }
 
-    /// What all models are held against.
+    /// Returns the elastic gears that all models are compared with: the finer mesh, else the lead.
     pub fn judge(&self) -> &Flexible {
         self.finer.as_ref().unwrap_or(&self.lead)
     }
 
-    /// What a level's gears are made of.
+    /// Returns the elastic gears (elements and contact) of a detail.
     pub fn flexible<'a>(&'a self, problem: &'a Problem, detail: Detail) -> &'a Flexible {
         match &self.finer {
             Ok(finer) if detail == Detail::Finer => finer,

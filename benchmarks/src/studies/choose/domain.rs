@@ -1,4 +1,4 @@
-//! What the choice has been checked on, and in which ways a scene lies outside of it.
+//! Range of scenes on which the choice has been validated, and the test whether a scene lies outside of it.
 
 use super::plan::Prepared;
 use super::problem::Problem;

@@ -19,7 +19,7 @@ use gearbench_reports::record::Run;
 /// A model that is compared with the references of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Subject {
-    /// The chosen candidate.
+    /// The candidate that was chosen.
     Choice,
     /// The yardstick, the most detailed level of the hierarchy.
     Yardstick,

@@ -10,7 +10,7 @@ use gearbench_reference::reduction::ElasticParameters;
 /// Where the stiffness of rigid gears is from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Stiffness {
-    /// ISO 6336-1.
+    /// Mesh stiffness according to ISO 6336-1.
     Norm,
     /// Analytic compliance of teeth, bodies and contact.
     Analytic,
@@ -23,7 +23,7 @@ pub enum Stiffness {
 /// A model of the hierarchy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// Rigid gears.
+    /// Rigid gears with a mesh stiffness.
     Rigid(Stiffness),
     /// Movable teeth with derived constants, or the scene's own with this label.
     MovableTeeth(Option<String>),
@@ -39,7 +39,7 @@ pub enum Level {
 }
 
 impl Level {
-    /// Name for tables.
+    /// Returns the name of the level for tables.
     pub fn name(&self) -> String {
         match self {
             Level::Rigid(Stiffness::Norm) => "rigid, ISO 6336".into(),

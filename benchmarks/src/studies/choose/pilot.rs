@@ -63,7 +63,7 @@ pub struct Window {
     pub whole: bool,
     /// Impacts that begin in it, or spells of contact.
     pub contacts: usize,
-    /// The same in the whole scene.
+    /// Impacts, or spells of contact, that begin in the whole scene.
     pub all_contacts: usize,
     /// Time in which teeth touch in the whole scene over that in the window.
     pub contact_ratio: f64,
@@ -86,7 +86,7 @@ impl Window {
         }
     }
 
-    /// What it is, in words.
+    /// Describes the window in words: its length [s] and the number of contacts.
     pub fn describe(&self) -> String {
         let spells = |n: usize| match n {
             1 => "one spell of contact".to_string(),

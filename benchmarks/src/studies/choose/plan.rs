@@ -1,4 +1,4 @@
-//! What could be run for a scene: levels of the hierarchy, each under several integrators and steps.
+//! Candidates for a scene: levels of the model hierarchy, each under several integrators and steps.
 //!
 //! Steps are halves of halves of the contact time `T = pi sqrt(m/k)` of rigid gears with the stiffness of the norm, so
 //! that candidates of small and large gears resolve a contact alike.
@@ -39,11 +39,11 @@ const TOLERANCE_STEPS: f64 = 128.0;
 /// One thing that could be run: model, resolution, integrator, step.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// Its level.
+    /// Level of the model hierarchy.
     pub level: Level,
     /// Gears and meshes; a model of the scene may start with a gap of its own.
     pub scene: Arc<SceneSpec>,
-    /// Models and contacts.
+    /// Gear models and contacts of the candidate.
     pub modelling: Arc<Modelling>,
     /// Integrator with its step or tolerance.
     pub method: Scheme,
@@ -86,7 +86,7 @@ const RIGID: [Menu; 5] = [
     },
     at_steps(TRIGONOMETRIC, &[8.0, 16.0, 32.0, 64.0, 128.0]),
 ];
-/// Those that need no oscillators.
+/// Range of [`RIGID`] with the integrators for movable teeth, which need no modal oscillators.
 const TEETH: std::ops::Range<usize> = 1..4;
 const ELASTIC: Menu = at_steps(TRIGONOMETRIC, &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0]);
 
@@ -143,15 +143,15 @@ pub fn elastic(flexible: &Flexible, modes: usize, step: Option<f64>) -> Modellin
 /// A level that is not elastic, with its scene and models: the same for all integrators.
 #[derive(Clone, Debug)]
 pub struct Fixed {
-    /// The level.
+    /// Level of the model hierarchy.
     pub level: Level,
-    /// Its scene.
+    /// Gears and meshes of the level.
     pub scene: Arc<SceneSpec>,
-    /// Its models.
+    /// Gear models and contacts of the level.
     pub modelling: Arc<Modelling>,
 }
 
-/// What candidates are made of: found once per scene.
+/// Data from which candidates are built, computed once per scene.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     /// Oscillation of rigid gears in their mesh.
@@ -170,7 +170,7 @@ impl Prepared {
         Prepared::with(problem, Details::of(problem, 0))
     }
 
-    /// The same with elastic gears that are meshed and touch in a way that was found.
+    /// Prepares the candidates of a problem for elastic gears with the given details.
     pub fn with(problem: &Problem, details: Details) -> Result<Prepared, ChooseError> {
         let oscillator = MeshOscillator::of(&problem.scene)?;
         let scene = Arc::new(problem.scene.clone());

@@ -40,7 +40,7 @@ pub const ELEMENTS: [(&str, usize); 2] = [("flank_elements", 12), ("width_elemen
 /// First frequency of a steel tooth times its module [Hz m].
 const TOOTH_SPEED: f64 = 244.0;
 
-/// What the elastic gears are made of.
+/// Elastic gears of a problem: parameters of the gears and contact of their flanks.
 #[derive(Clone, Debug)]
 pub struct Flexible {
     /// Parameters of `elastic` for each gear: mesh and damping, no modes and no step.
@@ -56,13 +56,13 @@ pub struct Flexible {
 /// A model of the scene with constants of its own: rigid, or with movable teeth.
 #[derive(Clone, Debug)]
 pub struct Own {
-    /// Its label.
+    /// Label of the model in the scene.
     pub label: String,
     /// Its gears are rigid.
     pub rigid: bool,
     /// The scene, with the gap of this model.
     pub scene: SceneSpec,
-    /// Its models.
+    /// Gear models and contacts of this model.
     pub modelling: Modelling,
 }
 
@@ -71,7 +71,7 @@ pub struct Own {
 pub struct Problem {
     /// Keeps what is finished.
     pub runner: Arc<Runner<'static>>,
-    /// Name.
+    /// Name of the scene.
     pub name: String,
     /// Gears and meshes, with the gap of the elastic model.
     pub scene: SceneSpec,
@@ -79,11 +79,11 @@ pub struct Problem {
     pub duration: f64,
     /// Samples of the histories over the duration.
     pub samples: usize,
-    /// The elastic gears.
+    /// Elastic gears with the mesh and the contact of the scene.
     pub flexible: Flexible,
     /// Further models of the scene.
     pub own: Vec<Own>,
-    /// Table of models.
+    /// Table of the available gear models.
     pub models: &'static [Model],
     /// Runs of the scene over which the set-up is distributed.
     pub runs: u64,

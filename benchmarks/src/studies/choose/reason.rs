@@ -193,7 +193,7 @@ fn undecided(choice: &Choice, limit: &str) -> String {
     }
 }
 
-/// What mesh and contact of the scene are off, and what all models are held against.
+/// Describes the errors of mesh and contact of the scene, and the yardstick of all models.
 fn beyond_the_mesh(choice: &Choice, metric: &str, refinement: &Refinement) -> Vec<String> {
     let mut said = Vec::new();
     let given = (choice.levels.iter())

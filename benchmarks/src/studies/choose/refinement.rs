@@ -33,10 +33,11 @@ use gearbench_reports::choice_check::quantile;
 const STEPS: [(f64, f64); 3] = [(0.015, 512.0), (0.04, 256.0), (f64::INFINITY, 128.0)];
 /// Part of the tolerance that the last two differences stay below.
 const SETTLED: f64 = 0.25;
-/// The same for histories, in tolerances, where the metric is a single number.
+/// Multiple of the tolerance that the last two differences of the histories stay below, where the metric is a single
+/// number.
 const HISTORY: f64 = 2.0;
-/// What reduced gears are off from full ones of the same mesh however many modes they have, histories and single
-/// numbers: no estimate goes below.
+/// Least error of reduced gears against full ones of the same mesh, which no number of modes removes [-]: for
+/// histories, for single numbers. No estimate goes below.
 const FLOOR: [f64; 2] = [3e-3, 1e-3];
 /// Bounds of the ratio of differences.
 const RATIO: [f64; 2] = [0.3, 0.5];
@@ -72,7 +73,7 @@ pub struct RefinedLevel {
     /// How it was run.
     pub candidate: Candidate,
     pub outcome: Outcome,
-    /// Set-up [s].
+    /// Processor time of the set-up [s].
     pub setup_s: f64,
     /// Distance to the next level.
     pub step_up: Option<f64>,
@@ -85,9 +86,9 @@ pub struct Refinement {
     pub levels: Vec<RefinedLevel>,
     /// As many modes as the last of them on a finer mesh, or why there is none.
     pub finer: Result<RefinedLevel, String>,
-    /// What the top one is estimated to be off on the window by its modes.
+    /// Estimated error of the top level on the window by the truncation of its modes [-].
     pub remaining: f64,
-    /// The same by its mesh, where there is a finer one.
+    /// Estimated error of the top level on the window by its mesh [-]; `None` without a finer mesh.
     pub of_finer: Option<f64>,
     /// Estimated error of integration of the top level on the window.
     pub integration: f64,
@@ -108,12 +109,13 @@ pub struct Refinement {
 }
 
 impl Refinement {
-    /// The top level.
+    /// Returns the top level: the one on the finer mesh, else the one with most modes.
     pub fn top(&self) -> Option<&RefinedLevel> {
         self.finer.as_ref().ok().or(self.levels.last())
     }
 
-    /// What the mesh of the scene is off: the distance of the finest modes on it to those on the finer one.
+    /// Returns the error of the mesh of the scene [-]: the distance of the finest modes on it to those on the finer
+    /// mesh; `None` without a finer mesh.
     pub fn of_mesh(&self) -> Option<f64> {
         let last = self.levels.last().filter(|_| self.finer.is_ok());
         last.and_then(|l| l.step_up)
@@ -233,7 +235,7 @@ fn level(
     }))
 }
 
-/// Refines.
+/// Refines elastic gears on the window, in modes and in the mesh, and estimates the error of the top level.
 ///
 /// # Errors
 /// [`ChooseError::Hierarchy`] when no elastic gears reach the end of the window.

@@ -1,4 +1,4 @@
-//! What is asked for: a metric and how large an error in it may be.
+//! Accuracy that the choice must reach: a metric and its largest relative error.
 //!
 //! Metrics are the relative errors of [`gearbench_reports::metrics`]; only the energy is another here: what damping and
 //! friction take, over all the energy that the reference has or is given, since all models keep their ledgers.
@@ -11,7 +11,7 @@ use gearbench_reports::series::TimeSeries;
 /// A metric and the largest error in it that is accurate enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Requirement {
-    /// What has to be right.
+    /// Metric whose error is limited.
     pub metric: Metric,
     /// How far it may be off, relative [-].
     pub tolerance: f64,

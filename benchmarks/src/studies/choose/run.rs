@@ -1,4 +1,4 @@
-//! What the choice answers, and the order in which it asks.
+//! The choice of a model: its result, and the sequence of refinement, levels and candidates that leads to it.
 
 use super::detail::{Detail, Details};
 use super::level::Level;
@@ -25,7 +25,7 @@ pub enum ChooseError {
     /// A run could not start, or was stopped by the user.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// Teeth stay apart.
+    /// No teeth come into contact within the duration of the scene.
     #[error(
         "no teeth touch within {duration:.3e} s; there is no contact to choose a model for: simulate longer, or start closer"
     )]
@@ -48,7 +48,7 @@ pub enum ChooseError {
 /// How a level did on the window.
 #[derive(Clone, Debug)]
 pub struct LevelTried {
-    /// The level.
+    /// Level of the model hierarchy.
     pub level: Level,
     /// Integrator and resolution that make its own error small.
     pub method: Scheme,
@@ -58,7 +58,7 @@ pub struct LevelTried {
     pub step_up: Option<f64>,
     /// Estimated error against the top level over the whole scene.
     pub error: f64,
-    /// Whether it keeps the tolerance.
+    /// Verdict on the estimated error against the tolerance.
     pub adequate: Adequacy,
     /// Statistics of the contact force on the window, where its history does not repeat.
     pub statistics: Option<ForceStatistics>,
@@ -73,13 +73,13 @@ pub struct LevelTried {
 /// A candidate that was run on the window.
 #[derive(Clone, Debug)]
 pub struct Tried {
-    /// It.
+    /// Model, integrator and resolution that were tried.
     pub candidate: Candidate,
     /// Estimated error against the top level over the whole scene.
     pub error: f64,
     /// Predicted processor time of one run of the whole scene [s].
     pub cost_s: f64,
-    /// Whether it keeps the tolerance.
+    /// Verdict on the estimated error against the tolerance.
     pub adequate: Adequacy,
     /// Steps and force evaluations on the window.
     pub work: [u64; 2],
@@ -87,10 +87,10 @@ pub struct Tried {
     pub failure: Option<String>,
 }
 
-/// The answer.
+/// Result of `choose`: the candidate with its estimated error and cost, and all that was tried.
 #[derive(Clone, Debug)]
 pub struct Choice {
-    /// The answer.
+    /// Verdict of the whole choice.
     pub verdict: Verdict,
     /// The chosen candidate; `None` when nothing is adequate, or when it is not decided.
     pub candidate: Option<Candidate>,
@@ -119,15 +119,15 @@ pub struct Choice {
     pub setup_s: f64,
     /// The reason, a sentence each.
     pub reason: Vec<String>,
-    /// The hierarchy.
+    /// Levels of the model hierarchy that were tried.
     pub levels: Vec<LevelTried>,
     /// All that was run on the window.
     pub tried: Vec<Tried>,
-    /// The window.
+    /// Window of the scene on which the models were compared.
     pub window: Window,
     /// In which ways the scene lies outside of what the choice has been checked on.
     pub outside: Vec<String>,
-    /// What elastic gears are made of, and what all models are held against.
+    /// Mesh and contact of the elastic gears, those of the yardstick included.
     pub details: Details,
     /// Levels and candidates for which no processor time was left.
     pub not_tried: Vec<String>,

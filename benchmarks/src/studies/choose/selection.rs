@@ -37,7 +37,7 @@ struct Standing {
     fine: Option<Outcome>,
 }
 
-/// What all steps of the selection need.
+/// Data that all steps of the selection share.
 struct Selector<'a, 'p> {
     problem: &'a Problem,
     window: &'a Window,
@@ -63,7 +63,7 @@ impl Selector<'_, '_> {
         self.refinement.growth * distance
     }
 
-    /// Whether there is no processor time left for something, which is then listed.
+    /// True if the processor time is used up; the item is then listed as not tried.
     fn leaves(&mut self, name: impl FnOnce() -> String) -> bool {
         let spent = self.problem.runner.budget().is_spent();
         if spent {
@@ -169,8 +169,8 @@ impl Selector<'_, '_> {
         }
     }
 
-    /// What the contact of the scene itself is off, with the modes of the top level, where another has taken its place. It
-    /// is told, not taken: half-spaces cost no more.
+    /// Estimates the error of the contact of the scene itself, with the modes of the top level, where half-spaces have
+    /// replaced it. The result is reported, not a candidate: half-spaces cost no more.
     fn as_given(&mut self, prepared: &Prepared) -> Result<Option<Standing>, ChooseError> {
         let given = &self.problem.flexible;
         let top = self.refinement.levels.last();

@@ -169,7 +169,7 @@ pub struct Calibrated {
     pub s: Vec<f64>,
     /// Coefficient there [N/m^n].
     pub k: Vec<f64>,
-    /// Exponent `n`.
+    /// Exponent `n` of the force law.
     pub exponent: f64,
     /// Largest approach that it is for [m].
     pub approach: f64,

@@ -1,4 +1,4 @@
-//! What the terminal says of a choice.
+//! Terminal summary of a record of `choose`.
 
 use super::reason::{per_cent, runs, seconds};
 use super::run::Choice;

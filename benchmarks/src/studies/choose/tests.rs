@@ -23,7 +23,7 @@ fn problem() -> Problem {
     Problem::of(&coarse("modes = 30, damping_ratio = 0.01"))
 }
 
-/// The same without dashpots at flank points.
+/// Returns the problem of [`problem`] without dashpots at flank points.
 fn without_dashpots() -> Problem {
     let mut s = problem();
     for c in &mut s.flexible.contacts {
@@ -58,7 +58,8 @@ fn half_spaces_lead_and_a_finer_mesh_judges() {
     assert!(d.on_half_spaces() && d.finer.is_ok());
 }
 
-/// What half-spaces do not know keeps the contact of the scene, and a mesh from elsewhere is not refined; both are told.
+/// A contact that half-spaces cannot represent stays that of the scene, and an external mesh is not refined; both are
+/// reported.
 #[test]
 fn what_cannot_be_refined_is_told() {
     let mut s = problem();

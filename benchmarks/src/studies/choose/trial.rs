@@ -44,12 +44,12 @@ pub struct Trial<'a> {
     pub setup: Duration,
 }
 
-/// What a run on the window gave.
+/// Result of a run on the window.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outcome {
-    /// History.
+    /// Recorded histories over time.
     pub series: TimeSeries,
-    /// Energy.
+    /// Energy balance of the run.
     pub ledger: Ledger,
     /// The row without its history.
     pub row: Run,

@@ -1,4 +1,4 @@
-//! `gearbench compare SCENE`.
+//! Implements `gearbench compare SCENE`: runs models and integrators of a scene and compares them with a yardstick.
 
 use super::arguments::Compare;
 use super::summary::summarise;

@@ -19,7 +19,7 @@ use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run, SE
 use gearbench_reports::series::TimeSeries;
 use std::fmt::Display;
 
-/// Runs the comparison.
+/// Runs all models and integrators of a comparison and evaluates their errors.
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built, or nothing of what is asked for can run.
@@ -217,7 +217,7 @@ fn modes_that_act((entry, runs): (&Configuration, &Vec<Run>)) -> Option<(String,
     Some((format!("modes of {}", entry.label), each.join(", ")))
 }
 
-/// Whether a tolerance is against a stored reference, or says nothing of models.
+/// True if a tolerance refers to a stored reference, or to each model's own converged solution.
 fn is_stored(references: &[ReferenceSeries], tolerance: &Tolerance) -> bool {
     tolerance.against == SELF || references.iter().any(|r| r.id == tolerance.against)
 }

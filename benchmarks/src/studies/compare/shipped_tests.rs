@@ -1,4 +1,4 @@
-//! What shipped scenes are there to show.
+//! Tests of the effects that the shipped scenes demonstrate.
 
 #![allow(clippy::print_stdout)]
 

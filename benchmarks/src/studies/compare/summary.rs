@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `compare`.
+//! Terminal summary of a record of `compare`.
 
 use crate::cli::terminal::say;
 use crate::experiment::run::LEFT_OUT;
@@ -6,7 +6,7 @@ use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Results, Run, SELF, Status};
 use gearbench_reports::{Metric, finding, yardstick_of};
 
-/// Whether the scene's tolerance excepts the model of a run.
+/// True if the scene's tolerance excepts the model of a run.
 fn is_excepted(results: &Results, run: &Run) -> bool {
     (results.tolerance.as_ref()).is_some_and(|t| t.except.contains(&run.model_label()))
 }

@@ -1,4 +1,4 @@
-//! What the models of a comparison are compared with, and how far that is off itself.
+//! The yardstick of a comparison: the solution that models are compared with, and the estimate of its own error.
 //!
 //! | scene | yardstick |
 //! |---|---|
@@ -57,7 +57,7 @@ const USUAL: f64 = 0.05;
 /// Tolerance of refined gears whose modes are coupled.
 const COUPLED_RTOL: f64 = 1e-6;
 
-/// What a comparison is to compare its models with.
+/// Kind of yardstick with which a comparison compares its models.
 #[derive(Clone, Debug, Default)]
 pub enum Wanted {
     /// Its references, if it has any.
@@ -72,7 +72,7 @@ pub enum Wanted {
 }
 
 impl Wanted {
-    /// What the option `--yardstick` asks for, else the scene.
+    /// Returns the kind of yardstick of the option `--yardstick`, else of the scene.
     pub fn of(scene: &SceneFile, entries: &[Configuration], option: Option<&str>) -> Wanted {
         let refined = || Wanted::Refined(Box::new(Problem::of(scene)));
         let against = scene.tolerance.as_ref().map(|t| t.against.as_str());
@@ -122,9 +122,9 @@ pub fn most_detailed(entries: &[Configuration]) -> Option<String> {
 
 /// Refined gears as a reference, and what they are off.
 pub struct Refined {
-    /// Their history.
+    /// History of the refined gears.
     pub reference: ReferenceSeries,
-    /// Their error.
+    /// Estimated error of the refined gears.
     pub yardstick: Yardstick,
 }
 

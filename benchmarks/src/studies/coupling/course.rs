@@ -7,12 +7,12 @@ use gearbench_reports::coupling::{Extrapolation, Motion};
 pub struct Course {
     /// Time at which `s` is zero [s].
     pub from: f64,
-    /// Coefficients.
+    /// Coefficients of the cubic in `s`, constant term first.
     pub c: [f64; 4],
 }
 
 impl Course {
-    /// At a time.
+    /// Returns the value of the polynomial at time `t` [s].
     pub fn value(&self, t: f64) -> f64 {
         let [a, b, c, d] = self.c;
         let s = t - self.from;

@@ -25,20 +25,20 @@ const SLIVER: f64 = 1e-6;
 /// How the parts are coupled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manner {
-    /// Of forces.
+    /// Extrapolation of the forces on the hubs in the host.
     pub extrapolation: Extrapolation,
-    /// Of motions.
+    /// Interpolation of the motions of the hubs in the gears.
     pub motion: Motion,
     /// Communication step [s].
     pub step: f64,
 }
 
-/// Within which bounds.
+/// Bounds of a coupled run: end time, steps, processor time and energy error.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
-    /// End [s].
+    /// End of the simulated time [s].
     pub t_end: f64,
-    /// Events are located.
+    /// True if contact events are located.
     pub events: bool,
     /// Steps of the gears, rejected ones included.
     pub max_steps: u64,
@@ -48,7 +48,7 @@ pub struct Bounds {
     pub hopeless: f64,
 }
 
-/// What became of a run in two parts.
+/// Result of a run in two coupled parts, host and gears.
 #[derive(Clone, Debug)]
 pub struct Exchanged {
     /// Places and speeds of the hubs.
@@ -57,18 +57,18 @@ pub struct Exchanged {
     pub energy: f64,
     /// Its largest magnitude in one communication step [J].
     pub largest: f64,
-    /// Communication steps.
+    /// Number of communication steps.
     pub exchanges: u64,
     /// Time reached [s].
     pub reached: f64,
-    /// How it ended.
+    /// Reason for the end of the run.
     pub end: End,
 }
 
 /// How a run in two parts ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum End {
-    /// At its end.
+    /// The end time was reached.
     Reached,
     /// The gears could not go on.
     Gears(StepError),

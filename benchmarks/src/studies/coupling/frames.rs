@@ -23,7 +23,7 @@ use gearbench_models::spec::{Load, SceneSpec};
 /// A frame that a host has.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// Its gear's name.
+    /// Name of the gear.
     pub name: String,
     /// Coordinates that move with it by as much as the hub, that of the hub first, and their inertia.
     pub moves: Vec<(usize, f64)>,
@@ -71,7 +71,7 @@ pub enum NoHost {
     /// Its gears stand on shafts.
     #[error("its gears are on shafts or on a carrier, whose motions are not those of single hubs")]
     Shafts,
-    /// Nothing is free.
+    /// No hub of the scene is free.
     #[error("every gear is fixed or driven, so that there is no hub for a host")]
     NoneFree,
     /// A hub has inertia in common with something else.
@@ -82,7 +82,7 @@ pub enum NoHost {
 }
 
 impl NoHost {
-    /// The way out.
+    /// Returns advice on how to change the scene.
     pub fn help(&self) -> &'static str {
         match self {
             NoHost::Shafts => {
@@ -160,7 +160,7 @@ impl<'a> Led<'a> {
         }
     }
 
-    /// What the gears exert on each frame, without the loads on its hub [N m] or [N].
+    /// Computes the force or torque of the gears on each frame, without the loads on its hub [N m] or [N].
     pub fn forces(&mut self, at: StateView<'_>, out: &mut Vec<f64>) {
         self.scene.force(at, &mut self.f);
         out.clear();
@@ -176,7 +176,7 @@ impl<'a> Led<'a> {
         }
     }
 
-    /// The same of accelerations.
+    /// Prescribes the accelerations of the frames by a derivative `of` their trajectories.
     fn lead_accelerations(&self, a: &mut [f64], of: impl Fn(&Course) -> f64) {
         for (frame, course) in self.frames.iter().zip(&self.courses) {
             frame.put(a, of(course));

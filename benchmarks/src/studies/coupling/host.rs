@@ -10,7 +10,7 @@ const PARTS: u32 = 8;
 /// Values of a force that are kept.
 const KEPT: usize = 3;
 
-/// A hub.
+/// Hub of the host under the extrapolated force of its gear.
 #[derive(Clone, Debug)]
 pub struct Hub<'a> {
     frame: &'a Frame,

@@ -1,4 +1,4 @@
-//! What a study of coupling runs.
+//! Plan of a study of coupling: models, hubs of the host, extrapolations and communication steps.
 
 use super::frames::Frame;
 use crate::experiment::conditions::Conditions;
@@ -10,7 +10,7 @@ use gearbench_reports::coupling::{Extrapolation, Motion};
 
 /// Energy that a coupling may make up over that which vibrates, before it counts as unstable.
 pub const ALLOWED: f64 = 0.5;
-/// The same at which a run is given up.
+/// Energy error of a coupling over the vibration energy at which a run is given up [-].
 pub const HOPELESS: f64 = 1e3;
 /// Largest communication step over the time of the hubs on their teeth, `1/omega`, when nobody says.
 const LARGEST: f64 = 4.0;
@@ -20,7 +20,7 @@ const FEWEST: f64 = 2.5;
 /// A model in two parts.
 #[derive(Clone, Debug)]
 pub struct Entry {
-    /// The model.
+    /// Model that is coupled to the host.
     pub configuration: Configuration,
     /// The hubs of the host.
     pub frames: Vec<Frame>,
@@ -32,7 +32,7 @@ pub struct Entry {
     pub steps: Vec<f64>,
 }
 
-/// What to study.
+/// Plan of a study of coupling.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     pub conditions: Conditions<'a>,
@@ -77,7 +77,7 @@ pub fn usual_steps(method: &Scheme, oscillator: Option<[f64; 2]>, duration: f64)
         .collect()
 }
 
-/// The same elastic model by plain truncation: its lowest modes, without what the others would carry.
+/// Returns the elastic model with plain truncation: its lowest modes, without the residual compliance of the others.
 pub fn truncated(of: &Configuration, method: Scheme, step: f64) -> Configuration {
     let mut entry = of.clone();
     ElasticParameters::change(&mut entry.modelling, |p| {
@@ -91,7 +91,7 @@ pub fn truncated(of: &Configuration, method: Scheme, step: f64) -> Configuration
     entry
 }
 
-/// Whether gears keep the compliance of the modes that they cut; `None` of other than elastic gears.
+/// True if the gears keep the compliance of the truncated modes; `None` if no gear is elastic.
 pub fn keeps_residual(of: &Configuration) -> Option<bool> {
     let gears = of.modelling.gears.iter().filter_map(ElasticParameters::of);
     gears.map(|p| p.keeps_residual()).reduce(|a, b| a && b)

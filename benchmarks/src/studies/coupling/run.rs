@@ -106,7 +106,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>, threads: usize) -> Result<Res
     })
 }
 
-/// What the runs of a line need to know.
+/// Data that the runs of a line share.
 struct About<'a> {
     plan: &'a Plan<'a>,
     runner: &'a Runner<'a>,

@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `coupling`.
+//! Terminal summary of a record of `coupling`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::numbers::{percent, quantity};

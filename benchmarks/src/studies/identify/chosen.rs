@@ -11,13 +11,13 @@ const SCATTER: f64 = 2.0;
 /// The parameters of a fit.
 #[derive(Clone, Debug, Default)]
 pub struct Chosen {
-    /// Which.
+    /// Parameters of the fit, those with a fixed value included.
     pub parameters: Vec<Parameter>,
-    /// Their coordinates.
+    /// Coordinates of the parameters.
     pub coordinates: Vec<Coordinate>,
-    /// Those that are fitted; the others are held at their start.
+    /// True for parameters that are fitted; the others keep their starting value.
     pub free: Vec<bool>,
-    /// What the others are held at, with all digits.
+    /// Fixed values of the other parameters, with all digits.
     pub held: Vec<Option<f64>>,
     /// Starting points in coordinates.
     pub starts: Vec<Vec<f64>>,

@@ -150,7 +150,8 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     Ok(answer)
 }
 
-/// What goes into the scene file. What was not fitted stays as the calibration that the model takes has it.
+/// Returns the constants that are written into the scene file. A constant that was not fitted keeps its value in the
+/// calibration of the model.
 fn into_scene<'a>(
     found: &[(&'a ModelChoice, Identification)],
     args: &Identify,
@@ -204,12 +205,12 @@ fn calibrated(choice: &ModelChoice) -> bool {
     (choice.calibration.as_ref()).is_some_and(|c| c.label == choice.label)
 }
 
-/// What a reference is called.
+/// Returns the name of a reference.
 fn name_of(held: &Held) -> &str {
     held.named.stored().unwrap_or(&held.named.name)
 }
 
-/// What a model is fitted to, and what it is held against.
+/// Returns the plan of the fit of a model: data to fit, and data with which the fitted model is compared.
 fn plan<'a>(
     scene: &SceneFile,
     choice: &ModelChoice,

@@ -1,4 +1,4 @@
-//! What the data do not tell apart, in words.
+//! Explanations, in words, of the parameter combinations that the data do not determine.
 
 use super::chosen::Chosen;
 use super::estimate::Estimate;

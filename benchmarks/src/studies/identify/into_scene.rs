@@ -22,16 +22,16 @@ use gearbench_reference::files;
 use std::path::PathBuf;
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
-/// What stands in front of the comments that this writes about a model.
+/// Returns the prefix of the comments that this module writes about a model.
 fn tag(label: &str) -> String {
     format!("# identified, {label}: ")
 }
 
 /// A model, the constants it gets, and what is to be told of them.
 pub struct Written<'a> {
-    /// The model.
+    /// Model whose entry is changed.
     pub choice: &'a ModelChoice,
-    /// All its constants.
+    /// All constants that the model gets.
     pub constants: Constants,
     /// Lines of a comment.
     pub told: Vec<String>,
@@ -133,7 +133,7 @@ fn put(document: &mut DocumentMut, scene: &SceneFile, w: &Written<'_>) -> Option
     Some(())
 }
 
-/// What stands above an entry, without what an earlier fit wrote there.
+/// Returns the comment above an entry without the lines of an earlier fit.
 fn above(text: &str, tag: &str) -> String {
     let kept = text.split_inclusive('\n').filter(|l| !l.starts_with(tag));
     kept.collect()
@@ -277,7 +277,7 @@ fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
     }
 }
 
-/// What stands in a line, in a table of several lines.
+/// Copies the entries of an inline table into a table of several lines.
 fn fill(own: &mut Table, value: Value) {
     let Value::InlineTable(new) = value else {
         return;

@@ -1,4 +1,4 @@
-//! What can be fitted: its key and unit, how it enters a scene, where a fit starts, between which bounds.
+//! Parameters that can be fitted, with key, unit, effect on the scene, starting value and bounds.
 //!
 //! | key | of | coordinate |
 //! |---|---|---|
@@ -40,7 +40,7 @@ pub enum Parameter {
     Clock(usize),
 }
 
-/// What a fit is asked for beside the defaults.
+/// User options of a fit that replace the defaults.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wishes {
     /// Keys to fit; `None` takes those of the model that the data may tell.
@@ -92,7 +92,7 @@ impl Parameter {
         }
     }
 
-    /// Its unit.
+    /// Returns the unit of the parameter.
     pub fn unit(&self) -> String {
         match self {
             Parameter::Clock(_) => "s".into(),
@@ -100,7 +100,7 @@ impl Parameter {
         }
     }
 
-    /// Whether it is this constant.
+    /// True if the parameter is the constant with this key.
     pub fn is(&self, key: &str) -> bool {
         matches!(self, Parameter::Constant(own) if own == key)
     }
@@ -151,7 +151,7 @@ fn coordinate(key: &str, spec: &SceneSpec, duration: f64) -> Coordinate {
     Coordinate { scale, bounds }
 }
 
-/// What is fitted of a model, and from where.
+/// Selects the parameters of a fit, with their starting points and bounds.
 ///
 /// # Errors
 /// [`IdentifyError`] for a model without a recipe, a key that it has not, or a value that cannot be.
@@ -309,7 +309,7 @@ fn check(
     }
 }
 
-/// Whether a contact is one of tooth pairs on the path of contact, and not of points of elastic flanks.
+/// True if a contact is one of tooth pairs on the path of contact, and not of points of elastic flanks.
 fn has_path(spec: &SceneSpec, modelling: &Modelling, models: &[Model]) -> bool {
     let mut meshes = spec.meshes.iter().zip(&modelling.contacts);
     meshes.any(|(mesh, contact)| {
@@ -321,7 +321,7 @@ fn has_path(spec: &SceneSpec, modelling: &Modelling, models: &[Model]) -> bool {
     })
 }
 
-/// What a scene has now.
+/// Returns the present value of a constant in the scene.
 fn present(key: &str, spec: &SceneSpec, modelling: &Modelling, id: &str) -> Option<f64> {
     match key {
         GAP => Some(spec.meshes.first()?.start.gap.max(LEAST_GAP)),

@@ -1,4 +1,4 @@
-//! What is identified from what.
+//! Plan of an identification: the data sets, the model and its parameters, and the result.
 
 use super::chosen::Chosen;
 use super::parameters::Wishes;
@@ -16,11 +16,11 @@ use gearbench_reports::identify::FitRecord;
 /// Data that a model is fitted to, or held against.
 #[derive(Clone, Debug)]
 pub struct DataSet {
-    /// Name.
+    /// Name of the data set.
     pub name: String,
     /// Gears, speeds and loads under which they were taken.
     pub spec: SceneSpec,
-    /// What they say.
+    /// Measured or computed values.
     pub data: Data,
     /// Weight of the residuals, which are taken over the size of the data.
     pub weight: f64,
@@ -30,14 +30,14 @@ pub struct DataSet {
     pub further_gap: f64,
 }
 
-/// What data say.
+/// Values of a data set.
 #[derive(Clone, Debug)]
 pub enum Data {
     /// The contact force over time.
     History {
-        /// Times [s], ascending.
+        /// Sample times [s], ascending.
         time: Vec<f64>,
-        /// Force [N].
+        /// Contact force at these times [N].
         force: Vec<f64>,
     },
     /// A mesh cycle at rest.
@@ -91,7 +91,7 @@ impl DataSet {
         }
     }
 
-    /// What its residuals are multiplied by: `w p_i/|p y|` with `p_i = 1 + (p - 1)(y_i/max y)^2`.
+    /// Returns the weights of the residuals: `w p_i/|p y|` with `p_i = 1 + (p - 1)(y_i/max y)^2`.
     pub fn factors(&self) -> Vec<f64> {
         let y = self.values();
         let most = y.iter().fold(0.0_f64, |a, y| a.max(y.abs()));
@@ -129,7 +129,7 @@ pub struct StaticTarget {
 }
 
 impl StaticTarget {
-    /// That of a model of a scene.
+    /// Computes the mesh cycle of a model of a scene under a static force [N].
     ///
     /// # Errors
     /// [`StaticsError`] where it cannot be loaded.
@@ -155,13 +155,13 @@ pub struct FitPlan<'a> {
     pub label: String,
     /// Gears of all models, and the contacts; the model of the first is the one whose constants are fitted.
     pub modelling: Modelling,
-    /// Table of models.
+    /// Table of the available gear models.
     pub models: &'a [Model],
     /// Data to fit, at least one.
     pub data: Vec<DataSet>,
     /// Data that the fitted model is held against.
     pub held_out: Vec<DataSet>,
-    /// What is fitted.
+    /// User options: parameters to fit, fixed values, starts and bounds.
     pub wishes: Wishes,
 }
 
@@ -172,14 +172,14 @@ pub struct Identification {
     pub record: FitRecord,
     /// Values of all parameters at the minimum, those that are not identifiable included.
     pub all: Constants,
-    /// The parameters.
+    /// Parameters of the fit with their starting points.
     pub chosen: Chosen,
     /// Names of the data that were fitted, each with a key to what they say.
     pub data: Vec<(String, Key)>,
 }
 
 impl Identification {
-    /// What the data determine.
+    /// Returns the constants that the data determine.
     pub fn constants(&self) -> Constants {
         let known =
             (self.record.parameters.iter().zip(&self.chosen.parameters)).filter_map(|(p, of)| {
@@ -261,7 +261,7 @@ impl ModelRefusal for IdentifyError {
 }
 
 impl IdentifyError {
-    /// Whether something was asked for that the model cannot do.
+    /// True if the user asked for a parameter or value that the model does not have.
     pub fn is_of_wishes(&self) -> bool {
         use IdentifyError::{Course, Gear, Key, KeyOfGear, Model, NoPath, NothingOfGears, Value};
         matches!(
@@ -296,7 +296,7 @@ mod tests {
     use crate::scene_file::{Selection, load_for};
     use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 
-    /// What is fitted is what a calibration with the same constants is: one spring of the mesh stays one.
+    /// A fit applies constants as a calibration does: a constant mesh stiffness stays a constant mesh stiffness.
     #[test]
     fn constants_mean_the_same_in_a_fit_and_in_a_calibration() {
         let scene = load_for("spur_impact", Selection::None).unwrap();

@@ -1,4 +1,4 @@
-//! What the terminal says of a fit.
+//! Terminal summary of a record of `identify`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::identify::{DataRecord, FitRecord, Outcome, ParameterRecord};

@@ -24,7 +24,7 @@ use std::f64::consts::TAU;
 /// Largest way at a flank of the shapes that are told [m].
 const WAY: f64 = 1e-6;
 
-/// What is wanted of a model.
+/// Range and grouping of the natural frequencies that are listed for a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {
     /// Most frequencies that are listed.
@@ -244,7 +244,7 @@ fn listed(
     }
 }
 
-/// Runs the study.
+/// Computes the natural frequencies and modes of all models.
 ///
 /// # Errors
 /// [`StudyError`]; models without an equilibrium are rows.

@@ -73,7 +73,8 @@ pub fn name_of(place: StrainIn, scene: &Scene, spec: &SceneSpec) -> String {
 const ALONE: f64 = 0.75;
 const BESIDE: f64 = 0.1;
 
-/// What a mode is called: by what holds most of its energy, and the next where that is not nearly all.
+/// Returns the name of a mode: the spring with most of its strain energy, and the next one where that is not nearly
+/// all.
 pub fn name(springs: &[String], strain: &[f64]) -> String {
     let mut order: Vec<usize> = (0..strain.len()).collect();
     order.sort_by(|a, b| strain[*b].total_cmp(&strain[*a]));

@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `modes`.
+//! Terminal summary of a record of `modes`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::modes::{About, ModelModes};

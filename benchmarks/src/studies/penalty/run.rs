@@ -45,7 +45,7 @@ fn static_error(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, S
     Ok(Some(cycle.map_err(fail)?.mean_error()))
 }
 
-/// Runs the study.
+/// Runs the model at every penalty, and with hard contact where it is planned.
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are rows.

@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `penalty`.
+//! Terminal summary of a record of `penalty`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::record::Results;

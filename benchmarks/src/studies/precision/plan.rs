@@ -1,4 +1,4 @@
-//! What accuracy against cost runs: variants of models with their series, and the references they are held against.
+//! Plan of a study of accuracy against cost: variants of models with their series of resolutions, and their references.
 
 use super::arguments::Asked;
 use super::references::{held_against, references};
@@ -38,7 +38,7 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// What progress and settings call it.
+    /// Returns the label of the variant for progress output and settings.
     pub fn label(&self) -> String {
         match self.modes {
             Some(n) => format!("{}, {n} modes", self.entry.label),
@@ -56,18 +56,18 @@ pub struct Full {
     /// Its integrator at a step so small that its own error does not show; `None` takes the converged solution of
     /// gears with modes.
     pub method: Option<Scheme>,
-    /// What it is, for the record.
+    /// Title of the reference in the record.
     pub title: String,
 }
 
-/// What to study.
+/// Plan of a study of accuracy against cost.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     pub conditions: Conditions<'a>,
     /// Models with their series.
     pub variants: Vec<Variant>,
     pub fulls: Vec<Full>,
-    /// References from elsewhere.
+    /// References from measurements or other programs.
     pub external: Vec<ReferenceSeries>,
     /// The metrics, the first above all.
     pub metrics: Vec<Metric>,

@@ -1,5 +1,5 @@
-//! What models are held against: full models on a fine step, the stored reference, the densest reduced model; and which
-//! of them goes with which contact.
+//! References of a study of accuracy against cost (full models on a fine step, the stored reference, the densest
+//! reduced model), and their assignment to contacts.
 
 use super::arguments::Asked;
 use super::plan::{FULL, Full, Variant};
@@ -122,8 +122,8 @@ fn penalty(choice: &ModelChoice) -> String {
     }
 }
 
-/// Whether two contacts between flank points are the same physics: the penalty, and what it is counted by. Where the
-/// points lie is a matter of resolution.
+/// True if two contacts between flank points have the same physics: the penalty, and its unit. The positions of the
+/// points are a matter of resolution.
 fn akin(a: &PointContact, b: &PointContact) -> bool {
     let each = |c: &PointContact| c.rule == PointRule::EachNode;
     a.hard == b.hard

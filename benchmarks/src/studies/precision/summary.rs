@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `precision`.
+//! Terminal summary of a record of `precision`.
 
 use super::run::COARSE;
 use crate::cli::terminal::say;

@@ -184,7 +184,7 @@ pub fn response(
     })
 }
 
-/// Runs the study.
+/// Computes the frequency responses of all models.
 ///
 /// # Errors
 /// [`StudyError`]; models without a response are rows.

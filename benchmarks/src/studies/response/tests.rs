@@ -40,7 +40,7 @@ fn respond(
     found.groups.remove(0)
 }
 
-/// What gears that run under load settle to at mesh frequencies [Hz].
+/// Returns the steady states of gears that run under load at mesh frequencies [Hz].
 fn run(scene: &SceneFile, label: &str, method: Scheme, frequencies: &[f64]) -> Vec<Steady> {
     let plan = sweep::Plan {
         conditions: Conditions {

@@ -65,7 +65,7 @@ fn axes(windows: &Windows, lines: Vec<f64>) -> RunUpMap {
     }
 }
 
-/// What a run-up says.
+/// Evaluates a recorded run-up: amplitudes of its quantities over frequency and order.
 ///
 /// # Errors
 /// Why there is nothing to say, with a way out.

@@ -1,5 +1,7 @@
-//! What is looked at in a run-up: the transmission error and the force of every mesh, the force of every bearing. Gears that go
-//! round with a carrier are seen from it, or what goes with the mesh would stand beside its order, by that of the carrier.
+//! Recorded quantities of a run-up: transmission error and force of every mesh, force of every bearing.
+//!
+//! The motion of gears on a carrier is relative to it; otherwise the order of the carrier would appear beside that of
+//! the mesh.
 
 use super::recorder::Recorder;
 use crate::experiment::record::carrier_of;
@@ -15,17 +17,18 @@ const RADIAL: [OfGear; 2] = [OfGear::BearingX, OfGear::BearingY];
 pub struct Quantity {
     /// Name of its column, with the unit.
     pub column: String,
-    /// Name for readers.
+    /// Name of the quantity in reports.
     pub name: String,
-    /// Its unit.
+    /// Unit of the quantity.
     pub unit: &'static str,
-    /// Those with one number are alike, as planets of a carrier are: of these one stands for all in maps.
+    /// Number of the group of equivalent quantities, such as those of the planets of a carrier; maps show one of each
+    /// group.
     pub kind: usize,
     /// One history, or the components of a force.
     pub histories: Vec<Vec<f64>>,
 }
 
-/// What is recorded of a scene, and where it stands.
+/// Layout of the recorded channels of a scene.
 pub struct Recorded<'a> {
     spec: &'a SceneSpec,
     /// Carrier of each gear, among the members.
@@ -34,7 +37,7 @@ pub struct Recorded<'a> {
 }
 
 impl<'a> Recorded<'a> {
-    /// Of a scene.
+    /// Returns the layout of the recorded channels for a scene.
     pub fn of(spec: &'a SceneSpec) -> Self {
         Recorded {
             spec,

@@ -90,7 +90,7 @@ pub fn run(args: &RunUp, command: &str) -> Result<Answer, Refusal> {
     folder.finish(results, ended, summarise)
 }
 
-/// The reference gear.
+/// Returns the index of the reference gear.
 fn gear_of(scene: &SceneFile, asked: Option<&str>) -> Result<usize, SceneError> {
     let turns = |g: &gearbench_models::spec::GearSpec| {
         matches!(g.body, Body::Gear(_)) && !matches!(g.mount, Mount::Fixed)

@@ -23,7 +23,7 @@ use gearbench_models::spec::{Load, Modelling, Mount, Profile, SceneSpec, Station
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoRamp(pub String, pub &'static str);
 
-/// What of a member a ramp changes.
+/// Mutable mount, loads and speed of a member, which a ramp changes.
 struct Driven<'a> {
     mount: &'a mut Mount,
     loads: &'a mut Vec<Load>,

@@ -1,4 +1,4 @@
-//! What a run-up runs, and how it is looked at.
+//! Plan of a run-up: the speed ramp, the models, and the evaluation of the histories.
 
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
@@ -10,7 +10,7 @@ use serde::Serialize;
 pub struct Ramp {
     /// Speed of the reference gear at the start [rad/s], without its sense.
     pub from: f64,
-    /// At the end.
+    /// Speed of the reference gear at the end [rad/s].
     pub to: f64,
     /// How long it takes [s].
     pub over: f64,
@@ -25,18 +25,18 @@ pub struct Look {
     pub multiples: usize,
     /// Whole turns of a window; `None` takes a hundredth of the run.
     pub turns: Option<u32>,
-    /// What begins earlier is not looked at [s].
+    /// Start of the evaluation [s]; earlier samples are left out.
     pub onset: f64,
     /// Samples of the run.
     pub samples: usize,
 }
 
-/// What to run.
+/// Plan of a study of run-ups.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// What heads the record; its duration is that of the run-up.
+    /// Conditions of the scene, for the head of the record; the duration is that of the run-up.
     pub conditions: Conditions<'a>,
-    /// The models.
+    /// Models that are run up.
     pub entries: Vec<Configuration>,
     /// Integrator of models without their own.
     pub method: Scheme,

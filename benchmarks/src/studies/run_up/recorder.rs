@@ -36,7 +36,7 @@ impl Recorder {
         self.apart
     }
 
-    /// Samples so far.
+    /// Returns the number of samples recorded so far.
     pub fn len(&self) -> usize {
         self.taken
     }

@@ -25,7 +25,7 @@ const FEW: usize = 300;
 /// Natural frequencies that are marked at most.
 const MARKED: usize = 12;
 
-/// Runs the study.
+/// Runs and evaluates the run-up of every model.
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are rows.

@@ -49,7 +49,7 @@ pub fn amplitudes(x: &[f64]) -> Vec<f64> {
 pub struct Window(Vec<f64>);
 
 impl Window {
-    /// Of samples.
+    /// Returns the windowed samples of a signal.
     pub fn of(x: &[f64]) -> Self {
         Window(windowed(x))
     }

@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `run-up`.
+//! Terminal summary of a record of `run-up`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::numbers::{quantity, short};

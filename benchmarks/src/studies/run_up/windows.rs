@@ -12,7 +12,7 @@ const PER_CYCLE: f64 = 8.0;
 /// Lines of a map at most; where there are more the largest of neighbours stands for them.
 const MOST_LINES: usize = 200;
 
-/// What can be cut: samples at even times, and how far the reference gear has turned at each.
+/// Recording that is divided into windows: evenly spaced samples, with the turns of the reference gear at each.
 pub struct Cut<'a> {
     /// Time of the first sample, and from one to the next [s].
     pub time: [f64; 2],
@@ -127,7 +127,7 @@ impl Cut<'_> {
         })
     }
 
-    /// What a history has in each window.
+    /// Returns the samples of a history in each window.
     pub fn within<'w>(
         &'w self,
         windows: &'w Windows,
@@ -156,7 +156,7 @@ fn together(of_each: impl Iterator<Item = f64>) -> f64 {
 pub struct Map {
     /// Frequencies [Hz] or orders.
     pub lines: Vec<f64>,
-    /// Amplitudes by window.
+    /// Amplitudes at these lines, by window.
     pub amplitudes: Vec<Vec<f64>>,
 }
 

@@ -16,12 +16,12 @@ pub enum Axis {
     Modes,
     /// Spectral radius at infinite step of generalised-alpha.
     RhoInf,
-    /// Alpha of HHT.
+    /// Parameter alpha of the HHT method.
     HhtAlpha,
 }
 
 impl Axis {
-    /// All of them.
+    /// All parameters that an axis can vary.
     pub const ALL: [Axis; 7] = [
         Axis::ContactStiffness,
         Axis::ToothStiffness,
@@ -45,7 +45,7 @@ impl Axis {
         }
     }
 
-    /// Name on axes.
+    /// Returns the label of the parameter on axes of plots.
     pub fn name(self) -> &'static str {
         match self {
             Axis::ContactStiffness => "contact stiffness over the scene's",
@@ -91,12 +91,12 @@ impl Axis {
         }
     }
 
-    /// Whether values are whole numbers.
+    /// True if values of the parameter are whole numbers.
     pub fn is_count(self) -> bool {
         self == Axis::Modes
     }
 
-    /// Whether the parameter is the integrator's: the model's own solution does not depend on it.
+    /// True if the parameter belongs to the integrator: the model's own solution does not depend on it.
     pub fn is_of_method(self) -> bool {
         matches!(self, Axis::RhoInf | Axis::HhtAlpha)
     }

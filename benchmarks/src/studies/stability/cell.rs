@@ -51,7 +51,7 @@ pub fn tolerance(scene: Option<&Tolerance>) -> Tolerance {
 pub struct Reference {
     /// Histories; `None` where none is to be had.
     pub series: Option<TimeSeries>,
-    /// What the record says of it.
+    /// Description of the converged solution in the record.
     pub told: SelfReference,
 }
 

@@ -236,7 +236,7 @@ fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'stat
     })
 }
 
-/// What a map needs to know of its model.
+/// Data about a model that its maps need.
 struct About<'a> {
     scene: &'a SceneFile,
     set: &'a StabilitySet,

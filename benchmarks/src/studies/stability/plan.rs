@@ -1,4 +1,4 @@
-//! What a study of stability is to compute: maps with their axes, cells in order.
+//! Plan of a study of stability: maps with their axes, and the order of their cells.
 
 use super::axis::Axis;
 use super::setup::{AxisError, Setup};
@@ -48,7 +48,7 @@ pub struct MapPlan {
     /// Place of the model in the plan.
     pub entry: usize,
     pub method: MethodSpec,
-    /// Whether it is implicit.
+    /// True if the integrator is implicit.
     pub implicit: bool,
     /// Steps, or tolerances for methods that choose their steps.
     pub columns: Columns,
@@ -96,14 +96,14 @@ impl MapPlan {
     }
 }
 
-/// What to study.
+/// Plan of a study of stability.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     pub conditions: Conditions<'a>,
     pub entries: Vec<Configuration>,
     /// Maps, in the order of the record.
     pub maps: Vec<MapPlan>,
-    /// What is accurate enough, against the model's own converged solution.
+    /// Tolerance for accurate cells, against the model's own converged solution.
     pub tolerance: Tolerance,
     /// Close in on the largest stable step.
     pub refine: bool,
@@ -119,7 +119,7 @@ impl Plan<'_> {
         Ok(setup)
     }
 
-    /// The same at the scene's own parameters.
+    /// Returns the set-up of a map at the scene's own parameters.
     pub fn own(&self, map: &MapPlan) -> Setup {
         let entry = &self.entries[map.entry];
         Setup {

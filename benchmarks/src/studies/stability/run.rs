@@ -27,7 +27,7 @@ const MOST_REFINED: usize = 24;
 /// Wall time of a run by its name [s].
 pub type Timings = Vec<(String, f64)>;
 
-/// A finished run.
+/// A finished run with its wall time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Done {
     cell: Cell,
@@ -138,7 +138,7 @@ pub fn study(
     ))
 }
 
-/// What stops work after an interruption is no error: its runs are cells that were not made.
+/// Returns success for errors after an interruption: the runs concerned are cells that were not computed.
 fn unless_interrupted(e: StudyError) -> Result<(), StudyError> {
     if interruption::requested() {
         Ok(())
@@ -222,7 +222,7 @@ impl Work<'_> {
         Ok(slot.insert(Arc::new(found)).clone())
     }
 
-    /// What is told of a converged solution: nothing where an interruption kept it from being computed.
+    /// Returns the description of a converged solution; empty if an interruption prevented its computation.
     fn told(&self, key: Key) -> Result<gearbench_reports::stability::SelfReference, StudyError> {
         let slot = lock(&self.references).get(&key).cloned();
         if let Some(found) = slot.and_then(|slot| lock(&slot).clone()) {

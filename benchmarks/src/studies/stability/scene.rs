@@ -60,16 +60,16 @@ keys! {
 /// Values evenly over the decades.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// Smallest.
+    /// Smallest value of the span.
     pub from: f64,
-    /// Greatest.
+    /// Greatest value of the span.
     pub to: f64,
-    /// Number.
+    /// Number of values, both ends included.
     pub points: usize,
 }
 
 impl Span {
-    /// The values.
+    /// Returns the values, evenly spaced on a logarithmic scale.
     #[must_use]
     pub fn values(&self) -> Vec<f64> {
         spaced(self.from, self.to, self.points)
@@ -79,9 +79,9 @@ impl Span {
 /// A parameter with the values that were asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisValues {
-    /// The parameter.
+    /// Parameter of the axis.
     pub axis: Axis,
-    /// Its values, ascending.
+    /// Values of the parameter, ascending.
     pub values: Vec<f64>,
 }
 
@@ -94,9 +94,9 @@ pub struct StabilitySet {
     pub integrators: Option<Vec<MethodSpec>>,
     /// Simulated time [s].
     pub duration: Option<f64>,
-    /// Steps [s].
+    /// Span of the steps [s].
     pub steps: Option<Span>,
-    /// Tolerances.
+    /// Span of the relative tolerances.
     pub tolerances: Option<Span>,
     /// One or two parameters; none takes the contact stiffness.
     pub axes: Vec<AxisValues>,
@@ -121,7 +121,7 @@ impl AxisValues {
 }
 
 impl StabilityKeys {
-    /// What is asked for, if it goes together.
+    /// Validates the keys and returns the set of maps that they describe.
     pub(crate) fn read(self, at: &Place<'_>) -> Result<StabilitySet, SceneError> {
         let span = |keys: Option<SpanKeys>, key: &str, below: f64| {
             let read = |keys: SpanKeys| {

@@ -1,5 +1,4 @@
-//! What the parameters of a map change in a scene, its models and its integrator; which of them have it, and what the
-//! scene's own value is.
+//! Effect of the parameters of a map on a scene, its models and its integrator, and the scene's own value of each.
 
 use super::axis::Axis;
 use gearbench_integrators::{METHODS, MethodSpec};
@@ -20,9 +19,9 @@ const SAMPLES: usize = 97;
 /// One run's scene, models and integrator.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// Gears and meshes.
+    /// Gears and meshes of the scene.
     pub scene: SceneSpec,
-    /// Their models.
+    /// Gear models and contacts.
     pub modelling: Modelling,
     /// Integrator, `id` or `id(name=value)`.
     pub method: MethodSpec,

@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `stability`.
+//! Terminal summary of a record of `stability`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::numbers::{quantity, short};

@@ -1,4 +1,4 @@
-//! What is loaded: models of a scene, and rigid gears with the stiffness of formulas.
+//! Plan of a study of mesh stiffness: models of the scene, and rigid gears with the stiffness of formulas.
 
 use crate::experiment::conditions::Conditions;
 use crate::scene_file::formula_limits;
@@ -10,9 +10,9 @@ use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, PairStiffness, ToothModel, iso_of,
 };
 
-/// What to study.
+/// Plan of a study of mesh stiffness.
 pub struct Plan<'a> {
-    /// What heads the record.
+    /// Conditions of the scene, for the head of the record.
     pub conditions: Conditions<'a>,
     /// Models of the scene, and behind them formulas, each with its force along the line of action [N].
     pub entries: Vec<(Entry, f64)>,
@@ -23,7 +23,7 @@ pub struct Plan<'a> {
 /// A model to load.
 pub struct Entry {
     pub label: String,
-    /// What its stiffness includes.
+    /// Description of the compliances that the stiffness includes.
     pub includes: String,
     pub spec: SceneSpec,
     pub modelling: Modelling,
@@ -101,7 +101,7 @@ pub fn iso_values(spec: &SceneSpec) -> Option<[f64; 2]> {
     Some([iso.c_prime, iso.c_gamma_alpha])
 }
 
-/// What the stiffness of a modelling includes, in words: what acts in its contact.
+/// Describes the compliances that the stiffness of a modelling includes.
 pub fn includes(modelling: &Modelling, models: &[Model]) -> String {
     let properties = (modelling.gears.iter()).map(|g| properties_of(models, &g.id));
     let all_rigid = properties.clone().all(|p| p.rigid);

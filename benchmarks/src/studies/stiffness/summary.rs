@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `stiffness`.
+//! Terminal summary of a record of `stiffness`.
 
 use super::command::STATIC_LOAD;
 use crate::cli::terminal::say;

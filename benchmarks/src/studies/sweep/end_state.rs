@@ -1,10 +1,10 @@
-//! What a run of a sweep leaves to the next one of its branch.
+//! Final state of a run of a sweep, from which the next run of the branch starts.
 
 use gearbench_integrators::State;
 use gearbench_models::spec::{GearSpec, Mount, SceneSpec};
 use serde::{Deserialize, Serialize};
 
-/// What a run leaves to the next one of its branch.
+/// Final state of a run of a sweep, from which the next run of the branch starts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EndState {
     pub(super) t: f64,
@@ -15,7 +15,7 @@ pub struct EndState {
     pub(super) frequency: f64,
     /// How far driven gears have turned [rad]; 0 of others.
     pub(super) driven: [f64; 2],
-    /// What holds the speed of free gears: an acceleration of the first and with it of the second [rad/s^2].
+    /// Acceleration of the first gear that keeps the speed of free gears [rad/s^2]; the second follows by the ratio.
     drive: f64,
 }
 
@@ -25,7 +25,7 @@ impl EndState {
         self.t
     }
 
-    /// What held the speed [rad/s^2].
+    /// Returns the acceleration of the first gear that kept the speed [rad/s^2].
     pub fn drive(&self) -> f64 {
         self.drive
     }

@@ -21,10 +21,10 @@ use std::f64::consts::TAU;
 /// Imbalance of the loads' power, over the larger one, that keeps a speed.
 const BALANCE: f64 = 1e-6;
 
-/// What acts on a hub in the mean.
+/// Mean load on a hub: a constant torque and viscous damping.
 #[derive(Clone, Copy, Debug)]
 struct MeanLoad {
-    /// [N m].
+    /// Constant part of the torque [N m].
     constant: f64,
     /// [N m s/rad].
     viscous: f64,
@@ -55,7 +55,7 @@ pub struct Pair {
     pub layout: MeshLayout,
     /// Transverse base radii of both gears with their signs [m].
     pub base_radii: [f64; 2],
-    /// Numbers of teeth.
+    /// Numbers of teeth of both gears.
     pub teeth: [usize; 2],
     /// Of the flank in contact, as the first gear turns.
     pub sign: f64,
@@ -173,7 +173,7 @@ impl Pair {
         }
     }
 
-    /// That of a model, or why there is none.
+    /// Returns the pair of a model, or the reason why it cannot be swept.
     pub fn of_entry(plan: &Plan<'_>, entry: &Configuration) -> Result<Self, StudyError> {
         Pair::in_scene(&plan.conditions.name, &entry.scene)
     }
@@ -214,7 +214,7 @@ impl Pair {
         }
     }
 
-    /// The same at the speed of the scene [N].
+    /// Returns the static contact force at the speed of the scene [N].
     pub fn own_force(&self) -> f64 {
         self.force(self.own)
     }
@@ -275,7 +275,7 @@ impl Pair {
         spec
     }
 
-    /// Whether no motion is prescribed, so that what is lost to damping slows the gears down.
+    /// True if no motion is prescribed, so that damping losses decelerate the gears.
     pub fn is_free(&self) -> bool {
         self.free
     }

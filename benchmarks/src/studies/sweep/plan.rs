@@ -1,15 +1,15 @@
-//! What a sweep runs.
+//! Plan of a sweep of mesh frequencies.
 
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use gearbench_integrators::Scheme;
 use gearbench_reports::sweep::Branch;
 
-/// What to sweep.
+/// Plan of a sweep of mesh frequencies: models, integrator, frequencies and branches.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     pub conditions: Conditions<'a>,
-    /// Models that run.
+    /// Models that are swept.
     pub entries: Vec<Configuration>,
     /// Further models that stand still only.
     pub standing: Vec<Configuration>,
@@ -28,7 +28,7 @@ pub struct Plan<'a> {
 }
 
 impl Plan<'_> {
-    /// Number of runs.
+    /// Returns the number of runs: frequencies times branches times models.
     pub fn count(&self) -> usize {
         self.frequencies.len() * self.branches.len() * self.entries.len()
     }

@@ -37,11 +37,11 @@ const RISE: f64 = 1.0 / 3.0;
 const GOVERNED: usize = 3;
 /// Mesh cycles of settling at least.
 const LEAST_CYCLES: f64 = 4.0;
-/// What does not repeat, over what does, beyond which a run counts as unsettled.
+/// Ratio of the non-periodic to the periodic part beyond which a run counts as unsettled [-].
 const UNSETTLED: f64 = 0.2;
 
 impl Pair {
-    /// What a run settled to.
+    /// Evaluates the steady state of a run.
     fn steady(
         &self,
         gears: [(&str, bool); 2],
@@ -120,7 +120,7 @@ fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, Study
     })
 }
 
-/// Whether a scene can be swept at all, before any of its models is built.
+/// Checks that a scene can be swept, before any of its models is built.
 ///
 /// # Errors
 /// [`StudyError`] when it is no loaded pair.
@@ -136,7 +136,7 @@ pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f
     Ok(standing(plan, entry)?.resonance_hz)
 }
 
-/// Runs the sweep.
+/// Runs all models at all mesh frequencies, branch by branch.
 ///
 /// # Errors
 /// [`StudyError`] when the scene is no loaded pair, a model cannot be built, or the user interrupts. Runs that fail

@@ -50,7 +50,7 @@ impl Sweep {
         Some([self.from_hz?.0, self.to_hz?.0])
     }
 
-    /// Number of speeds.
+    /// Returns the number of speeds.
     pub fn points(&self) -> usize {
         self.points.0
     }

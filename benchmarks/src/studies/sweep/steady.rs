@@ -1,4 +1,4 @@
-//! What a run settles to: channels over exactly whole mesh cycles, their harmonics, and one mean cycle.
+//! Steady state of a run: channels over exactly whole mesh cycles, their harmonics, and one mean cycle.
 
 use crate::experiment::resample::{resample, resample_smooth};
 use gearbench_reports::force::ForceHistory;
@@ -17,7 +17,7 @@ const APART: f64 = 1e-6;
 
 /// Histories of a run on its time grid.
 pub struct Histories<'a> {
-    /// Time [s].
+    /// Times of the grid [s], ascending.
     pub time: &'a [f64],
     /// Position of the reference pair over the base pitch, from the pitch point, by the second gear's displacement.
     pub position: &'a [f64],
@@ -25,7 +25,8 @@ pub struct Histories<'a> {
     pub error: &'a [f64],
     /// Contact force [N].
     pub force: &'a [f64],
-    /// The same between events, where it is known: greatest force, mean and contact are its own, not of samples.
+    /// Piecewise contact force between events, where it is known: its greatest value, mean and contact times do not
+    /// depend on samples.
     pub pieces: Option<&'a ForceHistory>,
     /// Speed of the first gear [rad/s].
     pub speed: &'a [f64],
@@ -141,7 +142,7 @@ fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64
 }
 
-/// About the mean.
+/// Computes the root mean square about the mean.
 fn rms(x: &[f64]) -> f64 {
     let m = mean(x);
     (x.iter().map(|x| (x - m).powi(2)).sum::<f64>() / x.len() as f64).sqrt()

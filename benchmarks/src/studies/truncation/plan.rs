@@ -1,4 +1,4 @@
-//! What the study of mode counts runs: models and integrators of the scene, ways of keeping modes, numbers of modes.
+//! Plan of the study of mode counts: models and integrators of the scene, truncation variants, numbers of modes.
 
 use super::arguments::Truncation;
 use crate::cli::terminal::{Refusal, refuse_run};
@@ -72,7 +72,7 @@ const fn way(label: &'static str, choose: Criterion, residual: bool, step: f64) 
     }
 }
 
-/// What to study.
+/// Plan of the study of mode counts.
 #[derive(Clone, Debug)]
 pub(super) struct Plan<'a> {
     pub conditions: Conditions<'a>,
@@ -87,11 +87,11 @@ pub(super) struct Plan<'a> {
     pub counts: Vec<usize>,
     /// Halve the distance to the fewest modes.
     pub refine: bool,
-    /// References from elsewhere.
+    /// References from measurements or other programs.
     pub external: Vec<ReferenceSeries>,
 }
 
-/// What a run keeps.
+/// Truncation variant and number of modes of a run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Case {
     pub way: Way,
@@ -236,7 +236,7 @@ pub(super) fn sides<'s>(
     })
 }
 
-/// Whether an elastic and a full model have the same mesh of each gear and the same contact at their flanks.
+/// True if an elastic and a full model have the same mesh of each gear and the same contact at their flanks.
 fn differ_in_modes_alone(elastic: &Modelling, full: &Modelling) -> bool {
     let same_mesh = |(e, f): (&ModelSpec, &ModelSpec)| {
         ElasticParameters::of(e).map(|p| p.mesh) == FullOrderParameters::of(f).map(|p| p.mesh)

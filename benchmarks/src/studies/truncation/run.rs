@@ -11,7 +11,7 @@ use gearbench_reports::truncation::{LIMITS, ways};
 /// So many times longer than others the full model may take.
 const PATIENCE: u32 = 10;
 
-/// Runs the study.
+/// Runs the full model and all truncated ones, and computes the errors of the truncated ones.
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built, the full model does not reach the end, or the user interrupts.

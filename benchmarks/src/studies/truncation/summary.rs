@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `truncation`.
+//! Terminal summary of a record of `truncation`.
 
 use super::plan::FULL;
 use crate::cli::terminal::say;

@@ -1,4 +1,4 @@
-//! What a check has to catch, and what it has to leave alone.
+//! Tests of the verdicts of a check: deviations that it must detect, and differences that it must accept.
 
 use super::super::file::tests_support::rules;
 use super::*;

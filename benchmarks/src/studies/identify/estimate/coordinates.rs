@@ -16,7 +16,7 @@ pub enum Scale {
 /// A parameter of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coordinate {
-    /// Its scale.
+    /// Scale of the coordinate, linear or logarithmic.
     pub scale: Scale,
     /// Least and greatest value.
     pub bounds: [f64; 2],
@@ -57,7 +57,7 @@ impl Coordinate {
     }
 }
 
-/// Values at coordinates.
+/// Returns the parameter values at the coordinates `z`.
 pub fn values(all: &[Coordinate], z: &[f64]) -> Vec<f64> {
     all.iter().zip(z).map(|(c, &z)| c.value(z)).collect()
 }

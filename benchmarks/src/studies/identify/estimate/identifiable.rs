@@ -33,7 +33,8 @@ impl Weak {
     }
 }
 
-/// What a coordinate may be off by: one, or itself where it counts from zero and is greater.
+/// Returns the prior uncertainty of each coordinate: one, or its magnitude where its scale is linear and that is
+/// greater.
 fn sizes(minimum: &Minimum, known: &Uncertainty) -> Vec<f64> {
     let linear = |j: usize| known.linear[j].then(|| minimum.z[j].abs());
     (0..minimum.z.len())

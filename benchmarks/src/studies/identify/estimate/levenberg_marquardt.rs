@@ -1,4 +1,4 @@
-//! Levenberg-Marquardt between bounds.
+//! Levenberg-Marquardt minimisation of a sum of squares between bounds.
 //!
 //! The step of `min |r(z)|^2` solves `(J^T J + lambda diag(J^T J)) d = -J^T r` over the coordinates that are free: one on
 //! a bound is held while the gradient points outwards. `J` comes from central differences, at a bound from one side.
@@ -22,9 +22,9 @@ pub type Residuals<'a> = dyn FnMut(&[f64]) -> Option<Vec<f64>> + 'a;
 /// A minimum of the sum of squares.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Minimum {
-    /// Coordinates.
+    /// Coordinates at the minimum.
     pub z: Vec<f64>,
-    /// Residuals.
+    /// Residuals at the minimum.
     pub residuals: DVector<f64>,
     /// Their derivatives by the coordinates, a column each.
     pub jacobian: DMatrix<f64>,
@@ -40,7 +40,7 @@ pub struct Minimum {
 
 /// Change of a coordinate for the Jacobian: the error of central differences is its square.
 const DIFFERENCE: f64 = 1e-3;
-/// Iterations at most.
+/// Largest number of iterations.
 const MAX_ITERATIONS: u32 = 60;
 /// Longest step of a coordinate: half a decade is as far as a linear model may be trusted.
 const LONGEST: f64 = 1.15;
@@ -57,7 +57,7 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// For estimates.
+    /// Effort for an estimate, with the Jacobian at the minimum.
     pub const WHOLE: Effort = Effort {
         settled: 1e-9,
         jacobian: true,

@@ -29,12 +29,12 @@ use uncertainty::{Uncertainty, uncertainty};
 /// Level of all intervals.
 pub const LEVEL: f64 = 0.95;
 
-/// What is estimated.
+/// Estimation problem: coordinates, data blocks and starting points.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// Parameters.
+    /// Coordinates of the parameters.
     pub coordinates: Vec<Coordinate>,
-    /// Those that are fitted; the others stay at their start.
+    /// True for parameters that are fitted; the others keep their starting value.
     pub free: Vec<bool>,
     /// Residuals of each data set: correlated within, independent between.
     pub blocks: Vec<usize>,
@@ -46,12 +46,12 @@ pub struct Problem {
     pub profiles: bool,
 }
 
-/// An estimate.
+/// Result of an estimation: minimum, uncertainty, and combinations that are not determined.
 #[derive(Clone, Debug)]
 pub struct Estimate {
-    /// The fit.
+    /// Minimum of the sum of squares.
     pub minimum: Minimum,
-    /// What is known of it.
+    /// Covariance and degrees of freedom at the minimum.
     pub known: Uncertainty,
     /// Combinations that the data do not determine.
     pub weak: Vec<Weak>,

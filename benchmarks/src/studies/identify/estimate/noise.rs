@@ -54,7 +54,7 @@ impl Noise {
         g[lag] / g[0]
     }
 
-    /// Standard deviation.
+    /// Returns the standard deviation of the process.
     pub fn deviation(&self) -> f64 {
         self.autocovariance(1)[0].sqrt()
     }

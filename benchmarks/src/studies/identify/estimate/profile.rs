@@ -27,8 +27,9 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Whether the data bound the coordinate to one side alone, or not at all: a side has no end although the fit was tried
-    /// at values that differ by more than a hundredth. Closer by, the sum of squares of data without noise is rounding.
+    /// True if the data do not bound the coordinate on both sides: the interval has an infinite end although the fit
+    /// was tried at values that differ by more than a hundredth. Closer by, the sum of squares of data without noise is
+    /// rounding.
     pub fn is_open(&self, coordinate: &Coordinate) -> bool {
         let best = (self.z.iter().zip(&self.deviation)).find(|(_, d)| **d == 0.0);
         let Some(best) = best.map(|(z, _)| coordinate.value(*z)) else {
@@ -51,13 +52,13 @@ const PLACES: [f64; 5] = [0.5, 1.0, 1.5, 2.25, 4.0];
 /// Half width of a step at most: over several factors a held value is far from anything.
 const FURTHEST: f64 = 3.0;
 
-/// What profiles are taken of.
+/// Fit whose profiles are computed.
 pub struct Profiled<'a> {
-    /// Coordinates.
+    /// Coordinates of the parameters.
     pub coordinates: &'a [Coordinate],
-    /// The fit.
+    /// Minimum of the sum of squares.
     pub minimum: &'a Minimum,
-    /// Its uncertainty.
+    /// Uncertainty at the minimum.
     pub known: &'a Uncertainty,
 }
 

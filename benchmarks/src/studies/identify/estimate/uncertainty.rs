@@ -31,7 +31,7 @@ pub const RANK: f64 = 1e-4;
 /// Residuals and derivatives below this part of the greatest are nothing: a flank that does not touch tells nothing.
 const NOTHING: f64 = 1e-9;
 
-/// What is known of the coordinates of a fit.
+/// Uncertainty of the coordinates of a fit: covariance, degrees of freedom and 95 % intervals.
 #[derive(Clone, Debug)]
 pub struct Uncertainty {
     /// Coordinates that count from zero, in place of logarithms.

@@ -33,7 +33,8 @@ use nalgebra::DMatrix;
 const SMALL: usize = 40;
 /// Radius above one that counts as growth.
 const GROWTH: f64 = 1e-7;
-/// The same for a whole system, in which the motion of free bodies is a double eigenvalue of one that rounding splits.
+/// Spectral radius above one that counts as growth of a whole system, in which the motion of free bodies is a double
+/// eigenvalue of one that rounding splits.
 const GROWTH_OF_ALL: f64 = 1e-5;
 /// Singular values below this part of the largest are rounding.
 const RANK: f64 = 1e-9;

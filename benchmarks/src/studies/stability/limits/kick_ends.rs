@@ -35,7 +35,7 @@ pub(super) fn predicted(scene: &mut Scene, s: &State, x: &[f64], df: &mut [f64])
     }
 }
 
-/// Whether forces at the end of a kick are others than those at the velocities that it predicts.
+/// True if the forces at the end of a half-step impulse differ from those at the velocities that it predicts.
 pub(super) fn knows_ends(scene: &mut Scene, s: &State, v: &[f64]) -> bool {
     let x: Vec<f64> = v.iter().map(|v| SMALL * v).collect();
     let moved: Vec<f64> = s.v.iter().zip(&x).map(|(v, x)| v + x).collect();

@@ -14,10 +14,10 @@ const FREE: f64 = 1e-5;
 /// Coupling of modes by dampers, over the largest damping, that counts as none.
 const COUPLED: f64 = 1e-9;
 
-/// A linear system.
+/// Linear system with unit masses, complete or reduced to its fastest mode.
 #[derive(Clone, Debug)]
 pub enum Linear {
-    /// All of it.
+    /// Complete matrices of the system.
     Dense(Dense),
     /// Of a large system its fastest mode.
     Top(Top),
@@ -26,9 +26,9 @@ pub enum Linear {
 /// Matrices for unit masses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dense {
-    /// Stiffness [1/s^2], symmetric.
+    /// Symmetric stiffness matrix for unit masses [1/s^2].
     pub stiffness: DMatrix<f64>,
-    /// Damping [1/s], symmetric.
+    /// Symmetric damping matrix for unit masses [1/s].
     pub damping: DMatrix<f64>,
     /// The part of it that forces at the end of a kick know there ([`force_after`]), implicitly: dashpots and friction of
     /// flank points. Methods that predict velocities ([`Flip::predicts`]) do not see it at these. `None` where it is none.
@@ -45,7 +45,8 @@ pub struct Top {
     pub omega: f64,
     /// Damping ratio: that of `phi^T D phi`, exact where dampers do not couple the modes.
     pub zeta: f64,
-    /// The same of the dampers that methods which predict velocities see at these, see [`Dense::at_ends`].
+    /// Damping ratio of the dampers that act at predicted velocities, for methods that predict them; see
+    /// [`Dense::at_ends`].
     pub zeta_predicted: f64,
 }
 
@@ -117,12 +118,12 @@ impl Dense {
         })
     }
 
-    /// Number of coordinates.
+    /// Returns the number of coordinates.
     pub fn n(&self) -> usize {
         self.stiffness.nrows()
     }
 
-    /// The same without dampers.
+    /// Returns the system without dampers.
     pub fn undamped(&self) -> Dense {
         Dense {
             stiffness: self.stiffness.clone(),
@@ -131,7 +132,7 @@ impl Dense {
         }
     }
 
-    /// True without dampers.
+    /// True if the damping matrix is zero.
     pub fn is_undamped(&self) -> bool {
         self.damping.iter().all(|x| *x == 0.0)
     }

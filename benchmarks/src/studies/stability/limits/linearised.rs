@@ -19,7 +19,7 @@ use nalgebra::DMatrix;
 const DENSE: usize = 450;
 /// Steps of the run that looks for the state; a scene that has not touched by then counts as open.
 const MOST_STEPS: u64 = 20_000;
-/// The same where a step is a search over flank nodes.
+/// Steps of the run that looks for the state, for contacts whose force requires a search over flank nodes.
 const MOST_STEPS_OF_FIELDS: u64 = 4_000;
 /// Its tolerance: the state need not be accurate.
 const TOLERANCE: f64 = 1e-4;
@@ -52,7 +52,7 @@ impl Linearised {
         })
     }
 
-    /// The scene.
+    /// Returns the scene that is linearised.
     pub fn scene(&mut self) -> &mut Scene {
         &mut self.scene
     }

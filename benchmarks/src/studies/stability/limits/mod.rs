@@ -38,11 +38,11 @@ use gearbench_models::error::BuildError;
 /// A step that theory marks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepLine {
-    /// What it is, in words.
+    /// Description of the step in words.
     pub label: String,
-    /// Where [s].
+    /// Step of the line [s].
     pub step_s: f64,
-    /// Its kind.
+    /// Kind of limit that the line marks.
     pub kind: LineKind,
 }
 

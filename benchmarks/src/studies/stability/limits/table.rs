@@ -23,7 +23,7 @@ pub struct StepLimit {
     pub model: String,
     /// Integrator, as in a scene.
     pub integrator: String,
-    /// What damps it.
+    /// Description of the damping of the model.
     pub damping: String,
     /// By theory [s].
     pub theory_s: f64,
@@ -32,7 +32,7 @@ pub struct StepLimit {
 }
 
 impl StepLimit {
-    /// Found over theory.
+    /// Returns the largest stable step found by stepping, over that of the theory [-].
     pub fn ratio(&self) -> f64 {
         self.found_s / self.theory_s
     }
@@ -43,9 +43,9 @@ impl StepLimit {
 pub struct Case {
     /// Label of the model.
     pub label: String,
-    /// What damps it.
+    /// Description of the damping of the model.
     pub damping: String,
-    /// The scene.
+    /// Gears and meshes of the scene.
     pub scene: SceneSpec,
     /// Its models, with damping.
     pub modelling: Modelling,

@@ -130,8 +130,8 @@ fn viscous_loads_count_at_the_speed_that_is_swept() {
     }
 }
 
-/// What gears do by themselves within a slow mesh cycle is seen: a step in the stiffness rings at the resonance, and its
-/// peak does not depend on the speed.
+/// Free vibrations of the gears within a slow mesh cycle are resolved: a step in the stiffness excites the resonance,
+/// and its peak does not depend on the speed.
 #[test]
 fn the_peak_at_low_speed_does_not_depend_on_the_samples() {
     let mut scene = scene(0.0, 0.05, 15.0);

@@ -149,7 +149,7 @@ impl Gears {
         found
     }
 
-    /// The same while nothing turns and the load shakes.
+    /// Returns the rms over [`B`] of the oscillator for gears at rest under an oscillating load.
     fn shaken(&self, ws: &[f64], last: f64) -> Vec<f64> {
         let modelling: &Modelling = &self.scene.models[0].modelling;
         let mut from: Option<State> = None;
@@ -255,7 +255,8 @@ fn commands_refuse_to_sweep_them() {
     );
 }
 
-/// What the shipped scenes are, and both solutions of each as it stands: the table of benchmarks/scenes/README.md.
+/// The shipped scenes have the parameters of the oscillators, and both solutions of each have the amplitudes in the
+/// table of benchmarks/scenes/README.md.
 #[test]
 #[allow(clippy::print_stdout)]
 fn shipped_scenes_are_the_oscillators() {

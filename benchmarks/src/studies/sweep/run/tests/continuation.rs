@@ -56,7 +56,7 @@ struct Own {
     share: [f64; 2],
     mass: f64,
     force: f64,
-    /// Of a pair.
+    /// Stiffness of a tooth pair [N/m].
     stiffness: f64,
     damping: f64,
     /// Path coordinate of a pair, its rate, approach and its rate.
