@@ -1,4 +1,4 @@
-//! `gearbench check`: a baseline that is stored, held, and broken in every way that counts.
+//! Tests of the command `gearbench check`: storing a baseline, agreement with it, and every kind of deviation.
 
 use super::{Folder, as_documented, has};
 use gearbench_reports::Part;

@@ -1,4 +1,4 @@
-//! `gearbench choose`: what it writes, that its answer runs, what it refuses.
+//! Tests of the command `gearbench choose`: its files, the chosen scene as input, and its refusals.
 
 use super::{Folder, has, stdout};
 use gearbench_reports::{Adequacy, ChoiceRecord, Part, Verdict};

@@ -1,4 +1,4 @@
-//! `gearbench compare`: what it writes, what it refuses.
+//! Tests of the command `gearbench compare`: its files and its refusals.
 
 use super::{Folder, has, stdout};
 use gearbench_reports::record::Results;

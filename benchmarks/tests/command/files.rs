@@ -1,4 +1,4 @@
-//! Files that are not what a command reads are named for what they are, with what can be done with them.
+//! Tests that files of a wrong kind are recognised, with advice on how to use them.
 
 use super::{Folder, has};
 

@@ -1,4 +1,4 @@
-//! Output folders and files: one owner at a time, nothing of others replaced, nothing half written left behind.
+//! Tests of output folders and files: one owner at a time, no foreign file replaced, no partial file left behind.
 
 use super::{Folder, has, stderr, stdout};
 use serde_json::Value;

@@ -1,4 +1,5 @@
-//! `gearbench identify`: constants of single gears and along the path, written into a calibration or into the scene.
+//! Tests of the command `gearbench identify`: constants of single gears and along the path, written into a calibration
+//! or into the scene.
 
 use super::{Folder, as_documented, has};
 

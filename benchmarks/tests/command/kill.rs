@@ -1,4 +1,4 @@
-//! A study that is killed again and again and resumed equals the one that was left alone, but for times.
+//! Tests that a study that is killed repeatedly and resumed equals an undisturbed one, except for times.
 
 use super::{Folder, stdout};
 use gearbench::experiment::journal::JOURNAL;
@@ -7,9 +7,9 @@ use serde_json::Value;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// Kills of one study.
+/// Number of kills of one study.
 const KILLS: usize = 20;
-/// Seed of their moments.
+/// Seed of the random moments of the kills.
 const SEED: u64 = 0x6765_6172_2d6b_696c;
 
 /// Studies whose pieces take some milliseconds each.
@@ -57,7 +57,7 @@ fn several_models(folder: &Folder) {
 /// Keys of the record that depend on measured times, or on the place of the files.
 const BY_THE_CLOCK: [&str; 5] = ["record", "report", "tried", "chosen", "cheapest"];
 
-/// The answer and the record of a study without what depends on the clock.
+/// Returns the answer and the record of a study without entries that depend on the clock.
 fn without_clock(mut value: Value) -> Value {
     match &mut value {
         Value::Object(map) => {
@@ -119,8 +119,8 @@ impl Random {
     }
 }
 
-/// Kills a study at random until it has ended, at most so many times, and holds it against one that was left alone.
-/// Returns how many kills left it unfinished with more than it began with.
+/// Kills a study at random until it has ended, at most `kills` times, and compares it with an undisturbed one. Returns
+/// the number of kills that left it unfinished with more pieces than it began with.
 fn killed_and_resumed(study: &str, kills: usize) -> usize {
     killed_by_pieces(study, kills, 3.0)
 }

@@ -1,4 +1,4 @@
-//! Malformed input of every kind, from a table: none panics, none ends with a code that is not its own.
+//! Tests of malformed input of every kind, from a table: no case panics or ends with an unexpected exit code.
 //!
 //! `tests/malformed/cases.tsv` has the cases and says how it is read. The quick ones run in every test; all are measured,
 //! each with exit code, wall time and greatest memory, by

@@ -1,4 +1,4 @@
-//! `--measured`: curves of a rig next to the tables of a study.
+//! Tests of the option `--measured`: measured curves compared with the tables of a study.
 
 use super::{Folder, has};
 

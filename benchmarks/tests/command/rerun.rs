@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 const SCENE: &str = include_str!("../malformed/scene.toml");
 
-/// All files below a folder with their contents.
+/// Returns all files below a folder with their contents.
 fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut all = BTreeMap::new();
     for entry in std::fs::read_dir(folder).unwrap() {

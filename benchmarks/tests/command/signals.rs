@@ -1,4 +1,4 @@
-//! Signals: exit code 130 in every phase of every command, and what is finished is reported.
+//! Tests of signals: exit code 130 in every phase of every command, with a report of the finished runs.
 #![cfg(target_os = "linux")]
 
 use super::kill::{finish, lines, start};
@@ -119,7 +119,7 @@ fn an_interrupted_study_reports_what_is_finished_and_goes_on() {
     }
 }
 
-/// Starts a study, interrupts it when its journal has some lines, and returns what it said.
+/// Starts a study, interrupts it when its journal has some lines, and returns its output.
 fn interrupted(folder: &Folder, study: &str, at: usize) -> String {
     let mut command = folder.command(&format!("{study} --out here"));
     command.stdout(Stdio::piped()).stderr(Stdio::piped());

@@ -1,4 +1,4 @@
-//! Standard output and exit codes: answers for programs, readers that go away, disks that are full.
+//! Tests of standard output and exit codes: answers for programs, closed pipes, full disks.
 
 use super::{Folder, has, stderr, stdout};
 use serde_json::Value;

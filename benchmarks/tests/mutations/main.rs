@@ -207,7 +207,7 @@ const HANGS: Duration = Duration::from_secs(300);
 /// Seconds above which a process is named with its time.
 const SLOW: f64 = 20.0;
 
-/// How a process ended.
+/// End of a process: exit code, memory, time and output.
 struct Ended {
     code: Option<i32>,
     /// Greatest memory that was seen [GB].
@@ -259,7 +259,7 @@ fn numbers() -> std::ops::Range<usize> {
     from.map_or(0, |f| f.parse().expect("a whole number"))..1000
 }
 
-/// Counts what went wrong, and says it as it happens.
+/// Counts the processes and their errors, and prints each error as it occurs.
 #[derive(Default)]
 struct Count {
     codes: std::collections::BTreeMap<i32, usize>,

@@ -21,7 +21,7 @@ struct Line {
 /// Stored results of one run of a check, with which later runs are compared.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Baseline {
-    /// Its number, where and when it was stored.
+    /// Number, time and machine of the baseline.
     pub(super) stored: Stored,
     /// Measured results of the baseline, one entry per case, model and integrator.
     pub(super) entries: Vec<Measured>,
@@ -90,12 +90,12 @@ impl Baselines {
         Ok(Baselines(all))
     }
 
-    /// The one that counts.
+    /// Returns the newest baseline, with which runs are compared.
     pub(super) fn newest(&self) -> Option<&Baseline> {
         self.0.last()
     }
 
-    /// With a further one.
+    /// Appends a baseline with the next number.
     pub(super) fn add(&mut self, stored: Stored, entries: Vec<Measured>) {
         let baseline = self.newest().map_or(1, |b| b.stored.baseline + 1);
         self.0.push(Baseline {

@@ -195,7 +195,7 @@ fn time(groups: &mut [Group<'_>], doubt: &Doubt<'_>, runner: &Runner<'_>) -> Res
     Ok(())
 }
 
-/// Which runtimes are to be measured at another moment: what looks slow, or almost so, and what then is so near the limit that
+/// Rule for the runtimes that must be measured again: slow or almost slow ones, and later those so near the limit that
 /// either verdict would be chance.
 struct Doubt<'a> {
     newest: &'a Baseline,
@@ -218,14 +218,14 @@ impl Doubt<'_> {
         }
     }
 
-    /// Of a single entry.
+    /// True if the runtime of a single entry must be measured again.
     fn of(&self, entry: &Entry<'_>, pass: usize) -> bool {
         let from = slow_from(self.baseline(entry), &entry.case.rules);
         let part = (entry.measured.runtime.zip(from)).map(|(now, from)| now / from);
         (self.update && pass < PASSES) || part.is_some_and(|part| Self::about(part, pass))
     }
 
-    /// Of all entries together.
+    /// True if the median of all runtimes must be measured again.
     fn of_all(&self, groups: &[Group<'_>], pass: usize) -> bool {
         let entries = groups.iter().flat_map(|g| &g.entries);
         let ratio = |e: &Entry<'_>| Some(e.measured.runtime? / self.baseline(e)?.runtime?);
@@ -236,7 +236,7 @@ impl Doubt<'_> {
 
 /// Entries of a baseline that were not run.
 struct LeftOut {
-    /// Their case was not asked for.
+    /// Entries whose case was not selected.
     kept: Vec<Measured>,
     /// The check does not have them any more.
     gone: Vec<Measured>,

@@ -1,4 +1,4 @@
-//! The file that says what is checked: scenes x models x methods, what is looked at, and what it may differ.
+//! Check files: cases of scenes, models and integrators, the quantities to compare, and their tolerances.
 
 use super::quantity::{Quantity, USUAL};
 use crate::scene_file::SceneError;
@@ -93,16 +93,16 @@ impl TryFrom<u32> for CheckSchema {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Work {
-    /// It fails the check.
+    /// The difference fails the check.
     #[default]
     Exact,
     /// The difference is reported and does not fail the check.
     Report,
 }
 
-/// Relative difference when a check does not say.
+/// Default relative tolerance of a quantity [-].
 const RELATIVE: f64 = 1e-6;
-/// Absolute difference of ratios (errors, drifts), and of all else: rounding of another machine.
+/// Default absolute tolerance of ratios (errors, drifts) and of all other quantities, for rounding on another machine.
 const ABSOLUTE_RATIO: f64 = 1e-8;
 const ABSOLUTE: f64 = 1e-12;
 /// Ratio of runtimes from which on a run is slower.
@@ -113,9 +113,9 @@ const ALL: f64 = 1.25;
 /// Permitted deviation of a quantity from its baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tolerance {
-    /// Over the baseline [-].
+    /// Relative tolerance over the baseline [-].
     pub(super) relative: f64,
-    /// In the unit of the quantity.
+    /// Absolute tolerance in the unit of the quantity.
     pub(super) absolute: f64,
     /// Upper limit of the magnitude, in the unit of the quantity.
     pub(super) most: Option<f64>,
@@ -175,7 +175,7 @@ pub(super) struct Case {
     pub(super) metrics: Vec<Quantity>,
     pub(super) rules: Rules,
     pub(super) slow: bool,
-    /// Where it stands in the file.
+    /// Index of the case in the file.
     index: usize,
 }
 
@@ -183,7 +183,7 @@ pub(super) struct Case {
 #[derive(Clone, Debug)]
 pub(super) struct CheckFile {
     pub(super) title: String,
-    /// File of the baselines.
+    /// Path of the file with the baselines.
     pub(super) baseline: PathBuf,
     pub(super) cases: Vec<Case>,
     /// Limits of the runtimes of all cases together.
@@ -286,7 +286,7 @@ impl CheckFile {
         at.first(&["scene"]).error(message, "of this case", help)
     }
 
-    /// The cases that are asked for: by name, and without slow ones where `quick`.
+    /// Returns the selected cases: those with the given names, and without slow ones if `quick`.
     ///
     /// # Errors
     /// [`SceneError`] for a name that is none.

@@ -1,4 +1,4 @@
-//! An entry beside its baseline, and the runtimes of all entries together.
+//! Comparison of each entry of a check with its baseline, and of the runtimes of all entries together.
 //!
 //! A program that became slower is slower in all of its entries at once: the median of the ratios to the baseline over all
 //! entries tells a smaller slowdown than a single one can. What disturbs a machine may disturb all entries of that moment,
@@ -27,7 +27,7 @@ fn moved(yes: bool) -> Verdict {
     if yes { Verdict::Moved } else { Verdict::Held }
 }
 
-/// Holds an entry against its baseline. `same` says that both were timed on one kind of processor.
+/// Compares an entry with its baseline. `same` is true if both were timed on the same kind of processor.
 pub(super) fn judge(
     now: Measured,
     before: Option<&Measured>,
@@ -134,7 +134,7 @@ fn metrics(now: &Measured, before: &Measured, rules: &Rules) -> Vec<Finding> {
     found.collect()
 }
 
-/// Bounds whatever the baseline.
+/// Returns the findings of limits that do not depend on the baseline.
 fn limits(now: &Measured, rules: &Rules) -> Vec<Finding> {
     let bound = |(key, x): (&String, &f64)| {
         let most = rules.tolerance(key).most?;

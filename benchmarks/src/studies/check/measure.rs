@@ -1,4 +1,4 @@
-//! Runs of a case.
+//! Runs of the cases of a check, and the measurement of their runtimes.
 
 use super::file::{Case, CheckFile};
 use super::kernel;
@@ -71,7 +71,7 @@ pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<Loaded<'a>, R
     })
 }
 
-/// A method as it is asked for.
+/// Returns an integrator in the notation of the command line, with its step or tolerance.
 fn written(scheme: &Scheme) -> String {
     // `500ns` and `5e-7s` are one step, whose last bit differs.
     let plain = |x: f64| format!("{x:.12e}").parse().unwrap_or(x);
@@ -218,7 +218,7 @@ pub(super) struct Group<'l> {
     pub(super) entries: Vec<Entry<'l>>,
 }
 
-/// An entry that was run, and how long it takes.
+/// Entry of a check that was run, with its measured runtimes.
 pub(super) struct Entry<'l> {
     /// Case of the check file that the entry belongs to.
     pub(super) case: &'l Case,
@@ -229,8 +229,8 @@ pub(super) struct Entry<'l> {
 }
 
 impl Group<'_> {
-    /// Measures the runtime of an entry, beside what was measured before: at another moment the machine is busy with
-    /// other things.
+    /// Measures the runtime of an entry once more, in addition to earlier measurements: at another moment the load of
+    /// the machine differs.
     ///
     /// # Errors
     /// [`RunError`] when its model cannot be built.

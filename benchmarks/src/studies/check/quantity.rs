@@ -40,7 +40,7 @@ impl Quantity {
         Metric::ALL.into_iter().map(Quantity::Metric).chain(own)
     }
 
-    /// Its key, without the reference.
+    /// Returns the key of the quantity, without the reference.
     pub(crate) fn key(self) -> &'static str {
         match self {
             Quantity::Metric(m) => m.key(),

@@ -123,8 +123,8 @@ fn damping_of(
     mesh_modes(&entries, models(), &problem.runner).map_err(Refusal::from)
 }
 
-/// References of the scene's own conditions, which the yardstick is compared with; none where they cannot be read, which is
-/// said: the choice does not need them.
+/// Returns the references under the scene's own conditions, with which the yardstick is compared. If they cannot be
+/// read the result is empty, with a warning: the choice does not need them.
 fn references_of_the_scene(scene: &mut SceneFile) -> Vec<Held> {
     match scene.held(false) {
         Ok(all) => {

@@ -17,7 +17,7 @@ use gearbench_models::law::Damping;
 use gearbench_models::spec::Modelling;
 use std::f64::consts::TAU;
 
-/// Modes per gear of the elastic gears whose mesh mode tells the damping.
+/// Modes per gear of the elastic gears whose mesh mode gives the damping.
 const MODES: usize = 50;
 /// Relative error of the ratio of a level, after so many trials at most.
 const WITHIN: f64 = 1e-4;
@@ -30,7 +30,7 @@ const HUB: usize = 6;
 /// Damping of the mesh mode of elastic gears.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OfMesh {
-    /// Damping ratio [-].
+    /// Damping ratio of the mesh mode [-].
     pub ratio: f64,
     /// Time by which a damper runs ahead of its spring that gives this ratio alone, `2 ratio / omega` [s].
     pub relaxation: f64,

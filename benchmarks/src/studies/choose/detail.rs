@@ -29,20 +29,20 @@ const FACTOR: usize = 2;
 /// of a pair is 12.31, 12.46 and 12.46 N/(mm um) with one, two and four.
 const WIDTH: usize = 2;
 
-/// How gears are meshed and touch.
+/// Mesh density and kind of flank contact of elastic gears.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Detail {
-    /// As the scene says.
+    /// Mesh and contact of the scene.
     #[default]
     Given,
-    /// On half-spaces, with the mesh of the scene.
+    /// Contact on half-spaces, with the mesh of the scene.
     HalfSpaces,
-    /// With a finer mesh, on half-spaces where they may.
+    /// A finer mesh, with contact on half-spaces where it is possible.
     Finer,
 }
 
 impl Detail {
-    /// Its place in tables.
+    /// Returns the rank of the detail in tables, from 0.
     pub fn rank(self) -> u8 {
         match self {
             Detail::Given => 0,
@@ -67,11 +67,11 @@ pub struct Details {
     /// Elastic gears on which modes are refined: half-spaces on the mesh of the scene, else mesh and contact of the
     /// scene.
     pub lead: Flexible,
-    /// Why flanks do not touch on half-spaces, if so.
+    /// Reason why flanks do not touch on half-spaces; `None` if they do.
     pub no_half_spaces: Option<String>,
     /// The finer mesh, or why there is none.
     pub finer: Result<Flexible, String>,
-    /// Processor time in which the gears of the lead and of the finer mesh were set up first, caches as they were [s].
+    /// Processor time of the first set-up of the gears of the lead and of the finer mesh, caches as they were [s].
     setup_s: [f64; 2],
 }
 
@@ -145,13 +145,13 @@ impl Details {
         }
     }
 
-    /// Flanks touch on half-spaces.
+    /// True if the flanks touch on half-spaces.
     pub fn on_half_spaces(&self) -> bool {
         touches_on_half_spaces(&self.lead)
     }
 }
 
-/// All contacts are those of half-spaces.
+/// True if all contacts are those of half-spaces.
 fn touches_on_half_spaces(flexible: &Flexible) -> bool {
     let is = |p: PointContact| p.local == LocalContact::HalfSpace;
     (flexible.contacts.iter()).all(|c| c.points.is_some_and(is))

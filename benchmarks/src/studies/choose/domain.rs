@@ -9,9 +9,9 @@ use std::f64::consts::{PI, TAU};
 
 /// Numbers of teeth of the gears that choices were validated on.
 pub const TEETH: [u32; 2] = [14, 56];
-/// Their modules [m].
+/// Least and greatest module of the gears [m].
 pub const MODULE: [f64; 2] = [1.5e-3, 10e-3];
-/// Their face widths over their modules.
+/// Least and greatest face width over the module [-].
 pub const WIDTH: [f64; 2] = [2.5, 7.5];
 /// Tooth pairs per second that pass at most [Hz].
 pub const FREQUENCY: f64 = 2500.0;

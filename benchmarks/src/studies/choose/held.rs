@@ -40,13 +40,13 @@ impl Subject {
 pub(super) struct Found {
     /// A setting of the record for each reference.
     pub(super) settings: Vec<(String, String)>,
-    /// References with the distance in the metric asked for, where they have it.
+    /// References with the distance of the model in the required metric; `None` where it cannot be evaluated.
     pub(super) distances: Vec<(String, Option<f64>)>,
-    /// References against which the metric asked for is beyond its tolerance.
+    /// References against which the error in the required metric exceeds the tolerance.
     pub(super) beyond: Vec<String>,
 }
 
-/// Runs a model over the whole scene, at the speeds and loads of each reference, and says how far it is from it.
+/// Runs a model over the whole scene, at the speeds and loads of each reference, and computes its errors against them.
 ///
 /// # Errors
 /// [`RunError`] when it cannot run.
@@ -102,7 +102,8 @@ fn under(candidate: &Candidate, held: &Held, all: &[Held]) -> Result<Run, RunErr
     run(&conditions.job((&spec, &candidate.modelling), &candidate.method, &grid))
 }
 
-/// All errors against a reference in words, the one asked for, and whether that is beyond its tolerance.
+/// Returns all errors against a reference in words, the one in the required metric, and whether that exceeds the
+/// tolerance.
 fn told(
     row: &Run,
     held: &Held,

@@ -7,7 +7,7 @@ use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::rigid;
 use gearbench_reference::reduction::ElasticParameters;
 
-/// Where the stiffness of rigid gears is from.
+/// Origin of the mesh stiffness of rigid gears.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Stiffness {
     /// Mesh stiffness according to ISO 6336-1.
@@ -33,7 +33,7 @@ pub enum Level {
     Elastic {
         /// Modes per gear, at most.
         modes: usize,
-        /// How they are meshed and touch.
+        /// Mesh density and kind of flank contact.
         detail: Detail,
     },
 }
@@ -74,7 +74,7 @@ impl Level {
         }
     }
 
-    /// How elastic gears are meshed and touch.
+    /// Returns the detail (mesh and contact) of elastic gears; `None` for other models.
     pub fn detail(&self) -> Option<Detail> {
         match self {
             Level::QuasiStatic(detail) | Level::Elastic { detail, .. } => Some(*detail),

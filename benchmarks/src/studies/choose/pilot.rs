@@ -1,4 +1,4 @@
-//! A cheap rigid run through the whole scene: when teeth touch and how hard, and what part of it stands for all.
+//! Pilot run of rigid gears through the whole scene, and the window of the scene on which models are compared.
 //!
 //! The window goes from the start through so many contact times of touching teeth that several impacts or mesh cycles
 //! are in it, and where gears run under a load, through mesh cycles at all of it; where the whole scene has no more than
@@ -25,7 +25,7 @@ const STEPS: f64 = 32.0;
 const SAMPLES: f64 = 48.0;
 /// Samples per period of a tooth where the metric is a peak: ringing teeth make it.
 const RINGING: f64 = 10.0;
-/// One of so many of them is kept where nothing touches.
+/// Ratio by which samples are thinned where no teeth touch.
 const SPARSE: usize = 8;
 /// Contact times, and part of the time that has passed, by which contacts of other models may come earlier or later.
 const AROUND: [f64; 2] = [0.5, 0.02];
@@ -43,9 +43,9 @@ const RUNNING: f64 = 2.0;
 const LOADED: f64 = 0.9;
 /// Contact times that the end of an impact is followed by.
 const MARGIN: f64 = 0.5;
-/// Relative change of stiffness whose effect tells how errors grow.
+/// Relative change of stiffness from whose effect the growth of errors is estimated.
 const NUDGE: f64 = 0.01;
-/// A smaller one, which tells whether its effect is in proportion to it.
+/// Smaller relative change of stiffness, which shows whether the effect is proportional to the change.
 const SMALL_NUDGE: f64 = 0.001;
 /// Change of a history from which on it is another one.
 const ORDER_ONE: f64 = 0.5;
@@ -55,11 +55,11 @@ const NOT_IN_PROPORTION: f64 = 0.3;
 /// The part of a scene on which models are compared.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
-    /// Its end [s].
+    /// End of the window [s].
     pub end: f64,
     /// Times at which histories are recorded [s].
     pub grid: Vec<f64>,
-    /// It is the whole scene.
+    /// True if the window is the whole scene.
     pub whole: bool,
     /// Impacts that begin in it, or spells of contact.
     pub contacts: usize,
@@ -67,7 +67,7 @@ pub struct Window {
     pub all_contacts: usize,
     /// Time in which teeth touch in the whole scene over that in the window.
     pub contact_ratio: f64,
-    /// Duration over the window.
+    /// Duration of the scene over that of the window.
     pub time_ratio: f64,
 }
 
@@ -126,7 +126,7 @@ fn whole(problem: &Problem, level: &Fixed, contact_time: f64) -> Result<Outcome,
     Ok(Trial::new(problem, &level.scene, &level.modelling)?.run(&method(), &window)?)
 }
 
-/// How deep flanks go into each other, from the largest force of a rigid run [m].
+/// Computes the approach of the flanks at the largest force of a rigid run [m].
 ///
 /// # Errors
 /// [`ChooseError::NoContact`] when no teeth touch, [`ChooseError::Budget`] when the run was cut off before they did.
@@ -292,9 +292,10 @@ pub struct Sensitivity {
     /// Factor by which its effect on the metric grows from the window to the whole scene, at least 1: errors of phase add up
     /// from impact to impact.
     pub growth: f64,
-    /// Its effect on the metric over the whole scene, where the history does not repeat; 0 where it does.
+    /// Effect of the change of stiffness on the metric over the whole scene, where the history does not repeat; 0 where
+    /// it does.
     pub scatter: f64,
-    /// Why the history does not repeat, if so.
+    /// Reason why the history does not repeat; `None` if it does.
     pub not_repeatable: Option<String>,
 }
 

@@ -31,12 +31,12 @@ const TOOTH_STEPS: f64 = 30.0;
 pub const DENSEST: usize = 300;
 /// Steps per contact time of the densest elastic model.
 const DENSEST_STEPS: f64 = 1024.0;
-/// Force that dampers are taken at, over the largest.
+/// Force at which dampers are linearised, over the largest force.
 const MEAN_FORCE: f64 = 0.7;
 /// Steps per contact time that carry the modes of an elastic run under a tolerance.
 const TOLERANCE_STEPS: f64 = 128.0;
 
-/// One thing that could be run: model, resolution, integrator, step.
+/// Combination of model, resolution, integrator and step that can be run.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// Level of the model hierarchy.
@@ -160,7 +160,7 @@ pub struct Prepared {
     pub fixed: Vec<Fixed>,
     /// Stiffness from static solves, or why there is none.
     pub statics: Result<Calibrated, String>,
-    /// How elastic gears are meshed and touch.
+    /// Mesh and contact of the elastic gears.
     pub details: Details,
 }
 
@@ -259,7 +259,7 @@ impl Prepared {
         self.fixed.iter().find(is).unwrap_or(&self.fixed[0])
     }
 
-    /// All candidates, the cheapest family first, within a level the longest step first.
+    /// Returns all candidates, the cheapest family first, within a level the longest step first.
     pub fn candidates(&self, problem: &Problem) -> Vec<Candidate> {
         let time = self.oscillator.contact_time();
         let mut all = Vec::new();

@@ -49,7 +49,7 @@ pub struct Flexible {
     pub contacts: Vec<ContactSpec>,
     /// Label of the model of the scene that it is; `None` where the scene has none.
     pub label: Option<String>,
-    /// How they are meshed and touch.
+    /// Mesh density and kind of flank contact.
     pub detail: Detail,
 }
 
@@ -58,7 +58,7 @@ pub struct Flexible {
 pub struct Own {
     /// Label of the model in the scene.
     pub label: String,
-    /// Its gears are rigid.
+    /// True if the gears are rigid.
     pub rigid: bool,
     /// The scene, with the gap of this model.
     pub scene: SceneSpec,
@@ -69,25 +69,25 @@ pub struct Own {
 /// A scene to choose for.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// Keeps what is finished.
+    /// Runner that stores finished runs.
     pub runner: Arc<Runner<'static>>,
     /// Name of the scene.
     pub name: String,
     /// Gears and meshes, with the gap of the elastic model.
     pub scene: SceneSpec,
-    /// Simulated time [s].
+    /// Simulated time of the scene [s].
     pub duration: f64,
     /// Samples of the histories over the duration.
     pub samples: usize,
     /// Elastic gears with the mesh and the contact of the scene.
     pub flexible: Flexible,
-    /// Further models of the scene.
+    /// Rigid and movable-teeth models of the scene, as further levels.
     pub own: Vec<Own>,
     /// Table of the available gear models.
     pub models: &'static [Model],
     /// Runs of the scene over which the set-up is distributed.
     pub runs: u64,
-    /// Bound on the processor time of one integration on the window: far beyond what an adequate one takes.
+    /// Bound on the processor time of one integration on the window, far beyond that of an adequate one.
     pub timeout: Duration,
 }
 
@@ -191,7 +191,7 @@ fn is_elastic(m: &ModelChoice) -> bool {
         .all(|g| ElasticParameters::of(g).is_some_and(|p| p.keeps_residual()))
 }
 
-/// Generated meshes; `rigid` tells the damping and the friction.
+/// Returns elastic gears with generated meshes; damping and friction are those of `rigid`.
 fn generated(scene: &SceneSpec, rigid: Option<&Modelling>) -> Flexible {
     let [flank_elements, width_elements] = ELEMENTS.map(|(_, n)| Some(n));
     let parameters = ElasticParameters {

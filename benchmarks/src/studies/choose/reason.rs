@@ -22,7 +22,7 @@ pub fn seconds(s: f64) -> String {
     }
 }
 
-/// The yardstick in words: its level, and what it stands for.
+/// Describes the yardstick: its level, mesh and contact.
 pub fn yardstick(choice: &Choice) -> String {
     let name = choice.yardstick.level.name();
     let contact = match choice.details.on_half_spaces() {
@@ -145,7 +145,7 @@ pub fn runs(n: u64) -> String {
     }
 }
 
-/// The yardstick's own error.
+/// Describes the yardstick's own error.
 fn own_error(choice: &Choice, requirement: &Requirement) -> String {
     let parts = &choice.parts;
     let mesh = match parts.mesh {
@@ -176,7 +176,7 @@ fn own_error(choice: &Choice, requirement: &Requirement) -> String {
     }
 }
 
-/// Why it is not decided whether anything is adequate.
+/// Explains why it is not decided whether any candidate is adequate.
 fn undecided(choice: &Choice, limit: &str) -> String {
     let cure = "elastic gears with more elements (`flank_elements`, `rim_elements`) have a yardstick of finer ones";
     match choice.own_error {

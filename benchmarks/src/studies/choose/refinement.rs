@@ -29,7 +29,7 @@ use gearbench_integrators::modal::resonance::SAFE;
 use gearbench_reports::Metric;
 use gearbench_reports::choice_check::quantile;
 
-/// Steps per contact time of the refinement, for tolerances up to a limit: their own error is not to show beside it.
+/// Steps per contact time of the refinement, for tolerances up to a limit, so that its integration error is negligible.
 const STEPS: [(f64, f64); 3] = [(0.015, 512.0), (0.04, 256.0), (f64::INFINITY, 128.0)];
 /// Part of the tolerance that the last two differences stay below.
 const SETTLED: f64 = 0.25;
@@ -43,7 +43,7 @@ const FLOOR: [f64; 2] = [3e-3, 1e-3];
 const RATIO: [f64; 2] = [0.3, 0.5];
 /// Error of a step over the distance to twice and to half the step, of a method of the second order.
 const OF_STEPS: [f64; 2] = [1.0 / 3.0, 4.0 / 3.0];
-/// Fewest differences that say whether they fall.
+/// Least number of differences from which a decreasing trend can be judged.
 const DIFFERENCES: usize = 4;
 /// Differences of the later half over those of the first half from which on they do not fall, medians.
 const STEADY: f64 = 0.5;
@@ -70,7 +70,7 @@ pub fn error_of_mesh(distance: f64, on_half_spaces: bool) -> f64 {
 /// A level of elastic gears on the window.
 #[derive(Clone, Debug)]
 pub struct RefinedLevel {
-    /// How it was run.
+    /// Model, integrator and resolution of the run.
     pub candidate: Candidate,
     pub outcome: Outcome,
     /// Processor time of the set-up [s].
@@ -84,7 +84,7 @@ pub struct RefinedLevel {
 pub struct Refinement {
     /// Levels that ran to the end, by modes, ascending.
     pub levels: Vec<RefinedLevel>,
-    /// As many modes as the last of them on a finer mesh, or why there is none.
+    /// Level with as many modes as the last one, on a finer mesh, or the reason why there is none.
     pub finer: Result<RefinedLevel, String>,
     /// Estimated error of the top level on the window by the truncation of its modes [-].
     pub remaining: f64,
@@ -94,17 +94,18 @@ pub struct Refinement {
     pub integration: f64,
     /// Factor by which errors grow from the window to the scene.
     pub growth: f64,
-    /// The differences became small.
+    /// True if the differences between levels became small.
     pub settled: bool,
-    /// Why differences between levels say nothing of the error, if so: they do not fall with more modes.
+    /// Reason why differences between levels do not bound the error: they do not fall with more modes. `None` if they
+    /// fall.
     pub not_convergent: Option<String>,
     /// Levels that cannot run, with the reason.
     pub refused: Vec<(Candidate, String)>,
-    /// A finer mesh could be made, but did not run: what the mesh is off is not known.
+    /// True if a finer mesh is possible but did not run, so that the error of the mesh is unknown.
     pub lacks_finer: bool,
     /// Levels for which no processor time was left.
     pub not_tried: Vec<String>,
-    /// Steps per contact time.
+    /// Integration steps per contact time.
     steps: f64,
 }
 
@@ -169,8 +170,9 @@ fn integration_error(
     Ok(found.unwrap_or(f64::INFINITY))
 }
 
-/// Error of a run by the step of its integration, from its `distance` to one with another step: twice the step, or half of it
-/// where twice the step does not carry modes up to the highest [Hz], or says nothing. The method is of the second order.
+/// Estimates the integration error of a run from its `distance` to one with another step, for a method of the second
+/// order. The other step is twice the step, or half of it where twice the step does not resolve modes up to `highest`
+/// [Hz] or has no result.
 ///
 /// # Errors
 /// Those of `distance`.
@@ -197,7 +199,7 @@ pub fn error_of_modes(distances: &[f64], metric: Metric) -> f64 {
     remaining(distances).max(FLOOR[usize::from(is_scalar(metric))])
 }
 
-/// Why differences between levels do not fall with more modes, if so.
+/// Returns the reason why differences between levels do not fall with more modes; `None` if they fall.
 fn not_falling(differences: &[f64], allowed: f64) -> Option<String> {
     if differences.len() < DIFFERENCES || differences.last().is_none_or(|d| *d <= allowed) {
         return None;
@@ -213,7 +215,7 @@ fn not_falling(differences: &[f64], allowed: f64) -> Option<String> {
     })
 }
 
-/// Runs a level on the window, or says why its numbers are not to be used.
+/// Runs a level on the window, or returns the reason why its results are not usable.
 fn level(
     problem: &Problem,
     candidate: Candidate,
@@ -404,8 +406,7 @@ mod tests {
     use super::{error_of_step, not_falling, remaining};
     use std::convert::Infallible;
 
-    /// Differences that stay as large as they were say nothing of the error; those that fall, or are within what is allowed,
-    /// do.
+    /// Differences that do not fall give no bound on the error; those that fall, or are within the permitted error, do.
     #[test]
     fn differences_that_do_not_fall_are_recognised() {
         assert!(not_falling(&[0.6, 0.5, 0.6, 0.3, 0.5, 0.7], 0.1).is_some());
@@ -414,7 +415,8 @@ mod tests {
         assert_eq!(not_falling(&[0.6, 0.5, 0.6], 0.1), None);
     }
 
-    /// Of a method of the second order a third of the distance to twice the step is left, and four thirds of that to half.
+    /// The error of a method of the second order is a third of the distance to twice the step, and four thirds of that
+    /// to half.
     #[test]
     fn the_error_of_a_step_follows_from_another_one() {
         let exact = |h: f64| 3.0 * h * h;

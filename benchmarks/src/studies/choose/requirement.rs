@@ -13,7 +13,7 @@ use gearbench_reports::series::TimeSeries;
 pub struct Requirement {
     /// Metric whose error is limited.
     pub metric: Metric,
-    /// How far it may be off, relative [-].
+    /// Largest relative error that is permitted [-].
     pub tolerance: f64,
 }
 
@@ -23,7 +23,7 @@ impl Requirement {
         self.metric.option().unwrap_or_default()
     }
 
-    /// The metric in words.
+    /// Returns the name of the metric in words.
     pub fn title(&self) -> &'static str {
         match self.metric {
             Metric::ForceL2 => "force history",

@@ -16,7 +16,7 @@ use gearbench_reports::{Adequacy, ForceStatistics, ReferenceDistance, Verdict};
 /// Numbers of modes of which the statistics are described where a history does not repeat.
 const FEW: usize = 2;
 
-/// Why there is no answer at all.
+/// Error that prevents any result of the choice.
 #[derive(Debug, thiserror::Error)]
 pub enum ChooseError {
     /// The scene cannot be assembled.
@@ -33,7 +33,7 @@ pub enum ChooseError {
         /// Duration of the scene [s].
         duration: f64,
     },
-    /// Nothing can be estimated within the budget.
+    /// The budget is spent before an error can be estimated.
     #[error(
         "the budget of {0} is spent before two levels of elastic gears have run, and no error can be estimated: allow more with --budget, or give the elastic model fewer elements (`flank_elements`, `rim_elements`)"
     )]
@@ -45,16 +45,16 @@ pub enum ChooseError {
     Hierarchy(String),
 }
 
-/// How a level did on the window.
+/// Result of a level on the window.
 #[derive(Clone, Debug)]
 pub struct LevelTried {
     /// Level of the model hierarchy.
     pub level: Level,
     /// Integrator and resolution that make its own error small.
     pub method: Scheme,
-    /// Distance to the top level in the metric; what the top level itself is off is not in it.
+    /// Distance to the top level in the metric, without the error of the top level itself.
     pub distance: f64,
-    /// Distance to the next denser level, where the hierarchy goes on.
+    /// Distance to the next denser level, where there is one.
     pub step_up: Option<f64>,
     /// Estimated error against the top level over the whole scene.
     pub error: f64,
@@ -66,7 +66,7 @@ pub struct LevelTried {
     pub cheapest: Option<(Candidate, f64)>,
     /// Processor time of the set-up on this machine, caches as they were [s].
     pub setup_s: f64,
-    /// Why its numbers are not to be used, if so.
+    /// Reason why the results of the level are not usable; `None` if they are.
     pub failure: Option<String>,
 }
 
@@ -83,7 +83,7 @@ pub struct Tried {
     pub adequate: Adequacy,
     /// Steps and force evaluations on the window.
     pub work: [u64; 2],
-    /// How the run failed, if so.
+    /// Reason of the failure of the run; `None` if it succeeded.
     pub failure: Option<String>,
 }
 
@@ -100,7 +100,7 @@ pub struct Choice {
     pub own_error: Option<f64>,
     /// Part of it of a history that does not repeat.
     pub scatter: f64,
-    /// Why the history does not repeat, if so.
+    /// Reason why the history does not repeat; `None` if it does.
     pub not_repeatable: Option<String>,
     /// Distances of the yardstick and of the choice to references of the scene.
     pub references: Vec<ReferenceDistance>,
@@ -110,8 +110,8 @@ pub struct Choice {
     pub total_cost_s: f64,
     /// Estimated error of the choice against the yardstick over the whole scene, or the least there is.
     pub predicted_error: f64,
-    /// Parts of it: the model against the top level, the integrator against the model's own fine solution, what the top
-    /// level is off, and the factor from the window to the whole scene.
+    /// Parts of the predicted error: the model against the top level, the integrator against the model's own fine
+    /// solution, the error of the top level, and the growth from the window to the whole scene.
     pub parts: Parts,
     /// Processor time of one run of the whole scene on this machine [s].
     pub predicted_cost_s: f64,
@@ -121,11 +121,11 @@ pub struct Choice {
     pub reason: Vec<String>,
     /// Levels of the model hierarchy that were tried.
     pub levels: Vec<LevelTried>,
-    /// All that was run on the window.
+    /// All candidates that were run on the window.
     pub tried: Vec<Tried>,
     /// Window of the scene on which the models were compared.
     pub window: Window,
-    /// In which ways the scene lies outside of what the choice has been checked on.
+    /// Properties of the scene that lie outside of the range in which the choice has been validated.
     pub outside: Vec<String>,
     /// Mesh and contact of the elastic gears, those of the yardstick included.
     pub details: Details,

@@ -1,5 +1,4 @@
-//! The selection: of every adequate level each integrator is taken to its longest adequate step, and the cheapest of all is
-//! chosen.
+//! Selection of the cheapest candidate: each integrator on each adequate level at its longest adequate step.
 //!
 //! A candidate is run on the window and compared with the top level, the yardstick, so that errors of model and integrator
 //! count as they come together. It is adequate where its error and the yardstick's own error together keep the tolerance
@@ -207,7 +206,7 @@ impl Selector<'_, '_> {
         }
     }
 
-    /// Looks for the cheapest adequate candidate of an adequate level.
+    /// Searches the cheapest adequate candidate of an adequate level.
     fn look(
         &mut self,
         level: &mut LevelTried,
@@ -329,7 +328,7 @@ impl Selector<'_, '_> {
         }
     }
 
-    /// Keeps what a step of elastic gears costs.
+    /// Records the cost of a step of elastic gears.
     fn learn(&mut self, candidate: &Candidate, cost: f64) {
         if let (Some(_), Some(h)) = (candidate.level.modes(), candidate.method.resolution.step()) {
             let per_step = cost * h;
@@ -357,8 +356,8 @@ fn simplest_of_cheapest(costs: &[Option<f64>]) -> Option<usize> {
     costs.iter().position(same)
 }
 
-/// The answer, from what was tried: levels, each with its candidates. Nothing is adequate where no level is, and where of an
-/// adequate one candidates were tried and none of them is.
+/// Returns the verdict from all that was tried: levels, each with its candidates. No model is adequate if no level is,
+/// and if the candidates that were tried of an adequate level are not.
 fn verdict(chosen: bool, levels: impl IntoIterator<Item = (Adequacy, Vec<Adequacy>)>) -> Verdict {
     let not = |a: &Adequacy| *a == Adequacy::NotAdequate;
     let none = |(level, candidates): (Adequacy, Vec<Adequacy>)| {

@@ -50,7 +50,7 @@ const ANALYTIC: (ToothModel, Foundation, Hertz) = (
     },
 );
 
-/// Stiffness from analytic compliances.
+/// Returns the stiffness from analytic compliances of tooth, foundation and contact.
 pub fn analytic() -> PairStiffness {
     let (tooth, foundation, hertz) = ANALYTIC;
     PairStiffness::Compliance {
@@ -80,7 +80,7 @@ pub fn contact(stiffness: PairStiffness, exponent: f64, damping: Damping) -> Con
     }
 }
 
-/// Where the stiffness of a contact between rigid gears is from.
+/// Origin of the contact stiffness between rigid gears.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
     Norm,
@@ -89,7 +89,7 @@ pub enum Source<'a> {
 }
 
 impl Source<'_> {
-    /// The contact with the damper that goes with the relaxation time `tau` [s].
+    /// Returns the contact with a damper of the relaxation time `tau` [s].
     pub fn contact(self, tau: f64, oscillator: &MeshOscillator) -> ContactSpec {
         match self {
             Source::Norm => contact(norm(), 1.0, damper(tau, oscillator.stiffness)),
@@ -118,7 +118,7 @@ pub struct MeshOscillator {
 }
 
 impl MeshOscillator {
-    /// Of the stiffest mesh of a scene.
+    /// Computes the oscillator of the stiffest mesh of a scene.
     pub fn of(scene: &SceneSpec) -> Result<MeshOscillator, BuildError> {
         let contacts = vec![contact(norm(), 1.0, Damping::None); scene.meshes.len()];
         let built = Scene::build(scene, &rigid(scene, contacts), MODELS)?;
@@ -165,9 +165,9 @@ pub fn relaxation_of(scene: &SceneSpec, contact: &ContactSpec) -> Option<f64> {
 /// Stiffness of a tooth pair from static solves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibrated {
-    /// Path coordinates [m], ascending.
+    /// Path coordinates of the table [m], ascending.
     pub s: Vec<f64>,
-    /// Coefficient there [N/m^n].
+    /// Coefficients at the path coordinates [N/m^n].
     pub k: Vec<f64>,
     /// Exponent `n` of the force law.
     pub exponent: f64,
@@ -178,7 +178,7 @@ pub struct Calibrated {
 }
 
 impl Calibrated {
-    /// As the stiffness of a contact.
+    /// Returns the table as the stiffness of a contact.
     pub fn stiffness(&self) -> PairStiffness {
         table(self.s.clone(), self.k.clone())
     }

@@ -6,7 +6,7 @@ use crate::cli::terminal::say;
 use crate::experiment::budget::NOT_TRIED;
 use gearbench_reports::{Adequacy, ChoiceRecord, Verdict};
 
-/// The answer in plain words.
+/// Prints the result of the choice in words.
 pub(super) fn summarise(choice: &ChoiceRecord, found: &Choice) {
     let wanted = format!(
         "{} within {}",

@@ -79,8 +79,8 @@ fn what_cannot_be_refined_is_told() {
     assert!(why.contains("`b`") && why.contains("wheel.inp"), "{why}");
 }
 
-/// The choice holds all levels against the finer mesh: its distance is the error of the scene's own, the estimates hold it,
-/// and what is chosen is written with the contact and the mesh that it is for.
+/// The choice compares all levels with the finer mesh: its distance is the error of the scene's own mesh, the estimates
+/// include it, and the chosen candidate is written with the contact and the mesh that it is for.
 #[test]
 fn a_choice_is_held_against_the_finer_mesh() {
     let mut s = without_dashpots();

@@ -23,7 +23,8 @@ use std::time::{Duration, Instant};
 /// Time after which a run is not repeated further [s].
 const LONG_ENOUGH: f64 = 0.04;
 
-/// Why a model cannot run, of an error that is about it alone; `None` of one that ends the study.
+/// Returns the reason why a model cannot run, if the error concerns this model alone; `None` for one that ends the
+/// study.
 pub fn cannot_run(e: &RunError) -> Option<String> {
     match e {
         RunError::Interrupted | RunError::Journal(_) | RunError::Picture(_) => None,
@@ -36,7 +37,7 @@ pub struct Trial<'a> {
     spec: &'a SceneSpec,
     modelling: &'a Modelling,
     problem: &'a Problem,
-    /// The scene, set up.
+    /// The assembled scene.
     pub scene: Scene,
     /// No gear has coordinates but its hub's.
     rigid: bool,
@@ -58,7 +59,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// It reached the end and its numbers may be used.
+    /// True if the run reached its end and its results are usable.
     pub fn usable(&self) -> bool {
         !self.row.status.is_failure()
     }
@@ -74,7 +75,7 @@ impl Outcome {
 }
 
 impl<'a> Trial<'a> {
-    /// Sets a model up.
+    /// Assembles a scene with a model for runs on the window.
     pub fn new(
         problem: &'a Problem,
         spec: &'a SceneSpec,
@@ -155,8 +156,8 @@ impl<'a> Trial<'a> {
         runner.piece(key, || Ok(outcome))
     }
 
-    /// Processor time that a method takes to the end of a window without observers [s]: the shortest of `repeats`. What an
-    /// earlier start has measured counts.
+    /// Measures the processor time of a method to the end of a window without observers [s]: the shortest of `repeats`.
+    /// Measurements of an earlier start are reused.
     ///
     /// # Errors
     /// Those of the journal.

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 pub struct FramePlan {
     /// Folder to which the frames are written.
     pub folder: PathBuf,
-    /// How many of each run.
+    /// Number of frames of each run.
     pub frames: usize,
     /// First and last time [s].
     pub window: [f64; 2],
@@ -37,11 +37,11 @@ pub struct Plan<'a> {
     pub wanted: Wanted,
     /// Frequency above which the force of a mesh counts as ripple [Hz].
     pub ripple_above: Option<f64>,
-    /// Source of published times.
+    /// Source of the published computing times.
     pub published: Option<String>,
     /// Tolerance that the scene specifies for an adequate model.
     pub tolerance: Option<Tolerance>,
-    /// Frames for ParaView; none where nobody asks.
+    /// Plan of the frames for ParaView; `None` without frames.
     pub pictures: Option<FramePlan>,
 }
 
@@ -134,7 +134,7 @@ impl Plan<'_> {
         })
     }
 
-    /// Its own integrators of a configuration, else those of all.
+    /// Returns the integrators of a model: its own, else those of the plan.
     pub(super) fn methods_of<'p>(&'p self, entry: &'p Configuration) -> &'p [Scheme] {
         entry.methods.as_deref().unwrap_or(&self.methods)
     }

@@ -1,4 +1,4 @@
-//! Runs of the comparison.
+//! Runs of a comparison, and their errors against references and yardstick.
 
 use super::plan::Plan;
 use super::yardstick::{REFINED, Wanted, most_detailed, of_entry, of_stored, refined};
@@ -205,7 +205,7 @@ fn meshes_of(entry: &Configuration) -> Vec<[String; 2]> {
         .collect()
 }
 
-/// How many modes each gear of an elastic model has, which the numbers and frequencies asked for only bound.
+/// Describes the number of modes of each gear of an elastic model, for which the settings are only upper bounds.
 fn modes_that_act((entry, runs): (&Configuration, &Vec<Run>)) -> Option<(String, String)> {
     let run = runs.iter().find(|r| r.modes.is_some())?;
     let gears = entry.scene.gears.iter().zip(&run.modes_of_gears);

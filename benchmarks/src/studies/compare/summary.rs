@@ -11,8 +11,8 @@ fn is_excepted(results: &Results, run: &Run) -> bool {
     (results.tolerance.as_ref()).is_some_and(|t| t.except.contains(&run.model_label()))
 }
 
-/// One line per run with its error of integration and its error against the yardstick, failures with their reason; then the
-/// finding.
+/// Prints one line per run with its integration error and its error against the yardstick, failures with their reason,
+/// and then the finding.
 pub fn summarise(results: &Results) {
     let yardstick = yardstick_of(results);
     let id = yardstick.as_ref().map(|y| y.id.as_str());

@@ -47,12 +47,12 @@ use gearbench_reports::series::TimeSeries;
 
 /// Id of refined gears among the references of a record, and in `tolerance.against` of a scene.
 pub const REFINED: &str = "refined";
-/// Dynamic modes per gear of refined gears, and of the runs that tell what they are off by these.
+/// Dynamic modes per gear of refined gears, and of the runs from which their truncation error is estimated.
 const MODES: usize = 100;
 const FEWER: [usize; 2] = [75, 50];
-/// Runs of the yardstick.
+/// Largest number of runs for the yardstick.
 const RUNS: usize = 5;
-/// Tolerance that the step is fine enough for where the scene says none.
+/// Default tolerance for which the step is chosen, for scenes without one.
 const USUAL: f64 = 0.05;
 /// Tolerance of refined gears whose modes are coupled.
 const COUPLED_RTOL: f64 = 1e-6;
@@ -60,7 +60,7 @@ const COUPLED_RTOL: f64 = 1e-6;
 /// Kind of yardstick with which a comparison compares its models.
 #[derive(Clone, Debug, Default)]
 pub enum Wanted {
-    /// Its references, if it has any.
+    /// Stored references of the scene, if it has any.
     #[default]
     Stored,
     /// The most detailed model of the comparison, by its label.
@@ -120,7 +120,7 @@ pub fn most_detailed(entries: &[Configuration]) -> Option<String> {
     (kind(most) > least).then(|| most.label.clone())
 }
 
-/// Refined gears as a reference, and what they are off.
+/// Refined gears as a reference, with their estimated error.
 pub struct Refined {
     /// History of the refined gears.
     pub reference: ReferenceSeries,
@@ -128,7 +128,7 @@ pub struct Refined {
     pub yardstick: Yardstick,
 }
 
-/// One way to run the gears.
+/// Variant of the refined gears: elements, modes and step.
 #[derive(Clone, Copy)]
 struct Variant<'a> {
     flexible: &'a Flexible,
@@ -144,9 +144,9 @@ struct Maker<'a> {
     runner: &'a Runner<'a>,
     step: f64,
     metric: Metric,
-    /// Runs that were begun.
+    /// Number of runs that were started.
     begun: usize,
-    /// Why parts of their error are not known.
+    /// Reasons why parts of the error of refined gears are unknown.
     unknown: Vec<String>,
 }
 
@@ -312,7 +312,7 @@ impl Maker<'_> {
         Ok(self.between((what, &made), series))
     }
 
-    /// Error of their integration.
+    /// Estimates the integration error of the refined gears.
     fn integration(
         &mut self,
         finest: &Variant<'_>,

@@ -24,7 +24,8 @@ impl Course {
         2.0 * self.c[2] + 6.0 * self.c[3] * (t - self.from)
     }
 
-    /// Through the last values `(t, value)`, the newest last; as many as the extrapolation asks for and there are.
+    /// Returns the polynomial through the last values `(t, value)`, the newest last; its degree is that of the
+    /// extrapolation, or less with fewer values.
     pub fn through(past: &[(f64, f64)], extrapolation: Extrapolation) -> Course {
         let terms = match extrapolation {
             Extrapolation::Constant => 1,
@@ -46,7 +47,7 @@ impl Course {
         Course { from, c }
     }
 
-    /// From one `[place, speed]` to another over a time `h` [s].
+    /// Returns the polynomial from one `[place, speed]` to another over a time `h` [s].
     pub fn between(from: f64, h: f64, [a, b]: [[f64; 2]; 2], motion: Motion) -> Course {
         let mean = (b[0] - a[0]) / h;
         let c = match motion {

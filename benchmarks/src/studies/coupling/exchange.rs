@@ -19,17 +19,17 @@ const GAUSS: [(f64, f64); 3] = [
 ];
 /// Order of a method up to which powers are looked at between steps alone.
 const BY_ENDS: u32 = 2;
-/// Part of a communication step that is none: a last one is as long as it takes.
+/// Part of a communication step below which a remainder is merged with the last step.
 const SLIVER: f64 = 1e-6;
 
-/// How the parts are coupled.
+/// Scheme of the coupling: extrapolation, interpolation and communication step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manner {
     /// Extrapolation of the forces on the hubs in the host.
     pub extrapolation: Extrapolation,
     /// Interpolation of the motions of the hubs in the gears.
     pub motion: Motion,
-    /// Communication step [s].
+    /// Communication step [s], the interval between exchanges.
     pub step: f64,
 }
 
@@ -55,17 +55,17 @@ pub struct Exchanged {
     pub hubs: Vec<[f64; 2]>,
     /// Work that the host took less what the gears gave [J].
     pub energy: f64,
-    /// Its largest magnitude in one communication step [J].
+    /// Largest magnitude of this energy in one communication step [J].
     pub largest: f64,
     /// Number of communication steps.
     pub exchanges: u64,
-    /// Time reached [s].
+    /// Simulated time that was reached [s].
     pub reached: f64,
     /// Reason for the end of the run.
     pub end: End,
 }
 
-/// How a run in two parts ended.
+/// Reason for the end of a run in two parts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum End {
     /// The end time was reached.
@@ -74,7 +74,7 @@ pub enum End {
     Gears(StepError),
     /// A hub, or the energy, is no number or beyond all bounds.
     RanAway,
-    /// It took too long.
+    /// The run exceeded its bound on processor time.
     Timeout,
 }
 

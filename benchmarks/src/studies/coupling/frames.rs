@@ -1,4 +1,4 @@
-//! The gears of a scene with frames that are led along courses: all else is the scene.
+//! Scene with gears whose frames follow prescribed trajectories; all other coordinates are free.
 //!
 //! The frame of a gear is its motion as a whole, `u = r^T M x / J` with `J = r^T M r` and the motion `r` of all its coordinates
 //! by unit turn of the hub: teeth that have coordinates of their own turn with it, modes do not. Of the forces `f` a led gear
@@ -29,12 +29,12 @@ pub struct Frame {
     pub moves: Vec<(usize, f64)>,
     /// Inertia of all [kg m^2] or [kg].
     pub inertia: f64,
-    /// Loads on the hub.
+    /// Loads on the hub of the gear.
     pub loads: Vec<Load>,
 }
 
 impl Frame {
-    /// How far coordinates, or how fast their rates, move the frame.
+    /// Computes the displacement of the frame from coordinates, or its velocity from their rates.
     pub fn mean(&self, x: &[f64]) -> f64 {
         let sum: f64 = self.moves.iter().map(|(i, m)| m * x[*i]).sum();
         sum / self.inertia
@@ -55,7 +55,7 @@ impl Frame {
         self.moves.iter().map(|(i, _)| f[*i]).sum()
     }
 
-    /// Its loads [N m] or [N].
+    /// Computes the sum of the loads on the hub [N m] or [N].
     pub fn load(&self, t: f64, speed: f64) -> f64 {
         let of = |l: &Load| match l {
             Load::Applied(p) => p.value(t),
@@ -65,16 +65,16 @@ impl Frame {
     }
 }
 
-/// Why a host cannot have the hubs of a scene.
+/// Reason why the hubs of a scene cannot be moved to a host.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoHost {
-    /// Its gears stand on shafts.
+    /// The gears are on shafts or on a carrier.
     #[error("its gears are on shafts or on a carrier, whose motions are not those of single hubs")]
     Shafts,
     /// No hub of the scene is free.
     #[error("every gear is fixed or driven, so that there is no hub for a host")]
     NoneFree,
-    /// A hub has inertia in common with something else.
+    /// A hub has inertia coupling with other coordinates.
     #[error(
         "the hub of `{0}` has inertia coupling with other coordinates, by gyroscopic terms or by tilting"
     )]
@@ -134,11 +134,11 @@ pub fn frames(spec: &SceneSpec, scene: &mut Scene) -> Result<Vec<Frame>, NoHost>
     }
 }
 
-/// A scene whose hubs are led.
+/// A scene whose hubs follow prescribed trajectories.
 pub struct Led<'a> {
     scene: &'a mut Scene,
     frames: &'a [Frame],
-    /// Where each hub is led along.
+    /// Prescribed trajectory of each hub.
     pub courses: Vec<Course>,
     channels: Vec<String>,
     f: Vec<f64>,
@@ -168,7 +168,8 @@ impl<'a> Led<'a> {
         out.extend(self.frames.iter().map(of));
     }
 
-    /// Leaves of forces what deforms the gears, and adds what leads their frames.
+    /// Replaces the resultant of the forces on each frame by the force for its prescribed acceleration; forces that
+    /// deform the gears remain.
     fn lead(&self, t: f64, f: &mut [f64]) {
         for (frame, course) in self.frames.iter().zip(&self.courses) {
             let by = course.acceleration(t) - frame.total(f) / frame.inertia;
@@ -183,7 +184,7 @@ impl<'a> Led<'a> {
         }
     }
 
-    /// The filter of a kick that moves no hub.
+    /// Returns the filter of a half-step impulse that moves no hub.
     fn without_hubs(&mut self, kick: &HalfStepImpulse<'_>) -> Vec<f64> {
         let mut filter = std::mem::take(&mut self.filter);
         filter.clear();

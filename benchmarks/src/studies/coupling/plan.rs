@@ -12,7 +12,7 @@ use gearbench_reports::coupling::{Extrapolation, Motion};
 pub const ALLOWED: f64 = 0.5;
 /// Energy error of a coupling over the vibration energy at which a run is given up [-].
 pub const HOPELESS: f64 = 1e3;
-/// Largest communication step over the time of the hubs on their teeth, `1/omega`, when nobody says.
+/// Largest default communication step over the time `1/omega` of the hubs on their teeth.
 const LARGEST: f64 = 4.0;
 /// Communication steps over a run at least.
 const FEWEST: f64 = 2.5;
@@ -63,7 +63,8 @@ impl Plan<'_> {
     }
 }
 
-/// Communication steps when nobody says: the step of the gears doubled until hubs on their teeth cannot be followed.
+/// Returns the default communication steps [s]: the step of the gears doubled until the motion of hubs on their teeth
+/// cannot be resolved.
 pub fn usual_steps(method: &Scheme, oscillator: Option<[f64; 2]>, duration: f64) -> Vec<f64> {
     let most = duration / FEWEST;
     let last = oscillator.map_or(most, |[omega, _]| (LARGEST / omega).min(most));

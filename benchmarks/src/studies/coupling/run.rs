@@ -1,4 +1,4 @@
-//! Runs in two parts on several threads, each held against its model's run as one system.
+//! Coupled runs on several threads, each compared with the run of its model as one system.
 
 use super::exchange::{Bounds, End, Exchanged, Manner, exchange};
 use super::plan::{ALLOWED, Entry, HOPELESS, Plan};

@@ -24,7 +24,7 @@ pub struct Chosen {
 }
 
 impl Chosen {
-    /// Which parameters refine a model that there is without them: courses of a stiffness along the path.
+    /// Returns true for parameters that refine an existing model: variations of a stiffness along the path.
     pub fn courses(&self) -> Vec<bool> {
         let is_course =
             |p: &Parameter| matches!(p, Parameter::Constant(k) if k == SLOPE || k == CURVATURE);

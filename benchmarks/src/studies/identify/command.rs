@@ -184,7 +184,7 @@ fn into_scene<'a>(
     found.iter().map(of).collect()
 }
 
-/// A fit for programs.
+/// Returns a fit as JSON, for programs.
 fn told(fit: &gearbench_reports::identify::FitRecord) -> serde_json::Value {
     let data = |d: &gearbench_reports::identify::DataRecord| {
         json!({
@@ -271,7 +271,7 @@ fn refuse(scene: &SceneFile, choice: &ModelChoice, e: IdentifyError) -> Refusal 
     }
 }
 
-/// The references whose histories are fitted or held out, at least one to fit.
+/// Returns the references whose histories are fitted or held out, at least one to fit.
 fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<Held>, Refusal> {
     let known = scene.odd.len();
     let mut references = scene.held(args.insist.any_reference)?;

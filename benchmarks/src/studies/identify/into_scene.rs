@@ -1,4 +1,5 @@
-//! Constants written into the scene file itself: comments and layout stay, the model takes no calibration any more.
+//! Writing of fitted constants into the scene file: comments and layout stay, and the model no longer refers to a
+//! calibration.
 //!
 //! | constant | where it goes in the model's entry of `models` |
 //! |---|---|
@@ -27,13 +28,13 @@ fn tag(label: &str) -> String {
     format!("# identified, {label}: ")
 }
 
-/// A model, the constants it gets, and what is to be told of them.
+/// Model with its fitted constants and the comments about them.
 pub struct Written<'a> {
     /// Model whose entry is changed.
     pub choice: &'a ModelChoice,
     /// All constants that the model gets.
     pub constants: Constants,
-    /// Lines of a comment.
+    /// Lines of the comment above the entry.
     pub told: Vec<String>,
 }
 

@@ -43,22 +43,22 @@ pub enum Parameter {
 /// User options of a fit that replace the defaults.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wishes {
-    /// Keys to fit; `None` takes those of the model that the data may tell.
+    /// Keys to fit; `None` takes those of the model that the data may determine.
     pub fit: Option<Vec<String>>,
-    /// Keys with the values that they are held at.
+    /// Keys with their fixed values.
     pub held: Vec<(String, f64)>,
     /// Keys with the values that the fit starts from.
     pub starts: Vec<(String, f64)>,
     /// Keys with their least and greatest value.
     pub bounds: Vec<(String, [f64; 2])>,
-    /// Further starting points, scattered about those of the model.
+    /// Number of further starting points, scattered about those of the model.
     pub scattered: usize,
-    /// Profiles of all parameters.
+    /// True if profiles of all parameters are computed.
     pub profiles: bool,
 }
 
 impl Parameter {
-    /// Its key; that of a clock names the data.
+    /// Returns the key of the parameter; the key of a clock contains the name of the data.
     pub fn key(&self, data: &[DataSet]) -> String {
         match self {
             Parameter::Constant(key) => key.clone(),
@@ -70,7 +70,7 @@ impl Parameter {
         }
     }
 
-    /// Its name in words.
+    /// Returns the name of the parameter in words.
     pub fn name(&self, data: &[DataSet]) -> String {
         match self {
             Parameter::Clock(_) if data.len() == 1 => "clock offset".into(),
@@ -123,7 +123,7 @@ fn words(key: &str) -> (String, &'static str) {
     (stem.replace('_', " "), unit)
 }
 
-/// How many of [`keys`] are of the scene; the others are of the model of a gear.
+/// Number of [`keys`] that belong to the scene; the others belong to the model of a gear.
 const OF_SCENE: usize = 6;
 
 /// The keys that can be fitted in a model.

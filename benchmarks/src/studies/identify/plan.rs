@@ -13,12 +13,12 @@ use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle, StaticsError};
 use gearbench_reports::identify::FitRecord;
 
-/// Data that a model is fitted to, or held against.
+/// Data set that a model is fitted to, or compared with.
 #[derive(Clone, Debug)]
 pub struct DataSet {
     /// Name of the data set.
     pub name: String,
-    /// Gears, speeds and loads under which they were taken.
+    /// Gears, speeds and loads under which the data were recorded.
     pub spec: SceneSpec,
     /// Measured or computed values.
     pub data: Data,
@@ -80,7 +80,7 @@ impl DataSet {
         }
     }
 
-    /// Length of a history [s]; 0 of anything else.
+    /// Returns the length of a history [s]; 0 for other data.
     pub fn duration(&self) -> f64 {
         match &self.data {
             Data::History { time, .. } => {
@@ -102,7 +102,7 @@ impl DataSet {
         all.iter().map(|p| over * p).collect()
     }
 
-    /// A key to what they say: the same for the same numbers.
+    /// Returns a key to the values: equal numbers have equal keys.
     pub fn key(&self) -> Key {
         Key::new("data").and(&self.data)
     }
@@ -159,7 +159,7 @@ pub struct FitPlan<'a> {
     pub models: &'a [Model],
     /// Data to fit, at least one.
     pub data: Vec<DataSet>,
-    /// Data that the fitted model is held against.
+    /// Data that the fitted model is compared with.
     pub held_out: Vec<DataSet>,
     /// User options: parameters to fit, fixed values, starts and bounds.
     pub wishes: Wishes,
@@ -168,13 +168,13 @@ pub struct FitPlan<'a> {
 /// The result of an identification.
 #[derive(Clone, Debug)]
 pub struct Identification {
-    /// All that reports show.
+    /// Record of the fit for reports.
     pub record: FitRecord,
     /// Values of all parameters at the minimum, those that are not identifiable included.
     pub all: Constants,
     /// Parameters of the fit with their starting points.
     pub chosen: Chosen,
-    /// Names of the data that were fitted, each with a key to what they say.
+    /// Names of the data that were fitted, each with a key to its values.
     pub data: Vec<(String, Key)>,
 }
 
@@ -192,13 +192,13 @@ impl Identification {
     }
 }
 
-/// Why nothing could be identified.
+/// Error of an identification.
 #[derive(Debug, thiserror::Error)]
 pub enum IdentifyError {
     /// The scene cannot be assembled.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// There is no recipe for the model.
+    /// The model has no constants to identify.
     #[error("the model `{0}` has nothing to identify; {known} have a stiffness to fit", known = .1.join(" and "))]
     Model(String, Vec<&'static str>),
     /// A key is none that can be fitted.
@@ -217,7 +217,7 @@ pub enum IdentifyError {
     /// A constant of one gear, of a model whose gears have none.
     #[error("`{0}` cannot be fitted: gears of the model `{1}` have no constants of their own")]
     NothingOfGears(String, String),
-    /// A constant of a gear that is none, or takes another model.
+    /// The key refers to an unknown gear, or to a gear with another model.
     #[error("`{0}` cannot be fitted: it does not belong to a gear of the model `{1}`; there are {known}", known = .2.join(", "))]
     Gear(String, String, Vec<String>),
     /// A key that no gear has.
@@ -241,7 +241,7 @@ pub enum IdentifyError {
     /// The run of a trial does not reach the end of the data.
     #[error("the run ends before {0}")]
     Short(String),
-    /// No start led to a fit.
+    /// The fit failed from every starting point.
     #[error("the fit failed from every start: {0}")]
     Failed(String),
 }

@@ -176,7 +176,7 @@ fn trial(
     runner.piece(key, || modelled(plan, set, constants, clock))
 }
 
-/// The model beside data: errors of the history, of its peak and its impulse.
+/// Compares the model with data: errors of the history, of its peak and its impulse.
 fn against(set: &DataSet, model: Vec<f64>, validation: bool) -> DataRecord {
     let data = set.values();
     let off: Vec<f64> = model.iter().zip(data).map(|(a, b)| a - b).collect();

@@ -1,4 +1,4 @@
-//! The calibration file: constants and where they come from, beside all that stands there already.
+//! Writing of the calibration file: constants and their origin, in addition to the entries that it already contains.
 //!
 //! Comments at its head say by which command, from which data and how sure each calibration is, a tag in front of each
 //! line; those of other calibrations stay, and so do comments between the tables.

@@ -5,7 +5,7 @@ use gearbench_reports::modes::{About, ModelModes};
 use gearbench_reports::numbers::{short, significant};
 use gearbench_reports::record::Results;
 
-/// Modes that are told of each model.
+/// Largest number of modes printed for each model.
 const MOST: usize = 12;
 
 /// The state and the lowest modes of each model.

@@ -1,4 +1,4 @@
-//! Runs over the penalty.
+//! Runs of a model over the contact penalty.
 
 use super::plan::Plan;
 use crate::experiment::configuration::Configuration;

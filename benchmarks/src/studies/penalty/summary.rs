@@ -3,7 +3,7 @@
 use crate::cli::terminal::say;
 use gearbench_reports::record::Results;
 
-/// One line per penalty.
+/// Prints one line per penalty.
 pub fn summarise(results: &Results) {
     say(&format!(
         "{:>10} {:>12} {:>13} {:>13}  {}",

@@ -18,9 +18,9 @@ use gearbench_reports::record::ReferenceSeries;
 use std::collections::HashSet;
 use std::time::Duration;
 
-/// Numbers of modes that are tried when nobody says.
+/// Default numbers of modes per gear.
 pub const COUNTS: [usize; 6] = [0, 10, 35, 70, 100, 150];
-/// Model that others are held against.
+/// Id of the full model, which serves as a reference.
 pub(super) const FULL: &str = FullOrderParameters::MODEL;
 /// Steps of one integration at most: a timeout that does not depend on the machine.
 const MOST_STEPS: u64 = 20_000_000;
@@ -33,7 +33,7 @@ pub struct Variant {
     pub modes: Option<usize>,
     /// Integrators at every step and tolerance, the coarsest of each first.
     pub methods: Vec<Scheme>,
-    /// Ids of the references it is held against.
+    /// Ids of the references that the variant is compared with.
     pub against: Vec<String>,
 }
 
@@ -50,11 +50,11 @@ impl Variant {
 /// A reference that the study computes.
 #[derive(Clone, Debug)]
 pub struct Full {
-    /// Its id in metrics.
+    /// Id of the reference in metrics.
     pub id: String,
     pub entry: Configuration,
-    /// Its integrator at a step so small that its own error does not show; `None` takes the converged solution of
-    /// gears with modes.
+    /// Integrator at a step so small that its own error is negligible; `None` takes the converged solution of gears
+    /// with modes.
     pub method: Option<Scheme>,
     /// Title of the reference in the record.
     pub title: String,
@@ -64,7 +64,7 @@ pub struct Full {
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     pub conditions: Conditions<'a>,
-    /// Models with their series.
+    /// Models with their series of resolutions.
     pub variants: Vec<Variant>,
     pub fulls: Vec<Full>,
     /// References from measurements or other programs.
@@ -157,7 +157,7 @@ impl Plan<'_> {
     }
 }
 
-/// Metrics asked for, else the scene's, else that of its tolerance.
+/// Returns the metrics of the command line, else those of the scene, else that of its tolerance.
 fn metrics(scene: &SceneFile, asked: &Asked) -> Vec<Metric> {
     if !asked.metrics.is_empty() {
         let mut each_once = asked.metrics.clone();

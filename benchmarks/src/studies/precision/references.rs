@@ -22,8 +22,8 @@ fn is_lumped(choice: &ModelChoice) -> bool {
     gears.any(|p| p.mass == Some(MassKind::Lumped))
 }
 
-/// References that are computed: full models among those that run or asked for by label; failing all references, the
-/// elastic model with the most modes.
+/// Returns the references to compute: full models among those that run or selected by label; without any other
+/// reference, the elastic model with the most modes.
 pub(super) fn references(
     scene: &SceneFile,
     choices: &[&ModelChoice],

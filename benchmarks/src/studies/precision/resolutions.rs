@@ -1,4 +1,4 @@
-//! From an integrator of a scene to the steps and tolerances it is tried at, the coarsest first.
+//! Series of steps and tolerances of an integrator, the coarsest first.
 
 use gearbench_integrators::Scheme;
 use gearbench_integrators::{Resolution, Stepping};

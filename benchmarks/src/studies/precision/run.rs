@@ -30,11 +30,11 @@ const FINER: f64 = 0.3;
 /// Steps of a reference with a fixed step at most.
 const MOST_STEPS: u64 = 20_000_000;
 
-/// The setting that says which resolutions were left out.
+/// Key of the setting that lists resolutions that were left out.
 const TOO_FINE: &str = "left out: finer than a run that took too long";
-/// The setting that says whose converged solution is coarser than it should be.
+/// Key of the setting that lists converged solutions coarser than intended.
 pub(super) const COARSE: &str = "converged less far than they should be";
-/// The setting that says whose errors of integration are unknown.
+/// Key of the setting that lists models with unknown integration errors.
 const UNKNOWN: &str = "without a converged solution";
 
 /// Runs all variants at all resolutions and computes their errors against the references.
@@ -288,7 +288,7 @@ impl Study<'_> {
         Ok((record, own))
     }
 
-    /// The model's own converged solution; `row` says how large the model is.
+    /// Computes the model's own converged solution; `row` has the size of the model.
     fn own_solution(
         &self,
         variant: &Variant,

@@ -35,7 +35,7 @@ keys! {
 /// Defaults of accuracy against cost in a scene; empty lists leave the choice to the study.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Precision {
-    /// Labels of the models.
+    /// Labels of the models to run.
     pub models: Vec<String>,
     /// Integrators in place of the study's.
     pub integrators: Vec<Scheme>,
@@ -49,7 +49,7 @@ pub struct Precision {
     pub rtols: Vec<f64>,
     /// Metrics of the error, the most important first.
     pub metrics: Vec<Metric>,
-    /// Simulated time [s].
+    /// Simulated time [s]; `None` takes that of the scene.
     pub duration: Option<f64>,
 }
 

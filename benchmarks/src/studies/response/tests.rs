@@ -1,4 +1,4 @@
-//! Frequency response beside a closed form, and beside gears that run.
+//! Frequency responses compared with a closed form, and with simulations of running gears.
 #![allow(clippy::print_stdout, reason = "observed figures")]
 
 use super::plan::Wanted;

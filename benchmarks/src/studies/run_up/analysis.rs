@@ -21,10 +21,10 @@ const HIDDEN: f64 = 2.0;
 
 /// Last part of a run whose mean speed is compared with that of its ramp.
 const AT_END: f64 = 0.01;
-/// How far the speed at the end may be from that of the ramp, over the change of speed.
+/// Permitted deviation of the final speed from that of the ramp, over the change of speed.
 const MISSED: f64 = 0.02;
 
-/// Why a run does not follow its ramp, if it does not, and a way out.
+/// Returns the reason why a run does not follow its ramp, with advice; `None` if it follows.
 fn missed(name: &str, turns: &[f64], recorder: &Recorder, ramp: &Ramp) -> Option<String> {
     let last = turns.len() - 1;
     let first = last - ((AT_END * last as f64).ceil() as usize).clamp(1, last);

@@ -12,7 +12,7 @@ use gearbench_reports::metrics::TRANSMISSION_ERROR;
 /// Radial forces of a bearing.
 const RADIAL: [OfGear; 2] = [OfGear::BearingX, OfGear::BearingY];
 
-/// A quantity whose amplitudes are looked at.
+/// Recorded quantity whose amplitudes are evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
     /// Name of its column, with the unit.
@@ -24,7 +24,7 @@ pub struct Quantity {
     /// Number of the group of equivalent quantities, such as those of the planets of a carrier; maps show one of each
     /// group.
     pub kind: usize,
-    /// One history, or the components of a force.
+    /// Histories of the quantity: one, or one for each component of a force.
     pub histories: Vec<Vec<f64>>,
 }
 
@@ -61,7 +61,7 @@ impl<'a> Recorded<'a> {
         &recorder.columns[member]
     }
 
-    /// How far a member turned between two samples, seen from its carrier where it has one [rad].
+    /// Computes the rotation of a member between two samples, relative to its carrier if it has one [rad].
     pub fn turned(&self, recorder: &Recorder, member: usize, [a, b]: [usize; 2]) -> f64 {
         let of = |i: usize| recorder.columns[i][b] - recorder.columns[i][a];
         let carrier = self.carriers.get(member).copied().flatten();
@@ -85,7 +85,7 @@ impl<'a> Recorded<'a> {
         (0..gear).find(alike).unwrap_or(gear)
     }
 
-    /// All quantities from a sample on.
+    /// Returns the histories of all quantities from a sample on.
     pub fn quantities(&self, recorder: &Recorder, from: usize) -> Vec<Quantity> {
         let spec = self.spec;
         let name = |g: usize| spec.gears[g].name.as_str();

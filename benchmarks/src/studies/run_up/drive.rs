@@ -19,7 +19,7 @@ use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, Modelling, Mount, Profile, SceneSpec, StationMember};
 
-/// Why a scene has no such run-up, and a way out.
+/// Reason why a scene cannot follow a ramp, and advice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoRamp(pub String, pub &'static str);
 

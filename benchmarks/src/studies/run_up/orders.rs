@@ -27,7 +27,7 @@ fn add(families: &mut Vec<Family>, order: f64, name: String) {
     }
 }
 
-/// The orders that are followed, those of meshes first; `shortest` is the least order that a window knows.
+/// Returns the orders to follow, those of meshes first; `shortest` is the least order that a window resolves.
 pub fn tracked(
     (spec, recorded): (&SceneSpec, &Recorded<'_>),
     recorder: &Recorder,

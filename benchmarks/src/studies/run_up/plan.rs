@@ -12,22 +12,22 @@ pub struct Ramp {
     pub from: f64,
     /// Speed of the reference gear at the end [rad/s].
     pub to: f64,
-    /// How long it takes [s].
+    /// Duration of the ramp [s].
     pub over: f64,
 }
 
-/// How a run is looked at.
+/// Settings of the evaluation of a run-up.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Look {
     /// The reference gear, by its place in the scene.
     pub gear: usize,
     /// Multiples of mesh orders that are followed and shown.
     pub multiples: usize,
-    /// Whole turns of a window; `None` takes a hundredth of the run.
+    /// Number of whole turns in a window; `None` takes a hundredth of the run.
     pub turns: Option<u32>,
     /// Start of the evaluation [s]; earlier samples are left out.
     pub onset: f64,
-    /// Samples of the run.
+    /// Number of samples of the run.
     pub samples: usize,
 }
 
@@ -40,8 +40,8 @@ pub struct Plan<'a> {
     pub entries: Vec<Configuration>,
     /// Integrator of models without their own.
     pub method: Scheme,
-    /// In place of what the scene does.
+    /// Speed ramp in place of the scene's own speeds and loads; `None` keeps these.
     pub ramp: Option<Ramp>,
-    /// How it is looked at.
+    /// Settings of the evaluation.
     pub look: Look,
 }

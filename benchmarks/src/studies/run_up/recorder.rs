@@ -4,14 +4,14 @@ use crate::experiment::history::state_within;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Sink};
 
-/// Channels over even times.
+/// Recorder of channels at evenly spaced times.
 #[derive(Clone, Debug, Default)]
 pub struct Recorder {
     channels: Vec<usize>,
     begin: f64,
     apart: f64,
     most: usize,
-    /// One by one, in the order in which they were asked for.
+    /// Recorded channels in the requested order, one column of samples each.
     pub columns: Vec<Vec<f64>>,
     taken: usize,
     sample: State,
@@ -19,7 +19,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Of so many samples of channels, the first at `begin` and the last at `end` [s].
+    /// Creates a recorder for a number of samples of channels, the first at `begin` and the last at `end` [s].
     pub fn new(channels: Vec<usize>, [begin, end]: [f64; 2], samples: usize) -> Self {
         Recorder {
             columns: vec![Vec::with_capacity(samples); channels.len()],

@@ -1,4 +1,4 @@
-//! Amplitudes of what a window holds, after a line is taken off it: a fit that is weighted as the window is, so that neither a
+//! Amplitude spectrum of a window after subtraction of a line, fitted with the weights of the window, so that neither a
 //! mean nor a slow change leaks into the lowest bins.
 
 use std::f64::consts::TAU;
@@ -54,7 +54,7 @@ impl Window {
         Window(windowed(x))
     }
 
-    /// Amplitude of what goes round so many times over the window, whole times or not.
+    /// Computes the amplitude at a number of cycles over the window, which need not be whole.
     pub fn amplitude(&self, cycles: f64) -> f64 {
         let n = self.0.len();
         // One turn of a phasor per sample; after some hundreds it is set anew, so that rounding does not grow.
@@ -142,7 +142,7 @@ mod tests {
         assert!((between[16] - 0.8488).abs() < 1e-3, "{}", between[16]);
     }
 
-    /// At its very order a sine reads its amplitude between bins as well.
+    /// A sine at a tracked order has its exact amplitude between bins as well.
     #[test]
     fn an_order_between_bins_is_followed_exactly() {
         for k in [10.25, 16.5, 37.9] {
@@ -151,7 +151,7 @@ mod tests {
         }
     }
 
-    /// Against the sums themselves.
+    /// The fast transform equals the direct sums.
     #[test]
     fn the_fast_transform_is_the_transform() {
         let x = wave(64, &[(1.0, 3.3), (0.7, 21.0)], 0.2, -0.4);

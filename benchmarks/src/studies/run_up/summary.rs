@@ -5,7 +5,7 @@ use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::record::Results;
 use gearbench_reports::run_up::strongest;
 
-/// Peaks that are told of each model.
+/// Largest number of peaks printed for each model.
 const MOST: usize = 12;
 
 /// The strongest order of each quantity with the speed at which it peaks.

@@ -1,15 +1,15 @@
-//! How a run is cut: into windows of equal time, and into windows of whole turns at even angles. Both overlap.
+//! Windows of a recorded run: windows of equal time, and windows of whole turns at even angles. Both overlap.
 
 use super::spectrum::{Window, amplitudes};
 use crate::experiment::resample::resample_smooth;
 
-/// Parts of a run that a window of turns is, when nobody says.
+/// Default number of turn windows of a run, without their overlap.
 const PARTS: f64 = 100.0;
 /// Windows at most; longer runs overlap less, never less than by half.
 const MOST_WINDOWS: f64 = 160.0;
-/// Samples of the highest order that is looked at, at least.
+/// Least number of samples per cycle of the highest order that is evaluated.
 const PER_CYCLE: f64 = 8.0;
-/// Lines of a map at most; where there are more the largest of neighbours stands for them.
+/// Largest number of lines of a map; more lines are reduced to the largest of neighbours.
 const MOST_LINES: usize = 200;
 
 /// Recording that is divided into windows: evenly spaced samples, with the turns of the reference gear at each.
@@ -20,7 +20,7 @@ pub struct Cut<'a> {
     pub turns: &'a [f64],
 }
 
-/// Windows of one kind.
+/// Windows of one kind, of equal time or of equal turns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Windows {
     /// First and last sample that a window takes (of turns: between which its angles lie).
@@ -29,7 +29,7 @@ pub struct Windows {
     starts: Vec<f64>,
     /// Samples of a window, a power of two.
     pub length: usize,
-    /// Its length: time [s], or turns.
+    /// Length of a window: time [s], or turns.
     pub span: f64,
     /// Time in the middle of each [s].
     pub time: Vec<f64>,
@@ -154,7 +154,7 @@ fn together(of_each: impl Iterator<Item = f64>) -> f64 {
 /// A map of amplitudes: lines, and amplitudes by window.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Map {
-    /// Frequencies [Hz] or orders.
+    /// Frequencies [Hz] or orders of the lines.
     pub lines: Vec<f64>,
     /// Amplitudes at these lines, by window.
     pub amplitudes: Vec<Vec<f64>>,
@@ -204,7 +204,7 @@ pub fn follow(
     all
 }
 
-/// Numbers of a record: four digits are more than a window knows.
+/// Rounds a number for the record to four digits, the resolution of a window.
 pub fn rounded(x: f64) -> f64 {
     if x == 0.0 || !x.is_finite() {
         return 0.0;

@@ -1,4 +1,4 @@
-//! The parameters that a map goes over: their names, ranges and values.
+//! Parameters of a stability map: their names, ranges and values.
 
 /// A parameter of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]
@@ -12,7 +12,7 @@ pub enum Axis {
     Damping,
     /// Factor on initial speeds and prescribed motions.
     Speed,
-    /// Modes of elastic gears.
+    /// Number of modes per gear of elastic gears.
     Modes,
     /// Spectral radius at infinite step of generalised-alpha.
     RhoInf,

@@ -1,4 +1,4 @@
-//! One run of a map and the converged solution that it is held against.
+//! One run of a map, and the converged solution that it is compared with.
 //!
 //! The converged solution is computed once per model and row: Dormand-Prince with located events at a tight tolerance;
 //! of gears with modes the trigonometric method. It is trusted only when a second run, at another tolerance or by
@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 const AGREEMENT: f64 = 0.2;
 /// Bound on the steps of a converged solution, over that of a cell.
 const MORE_STEPS: u64 = 20;
-/// Metric and limit of scenes that have no tolerance which goes with a converged solution.
+/// Default metric and limit, for scenes without a tolerance for errors against a converged solution.
 const DEFAULT_METRIC: Metric = Metric::ForceL1;
 const DEFAULT_LIMIT: f64 = 0.05;
 

@@ -8,11 +8,11 @@ use gearbench_integrators::MethodSpec;
 use gearbench_reports::record::Tolerance;
 use gearbench_reports::stability::Columns;
 
-/// One parameter with its values.
+/// Parameter of an axis with its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedAxis {
     pub axis: Axis,
-    /// Its values, ascending, the scene's own among them.
+    /// Values of the parameter, ascending, the scene's own among them.
     pub values: Vec<f64>,
     /// Place of the scene's own value.
     pub own: usize,
@@ -37,10 +37,10 @@ impl PlannedAxis {
     }
 }
 
-/// Values this close to the scene's own, relatively, are taken for it.
+/// Relative distance to the scene's own value up to which a value is replaced by it.
 const NEXT_TO: f64 = 0.12;
 
-/// One model under one integrator.
+/// Map of one model under one integrator.
 #[derive(Clone, Debug)]
 pub struct MapPlan {
     /// Maps of one set share axes and duration.
@@ -54,9 +54,9 @@ pub struct MapPlan {
     pub columns: Columns,
     /// Steps [s] or tolerances, ascending.
     pub at: Vec<f64>,
-    /// One or two parameters.
+    /// Axes of the map, one or two parameters.
     pub axes: Vec<PlannedAxis>,
-    /// Simulated time [s].
+    /// Simulated time of each run [s].
     pub duration: f64,
     /// Bound on the steps of a run, rejected ones included.
     pub max_steps: u64,

@@ -41,13 +41,13 @@ type Slot = Arc<Mutex<Option<Arc<Reference>>>>;
 struct Work<'a> {
     plan: &'a Plan<'a>,
     runner: &'a Runner<'a>,
-    /// Finished runs by name.
+    /// Finished runs by the name of their cell.
     done: Mutex<HashMap<String, Done>>,
     references: Mutex<HashMap<Key, Slot>>,
     total: AtomicUsize,
 }
 
-/// Name of a cell.
+/// Returns the name of a cell of a map.
 fn cell_name(map: usize, cell: usize) -> String {
     format!("m{map}/c{cell}")
 }
@@ -204,7 +204,7 @@ impl Work<'_> {
         lock(&self.done).insert(name, done);
     }
 
-    /// The converged solution of a row, computed by the first who asks.
+    /// Returns the converged solution of a row; the first thread that needs it computes it.
     fn reference(&self, m: usize, row: usize) -> Result<Arc<Reference>, StudyError> {
         let map = &self.plan.maps[m];
         let setup = setup(self.plan, map, row)?;

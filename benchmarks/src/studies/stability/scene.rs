@@ -1,4 +1,4 @@
-//! `[study] stability` of a scene: the maps that are made when the command line does not say otherwise.
+//! `[study] stability` of a scene: maps that are computed by default, without options on the command line.
 
 use super::axis::{Axis, spaced};
 use crate::scene_file::SceneError;
@@ -7,11 +7,11 @@ use crate::scene_file::reading::keys::keys;
 use crate::scene_file::reading::values::{Count, Distinct, Label, Method, Positive};
 use gearbench_integrators::MethodSpec;
 
-/// Steps after which a run is a timeout when a scene does not say.
+/// Default bound on the steps of a run.
 pub const MAX_STEPS: u64 = 200_000;
-/// Columns of a map when nobody says.
+/// Default number of columns of a map.
 pub const COLUMNS: usize = 12;
-/// Rows of a map when nobody says.
+/// Default number of rows of a map.
 pub const ROWS: usize = 8;
 /// Cells along one side of a map at most.
 pub const MOST: u32 = 400;
@@ -76,7 +76,7 @@ impl Span {
     }
 }
 
-/// A parameter with the values that were asked for.
+/// Parameter of an axis with its requested values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisValues {
     /// Parameter of the axis.
@@ -85,27 +85,27 @@ pub struct AxisValues {
     pub values: Vec<f64>,
 }
 
-/// One set of maps: models under integrators over the same axes.
+/// Set of maps: models under integrators over the same axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StabilitySet {
-    /// Labels; `None` takes those of the study.
+    /// Labels of the models; `None` takes those of the study.
     pub models: Option<Vec<String>>,
-    /// Integrators; `None` takes the usual ones.
+    /// Integrators of the maps; `None` takes the usual ones.
     pub integrators: Option<Vec<MethodSpec>>,
-    /// Simulated time [s].
+    /// Simulated time [s]; `None` leaves it to the study.
     pub duration: Option<f64>,
     /// Span of the steps [s].
     pub steps: Option<Span>,
     /// Span of the relative tolerances.
     pub tolerances: Option<Span>,
-    /// One or two parameters; none takes the contact stiffness.
+    /// Axes with one or two parameters; without any the axis is the contact stiffness.
     pub axes: Vec<AxisValues>,
     /// Bound on the steps of a run.
     pub max_steps: Option<u64>,
 }
 
 impl AxisValues {
-    /// Each value once and ascending.
+    /// Creates the values of a parameter, sorted and without duplicates.
     ///
     /// # Errors
     /// The first value that the parameter cannot have.

@@ -16,7 +16,7 @@ use gearbench_reference::reduction::ElasticParameters;
 /// Points at which a computed stiffness is sampled before it is scaled.
 const SAMPLES: usize = 97;
 
-/// One run's scene, models and integrator.
+/// Scene, models and integrator of one run.
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// Gears and meshes of the scene.
@@ -27,7 +27,7 @@ pub struct Setup {
     pub method: MethodSpec,
 }
 
-/// Why a parameter does not go with a model or a method.
+/// Reason why a parameter cannot be varied for a model or a method.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AxisError {
     /// The model or the method has no such parameter.
@@ -112,7 +112,7 @@ impl Axis {
         }
     }
 
-    /// Gives a setup another value; its own leaves it as it is, bit for bit.
+    /// Sets the parameter of a set-up to a value; the set-up's own value leaves it unchanged, bit for bit.
     pub fn apply(self, value: f64, setup: &mut Setup) -> Result<(), AxisError> {
         if self.own(setup)? == value {
             return Ok(());

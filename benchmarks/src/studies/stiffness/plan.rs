@@ -20,7 +20,7 @@ pub struct Plan<'a> {
     pub positions: usize,
 }
 
-/// A model to load.
+/// Model whose static mesh stiffness is computed.
 pub struct Entry {
     pub label: String,
     /// Description of the compliances that the stiffness includes.

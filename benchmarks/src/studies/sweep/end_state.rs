@@ -11,9 +11,9 @@ pub struct EndState {
     pub(super) q: Vec<f64>,
     pub(super) v: Vec<f64>,
     pub(super) discrete: Vec<f64>,
-    /// Mesh frequency [Hz].
+    /// Mesh frequency of the run [Hz].
     pub(super) frequency: f64,
-    /// How far driven gears have turned [rad]; 0 of others.
+    /// Rotation of driven gears so far [rad]; 0 for others.
     pub(super) driven: [f64; 2],
     /// Acceleration of the first gear that keeps the speed of free gears [rad/s^2]; the second follows by the ratio.
     drive: f64,

@@ -1,4 +1,4 @@
-//! The mesh that is swept: what presses its flanks at a speed, and the scene at that speed.
+//! The mesh that is swept: the load of its flanks at a speed, and the scene at that speed.
 //!
 //! What acts on a hub is a constant torque, harmonics, and a viscous load at the speed that is swept. The loads of two
 //! free gears balance, or the speed would drift. Constant torques do at every speed or at none; a viscous load grows with
@@ -26,7 +26,7 @@ const BALANCE: f64 = 1e-6;
 struct MeanLoad {
     /// Constant part of the torque [N m].
     constant: f64,
-    /// [N m s/rad].
+    /// Viscous damping of the rotation [N m s/rad].
     viscous: f64,
 }
 
@@ -57,14 +57,14 @@ pub struct Pair {
     pub base_radii: [f64; 2],
     /// Numbers of teeth of both gears.
     pub teeth: [usize; 2],
-    /// Of the flank in contact, as the first gear turns.
+    /// Sign of the loaded flank in the rotation of the first gear.
     pub sign: f64,
     /// Path coordinate of the reference pair at zero displacement [m].
     pub start: f64,
     loads: [MeanLoad; 2],
     /// The gear whose load does not press the flanks as it stands: it is driven, or holds the speed.
     holds: Option<usize>,
-    /// Both gears are free to turn.
+    /// True if both gears are free to turn.
     free: bool,
     /// Mesh frequency at the scene's own speed [Hz].
     own: f64,
@@ -196,7 +196,7 @@ impl Pair {
         self.sign * torque / self.base_radii[pressing]
     }
 
-    /// Refuses speeds at which the loads do not press the flank.
+    /// Returns an error for speeds at which the loads do not load the flank of the start.
     pub fn check_speeds(
         &self,
         name: &str,
@@ -214,7 +214,7 @@ impl Pair {
         }
     }
 
-    /// Returns the static contact force at the speed of the scene [N].
+    /// Returns the force in the transverse plane at the speed of the scene [N].
     pub fn own_force(&self) -> f64 {
         self.force(self.own)
     }
@@ -280,8 +280,8 @@ impl Pair {
         self.free
     }
 
-    /// The scene with torques that drive both gears alike, by their inertias, so that they press nothing: an acceleration
-    /// of the first gear [rad/s^2]. `built` tells the inertias.
+    /// Returns the scene with torques for an acceleration of the first gear [rad/s^2]. They are in proportion to the
+    /// inertias of `built`, so that they do not load the contact.
     pub fn driven_by(&self, spec: &SceneSpec, built: &Scene, drive: f64) -> SceneSpec {
         let mut spec = spec.clone();
         if drive != 0.0 {

@@ -11,13 +11,13 @@ pub struct Plan<'a> {
     pub conditions: Conditions<'a>,
     /// Models that are swept.
     pub entries: Vec<Configuration>,
-    /// Further models that stand still only.
+    /// Further models for which only the static cycle is computed.
     pub standing: Vec<Configuration>,
     /// Integrator of models without their own.
     pub method: Scheme,
-    /// Mesh frequencies [Hz], ascending.
+    /// Mesh frequencies of the sweep [Hz], ascending.
     pub frequencies: Vec<f64>,
-    /// How a run comes to its speed, each at all speeds.
+    /// Branches of the sweep (directions of the speed), each at all speeds.
     pub branches: Vec<Branch>,
     /// Whole mesh cycles to measure.
     pub cycles: usize,

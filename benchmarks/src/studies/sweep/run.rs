@@ -1,4 +1,4 @@
-//! Runs over the speed.
+//! Runs of a sweep over the speed, branch by branch.
 
 use super::end_state::EndState;
 use super::pair::Pair;
@@ -204,13 +204,14 @@ struct Branches<'a, 'p> {
     entry: &'a Configuration,
     pair: Pair,
     method: &'a Scheme,
-    /// Of the mesh at rest [Hz].
+    /// Mesh resonance from the static cycle [Hz].
     resonance: f64,
     total: usize,
 }
 
 impl Branches<'_, '_> {
-    /// All speeds in one way, from what the last one of another way left; what the last speed leaves.
+    /// Runs all speeds of a branch from the end state of the branch before, and returns the end state at the last
+    /// speed.
     fn run(
         &self,
         branch: Branch,

@@ -1,4 +1,4 @@
-//! `[study] sweep` of a scene: the speeds at which a sweep runs when the command line does not say otherwise.
+//! `[study] sweep` of a scene: default speeds of a sweep.
 
 use crate::scene_file::SceneError;
 use crate::scene_file::reading::Place;
@@ -45,7 +45,7 @@ impl Default for Sweep {
 }
 
 impl Sweep {
-    /// Lowest and highest mesh frequency [Hz]; `None` takes them from the mesh resonance.
+    /// Returns the lowest and highest mesh frequency [Hz]; `None` takes them from the mesh resonance.
     pub fn range(&self) -> Option<[f64; 2]> {
         Some([self.from_hz?.0, self.to_hz?.0])
     }
@@ -70,7 +70,7 @@ impl Sweep {
         self.settle_s.0
     }
 
-    /// How runs come to their speed.
+    /// Returns the branches of the sweep.
     pub fn branches(&self) -> &[Branch] {
         &self.branches.0
     }

@@ -21,9 +21,9 @@ pub struct Histories<'a> {
     pub time: &'a [f64],
     /// Position of the reference pair over the base pitch, from the pitch point, by the second gear's displacement.
     pub position: &'a [f64],
-    /// Transmission error [m].
+    /// Transmission error along the line of action [m].
     pub error: &'a [f64],
-    /// Contact force [N].
+    /// Contact force of the mesh [N].
     pub force: &'a [f64],
     /// Piecewise contact force between events, where it is known: its greatest value, mean and contact times do not
     /// depend on samples.
@@ -264,7 +264,7 @@ mod tests {
         }
     }
 
-    /// A pitch deviation of every third tooth and a run-out stand at their orders.
+    /// A pitch deviation of every third tooth and a run-out have harmonics at the orders of their shafts.
     #[test]
     fn whole_turns_have_the_orders_of_their_shaft() {
         let time: Vec<f64> = (0..6000).map(|i| f64::from(i) * 5e-6).collect();

@@ -17,7 +17,7 @@ use gearbench_reports::record::ReferenceSeries;
 
 /// Model whose modes are counted.
 const ELASTIC: &str = ElasticParameters::MODEL;
-/// Model that it is held against, and its id as a reference.
+/// Id of the full model, which is the reference.
 pub(super) const FULL: &str = FullOrderParameters::MODEL;
 /// Step of the full model over that of the scene.
 const FINER: f64 = 0.2;
@@ -25,7 +25,7 @@ const FINER: f64 = 0.2;
 const STEP: f64 = 1e-6;
 const FULL_STEP: f64 = 5e-7;
 const TRUNCATED_STEP: f64 = 2e-8;
-/// Numbers of modes that are tried when nobody says.
+/// Default numbers of modes per gear.
 const COUNTS: [usize; 10] = [0, 10, 25, 35, 50, 75, 100, 150, 200, 300];
 /// Frequency bound of the published truncation [Hz]: "modes up to 80 kHz" (GTM, SIMPACK User Meeting 2014; rack and
 /// pinion of an electric power steering).
@@ -36,7 +36,7 @@ const PUBLISHED_MODES: usize = 200;
 /// A way of keeping modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Way {
-    /// Variant in the record.
+    /// Label of the variant in the record.
     pub label: &'static str,
     /// Value of the parameter `choose`.
     pub choose: Criterion,
@@ -101,9 +101,9 @@ pub(super) struct Case {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Kept {
-    /// At most so many.
+    /// Upper bound on the number of modes per gear.
     Count(usize),
-    /// All below a frequency [Hz].
+    /// All modes below a frequency [Hz].
     Below(f64),
 }
 
@@ -117,7 +117,7 @@ impl std::fmt::Display for Kept {
 }
 
 impl Plan<'_> {
-    /// The study of a scene under some conditions, as the command line asks for it.
+    /// Plans the study of a scene under the given conditions and options of the command line.
     pub fn of<'a>(
         scene: &SceneFile,
         (elastic, full): (&ModelChoice, &ModelChoice),

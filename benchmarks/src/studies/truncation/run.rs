@@ -8,7 +8,7 @@ use gearbench_reports::metrics::compare_all;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
 use gearbench_reports::truncation::{LIMITS, ways};
 
-/// So many times longer than others the full model may take.
+/// Factor by which the time limit of the full model exceeds that of other runs.
 const PATIENCE: u32 = 10;
 
 /// Runs the full model and all truncated ones, and computes the errors of the truncated ones.

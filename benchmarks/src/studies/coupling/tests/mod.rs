@@ -20,7 +20,7 @@ use gearbench_integrators::{NullSink, Scheme, TimePlan, Work};
 use gearbench_models::scene::Scene;
 use gearbench_reports::coupling::{Extrapolation, Motion};
 
-/// Two gears that torques press together from rest, on one spring and a damper.
+/// Two gears at rest whose torques load their contact, with one spring and a damper.
 fn pressed(more: &str, model: &str) -> SceneFile {
     let text = format!(
         r#"

@@ -1,4 +1,4 @@
-//! Which combinations of parameters the data determine.
+//! Identifiability: the combinations of parameters that the data determine.
 //!
 //! Coordinates are scaled so that one is what a prior guess may be off by: a factor e, a typical gap, or the value itself
 //! where that is greater. A direction among them
@@ -78,8 +78,8 @@ pub fn weak(minimum: &Minimum, known: &Uncertainty) -> Vec<Weak> {
     all
 }
 
-/// Coordinates whose value is no answer: members of a combination that is not determined, where the combination is
-/// nothing but undetermined or the coordinate's own interval is as wide.
+/// Returns true for coordinates without a usable value: members of a combination that is not determined, if its
+/// interval is infinite or the coordinate's own interval is as wide.
 pub fn unknown(minimum: &Minimum, known: &Uncertainty, weak: &[Weak]) -> Vec<bool> {
     let size = sizes(minimum, known);
     (0..known.half.len())
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
     use nalgebra::DVector;
 
-    /// A variance without bound is no answer, and what it stands for is named.
+    /// A coordinate with infinite variance has no value, and its combination is named.
     #[test]
     fn without_an_interval_there_is_no_answer() {
         let minimum = Minimum {

@@ -26,11 +26,11 @@ pub struct Minimum {
     pub z: Vec<f64>,
     /// Residuals at the minimum.
     pub residuals: DVector<f64>,
-    /// Their derivatives by the coordinates, a column each.
+    /// Derivatives of the residuals by the coordinates, one column per coordinate.
     pub jacobian: DMatrix<f64>,
     /// Sum of squared residuals.
     pub sum: f64,
-    /// Evaluations of the residuals.
+    /// Number of evaluations of the residuals.
     pub evaluations: u32,
     /// The sum stopped falling before the bound on iterations.
     pub converged: bool,
@@ -47,7 +47,7 @@ const LONGEST: f64 = 1.15;
 /// Step below which a fit has converged.
 const SHORTEST: f64 = 1e-7;
 
-/// How far a fit goes.
+/// Stopping criterion and extent of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
     /// Relative fall of the sum in an iteration below which it has converged.
@@ -62,7 +62,7 @@ impl Effort {
         settled: 1e-9,
         jacobian: true,
     };
-    /// For sums of squares to two digits.
+    /// Effort for a sum of squares to two digits, without Jacobian.
     pub const SUM: Effort = Effort {
         settled: 1e-4,
         jacobian: false,

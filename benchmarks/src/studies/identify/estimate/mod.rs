@@ -26,7 +26,7 @@ use levenberg_marquardt::{Effort, Minimum, Residuals, minimise};
 use profile::{Profile, Profiled};
 use uncertainty::{Uncertainty, uncertainty};
 
-/// Level of all intervals.
+/// Confidence level of all intervals.
 pub const LEVEL: f64 = 0.95;
 
 /// Estimation problem: coordinates, data blocks and starting points.
@@ -55,13 +55,13 @@ pub struct Estimate {
     pub known: Uncertainty,
     /// Combinations that the data do not determine.
     pub weak: Vec<Weak>,
-    /// Parameters whose value is no answer.
+    /// True for parameters that have no usable value.
     pub unknown: Vec<bool>,
-    /// Profiles, where they were taken.
+    /// Profiles of the parameters, where they were computed.
     pub profiles: Vec<Option<Profile>>,
     /// Values and 95 % intervals; that of a parameter which was not fitted is its value alone.
     pub values: Vec<(f64, [f64; 2])>,
-    /// Sums of squares that the starts led to; `None` where one could not be evaluated.
+    /// Sums of squares reached from each start; `None` where one could not be evaluated.
     pub starts: Vec<Option<f64>>,
     /// Evaluations of the residuals in all.
     pub evaluations: u32,
@@ -86,17 +86,17 @@ impl Estimate {
     }
 }
 
-/// Fits so far: what each start led to, and the least of them.
+/// Fits so far: the sum reached from each start, and the least minimum.
 #[derive(Default)]
 struct Descents {
-    /// As [`Estimate::starts`].
+    /// Sums of squares as in [`Estimate::starts`].
     sums: Vec<Option<f64>>,
     least: Option<Minimum>,
     evaluations: u32,
 }
 
 impl Descents {
-    /// Goes down from further starts.
+    /// Minimises from further starting points.
     fn from(
         &mut self,
         (coordinates, free): (&[Coordinate], &[bool]),
@@ -115,7 +115,7 @@ impl Descents {
     }
 }
 
-/// The fits with the courses held at zero, if there are any.
+/// Returns the fits with the variations along the path fixed at zero, if there are any.
 fn simplest(problem: &Problem, residuals: &mut Residuals<'_>) -> Descents {
     let courses: Vec<usize> = (0..problem.free.len())
         .filter(|&j| problem.free[j] && problem.courses[j])

@@ -48,7 +48,7 @@ impl Noise {
             .collect()
     }
 
-    /// Autocorrelation at a lag.
+    /// Returns the autocorrelation at a lag.
     pub fn correlation(&self, lag: usize) -> f64 {
         let g = autocovariance(&self.a, lag + 1);
         g[lag] / g[0]
@@ -75,7 +75,7 @@ fn levinson(a: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
     (rows, variances)
 }
 
-/// Autocovariances for unit innovations.
+/// Computes the autocovariances for unit innovations.
 fn autocovariance(a: &[f64], n: usize) -> Vec<f64> {
     let (rows, variances) = levinson(a);
     let p = a.len();

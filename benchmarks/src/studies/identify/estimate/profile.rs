@@ -1,4 +1,5 @@
-//! Profiles: how much worse a fit gets when one parameter is held beside its estimate and all others are fitted again.
+//! Profiles: increase of the sum of squares when one parameter is fixed away from its estimate and all others are
+//! fitted again.
 //!
 //! `S_j(z)` is the least sum of squares with coordinate `j` held at `z`. Near its least `S` it is `S + (z - z_j)^2/B_jj`
 //! with `B = (J^T J)^-1`. With correlated residuals the sum is no likelihood; scaled so that its curvature gives the
@@ -49,7 +50,7 @@ pub const BENT: f64 = 0.15;
 const APART: f64 = 0.01;
 /// Places of a profile in half widths.
 const PLACES: [f64; 5] = [0.5, 1.0, 1.5, 2.25, 4.0];
-/// Half width of a step at most: over several factors a held value is far from anything.
+/// Largest half width of a step: over several factors a fixed value is no longer near the estimate.
 const FURTHEST: f64 = 3.0;
 
 /// Fit whose profiles are computed.
@@ -63,7 +64,7 @@ pub struct Profiled<'a> {
 }
 
 impl Profiled<'_> {
-    /// The standardised deviation with coordinate `j` held a number of half widths away, with the place.
+    /// Returns the standardised deviation with coordinate `j` fixed a number of half widths away, with its place.
     fn at(&self, residuals: &mut Residuals<'_>, j: usize, widths: f64) -> Option<(f64, f64)> {
         let Profiled {
             coordinates,

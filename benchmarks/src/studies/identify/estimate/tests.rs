@@ -1,4 +1,4 @@
-//! Intervals that hold under correlated noise, and what cannot be told apart.
+//! Tests of the coverage of intervals under correlated noise, and of combinations that are not determined.
 
 use super::coordinates::{Coordinate, Scale, values};
 use super::*;

@@ -40,7 +40,7 @@ pub struct Uncertainty {
     pub moving: Vec<usize>,
     /// Covariance of all coordinates; zero for those that did not move.
     pub covariance: DMatrix<f64>,
-    /// `B` of all coordinates.
+    /// Matrix `B` of all coordinates.
     pub inverse: DMatrix<f64>,
     /// Degrees of freedom of each variance.
     pub freedom: Vec<f64>,
@@ -54,7 +54,7 @@ pub struct Uncertainty {
     pub empty: Vec<Vec<f64>>,
 }
 
-/// Autocorrelation of neighbours above which their mean stands for them, and samples that are to be left.
+/// Autocorrelation above which neighbours are replaced by their mean, and the least number of samples that remains.
 const ALIKE: (f64, usize) = (0.8, 64);
 
 /// Degrees of freedom at least: fewer come of the quadratic expansion about a process that is correlated over much of the
@@ -63,7 +63,7 @@ const LEAST_FREEDOM: f64 = 6.0;
 
 /// A data set: its part of the residuals in which there is anything, its columns, its process.
 struct Block {
-    /// Neighbours in a mean.
+    /// Number of neighbours in a mean.
     of: f64,
     columns: DMatrix<f64>,
     residuals: Vec<f64>,
@@ -71,7 +71,7 @@ struct Block {
     noise: Option<Noise>,
 }
 
-/// Rows of a data set from the first to the last that tells anything.
+/// Returns the rows of a data set from the first to the last with a residual or derivative that is not negligible.
 fn telling(minimum: &Minimum, rows: Range<usize>) -> Range<usize> {
     let largest = |m: &mut dyn Iterator<Item = f64>| m.fold(0.0_f64, |a, x| a.max(x.abs()));
     let of_r = NOTHING * largest(&mut minimum.residuals.iter().copied());
@@ -85,7 +85,7 @@ fn telling(minimum: &Minimum, rows: Range<usize>) -> Range<usize> {
     first..last
 }
 
-/// How many neighbours are so alike that their mean stands for them.
+/// Returns the number of neighbours that are replaced by their mean, because they are almost equal.
 fn alike(e: &[f64]) -> usize {
     let square: f64 = e.iter().map(|x| x * x).sum();
     let correlated = |lag: usize| {

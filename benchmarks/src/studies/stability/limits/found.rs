@@ -41,7 +41,7 @@ const RANK: f64 = 1e-9;
 /// Steps of a long run, and by how much the energy grows in its second half when it is unstable.
 const LONG: u32 = 1600;
 const LONG_GROWTH: f64 = 100.0;
-/// Steps over the fastest mode's time, `omega h`, between which limits are looked for.
+/// Bounds of the search for limits, as steps over the fastest mode's time, `omega h`.
 const FROM: f64 = 0.2;
 const TO: f64 = 1e3;
 
@@ -66,7 +66,7 @@ pub fn found(
     }
 }
 
-/// A method on trial.
+/// Integrator whose stability limit is searched.
 struct Trial {
     integrator: Box<dyn Integrator>,
 }

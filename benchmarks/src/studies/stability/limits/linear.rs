@@ -19,19 +19,20 @@ const COUPLED: f64 = 1e-9;
 pub enum Linear {
     /// Complete matrices of the system.
     Dense(Dense),
-    /// Of a large system its fastest mode.
+    /// Fastest mode of a large system.
     Top(Top),
 }
 
-/// Matrices for unit masses.
+/// Dense stiffness and damping matrices for unit masses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dense {
     /// Symmetric stiffness matrix for unit masses [1/s^2].
     pub stiffness: DMatrix<f64>,
     /// Symmetric damping matrix for unit masses [1/s].
     pub damping: DMatrix<f64>,
-    /// The part of it that forces at the end of a kick know there ([`force_after`]), implicitly: dashpots and friction of
-    /// flank points. Methods that predict velocities ([`Flip::predicts`]) do not see it at these. `None` where it is none.
+    /// Part of the damping that acts at the velocities at the end of a half-step impulse ([`force_after`]), implicitly:
+    /// dashpots and friction of flank points. Methods that predict velocities ([`Flip::predicts`]) do not evaluate it
+    /// at the predicted ones. `None` if there is none.
     ///
     /// [`force_after`]: gearbench_integrators::SecondOrderSystem::force_after
     /// [`Flip::predicts`]: gearbench_integrators::linear_stability::Flip::predicts

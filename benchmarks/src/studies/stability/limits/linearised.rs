@@ -1,4 +1,4 @@
-//! A scene held where its contacts are closed, and its matrices there.
+//! Linearisation of a scene at a state with closed contacts: the state and its matrices.
 
 use super::LimitError;
 use super::kick_ends::{known_at_ends, knows_ends, predicted, speeds};
@@ -17,13 +17,13 @@ use nalgebra::DMatrix;
 
 /// Coordinates up to which matrices are formed; beyond, only the fastest mode is sought.
 const DENSE: usize = 450;
-/// Steps of the run that looks for the state; a scene that has not touched by then counts as open.
+/// Largest number of steps of the run that searches the state; a scene without contact until then counts as open.
 const MOST_STEPS: u64 = 20_000;
-/// Steps of the run that looks for the state, for contacts whose force requires a search over flank nodes.
+/// Largest number of steps of the search run, for contacts whose force requires a search over flank nodes.
 const MOST_STEPS_OF_FIELDS: u64 = 4_000;
-/// Its tolerance: the state need not be accurate.
+/// Tolerance of the search run: the state need not be accurate.
 const TOLERANCE: f64 = 1e-4;
-/// States in contact that are kept; when there are more, every other goes.
+/// Largest number of stored states in contact; beyond it every other one is dropped.
 const KEPT: usize = 128;
 /// Steps of the largest Krylov space in which the fastest mode of a large scene is sought.
 const KRYLOV: usize = 120;
@@ -135,7 +135,7 @@ impl Linearised {
     }
 }
 
-/// Keeps states in contact.
+/// Observer that stores states in contact.
 struct Watch {
     force: Vec<usize>,
     /// Channel of the first gear's displacement, and its pitch.

@@ -1,4 +1,4 @@
-//! Theory as lines over the step.
+//! Theoretical limits as lines over the step.
 
 use super::linearised::Linearised;
 use super::{LimitError, LineKind, StepLine, first_unstable};

@@ -1,4 +1,4 @@
-//! The largest stable step of a method on a scene: what linear theory says, and what the method as implemented does.
+//! Largest stable step of a method on a scene, by linear theory and by the method as implemented.
 //!
 //! A scene is linear as long as its contacts neither open nor close. At such a state ([`Linearised`]) it is
 //! `M q'' + D q' + K q = 0`, for which [`linear_stability`](gearbench_integrators::linear_stability) knows the limit of
@@ -46,7 +46,7 @@ pub struct StepLine {
     pub kind: LineKind,
 }
 
-/// Why there is no limit.
+/// Reason why a limit cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LimitError {
     /// The scene cannot be assembled.

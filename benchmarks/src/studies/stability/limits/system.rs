@@ -1,4 +1,4 @@
-//! Linear systems as integrators see them.
+//! Linear systems in the form that integrators require.
 
 use super::linear::Dense;
 use gearbench_integrators::{Change, HalfStepImpulse, system::Singular};
@@ -10,27 +10,27 @@ use nalgebra::{DMatrix, DVector, DVectorView, Dyn, LU};
 /// `q'' + D q' + K q = 0` in the modes of `K`: independent oscillators, or coupled by dampers.
 #[derive(Clone, Debug)]
 pub(super) struct Vibrations {
-    /// Squared frequencies [1/s^2].
+    /// Squared angular frequencies [1/s^2].
     pub square: DVector<f64>,
     /// Damping: its diagonal, or all of it.
     pub damping: Damping,
-    /// Highest frequency [rad/s].
+    /// Highest angular frequency [rad/s].
     pub highest: f64,
-    /// The part of the dampers that is known at the end of a kick.
+    /// Part of the dampers that acts at the velocities at the end of an impulse.
     at_ends: Option<AtEnds>,
 }
 
-/// Dampers that are taken implicitly at the end of a kick.
+/// Dampers that act implicitly at the end of an impulse.
 #[derive(Clone, Debug)]
 struct AtEnds {
-    /// In the modes of the stiffness [1/s].
+    /// Damping matrix in the modes of the stiffness [1/s].
     damping: DMatrix<f64>,
     /// `1 + time D`, factorised for the time of the kicks.
     factor: Option<(f64, LU<f64, Dyn, Dyn>)>,
 }
 
 impl AtEnds {
-    /// Velocities at the end of a kick that lasts so long, by those that other forces make.
+    /// Replaces the velocities `v` from the other forces by those at the end of an impulse of duration `time` [s].
     fn solve(&mut self, time: f64, v: &mut DVector<f64>) -> bool {
         let n = v.len();
         let factor = match &mut self.factor {
@@ -65,7 +65,7 @@ impl Vibrations {
         }
     }
 
-    /// Coordinates that dampers couple.
+    /// Returns the oscillators of a system whose dampers couple the modes.
     pub(super) fn coupled(dense: &Dense) -> Self {
         let eigen = dense.stiffness.clone().symmetric_eigen();
         let in_modes = |d: &DMatrix<f64>| eigen.eigenvectors.transpose() * d * &eigen.eigenvectors;

@@ -1,4 +1,4 @@
-//! Theory beside what is found, model by model and method by method.
+//! Comparison of the theoretical stability limit with the one found by stepping, for each model and method.
 
 use super::LimitError;
 use super::found::found;
@@ -19,13 +19,13 @@ pub const RATIO: f64 = 0.02;
 /// The largest stable step of a method on a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepLimit {
-    /// Label of the model.
+    /// Label of the model in the scene.
     pub model: String,
     /// Integrator, as in a scene.
     pub integrator: String,
     /// Description of the damping of the model.
     pub damping: String,
-    /// By theory [s].
+    /// Largest stable step by linear theory [s].
     pub theory_s: f64,
     /// Found by stepping the linear system [s].
     pub found_s: f64,
@@ -41,13 +41,13 @@ impl StepLimit {
 /// A model of the table.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Label of the model.
+    /// Label of the model in the scene.
     pub label: String,
     /// Description of the damping of the model.
     pub damping: String,
     /// Gears and meshes of the scene.
     pub scene: SceneSpec,
-    /// Its models, with damping.
+    /// Gear models and contacts, with damping.
     pub modelling: Modelling,
 }
 

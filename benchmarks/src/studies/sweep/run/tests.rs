@@ -1,4 +1,4 @@
-//! Sweeps with known answers.
+//! Sweeps whose results are known in closed form or from a static solution.
 
 use super::*;
 use crate::experiment::conditions::Conditions;
