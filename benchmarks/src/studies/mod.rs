@@ -1,6 +1,7 @@
-//! Studies: what the command does with a scene. A study is one room: its arguments, its plan, its runs, its summary.
+//! Studies: evaluations of a scene by the commands of the program. Each study is one module with its arguments, plan,
+//! runs and summary.
 //!
-//! | room | study |
+//! | module | study |
 //! |---|---|
 //! | `check` | results, work and runtime of chosen runs against a stored baseline |
 //! | [`choose`] | the cheapest adequate model, integrator and step for a scene, without finite elements |

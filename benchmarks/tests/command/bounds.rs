@@ -1,4 +1,4 @@
-//! Bounds of memory and of inputs, and models that cannot run.
+//! Tests of the bounds of memory and inputs, and of models that cannot run.
 
 use super::{Folder, has, stderr};
 use serde_json::Value;

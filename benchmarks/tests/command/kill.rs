@@ -100,7 +100,7 @@ pub(super) fn finish(folder: &Folder, study: &str) -> [Value; 2] {
     [answer, record].map(without_clock)
 }
 
-/// Whole lines of a journal that is perhaps not there.
+/// Returns the number of whole lines of a journal, which may not exist.
 pub(super) fn lines(folder: &Folder) -> usize {
     let bytes = std::fs::read(folder.at("here").join(JOURNAL)).unwrap_or_default();
     bytes.iter().filter(|b| **b == b'\n').count()

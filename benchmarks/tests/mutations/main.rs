@@ -1,5 +1,5 @@
-//! Mutated scenes and records: whatever is in them, the program ends by itself, with a code of its table, within its limit
-//! of memory and without a panic.
+//! Tests of mutated scenes and records: for any content the program ends by itself, with a documented exit code, within
+//! its memory limit and without a panic.
 //!
 //! A part runs with all other tests, in this process. The whole corpus of 2,000 runs the command, a process for each:
 //!

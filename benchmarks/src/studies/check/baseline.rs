@@ -35,7 +35,7 @@ pub(super) struct Baselines(Vec<Baseline>);
 const MOST_BYTES: u64 = 200 << 20;
 
 impl Baselines {
-    /// Reads a file; none where there is no file.
+    /// Reads the baselines of a file; the result is empty if the file does not exist.
     ///
     /// # Errors
     /// [`Refusal::Input`] with the line that is no entry.
@@ -124,7 +124,7 @@ impl Baselines {
         write_whole(path, &text).map_err(fail)
     }
 
-    /// A quantity of every entry over the baselines, with the present run last.
+    /// Returns the history of a quantity for every entry over the baselines, with the present run last.
     pub(super) fn history(&self, quantity: &str, now: &[Measured]) -> Vec<Trend> {
         let value = |m: &Measured| match quantity {
             "runtime" => m.runtime,
@@ -149,7 +149,7 @@ impl Baselines {
         trends
     }
 
-    /// Quantities that some baseline has.
+    /// Returns the keys of all quantities in the baselines.
     pub(super) fn quantities(&self) -> Vec<&str> {
         let entries = || self.0.iter().flat_map(|b| &b.entries);
         let metrics = entries().flat_map(|e| e.metrics.keys());

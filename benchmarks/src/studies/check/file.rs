@@ -124,9 +124,9 @@ pub(super) struct Tolerance {
 /// Limits of the runtimes, as ratios to the baseline.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Runtime {
-    /// Ratio from which on a run is slower.
+    /// Ratio of runtimes above which an entry counts as slower.
     pub(super) factor: f64,
-    /// Median of the ratios over all entries from which on the program is slower.
+    /// Median of the ratios over all entries above which the program counts as slower.
     pub(super) all: f64,
     /// True if an exceeded runtime limit fails the check; otherwise it is only reported.
     pub(super) gate: bool,
@@ -141,7 +141,7 @@ pub(super) struct Rules {
 }
 
 impl Rules {
-    /// The tolerance of a quantity by its key in baselines. What is said last counts.
+    /// Returns the tolerance of a quantity by its key in baselines. Later settings override earlier ones.
     pub(super) fn tolerance(&self, key: &str) -> Tolerance {
         let quantity = Quantity::of_key(key);
         let given = || {
@@ -162,7 +162,7 @@ impl Rules {
     }
 }
 
-/// A case of a check.
+/// Case of a check: a scene with models, integrators, quantities and acceptance rules.
 #[derive(Clone, Debug)]
 pub(super) struct Case {
     pub(super) name: String,
@@ -179,7 +179,7 @@ pub(super) struct Case {
     index: usize,
 }
 
-/// A check file that was read.
+/// Content of a check file.
 #[derive(Clone, Debug)]
 pub(super) struct CheckFile {
     pub(super) title: String,
@@ -280,7 +280,7 @@ impl CheckFile {
         })
     }
 
-    /// An error about a case.
+    /// Returns an error about a case, with its place in the file.
     pub(super) fn about(&self, case: &Case, message: String, help: &str) -> SceneError {
         let at = self.document.at("").key("cases").member(case.index);
         at.first(&["scene"]).error(message, "of this case", help)
@@ -366,7 +366,7 @@ fn quantity(word: &str, at: &Place<'_>) -> Result<Quantity, SceneError> {
 #[cfg(test)]
 mod tests;
 
-/// Rules for tests of others.
+/// Acceptance rules for tests of other modules.
 #[cfg(test)]
 pub(super) mod tests_support {
     use super::*;

@@ -60,7 +60,7 @@ pub(super) fn judge(
     }
 }
 
-/// An entry that the baseline has and the check has not.
+/// Returns the comparison for an entry that the baseline has and the check does not have.
 pub(super) fn gone(before: &Measured) -> Checked {
     Checked {
         measured: before.clone(),
@@ -201,7 +201,7 @@ fn slower(ratio: f64, most: f64, rules: &Runtime, same: bool) -> (String, Verdic
     (allowed, verdict)
 }
 
-/// The median of the ratios of all entries to their baselines, where there are enough of them.
+/// Returns the median of the runtime ratios of all entries; `None` if there are too few.
 pub(super) fn middle(ratios: &[f64]) -> Option<f64> {
     median(ratios).filter(|_| ratios.len() >= ENOUGH)
 }

@@ -20,7 +20,7 @@ use gearbench_reports::record::{ReferenceSeries, Run};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// A case with its scene.
+/// Case with its scene, models, integrators and references.
 pub(super) struct Loaded<'a> {
     pub(super) case: &'a Case,
     conditions: Conditions<'static>,
@@ -210,7 +210,7 @@ fn built<'s>(
     }
 }
 
-/// The entries of a model: its scene is built once for all of their runs and timings.
+/// Entries of a model, whose scene is built once for all of their runs and timings.
 pub(super) struct Group<'l> {
     of: &'l Loaded<'l>,
     configuration: &'l Configuration,

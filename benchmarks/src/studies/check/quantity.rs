@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-/// A quantity of a run.
+/// Quantity of a run that a check compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Quantity {
     /// A metric; errors are against every reference of the scene.
@@ -49,7 +49,7 @@ impl Quantity {
         }
     }
 
-    /// The quantity of a key of a baseline, `force_l2@calculix` as `force_l2`.
+    /// Returns the quantity of a key in a baseline, for example `force_l2` for `force_l2@calculix`.
     pub(crate) fn of_key(key: &str) -> Option<Quantity> {
         let key = key.split_once('@').map_or(key, |(key, _)| key);
         Self::all().find(|q| q.key() == key)
@@ -95,7 +95,7 @@ impl FromStr for Quantity {
     }
 }
 
-/// The quantities of a run by key; none of one that did not reach its end.
+/// Computes the quantities of a run by key; the result is empty if the run did not reach its end.
 pub(super) fn values(
     run: &Run,
     wanted: &[Quantity],

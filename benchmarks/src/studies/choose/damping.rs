@@ -32,7 +32,7 @@ const HUB: usize = 6;
 pub struct OfMesh {
     /// Damping ratio of the mesh mode [-].
     pub ratio: f64,
-    /// Time by which a damper runs ahead of its spring that gives this ratio alone, `2 ratio / omega` [s].
+    /// Relaxation time of a damper in parallel to a spring that alone gives this ratio, `2 ratio / omega` [s].
     pub relaxation: f64,
 }
 
@@ -51,8 +51,8 @@ impl OfMesh {
         })
     }
 
-    /// Multiplies the damping of contacts until the mesh mode of the models has this ratio; models whose mesh mode is not known,
-    /// or does not depend on it, stay as they are.
+    /// Scales the damping of contacts until the mesh mode of the models has this ratio. Models whose mesh mode is
+    /// unknown, or does not depend on it, stay unchanged.
     pub fn give(&self, problem: &Problem, modelling: &mut Modelling) {
         let with = |factor: f64| {
             let mut scaled = modelling.clone();

@@ -61,7 +61,7 @@ impl Detail {
     }
 }
 
-/// The details of a problem.
+/// Elastic gears of a problem in all details: the lead and the finer mesh.
 #[derive(Clone, Debug)]
 pub struct Details {
     /// Elastic gears on which modes are refined: half-spaces on the mesh of the scene, else mesh and contact of the
@@ -69,7 +69,7 @@ pub struct Details {
     pub lead: Flexible,
     /// Reason why flanks do not touch on half-spaces; `None` if they do.
     pub no_half_spaces: Option<String>,
-    /// The finer mesh, or why there is none.
+    /// Elastic gears with a finer mesh, or the reason why there is none.
     pub finer: Result<Flexible, String>,
     /// Processor time of the first set-up of the gears of the lead and of the finer mesh, caches as they were [s].
     setup_s: [f64; 2],
@@ -115,12 +115,12 @@ impl Details {
         }
     }
 
-    /// Processor time in which the gears of a detail were set up first, caches as they were [s].
+    /// Returns the processor time of the first set-up of the gears of a detail, caches as they were [s].
     pub fn setup_s(&self, detail: Detail) -> f64 {
         self.setup_s[usize::from(detail == Detail::Finer)]
     }
 
-    /// Elements and contact of the gears that all models are compared with, in words.
+    /// Describes elements and contact of the gears that all models are compared with.
     pub fn describe_judge(&self) -> String {
         let mut of_gears: Vec<String> = self.judge().gears.iter().map(elements).collect();
         of_gears.dedup();
@@ -262,7 +262,7 @@ fn even_over_width(body: &Body) -> bool {
     }
 }
 
-/// Elements of a mesh in words.
+/// Describes the elements of a mesh.
 pub fn elements(of: &ElasticParameters) -> String {
     let m = &of.mesh;
     match (&m.mesh, &of.reduction) {

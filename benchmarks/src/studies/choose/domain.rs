@@ -13,12 +13,12 @@ pub const TEETH: [u32; 2] = [14, 56];
 pub const MODULE: [f64; 2] = [1.5e-3, 10e-3];
 /// Least and greatest face width over the module [-].
 pub const WIDTH: [f64; 2] = [2.5, 7.5];
-/// Tooth pairs per second that pass at most [Hz].
+/// Highest frequency of tooth engagement in these scenes [Hz].
 pub const FREQUENCY: f64 = 2500.0;
-/// The longest of the scenes [s].
+/// Longest duration of these scenes [s].
 pub const LONGEST: f64 = 20e-3;
 
-/// Sentences on what is unusual about a scene; none when nothing is.
+/// Returns sentences on the properties of a scene outside of the validated range; empty if there are none.
 pub fn outside(problem: &Problem, prepared: &Prepared) -> Vec<String> {
     let mut found = Vec::new();
     let scene = &problem.scene;

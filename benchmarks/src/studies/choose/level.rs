@@ -1,5 +1,5 @@
-//! The hierarchy of models: its levels, from rigid gears to elastic ones with many modes, and with more than the mesh of
-//! the scene.
+//! Levels of the model hierarchy, from rigid gears to elastic ones with many modes and a finer mesh than that of the
+//! scene.
 
 use super::detail::Detail;
 use gearbench_models::gear::movable_teeth::MovableTeethParameters;
@@ -20,7 +20,7 @@ pub enum Stiffness {
     Own(String),
 }
 
-/// A model of the hierarchy.
+/// Level of the model hierarchy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Level {
     /// Rigid gears with a mesh stiffness.
@@ -55,7 +55,7 @@ impl Level {
         }
     }
 
-    /// Family for charts: the gear model, or `quasi-static`.
+    /// Returns the model family for charts: the gear model, or `quasi-static`.
     pub fn family(&self) -> &'static str {
         match self {
             Level::Rigid(_) => rigid::MODEL,
@@ -65,7 +65,7 @@ impl Level {
         }
     }
 
-    /// Modes per gear where gears are elastic.
+    /// Returns the modes per gear of elastic gears, 0 for quasi-static ones; `None` for other models.
     pub fn modes(&self) -> Option<usize> {
         match self {
             Level::QuasiStatic(_) => Some(0),
@@ -82,7 +82,7 @@ impl Level {
         }
     }
 
-    /// Elastic gears with so many modes.
+    /// Returns the level of elastic gears with a number of modes and a detail.
     pub fn elastic(modes: usize, detail: Detail) -> Level {
         match modes {
             0 => Level::QuasiStatic(detail),

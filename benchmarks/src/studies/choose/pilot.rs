@@ -52,7 +52,7 @@ const ORDER_ONE: f64 = 0.5;
 /// Effect of the smaller change over that of the larger one, in proportion a tenth, from which on a history does not repeat.
 const NOT_IN_PROPORTION: f64 = 0.3;
 
-/// The part of a scene on which models are compared.
+/// Part of a scene, from its start, on which models are compared.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
     /// End of the window [s].
@@ -61,18 +61,18 @@ pub struct Window {
     pub grid: Vec<f64>,
     /// True if the window is the whole scene.
     pub whole: bool,
-    /// Impacts that begin in it, or spells of contact.
+    /// Impacts, or spells of contact, that begin in the window.
     pub contacts: usize,
     /// Impacts, or spells of contact, that begin in the whole scene.
     pub all_contacts: usize,
-    /// Time in which teeth touch in the whole scene over that in the window.
+    /// Time of contact in the whole scene over that in the window.
     pub contact_ratio: f64,
     /// Duration of the scene over that of the window.
     pub time_ratio: f64,
 }
 
 impl Window {
-    /// The first `end` seconds, recorded evenly every `spacing` seconds.
+    /// Returns the window of the first `end` seconds, recorded every `spacing` seconds.
     pub fn to(end: f64, spacing: f64) -> Window {
         let n = (end / spacing).clamp(200.0, MOST_SAMPLES) as usize;
         Window {
@@ -213,7 +213,7 @@ fn cycle(problem: &Problem) -> f64 {
     base / speed(a).max(speed(b))
 }
 
-/// The window of a scene.
+/// Returns the window of a scene.
 pub fn window(
     problem: &Problem,
     level: &Fixed,
@@ -289,8 +289,8 @@ fn grid(end: f64, spacing: f64, contact_time: f64, spells: &[[f64; 2]]) -> Vec<f
 /// Sensitivity of a history to a slightly larger stiffness of rigid gears.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensitivity {
-    /// Factor by which its effect on the metric grows from the window to the whole scene, at least 1: errors of phase add up
-    /// from impact to impact.
+    /// Factor by which the effect on the metric grows from the window to the whole scene, at least 1: phase errors
+    /// accumulate from impact to impact.
     pub growth: f64,
     /// Effect of the change of stiffness on the metric over the whole scene, where the history does not repeat; 0 where
     /// it does.
@@ -365,7 +365,7 @@ pub fn sensitivity(
     })
 }
 
-/// Statistics of the contact force of a run.
+/// Computes the statistics of the contact force of a run.
 pub fn statistics(run: &Outcome) -> ForceStatistics {
     let (t, f) = (&run.series.time_s, &run.series.contact_force_n);
     let square: f64 = (t.windows(2).zip(f.windows(2)))

@@ -23,15 +23,15 @@ use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::numbers::round_quantity;
 use std::sync::Arc;
 
-/// Modes of the elastic levels.
+/// Numbers of modes per gear of the elastic levels.
 pub const MODES: [usize; 9] = [10, 20, 35, 50, 75, 100, 150, 200, 300];
 /// Steps per period of a tooth's first frequency of runs whose own error must not show.
 const TOOTH_STEPS: f64 = 30.0;
-/// Modes of the densest elastic model, which is above the hierarchy.
+/// Number of modes per gear of the densest elastic model, which is above the hierarchy.
 pub const DENSEST: usize = 300;
 /// Steps per contact time of the densest elastic model.
 const DENSEST_STEPS: f64 = 1024.0;
-/// Force at which dampers are linearised, over the largest force.
+/// Force for which the relaxation time of dampers is computed, over the largest force.
 const MEAN_FORCE: f64 = 0.7;
 /// Steps per contact time that carry the modes of an elastic run under a tolerance.
 const TOLERANCE_STEPS: f64 = 128.0;
@@ -41,7 +41,7 @@ const TOLERANCE_STEPS: f64 = 128.0;
 pub struct Candidate {
     /// Level of the model hierarchy.
     pub level: Level,
-    /// Gears and meshes; a model of the scene may start with a gap of its own.
+    /// Gears and meshes of the candidate; a model of the scene may start with a gap of its own.
     pub scene: Arc<SceneSpec>,
     /// Gear models and contacts of the candidate.
     pub modelling: Arc<Modelling>,
@@ -50,7 +50,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Name for tables: level, integrator, step or tolerance.
+    /// Returns the name of the candidate for tables: level, integrator, step or tolerance.
     pub fn name(&self) -> String {
         let resolution = match self.method.resolution {
             Resolution::Step(h) => round_quantity(h, "s", 4),
@@ -105,7 +105,7 @@ fn short(x: f64) -> f64 {
     (x * digits).round() / digits
 }
 
-/// Full finite elements on the meshes of elastic gears, with their contact. Damping of modes is not in them.
+/// Returns full finite elements on the meshes of elastic gears, with their contact and without modal damping.
 pub fn full(flexible: &Flexible) -> Modelling {
     let gears = (flexible.gears.iter())
         .map(|p| {
@@ -122,7 +122,7 @@ pub fn full(flexible: &Flexible) -> Modelling {
     }
 }
 
-/// Elastic gears with some modes, for a fixed step or for a tolerance.
+/// Returns elastic gears with a number of modes, for a fixed step [s] or for a tolerance.
 pub fn elastic(flexible: &Flexible, modes: usize, step: Option<f64>) -> Modelling {
     let gears = (flexible.gears.iter())
         .map(|p| {
@@ -140,7 +140,7 @@ pub fn elastic(flexible: &Flexible, modes: usize, step: Option<f64>) -> Modellin
     }
 }
 
-/// A level that is not elastic, with its scene and models: the same for all integrators.
+/// Level that is not elastic, with its scene and models, which are equal for all integrators.
 #[derive(Clone, Debug)]
 pub struct Fixed {
     /// Level of the model hierarchy.
@@ -154,18 +154,18 @@ pub struct Fixed {
 /// Data from which candidates are built, computed once per scene.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// Oscillation of rigid gears in their mesh.
+    /// Oscillator of rigid gears on their mesh stiffness.
     pub oscillator: MeshOscillator,
-    /// Rungs of rigid gears and movable teeth.
+    /// Levels of rigid gears and of movable teeth.
     pub fixed: Vec<Fixed>,
-    /// Stiffness from static solves, or why there is none.
+    /// Stiffness from static solves, or the reason why there is none.
     pub statics: Result<Calibrated, String>,
     /// Mesh and contact of the elastic gears.
     pub details: Details,
 }
 
 impl Prepared {
-    /// Sizes up a scene: its contact time, a rigid run that tells how deep flanks go into each other, static solves.
+    /// Prepares the candidates of a scene: contact time, largest approach of a rigid run, static solves.
     pub fn of(problem: &Problem) -> Result<Prepared, ChooseError> {
         Prepared::with(problem, Details::of(problem, 0))
     }
@@ -253,7 +253,7 @@ impl Prepared {
         })
     }
 
-    /// The rigid level that is nearest to the elastic gears.
+    /// Returns the rigid level that is nearest to the elastic gears.
     pub fn best_rigid(&self) -> &Fixed {
         let is = |f: &&Fixed| f.level == Level::Rigid(Stiffness::Static);
         self.fixed.iter().find(is).unwrap_or(&self.fixed[0])
@@ -306,7 +306,8 @@ impl Prepared {
         }
     }
 
-    /// Elastic gears with some modes at some steps per contact time or more, so that teeth are resolved as well.
+    /// Returns the candidate of elastic gears with a number of modes and at least so many steps per contact time, so
+    /// that teeth are resolved as well.
     pub fn at_steps(
         &self,
         problem: &Problem,
@@ -325,7 +326,8 @@ fn resolving(problem: &Problem, oscillator: &MeshOscillator, steps: f64) -> f64 
     short((oscillator.contact_time() / steps).min(tooth))
 }
 
-/// Step [s] of refined gears with at least so many in a contact time, of a problem that has no prepared levels.
+/// Returns the step [s] of refined gears with at least so many steps in a contact time, for a problem without prepared
+/// levels.
 ///
 /// # Errors
 /// [`BuildError`] where rigid gears cannot be assembled.
@@ -337,7 +339,8 @@ pub fn fine_step(problem: &Problem, steps: f64) -> Result<f64, BuildError> {
     ))
 }
 
-/// The densest elastic model of gears, finer than anything of the hierarchy: what choices are validated against.
+/// Returns the densest elastic model of gears, finer than all levels of the hierarchy, against which choices are
+/// validated.
 pub fn densest(problem: &Problem, prepared: &Prepared, of: &Flexible) -> Candidate {
     prepared.at_steps(problem, of, DENSEST, DENSEST_STEPS)
 }

@@ -1,4 +1,4 @@
-//! The reason of a choice in plain words.
+//! Reasons of a choice in words.
 
 use super::detail::Detail;
 use super::refinement::Refinement;
@@ -8,12 +8,12 @@ use super::selection::SAME_COST;
 use gearbench_reports::numbers::{percent, short};
 use gearbench_reports::{Adequacy, Verdict};
 
-/// A ratio in per cent, with the unit.
+/// Formats a ratio in per cent, with the unit.
 pub fn per_cent(x: f64) -> String {
     format!("{} %", percent(x, 2))
 }
 
-/// Seconds with a fitting unit.
+/// Formats a time given in seconds with a suitable unit.
 pub fn seconds(s: f64) -> String {
     match s {
         s if s < 1e-3 => format!("{} us", short(1e6 * s, 2)),
@@ -35,7 +35,7 @@ pub fn yardstick(choice: &Choice) -> String {
     }
 }
 
-/// Sentences on why a choice is what it is.
+/// Returns sentences that explain a choice.
 pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinement) -> Vec<String> {
     let mut said = Vec::new();
     let limit = per_cent(requirement.tolerance);
@@ -137,7 +137,7 @@ pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinemen
     said
 }
 
-/// A number of runs in words.
+/// Formats a number of runs in words.
 pub fn runs(n: u64) -> String {
     match n {
         1 => "one run".into(),

@@ -1,5 +1,4 @@
-//! The refinement: elastic gears with more and more modes on the window, until more of them change little; then a finer
-//! mesh with as many.
+//! Refinement of elastic gears on the window: more modes until the results converge, then a finer mesh with as many.
 //!
 //! With `d_i` the distance of level `i` to level `i + 1` in the metric, the refinement of modes ends where the last two are
 //! both below a part of the tolerance, as errors grow over the scene; for a metric that is a single number the force
@@ -52,13 +51,14 @@ const OF_MESHES: [f64; 2] = [0.25, 0.5];
 /// Distance of two meshes up to which errors fall by that ratio.
 const IN_ORDER: f64 = 0.2;
 
-/// Steps per contact time at which the error of integration does not show under a tolerance.
+/// Returns the steps per contact time at which the integration error is negligible for a tolerance.
 pub fn steps_per_contact(tolerance: f64) -> f64 {
     let found = STEPS.iter().find(|(limit, _)| tolerance < *limit);
     found.map_or(STEPS[2].1, |s| s.1)
 }
 
-/// Error of a mesh by its distance to one with half the elements; where that is too large for the order to hold, all of it.
+/// Estimates the error of a mesh from its distance to one with half the elements; above the range of convergence, it is
+/// the whole distance.
 pub fn error_of_mesh(distance: f64, on_half_spaces: bool) -> f64 {
     let q = OF_MESHES[usize::from(!on_half_spaces)];
     match distance <= IN_ORDER {
@@ -67,7 +67,7 @@ pub fn error_of_mesh(distance: f64, on_half_spaces: bool) -> f64 {
     }
 }
 
-/// A level of elastic gears on the window.
+/// Level of elastic gears with its result on the window.
 #[derive(Clone, Debug)]
 pub struct RefinedLevel {
     /// Model, integrator and resolution of the run.
@@ -75,11 +75,11 @@ pub struct RefinedLevel {
     pub outcome: Outcome,
     /// Processor time of the set-up [s].
     pub setup_s: f64,
-    /// Distance to the next level.
+    /// Distance to the next level in the metric [-].
     pub step_up: Option<f64>,
 }
 
-/// The hierarchy as far as it was refined.
+/// Hierarchy of elastic gears as far as it was refined, with the error of its top level.
 #[derive(Clone, Debug)]
 pub struct Refinement {
     /// Levels that ran to the end, by modes, ascending.
@@ -122,14 +122,14 @@ impl Refinement {
         last.and_then(|l| l.step_up)
     }
 
-    /// Estimated error of the top level itself over the whole scene; `None` where it is not known.
+    /// Returns the estimated error of the top level itself over the whole scene; `None` where it is unknown.
     pub fn own_error(&self) -> Option<f64> {
         let parts = self.remaining + self.of_finer.unwrap_or(0.0) + self.integration;
         let known = !self.lacks_finer && self.not_convergent.is_none();
         Some(self.growth * parts).filter(|e| known && e.is_finite())
     }
 
-    /// Runs a further level as the others were run.
+    /// Runs a further level at the same steps per contact time as the others.
     ///
     /// # Errors
     /// Why the run could not start, or why it is not to be used.
@@ -193,8 +193,8 @@ pub fn error_of_step<E>(
     Ok(None)
 }
 
-/// Error of elastic gears by the modes that they lack, from the distances between levels of fewer modes and the next, the last to
-/// themselves.
+/// Estimates the truncation error of elastic gears from the distances between levels of fewer modes and the next, the
+/// last to themselves.
 pub fn error_of_modes(distances: &[f64], metric: Metric) -> f64 {
     remaining(distances).max(FLOOR[usize::from(is_scalar(metric))])
 }
@@ -253,7 +253,7 @@ pub fn refine(
     refine_over(what, (requirement, growth), &MODES, progress)
 }
 
-/// Refines over some numbers of modes.
+/// Refines elastic gears over the given numbers of modes.
 ///
 /// # Errors
 /// [`ChooseError`] for the reasons that [`refine`] names.

@@ -8,7 +8,7 @@ use gearbench_reports::metrics::{Finished, compare};
 use gearbench_reports::record::Ledger;
 use gearbench_reports::series::TimeSeries;
 
-/// A metric and the largest error in it that is accurate enough.
+/// Metric and its largest relative error that counts as accurate enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Requirement {
     /// Metric whose error is limited.
@@ -18,7 +18,7 @@ pub struct Requirement {
 }
 
 impl Requirement {
-    /// The metric on the command line.
+    /// Returns the name of the metric on the command line.
     pub fn name(&self) -> &'static str {
         self.metric.option().unwrap_or_default()
     }
@@ -38,7 +38,8 @@ impl Requirement {
     }
 }
 
-/// A single number of each run, whose errors may cancel by chance; the others compare whole histories.
+/// True if the metric compares a single number of each run, whose errors may cancel by chance; the others compare whole
+/// histories.
 pub fn is_scalar(metric: Metric) -> bool {
     matches!(
         metric,
@@ -46,7 +47,7 @@ pub fn is_scalar(metric: Metric) -> bool {
     )
 }
 
-/// Error of a run against a reference, not negative; `None` where one of them does not have the quantity.
+/// Computes the absolute value of the error of a run against a reference; `None` where one of them lacks the quantity.
 pub fn error(
     metric: Metric,
     run: Finished<'_>,

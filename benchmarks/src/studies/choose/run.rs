@@ -50,7 +50,7 @@ pub enum ChooseError {
 pub struct LevelTried {
     /// Level of the model hierarchy.
     pub level: Level,
-    /// Integrator and resolution that make its own error small.
+    /// Integrator and resolution with a negligible integration error.
     pub method: Scheme,
     /// Distance to the top level in the metric, without the error of the top level itself.
     pub distance: f64,
@@ -70,7 +70,7 @@ pub struct LevelTried {
     pub failure: Option<String>,
 }
 
-/// A candidate that was run on the window.
+/// Candidate with its result on the window.
 #[derive(Clone, Debug)]
 pub struct Tried {
     /// Model, integrator and resolution that were tried.
@@ -94,17 +94,17 @@ pub struct Choice {
     pub verdict: Verdict,
     /// The chosen candidate; `None` when nothing is adequate, or when it is not decided.
     pub candidate: Option<Candidate>,
-    /// The top level, which all others are compared with.
+    /// Top level of the hierarchy, with which all others are compared.
     pub yardstick: Candidate,
     /// Estimated error of the yardstick itself over the whole scene; `None` where it is not known, and nothing is judged.
     pub own_error: Option<f64>,
-    /// Part of it of a history that does not repeat.
+    /// Part of the yardstick's error that is due to a history that does not repeat.
     pub scatter: f64,
     /// Reason why the history does not repeat; `None` if it does.
     pub not_repeatable: Option<String>,
     /// Distances of the yardstick and of the choice to references of the scene.
     pub references: Vec<ReferenceDistance>,
-    /// Runs over which the set-up is distributed.
+    /// Number of runs over which the set-up is distributed.
     pub runs: u64,
     /// Processor time of the choice for all runs with one set-up [s].
     pub total_cost_s: f64,
@@ -117,7 +117,7 @@ pub struct Choice {
     pub predicted_cost_s: f64,
     /// Processor time of the set-up (mesh, modes; kept on disk for next time) [s].
     pub setup_s: f64,
-    /// The reason, a sentence each.
+    /// Sentences that explain the choice.
     pub reason: Vec<String>,
     /// Levels of the model hierarchy that were tried.
     pub levels: Vec<LevelTried>,
@@ -136,21 +136,21 @@ pub struct Choice {
 /// Parts of an estimated error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parts {
-    /// Level against the top level.
+    /// Error of the level against the top level.
     pub model: f64,
-    /// Method against the level's own fine solution.
+    /// Error of the integrator against the level's own fine solution.
     pub integration: f64,
-    /// Top level against the limit of the hierarchy of modes.
+    /// Error of the top level against the limit of the hierarchy of modes.
     pub top: f64,
-    /// Top level against the limit of finer and finer meshes, where it is known.
+    /// Error of the top level against the limit of finer and finer meshes, where it is known.
     pub mesh: Option<f64>,
-    /// Top level against its own limit of short steps.
+    /// Integration error of the top level against its own limit of short steps.
     pub top_integration: f64,
     /// Factor by which errors grow from the window to the whole scene.
     pub growth: f64,
 }
 
-/// Chooses. `progress` is told what is being done.
+/// Chooses the cheapest adequate candidate of a problem. `progress` receives descriptions of the steps.
 ///
 /// # Errors
 /// [`ChooseError`] when there is no answer at all; that nothing is adequate is an answer.

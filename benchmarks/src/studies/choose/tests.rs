@@ -23,7 +23,7 @@ fn problem() -> Problem {
     Problem::of(&coarse("modes = 30, damping_ratio = 0.01"))
 }
 
-/// Returns the problem of [`problem`] without dashpots at flank points.
+/// Returns the scene of [`problem`] without dashpots at flank points.
 fn without_dashpots() -> Problem {
     let mut s = problem();
     for c in &mut s.flexible.contacts {

@@ -1,4 +1,4 @@
-//! A model that has been set up once and runs on the window under one method after the other.
+//! A model that is assembled once and runs on the window under one method after the other.
 
 use super::pilot::Window;
 use super::problem::Problem;
@@ -32,7 +32,7 @@ pub fn cannot_run(e: &RunError) -> Option<String> {
     }
 }
 
-/// A model that is ready to run.
+/// Model that is assembled for runs on the window.
 pub struct Trial<'a> {
     spec: &'a SceneSpec,
     modelling: &'a Modelling,
@@ -52,9 +52,9 @@ pub struct Outcome {
     pub series: TimeSeries,
     /// Energy balance of the run.
     pub ledger: Ledger,
-    /// The row without its history.
+    /// Row of the record, without its history.
     pub row: Run,
-    /// Time that it was to reach [s].
+    /// Intended end of the run [s].
     pub end_s: f64,
 }
 
@@ -64,7 +64,7 @@ impl Outcome {
         !self.row.status.is_failure()
     }
 
-    /// Error against another run; infinite where there is none to be had.
+    /// Computes the error against another run; infinite where it cannot be evaluated.
     pub fn error(&self, metric: Metric, reference: &Outcome) -> f64 {
         let times = [self.row.simulated_s, self.end_s];
         (self.usable().then_some(()))

@@ -11,14 +11,14 @@ use gearbench_reference::data::Reference;
 use gearbench_reports::record::{ReferenceSeries, SELF, Tolerance};
 use std::path::PathBuf;
 
-/// Frames of every run for ParaView.
+/// Plan of the frames of every run for ParaView.
 #[derive(Clone, Debug)]
 pub struct FramePlan {
     /// Folder to which the frames are written.
     pub folder: PathBuf,
     /// Number of frames of each run.
     pub frames: usize,
-    /// First and last time [s].
+    /// First and last time of the frames [s].
     pub window: [f64; 2],
 }
 
@@ -46,7 +46,7 @@ pub struct Plan<'a> {
 }
 
 impl Plan<'_> {
-    /// The comparison of some models of a scene as the scene describes it: one timed repeat, a minute per run.
+    /// Plans the comparison of some models with the settings of the scene: one timed repeat, a minute per run.
     pub fn of(
         scene: &SceneFile,
         choices: &[&ModelChoice],
@@ -139,7 +139,7 @@ impl Plan<'_> {
         entry.methods.as_deref().unwrap_or(&self.methods)
     }
 
-    /// True when there is nothing to run.
+    /// True if the plan contains no runs.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

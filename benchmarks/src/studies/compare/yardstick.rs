@@ -50,7 +50,7 @@ pub const REFINED: &str = "refined";
 /// Dynamic modes per gear of refined gears, and of the runs from which their truncation error is estimated.
 const MODES: usize = 100;
 const FEWER: [usize; 2] = [75, 50];
-/// Largest number of runs for the yardstick.
+/// Number of runs for the yardstick and the parts of its error.
 const RUNS: usize = 5;
 /// Default tolerance for which the step is chosen, for scenes without one.
 const USUAL: f64 = 0.05;
@@ -86,7 +86,7 @@ impl Wanted {
         }
     }
 
-    /// Label of the model that it is.
+    /// Returns the label of the model that serves as yardstick.
     pub fn label(&self) -> Option<&str> {
         match self {
             Wanted::MostDetailed(label) | Wanted::Named(label) => Some(label),
@@ -95,7 +95,7 @@ impl Wanted {
     }
 }
 
-/// The most detailed of some models, by its label; `None` where they are equally detailed.
+/// Returns the label of the most detailed model; `None` where all are equally detailed.
 pub fn most_detailed(entries: &[Configuration]) -> Option<String> {
     let kind = |e: &Configuration| {
         let of_gear = |g: &ModelSpec| match properties_of(models(), &g.id) {
@@ -363,7 +363,7 @@ impl Maker<'_> {
     }
 }
 
-/// A model of the comparison as the yardstick: of its own error the integration alone is known.
+/// Returns a model of the comparison as the yardstick: only the integration part of its own error is known.
 pub fn of_entry((id, kind): (&str, Kind), row: &Run, metric: Metric, note: &str) -> Yardstick {
     Yardstick {
         id: id.to_owned(),
@@ -377,7 +377,7 @@ pub fn of_entry((id, kind): (&str, Kind), row: &Run, metric: Metric, note: &str)
     }
 }
 
-/// A stored reference as the yardstick.
+/// Returns a stored reference as the yardstick.
 pub fn of_stored(reference: &ReferenceSeries) -> Yardstick {
     Yardstick {
         id: reference.id.clone(),

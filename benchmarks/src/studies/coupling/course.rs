@@ -1,8 +1,9 @@
-//! Courses over a communication step: forces extrapolated through their last values, places interpolated between two.
+//! Polynomials over a communication step: forces extrapolated through their last values, displacements interpolated
+//! between two.
 
 use gearbench_reports::coupling::{Extrapolation, Motion};
 
-/// The polynomial `c0 + c1 s + c2 s^2 + c3 s^3` of `s = t - from`.
+/// Polynomial `c0 + c1 s + c2 s^2 + c3 s^3` of `s = t - from`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Course {
     /// Time at which `s` is zero [s].
@@ -19,7 +20,7 @@ impl Course {
         a + s * (b + s * (c + s * d))
     }
 
-    /// Second derivative at a time.
+    /// Returns the second derivative of the polynomial at time `t` [s].
     pub fn acceleration(&self, t: f64) -> f64 {
         2.0 * self.c[2] + 6.0 * self.c[3] * (t - self.from)
     }

@@ -1,4 +1,4 @@
-//! Host and gears in turns, and the energy between them.
+//! Alternating integration of host and gears, and the energy balance between them.
 
 use super::course::Course;
 use super::frames::{Frame, Led};
@@ -40,20 +40,20 @@ pub struct Bounds {
     pub t_end: f64,
     /// True if contact events are located.
     pub events: bool,
-    /// Steps of the gears, rejected ones included.
+    /// Largest number of steps of the gears, rejected ones included.
     pub max_steps: u64,
     /// Bound of processor time, if there is one.
     pub timeout: Option<Duration>,
-    /// Energy that the coupling may make up before the run is given up [J].
+    /// Energy error of the coupling at which the run is given up [J].
     pub hopeless: f64,
 }
 
 /// Result of a run in two coupled parts, host and gears.
 #[derive(Clone, Debug)]
 pub struct Exchanged {
-    /// Places and speeds of the hubs.
+    /// Displacements and velocities of the hubs at the end.
     pub hubs: Vec<[f64; 2]>,
-    /// Work that the host took less what the gears gave [J].
+    /// Energy error of the coupling [J]: work on the host minus work of the gears on their hubs.
     pub energy: f64,
     /// Largest magnitude of this energy in one communication step [J].
     pub largest: f64,
@@ -129,7 +129,7 @@ impl Sink for Given<'_> {
     }
 }
 
-/// Runs a scene in two parts.
+/// Runs a scene in two coupled parts, host and gears.
 pub fn exchange(
     scene: &mut Scene,
     frames: &[Frame],

@@ -20,14 +20,14 @@ use gearbench_integrators::system::{
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, SceneSpec};
 
-/// A frame that a host has.
+/// Frame of a gear whose motion is that of a hub in the host.
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// Name of the gear.
     pub name: String,
-    /// Coordinates that move with it by as much as the hub, that of the hub first, and their inertia.
+    /// Coordinates that move with the frame by as much as the hub, that of the hub first, and their inertia.
     pub moves: Vec<(usize, f64)>,
-    /// Inertia of all [kg m^2] or [kg].
+    /// Total inertia of these coordinates [kg m^2] or [kg].
     pub inertia: f64,
     /// Loads on the hub of the gear.
     pub loads: Vec<Load>,
@@ -40,7 +40,7 @@ impl Frame {
         sum / self.inertia
     }
 
-    /// Moves all of the gear so that the frame is at a place.
+    /// Moves the whole gear so that the frame is at the displacement `at`.
     pub fn put(&self, x: &mut [f64], at: f64) {
         let by = at - self.mean(x);
         // A single coordinate is at the place itself, without rounding.
@@ -96,7 +96,7 @@ impl NoHost {
     }
 }
 
-/// The free hubs of a scene.
+/// Returns the frames of the free hubs of a scene.
 ///
 /// # Errors
 /// [`NoHost`].
@@ -146,7 +146,7 @@ pub struct Led<'a> {
 }
 
 impl<'a> Led<'a> {
-    /// A scene with these hubs at rest.
+    /// Creates the scene with its hubs at rest.
     pub fn new(scene: &'a mut Scene, frames: &'a [Frame]) -> Self {
         let n = scene.layout().n;
         let of = |f: &Frame| format!("hub_force:{}", f.name);

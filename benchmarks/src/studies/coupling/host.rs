@@ -21,7 +21,7 @@ pub struct Hub<'a> {
 }
 
 impl<'a> Hub<'a> {
-    /// A hub at a place with a speed.
+    /// Creates a hub with a displacement and a velocity.
     pub fn new(frame: &'a Frame, at: [f64; 2]) -> Self {
         Hub {
             frame,

@@ -8,7 +8,7 @@ use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::coupling::{Extrapolation, Motion};
 
-/// Energy that a coupling may make up over that which vibrates, before it counts as unstable.
+/// Energy error of a coupling over the vibration energy above which it counts as unstable [-].
 pub const ALLOWED: f64 = 0.5;
 /// Energy error of a coupling over the vibration energy at which a run is given up [-].
 pub const HOPELESS: f64 = 1e3;
@@ -17,16 +17,16 @@ const LARGEST: f64 = 4.0;
 /// Communication steps over a run at least.
 const FEWEST: f64 = 2.5;
 
-/// A model in two parts.
+/// Model that is run in two coupled parts.
 #[derive(Clone, Debug)]
 pub struct Entry {
     /// Model that is coupled to the host.
     pub configuration: Configuration,
-    /// The hubs of the host.
+    /// Frames of the hubs in the host.
     pub frames: Vec<Frame>,
-    /// Integrator of the gears, and of the whole.
+    /// Integrator of the gears, and of the whole system.
     pub method: Scheme,
-    /// Angular frequency [rad/s] and damping ratio of the hubs on the teeth; `None` where they do not touch.
+    /// Angular frequency [rad/s] and damping ratio of the hubs on the teeth in contact; `None` without contact.
     pub oscillator: Option<[f64; 2]>,
     /// Communication steps, ascending [s].
     pub steps: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct Plan<'a> {
 }
 
 impl Plan<'_> {
-    /// Models, extrapolations and motions of the study, in order.
+    /// Returns all combinations of models, extrapolations and motions of the study, in order.
     pub fn lines(&self) -> Vec<(usize, Extrapolation, Motion)> {
         let mut all = Vec::new();
         for entry in 0..self.entries.len() {
@@ -55,7 +55,7 @@ impl Plan<'_> {
         all
     }
 
-    /// Runs, those of models as one system among them.
+    /// Returns the number of runs, including those of models as one system.
     pub fn len(&self) -> usize {
         let ways = self.extrapolations.len() * self.motions.len();
         let of = |e: &Entry| 1 + ways * e.steps.len();

@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Ratio of the smallest step that failed and the largest one below that held, where closing in ends.
 const BRACKET: f64 = 1.05;
 
-/// Id of a model's run as one system among the references of metrics.
+/// Reference id of a model's run as one system.
 pub const WHOLE: &str = "one system";
 
 /// A line of the study: place of the model, and how it is coupled.
@@ -61,7 +61,7 @@ fn wholes(plan: &Plan<'_>, runner: &Runner<'_>, grid: &[f64]) -> Result<Vec<Run>
     plan.entries.iter().enumerate().map(one).collect()
 }
 
-/// Runs the study on some threads.
+/// Runs all models, as one system and in two coupled parts, on several threads.
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are cells.

@@ -17,8 +17,8 @@ use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use nalgebra::DMatrix;
 
-/// Angular frequency [rad/s] and damping ratio of the frames on the gears in contact; `None` of a scene that does not touch, or
-/// is too large to be linearised.
+/// Computes the angular frequency [rad/s] and damping ratio of the frames on the gears in contact; `None` for a scene
+/// without contact, or one too large to be linearised.
 pub fn oscillator(
     spec: &SceneSpec,
     modelling: &Modelling,

@@ -36,7 +36,7 @@ fn weights(extrapolation: Extrapolation) -> &'static [[f64; 2]] {
     }
 }
 
-/// Factor by which the amplitude of an oscillator grows in a communication step, at most.
+/// Computes the largest amplitude growth of an oscillator in a communication step (spectral radius).
 pub fn radius(extrapolation: Extrapolation, omega_h: f64, zeta: f64) -> f64 {
     let weights = weights(extrapolation);
     let n = 1 + weights.len();

@@ -33,7 +33,7 @@ use serde_json::json;
 /// Positions of a mesh cycle that statics are fitted at.
 const POSITIONS: usize = 24;
 
-/// Fits the models of a scene that have something to fit.
+/// Fits the models of a scene that have constants to fit, and writes the folder.
 pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     // What is identified is built by its fits; statics leave all constants but one as the impact has them.
     let mut scene = match args.to.to_history() {

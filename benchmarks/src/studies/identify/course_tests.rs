@@ -1,4 +1,4 @@
-//! Constants along the path and of single gears: found again, refused where there are none.
+//! Tests of constants along the path and of single gears: recovery from data, and refusal for models without them.
 
 use super::tests::{fitted, impact, keys, made, outcomes, plan};
 use super::*;

@@ -18,7 +18,7 @@ use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::spec::{Modelling, SceneSpec, Value};
 use gearbench_models::stiffness::PairStiffness;
 
-/// Key of the offset of a clock.
+/// Key of the clock offset of a data set.
 pub const CLOCK: &str = "clock_s";
 /// Stiffness of a tooth pair that fits start from [N/m per m]: steel has about that whatever the module.
 const PAIR: f64 = 1.5e10;
@@ -31,7 +31,7 @@ const COURSE: f64 = 0.3;
 /// Typical offset of a clock over the duration of the data.
 const OFFSET: f64 = 0.02;
 
-/// A parameter of a fit.
+/// Parameter of a fit: a constant of the model, or the clock offset of a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parameter {
     /// A constant of a calibration, by its key.
@@ -47,7 +47,7 @@ pub struct Wishes {
     pub fit: Option<Vec<String>>,
     /// Keys with their fixed values.
     pub held: Vec<(String, f64)>,
-    /// Keys with the values that the fit starts from.
+    /// Keys with their starting values.
     pub starts: Vec<(String, f64)>,
     /// Keys with their least and greatest value.
     pub bounds: Vec<(String, [f64; 2])>,

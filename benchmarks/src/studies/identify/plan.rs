@@ -22,9 +22,9 @@ pub struct DataSet {
     pub spec: SceneSpec,
     /// Measured or computed values.
     pub data: Data,
-    /// Weight of the residuals, which are taken over the size of the data.
+    /// Weight of the residuals, relative to the size of the data.
     pub weight: f64,
-    /// Weight of a residual where the data are greatest over that where they are nothing; it grows with their square.
+    /// Weight of a residual at the greatest value over that at zero; it increases with the square of the value.
     pub peak_weight: f64,
     /// Its gap at the start over that of the scene, which is what is fitted [m].
     pub further_gap: f64,
@@ -45,7 +45,7 @@ pub enum Data {
 }
 
 impl DataSet {
-    /// A history of a scene.
+    /// Creates a data set from a history of a scene.
     pub fn history(name: &str, spec: &SceneSpec, time: &[f64], force: &[f64]) -> Self {
         DataSet {
             name: name.into(),
@@ -60,7 +60,7 @@ impl DataSet {
         }
     }
 
-    /// A mesh cycle of a scene at rest.
+    /// Creates a data set from a static mesh cycle of a scene.
     pub fn statics(name: &str, spec: &SceneSpec, target: StaticTarget) -> Self {
         DataSet {
             name: name.into(),
@@ -72,7 +72,7 @@ impl DataSet {
         }
     }
 
-    /// The numbers that the residuals are about.
+    /// Returns the values that are compared with the model.
     pub fn values(&self) -> &[f64] {
         match &self.data {
             Data::History { force, .. } => force,
@@ -107,13 +107,13 @@ impl DataSet {
         Key::new("data").and(&self.data)
     }
 
-    /// Root of the sum of the squared values.
+    /// Returns the root of the sum of the squared values.
     pub fn size(&self) -> f64 {
         size(self.values())
     }
 }
 
-/// Root of the sum of squares.
+/// Computes the root of the sum of squares.
 pub fn size(y: &[f64]) -> f64 {
     y.iter().map(|y| y * y).sum::<f64>().sqrt()
 }
@@ -148,16 +148,16 @@ impl StaticTarget {
     }
 }
 
-/// A fit to be made.
+/// Plan of a fit: the model, its data and the user options.
 #[derive(Clone, Debug)]
 pub struct FitPlan<'a> {
     /// Label of the model in its scene.
     pub label: String,
-    /// Gears of all models, and the contacts; the model of the first is the one whose constants are fitted.
+    /// Gear models and contacts; the model of the first gear is the one whose constants are fitted.
     pub modelling: Modelling,
     /// Table of the available gear models.
     pub models: &'a [Model],
-    /// Data to fit, at least one.
+    /// Data sets to fit, at least one.
     pub data: Vec<DataSet>,
     /// Data that the fitted model is compared with.
     pub held_out: Vec<DataSet>,
@@ -165,7 +165,7 @@ pub struct FitPlan<'a> {
     pub wishes: Wishes,
 }
 
-/// The result of an identification.
+/// Result of an identification: record, constants and data.
 #[derive(Clone, Debug)]
 pub struct Identification {
     /// Record of the fit for reports.
@@ -278,7 +278,7 @@ impl IdentifyError {
     }
 }
 
-/// Puts constants into a scene and its models, as a calibration with them would be.
+/// Applies constants to a scene and its models, as a calibration with the same constants does.
 pub fn apply(constants: &Constants, model: &str, spec: &mut SceneSpec, modelling: &mut Modelling) {
     let names: Vec<&str> = spec.gears.iter().map(|g| g.name.as_str()).collect();
     constants.apply(model, &names, modelling);

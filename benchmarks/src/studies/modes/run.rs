@@ -27,11 +27,11 @@ const WAY: f64 = 1e-6;
 /// Range and grouping of the natural frequencies that are listed for a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {
-    /// Most frequencies that are listed.
+    /// Largest number of frequencies that are listed.
     pub most: usize,
     /// Upper limit of the frequencies [Hz].
     pub up_to: f64,
-    /// Relative distance of frequencies that count as one.
+    /// Relative distance below which frequencies are grouped as one.
     pub group: f64,
 }
 

@@ -8,7 +8,7 @@ use gearbench_reports::record::Results;
 /// Largest number of modes printed for each model.
 const MOST: usize = 12;
 
-/// The state and the lowest modes of each model.
+/// Prints the state and the lowest modes of each model.
 pub fn summarise(results: &Results) {
     for v in results.vibrations() {
         say(&format!("{}: {}", v.label, state(v)));

@@ -8,16 +8,16 @@ use gearbench_integrators::Scheme;
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     pub conditions: Conditions<'a>,
-    /// The model; its penalty is the study's.
+    /// Model whose contact penalty is varied.
     pub entry: Configuration,
     /// Model with hard contact and otherwise equal settings.
     pub hard: Option<Configuration>,
-    /// Integrator, if the model has none of its own.
+    /// Integrator, for a model without its own.
     pub method: Scheme,
     /// Contact penalties [Pa/m], one run each.
     pub penalties: Vec<f64>,
-    /// Force along the line of action of the static equilibria [N]; `None` leaves them out.
+    /// Force along the line of action in the static equilibria [N]; `None` leaves them out.
     pub load: Option<f64>,
-    /// Positions of the static cycle.
+    /// Number of positions of the static cycle.
     pub positions: usize,
 }

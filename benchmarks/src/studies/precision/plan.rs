@@ -20,16 +20,16 @@ use std::time::Duration;
 
 /// Default numbers of modes per gear.
 pub const COUNTS: [usize; 6] = [0, 10, 35, 70, 100, 150];
-/// Id of the full model, which serves as a reference.
+/// Id of the full-order model, the reference of the others.
 pub(super) const FULL: &str = FullOrderParameters::MODEL;
 /// Steps of one integration at most: a timeout that does not depend on the machine.
 const MOST_STEPS: u64 = 20_000_000;
 
-/// A model with a number of modes, and its series.
+/// Model with a number of modes, and its series of resolutions.
 #[derive(Clone, Debug)]
 pub struct Variant {
     pub entry: Configuration,
-    /// Modes per gear, where they are the study's choice.
+    /// Modes per gear, where the study varies them; `None` keeps the model's own.
     pub modes: Option<usize>,
     /// Integrators at every step and tolerance, the coarsest of each first.
     pub methods: Vec<Scheme>,
@@ -47,7 +47,7 @@ impl Variant {
     }
 }
 
-/// A reference that the study computes.
+/// Reference that the study computes.
 #[derive(Clone, Debug)]
 pub struct Full {
     /// Id of the reference in metrics.
@@ -69,14 +69,14 @@ pub struct Plan<'a> {
     pub fulls: Vec<Full>,
     /// References from measurements or other programs.
     pub external: Vec<ReferenceSeries>,
-    /// The metrics, the first above all.
+    /// Metrics of the errors, the most important first.
     pub metrics: Vec<Metric>,
-    /// Short runs are repeated until their times together reach this.
+    /// Least total time of the repeats of a short run.
     pub timed: Duration,
 }
 
 impl Plan<'_> {
-    /// The study of some models of a scene.
+    /// Plans the study of some models of a scene.
     ///
     /// # Errors
     /// A sentence about what was asked for and cannot be had.
@@ -151,7 +151,7 @@ impl Plan<'_> {
         })
     }
 
-    /// Number of runs, references included.
+    /// Returns the number of runs, references included.
     pub fn len(&self) -> usize {
         self.fulls.len() + self.variants.iter().map(|v| v.methods.len()).sum::<usize>()
     }

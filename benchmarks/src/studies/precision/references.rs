@@ -142,8 +142,8 @@ fn points(entry: &Configuration) -> Option<&PointContact> {
         .find_map(|c| c.points.as_ref())
 }
 
-/// References of a variant: of those with flank points the ones with the same contact; lines of action know no
-/// penalty and go with those whose penalty is one per area.
+/// Returns the references of a variant: for models with flank points the ones with the same contact. Lines of action
+/// have no penalty and are compared with references whose penalty is one per area.
 pub(super) fn held_against(
     scene: &SceneFile,
     variant: &Variant,

@@ -1,4 +1,4 @@
-//! Runs of accuracy against cost.
+//! Runs of the study of accuracy against cost.
 
 use super::plan::{Full, Plan, Variant};
 use crate::experiment::budget::NOT_TRIED;

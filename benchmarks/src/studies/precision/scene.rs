@@ -1,4 +1,4 @@
-//! `[study] precision = { .. }` of a scene: what the study does when the command line does not say otherwise.
+//! `[study] precision = { .. }` of a scene: defaults of the study, which options on the command line override.
 
 use crate::scene_file::SceneError;
 use crate::scene_file::reading::Place;
@@ -41,7 +41,7 @@ pub struct Precision {
     pub integrators: Vec<Scheme>,
     /// Numbers of modes per gear.
     pub modes: Vec<usize>,
-    /// Steps over that of the scene.
+    /// Steps as multiples of the step of the scene.
     pub factors: Vec<f64>,
     /// Steps [s], in place of factors.
     pub steps: Vec<f64>,

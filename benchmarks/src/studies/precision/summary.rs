@@ -7,7 +7,7 @@ use gearbench_reports::numbers::{percent, quantity};
 use gearbench_reports::precision::{Cost, LEVELS, Precision as Told, family, modes_and_step};
 use gearbench_reports::record::{Results, SELF, Status};
 
-/// Prints the Pareto front of error and cost against every reference, and the best models.
+/// Prints the Pareto front of error and cost against every reference, and the cheapest run within each error limit.
 pub fn summarise(results: &Results) {
     let told = Told::of(results);
     for id in &told.references {

@@ -21,7 +21,7 @@ pub struct Wanted {
     pub range: Option<[f64; 2]>,
     /// Number of mesh frequencies.
     pub points: usize,
-    /// Phases of a mesh cycle.
+    /// Number of phases of a mesh cycle.
     pub phases: usize,
 }
 

@@ -1,4 +1,4 @@
-//! The record of a run-up, from what was recorded of it.
+//! Evaluation of a recorded run-up.
 
 use super::channels::Recorded;
 use super::orders::tracked;

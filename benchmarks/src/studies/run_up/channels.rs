@@ -15,7 +15,7 @@ const RADIAL: [OfGear; 2] = [OfGear::BearingX, OfGear::BearingY];
 /// Recorded quantity whose amplitudes are evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
-    /// Name of its column, with the unit.
+    /// Name of the column of the quantity, with the unit.
     pub column: String,
     /// Name of the quantity in reports.
     pub name: String,
@@ -46,7 +46,7 @@ impl<'a> Recorded<'a> {
         }
     }
 
-    /// Channels to record: angles of all members, forces of meshes, bearings of gears.
+    /// Returns the channels to record: angles of all members, forces of meshes, bearings of gears.
     pub fn channels(&self, scene: &Scene) -> Vec<usize> {
         let angles = (0..self.members).map(|i| Channel::Gear(i, OfGear::Displacement));
         let forces = (0..self.spec.meshes.len()).map(|m| Channel::Mesh(m, OfMesh::Force));
@@ -56,7 +56,7 @@ impl<'a> Recorded<'a> {
         all.filter_map(|c| scene.channel(c)).collect()
     }
 
-    /// Angle of a member [rad].
+    /// Returns the recorded angle of a member [rad].
     pub fn angle<'r>(&self, recorder: &'r Recorder, member: usize) -> &'r [f64] {
         &recorder.columns[member]
     }
@@ -68,7 +68,7 @@ impl<'a> Recorded<'a> {
         of(member) - carrier.map_or(0.0, of)
     }
 
-    /// The carrier that the gears of a mesh are seen from.
+    /// Returns the carrier to which the motion of the gears of a mesh is relative.
     pub fn carrier_of_mesh(&self, mesh: usize) -> Option<usize> {
         let gears = self.spec.meshes[mesh].gears;
         gears.into_iter().find_map(|g| self.carriers[g])

@@ -1,4 +1,4 @@
-//! The run-up of a scene: its own, or from a speed to another over a time.
+//! Run-up of a scene: its own, or from one speed to another over a time.
 //!
 //! Where a hub is driven its speed becomes the ramp, by the ratio that it has to the reference gear. Where none is, all members
 //! get the torques `J_i alpha_i` that accelerate each alone as the train turns: these press no flank. The loads of the scene stay
@@ -51,7 +51,7 @@ fn members(spec: &mut SceneSpec) -> Vec<Driven<'_>> {
     all
 }
 
-/// The scene with a run-up of a gear.
+/// Returns the scene with a run-up of a gear.
 ///
 /// # Errors
 /// [`BuildError`] where the scene cannot be assembled; within, why it has no such run-up.

@@ -1,4 +1,5 @@
-//! Orders of a scene: how often teeth mesh, and shafts turn, while the reference gear turns once; from how far hubs turned.
+//! Orders of a scene: frequencies of meshes and shafts over the rotation frequency of the reference gear, from the
+//! rotations of the hubs.
 
 use super::channels::Recorded;
 use super::recorder::Recorder;

@@ -5,12 +5,12 @@ use crate::experiment::configuration::Configuration;
 use gearbench_integrators::Scheme;
 use serde::Serialize;
 
-/// Speeds of a run-up in place of what the scene does.
+/// Linear speed ramp of the reference gear, in place of the scene's own speeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ramp {
-    /// Speed of the reference gear at the start [rad/s], without its sense.
+    /// Magnitude of the speed of the reference gear at the start [rad/s].
     pub from: f64,
-    /// Speed of the reference gear at the end [rad/s].
+    /// Magnitude of the speed of the reference gear at the end [rad/s].
     pub to: f64,
     /// Duration of the ramp [s].
     pub over: f64,
@@ -19,9 +19,9 @@ pub struct Ramp {
 /// Settings of the evaluation of a run-up.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Look {
-    /// The reference gear, by its place in the scene.
+    /// Index of the reference gear in the scene.
     pub gear: usize,
-    /// Multiples of mesh orders that are followed and shown.
+    /// Number of multiples of mesh orders that are followed and shown.
     pub multiples: usize,
     /// Number of whole turns in a window; `None` takes a hundredth of the run.
     pub turns: Option<u32>,

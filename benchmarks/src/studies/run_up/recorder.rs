@@ -1,4 +1,4 @@
-//! Records few channels of a run at many even times, where a history of all of them would take the memory.
+//! Recorder of few channels of a run at many even times, where a history of all channels would need too much memory.
 
 use crate::experiment::history::state_within;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
@@ -31,7 +31,7 @@ impl Recorder {
         }
     }
 
-    /// Time from a sample to the next [s].
+    /// Returns the time from a sample to the next [s].
     pub fn apart(&self) -> f64 {
         self.apart
     }
@@ -41,7 +41,7 @@ impl Recorder {
         self.taken
     }
 
-    /// Time of a sample [s].
+    /// Returns the time of a sample [s].
     pub fn time(&self, sample: usize) -> f64 {
         self.begin + self.apart * sample as f64
     }

@@ -34,7 +34,7 @@ fn windowed(x: &[f64]) -> Vec<f64> {
     hann(n).zip(x).enumerate().map(off).collect()
 }
 
-/// Amplitudes in the bins `0 .. n/2`; `n` is a power of two.
+/// Computes the amplitudes in the bins `0 .. n/2`; `n` is a power of two.
 pub fn amplitudes(x: &[f64]) -> Vec<f64> {
     let n = x.len();
     let (mut re, mut im) = (windowed(x), vec![0.0; n]);
@@ -45,7 +45,7 @@ pub fn amplitudes(x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// A window that is ready for amplitudes at any number of cycles.
+/// Windowed samples of a signal, for amplitudes at any number of cycles.
 pub struct Window(Vec<f64>);
 
 impl Window {

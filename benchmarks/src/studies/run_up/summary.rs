@@ -8,7 +8,7 @@ use gearbench_reports::run_up::strongest;
 /// Largest number of peaks printed for each model.
 const MOST: usize = 12;
 
-/// The strongest order of each quantity with the speed at which it peaks.
+/// Prints the strongest order of each quantity with the speed at which it peaks.
 pub fn summarise(results: &Results) {
     for run in results.run_ups() {
         if !run.message.is_empty() {

@@ -14,7 +14,7 @@ const MOST_LINES: usize = 200;
 
 /// Recording that is divided into windows: evenly spaced samples, with the turns of the reference gear at each.
 pub struct Cut<'a> {
-    /// Time of the first sample, and from one to the next [s].
+    /// Time of the first sample, and the interval between samples [s].
     pub time: [f64; 2],
     /// Turns of the reference gear, ascending.
     pub turns: &'a [f64],
@@ -23,17 +23,17 @@ pub struct Cut<'a> {
 /// Windows of one kind, of equal time or of equal turns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Windows {
-    /// First and last sample that a window takes (of turns: between which its angles lie).
+    /// First and last sample of each window (of windows of turns: between which its angles lie).
     pub samples: Vec<[usize; 2]>,
     /// Turns at which each begins; empty for windows of equal time.
     starts: Vec<f64>,
-    /// Samples of a window, a power of two.
+    /// Number of samples of a window, a power of two.
     pub length: usize,
     /// Length of a window: time [s], or turns.
     pub span: f64,
-    /// Time in the middle of each [s].
+    /// Time in the middle of each window [s].
     pub time: Vec<f64>,
-    /// Mean speed of the reference gear [rad/s].
+    /// Mean speed of the reference gear in each window [rad/s].
     pub speed: Vec<f64>,
 }
 
@@ -60,7 +60,7 @@ impl Cut<'_> {
         self.at((i - 1) as f64 + (turns - a) / (b - a))
     }
 
-    /// Windows of whole turns for orders up to `highest`.
+    /// Returns windows of whole turns for orders up to `highest`.
     pub fn by_turns(&self, highest: f64, wanted: Option<f64>) -> Option<Windows> {
         let range = [*self.turns.first()?, *self.turns.last()?];
         let all = range[1] - range[0];
@@ -151,7 +151,7 @@ fn together(of_each: impl Iterator<Item = f64>) -> f64 {
     of_each.map(|a| a * a).sum::<f64>().sqrt()
 }
 
-/// A map of amplitudes: lines, and amplitudes by window.
+/// Map of amplitudes over lines and windows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Map {
     /// Frequencies [Hz] or orders of the lines.
@@ -160,7 +160,8 @@ pub struct Map {
     pub amplitudes: Vec<Vec<f64>>,
 }
 
-/// Amplitudes of histories (those of one quantity together) in all bins up to `highest` (in cycles per unit of the span).
+/// Computes the amplitudes of histories (those of one quantity together) in all bins up to `highest` (in cycles per
+/// unit of the span).
 pub fn map(cut: &Cut<'_>, windows: &Windows, histories: &[Vec<f64>], highest: f64) -> Map {
     let bins = ((highest * windows.span).ceil() as usize + 1).min(windows.length / 2);
     let group = bins.div_ceil(MOST_LINES).max(1);
@@ -185,7 +186,7 @@ pub fn map(cut: &Cut<'_>, windows: &Windows, histories: &[Vec<f64>], highest: f6
     }
 }
 
-/// Amplitudes at orders, each over the windows.
+/// Computes the amplitudes at given orders in each window.
 pub fn follow(
     cut: &Cut<'_>,
     windows: &Windows,

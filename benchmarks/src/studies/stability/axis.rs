@@ -1,6 +1,6 @@
 //! Parameters of a stability map: their names, ranges and values.
 
-/// A parameter of a map.
+/// Parameter that an axis of a stability map varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Axis {
@@ -32,7 +32,7 @@ impl Axis {
         Axis::HhtAlpha,
     ];
 
-    /// The word of scenes and of the command line.
+    /// Returns the name of the parameter in scenes and on the command line.
     pub fn id(self) -> &'static str {
         match self {
             Axis::ContactStiffness => "contact-stiffness",
@@ -58,7 +58,7 @@ impl Axis {
         }
     }
 
-    /// Unit, empty for ratios and counts.
+    /// Returns the unit of the parameter, empty for ratios and counts.
     pub fn unit(self) -> &'static str {
         match self {
             Axis::ToothStiffness => "N/m",
@@ -66,7 +66,7 @@ impl Axis {
         }
     }
 
-    /// Smallest and largest value that makes sense.
+    /// Returns the smallest and largest valid value.
     pub fn range(self) -> [f64; 2] {
         match self {
             Axis::ContactStiffness | Axis::Speed => [1e-9, 1e9],
@@ -78,7 +78,7 @@ impl Axis {
         }
     }
 
-    /// Values when nobody says; empty where there are none that go with every scene.
+    /// Returns the default values of the parameter; empty where no values suit every scene.
     pub fn defaults(self) -> Vec<f64> {
         match self {
             Axis::ContactStiffness => spaced(0.1, 100.0, 7),
@@ -102,7 +102,7 @@ impl Axis {
     }
 }
 
-/// Values from one end to the other, evenly over the decades, ends exact.
+/// Returns values from one end to the other, evenly spaced on a logarithmic scale, with exact ends.
 pub fn spaced(from: f64, to: f64, points: usize) -> Vec<f64> {
     let last = points.max(2) - 1;
     let at = |i: usize| match i {

@@ -57,7 +57,7 @@ fn refined_name(map: usize, step: f64) -> String {
     format!("m{map}/h{step:e}")
 }
 
-/// Runs the study on some threads.
+/// Runs the maps of the study on several threads.
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are cells.

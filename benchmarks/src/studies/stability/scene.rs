@@ -13,7 +13,7 @@ pub const MAX_STEPS: u64 = 200_000;
 pub const COLUMNS: usize = 12;
 /// Default number of rows of a map.
 pub const ROWS: usize = 8;
-/// Cells along one side of a map at most.
+/// Largest number of cells along one side of a map.
 pub const MOST: u32 = 400;
 
 keys! {
@@ -57,7 +57,7 @@ keys! {
     }
 }
 
-/// Values evenly over the decades.
+/// Range of values, evenly spaced on a logarithmic scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
     /// Smallest value of the span.
@@ -90,7 +90,7 @@ pub struct AxisValues {
 pub struct StabilitySet {
     /// Labels of the models; `None` takes those of the study.
     pub models: Option<Vec<String>>,
-    /// Integrators of the maps; `None` takes the usual ones.
+    /// Integrators of the maps; `None` takes the defaults of the study.
     pub integrators: Option<Vec<MethodSpec>>,
     /// Simulated time [s]; `None` leaves it to the study.
     pub duration: Option<f64>,

@@ -43,7 +43,7 @@ fn without<T>(why: impl Into<String>) -> Result<T, AxisError> {
 }
 
 impl Axis {
-    /// The value that a setup has.
+    /// Returns the value of the parameter in a set-up.
     ///
     /// # Errors
     /// [`AxisError::Without`] says why the parameter does not go with it.

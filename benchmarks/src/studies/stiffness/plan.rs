@@ -14,9 +14,9 @@ use gearbench_models::stiffness::{
 pub struct Plan<'a> {
     /// Conditions of the scene, for the head of the record.
     pub conditions: Conditions<'a>,
-    /// Models of the scene, and behind them formulas, each with its force along the line of action [N].
+    /// Models of the scene, followed by formulas, each with its force along the line of action [N].
     pub entries: Vec<(Entry, f64)>,
-    /// Positions over one base pitch.
+    /// Number of positions over one base pitch.
     pub positions: usize,
 }
 
@@ -42,8 +42,8 @@ impl Entry {
     }
 }
 
-/// Rigid gears with the stiffness of the norm, and with the analytic compliance of teeth, bodies and contact, in
-/// place of a model of the same gears.
+/// Returns rigid gears with the stiffness of ISO 6336, and with the analytic compliance of teeth, bodies and contact,
+/// in place of a model of the same gears.
 pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
     let with = |label: &str, includes: &str, stiffness: PairStiffness| {
         let mut modelling = modelling.clone();
@@ -86,7 +86,8 @@ pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
     ]
 }
 
-/// `c'` and `c_gamma_alpha` of ISO 6336-1 for the gears of a mesh [N/m^2]; `None` where the formula has no value.
+/// Computes `c'` and `c_gamma_alpha` of ISO 6336-1 for the gears of a mesh [N/m^2]; `None` where the formula has no
+/// value.
 pub fn iso_values(spec: &SceneSpec) -> Option<[f64; 2]> {
     let [a, b] = spec.meshes.first()?.gears.map(|i| &spec.gears[i]);
     let Body::Gear(gear) = &a.body else {

@@ -1,4 +1,4 @@
-//! Equilibria over a mesh cycle, model by model.
+//! Static equilibria over a mesh cycle, model by model.
 
 use super::plan::{Entry, Plan};
 use crate::experiment::error::StudyError;
@@ -14,7 +14,7 @@ use gearbench_reports::stiffness::{
 };
 use std::time::Instant;
 
-/// Runs the study: a piece of work for each model and formula.
+/// Runs the study, one piece of work for each model and formula.
 ///
 /// # Errors
 /// [`StudyError`]; a model without equilibria is a row with the reason. Where no model has any, the reason of the first.

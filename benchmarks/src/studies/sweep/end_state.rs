@@ -20,7 +20,7 @@ pub struct EndState {
 }
 
 impl EndState {
-    /// When it was reached [s].
+    /// Returns the time at which the state was reached [s].
     pub fn time(&self) -> f64 {
         self.t
     }

@@ -50,14 +50,14 @@ impl MeanLoad {
     }
 }
 
-/// The mesh that is swept.
+/// Gear pair of a sweep, with its loads.
 pub struct Pair {
     pub layout: MeshLayout,
-    /// Transverse base radii of both gears with their signs [m].
+    /// Signed transverse base radii of both gears [m].
     pub base_radii: [f64; 2],
     /// Numbers of teeth of both gears.
     pub teeth: [usize; 2],
-    /// Sign of the loaded flank in the rotation of the first gear.
+    /// Sign of the flank in contact, in the sense of rotation of the first gear.
     pub sign: f64,
     /// Path coordinate of the reference pair at zero displacement [m].
     pub start: f64,
@@ -165,7 +165,7 @@ impl Pair {
         Ok(pair)
     }
 
-    /// Mesh cycles in so many turns of the first gear of a scene.
+    /// Returns the number of mesh cycles in a number of turns of the first gear of a scene.
     pub fn cycles_of(spec: &SceneSpec, turns: usize) -> usize {
         match spec.gears.first().map(|g| &g.body) {
             Some(Body::Gear(first)) => turns * first.teeth() as usize,
@@ -186,7 +186,7 @@ impl Pair {
         })
     }
 
-    /// Force in the transverse plane at a mesh frequency [N]: torque over base radius.
+    /// Computes the force in the transverse plane at a mesh frequency [N]: torque over base radius.
     pub fn force(&self, frequency: f64) -> f64 {
         let pressing = match self.holds {
             Some(0) => 1,
@@ -329,8 +329,8 @@ impl Pair {
         [1.0, -self.base_radii[0] / self.base_radii[1]]
     }
 
-    /// The state in which a run in a scene of this mesh starts: assembled, or as another left it, turning at the new
-    /// speed. Only the rigid rotation changes: the gears vibrate on as they did.
+    /// Returns the state in which a run in a scene of this mesh starts: assembled, or the end of another run, turning
+    /// at the new speed. Only the rigid rotation changes: the vibration of the gears is kept.
     pub fn start(&self, scene: &Scene, frequency: f64, from: Option<&EndState>) -> State {
         let mut state = scene.initial();
         let Some(end) = from.filter(|e| e.q.len() == state.q.len()) else {

@@ -19,11 +19,11 @@ pub struct Plan<'a> {
     pub frequencies: Vec<f64>,
     /// Branches of the sweep (directions of the speed), each at all speeds.
     pub branches: Vec<Branch>,
-    /// Whole mesh cycles to measure.
+    /// Number of whole mesh cycles to measure.
     pub cycles: usize,
-    /// Time to settle [s], mesh cycles or not.
+    /// Settling time before the measurement [s].
     pub settle: f64,
-    /// Positions of the static cycle.
+    /// Number of positions of the static cycle.
     pub positions: usize,
 }
 

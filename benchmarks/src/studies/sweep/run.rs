@@ -128,7 +128,7 @@ pub fn check(name: &str, spec: &SceneSpec) -> Result<(), StudyError> {
     Pair::in_scene(name, spec).map(|_| ())
 }
 
-/// Mesh resonance of a model at the loads of its scene [Hz]: for the choice of speeds.
+/// Computes the mesh resonance of a model at the loads of its scene [Hz], for the choice of speeds.
 ///
 /// # Errors
 /// [`StudyError`] when there is no static contact.

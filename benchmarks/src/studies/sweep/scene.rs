@@ -55,17 +55,17 @@ impl Sweep {
         self.points.0
     }
 
-    /// Whole mesh cycles that are measured.
+    /// Returns the number of whole mesh cycles that are measured.
     pub fn cycles(&self) -> usize {
         self.cycles.0
     }
 
-    /// Whole turns of the first gear to measure, in place of mesh cycles.
+    /// Returns the number of whole turns of the first gear to measure, in place of mesh cycles.
     pub fn turns(&self) -> Option<usize> {
         self.turns.map(|n| n.0)
     }
 
-    /// Time to settle [s].
+    /// Returns the settling time [s].
     pub fn settle(&self) -> f64 {
         self.settle_s.0
     }
@@ -75,7 +75,7 @@ impl Sweep {
         &self.branches.0
     }
 
-    /// Refuses what does not go together.
+    /// Returns an error for settings that exclude each other.
     pub(crate) fn check(&self, at: &Place<'_>) -> Result<(), SceneError> {
         match (self.from_hz, self.to_hz) {
             (Some(from), Some(to)) if to.0 <= from.0 => at.key("to_hz").refuse(

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 /// Samples of a mean mesh cycle.
 const PER_CYCLE: usize = 128;
-/// Harmonics of the mesh frequency that are kept.
+/// Number of harmonics of the mesh frequency in the record.
 pub const HARMONICS: usize = 24;
 /// Orders of a shaft that are kept beyond twice that of the mesh.
 const SIDEBANDS: usize = 4;
@@ -30,7 +30,7 @@ pub struct Histories<'a> {
     pub pieces: Option<&'a ForceHistory>,
     /// Speed of the first gear [rad/s].
     pub speed: &'a [f64],
-    /// Names and teeth of both gears.
+    /// Names and numbers of teeth of both gears.
     pub gears: [(&'a str, usize); 2],
     /// Bearing forces: gear, whether they contain its own inertia, x and y [N].
     pub bearings: Vec<(String, bool, &'a [f64], &'a [f64])>,
@@ -171,8 +171,8 @@ fn in_blocks(x: &[f64]) -> Vec<f64> {
     x.chunks(x.len() / PER_CYCLE).map(mean).collect()
 }
 
-/// Amplitudes of the harmonics `1 .. HARMONICS` of the cycle in samples over whole cycles: sums over all samples, so
-/// that no window is needed and other harmonics do not leak.
+/// Computes the amplitudes of the harmonics `1 .. HARMONICS` of the cycle from samples over whole cycles: sums over all
+/// samples, so that no window is needed and other harmonics do not leak.
 pub fn amplitudes(x: &[f64], cycles: usize) -> Vec<f64> {
     (1..=HARMONICS).map(|k| amplitude(x, k * cycles)).collect()
 }

@@ -17,7 +17,7 @@ use gearbench_reports::record::ReferenceSeries;
 
 /// Model whose modes are counted.
 const ELASTIC: &str = ElasticParameters::MODEL;
-/// Id of the full model, which is the reference.
+/// Id of the full-order model, also its id as a reference.
 pub(super) const FULL: &str = FullOrderParameters::MODEL;
 /// Step of the full model over that of the scene.
 const FINER: f64 = 0.2;
@@ -33,7 +33,7 @@ const PUBLISHED_HZ: f64 = 80e3;
 /// Published number of elastic coordinates per body.
 const PUBLISHED_MODES: usize = 200;
 
-/// A way of keeping modes.
+/// Variant of modal truncation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Way {
     /// Label of the variant in the record.
@@ -42,11 +42,11 @@ pub(super) struct Way {
     pub choose: Criterion,
     /// Value of the parameter `residual`.
     pub residual: bool,
-    /// Part of the step of the scene's integrator.
+    /// Factor of the step relative to that of the scene's integrator.
     pub step: f64,
 }
 
-/// The ways that are compared.
+/// Truncation variants that are compared.
 pub(super) const WAYS: [Way; 5] = [
     way("by flank compliance", BY_COMPLIANCE, true, 1.0),
     // What the step costs beside what the cut modes cost.
@@ -76,16 +76,16 @@ const fn way(label: &'static str, choose: Criterion, residual: bool, step: f64) 
 #[derive(Clone, Debug)]
 pub(super) struct Plan<'a> {
     pub conditions: Conditions<'a>,
-    /// The elastic model; modes, `choose` and `residual` are the study's.
+    /// Elastic model; the study varies its modes, `choose` and `residual`.
     pub elastic: Configuration,
     pub method: Scheme,
     /// Integrator of plain truncation, whose contact is stiff.
     pub truncated: Scheme,
-    /// The full model on the same mesh.
+    /// Full-order model on the same mesh.
     pub full: Configuration,
     pub full_method: Scheme,
     pub counts: Vec<usize>,
-    /// Halve the distance to the fewest modes.
+    /// True if the fewest sufficient modes are refined by bisection.
     pub refine: bool,
     /// References from measurements or other programs.
     pub external: Vec<ReferenceSeries>,
@@ -143,7 +143,7 @@ impl Plan<'_> {
         })
     }
 
-    /// The runs of the grid, without refinement.
+    /// Returns the runs of the grid, without refinement.
     pub fn cases(&self) -> Vec<Case> {
         let mut cases = Vec::new();
         for way in WAYS {
@@ -179,7 +179,7 @@ impl Plan<'_> {
         })
     }
 
-    /// The elastic model with the modes of a case.
+    /// Returns the elastic model with the modes of a case.
     pub fn modelling(&self, case: &Case) -> Modelling {
         let mut modelling = self.elastic.modelling.clone();
         // Modes that the step cannot carry are cut.

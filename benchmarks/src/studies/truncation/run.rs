@@ -1,4 +1,4 @@
-//! Runs over the number of modes.
+//! Runs of the study over the number of modes.
 
 use super::plan::{Case, FULL, Kept, Plan, WAYS};
 use crate::experiment::run::{Job, RunError, run};

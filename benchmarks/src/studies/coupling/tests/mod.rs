@@ -1,4 +1,4 @@
-//! The coupling against the whole: orders, the limit of theory, energy, and what is exact.
+//! Tests of the coupled parts against the whole system: orders, theoretical limit, energy, and exact cases.
 
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
 

@@ -13,7 +13,7 @@ pub enum Scale {
     Linear(f64),
 }
 
-/// A parameter of a fit.
+/// Coordinate of a parameter: its scale and bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coordinate {
     /// Scale of the coordinate, linear or logarithmic.
@@ -23,7 +23,7 @@ pub struct Coordinate {
 }
 
 impl Coordinate {
-    /// A positive parameter without bounds.
+    /// Coordinate of a positive parameter without bounds.
     pub const POSITIVE: Coordinate = Coordinate {
         scale: Scale::Logarithm,
         bounds: [0.0, f64::INFINITY],
@@ -50,7 +50,7 @@ impl Coordinate {
         self.bounds.map(|x| self.of(x))
     }
 
-    /// A coordinate within the bounds.
+    /// Returns the coordinate clamped to the bounds.
     pub fn clamp(&self, z: f64) -> f64 {
         let [low, high] = self.range();
         z.max(low).min(high)

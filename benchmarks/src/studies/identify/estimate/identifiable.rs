@@ -24,7 +24,7 @@ pub struct Weak {
 }
 
 impl Weak {
-    /// Coordinates that belong to it, those with the greatest part first.
+    /// Returns the coordinates that belong to the combination, those with the greatest part first.
     pub fn members(&self) -> Vec<usize> {
         let of = &self.direction;
         let mut all: Vec<usize> = (0..of.len()).filter(|&j| of[j].abs() > PART).collect();
@@ -42,7 +42,7 @@ fn sizes(minimum: &Minimum, known: &Uncertainty) -> Vec<f64> {
         .collect()
 }
 
-/// The combinations that are not determined.
+/// Returns the combinations of parameters that are not determined.
 pub fn weak(minimum: &Minimum, known: &Uncertainty) -> Vec<Weak> {
     let empty = known.empty.iter().map(|direction| Weak {
         direction: direction.clone(),

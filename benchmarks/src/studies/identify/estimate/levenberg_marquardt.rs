@@ -32,7 +32,7 @@ pub struct Minimum {
     pub sum: f64,
     /// Number of evaluations of the residuals.
     pub evaluations: u32,
-    /// The sum stopped falling before the bound on iterations.
+    /// True if the sum converged before the bound on iterations.
     pub converged: bool,
     /// Coordinates that ended on a bound with the sum falling outwards.
     pub at_bound: Vec<bool>,
@@ -50,9 +50,9 @@ const SHORTEST: f64 = 1e-7;
 /// Stopping criterion and extent of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
-    /// Relative fall of the sum in an iteration below which it has converged.
+    /// Relative decrease of the sum in an iteration below which the fit has converged.
     pub settled: f64,
-    /// The Jacobian at the minimum is wanted; otherwise it is empty.
+    /// True if the Jacobian at the minimum is computed; otherwise it is empty.
     pub jacobian: bool,
 }
 

@@ -36,13 +36,13 @@ pub struct Problem {
     pub coordinates: Vec<Coordinate>,
     /// True for parameters that are fitted; the others keep their starting value.
     pub free: Vec<bool>,
-    /// Residuals of each data set: correlated within, independent between.
+    /// Number of residuals of each data set: correlated within, independent between.
     pub blocks: Vec<usize>,
     /// Starting points in coordinates.
     pub starts: Vec<Vec<f64>>,
-    /// Parameters that refine a model which is there without them, at zero: fits begin without them as well.
+    /// True for parameters that refine a model which exists without them, at zero: fits start without them as well.
     pub courses: Vec<bool>,
-    /// Profiles of all parameters in place of those that need them.
+    /// True if profiles of all parameters are computed, in place of those that need them.
     pub profiles: bool,
 }
 
@@ -59,23 +59,23 @@ pub struct Estimate {
     pub unknown: Vec<bool>,
     /// Profiles of the parameters, where they were computed.
     pub profiles: Vec<Option<Profile>>,
-    /// Values and 95 % intervals; that of a parameter which was not fitted is its value alone.
+    /// Values and 95 % intervals; the interval of a parameter which was not fitted is its value alone.
     pub values: Vec<(f64, [f64; 2])>,
     /// Sums of squares reached from each start; `None` where one could not be evaluated.
     pub starts: Vec<Option<f64>>,
-    /// Evaluations of the residuals in all.
+    /// Total number of evaluations of the residuals.
     pub evaluations: u32,
 }
 
 impl Estimate {
-    /// Correlation of two parameters; 0 where one did not move.
+    /// Returns the correlation of two parameters; 0 where one was not fitted or is on a bound.
     pub fn correlation(&self, i: usize, j: usize) -> f64 {
         let c = &self.known.covariance;
         let size = (c[(i, i)] * c[(j, j)]).sqrt();
         if size > 0.0 { c[(i, j)] / size } else { 0.0 }
     }
 
-    /// Condition number of the Jacobian; infinite where a direction changes nothing.
+    /// Returns the condition number of the Jacobian; infinite where a direction changes nothing.
     pub fn condition(&self) -> f64 {
         let s = &self.known.singular;
         match (s.first(), s.last()) {
@@ -134,7 +134,7 @@ fn simplest(problem: &Problem, residuals: &mut Residuals<'_>) -> Descents {
     descents
 }
 
-/// Estimates; `None` where no start can be evaluated.
+/// Solves an estimation problem; `None` where no start can be evaluated.
 pub fn estimate(problem: &Problem, residuals: &mut Residuals<'_>) -> Option<Estimate> {
     let Problem {
         coordinates, free, ..

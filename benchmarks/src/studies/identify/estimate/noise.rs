@@ -33,14 +33,14 @@ pub struct Noise {
     pub a: Vec<f64>,
     /// Variance of the innovations.
     pub variance: f64,
-    /// Degrees of freedom of that variance.
+    /// Degrees of freedom of the variance.
     pub freedom: f64,
     /// Covariance of the estimates `a`.
     pub covariance: DMatrix<f64>,
 }
 
 impl Noise {
-    /// Autocovariances at the lags 0 to `n - 1`.
+    /// Returns the autocovariances at the lags 0 to `n - 1`.
     pub fn autocovariance(&self, n: usize) -> Vec<f64> {
         autocovariance(&self.a, n)
             .into_iter()
@@ -113,7 +113,7 @@ fn whitened(a: &[f64], x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// `-2 l` and `s^2` at partial autocorrelations.
+/// Computes `-2 l` and `s^2` at partial autocorrelations.
 pub(super) fn restricted(a: &[f64], e: &[f64], basis: &DMatrix<f64>) -> (f64, f64) {
     let (n, k) = (e.len(), basis.ncols());
     let (_, variances) = levinson(a);

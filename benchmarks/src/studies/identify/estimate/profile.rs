@@ -12,14 +12,14 @@ use super::coordinates::Coordinate;
 use super::levenberg_marquardt::{Effort, Minimum, Residuals, minimise};
 use super::uncertainty::Uncertainty;
 
-/// A profile of one coordinate.
+/// Profile of one coordinate: the increase of the sum of squares over its fixed values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// Held values of the coordinate, ascending.
+    /// Fixed values of the coordinate, ascending.
     pub z: Vec<f64>,
-    /// Standardised deviation there: signed root of the scaled rise.
+    /// Standardised deviations at the fixed values: signed root of the scaled increase.
     pub deviation: Vec<f64>,
-    /// Ends of the interval; infinite where the fit does not get worse enough.
+    /// Ends of the interval; infinite where the increase stays below the quantile.
     pub interval: [f64; 2],
     /// The problem is not linear over the interval of the linear one: this is the profile's own.
     pub bent: bool,
@@ -44,7 +44,7 @@ impl Profile {
     }
 }
 
-/// Deviation of the profile from the straight line, relative, from which on it gives the interval.
+/// Relative deviation of the profile from the straight line above which the profile gives the interval.
 pub const BENT: f64 = 0.15;
 /// Relative distance of values that a measurement can distinguish.
 const APART: f64 = 0.01;

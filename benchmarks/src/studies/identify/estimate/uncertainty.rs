@@ -34,19 +34,19 @@ const NOTHING: f64 = 1e-9;
 /// Uncertainty of the coordinates of a fit: covariance, degrees of freedom and 95 % intervals.
 #[derive(Clone, Debug)]
 pub struct Uncertainty {
-    /// Coordinates that count from zero, in place of logarithms.
+    /// True for coordinates with a linear scale, in place of a logarithmic one.
     pub linear: Vec<bool>,
-    /// Coordinates that moved: free, and not on a bound.
+    /// Indices of the coordinates that are free and not on a bound.
     pub moving: Vec<usize>,
-    /// Covariance of all coordinates; zero for those that did not move.
+    /// Covariance of all coordinates; zero for fixed ones and those on a bound.
     pub covariance: DMatrix<f64>,
     /// Matrix `B` of all coordinates.
     pub inverse: DMatrix<f64>,
-    /// Degrees of freedom of each variance.
+    /// Degrees of freedom of each variance, one per coordinate.
     pub freedom: Vec<f64>,
     /// Half widths of the 95 % intervals.
     pub half: Vec<f64>,
-    /// The process of each data set; `None` where nothing was left of its residuals.
+    /// Noise process of each data set; `None` where its residuals vanish.
     pub noise: Vec<Option<Noise>>,
     /// Singular values of the Jacobian over the moving coordinates, descending.
     pub singular: Vec<f64>,
@@ -149,7 +149,7 @@ impl Block {
     }
 }
 
-/// The uncertainty of a fit to data sets with `blocks` residuals each.
+/// Computes the uncertainty of a fit to data sets with `blocks` residuals each.
 pub fn uncertainty(
     minimum: &Minimum,
     (coordinates, free): (&[Coordinate], &[bool]),

@@ -1,4 +1,4 @@
-//! The study on small scenes.
+//! Tests of the study of accuracy against cost on small scenes.
 
 use super::*;
 use crate::experiment::journal::{JOURNAL, Journal, Subject};

@@ -1,4 +1,4 @@
-//! The limit of a method as it is implemented, found without theory: the program steps a linear system, and the step is
+//! Stability limit of a method as implemented, without theory: the program steps a linear system, and the step is
 //! halved and doubled until growth begins.
 //!
 //! Where dampers do not couple the modes, or the system is small, growth is the **spectral radius** of the amplification.

@@ -52,7 +52,7 @@ pub(super) fn knows_ends(scene: &mut Scene, s: &State, v: &[f64]) -> bool {
     plain != asked
 }
 
-/// Typical velocities of the coordinates.
+/// Returns typical velocities of the coordinates.
 pub(super) fn speeds(scene: &Scene) -> Vec<f64> {
     let n = scene.layout().n;
     let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);

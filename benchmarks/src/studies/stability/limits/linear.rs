@@ -1,4 +1,4 @@
-//! A linear system `q'' + D q' + K q = 0` with unit masses and the limit of a method on it.
+//! Linear system `q'' + D q' + K q = 0` with unit masses, and the limit of a method on it.
 //!
 //! With `M = L L^T` the coordinates are `L^T q`, so that `D` and `K` become `L^-1 D L^-T` and `L^-1 K L^-T`; all
 //! methods of the table commute with that. Only the symmetric parts are kept: what contacts that move along the path and
@@ -39,10 +39,10 @@ pub struct Dense {
     pub at_ends: Option<DMatrix<f64>>,
 }
 
-/// The fastest mode of a system.
+/// Fastest mode of a system.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Top {
-    /// Frequency without damping [rad/s].
+    /// Undamped angular frequency [rad/s].
     pub omega: f64,
     /// Damping ratio: that of `phi^T D phi`, exact where dampers do not couple the modes.
     pub zeta: f64,
@@ -52,7 +52,7 @@ pub struct Top {
 }
 
 impl Linear {
-    /// The highest frequency without damping [rad/s]; zero where nothing vibrates.
+    /// Returns the highest undamped angular frequency [rad/s]; zero where nothing vibrates.
     pub fn highest(&self) -> f64 {
         match self {
             Linear::Dense(x) => x.highest(),
@@ -60,8 +60,8 @@ impl Linear {
         }
     }
 
-    /// The largest stable step [s] of a method; `None` where every step is stable, or where the method's limit is not
-    /// one of `D` and `K` alone.
+    /// Returns the largest stable step [s] of a method; `None` where every step is stable, or where the method's limit
+    /// does not depend on `D` and `K` alone.
     pub fn largest_step(&self, stability: &Stability) -> Result<Option<f64>, LimitError> {
         match self {
             Linear::Dense(x) => x.largest_step(stability),
@@ -84,7 +84,7 @@ fn symmetric_eigenvalues(a: &DMatrix<f64>) -> Vec<f64> {
 }
 
 impl Dense {
-    /// From `M`, `D`, `K`, and the part of `D` that is known at the end of a kick.
+    /// Creates the system from `M`, `D`, `K`, and the part of `D` that acts at the velocities at the end of an impulse.
     ///
     /// # Errors
     /// [`LimitError::Matrices`] where the mass is not positive definite or an entry is not finite.
@@ -143,7 +143,8 @@ impl Dense {
         highest.unwrap_or(0.0).max(0.0).sqrt()
     }
 
-    /// Frequencies [rad/s] and damping ratios of the modes that vibrate, where dampers do not couple them.
+    /// Returns the angular frequencies [rad/s] and damping ratios of the modes that vibrate; `None` where dampers
+    /// couple them.
     pub fn modes(&self) -> Option<Vec<[f64; 2]>> {
         let n = self.n();
         let eigen = self.stiffness.clone().symmetric_eigen();
@@ -162,7 +163,7 @@ impl Dense {
         Some((0..n).filter_map(of_mode).collect())
     }
 
-    /// Eigenvalues `[re, im]` [1/s] of the system in first order, without the bodies that move freely.
+    /// Computes the eigenvalues `[re, im]` [1/s] of the system in first order, without those of rigid-body motion.
     ///
     /// # Errors
     /// [`LimitError::Matrices`] where they could not be found.
@@ -230,7 +231,8 @@ impl Dense {
     }
 }
 
-/// Eigenvalues `[re, im]` of a matrix whose entries are of size one, checked by the traces of it and its square.
+/// Computes the eigenvalues `[re, im]` of a matrix with entries of order one, and checks them by the traces of the
+/// matrix and of its square.
 pub(super) fn eigenvalues(matrix: &Mat<f64>) -> Result<Vec<[f64; 2]>, LimitError> {
     let fail = LimitError::Matrices("its eigenvalues could not be found");
     let values = matrix.eigenvalues().map_err(|_| fail.clone())?;

@@ -28,7 +28,7 @@ const KEPT: usize = 128;
 /// Steps of the largest Krylov space in which the fastest mode of a large scene is sought.
 const KRYLOV: usize = 120;
 
-/// A scene and a state of it with closed contacts.
+/// Scene with a state in which its contacts are closed.
 pub struct Linearised {
     scene: Scene,
     closed: Option<State>,
@@ -57,12 +57,12 @@ impl Linearised {
         &mut self.scene
     }
 
-    /// The state with closed contacts, if the scene came into contact.
+    /// Returns the state with closed contacts, if the scene came into contact.
     pub fn closed(&self) -> Option<&State> {
         self.closed.as_ref()
     }
 
-    /// The scene around its closed state; around its start where it did not touch.
+    /// Linearises the scene about its closed state, or about its start where it did not come into contact.
     pub fn linear(&mut self) -> Result<Linear, LimitError> {
         let s = self.closed.as_ref().unwrap_or(&self.start);
         if self.scene.layout().n > DENSE {
@@ -113,8 +113,8 @@ impl Linearised {
         Ok(rest)
     }
 
-    /// Frequency of the bodies' masses on the penalty of the contact alone [rad/s]; `None` without a penalty that
-    /// carries a force.
+    /// Computes the angular frequency of the bodies' masses on the penalty of the contact alone [rad/s]; `None` without
+    /// a penalty that carries a force.
     pub fn penalty_frequency(&mut self) -> Option<f64> {
         let s = self.closed.as_ref()?;
         let mut stiffness = vec![0.0; self.scene.meshes().len()];

@@ -52,8 +52,8 @@ impl Linearised {
         Ok(lines)
     }
 
-    /// The largest stable step [s]; `None` where every step is, or where none is marked: for the trigonometric method
-    /// no limit below the first resonance.
+    /// Returns the largest stable step [s]; `None` where every step is stable, or where no limit is marked: for the
+    /// trigonometric method no limit below the first resonance.
     pub fn largest_step(&mut self, stability: &Stability) -> Result<Option<f64>, LimitError> {
         match stability {
             Stability::Impulses(impulses) => self.largest_kick(*impulses),

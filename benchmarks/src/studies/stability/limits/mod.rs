@@ -35,7 +35,7 @@ pub use gearbench_reports::stability::LineKind;
 
 use gearbench_models::error::BuildError;
 
-/// A step that theory marks.
+/// Step that theory marks, with a description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepLine {
     /// Description of the step in words.

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector, DVectorView, Dyn, LU};
 pub(super) struct Vibrations {
     /// Squared angular frequencies [1/s^2].
     pub square: DVector<f64>,
-    /// Damping: its diagonal, or all of it.
+    /// Damping matrix of the modes, diagonal or full.
     pub damping: Damping,
     /// Highest angular frequency [rad/s].
     pub highest: f64,
@@ -44,7 +44,7 @@ impl AtEnds {
     }
 }
 
-/// Dampers in the modes of the stiffness [1/s].
+/// Damping matrix in the modes of the stiffness [1/s].
 #[derive(Clone, Debug)]
 pub(super) enum Damping {
     Diagonal(DVector<f64>),
@@ -52,7 +52,7 @@ pub(super) enum Damping {
 }
 
 impl Vibrations {
-    /// Independent oscillators from frequencies [rad/s] and damping ratios.
+    /// Creates independent oscillators from angular frequencies [rad/s] and damping ratios.
     pub(super) fn independent(modes: &[[f64; 2]]) -> Self {
         Vibrations {
             square: DVector::from_iterator(modes.len(), modes.iter().map(|m| m[0] * m[0])),

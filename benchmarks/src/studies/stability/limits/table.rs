@@ -13,7 +13,7 @@ use gearbench_models::law::Damping;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, SceneSpec};
 use gearbench_reference::reduction::ElasticParameters;
 
-/// The damping that a model without any is given: ratio of its modes, of its contact, of its teeth.
+/// Damping ratio of the modes, contacts and teeth of a model that has no damping of its own.
 pub const RATIO: f64 = 0.02;
 
 /// The largest stable step of a method on a model.
@@ -21,13 +21,13 @@ pub const RATIO: f64 = 0.02;
 pub struct StepLimit {
     /// Label of the model in the scene.
     pub model: String,
-    /// Integrator, as in a scene.
+    /// Integrator in the notation of a scene.
     pub integrator: String,
     /// Description of the damping of the model.
     pub damping: String,
     /// Largest stable step by linear theory [s].
     pub theory_s: f64,
-    /// Found by stepping the linear system [s].
+    /// Largest stable step found by stepping the linear system [s].
     pub found_s: f64,
 }
 
@@ -38,7 +38,7 @@ impl StepLimit {
     }
 }
 
-/// A model of the table.
+/// Model of the table, with damping.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// Label of the model in the scene.
@@ -52,7 +52,8 @@ pub struct Case {
 }
 
 impl Case {
-    /// A model with its own damping; one without any gets [`RATIO`] in its modes, teeth, or contacts.
+    /// Creates the case of a model with its own damping; one without any gets [`RATIO`] in its modes, teeth, or
+    /// contacts.
     pub fn of(entry: &Configuration) -> Case {
         let mut modelling = entry.modelling.clone();
         let own = modelling.gears.iter().any(damps) || modelling.contacts.iter().any(dissipates);

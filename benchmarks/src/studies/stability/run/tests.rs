@@ -1,4 +1,4 @@
-//! The study as a whole, on rigid gears: labels, threads, limits.
+//! Tests of the study of stability on rigid gears: labels, threads, limits.
 
 use super::study;
 use crate::experiment::conditions::Conditions;

@@ -210,7 +210,7 @@ const KNOWN_UP: [(f64, f64); 4] = [
 ];
 const KNOWN_DOWN: [(f64, f64); 3] = [(0.85, 0.14429031), (0.90, 0.12608384), (0.80, 0.03985167)];
 
-/// Independent implementation of the oscillator, the reference of these tests, jumps at its known frequencies.
+/// The independent implementation of the oscillator jumps at the known frequencies.
 #[test]
 fn the_oscillator_jumps_where_it_is_known_to() {
     let own = |ws: &[f64]| -> Vec<f64> {

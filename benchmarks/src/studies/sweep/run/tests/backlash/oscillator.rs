@@ -1,4 +1,4 @@
-//! The oscillator itself and an integration of its own: the oracle of the gears.
+//! Oscillator with backlash and its independent integration, the reference of the gears.
 
 use std::f64::consts::TAU;
 
@@ -82,7 +82,7 @@ impl Own {
         }
     }
 
-    /// Goes on at another frequency, the phase kept, and returns the rms of the last of some periods.
+    /// Integrates on at another frequency with continuous phase, and returns the rms of the last of some periods.
     pub(super) fn at(&mut self, w: f64, periods: usize) -> f64 {
         self.t *= self.w / w;
         self.w = w;
