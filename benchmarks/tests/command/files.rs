@@ -101,7 +101,7 @@ fn folders_and_names_without_an_ending_lead_to_what_is_there() {
     );
 }
 
-/// Inputs that a scene names are asked the same table.
+/// Inputs that a scene names are recognised by the same table.
 #[test]
 fn inputs_of_a_scene_are_named_for_what_they_are() {
     let folder = Folder::new();

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 const SCENE: &str = include_str!("../malformed/scene.toml");
-/// One run of some milliseconds.
+/// Command with one run of some milliseconds.
 const COMPARE: &str = "compare s.toml --models rigid --integrators rk4 --repeats 1";
 
 fn with_scene() -> Folder {
@@ -285,7 +285,7 @@ fn pair(folder: &Folder, study: &str, n: usize, to_the_end: bool) -> Option<i32>
         .unwrap_or_else(|| panic!("{study}: it was never stopped in its folder"))
 }
 
-/// One attempt at a pair.
+/// Runs one attempt of a pair of processes.
 #[cfg(target_os = "linux")]
 fn attempt(folder: &Folder, study: &str, n: usize, to_the_end: bool) -> Option<Option<i32>> {
     let out = format!("pair-{n}");
@@ -361,7 +361,7 @@ fn two_processes_do_not_write_one_folder() {
     pairs(&QUICK, 1, true);
 }
 
-/// Some minutes: `cargo test --release -p gearbench --test command -- --ignored two_processes`.
+/// Takes some minutes: `cargo test --release -p gearbench --test command -- --ignored two_processes`.
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "twenty pairs of every study, some minutes"]

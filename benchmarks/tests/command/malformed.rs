@@ -137,7 +137,7 @@ fn flaw(case: &Case, out: &Output) -> Option<String> {
     })
 }
 
-/// Runs cases on two threads, as `run` does one, and returns what it says of them in their order.
+/// Runs cases on two threads and returns the results of `run` in the order of the cases.
 fn each<T: Send>(cases: &[Case], run: impl Fn(&Case) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let done = Mutex::new(Vec::new());

@@ -26,8 +26,8 @@ const HUP: u64 = 1;
 const INT: u64 = 1 << 1;
 const TERM: u64 = 1 << 14;
 
-/// Signals that the tests are not told to ignore, as background jobs of a shell are told of SIGINT: their programs ignore
-/// these too.
+/// Returns the signals that the tests do not ignore: as background jobs of a shell they inherit that SIGINT is ignored,
+/// and so do their programs.
 fn heard() -> Vec<&'static str> {
     let ignored = signals(std::process::id(), "SigIgn");
     let all = [("INT", INT), ("TERM", TERM), ("HUP", HUP)];

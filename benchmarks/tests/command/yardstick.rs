@@ -6,7 +6,7 @@ use gearbench_reports::comparison::{Kind, Yardstick};
 use gearbench_reports::record::{Part, SELF, Status};
 use gearbench_reports::{Adequacy, Metric, Results};
 
-/// One impact of coarse gears: their reduction takes a fraction of a second.
+/// Returns a scene with one impact of coarse gears, whose reduction takes a fraction of a second.
 fn scene(tolerance: &str) -> String {
     let gear = "module_m = 0.002\nface_width_m = 0.006\n";
     format!(

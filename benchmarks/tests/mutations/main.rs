@@ -138,7 +138,7 @@ fn changes(number: usize) -> String {
     all.collect::<Vec<_>>().join("\n")
 }
 
-/// Reads a scene and compares its models without elements, as far as a bound of steps goes.
+/// Reads a scene and compares its models without elements, up to a bound of steps.
 fn compared(text: &str) -> Option<gearbench_reports::record::Results> {
     let file = SceneFile::unbuilt("mutated.toml", text, Origin::Shipped, false).ok()?;
     let choices: Vec<_> = (file.models.iter())

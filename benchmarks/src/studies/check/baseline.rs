@@ -27,7 +27,7 @@ pub(super) struct Baseline {
     pub(super) entries: Vec<Measured>,
 }
 
-/// All baselines of a file, ascending.
+/// All baselines of a file, the newest last.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Baselines(Vec<Baseline>);
 
@@ -178,7 +178,7 @@ mod tests {
         }
     }
 
-    /// Every bit of every number comes back, and an update changes no line.
+    /// Baselines survive writing and reading bit by bit, and an update changes no existing line.
     #[test]
     fn baselines_come_back() {
         let folder = tempfile::tempdir().unwrap();

@@ -30,7 +30,7 @@ const LONG: f64 = 0.3;
 /// chain of dependent numbers alone would hardly notice a neighbour on the same core.
 const LANES: usize = 8;
 
-/// One kernel; its value keeps it from being optimised away.
+/// Runs the kernel once; its value prevents that the compiler removes it.
 fn kernel(matrix: &[f64], memory: &[u32], x: &mut [f64; SIZE]) -> f64 {
     let (mut q, mut v) = ([0.0_f64; LANES], [0.0_f64; LANES]);
     for (i, v) in v.iter_mut().enumerate() {
@@ -80,7 +80,7 @@ fn kernel(matrix: &[f64], memory: &[u32], x: &mut [f64; SIZE]) -> f64 {
     q.iter().chain(&v).sum::<f64>() + x[0] + sum as f64
 }
 
-/// Processor time of some work [s]; wall time where the system does not tell it.
+/// Measures the processor time of some work [s]; wall time where the system does not provide it.
 fn spent(work: impl FnOnce()) -> f64 {
     let (wall, start) = (Instant::now(), cpu_time());
     work();

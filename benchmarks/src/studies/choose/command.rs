@@ -140,8 +140,8 @@ fn references_of_the_scene(scene: &mut SceneFile) -> Vec<Held> {
     }
 }
 
-/// Compares the yardstick with the references, and the choice where that is `asked` for: one that is beyond the tolerance
-/// against a reference is withdrawn. Without that the yardstick is run for them only where the window is the whole scene.
+/// Compares the yardstick with the references, and the choice if `asked`: a choice beyond the tolerance against a
+/// reference is withdrawn. Otherwise the yardstick is run for them only where the window is the whole scene.
 fn compare_with(
     choice: &mut Choice,
     references: &[Held],

@@ -33,7 +33,7 @@ const AROUND: [f64; 2] = [0.5, 0.02];
 const MOST_SAMPLES: f64 = 8000.0;
 /// Contact times of touching teeth in a window.
 const BUDGET: f64 = 12.0;
-/// Mesh cycles that a window of lasting contact holds, where these are not more than so many contact times.
+/// Mesh cycles in a window of lasting contact, and the upper bound of such a window in contact times.
 const CYCLES: f64 = 4.0;
 const MOST_BUDGET: f64 = 200.0;
 /// Mesh cycles under the whole load that are in a window of gears that run.

@@ -91,7 +91,7 @@ const TEETH: std::ops::Range<usize> = 1..4;
 const ELASTIC: Menu = at_steps(TRIGONOMETRIC, &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0]);
 
 impl Menu {
-    /// Methods, the cheapest first.
+    /// Returns the integrators with their steps or tolerances, the cheapest first.
     fn methods(&self, contact_time: f64) -> impl Iterator<Item = Scheme> + '_ {
         let steps = (self.steps.iter()).map(move |n| Resolution::Step(short(contact_time / n)));
         let tolerances = self.tolerances.iter().map(|r| Resolution::Tolerance(*r));

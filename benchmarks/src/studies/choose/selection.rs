@@ -195,8 +195,8 @@ impl Selector<'_, '_> {
         }))
     }
 
-    /// Predicted cost over the whole scene of a candidate that takes `cost` on the window: a method that flies pays for
-    /// contact only.
+    /// Predicts the cost over the whole scene from `cost` on the window; a method that is exact for the linear part
+    /// pays for contact only.
     fn whole_cost(&self, candidate: &Candidate, cost: f64) -> f64 {
         let flies = candidate.method.method.info().linear_part;
         cost * if flies {
@@ -554,7 +554,7 @@ mod tests {
         assert_eq!(chosen(&[]), None);
     }
 
-    /// Nothing is adequate only where that is decided of everything.
+    /// The verdict that no model is adequate requires a decision on every level and candidate.
     #[test]
     fn the_answer_follows_from_levels_and_candidates() {
         let of = |levels: &[(Adequacy, &[Adequacy])]| {

@@ -32,8 +32,8 @@ fn without_dashpots() -> Problem {
     s
 }
 
-/// Half-spaces on the mesh of the scene lead, twice the elements along the flanks judge; a scene that touches on
-/// half-spaces itself leads.
+/// Half-spaces on the mesh of the scene are the lead, and a mesh with twice the elements along the flanks is the
+/// yardstick; a scene with contact on half-spaces is itself the lead.
 #[test]
 fn half_spaces_lead_and_a_finer_mesh_judges() {
     let mut s = without_dashpots();
@@ -236,8 +236,8 @@ fn dampers_of_rigid_gears_follow_the_flanks() {
     assert!(s.relaxation(&s.flexible, 0, 1e12, force) == lag);
 }
 
-/// Under a load rigid gears and movable teeth swing in their mesh with the damping ratio of the elastic gears that judge,
-/// whatever law their contacts have: of 5 % in modes and contact little is left there.
+/// Under a load rigid gears and movable teeth vibrate in the mesh mode with the damping ratio of the elastic yardstick,
+/// for any law of their contacts: of 5 % in modes and contact little remains in this mode.
 #[test]
 fn derived_levels_have_the_damping_of_the_mesh_mode() {
     let file = |contact: &str| {

@@ -398,8 +398,8 @@ mod tests {
     use gearbench_reports::Adequacy;
     use std::time::Duration;
 
-    /// Refined gears are bounded by processor time as all runs are: where they do not reach the end there are none, and where a
-    /// run that tells what they are off gives nothing, their error is not known, nothing is decided, and both are told.
+    /// Refined gears are bounded by processor time as all runs are. If they do not reach the end there is no yardstick;
+    /// if a further run fails, their error is unknown and nothing is decided. Both are reported.
     #[test]
     fn refined_gears_that_do_not_end_are_told() {
         let scene = coarse("modes = 10");

@@ -17,7 +17,7 @@ const GAUSS: [(f64, f64); 3] = [
     (0.5, 8.0 / 18.0),
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
-/// Order of a method up to which powers are looked at between steps alone.
+/// Highest order of a method for which the power is evaluated at the ends of steps alone.
 const BY_ENDS: u32 = 2;
 /// Part of a communication step below which a remainder is merged with the last step.
 const SLIVER: f64 = 1e-6;

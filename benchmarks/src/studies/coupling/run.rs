@@ -23,7 +23,8 @@ use gearbench_reports::{Finished, Metric};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Ratio of the smallest step that failed and the largest one below that held, where closing in ends.
+/// Ratio of the smallest step that failed to the largest successful one below it, at which the search for the limit
+/// ends.
 const BRACKET: f64 = 1.05;
 
 /// Reference id of a model's run as one system.

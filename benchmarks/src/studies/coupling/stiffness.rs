@@ -40,7 +40,7 @@ pub fn oscillator(
     Ok(condensed(&all.stiffness, &all.damping, &r))
 }
 
-/// The fastest motion of frames with all else following.
+/// Returns the fastest mode of the frames with all other coordinates condensed statically.
 fn condensed(k: &DMatrix<f64>, d: &DMatrix<f64>, r: &DMatrix<f64>) -> Option<[f64; 2]> {
     let (n, frames) = r.shape();
     let mut held = DMatrix::zeros(n + frames, n + frames);

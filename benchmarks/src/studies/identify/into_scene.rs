@@ -97,14 +97,14 @@ fn written(scene: &SceneFile, all: &[Written<'_>]) -> Result<String, Refusal> {
     Ok(text)
 }
 
-/// All of a model that was fitted, as text with all digits.
+/// Returns the fitted model as text with all digits, for comparison.
 fn fitted(scene: &SceneFile, w: &Written<'_>) -> String {
     let (mut spec, mut modelling) = (scene.spec_for(w.choice), w.choice.modelling.clone());
     apply(&w.constants, &w.choice.model, &mut spec, &mut modelling);
     format!("{spec:?}{modelling:?}")
 }
 
-/// Puts constants into the entry of a model; `None` where it stands in a way that is not seen through.
+/// Writes constants into the entry of a model; `None` if the form of the entry is not supported.
 fn put(document: &mut DocumentMut, scene: &SceneFile, w: &Written<'_>) -> Option<()> {
     let place = scene
         .models
@@ -251,7 +251,7 @@ fn inner<'t>(table: &'t mut dyn TableLike, key: &str) -> Option<&'t mut dyn Tabl
     table.get_mut(key)?.as_table_like_mut()
 }
 
-/// Spaces as usual in a table that stands in a line.
+/// Normalises the spaces of an inline table.
 fn tidy(table: &mut dyn TableLike, key: &str) {
     let value = table.get_mut(key).and_then(Item::as_value_mut);
     if let Some(inline) = value.and_then(Value::as_inline_table_mut)
@@ -261,7 +261,7 @@ fn tidy(table: &mut dyn TableLike, key: &str) {
     }
 }
 
-/// A value in a table, with what stands beside it there.
+/// Sets a value in a table and keeps the comments and spaces around it.
 fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
     if let Some(old) = table.get(key).and_then(Item::as_value) {
         *value.decor_mut() = old.decor().clone();

@@ -26,7 +26,7 @@ pub struct DataSet {
     pub weight: f64,
     /// Weight of a residual at the greatest value over that at zero; it increases with the square of the value.
     pub peak_weight: f64,
-    /// Its gap at the start over that of the scene, which is what is fitted [m].
+    /// Gap at the start of these data minus the fitted gap of the scene [m].
     pub further_gap: f64,
 }
 

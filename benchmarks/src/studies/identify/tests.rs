@@ -78,7 +78,8 @@ pub(super) fn outcomes(found: &Identification) -> Vec<Outcome> {
     found.record.parameters.iter().map(|p| p.outcome).collect()
 }
 
-/// Two speeds at once give the constants back that the data were made with, and a third one, which was not fitted, is met.
+/// A fit to two speeds at once recovers the constants that the data were made with, and predicts a third speed, which
+/// was not fitted.
 #[test]
 fn constants_of_made_data_are_found_again() {
     let (mut plan, spec) = plan("movable-teeth");
@@ -114,7 +115,7 @@ fn constants_of_made_data_are_found_again() {
     assert!(between.impulse_rel.unwrap().abs() < 1e-3);
 }
 
-/// Three set-ups that cannot tell, each said in words and answered with no number.
+/// Three set-ups whose data do not determine a parameter: each is explained in words, and the parameter has no value.
 #[test]
 fn what_the_data_do_not_tell_is_said_and_has_no_value() {
     let truth = Constants::of(TRUTH);

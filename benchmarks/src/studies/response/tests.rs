@@ -133,7 +133,8 @@ fn loaded_mesh(changes: &[(&str, &str)]) -> SceneFile {
     SceneFile::unbuilt("loaded_mesh", &text, Origin::Shipped, true).unwrap()
 }
 
-/// Real teeth, off and near the resonances of harmonics, wherever no flanks part.
+/// Responses agree with runs of gears under load, near and away from the resonances of harmonics, as long as no flanks
+/// separate.
 #[test]
 fn gears_under_load_answer_as_they_run() {
     let everywhere = &[2500.0, 4000.0, 8500.0][..];

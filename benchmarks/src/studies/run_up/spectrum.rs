@@ -8,7 +8,7 @@ fn hann(n: usize) -> impl Iterator<Item = f64> {
     (0..n).map(move |i| 0.5 * (1.0 - (TAU * i as f64 / n as f64).cos()))
 }
 
-/// Sum of [`hann`].
+/// Returns the sum of [`hann`].
 fn weight(n: usize) -> f64 {
     0.5 * n as f64
 }
@@ -126,7 +126,7 @@ mod tests {
         (0..n).map(at).collect()
     }
 
-    /// A sine of 1 um reads 1 um in its bin, whatever stands beside it and however large mean and slope are.
+    /// A sine of 1 um has an amplitude of 1 um in its bin, for any other component, mean and slope.
     #[test]
     fn a_sine_reads_its_amplitude_in_its_bin() {
         let x = wave(1024, &[(1e-6, 16.0), (2.5e-7, 40.0)], 1e-3, 1e-3);

@@ -147,7 +147,8 @@ fn run_up_of(scene: &SceneFile, ramp: Option<Ramp>, duration: f64) -> ModelRunUp
     found.clone()
 }
 
-/// Where a line that is sampled at ascending places is largest: the vertex of the parabola through three of them.
+/// Returns the place of the maximum of a line sampled at ascending places: the vertex of the parabola through three of
+/// them.
 fn peak(x: &[f64], y: &[f64]) -> f64 {
     let i = (1..y.len() - 1)
         .max_by(|a, b| y[*a].total_cmp(&y[*b]))

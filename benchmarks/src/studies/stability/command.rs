@@ -150,7 +150,8 @@ fn sets(scene: &SceneFile, args: &Stability) -> Result<Vec<StabilitySet>, Refusa
     Ok(sets)
 }
 
-/// Labels of a set: those it names, else those of the study, but for full finite elements, whose maps take too long.
+/// Returns the models of a set: those it names, else those of the study without full finite elements, whose maps take
+/// too long.
 fn choices<'s>(scene: &'s SceneFile, set: &StabilitySet) -> Result<Vec<&'s ModelChoice>, Refusal> {
     Ok(match &set.models {
         Some(labels) => scene.select(Some(&labels.join(",")))?,

@@ -167,8 +167,8 @@ fn run_key(plan: &Plan<'_>, map: &MapPlan, setup: &Setup, at: f64) -> Key {
     key("cell", plan, map, setup).and(&(setup.method.to_string(), map.columns, at))
 }
 
-/// Builds the gears that keep most modes first: reductions are kept in the process by what was asked for, and one with
-/// more modes serves those with fewer.
+/// Builds the gears with most modes first: reductions stay in the process, and one with more modes serves those with
+/// fewer.
 fn reduce_once(plan: &Plan<'_>) -> Result<(), StudyError> {
     let mut seen: Vec<(usize, usize)> = Vec::new();
     for map in &plan.maps {

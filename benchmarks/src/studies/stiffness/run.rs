@@ -135,7 +135,7 @@ mod tests {
     use crate::scene_file::load_unbuilt;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// Models that an interrupted start has finished are taken from its journal, with the same numbers.
+    /// Models that an earlier, interrupted start has finished are read from its journal, with the same numbers.
     #[test]
     fn finished_models_are_not_solved_again() {
         let scene = load_unbuilt("spur_impact").unwrap();

@@ -62,7 +62,7 @@ pub struct Pair {
     /// Path coordinate of the reference pair at zero displacement [m].
     pub start: f64,
     loads: [MeanLoad; 2],
-    /// The gear whose load does not press the flanks as it stands: it is driven, or holds the speed.
+    /// Index of the gear whose own load does not determine the contact force: it is driven, or keeps the speed.
     holds: Option<usize>,
     /// True if both gears are free to turn.
     free: bool,
@@ -225,8 +225,8 @@ impl Pair {
         [first, -first * self.base_radii[0] / self.base_radii[1]]
     }
 
-    /// The scene at a speed with its teeth touching, its loads rising from nothing in sum until `rise` [s]; or as it
-    /// goes on from what a run of the same gears left, under its whole loads.
+    /// Returns the scene at a speed with its teeth in contact and its loads rising from zero until `rise` [s]; or,
+    /// after an earlier run of the same gears, from its end state under the whole loads.
     pub fn scene(
         &self,
         spec: &SceneSpec,
@@ -304,9 +304,9 @@ impl Pair {
         turned / inertia
     }
 
-    /// Brings the common rotation of free gears to a mesh frequency, by what their hubs turned in the last `period` [s], a
-    /// mesh cycle: within one it goes to and fro, the more the slower they turn, as the teeth take energy from it and give
-    /// it back. The gears vibrate on as they did. Returns what the first gear was too fast [rad/s].
+    /// Corrects the common rotation of free gears to a mesh frequency, by the rotation of their hubs in the last
+    /// `period` [s], a mesh cycle: within a cycle it varies, the more the slower they turn, as the teeth store energy
+    /// and return it. The vibration of the gears is kept. Returns the excess speed of the first gear [rad/s].
     pub fn govern(
         &self,
         scene: &Scene,

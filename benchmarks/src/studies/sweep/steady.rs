@@ -205,7 +205,7 @@ fn running_mean(x: &[f64], length: usize) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Two harmonics on a mean, at a frequency, sampled over a time that is no whole number of cycles.
+    /// Returns two harmonics on a mean, at a frequency, sampled over a time that is no whole number of cycles.
     fn histories(frequency: f64, drift: f64, turn: f64) -> [Vec<f64>; 5] {
         let time: Vec<f64> = (0..4000).map(|i| f64::from(i) * 5e-6).collect();
         let position: Vec<f64> = (time.iter())

@@ -145,8 +145,8 @@ fn between(results: &Results, label: &str, limit: f64) -> Option<usize> {
     (fewest - below > 1).then_some(below + (fewest - below) / 2)
 }
 
-/// Histories stay where they are looked at: the reference, runs that are pointed out, the best of each way and the
-/// one that reaches the middle limit.
+/// Keeps only the histories that reports show: the reference, marked runs, the best of each variant and the one that
+/// reaches the middle limit.
 fn keep_histories(results: &mut Results) {
     let mut keep = vec![0];
     for way in ways(results) {

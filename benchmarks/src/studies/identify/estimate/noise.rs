@@ -26,7 +26,7 @@ const BEYOND: f64 = 1e4;
 /// Bound of `a`: a partial autocorrelation of 0.9999.
 const STEEPEST: f64 = 4.95;
 
-/// A stationary autoregressive process.
+/// Stationary autoregressive process of the residuals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
     /// Inverse hyperbolic tangents of the partial autocorrelations.

@@ -25,10 +25,11 @@ use super::student::two_sided;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Singular value over the greatest below which a direction is not determined at all: what differences of integrated
-/// residuals tell apart from nothing.
+/// Singular value over the greatest below which a direction is not determined at all: the accuracy of differences of
+/// integrated residuals.
 pub const RANK: f64 = 1e-4;
-/// Residuals and derivatives below this part of the greatest are nothing: a flank that does not touch tells nothing.
+/// Residuals and derivatives below this part of the greatest are negligible: without contact of the flanks the data
+/// have no information.
 const NOTHING: f64 = 1e-9;
 
 /// Uncertainty of the coordinates of a fit: covariance, degrees of freedom and 95 % intervals.
@@ -137,7 +138,8 @@ impl Block {
         c.tr_mul(&through)
     }
 
-    /// Diagonal of the same with the process at other partial autocorrelations and the variance that goes with them.
+    /// Returns the diagonal of `c^T G c` for the process at other partial autocorrelations, with the corresponding
+    /// variance.
     fn at(&self, a: &[f64], noise: &Noise, c: &DMatrix<f64>) -> DVector<f64> {
         let variance = noise::restricted(a, &self.residuals, &self.basis).1;
         let moved = Noise {

@@ -201,7 +201,7 @@ impl Trial {
         (ended && seen.0.len() == 4).then_some(seen.0)
     }
 
-    /// Every mode on its own, all in two runs.
+    /// True if any of the independent modes grows; two runs suffice for all modes.
     fn modes_grow(&mut self, sys: &mut Vibrations, h: f64) -> Result<bool, LimitError> {
         let n = sys.n();
         let omega: Vec<f64> = sys.square.iter().map(|x| x.sqrt()).collect();

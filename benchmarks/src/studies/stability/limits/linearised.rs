@@ -87,8 +87,8 @@ impl Linearised {
         Some(omega)
     }
 
-    /// The stiffness of the rest that a method with these kicks sees at a step `h` [s]: `K - Omega^2` for unit masses.
-    /// `omega` are [`Self::oscillators`].
+    /// Returns the remaining stiffness beside the oscillators for a method with these impulses at a step `h` [s]: `K -
+    /// Omega^2` for unit masses. `omega` are [`Self::oscillators`].
     pub fn rest(
         &mut self,
         omega: &[f64],

@@ -62,7 +62,7 @@ impl Linearised {
         }
     }
 
-    /// The largest step between kicks, up to the first resonance: where `2 + 2 cos - h^2 S F K_c F S` loses
+    /// Returns the largest step between impulses, up to the first resonance: where `2 + 2 cos - h^2 S F K_c F S` loses
     /// definiteness.
     fn largest_kick(&mut self, impulses: Impulses) -> Result<Option<f64>, LimitError> {
         let Some(omega) = self.oscillators() else {

@@ -57,7 +57,7 @@ pub enum LimitError {
     Matrices(&'static str),
 }
 
-/// Ratio of looks for the first unstable step, and the relative width at which the search ends.
+/// Ratio of trial steps in the search for the first unstable step, and the relative width at which the search ends.
 const LOOK: f64 = 1.25;
 const WIDTH: f64 = 1e-3;
 

@@ -25,7 +25,7 @@ pub(super) struct Vibrations {
 struct AtEnds {
     /// Damping matrix in the modes of the stiffness [1/s].
     damping: DMatrix<f64>,
-    /// `1 + time D`, factorised for the time of the kicks.
+    /// Matrix `1 + time D`, factorised for the duration of the impulses.
     factor: Option<(f64, LU<f64, Dyn, Dyn>)>,
 }
 

@@ -109,8 +109,8 @@ fn what_cannot_be_swept_is_said() {
     assert!(Pair::in_scene("wave", &driven.spec).is_ok());
 }
 
-/// Two free gears with a brake on one: the other is given the torque that holds the speed, and the force on the flanks
-/// is that of the brake at the speed.
+/// In a pair of free gears with a brake on one, the other gets the torque that keeps the speed, and the contact force
+/// is that of the brake at this speed.
 #[test]
 fn viscous_loads_count_at_the_speed_that_is_swept() {
     let mut scene = scene(0.01, 0.2, 0.0);

@@ -18,10 +18,10 @@ use std::f64::consts::TAU;
 /// Half of the dead zone over the base pitch; the mean deflection is a tenth of it. Larger ones shift the teeth, by some
 /// 1e-6 of the answer; smaller ones drown in the rounding of hub angles after a thousand mesh cycles.
 const B: f64 = 2e-5;
-/// Periods to settle: between jumps, and where the branch ends, which takes the longest to leave.
+/// Periods of settling: between jumps, and at the end of the branch, where the transient is longest.
 const PERIODS: [f64; 2] = [120.0, 400.0];
 
-/// Gears that are the oscillator: the pinion turns evenly or stands, the wheel vibrates on the mesh.
+/// Gears that are equivalent to the oscillator: the pinion turns evenly or is at rest, the wheel vibrates on the mesh.
 struct Gears {
     scene: SceneFile,
     /// Base pitch [m], half of the dead zone [m], base radius of the wheel [m].
@@ -56,7 +56,7 @@ impl Gears {
         }
     }
 
-    /// The wheel's loads at a speed: they press with Fm whatever the damper takes, and shake with Fa.
+    /// Sets the wheel's loads at a speed: the mean force is Fm at any damping, the oscillating one Fa.
     fn load(&self, spec: &mut SceneSpec, w: f64, speed: f64, phase: f64) {
         let c = 2.0 * Z * self.omega * self.inertia;
         let unit = self.sign * self.rb * K * self.b;
@@ -82,7 +82,7 @@ impl Gears {
         }
     }
 
-    /// The rms over [`B`] in the last periods of the shipped scene with a model, as it stands.
+    /// Returns the rms over [`B`] in the last periods of the shipped scene with a model.
     fn as_shipped(&self, label: &str) -> f64 {
         let choice = self.scene.model(label).unwrap();
         let entry = Configuration::of(&self.scene, choice);

@@ -8,7 +8,7 @@ pub(super) const FM: f64 = 0.1;
 /// A case of the oscillator.
 #[derive(Clone, Copy)]
 pub(super) struct Case {
-    /// Its shipped scene, and the frequency there.
+    /// Name of the shipped scene, and the frequency there.
     pub(super) scene: &'static str,
     pub(super) w: f64,
     pub(super) e: f64,
