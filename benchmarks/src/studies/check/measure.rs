@@ -32,7 +32,7 @@ pub(super) struct Loaded<'a> {
 /// Loads the scene of a case and builds its models.
 ///
 /// # Errors
-/// Those of the scene; what the case says of it.
+/// Errors of the scene, and of the settings of the case.
 pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<Loaded<'a>, Refusal> {
     let labels = case.models.as_deref();
     let mut scene = scene_file::load_for(&case.scene, Selection::Labels(labels))?;

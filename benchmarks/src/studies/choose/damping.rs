@@ -1,12 +1,13 @@
 //! Damping of rigid gears and movable teeth that is equivalent to the damping of elastic gears.
 //!
-//! A damping that a scene gives its elastic gears is one of their modes and of their contact, in which little of the compliance
-//! of a mesh is: with 5 % in both the gears of `gearbench init` swing in their mesh with 0.5 %. Two models are alike under load
-//! only where the mesh mode has the same damping. So in a scene with loads the elastic gears that judge ([`Details::judge`]) are
-//! made linear about the loaded state, and every derived level gets their damping ratio: its damper is multiplied until its own
-//! mesh mode has it. What else damps that mode, as bearings do, counts.
+//! The damping of elastic gears in a scene belongs to their modes and to their contact, which have little of the
+//! compliance of a mesh: with 5 % in both, the mesh mode of the gears of `gearbench init` has 0.5 %. Two models are
+//! equivalent under load only if the mesh mode has the same damping. So in a scene with loads the elastic gears of the
+//! yardstick ([`Details::judge`]) are linearised about the loaded state, and every derived level gets their damping
+//! ratio: its damper is scaled until its own mesh mode has this ratio. Other damping of that mode, for example of
+//! bearings, is included.
 //!
-//! Without loads nothing swings about a state, and the damper follows from the losses of a slow cycle
+//! Without loads there is no vibration about a state, and the damper follows from the losses of a slow cycle
 //! ([`Problem::relaxation`]).
 
 use super::detail::Details;

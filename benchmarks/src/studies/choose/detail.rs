@@ -1,18 +1,20 @@
 //! Details of elastic gears beyond the number of modes: kind of flank contact and density of the finite-element mesh.
 //!
-//! A scene gives its elastic gears a mesh and a contact, but neither is what gears are: a coarse mesh that touches with its
-//! elements is too soft or too stiff by several per cent, and ripples. So there are three **details**:
+//! The mesh and the contact of a scene have errors of their own: a coarse mesh with contact at its elements is too soft
+//! or too stiff by several per cent, and its stiffness ripples over the mesh cycle. So there are three **details**:
 //!
-//! | detail | flanks touch | elements |
+//! | detail | contact of the flanks | elements |
 //! |---|---|---|
-//! | [`Detail::Given`] | as the scene says | as the scene says |
-//! | [`Detail::HalfSpaces`] | on half-spaces, as Hertz has it | as the scene says |
-//! | [`Detail::Finer`] | on half-spaces, where they may | twice as many in the section; over the width too where contact varies or is sliced there, else two |
+//! | [`Detail::Given`] | of the scene | of the scene |
+//! | [`Detail::HalfSpaces`] | on Hertzian half-spaces | of the scene |
+//! | [`Detail::Finer`] | on half-spaces, if possible | twice as many in the section; over the width see below |
 //!
-//! The **lead** is the first two's better one: on it modes are refined. All models are held against the finer one, whose
-//! distance from the lead tells what it is still off itself. Half-spaces are out of question where flank points have
-//! dashpots, which are a mesh's own, where the assembly refuses them, and where no run on them is sound; a mesh from
-//! elsewhere cannot be refined.
+//! The finer mesh has twice as many elements over the width if contact varies or is sliced there, else two.
+//!
+//! The **lead** is the better one of the first two; modes are refined on it. All models are compared with the finer
+//! one, whose distance from the lead gives its own error. Half-spaces are excluded where flank points have dashpots,
+//! which belong to a mesh, where the assembly refuses them, and where no run on them is sound. An external mesh cannot
+//! be refined.
 
 use super::plan::elastic;
 use super::problem::{Flexible, Problem};

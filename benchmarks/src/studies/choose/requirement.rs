@@ -1,7 +1,8 @@
 //! Accuracy that the choice must reach: a metric and its largest relative error.
 //!
-//! Metrics are the relative errors of [`gearbench_reports::metrics`]; only the energy is another here: what damping and
-//! friction take, over all the energy that the reference has or is given, since all models keep their ledgers.
+//! Metrics are the relative errors of [`gearbench_reports::metrics`]. Only the energy metric differs: it is the error
+//! of the energy dissipated by damping and friction, over the initial energy and the external work of the reference,
+//! since all models have an energy balance.
 
 use gearbench_reports::Metric;
 use gearbench_reports::metrics::{Finished, compare};

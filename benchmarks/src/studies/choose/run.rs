@@ -153,7 +153,7 @@ pub struct Parts {
 /// Chooses the cheapest adequate candidate of a problem. `progress` receives descriptions of the steps.
 ///
 /// # Errors
-/// [`ChooseError`] when there is no answer at all; that nothing is adequate is an answer.
+/// [`ChooseError`] when there is no result at all; that no candidate is adequate is a result.
 pub fn choose(
     problem: &Problem,
     requirement: &Requirement,

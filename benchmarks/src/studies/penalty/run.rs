@@ -11,7 +11,7 @@ use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run, SELF};
 use gearbench_reports::series::TimeSeries;
 
-/// The way out for a model without a penalty.
+/// Advice for a model without a penalty.
 pub(super) const TAKE_POINTS: &str =
     "use a model with contact at flank points: `contact = { penalty_pa_per_m = .. }`";
 

@@ -68,7 +68,7 @@ fn axes(windows: &Windows, lines: Vec<f64>) -> RunUpMap {
 /// Evaluates a recorded run-up: amplitudes of its quantities over frequency and order.
 ///
 /// # Errors
-/// Why there is nothing to say, with a way out.
+/// The reason why the run cannot be evaluated, with advice.
 pub fn analyse(
     spec: &SceneSpec,
     recorded: &Recorded<'_>,

@@ -46,7 +46,7 @@ impl Axis {
     /// Returns the value of the parameter in a set-up.
     ///
     /// # Errors
-    /// [`AxisError::Without`] says why the parameter does not go with it.
+    /// [`AxisError::Without`] with the reason why the set-up does not have the parameter.
     pub fn own(self, setup: &Setup) -> Result<f64, AxisError> {
         let gears = &setup.modelling.gears;
         let elastic = gears.iter().find_map(ElasticParameters::of);

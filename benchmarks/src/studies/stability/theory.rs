@@ -1,6 +1,6 @@
 //! Theoretical limits as lines over the rows of a map.
 //!
-//! A scene is linearised once per model and row; all integrators of the model take their lines from there.
+//! A scene is linearised once per model and row; all integrators of the model get their lines from it.
 
 use super::plan::Plan;
 use super::setup::Setup;

@@ -17,7 +17,7 @@ pub struct Plan<'a> {
     pub method: Scheme,
     /// Mesh frequencies of the sweep [Hz], ascending.
     pub frequencies: Vec<f64>,
-    /// Branches of the sweep (directions of the speed), each at all speeds.
+    /// Branches of the sweep (speed upwards, downwards, or fresh starts), each at all speeds.
     pub branches: Vec<Branch>,
     /// Number of whole mesh cycles to measure.
     pub cycles: usize,

@@ -38,9 +38,9 @@ const PUBLISHED_MODES: usize = 200;
 pub(super) struct Way {
     /// Label of the variant in the record.
     pub label: &'static str,
-    /// Value of the parameter `choose`.
+    /// Criterion of the mode selection, the parameter `choose`.
     pub choose: Criterion,
-    /// Value of the parameter `residual`.
+    /// True if the residual compliance is kept, the parameter `residual`.
     pub residual: bool,
     /// Factor of the step relative to that of the scene's integrator.
     pub step: f64,

@@ -21,9 +21,9 @@ pub struct Profile {
     pub deviation: Vec<f64>,
     /// Ends of the interval; infinite where the increase stays below the quantile.
     pub interval: [f64; 2],
-    /// The problem is not linear over the interval of the linear one: this is the profile's own.
+    /// True if the problem is not linear over the linear interval, so that the interval is that of the profile.
     pub bent: bool,
-    /// Deviation at the ends of the interval.
+    /// Standardised deviation at the ends of the interval.
     pub quantile: f64,
 }
 

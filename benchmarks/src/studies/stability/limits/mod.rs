@@ -11,11 +11,11 @@
 //! | module | owns |
 //! |---|---|
 //! | [`linearised`] | the state, the matrices there |
-//! | `kick_ends` | which dampers the end of a kick knows |
+//! | `kick_ends` | dampers that act at the velocities at the end of a half-step impulse |
 //! | [`linear`] | mass-scaled matrices, frequencies, the limit of a method on them |
 //! | [`lines`] | limits, resonances and penalty frequency as lines over the step |
 //! | [`found`] | the limit of the method as implemented, by stepping the linear system |
-//! | [`table`] | both side by side for models and methods |
+//! | [`table`] | comparison of both for models and methods |
 
 pub mod found;
 mod kick_ends;

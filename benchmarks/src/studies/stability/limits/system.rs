@@ -173,11 +173,11 @@ impl SecondOrderSystem for Vibrations {
     }
 }
 
-/// Oscillators without damping and a linear rest between them, `q'' + Omega^2 q = -K_c q`.
+/// Undamped oscillators with a linear coupling, `q'' + Omega^2 q = -K_c q`.
 #[derive(Clone, Debug)]
 pub(super) struct Kicked {
     pub omega: Vec<f64>,
-    /// The rest's stiffness at the step that is tried [1/s^2].
+    /// Remaining stiffness at the trial step [1/s^2].
     pub rest: DMatrix<f64>,
 }
 

@@ -122,7 +122,7 @@ fn damp_contact(contact: &mut ContactSpec) -> Option<&'static str> {
 
 /// Limits of methods on models, without dampers and with those of the case. Methods and models without a limit have no
 /// row, nor have scenes too large to be stepped for it; the trigonometric method has rows without dampers only.
-/// `progress` is told what comes next.
+/// `progress` receives descriptions of the steps.
 pub fn table(
     cases: &[Case],
     models: &[Model],

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 pub(super) const Z: f64 = 0.05;
 pub(super) const FM: f64 = 0.1;
 
-/// A case of the oscillator.
+/// Parameters of a case of the oscillator.
 #[derive(Clone, Copy)]
 pub(super) struct Case {
     /// Name of the shipped scene, and the frequency there.
@@ -28,7 +28,7 @@ pub(super) const FORCED: Case = Case {
     fa: 0.05,
 };
 
-/// An integration of its own: fixed steps, cut where the contact opens or closes.
+/// Independent integration of the oscillator with fixed steps, divided where the contact opens or closes.
 pub(super) struct Own {
     pub(super) case: Case,
     pub(super) w: f64,
