@@ -30,8 +30,8 @@ impl EndState {
         self.drive
     }
 
-    /// Returns the end state of a run in a scene at a mesh frequency [Hz] under a drive [rad/s^2]; `None` if a coordinate
-    /// is not finite.
+    /// Returns the end state of a run in a scene at a mesh frequency [Hz] under a drive [rad/s^2]; `None` if a
+    /// coordinate is not finite.
     pub fn of(state: &State, spec: &SceneSpec, frequency: f64, drive: f64) -> Option<Self> {
         let turned = |gear: &GearSpec| match &gear.mount {
             Mount::Driven(speed) => speed.integral(state.t),
