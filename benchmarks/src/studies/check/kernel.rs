@@ -30,7 +30,7 @@ const LONG: f64 = 0.3;
 /// chain of dependent numbers alone would hardly notice a neighbour on the same core.
 const LANES: usize = 8;
 
-/// Runs the kernel once; its value prevents that the compiler removes it.
+/// Runs the kernel once; its value keeps the compiler from removing it.
 fn kernel(matrix: &[f64], memory: &[u32], x: &mut [f64; SIZE]) -> f64 {
     let (mut q, mut v) = ([0.0_f64; LANES], [0.0_f64; LANES]);
     for (i, v) in v.iter_mut().enumerate() {
