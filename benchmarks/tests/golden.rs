@@ -1,4 +1,4 @@
-//! Golden runs: the default comparison, answers and work, against a stored table of our own.
+//! Golden runs: results and work of the default comparison, compared with a stored table.
 //!
 //! Regenerate after a change that is meant:
 //! `GEARBENCH_UPDATE_GOLDEN=1 cargo test --release -p gearbench --test golden`

@@ -1,6 +1,7 @@
-//! Studies: what the command does with a scene. A study is one room: its arguments, its plan, its runs, its summary.
+//! Studies: evaluations of a scene by the commands of the program. Each study is one module with its arguments, plan,
+//! runs and summary.
 //!
-//! | room | study |
+//! | module | study |
 //! |---|---|
 //! | `check` | results, work and runtime of chosen runs against a stored baseline |
 //! | [`choose`] | the cheapest adequate model, integrator and step for a scene, without finite elements |
@@ -8,12 +9,12 @@
 //! | `coupling` | the hubs of the gears in a host: error, energy and stability over the communication step |
 //! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
 //! | [`modes`] | natural frequencies and shapes of the whole scene about its loaded state |
-//! | `penalty` | force, impulse and transmission error over the penalty, beside hard contact |
+//! | `penalty` | force, impulse and transmission error over the penalty, compared with hard contact |
 //! | `precision` | error against cost: models, integrators, resolutions, mode counts |
 //! | [`response`] | frequency response to the passing of teeth, without running |
 //! | [`run_up`] | a run from one speed to another: spectra and orders over the speed |
-//! | [`stability`] | where methods fail: maps over step and stiffness, damping, speed, modes; the largest stable step |
-//! | `stiffness` | static mesh stiffness of the models beside the norm and the analytic compliance |
+//! | [`stability`] | stability maps over step and stiffness, damping, speed, modes; the largest stable step |
+//! | `stiffness` | static mesh stiffness of the models, compared with ISO 6336 and the analytic compliance |
 //! | `sweep` | running under load at speed after speed: transmission error, bearing forces, spectra |
 //! | `truncation` | error of the elastic model over the number of modes, against full finite elements |
 

@@ -29,7 +29,7 @@ start = { flank = "left", gap_m = 1e-6 }
 
 const MESH: &str = "flank_elements = 4, fillet_elements = 2, across_elements = 6, rim_elements = 2, width_elements = 1";
 
-/// The pair as full finite elements.
+/// Returns the pair as full finite elements.
 pub fn coarse_full() -> SceneFile {
     let text = format!(
         "{GEARS}\n[[models]]\nmodel = \"fe\"\nparameters = {{ {MESH} }}\ncontact = {{ penalty_pa_per_m = 2e15 }}\n"
@@ -37,7 +37,7 @@ pub fn coarse_full() -> SceneFile {
     SceneFile::unbuilt("coarse.toml", &text, Origin::Shipped, false).expect("a scene")
 }
 
-/// The pair with elastic gears that have further parameters.
+/// Returns the pair with elastic gears and the given further parameters.
 pub fn coarse(parameters: &str) -> SceneFile {
     let text = format!(
         "{GEARS}\n[[models]]\nmodel = \"elastic\"\nparameters = {{ {MESH}, {parameters} }}\n\
@@ -46,7 +46,7 @@ pub fn coarse(parameters: &str) -> SceneFile {
     SceneFile::unbuilt("coarse.toml", &text, Origin::Shipped, false).expect("a scene")
 }
 
-/// The first gear with a rack in the place of the second.
+/// Returns the first gear with a rack in place of the second gear.
 pub fn coarse_rack(parameters: &str) -> SceneFile {
     let rack = GEARS
         .replace(
@@ -62,7 +62,7 @@ pub fn coarse_rack(parameters: &str) -> SceneFile {
     SceneFile::unbuilt("rack.toml", &text, Origin::Shipped, false).expect("a scene")
 }
 
-/// Gears with a mesh spring `k0 (1 + depth cos)` of one wave per base pitch, and some damping.
+/// Returns gears with a mesh stiffness `k0 (1 + depth cos)` of one wave per base pitch, and some damping.
 pub fn waves(depth: f64, ratio: f64, wheel_torque: f64) -> SceneFile {
     let text = |rows: &str| {
         format!(

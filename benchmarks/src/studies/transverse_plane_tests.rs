@@ -22,7 +22,8 @@ use gearbench_reports::response::GroupResponse;
 use gearbench_reports::sweep::Branch;
 use std::f64::consts::TAU;
 
-/// Two gears under 100 N m with a constant stiffness per width; the helix angle of the first one in degrees.
+/// Returns two gears under 100 N m with a constant stiffness per width; the first one has the helix angle `helix_deg`
+/// [deg].
 fn cylindrical(helix_deg: f64, damping_ratio: f64) -> SceneFile {
     let distance = 0.102 / helix_deg.to_radians().cos() + 1e-4;
     let text = format!(
@@ -42,8 +43,8 @@ contact = {{ stiffness = {{ kind = "constant", stiffness_n_per_m2 = 1.4e10 }}, d
     SceneFile::parse("pair.toml", &text, Origin::Shipped, false).unwrap()
 }
 
-/// Two elastic gears on half-spaces under 33 N m. With fewer modes the stiffness of `response` lacks the twist that modes
-/// which are cut would give the hubs: 13 % of it with 20 modes.
+/// Returns two elastic gears on half-spaces under 33 N m. With fewer modes the stiffness of `response` lacks the
+/// rotation of the hubs by truncated modes: 13 % of it with 20 modes.
 fn elastic() -> SceneFile {
     let text = r#"
 schema = 1
@@ -114,7 +115,7 @@ fn steady(run: &Run) -> &Steady {
     run.steady.as_ref().unwrap()
 }
 
-/// Transmission error at the start of a run whose gears are in equilibrium, the second one held [m].
+/// Returns the transmission error [m] at the start of a run whose gears are in equilibrium, with the second one fixed.
 fn error_at_the_start(scene: &SceneFile) -> f64 {
     let mut own = entry(scene);
     for g in &mut own.scene.gears {
@@ -310,8 +311,9 @@ fn studies_agree_on_elastic_gears() {
     );
 }
 
-/// Of elastic gears a contact that swings on its own teeth, at 89 kHz in this pair, strains the contacts more than the mode in
-/// which the hubs close the mesh: the mesh mode is the latter, near that of rigid gears of the same compliance.
+/// In elastic gears, the vibration of a contact on its own teeth (89 kHz in this pair) strains the contacts more than
+/// the mode in which the hubs close the mesh: the mesh mode is the latter, near that of rigid gears of the same
+/// compliance.
 #[test]
 fn the_mesh_mode_of_elastic_gears_is_that_of_their_hubs() {
     let text = r#"

@@ -1,4 +1,4 @@
-//! Crossed cylindrical gears are refused by every command that reads a scene.
+//! Tests that every command that reads a scene refuses crossed cylindrical gears.
 
 use super::Folder;
 

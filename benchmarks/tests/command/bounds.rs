@@ -1,4 +1,4 @@
-//! Bounds of memory and of inputs, and models that cannot run.
+//! Tests of the bounds of memory and inputs, and of models that cannot run.
 
 use super::{Folder, has, stderr};
 use serde_json::Value;
@@ -99,7 +99,7 @@ fn lumped_finite_elements_take_what_is_estimated() {
     );
 }
 
-/// What needs no mesh is refused before meshing: this mesh would be refused for its size.
+/// Errors that need no mesh are reported before meshing: this mesh would be refused for its size.
 #[test]
 fn a_half_space_on_bearings_is_refused_before_its_gears_are_meshed() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! `gearbench check`: a baseline that is stored, held, and broken in every way that counts.
+//! Tests of the command `gearbench check`: storing a baseline, agreement with it, and every kind of deviation.
 
 use super::{Folder, as_documented, has};
 use gearbench_reports::Part;
@@ -149,7 +149,7 @@ fn work_failures_and_entries() {
     assert!(!folder.at("x").exists());
 }
 
-/// What `init` writes is a check that runs, and its files keep to the schema and the dictionary.
+/// The template of `init check` runs, and its files conform to the schema and the dictionary.
 #[test]
 fn the_template_runs_and_keeps_to_the_formats() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! `gearbench choose`: what it writes, that its answer runs, what it refuses.
+//! Tests of the command `gearbench choose`: its files, the chosen scene as input, and its refusals.
 
 use super::{Folder, has, stdout};
 use gearbench_reports::{Adequacy, ChoiceRecord, Part, Verdict};
@@ -14,7 +14,7 @@ fn choice(folder: &Folder, name: &str) -> ChoiceRecord {
     part.choice
 }
 
-/// First line on the terminal, exit code, page, record and scene say the same.
+/// Asserts that the first line on the terminal, exit code, page, record and scene agree.
 fn agrees(folder: &Folder, name: &str, out: &Output) -> ChoiceRecord {
     let said = choice(folder, name);
     let text = stdout(out);
@@ -52,7 +52,7 @@ fn agrees(folder: &Folder, name: &str, out: &Output) -> ChoiceRecord {
     said
 }
 
-/// One impact of coarse gears: their reduction takes a fraction of a second.
+/// Returns a scene with one impact of coarse gears, whose reduction takes a fraction of a second.
 fn scene(gap: &str) -> String {
     format!(
         "schema = 1\nname = \"small\"\nduration_s = 1.2e-4\ntolerance = {{ limit = 0.1, against = \"model\" }}\n\n\
@@ -208,7 +208,7 @@ fn set_up_is_distributed_over_the_runs_and_refused_models_are_rows() {
     );
 }
 
-/// Small gears, the pinion held, the wheel shaken.
+/// Returns a scene of small gears with a fixed pinion and an oscillating wheel.
 fn rattle() -> String {
     let still = scene("1e-6")
         .replace("duration_s = 1.2e-4", "duration_s = 1e-2")
@@ -229,8 +229,8 @@ fn bad_requirements_and_scenes_are_refused() {
     assert!(!folder.at("out").exists());
 }
 
-/// What was chosen is held against every reference of the scene, at the speeds and loads of each; one that says otherwise has
-/// the last word.
+/// The choice is compared with every reference of the scene, at the speeds and loads of each; a reference outside of
+/// the tolerance overrides the estimate.
 #[test]
 fn a_choice_is_held_against_references() {
     let folder = Folder::new();

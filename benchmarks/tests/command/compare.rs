@@ -1,9 +1,9 @@
-//! `gearbench compare`: what it writes, what it refuses.
+//! Tests of the command `gearbench compare`: its files and its refusals.
 
 use super::{Folder, has, stdout};
 use gearbench_reports::record::Results;
 
-/// Writes a report, quietly.
+/// Runs a comparison with an expected exit code, and checks its page, and that the command prints no progress.
 fn reports(arguments: &str, code: i32) {
     let folder = Folder::new();
     let out = folder.ends(arguments, code);
@@ -117,7 +117,7 @@ fn a_scene_of_ones_own_is_refused_with_its_line() {
     assert!(!folder.at("out").exists());
 }
 
-/// Histories are data: as many rows as asked for, evenly apart, every gear and mesh; events frame the jumps.
+/// Histories have the requested number of evenly spaced rows, with every gear and mesh; events enclose the jumps.
 #[test]
 fn histories_are_an_even_grid_with_events_beside() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! `gearbench coupling`.
+//! Tests of the command `gearbench coupling`.
 
 use super::{Folder, has, stderr};
 

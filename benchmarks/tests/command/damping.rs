@@ -1,4 +1,4 @@
-//! The damping of the mesh mode stands next to every model of a scene with loads.
+//! Tests that every model of a scene with loads is listed with the damping of its mesh mode.
 
 use super::{Folder, as_documented, has, stderr, stdout};
 

@@ -1,4 +1,4 @@
-//! Files that are not what a command reads are named for what they are, with what can be done with them.
+//! Tests that files of a wrong kind are recognised, with advice on how to use them.
 
 use super::{Folder, has};
 
@@ -101,7 +101,7 @@ fn folders_and_names_without_an_ending_lead_to_what_is_there() {
     );
 }
 
-/// Inputs that a scene names are asked the same table.
+/// Inputs that a scene names are recognised by the same table.
 #[test]
 fn inputs_of_a_scene_are_named_for_what_they_are() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! `gearbench fmu`.
+//! Tests of the command `gearbench fmu`.
 
 use super::{Folder, has, stderr};
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! Output folders and files: one owner at a time, nothing of others replaced, nothing half written left behind.
+//! Tests of output folders and files: one owner at a time, no foreign file replaced, no partial file left behind.
 
 use super::{Folder, has, stderr, stdout};
 use serde_json::Value;
@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 const SCENE: &str = include_str!("../malformed/scene.toml");
-/// One run of some milliseconds.
+/// Command with one run of some milliseconds.
 const COMPARE: &str = "compare s.toml --models rigid --integrators rk4 --repeats 1";
 
 fn with_scene() -> Folder {
@@ -190,7 +190,7 @@ fn a_baseline_lies_beside_its_check() {
     assert_eq!(folder.files(), 2);
 }
 
-/// What a process that was killed while it wrote has left goes with the next start.
+/// The next start removes the staging folder and the lock of a process that was killed while it wrote.
 #[test]
 fn staging_folders_of_dead_processes_go() {
     let folder = with_scene();
@@ -260,7 +260,7 @@ const QUICK: [&str; 11] = [
     "run-up m.toml --models rigid --from 200 --to 900 --over 0.05 --samples 8192",
     "check --no-runtime",
 ];
-/// Those that solve finite elements: only the last of their pairs is run to its end.
+/// Studies that solve finite elements: only the last of their pairs is run to its end.
 const DEAR: [&str; 3] = [
     "choose s.toml --tolerance 0.2 --metric impulse",
     "penalty pair.toml --model elastic --points 2 --positions 2",
@@ -285,7 +285,7 @@ fn pair(folder: &Folder, study: &str, n: usize, to_the_end: bool) -> Option<i32>
         .unwrap_or_else(|| panic!("{study}: it was never stopped in its folder"))
 }
 
-/// One attempt at a pair.
+/// Runs one attempt of a pair of processes.
 #[cfg(target_os = "linux")]
 fn attempt(folder: &Folder, study: &str, n: usize, to_the_end: bool) -> Option<Option<i32>> {
     let out = format!("pair-{n}");
@@ -361,7 +361,7 @@ fn two_processes_do_not_write_one_folder() {
     pairs(&QUICK, 1, true);
 }
 
-/// Some minutes: `cargo test --release -p gearbench --test command -- --ignored two_processes`.
+/// Takes some minutes: `cargo test --release -p gearbench --test command -- --ignored two_processes`.
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "twenty pairs of every study, some minutes"]

@@ -1,4 +1,5 @@
-//! `gearbench identify`: constants of single gears and along the path, written into a calibration or into the scene.
+//! Tests of the command `gearbench identify`: constants of single gears and along the path, written into a calibration
+//! or into the scene.
 
 use super::{Folder, as_documented, has};
 
@@ -148,7 +149,7 @@ fn what_cannot_be_fitted_is_refused() {
     }
 }
 
-/// A model whose runs fail takes no other with it: teeth this light vibrate so fast that no trial reaches the end.
+/// A model whose runs fail does not stop the others: teeth this light vibrate so fast that no trial reaches the end.
 #[test]
 fn a_model_that_cannot_be_fitted_is_a_row_and_the_others_are_fitted() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! `gearbench init`: scenes to start from, in the commands that take such a scene.
+//! Tests of the command `gearbench init`: its scenes run in the commands that they are for.
 
 use super::{Folder, has};
 

@@ -1,5 +1,5 @@
-//! What judges a run, and what passes: the converged solution of a model is bounded by its work, no run is compared with
-//! itself, and what was not judged has not passed.
+//! Tests of the verdicts on runs: work limits bound the converged solution of a model, no run is compared with itself,
+//! and a run without verdict has not passed.
 
 use super::{Folder, stderr, stdout};
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! A study that is killed again and again and resumed equals the one that was left alone, but for times.
+//! Tests that a study that is killed repeatedly and resumed equals an undisturbed one, except for times.
 
 use super::{Folder, stdout};
 use gearbench::experiment::journal::JOURNAL;
@@ -7,9 +7,9 @@ use serde_json::Value;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// Kills of one study.
+/// Number of kills of one study.
 const KILLS: usize = 20;
-/// Seed of their moments.
+/// Seed of the random moments of the kills.
 const SEED: u64 = 0x6765_6172_2d6b_696c;
 
 /// Studies whose pieces take some milliseconds each.
@@ -21,7 +21,7 @@ const QUICK: [&str; 5] = [
     "sweep loaded_mesh --models rigid --from 1000 --to 3000 --points 24 --cycles 4",
     "identify spur_impact --model rigid",
 ];
-/// Those that reduce finite elements first, or run them.
+/// Studies that reduce finite elements first, or run them.
 const SLOW: [&str; 3] = [
     "penalty spur_impact --points 9 --positions 4",
     "truncation spur_impact --counts 10,20,30,40 --no-refine --repeats 1",
@@ -54,10 +54,10 @@ fn several_models(folder: &Folder) {
     );
 }
 
-/// What follows from times: what is chosen by them, and where it lies.
+/// Keys of the record that depend on measured times, or on the place of the files.
 const BY_THE_CLOCK: [&str; 5] = ["record", "report", "tried", "chosen", "cheapest"];
 
-/// The answer and the record of a study without what depends on the clock.
+/// Returns the answer and the record of a study without entries that depend on the clock.
 fn without_clock(mut value: Value) -> Value {
     match &mut value {
         Value::Object(map) => {
@@ -83,7 +83,7 @@ pub(super) fn start(folder: &Folder, study: &str, read: bool) -> Child {
     command.spawn().unwrap()
 }
 
-/// What a study answers and records at its end.
+/// Runs a study to its end and returns its answer and its record.
 pub(super) fn finish(folder: &Folder, study: &str) -> [Value; 2] {
     let out = start(folder, study, true).wait_with_output().unwrap();
     // Answers name files by their full path.
@@ -100,7 +100,7 @@ pub(super) fn finish(folder: &Folder, study: &str) -> [Value; 2] {
     [answer, record].map(without_clock)
 }
 
-/// Whole lines of a journal that is perhaps not there.
+/// Returns the number of whole lines of a journal, which may not exist.
 pub(super) fn lines(folder: &Folder) -> usize {
     let bytes = std::fs::read(folder.at("here").join(JOURNAL)).unwrap_or_default();
     bytes.iter().filter(|b| **b == b'\n').count()
@@ -119,13 +119,14 @@ impl Random {
     }
 }
 
-/// Kills a study at random until it has ended, at most so many times, and holds it against one that was left alone.
-/// Returns how many kills left it unfinished with more than it began with.
+/// Kills a study at random until it has ended, at most `kills` times, and compares it with an undisturbed one. Returns
+/// the number of kills that left it unfinished with more pieces than it began with.
 fn killed_and_resumed(study: &str, kills: usize) -> usize {
     killed_by_pieces(study, kills, 3.0)
 }
 
-/// The same with a kill after one piece to some more.
+/// Kills a study after one to `more` further pieces of its journal, until it has ended, and compares it with an
+/// undisturbed one.
 fn killed_by_pieces(study: &str, kills: usize, more: f64) -> usize {
     let (mut whole, mut killed) = (Folder::new(), Folder::new());
     (whole.cached, killed.cached) = (true, true);
@@ -188,7 +189,7 @@ fn killed_after_every_piece_and_resumed_a_study_is_the_same() {
     );
 }
 
-/// Some minutes: `cargo test --release -p gearbench --test command -- --ignored killed`.
+/// Takes some minutes: `cargo test --release -p gearbench --test command -- --ignored killed`.
 #[test]
 #[ignore = "runs finite elements again and again, some minutes"]
 fn killed_twenty_times_and_resumed_a_slow_study_is_the_same() {

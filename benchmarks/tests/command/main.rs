@@ -1,4 +1,4 @@
-//! The command as a user meets it: what it writes, what it refuses, how it ends.
+//! Tests of the command line: output, refusals and exit codes.
 
 mod axes;
 mod bounds;
@@ -88,12 +88,12 @@ impl Folder {
         out
     }
 
-    /// What it says when it succeeds.
+    /// Runs the program, which must succeed, and returns its standard output.
     fn says(&self, arguments: &str) -> String {
         stdout(&self.ends(arguments, 0))
     }
 
-    /// It refuses bad input in some words.
+    /// Runs the program, which must refuse its input with messages that contain `words`.
     fn refuses(&self, arguments: &str, words: &[&str]) {
         has(&stderr(&self.ends(arguments, 2)), words);
     }
@@ -109,7 +109,8 @@ fn stdout(o: &Output) -> String {
     String::from_utf8_lossy(&o.stdout).into_owned()
 }
 
-/// The record of a folder keeps to its schema, and every column of its CSV files stands in the dictionary.
+/// Asserts that the record of a folder conforms to its schema, and that the dictionary describes every column of its
+/// CSV files.
 fn as_documented(folder: &std::path::Path) {
     use gearbench_reports::dictionary::{is_described, violations};
     if let Ok(record) = std::fs::read_to_string(folder.join("results.json")) {
@@ -128,7 +129,7 @@ fn as_documented(folder: &std::path::Path) {
     }
 }
 
-/// What it complains of; diagnostics wrap at the width of the terminal.
+/// Returns standard error with single spaces; diagnostics wrap at the width of the terminal.
 fn stderr(o: &Output) -> String {
     let all = String::from_utf8_lossy(&o.stderr);
     let words = all.split_whitespace().filter(|w| *w != "│");

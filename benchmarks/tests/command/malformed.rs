@@ -1,4 +1,4 @@
-//! Malformed input of every kind, from a table: none panics, none ends with a code that is not its own.
+//! Tests of malformed input of every kind, from a table: no case panics or ends with an unexpected exit code.
 //!
 //! `tests/malformed/cases.tsv` has the cases and says how it is read. The quick ones run in every test; all are measured,
 //! each with exit code, wall time and greatest memory, by
@@ -121,7 +121,7 @@ fn change(path: &Path, edit: &str) {
     std::fs::write(path, after).unwrap();
 }
 
-/// What is wrong with how a case ended.
+/// Returns a description of a wrong end of a case; `None` if it ended as expected.
 fn flaw(case: &Case, out: &Output) -> Option<String> {
     let said = String::from_utf8_lossy(&out.stderr);
     let code = out.status.code();
@@ -137,7 +137,7 @@ fn flaw(case: &Case, out: &Output) -> Option<String> {
     })
 }
 
-/// Runs cases on two threads, as `run` does one, and returns what it says of them in their order.
+/// Runs cases on two threads and returns the results of `run` in the order of the cases.
 fn each<T: Send>(cases: &[Case], run: impl Fn(&Case) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let done = Mutex::new(Vec::new());

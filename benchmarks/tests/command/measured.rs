@@ -1,8 +1,9 @@
-//! `--measured`: curves of a rig next to the tables of a study.
+//! Tests of the option `--measured`: measured curves compared with the tables of a study.
 
 use super::{Folder, has};
 
-/// Points that are four fifths of what the study has, in other units and with commas for points: the study is 25 % off.
+/// Measured points are four fifths of the study's values, in other units and with decimal commas: the error of the
+/// study is 25 %.
 #[test]
 fn measured_curves_are_compared_with_the_tables_of_a_study() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! `gearbench mesh`.
+//! Tests of the command `gearbench mesh`.
 
 use super::{Folder, has};
 

@@ -1,4 +1,4 @@
-//! `gearbench precision`.
+//! Tests of the command `gearbench precision`.
 
 use super::{Folder, has};
 use gearbench_reports::{Metric, Part, Study};

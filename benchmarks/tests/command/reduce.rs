@@ -1,4 +1,4 @@
-//! `gearbench reduce` as a user meets it, and `compare` with what it stored: gears from decks of another program.
+//! Tests of the command `gearbench reduce`, and of `compare` with its results: gears from decks of another program.
 
 use super::{Folder, has};
 use gearbench_reference::reduction::store::{self, Motion};

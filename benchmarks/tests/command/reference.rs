@@ -1,4 +1,4 @@
-//! `gearbench reference`: a run of a model as a reference for others, and what studies do with it.
+//! Tests of the command `gearbench reference`: a run of a model as a reference for other studies.
 
 use super::{Folder, as_documented, has, stdout};
 use gearbench_reports::record::Results;

@@ -1,5 +1,5 @@
-//! `gearbench rerun`: a record is input from elsewhere. What it makes run is the study that it is of, and nothing that this
-//! writes is outside of the output folder.
+//! Tests of the command `gearbench rerun`: a record may come from elsewhere. It runs only the study of the record, and
+//! writes only into the output folder.
 
 use super::{Folder, has};
 use serde_json::Value;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 const SCENE: &str = include_str!("../malformed/scene.toml");
 
-/// All files below a folder with their contents.
+/// Returns all files below a folder with their contents.
 fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut all = BTreeMap::new();
     for entry in std::fs::read_dir(folder).unwrap() {

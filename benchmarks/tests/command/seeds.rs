@@ -1,4 +1,4 @@
-//! The examples of the publications that the models come from, within the axes and numbers that these print.
+//! Tests of the examples in the publications that the models come from, within the axes and numbers that these print.
 
 use super::Folder;
 use gearbench_reports::metrics::Metric;

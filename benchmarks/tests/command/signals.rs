@@ -1,4 +1,4 @@
-//! Signals: exit code 130 in every phase of every command, and what is finished is reported.
+//! Tests of signals: exit code 130 in every phase of every command, with a report of the finished runs.
 #![cfg(target_os = "linux")]
 
 use super::kill::{finish, lines, start};
@@ -26,8 +26,8 @@ const HUP: u64 = 1;
 const INT: u64 = 1 << 1;
 const TERM: u64 = 1 << 14;
 
-/// Signals that the tests are not told to ignore, as background jobs of a shell are told of SIGINT: their programs ignore
-/// these too.
+/// Returns the signals that the tests do not ignore: as background jobs of a shell they inherit that SIGINT is ignored,
+/// and so do their programs.
 fn heard() -> Vec<&'static str> {
     let ignored = signals(std::process::id(), "SigIgn");
     let all = [("INT", INT), ("TERM", TERM), ("HUP", HUP)];
@@ -67,7 +67,7 @@ fn a_signal_in_set_up_ends_the_program_with_130() {
     }
 }
 
-/// What `nohup` has it ignore stays ignored.
+/// A signal that `nohup` has set to be ignored stays ignored.
 #[test]
 fn a_signal_that_is_ignored_stays_ignored() {
     let folder = Folder::new();
@@ -119,7 +119,7 @@ fn an_interrupted_study_reports_what_is_finished_and_goes_on() {
     }
 }
 
-/// Starts a study, interrupts it when its journal has some lines, and returns what it said.
+/// Starts a study, interrupts it when its journal has some lines, and returns its output.
 fn interrupted(folder: &Folder, study: &str, at: usize) -> String {
     let mut command = folder.command(&format!("{study} --out here"));
     command.stdout(Stdio::piped()).stderr(Stdio::piped());

@@ -1,4 +1,4 @@
-//! `gearbench stiffness`.
+//! Tests of the command `gearbench stiffness`.
 
 use super::{Folder, has, stderr};
 
@@ -72,7 +72,7 @@ fn stiffness_prints_a_table_and_writes_its_folder() {
     }
 }
 
-/// Without --load a scene with loads is loaded by these, and the flank of the start carries a torque of either sense.
+/// Without `--load` the loads of the scene are used, and the flank of the start carries a torque of either sign.
 #[test]
 fn stiffness_takes_the_load_of_the_scene() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! Standard output and exit codes: answers for programs, readers that go away, disks that are full.
+//! Tests of standard output and exit codes: answers for programs, closed pipes, full disks.
 
 use super::{Folder, has, stderr, stdout};
 use serde_json::Value;
@@ -105,7 +105,7 @@ fn a_refusal_for_programs_has_file_line_and_help() {
     has(all["error"]["message"].as_str().unwrap(), &["nowhere"]);
 }
 
-/// Who insists on a reference of other gears finds that said in the report.
+/// A reference of other gears is used only if the user insists, and the report states it.
 #[test]
 fn a_reference_of_other_gears_is_refused_unless_the_user_insists() {
     let folder = Folder::new();
@@ -151,7 +151,7 @@ fn a_quiet_command_says_nothing() {
     assert!(folder.at("here/index.html").is_file());
 }
 
-/// What is wrong with arguments comes in the form of all refusals.
+/// Errors in arguments have the form of all refusals.
 #[test]
 fn arguments_are_refused_in_the_style_of_scenes() {
     let folder = Folder::new();
@@ -205,7 +205,7 @@ fn a_full_disk_behind_standard_output_is_an_error() {
     }
 }
 
-/// An object that nobody can read is lost: neither a closed output nor a reader that is gone is a success.
+/// An answer that cannot be written is an error, for a closed output and for a closed pipe.
 #[test]
 #[cfg(target_os = "linux")]
 fn an_answer_that_nobody_can_read_is_an_error() {

@@ -1,12 +1,12 @@
-//! What `compare` compares models with: refined elastic gears, the most detailed model, or a model that is named; and that
-//! its finding follows from the numbers of the record.
+//! Tests of the yardstick of `compare` (refined elastic gears, the most detailed model, or a named model), and of its
+//! verdict, which follows from the numbers of the record.
 
 use super::{Folder, has, stdout};
 use gearbench_reports::comparison::{Kind, Yardstick};
 use gearbench_reports::record::{Part, SELF, Status};
 use gearbench_reports::{Adequacy, Metric, Results};
 
-/// One impact of coarse gears: their reduction takes a fraction of a second.
+/// Returns a scene with one impact of coarse gears, whose reduction takes a fraction of a second.
 fn scene(tolerance: &str) -> String {
     let gear = "module_m = 0.002\nface_width_m = 0.006\n";
     format!(

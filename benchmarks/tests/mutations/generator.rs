@@ -1,4 +1,4 @@
-//! Mutated scenes and records, the same for the same seed on every machine.
+//! Generator of mutated scenes and records; equal seeds give equal mutations on every machine.
 
 use serde_json::{Value, json};
 
@@ -18,7 +18,7 @@ impl Random {
         x ^ (x >> 31)
     }
 
-    /// A whole number from 0 to below a bound.
+    /// Returns a whole number from 0 to below a bound.
     pub fn below(&mut self, bound: usize) -> usize {
         (self.next() % bound.max(1) as u64) as usize
     }
@@ -128,8 +128,8 @@ fn scaled(number: &str, factor: f64) -> String {
     }
 }
 
-/// A scene with one to three changes: numbers scaled and to extremes, keys dropped, doubled and exchanged, types changed,
-/// hostile texts.
+/// Returns a scene with one to three changes: numbers scaled and to extremes, keys dropped, doubled and exchanged,
+/// types changed, hostile texts.
 pub fn scene(base: &str, random: &mut Random) -> String {
     let mut text = base.to_owned();
     for _ in 0..=random.below(3) {
@@ -210,7 +210,7 @@ fn pointers(value: &Value, at: &str, all: &mut Vec<String>) {
     }
 }
 
-/// A record with one to three changes: fields dropped, emptied, of another type, at extremes.
+/// Returns a record with one to three changes: fields dropped, emptied, of another type, at extremes.
 pub fn record(base: &Value, random: &mut Random) -> String {
     let mut record = base.clone();
     for _ in 0..=random.below(3) {

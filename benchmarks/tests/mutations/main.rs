@@ -1,5 +1,5 @@
-//! Mutated scenes and records: whatever is in them, the program ends by itself, with a code of its table, within its limit
-//! of memory and without a panic.
+//! Tests of mutated scenes and records: for any content the program ends by itself, with a documented exit code, within
+//! its memory limit and without a panic.
 //!
 //! A part runs with all other tests, in this process. The whole corpus of 2,000 runs the command, a process for each:
 //!
@@ -138,7 +138,7 @@ fn changes(number: usize) -> String {
     all.collect::<Vec<_>>().join("\n")
 }
 
-/// Reads a scene and compares its models without elements, as far as a bound of steps goes.
+/// Reads a scene and compares its models without elements, up to a bound of steps.
 fn compared(text: &str) -> Option<gearbench_reports::record::Results> {
     let file = SceneFile::unbuilt("mutated.toml", text, Origin::Shipped, false).ok()?;
     let choices: Vec<_> = (file.models.iter())
@@ -199,7 +199,7 @@ fn mutated_records_do_not_panic() {
 /// The limit of memory of a run [GB], and how far the program may be above its own estimates.
 const MEMORY: &str = "0.5";
 const ABOVE: f64 = 1.5;
-/// What the program takes before it reads anything [GB].
+/// Memory of the program before it reads any input [GB].
 const ITSELF: f64 = 0.1;
 /// Time after which a process counts as one that hangs: far more than its own bounds, also on a busy machine.
 const HANGS: Duration = Duration::from_secs(300);
@@ -207,7 +207,7 @@ const HANGS: Duration = Duration::from_secs(300);
 /// Seconds above which a process is named with its time.
 const SLOW: f64 = 20.0;
 
-/// How a process ended.
+/// End of a process: exit code, memory, time and output.
 struct Ended {
     code: Option<i32>,
     /// Greatest memory that was seen [GB].
@@ -259,7 +259,7 @@ fn numbers() -> std::ops::Range<usize> {
     from.map_or(0, |f| f.parse().expect("a whole number"))..1000
 }
 
-/// Counts what went wrong, and says it as it happens.
+/// Counts the processes and their errors, and prints each error as it occurs.
 #[derive(Default)]
 struct Count {
     codes: std::collections::BTreeMap<i32, usize>,
@@ -270,7 +270,7 @@ struct Count {
 }
 
 impl Count {
-    /// Whether the process is worth a look: wrong or slow.
+    /// Counts a process and returns true if it needs attention: a wrong end, or a slow one.
     fn add(&mut self, name: &str, ended: &Ended) -> bool {
         let before = self.wrong.len();
         let known = [0, 1, 2, 3, 130];

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// A line.
+/// One line of a baseline file: a measured entry with the number, date and machine of its baseline.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Line {
     #[serde(flatten)]
@@ -18,16 +18,16 @@ struct Line {
     measured: Measured,
 }
 
-/// A baseline.
+/// Stored results of one run of a check, with which later runs are compared.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Baseline {
-    /// Its number, where and when it was stored.
+    /// Number, time and machine of the baseline.
     pub(super) stored: Stored,
-    /// Its entries.
+    /// Measured results of the baseline, one entry per case, model and integrator.
     pub(super) entries: Vec<Measured>,
 }
 
-/// All baselines of a file, ascending.
+/// All baselines of a file, the newest last.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Baselines(Vec<Baseline>);
 
@@ -35,7 +35,7 @@ pub(super) struct Baselines(Vec<Baseline>);
 const MOST_BYTES: u64 = 200 << 20;
 
 impl Baselines {
-    /// Reads a file; none where there is no file.
+    /// Reads the baselines of a file; the result is empty if the file does not exist.
     ///
     /// # Errors
     /// [`Refusal::Input`] with the line that is no entry.
@@ -90,12 +90,12 @@ impl Baselines {
         Ok(Baselines(all))
     }
 
-    /// The one that counts.
+    /// Returns the newest baseline, with which runs are compared.
     pub(super) fn newest(&self) -> Option<&Baseline> {
         self.0.last()
     }
 
-    /// With a further one.
+    /// Appends a baseline with the next number.
     pub(super) fn add(&mut self, stored: Stored, entries: Vec<Measured>) {
         let baseline = self.newest().map_or(1, |b| b.stored.baseline + 1);
         self.0.push(Baseline {
@@ -124,7 +124,7 @@ impl Baselines {
         write_whole(path, &text).map_err(fail)
     }
 
-    /// A quantity of every entry over the baselines, with the present run last.
+    /// Returns the history of a quantity for every entry over the baselines, with the present run last.
     pub(super) fn history(&self, quantity: &str, now: &[Measured]) -> Vec<Trend> {
         let value = |m: &Measured| match quantity {
             "runtime" => m.runtime,
@@ -149,7 +149,7 @@ impl Baselines {
         trends
     }
 
-    /// Quantities that some baseline has.
+    /// Returns the keys of all quantities in the baselines.
     pub(super) fn quantities(&self) -> Vec<&str> {
         let entries = || self.0.iter().flat_map(|b| &b.entries);
         let metrics = entries().flat_map(|e| e.metrics.keys());
@@ -178,7 +178,7 @@ mod tests {
         }
     }
 
-    /// Every bit of every number comes back, and an update changes no line.
+    /// Baselines survive writing and reading bit by bit, and an update changes no existing line.
     #[test]
     fn baselines_come_back() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! `gearbench check FILE`.
+//! Implements `gearbench check FILE`: runs the cases of a check file and compares the results with its baseline.
 
 use super::arguments::Check;
 use super::baseline::{Baseline, Baselines};
@@ -158,7 +158,6 @@ pub fn run(args: &Check, command: &str) -> Result<Answer, Refusal> {
     })
 }
 
-/// Runs all cases.
 fn measure<'l>(
     loaded: &'l [Loaded<'l>],
     (runner, total): (&Runner<'_>, usize),
@@ -196,11 +195,11 @@ fn time(groups: &mut [Group<'_>], doubt: &Doubt<'_>, runner: &Runner<'_>) -> Res
     Ok(())
 }
 
-/// Which runtimes are to be measured at another moment: what looks slow, or almost so, and what then is so near the limit that
+/// Rule for the runtimes that must be measured again: slow or almost slow ones, and later those so near the limit that
 /// either verdict would be chance.
 struct Doubt<'a> {
     newest: &'a Baseline,
-    /// What is stored is measured as often as what looks slow.
+    /// True if the results become a new baseline: every entry is then timed as often as a slow one.
     update: bool,
     /// Limit of the median over all entries.
     all: f64,
@@ -211,7 +210,7 @@ impl Doubt<'_> {
         self.newest.entries.iter().find(|b| b.is(&entry.measured))
     }
 
-    /// Whether a ratio over its limit leaves doubt after as many passes.
+    /// True if a runtime ratio, as a fraction of its limit, is still inconclusive after this number of passes.
     fn about(part: f64, pass: usize) -> bool {
         match pass < PASSES {
             true => part > LIKELY,
@@ -219,14 +218,14 @@ impl Doubt<'_> {
         }
     }
 
-    /// Of a single entry.
+    /// True if the runtime of a single entry must be measured again.
     fn of(&self, entry: &Entry<'_>, pass: usize) -> bool {
         let from = slow_from(self.baseline(entry), &entry.case.rules);
         let part = (entry.measured.runtime.zip(from)).map(|(now, from)| now / from);
         (self.update && pass < PASSES) || part.is_some_and(|part| Self::about(part, pass))
     }
 
-    /// Of all entries together.
+    /// True if the median of all runtimes must be measured again.
     fn of_all(&self, groups: &[Group<'_>], pass: usize) -> bool {
         let entries = groups.iter().flat_map(|g| &g.entries);
         let ratio = |e: &Entry<'_>| Some(e.measured.runtime? / self.baseline(e)?.runtime?);
@@ -237,7 +236,7 @@ impl Doubt<'_> {
 
 /// Entries of a baseline that were not run.
 struct LeftOut {
-    /// Their case was not asked for.
+    /// Entries whose case was not selected.
     kept: Vec<Measured>,
     /// The check does not have them any more.
     gone: Vec<Measured>,

@@ -1,4 +1,4 @@
-//! The file that says what is checked: scenes x models x methods, what is looked at, and what it may differ.
+//! Check files: cases of scenes, models and integrators, the quantities to compare, and their tolerances.
 
 use super::quantity::{Quantity, USUAL};
 use crate::scene_file::SceneError;
@@ -89,20 +89,20 @@ impl TryFrom<u32> for CheckSchema {
     }
 }
 
-/// What a different count of work comes to.
+/// Rule for a work count (steps, force evaluations) that differs from the baseline.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Work {
-    /// It fails the check.
+    /// The difference fails the check.
     #[default]
     Exact,
-    /// It is said.
+    /// The difference is reported and does not fail the check.
     Report,
 }
 
-/// Relative difference when a check does not say.
+/// Default relative tolerance of a quantity [-].
 const RELATIVE: f64 = 1e-6;
-/// Absolute difference of ratios (errors, drifts), and of all else: rounding of another machine.
+/// Default absolute tolerance of ratios (errors, drifts) and of all other quantities, for rounding on another machine.
 const ABSOLUTE_RATIO: f64 = 1e-8;
 const ABSOLUTE: f64 = 1e-12;
 /// Ratio of runtimes from which on a run is slower.
@@ -110,29 +110,29 @@ const FACTOR: f64 = 1.35;
 /// Median of these ratios from which on the program is slower.
 const ALL: f64 = 1.25;
 
-/// What a quantity may differ.
+/// Permitted deviation of a quantity from its baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tolerance {
-    /// Over the baseline [-].
+    /// Relative tolerance over the baseline [-].
     pub(super) relative: f64,
-    /// In the unit of the quantity.
+    /// Absolute tolerance in the unit of the quantity.
     pub(super) absolute: f64,
-    /// Greatest magnitude.
+    /// Upper limit of the magnitude, in the unit of the quantity.
     pub(super) most: Option<f64>,
 }
 
-/// What runtimes are held to, as ratios to the baseline.
+/// Limits of the runtimes, as ratios to the baseline.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Runtime {
-    /// Ratio from which on a run is slower.
+    /// Ratio of runtimes above which an entry counts as slower.
     pub(super) factor: f64,
-    /// Median of the ratios over all entries from which on the program is slower.
+    /// Median of the ratios over all entries above which the program counts as slower.
     pub(super) all: f64,
-    /// Whether what is slower fails the check.
+    /// True if an exceeded runtime limit fails the check; otherwise it is only reported.
     pub(super) gate: bool,
 }
 
-/// What a case holds its entries to.
+/// Acceptance rules for the entries of a case: work counts, runtimes and tolerances.
 #[derive(Clone, Debug)]
 pub(super) struct Rules {
     pub(super) work: Work,
@@ -141,7 +141,7 @@ pub(super) struct Rules {
 }
 
 impl Rules {
-    /// The tolerance of a quantity by its key in baselines. What is said last counts.
+    /// Returns the tolerance of a quantity by its key in baselines. Later settings override earlier ones.
     pub(super) fn tolerance(&self, key: &str) -> Tolerance {
         let quantity = Quantity::of_key(key);
         let given = || {
@@ -162,37 +162,37 @@ impl Rules {
     }
 }
 
-/// A case of a check.
+/// Case of a check: a scene with models, integrators, quantities and acceptance rules.
 #[derive(Clone, Debug)]
 pub(super) struct Case {
     pub(super) name: String,
     /// Name of a shipped scene, or path.
     pub(super) scene: String,
-    /// Labels between commas.
+    /// Labels of the models, separated by commas.
     pub(super) models: Option<String>,
-    /// Methods between commas.
+    /// Integrators as on the command line, separated by commas.
     pub(super) integrators: Option<String>,
     pub(super) metrics: Vec<Quantity>,
     pub(super) rules: Rules,
     pub(super) slow: bool,
-    /// Where it stands in the file.
+    /// Index of the case in the file.
     index: usize,
 }
 
-/// A check file that was read.
+/// Content of a check file.
 #[derive(Clone, Debug)]
 pub(super) struct CheckFile {
     pub(super) title: String,
-    /// File of the baselines.
+    /// Path of the file with the baselines.
     pub(super) baseline: PathBuf,
     pub(super) cases: Vec<Case>,
-    /// What the runtimes of all cases together are held to.
+    /// Limits of the runtimes of all cases together.
     pub(super) runtime: Runtime,
     document: Document,
 }
 
 impl CheckFile {
-    /// Reads a file.
+    /// Reads and validates a check file.
     ///
     /// # Errors
     /// [`SceneError`] with line and a way out.
@@ -280,13 +280,13 @@ impl CheckFile {
         })
     }
 
-    /// An error about a case.
+    /// Returns an error about a case, with its place in the file.
     pub(super) fn about(&self, case: &Case, message: String, help: &str) -> SceneError {
         let at = self.document.at("").key("cases").member(case.index);
         at.first(&["scene"]).error(message, "of this case", help)
     }
 
-    /// The cases that are asked for: by name, and without slow ones where `quick`.
+    /// Returns the selected cases: those with the given names, and without slow ones if `quick`.
     ///
     /// # Errors
     /// [`SceneError`] for a name that is none.
@@ -366,12 +366,12 @@ fn quantity(word: &str, at: &Place<'_>) -> Result<Quantity, SceneError> {
 #[cfg(test)]
 mod tests;
 
-/// Rules for tests of others.
+/// Acceptance rules for tests of other modules.
 #[cfg(test)]
 pub(super) mod tests_support {
     use super::*;
 
-    /// Those of a check with such a line.
+    /// Returns the acceptance rules of a check file with the given additional line.
     pub(in super::super) fn rules(line: &str) -> Rules {
         let text = format!("schema = 1\n{line}\n[[cases]]\nscene = \"spur_impact\"\n");
         let file = CheckFile::parse(Path::new("check.toml"), &text);

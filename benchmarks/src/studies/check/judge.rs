@@ -1,4 +1,4 @@
-//! An entry beside its baseline, and the runtimes of all entries together.
+//! Comparison of each entry of a check with its baseline, and of the runtimes of all entries together.
 //!
 //! A program that became slower is slower in all of its entries at once: the median of the ratios to the baseline over all
 //! entries tells a smaller slowdown than a single one can. What disturbs a machine may disturb all entries of that moment,
@@ -27,7 +27,7 @@ fn moved(yes: bool) -> Verdict {
     if yes { Verdict::Moved } else { Verdict::Held }
 }
 
-/// Holds an entry against its baseline. `same` says that both were timed on one kind of processor.
+/// Compares an entry with its baseline. `same` is true if both were timed on the same kind of processor.
 pub(super) fn judge(
     now: Measured,
     before: Option<&Measured>,
@@ -60,7 +60,7 @@ pub(super) fn judge(
     }
 }
 
-/// An entry that the baseline has and the check has not.
+/// Returns the comparison for an entry that the baseline has and the check does not have.
 pub(super) fn gone(before: &Measured) -> Checked {
     Checked {
         measured: before.clone(),
@@ -134,7 +134,7 @@ fn metrics(now: &Measured, before: &Measured, rules: &Rules) -> Vec<Finding> {
     found.collect()
 }
 
-/// Bounds whatever the baseline.
+/// Returns the findings of limits that do not depend on the baseline.
 fn limits(now: &Measured, rules: &Rules) -> Vec<Finding> {
     let bound = |(key, x): (&String, &f64)| {
         let most = rules.tolerance(key).most?;
@@ -185,7 +185,7 @@ fn runtime(now: &Measured, before: &Measured, rules: &Rules, same: bool) -> Opti
     })
 }
 
-/// What a ratio of runtimes may be, and what it comes to.
+/// Returns the permitted range of a runtime ratio in words, and the verdict on the ratio.
 fn slower(ratio: f64, most: f64, rules: &Runtime, same: bool) -> (String, Verdict) {
     let gate = rules.gate && same;
     let allowed = match (gate, rules.gate) {
@@ -201,7 +201,7 @@ fn slower(ratio: f64, most: f64, rules: &Runtime, same: bool) -> (String, Verdic
     (allowed, verdict)
 }
 
-/// The median of the ratios of all entries to their baselines, where there are enough of them.
+/// Returns the median of the runtime ratios of all entries; `None` if there are too few.
 pub(super) fn middle(ratios: &[f64]) -> Option<f64> {
     median(ratios).filter(|_| ratios.len() >= ENOUGH)
 }

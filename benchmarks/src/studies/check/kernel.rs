@@ -1,4 +1,4 @@
-//! Runtime of an integration in units of a fixed kernel, so that machines and their load matter little.
+//! Runtimes of integrations in units of a fixed kernel, which reduces the influence of the machine and its load.
 //!
 //! Both are measured as processor time of the thread, alternately and for about as long, so that what slows one slows the
 //! other: each measurement of the integration is divided by the mean of the kernel's before and after it. The median of such
@@ -30,7 +30,7 @@ const LONG: f64 = 0.3;
 /// chain of dependent numbers alone would hardly notice a neighbour on the same core.
 const LANES: usize = 8;
 
-/// One kernel; its value keeps it from being optimised away.
+/// Runs the kernel once; its value keeps the compiler from removing it.
 fn kernel(matrix: &[f64], memory: &[u32], x: &mut [f64; SIZE]) -> f64 {
     let (mut q, mut v) = ([0.0_f64; LANES], [0.0_f64; LANES]);
     for (i, v) in v.iter_mut().enumerate() {
@@ -80,7 +80,7 @@ fn kernel(matrix: &[f64], memory: &[u32], x: &mut [f64; SIZE]) -> f64 {
     q.iter().chain(&v).sum::<f64>() + x[0] + sum as f64
 }
 
-/// Processor time of some work [s]; wall time where the system does not tell it.
+/// Measures the processor time of some work [s]; wall time where the system does not provide it.
 fn spent(work: impl FnOnce()) -> f64 {
     let (wall, start) = (Instant::now(), cpu_time());
     work();
@@ -90,7 +90,7 @@ fn spent(work: impl FnOnce()) -> f64 {
     }
 }
 
-/// Times of one integration over those of the kernel.
+/// Measures the ratios of the time of an integration to that of the kernel.
 pub(super) fn ratios(mut integrate: impl FnMut()) -> Vec<f64> {
     // Rows sum to a little less than one: the product neither grows nor vanishes into denormal numbers here.
     let matrix: Vec<f64> = (0..SIZE * SIZE)
@@ -123,7 +123,7 @@ pub(super) fn ratios(mut integrate: impl FnMut()) -> Vec<f64> {
     (0..rounds).map(ratio).collect()
 }
 
-/// The median of ratios; none of none.
+/// Returns the median of ratios; `None` of an empty list.
 pub(super) fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! Runs of a case.
+//! Runs of the cases of a check, and the measurement of their runtimes.
 
 use super::file::{Case, CheckFile};
 use super::kernel;
@@ -20,7 +20,7 @@ use gearbench_reports::record::{ReferenceSeries, Run};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// A case with its scene.
+/// Case with its scene, models, integrators and references.
 pub(super) struct Loaded<'a> {
     pub(super) case: &'a Case,
     conditions: Conditions<'static>,
@@ -32,7 +32,7 @@ pub(super) struct Loaded<'a> {
 /// Loads the scene of a case and builds its models.
 ///
 /// # Errors
-/// Those of the scene; what the case says of it.
+/// Errors of the scene, and of the settings of the case.
 pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<Loaded<'a>, Refusal> {
     let labels = case.models.as_deref();
     let mut scene = scene_file::load_for(&case.scene, Selection::Labels(labels))?;
@@ -71,7 +71,7 @@ pub(super) fn load<'a>(file: &CheckFile, case: &'a Case) -> Result<Loaded<'a>, R
     })
 }
 
-/// A method as it is asked for.
+/// Returns an integrator in the notation of the command line, with its step or tolerance.
 fn written(scheme: &Scheme) -> String {
     // `500ns` and `5e-7s` are one step, whose last bit differs.
     let plain = |x: f64| format!("{x:.12e}").parse().unwrap_or(x);
@@ -95,7 +95,7 @@ fn work(run: &Run) -> BTreeMap<String, u64> {
 }
 
 impl Loaded<'_> {
-    /// Number of runs.
+    /// Returns the number of runs, one for each model and integrator of the case.
     pub(super) fn len(&self) -> usize {
         self.configurations
             .iter()
@@ -107,7 +107,7 @@ impl Loaded<'_> {
         c.methods.as_deref().unwrap_or(&self.methods)
     }
 
-    /// Runs every entry.
+    /// Runs every model of the case under each of its integrators.
     ///
     /// # Errors
     /// [`RunError`] when a model cannot be built, or the user ended it.
@@ -168,7 +168,7 @@ impl Loaded<'_> {
         Ok(all)
     }
 
-    /// What a check keeps of a run.
+    /// Returns the results of a run that a check compares: quantities, work counts, status and parameters.
     fn measured(&self, named: Measured, run: Run) -> Measured {
         let failed = run.status.is_failure();
         Measured {
@@ -210,7 +210,7 @@ fn built<'s>(
     }
 }
 
-/// The entries of a model: its scene is built once for all of their runs and timings.
+/// Entries of a model, whose scene is built once for all of their runs and timings.
 pub(super) struct Group<'l> {
     of: &'l Loaded<'l>,
     configuration: &'l Configuration,
@@ -218,9 +218,9 @@ pub(super) struct Group<'l> {
     pub(super) entries: Vec<Entry<'l>>,
 }
 
-/// An entry that was run, and how long it takes.
+/// Entry of a check that was run, with its measured runtimes.
 pub(super) struct Entry<'l> {
-    /// Its case.
+    /// Case of the check file that the entry belongs to.
     pub(super) case: &'l Case,
     method: Scheme,
     pub(super) measured: Measured,
@@ -229,8 +229,8 @@ pub(super) struct Entry<'l> {
 }
 
 impl Group<'_> {
-    /// Measures the runtime of an entry, beside what was measured before: at another moment the machine is busy with
-    /// other things.
+    /// Measures the runtime of an entry once more, in addition to earlier measurements: at another moment the load of
+    /// the machine differs.
     ///
     /// # Errors
     /// [`RunError`] when its model cannot be built.

@@ -3,13 +3,13 @@
 //! | module | owns |
 //! |---|---|
 //! | [`arguments`] | the command line |
-//! | `file` | the file that says what is checked |
-//! | `quantity` | what is looked at in a run |
+//! | `file` | check files: cases, quantities, tolerances |
+//! | `quantity` | quantities that a check compares |
 //! | `baseline` | stored baselines, one line for each entry |
 //! | `measure` | runs of the cases |
 //! | `kernel` | runtime in units of a fixed kernel |
-//! | `judge` | an entry beside its baseline, the runtimes of all entries |
-//! | [`command`], `summary` | the study, and what the terminal says of it |
+//! | `judge` | comparison of entries with their baselines, and of the runtimes of all entries |
+//! | [`command`], `summary` | the study, and its terminal summary |
 
 pub mod arguments;
 mod baseline;

@@ -1,4 +1,4 @@
-//! What a check looks at in a run.
+//! Quantities that a check evaluates for each run and compares with the baseline.
 
 use gearbench_reports::Metric;
 use gearbench_reports::metrics::{TRANSMISSION_ERROR, compare, compare_all};
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-/// A quantity of a run.
+/// Quantity of a run that a check compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Quantity {
     /// A metric; errors are against every reference of the scene.
@@ -21,7 +21,7 @@ pub(crate) enum Quantity {
 const FORCE_RMS: &str = "force_rms_n";
 const TRANSMISSION_ERROR_RMS: &str = "transmission_error_rms_m";
 
-/// What is looked at when a check does not say.
+/// Quantities that a check evaluates by default.
 pub(crate) const USUAL: [Quantity; 8] = [
     Quantity::Metric(Metric::PeakForce),
     Quantity::Metric(Metric::Impulse),
@@ -34,13 +34,13 @@ pub(crate) const USUAL: [Quantity; 8] = [
 ];
 
 impl Quantity {
-    /// All.
+    /// Returns all quantities that a check can evaluate.
     pub(crate) fn all() -> impl Iterator<Item = Quantity> {
         let own = [Quantity::ForceRms, Quantity::TransmissionErrorRms];
         Metric::ALL.into_iter().map(Quantity::Metric).chain(own)
     }
 
-    /// Its key, without the reference.
+    /// Returns the key of the quantity, without the reference.
     pub(crate) fn key(self) -> &'static str {
         match self {
             Quantity::Metric(m) => m.key(),
@@ -49,13 +49,13 @@ impl Quantity {
         }
     }
 
-    /// The quantity of a key of a baseline, `force_l2@calculix` as `force_l2`.
+    /// Returns the quantity of a key in a baseline, for example `force_l2` for `force_l2@calculix`.
     pub(crate) fn of_key(key: &str) -> Option<Quantity> {
         let key = key.split_once('@').map_or(key, |(key, _)| key);
         Self::all().find(|q| q.key() == key)
     }
 
-    /// Whether it needs a reference: errors do; the drift of a run's own energy does not.
+    /// True if the quantity needs a reference: errors do; the drift of a run's own energy does not.
     fn needs_reference(self) -> bool {
         match self {
             Quantity::Metric(Metric::EnergyDrift) => false,
@@ -65,7 +65,8 @@ impl Quantity {
         }
     }
 
-    /// Whether it is small by nature, so that a relative tolerance alone says nothing of it.
+    /// True if the quantity is a relative error: it may be almost zero, so that a relative tolerance alone is
+    /// meaningless.
     pub(crate) fn is_ratio(self) -> bool {
         matches!(self, Quantity::Metric(m) if m.is_error())
     }
@@ -94,7 +95,7 @@ impl FromStr for Quantity {
     }
 }
 
-/// The quantities of a run by key; none of one that did not reach its end.
+/// Computes the quantities of a run by key; the result is empty if the run did not reach its end.
 pub(super) fn values(
     run: &Run,
     wanted: &[Quantity],

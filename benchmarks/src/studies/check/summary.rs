@@ -1,4 +1,4 @@
-//! What the terminal says of a check.
+//! Terminal summary of a record of `check`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::check::{CheckRecord, Finding, Kind};
@@ -6,7 +6,7 @@ use gearbench_reports::check::{CheckRecord, Finding, Kind};
 /// Lines of an entry, most.
 const MOST: usize = 12;
 
-/// What moved, entry by entry, and the verdict.
+/// Prints the deviations from the baseline, entry by entry, and the verdict.
 pub(super) fn summarise(record: &CheckRecord) {
     // Against nothing everything is new.
     let against = record.stored.as_ref().map_or(&[][..], |_| &record.entries);

@@ -1,4 +1,4 @@
-//! The scene file with a choice written in: the gears and meshes as they stood, one model, one integrator.
+//! Scene file of a choice: the gears and meshes of the original scene, one model, one integrator.
 
 use super::plan::Candidate;
 use crate::scene_file::{Origin, SceneError, SceneFile};
@@ -13,7 +13,7 @@ use toml_edit::{DocumentMut, Item, TableLike, TomlError};
 /// Tables and keys that a choice replaces. The tolerance may refer to a model that is gone.
 const REPLACED: [&str; 3] = ["models", "study", "tolerance"];
 
-/// Text of the scene with a choice; `remarks` head it as comments.
+/// Returns the text of a scene file with the chosen model; `remarks` head it as comments.
 ///
 /// # Errors
 /// [`SceneError`] when what was written is no scene: its models stand in a way that was not seen through.
@@ -151,7 +151,7 @@ fn model(file: &SceneFile, candidate: &Candidate) -> String {
     out
 }
 
-/// What is not the default of scenes.
+/// Returns a value as JSON, or null if it is the default of scenes.
 fn given<T: Default + PartialEq + Serialize>(value: &T) -> Json {
     match *value == T::default() {
         true => Json::Null,

@@ -1,4 +1,4 @@
-//! `gearbench choose SCENE`.
+//! Implements `gearbench choose SCENE`: selects the cheapest model and integrator within an error tolerance.
 
 use super::arguments::Choose;
 use super::held::Subject;
@@ -123,8 +123,8 @@ fn damping_of(
     mesh_modes(&entries, models(), &problem.runner).map_err(Refusal::from)
 }
 
-/// References of the scene's own conditions, which the yardstick is compared with; none where they cannot be read, which is
-/// said: the choice does not need them.
+/// Returns the references under the scene's own conditions, with which the yardstick is compared. If they cannot be
+/// read the result is empty, with a warning: the choice does not need them.
 fn references_of_the_scene(scene: &mut SceneFile) -> Vec<Held> {
     match scene.held(false) {
         Ok(all) => {
@@ -140,8 +140,8 @@ fn references_of_the_scene(scene: &mut SceneFile) -> Vec<Held> {
     }
 }
 
-/// Compares the yardstick with the references, and the choice where that is `asked` for: one that is beyond the tolerance
-/// against a reference is withdrawn. Without that the yardstick is run for them only where the window is the whole scene.
+/// Compares the yardstick with the references, and the choice if `asked`: a choice beyond the tolerance against a
+/// reference is withdrawn. Otherwise the yardstick is run for them only where the window is the whole scene.
 fn compare_with(
     choice: &mut Choice,
     references: &[Held],
@@ -209,7 +209,7 @@ fn refuse(scene: &SceneFile, problem: &Problem, e: ChooseError) -> Refusal {
     }
 }
 
-/// What heads the scene file.
+/// Returns the comment lines at the head of the written scene file: command, estimated errors and cost.
 fn remarks(choice: &Choice, requirement: &Requirement, command: &str) -> Vec<String> {
     let mut all = vec![
         format!("Chosen by `{command}`:"),

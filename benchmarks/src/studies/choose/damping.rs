@@ -1,12 +1,13 @@
-//! What damps rigid gears and movable teeth in the place of elastic ones.
+//! Damping of rigid gears and movable teeth that is equivalent to the damping of elastic gears.
 //!
-//! A damping that a scene gives its elastic gears is one of their modes and of their contact, in which little of the compliance
-//! of a mesh is: with 5 % in both the gears of `gearbench init` swing in their mesh with 0.5 %. Two models are alike under load
-//! only where the mesh mode has the same damping. So in a scene with loads the elastic gears that judge ([`Details::judge`]) are
-//! made linear about the loaded state, and every derived level gets their damping ratio: its damper is multiplied until its own
-//! mesh mode has it. What else damps that mode, as bearings do, counts.
+//! The damping of elastic gears in a scene belongs to their modes and to their contact, which have little of the
+//! compliance of a mesh: with 5 % in both, the mesh mode of the gears of `gearbench init` has 0.5 %. Two models are
+//! equivalent under load only if the mesh mode has the same damping. So in a scene with loads the elastic gears of the
+//! yardstick ([`Details::judge`]) are linearised about the loaded state, and every derived level gets their damping
+//! ratio: its damper is scaled until its own mesh mode has this ratio. Other damping of that mode, for example of
+//! bearings, is included.
 //!
-//! Without loads nothing swings about a state, and the damper follows from the losses of a slow cycle
+//! Without loads there is no vibration about a state, and the damper follows from the losses of a slow cycle
 //! ([`Problem::relaxation`]).
 
 use super::detail::Details;
@@ -17,7 +18,7 @@ use gearbench_models::law::Damping;
 use gearbench_models::spec::Modelling;
 use std::f64::consts::TAU;
 
-/// Modes per gear of the elastic gears whose mesh mode tells the damping.
+/// Modes per gear of the elastic gears whose mesh mode gives the damping.
 const MODES: usize = 50;
 /// Relative error of the ratio of a level, after so many trials at most.
 const WITHIN: f64 = 1e-4;
@@ -30,14 +31,15 @@ const HUB: usize = 6;
 /// Damping of the mesh mode of elastic gears.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OfMesh {
-    /// Damping ratio [-].
+    /// Damping ratio of the mesh mode [-].
     pub ratio: f64,
-    /// Time by which a damper runs ahead of its spring that gives this ratio alone, `2 ratio / omega` [s].
+    /// Relaxation time of a damper in parallel to a spring that alone gives this ratio, `2 ratio / omega` [s].
     pub relaxation: f64,
 }
 
 impl OfMesh {
-    /// That of the elastic gears that judge; `None` in a scene without loads, and where it has no such mode.
+    /// Computes the damping of the mesh mode of the elastic gears that serve as yardstick; `None` in a scene without
+    /// loads, and where they have no such mode.
     pub fn of(problem: &Problem, details: &Details) -> Option<OfMesh> {
         let gears = problem.scene.gears.len();
         let modes = MODES.min((FEW / gears).saturating_sub(HUB));
@@ -50,8 +52,8 @@ impl OfMesh {
         })
     }
 
-    /// Multiplies the damping of contacts until the mesh mode of the models has this ratio; models whose mesh mode is not known,
-    /// or does not depend on it, stay as they are.
+    /// Scales the damping of contacts until the mesh mode of the models has this ratio. Models whose mesh mode is
+    /// unknown, or does not depend on it, stay unchanged.
     pub fn give(&self, problem: &Problem, modelling: &mut Modelling) {
         let with = |factor: f64| {
             let mut scaled = modelling.clone();

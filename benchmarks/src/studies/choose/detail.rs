@@ -1,18 +1,20 @@
-//! What lies beyond the mesh of a scene: levels of contact and of elements, beside those of modes.
+//! Details of elastic gears beyond the number of modes: kind of flank contact and density of the finite-element mesh.
 //!
-//! A scene gives its elastic gears a mesh and a contact, but neither is what gears are: a coarse mesh that touches with its
-//! elements is too soft or too stiff by several per cent, and ripples. So there are three **details**:
+//! The mesh and the contact of a scene have errors of their own: a coarse mesh with contact at its elements is too soft
+//! or too stiff by several per cent, and its stiffness ripples over the mesh cycle. So there are three **details**:
 //!
-//! | detail | flanks touch | elements |
+//! | detail | contact of the flanks | elements |
 //! |---|---|---|
-//! | [`Detail::Given`] | as the scene says | as the scene says |
-//! | [`Detail::HalfSpaces`] | on half-spaces, as Hertz has it | as the scene says |
-//! | [`Detail::Finer`] | on half-spaces, where they may | twice as many in the section; over the width too where contact varies or is sliced there, else two |
+//! | [`Detail::Given`] | of the scene | of the scene |
+//! | [`Detail::HalfSpaces`] | on Hertzian half-spaces | of the scene |
+//! | [`Detail::Finer`] | on half-spaces, if possible | twice as many in the section; over the width see below |
 //!
-//! The **lead** is the first two's better one: on it modes are refined. All models are held against the finer one, whose
-//! distance from the lead tells what it is still off itself. Half-spaces are out of question where flank points have
-//! dashpots, which are a mesh's own, where the assembly refuses them, and where no run on them is sound; a mesh from
-//! elsewhere cannot be refined.
+//! The finer mesh has twice as many elements over the width if contact varies or is sliced there, else two.
+//!
+//! The **lead** is the better one of the first two; modes are refined on it. All models are compared with the finer
+//! one, whose distance from the lead gives its own error. Half-spaces are excluded where flank points have dashpots,
+//! which belong to a mesh, where the assembly refuses them, and where no run on them is sound. An external mesh cannot
+//! be refined.
 
 use super::plan::elastic;
 use super::problem::{Flexible, Problem};
@@ -29,20 +31,20 @@ const FACTOR: usize = 2;
 /// of a pair is 12.31, 12.46 and 12.46 N/(mm um) with one, two and four.
 const WIDTH: usize = 2;
 
-/// How gears are meshed and touch.
+/// Mesh density and kind of flank contact of elastic gears.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Detail {
-    /// As the scene says.
+    /// Mesh and contact of the scene.
     #[default]
     Given,
-    /// On half-spaces, with the mesh of the scene.
+    /// Contact on half-spaces, with the mesh of the scene.
     HalfSpaces,
-    /// With a finer mesh, on half-spaces where they may.
+    /// A finer mesh, with contact on half-spaces where it is possible.
     Finer,
 }
 
 impl Detail {
-    /// Its place in tables.
+    /// Returns the rank of the detail in tables, from 0.
     pub fn rank(self) -> u8 {
         match self {
             Detail::Given => 0,
@@ -51,7 +53,7 @@ impl Detail {
         }
     }
 
-    /// What stands behind the name of a level.
+    /// Returns the suffix of the name of a level with this detail.
     pub fn suffix(self) -> &'static str {
         match self {
             Detail::Given => "",
@@ -61,16 +63,17 @@ impl Detail {
     }
 }
 
-/// The details of a problem.
+/// Elastic gears of a problem in all details: the lead and the finer mesh.
 #[derive(Clone, Debug)]
 pub struct Details {
-    /// What modes are refined on: half-spaces on the mesh of the scene, else what the scene says.
+    /// Elastic gears on which modes are refined: half-spaces on the mesh of the scene, else mesh and contact of the
+    /// scene.
     pub lead: Flexible,
-    /// Why flanks do not touch on half-spaces, if so.
+    /// Reason why flanks do not touch on half-spaces; `None` if they do.
     pub no_half_spaces: Option<String>,
-    /// The finer mesh, or why there is none.
+    /// Elastic gears with a finer mesh, or the reason why there is none.
     pub finer: Result<Flexible, String>,
-    /// Processor time in which the gears of the lead and of the finer mesh were set up first, caches as they were [s].
+    /// Processor time of the first set-up of the gears of the lead and of the finer mesh, caches as they were [s].
     setup_s: [f64; 2],
 }
 
@@ -88,7 +91,7 @@ impl Details {
         Details::led_by((problem, modes), lead, no_half_spaces, begin)
     }
 
-    /// Those with the contact of the scene, for a reason.
+    /// Returns the details with the contact of the scene in place of half-spaces, for the reason `why`.
     pub fn as_given(problem: &Problem, why: String) -> Details {
         Details::led_by(
             (problem, 0),
@@ -114,12 +117,12 @@ impl Details {
         }
     }
 
-    /// Processor time in which the gears of a detail were set up first, caches as they were [s].
+    /// Returns the processor time of the first set-up of the gears of a detail, caches as they were [s].
     pub fn setup_s(&self, detail: Detail) -> f64 {
         self.setup_s[usize::from(detail == Detail::Finer)]
     }
 
-    /// Elements and contact of the gears that all models are compared with, in words.
+    /// Describes elements and contact of the gears that all models are compared with.
     pub fn describe_judge(&self) -> String {
         let mut of_gears: Vec<String> = self.judge().gears.iter().map(elements).collect();
         of_gears.dedup();
@@ -130,12 +133,12 @@ impl Details {
         format!("{}; {contact}", of_gears.join("; "))
     }
 
-    /// What all models are held against.
+    /// Returns the elastic gears that all models are compared with: the finer mesh, else the lead.
     pub fn judge(&self) -> &Flexible {
         self.finer.as_ref().unwrap_or(&self.lead)
     }
 
-    /// What a level's gears are made of.
+    /// Returns the elastic gears (elements and contact) of a detail.
     pub fn flexible<'a>(&'a self, problem: &'a Problem, detail: Detail) -> &'a Flexible {
         match &self.finer {
             Ok(finer) if detail == Detail::Finer => finer,
@@ -144,13 +147,13 @@ impl Details {
         }
     }
 
-    /// Flanks touch on half-spaces.
+    /// True if the flanks touch on half-spaces.
     pub fn on_half_spaces(&self) -> bool {
         touches_on_half_spaces(&self.lead)
     }
 }
 
-/// All contacts are those of half-spaces.
+/// True if all contacts are those of half-spaces.
 fn touches_on_half_spaces(flexible: &Flexible) -> bool {
     let is = |p: PointContact| p.local == LocalContact::HalfSpace;
     (flexible.contacts.iter()).all(|c| c.points.is_some_and(is))
@@ -261,7 +264,7 @@ fn even_over_width(body: &Body) -> bool {
     }
 }
 
-/// Elements of a mesh in words.
+/// Describes the elements of a mesh.
 pub fn elements(of: &ElasticParameters) -> String {
     let m = &of.mesh;
     match (&m.mesh, &of.reduction) {

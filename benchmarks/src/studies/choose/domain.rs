@@ -1,4 +1,4 @@
-//! What the choice has been checked on, and in which ways a scene lies outside of it.
+//! Range of scenes on which the choice has been validated, and the test whether a scene lies outside of it.
 
 use super::plan::Prepared;
 use super::problem::Problem;
@@ -9,16 +9,16 @@ use std::f64::consts::{PI, TAU};
 
 /// Numbers of teeth of the gears that choices were validated on.
 pub const TEETH: [u32; 2] = [14, 56];
-/// Their modules [m].
+/// Least and greatest module of the gears [m].
 pub const MODULE: [f64; 2] = [1.5e-3, 10e-3];
-/// Their face widths over their modules.
+/// Least and greatest face width over the module [-].
 pub const WIDTH: [f64; 2] = [2.5, 7.5];
-/// Tooth pairs per second that pass at most [Hz].
+/// Highest frequency of tooth engagement in these scenes [Hz].
 pub const FREQUENCY: f64 = 2500.0;
-/// The longest of the scenes [s].
+/// Longest duration of these scenes [s].
 pub const LONGEST: f64 = 20e-3;
 
-/// Sentences on what is unusual about a scene; none when nothing is.
+/// Returns sentences on the properties of a scene outside of the validated range; empty if there are none.
 pub fn outside(problem: &Problem, prepared: &Prepared) -> Vec<String> {
     let mut found = Vec::new();
     let scene = &problem.scene;

@@ -1,5 +1,5 @@
-//! The choice and its yardstick against the references of the scene: the estimate of a choice is an error against finer
-//! models, what was measured may be further away.
+//! Comparison of the choice and its yardstick with the references of the scene. The estimated error of a choice is one
+//! against finer models; its distance to a measurement may be larger.
 //!
 //! Each is run over the whole scene, and for references of other speeds and loads once more under each of these. What the
 //! references say of the metric that was asked for is the last word: a choice that is beyond its tolerance there is not
@@ -16,10 +16,10 @@ use gearbench_reports::Metric;
 use gearbench_reports::metrics::compare_all;
 use gearbench_reports::record::Run;
 
-/// A model that is compared with the references of the scene.
+/// Model that is compared with the references of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Subject {
-    /// The chosen candidate.
+    /// The candidate that was chosen.
     Choice,
     /// The yardstick, the most detailed level of the hierarchy.
     Yardstick,
@@ -35,18 +35,18 @@ impl Subject {
     }
 }
 
-/// The distances of a model to the references, and the settings of the record about them.
+/// Distances of a model to the references, with the settings of the record about them.
 #[derive(Debug, Default)]
 pub(super) struct Found {
-    /// A setting of the record for each reference.
+    /// Settings of the record, one for each reference.
     pub(super) settings: Vec<(String, String)>,
-    /// References with the distance in the metric asked for, where they have it.
+    /// References with the distance of the model in the required metric; `None` where it cannot be evaluated.
     pub(super) distances: Vec<(String, Option<f64>)>,
-    /// References against which the metric asked for is beyond its tolerance.
+    /// References against which the error in the required metric exceeds the tolerance.
     pub(super) beyond: Vec<String>,
 }
 
-/// Runs a model over the whole scene, at the speeds and loads of each reference, and says how far it is from it.
+/// Runs a model over the whole scene, at the speeds and loads of each reference, and computes its errors against them.
 ///
 /// # Errors
 /// [`RunError`] when it cannot run.
@@ -102,7 +102,8 @@ fn under(candidate: &Candidate, held: &Held, all: &[Held]) -> Result<Run, RunErr
     run(&conditions.job((&spec, &candidate.modelling), &candidate.method, &grid))
 }
 
-/// All errors against a reference in words, the one asked for, and whether that is beyond its tolerance.
+/// Returns all errors against a reference in words, the one in the required metric, and whether that exceeds the
+/// tolerance.
 fn told(
     row: &Run,
     held: &Held,

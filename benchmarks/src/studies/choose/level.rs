@@ -1,5 +1,5 @@
-//! The hierarchy of models: its levels, from rigid gears to elastic ones with many modes, and with more than the mesh of
-//! the scene.
+//! Levels of the model hierarchy, from rigid gears to elastic ones with many modes and a finer mesh than that of the
+//! scene.
 
 use super::detail::Detail;
 use gearbench_models::gear::movable_teeth::MovableTeethParameters;
@@ -7,10 +7,10 @@ use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::rigid;
 use gearbench_reference::reduction::ElasticParameters;
 
-/// Where the stiffness of rigid gears is from.
+/// Origin of the mesh stiffness of rigid gears.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Stiffness {
-    /// ISO 6336-1.
+    /// Mesh stiffness according to ISO 6336-1.
     Norm,
     /// Analytic compliance of teeth, bodies and contact.
     Analytic,
@@ -20,10 +20,10 @@ pub enum Stiffness {
     Own(String),
 }
 
-/// A model of the hierarchy.
+/// Level of the model hierarchy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// Rigid gears.
+    /// Rigid gears with a mesh stiffness.
     Rigid(Stiffness),
     /// Movable teeth with derived constants, or the scene's own with this label.
     MovableTeeth(Option<String>),
@@ -33,13 +33,13 @@ pub enum Level {
     Elastic {
         /// Modes per gear, at most.
         modes: usize,
-        /// How they are meshed and touch.
+        /// Mesh density and kind of flank contact.
         detail: Detail,
     },
 }
 
 impl Level {
-    /// Name for tables.
+    /// Returns the name of the level for tables.
     pub fn name(&self) -> String {
         match self {
             Level::Rigid(Stiffness::Norm) => "rigid, ISO 6336".into(),
@@ -55,7 +55,7 @@ impl Level {
         }
     }
 
-    /// Family for charts: the gear model, or `quasi-static`.
+    /// Returns the model family for charts: the gear model, or `quasi-static`.
     pub fn family(&self) -> &'static str {
         match self {
             Level::Rigid(_) => rigid::MODEL,
@@ -65,7 +65,7 @@ impl Level {
         }
     }
 
-    /// Modes per gear where gears are elastic.
+    /// Returns the modes per gear of elastic gears, 0 for quasi-static ones; `None` for other models.
     pub fn modes(&self) -> Option<usize> {
         match self {
             Level::QuasiStatic(_) => Some(0),
@@ -74,7 +74,7 @@ impl Level {
         }
     }
 
-    /// How elastic gears are meshed and touch.
+    /// Returns the detail (mesh and contact) of elastic gears; `None` for other models.
     pub fn detail(&self) -> Option<Detail> {
         match self {
             Level::QuasiStatic(detail) | Level::Elastic { detail, .. } => Some(*detail),
@@ -82,7 +82,7 @@ impl Level {
         }
     }
 
-    /// Elastic gears with so many modes.
+    /// Returns the level of elastic gears with a number of modes and a detail.
     pub fn elastic(modes: usize, detail: Detail) -> Level {
         match modes {
             0 => Level::QuasiStatic(detail),

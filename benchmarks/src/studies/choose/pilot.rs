@@ -1,4 +1,4 @@
-//! A cheap rigid run through the whole scene: when teeth touch and how hard, and what part of it stands for all.
+//! Pilot run of rigid gears through the whole scene, and the window of the scene on which models are compared.
 //!
 //! The window goes from the start through so many contact times of touching teeth that several impacts or mesh cycles
 //! are in it, and where gears run under a load, through mesh cycles at all of it; where the whole scene has no more than
@@ -25,7 +25,7 @@ const STEPS: f64 = 32.0;
 const SAMPLES: f64 = 48.0;
 /// Samples per period of a tooth where the metric is a peak: ringing teeth make it.
 const RINGING: f64 = 10.0;
-/// One of so many of them is kept where nothing touches.
+/// Ratio by which samples are thinned where no teeth touch.
 const SPARSE: usize = 8;
 /// Contact times, and part of the time that has passed, by which contacts of other models may come earlier or later.
 const AROUND: [f64; 2] = [0.5, 0.02];
@@ -33,7 +33,7 @@ const AROUND: [f64; 2] = [0.5, 0.02];
 const MOST_SAMPLES: f64 = 8000.0;
 /// Contact times of touching teeth in a window.
 const BUDGET: f64 = 12.0;
-/// Mesh cycles that a window of lasting contact holds, where these are not more than so many contact times.
+/// Mesh cycles in a window of lasting contact, and the upper bound of such a window in contact times.
 const CYCLES: f64 = 4.0;
 const MOST_BUDGET: f64 = 200.0;
 /// Mesh cycles under the whole load that are in a window of gears that run.
@@ -43,36 +43,36 @@ const RUNNING: f64 = 2.0;
 const LOADED: f64 = 0.9;
 /// Contact times that the end of an impact is followed by.
 const MARGIN: f64 = 0.5;
-/// Relative change of stiffness whose effect tells how errors grow.
+/// Relative change of stiffness from whose effect the growth of errors is estimated.
 const NUDGE: f64 = 0.01;
-/// A smaller one, which tells whether its effect is in proportion to it.
+/// Smaller relative change of stiffness, which shows whether the effect is proportional to the change.
 const SMALL_NUDGE: f64 = 0.001;
 /// Change of a history from which on it is another one.
 const ORDER_ONE: f64 = 0.5;
 /// Effect of the smaller change over that of the larger one, in proportion a tenth, from which on a history does not repeat.
 const NOT_IN_PROPORTION: f64 = 0.3;
 
-/// The part of a scene on which models are compared.
+/// Part of a scene, from its start, on which models are compared.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
-    /// Its end [s].
+    /// End of the window [s].
     pub end: f64,
     /// Times at which histories are recorded [s].
     pub grid: Vec<f64>,
-    /// It is the whole scene.
+    /// True if the window is the whole scene.
     pub whole: bool,
-    /// Impacts that begin in it, or spells of contact.
+    /// Impacts, or spells of contact, that begin in the window.
     pub contacts: usize,
-    /// The same in the whole scene.
+    /// Impacts, or spells of contact, that begin in the whole scene.
     pub all_contacts: usize,
-    /// Time in which teeth touch in the whole scene over that in the window.
+    /// Time of contact in the whole scene over that in the window.
     pub contact_ratio: f64,
-    /// Duration over the window.
+    /// Duration of the scene over that of the window.
     pub time_ratio: f64,
 }
 
 impl Window {
-    /// The first `end` seconds, recorded evenly every `spacing` seconds.
+    /// Returns the window of the first `end` seconds, recorded every `spacing` seconds.
     pub fn to(end: f64, spacing: f64) -> Window {
         let n = (end / spacing).clamp(200.0, MOST_SAMPLES) as usize;
         Window {
@@ -86,7 +86,7 @@ impl Window {
         }
     }
 
-    /// What it is, in words.
+    /// Describes the window in words: its length [s] and the number of contacts.
     pub fn describe(&self) -> String {
         let spells = |n: usize| match n {
             1 => "one spell of contact".to_string(),
@@ -126,7 +126,7 @@ fn whole(problem: &Problem, level: &Fixed, contact_time: f64) -> Result<Outcome,
     Ok(Trial::new(problem, &level.scene, &level.modelling)?.run(&method(), &window)?)
 }
 
-/// How deep flanks go into each other, from the largest force of a rigid run [m].
+/// Computes the approach of the flanks at the largest force of a rigid run [m].
 ///
 /// # Errors
 /// [`ChooseError::NoContact`] when no teeth touch, [`ChooseError::Budget`] when the run was cut off before they did.
@@ -213,7 +213,7 @@ fn cycle(problem: &Problem) -> f64 {
     base / speed(a).max(speed(b))
 }
 
-/// The window of a scene.
+/// Returns the window of a scene.
 pub fn window(
     problem: &Problem,
     level: &Fixed,
@@ -289,12 +289,13 @@ fn grid(end: f64, spacing: f64, contact_time: f64, spells: &[[f64; 2]]) -> Vec<f
 /// Sensitivity of a history to a slightly larger stiffness of rigid gears.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensitivity {
-    /// Factor by which its effect on the metric grows from the window to the whole scene, at least 1: errors of phase add up
-    /// from impact to impact.
+    /// Factor by which the effect on the metric grows from the window to the whole scene, at least 1: phase errors
+    /// accumulate from impact to impact.
     pub growth: f64,
-    /// Its effect on the metric over the whole scene, where the history does not repeat; 0 where it does.
+    /// Effect of the change of stiffness on the metric over the whole scene, where the history does not repeat; 0 where
+    /// it does.
     pub scatter: f64,
-    /// Why the history does not repeat, if so.
+    /// Reason why the history does not repeat; `None` if it does.
     pub not_repeatable: Option<String>,
 }
 
@@ -364,7 +365,7 @@ pub fn sensitivity(
     })
 }
 
-/// Statistics of the contact force of a run.
+/// Computes the statistics of the contact force of a run.
 pub fn statistics(run: &Outcome) -> ForceStatistics {
     let (t, f) = (&run.series.time_s, &run.series.contact_force_n);
     let square: f64 = (t.windows(2).zip(f.windows(2)))

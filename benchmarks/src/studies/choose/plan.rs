@@ -1,4 +1,4 @@
-//! What could be run for a scene: levels of the hierarchy, each under several integrators and steps.
+//! Candidates for a scene: levels of the model hierarchy, each under several integrators and steps.
 //!
 //! Steps are halves of halves of the contact time `T = pi sqrt(m/k)` of rigid gears with the stiffness of the norm, so
 //! that candidates of small and large gears resolve a contact alike.
@@ -23,34 +23,34 @@ use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::numbers::round_quantity;
 use std::sync::Arc;
 
-/// Modes of the elastic levels.
+/// Numbers of modes per gear of the elastic levels.
 pub const MODES: [usize; 9] = [10, 20, 35, 50, 75, 100, 150, 200, 300];
 /// Steps per period of a tooth's first frequency of runs whose own error must not show.
 const TOOTH_STEPS: f64 = 30.0;
-/// Modes of the densest elastic model, which is above the hierarchy.
+/// Number of modes per gear of the densest elastic model, which is above the hierarchy.
 pub const DENSEST: usize = 300;
 /// Steps per contact time of the densest elastic model.
 const DENSEST_STEPS: f64 = 1024.0;
-/// Force that dampers are taken at, over the largest.
+/// Force for which the relaxation time of dampers is computed, over the largest force.
 const MEAN_FORCE: f64 = 0.7;
 /// Steps per contact time that carry the modes of an elastic run under a tolerance.
 const TOLERANCE_STEPS: f64 = 128.0;
 
-/// One thing that could be run: model, resolution, integrator, step.
+/// Combination of model, resolution, integrator and step that can be run.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// Its level.
+    /// Level of the model hierarchy.
     pub level: Level,
-    /// Gears and meshes; a model of the scene may start with a gap of its own.
+    /// Gears and meshes of the candidate; a model of the scene may start with a gap of its own.
     pub scene: Arc<SceneSpec>,
-    /// Models and contacts.
+    /// Gear models and contacts of the candidate.
     pub modelling: Arc<Modelling>,
     /// Integrator with its step or tolerance.
     pub method: Scheme,
 }
 
 impl Candidate {
-    /// Name for tables: level, integrator, step or tolerance.
+    /// Returns the name of the candidate for tables: level, integrator, step or tolerance.
     pub fn name(&self) -> String {
         let resolution = match self.method.resolution {
             Resolution::Step(h) => round_quantity(h, "s", 4),
@@ -86,12 +86,12 @@ const RIGID: [Menu; 5] = [
     },
     at_steps(TRIGONOMETRIC, &[8.0, 16.0, 32.0, 64.0, 128.0]),
 ];
-/// Those that need no oscillators.
+/// Range of [`RIGID`] with the integrators for movable teeth, which need no modal oscillators.
 const TEETH: std::ops::Range<usize> = 1..4;
 const ELASTIC: Menu = at_steps(TRIGONOMETRIC, &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0]);
 
 impl Menu {
-    /// Methods, the cheapest first.
+    /// Returns the integrators with their steps or tolerances, the cheapest first.
     fn methods(&self, contact_time: f64) -> impl Iterator<Item = Scheme> + '_ {
         let steps = (self.steps.iter()).map(move |n| Resolution::Step(short(contact_time / n)));
         let tolerances = self.tolerances.iter().map(|r| Resolution::Tolerance(*r));
@@ -105,7 +105,7 @@ fn short(x: f64) -> f64 {
     (x * digits).round() / digits
 }
 
-/// Full finite elements on the meshes of elastic gears, with their contact. Damping of modes is not in them.
+/// Returns full finite elements on the meshes of elastic gears, with their contact and without modal damping.
 pub fn full(flexible: &Flexible) -> Modelling {
     let gears = (flexible.gears.iter())
         .map(|p| {
@@ -122,7 +122,7 @@ pub fn full(flexible: &Flexible) -> Modelling {
     }
 }
 
-/// Elastic gears with some modes, for a fixed step or for a tolerance.
+/// Returns elastic gears with a number of modes, for a fixed step [s] or for a tolerance.
 pub fn elastic(flexible: &Flexible, modes: usize, step: Option<f64>) -> Modelling {
     let gears = (flexible.gears.iter())
         .map(|p| {
@@ -140,37 +140,37 @@ pub fn elastic(flexible: &Flexible, modes: usize, step: Option<f64>) -> Modellin
     }
 }
 
-/// A level that is not elastic, with its scene and models: the same for all integrators.
+/// Level that is not elastic, with its scene and models, which are equal for all integrators.
 #[derive(Clone, Debug)]
 pub struct Fixed {
-    /// The level.
+    /// Level of the model hierarchy.
     pub level: Level,
-    /// Its scene.
+    /// Gears and meshes of the level.
     pub scene: Arc<SceneSpec>,
-    /// Its models.
+    /// Gear models and contacts of the level.
     pub modelling: Arc<Modelling>,
 }
 
-/// What candidates are made of: found once per scene.
+/// Data from which candidates are built, computed once per scene.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// Oscillation of rigid gears in their mesh.
+    /// Oscillator of rigid gears on their mesh stiffness.
     pub oscillator: MeshOscillator,
-    /// Rungs of rigid gears and movable teeth.
+    /// Levels of rigid gears and of movable teeth.
     pub fixed: Vec<Fixed>,
-    /// Stiffness from static solves, or why there is none.
+    /// Stiffness from static solves, or the reason why there is none.
     pub statics: Result<Calibrated, String>,
-    /// How elastic gears are meshed and touch.
+    /// Mesh and contact of the elastic gears.
     pub details: Details,
 }
 
 impl Prepared {
-    /// Sizes up a scene: its contact time, a rigid run that tells how deep flanks go into each other, static solves.
+    /// Prepares the candidates of a scene: contact time, largest approach of a rigid run, static solves.
     pub fn of(problem: &Problem) -> Result<Prepared, ChooseError> {
         Prepared::with(problem, Details::of(problem, 0))
     }
 
-    /// The same with elastic gears that are meshed and touch in a way that was found.
+    /// Prepares the candidates of a problem for elastic gears with the given details.
     pub fn with(problem: &Problem, details: Details) -> Result<Prepared, ChooseError> {
         let oscillator = MeshOscillator::of(&problem.scene)?;
         let scene = Arc::new(problem.scene.clone());
@@ -253,13 +253,13 @@ impl Prepared {
         })
     }
 
-    /// The rigid level that is nearest to the elastic gears.
+    /// Returns the rigid level that is nearest to the elastic gears.
     pub fn best_rigid(&self) -> &Fixed {
         let is = |f: &&Fixed| f.level == Level::Rigid(Stiffness::Static);
         self.fixed.iter().find(is).unwrap_or(&self.fixed[0])
     }
 
-    /// All candidates, the cheapest family first, within a level the longest step first.
+    /// Returns all candidates, the cheapest family first, within a level the longest step first.
     pub fn candidates(&self, problem: &Problem) -> Vec<Candidate> {
         let time = self.oscillator.contact_time();
         let mut all = Vec::new();
@@ -306,7 +306,8 @@ impl Prepared {
         }
     }
 
-    /// Elastic gears with some modes at some steps per contact time or more, so that teeth are resolved as well.
+    /// Returns the candidate of elastic gears with a number of modes and at least so many steps per contact time, so
+    /// that teeth are resolved as well.
     pub fn at_steps(
         &self,
         problem: &Problem,
@@ -325,7 +326,8 @@ fn resolving(problem: &Problem, oscillator: &MeshOscillator, steps: f64) -> f64 
     short((oscillator.contact_time() / steps).min(tooth))
 }
 
-/// Step [s] of refined gears with at least so many in a contact time, of a problem that has no prepared levels.
+/// Returns the step [s] of refined gears with at least so many steps in a contact time, for a problem without prepared
+/// levels.
 ///
 /// # Errors
 /// [`BuildError`] where rigid gears cannot be assembled.
@@ -337,7 +339,8 @@ pub fn fine_step(problem: &Problem, steps: f64) -> Result<f64, BuildError> {
     ))
 }
 
-/// The densest elastic model of gears, finer than anything of the hierarchy: what choices are validated against.
+/// Returns the densest elastic model of gears, finer than all levels of the hierarchy, against which choices are
+/// validated.
 pub fn densest(problem: &Problem, prepared: &Prepared, of: &Flexible) -> Candidate {
     prepared.at_steps(problem, of, DENSEST, DENSEST_STEPS)
 }

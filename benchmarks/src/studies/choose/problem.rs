@@ -1,4 +1,4 @@
-//! A scene as the choice sees it.
+//! The scene of a choice, with its elastic gears and further models.
 //!
 //! The elastic gears of the scene are what all models are meant to stand for: their mesh, material, contact and
 //! damping. Where a scene has no elastic model, gears get a generated mesh and steel-like penalty; a Kelvin-Voigt ratio
@@ -40,60 +40,60 @@ pub const ELEMENTS: [(&str, usize); 2] = [("flank_elements", 12), ("width_elemen
 /// First frequency of a steel tooth times its module [Hz m].
 const TOOTH_SPEED: f64 = 244.0;
 
-/// What the elastic gears are made of.
+/// Elastic gears of a problem: parameters of the gears and contact of their flanks.
 #[derive(Clone, Debug)]
 pub struct Flexible {
-    /// Parameters of `elastic` for each gear: mesh and damping, no modes and no step.
+    /// Parameters of the elastic model for each gear: mesh and damping, no modes and no step.
     pub gears: Vec<ElasticParameters>,
     /// Contacts with flank points, one per mesh.
     pub contacts: Vec<ContactSpec>,
-    /// Label of the model of the scene that it is; `None` where the scene has none.
+    /// Label of the model of the scene with these gears; `None` where the scene has none.
     pub label: Option<String>,
-    /// How they are meshed and touch.
+    /// Mesh density and kind of flank contact.
     pub detail: Detail,
 }
 
-/// A model of the scene with constants of its own: rigid, or with movable teeth.
+/// Rigid or movable-teeth model of the scene with constants of its own.
 #[derive(Clone, Debug)]
 pub struct Own {
-    /// Its label.
+    /// Label of the model in the scene.
     pub label: String,
-    /// Its gears are rigid.
+    /// True if the gears are rigid.
     pub rigid: bool,
-    /// The scene, with the gap of this model.
+    /// Gears and meshes of the scene, with the gap of this model.
     pub scene: SceneSpec,
-    /// Its models.
+    /// Gear models and contacts of this model.
     pub modelling: Modelling,
 }
 
-/// A scene to choose for.
+/// Scene for which a model is chosen, with its elastic gears and further models.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// Keeps what is finished.
+    /// Runner that stores finished runs.
     pub runner: Arc<Runner<'static>>,
-    /// Name.
+    /// Name of the scene.
     pub name: String,
-    /// Gears and meshes, with the gap of the elastic model.
+    /// Gears and meshes of the scene, with the gap of the elastic model.
     pub scene: SceneSpec,
-    /// Simulated time [s].
+    /// Simulated time of the scene [s].
     pub duration: f64,
     /// Samples of the histories over the duration.
     pub samples: usize,
-    /// The elastic gears.
+    /// Elastic gears with the mesh and the contact of the scene.
     pub flexible: Flexible,
-    /// Further models of the scene.
+    /// Rigid and movable-teeth models of the scene, as further levels.
     pub own: Vec<Own>,
-    /// Table of models.
+    /// Table of the available gear models.
     pub models: &'static [Model],
-    /// Runs of the scene over which the set-up is distributed.
+    /// Number of runs of the scene over which the set-up is distributed.
     pub runs: u64,
-    /// Bound on the processor time of one integration on the window: far beyond what an adequate one takes.
+    /// Bound on the processor time of one integration on the window, far beyond that of an adequate one.
     pub timeout: Duration,
 }
 
 impl Problem {
-    /// The problem of a scene file: its first elastic model with residual compliance, and its rigid and movable-teeth
-    /// models as further levels.
+    /// Returns the problem of a scene file: its first elastic model with residual compliance, and its rigid and
+    /// movable-teeth models as further levels.
     pub fn of(file: &SceneFile) -> Problem {
         let elastic = file.models.iter().find(|m| is_elastic(m));
         let own: Vec<Own> = (file.models.iter())
@@ -172,7 +172,7 @@ impl Problem {
         (k.is_finite() && k > 0.0).then_some(k)
     }
 
-    /// First frequency of a tooth, by its size [Hz].
+    /// Computes the first natural frequency of a tooth from its size [Hz].
     pub fn tooth_frequency(&self) -> f64 {
         let module = |g: &gearbench_models::spec::GearSpec| match &g.body {
             Body::Gear(g) => g.params().module,
@@ -191,7 +191,7 @@ fn is_elastic(m: &ModelChoice) -> bool {
         .all(|g| ElasticParameters::of(g).is_some_and(|p| p.keeps_residual()))
 }
 
-/// Generated meshes; `rigid` tells the damping and the friction.
+/// Returns elastic gears with generated meshes; damping and friction are those of `rigid`.
 fn generated(scene: &SceneSpec, rigid: Option<&Modelling>) -> Flexible {
     let [flank_elements, width_elements] = ELEMENTS.map(|(_, n)| Some(n));
     let parameters = ElasticParameters {

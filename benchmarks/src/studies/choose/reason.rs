@@ -1,4 +1,4 @@
-//! The reason of a choice in plain words.
+//! Reasons of a choice in words.
 
 use super::detail::Detail;
 use super::refinement::Refinement;
@@ -8,12 +8,12 @@ use super::selection::SAME_COST;
 use gearbench_reports::numbers::{percent, short};
 use gearbench_reports::{Adequacy, Verdict};
 
-/// A ratio in per cent, with the unit.
+/// Formats a ratio in per cent, with the unit.
 pub fn per_cent(x: f64) -> String {
     format!("{} %", percent(x, 2))
 }
 
-/// Seconds with a fitting unit.
+/// Formats a time given in seconds with a suitable unit.
 pub fn seconds(s: f64) -> String {
     match s {
         s if s < 1e-3 => format!("{} us", short(1e6 * s, 2)),
@@ -22,7 +22,7 @@ pub fn seconds(s: f64) -> String {
     }
 }
 
-/// The yardstick in words: its level, and what it stands for.
+/// Describes the yardstick: its level, mesh and contact.
 pub fn yardstick(choice: &Choice) -> String {
     let name = choice.yardstick.level.name();
     let contact = match choice.details.on_half_spaces() {
@@ -35,7 +35,7 @@ pub fn yardstick(choice: &Choice) -> String {
     }
 }
 
-/// Sentences on why a choice is what it is.
+/// Returns sentences that explain a choice.
 pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinement) -> Vec<String> {
     let mut said = Vec::new();
     let limit = per_cent(requirement.tolerance);
@@ -137,7 +137,7 @@ pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinemen
     said
 }
 
-/// A number of runs in words.
+/// Formats a number of runs in words.
 pub fn runs(n: u64) -> String {
     match n {
         1 => "one run".into(),
@@ -145,7 +145,7 @@ pub fn runs(n: u64) -> String {
     }
 }
 
-/// The yardstick's own error.
+/// Describes the yardstick's own error.
 fn own_error(choice: &Choice, requirement: &Requirement) -> String {
     let parts = &choice.parts;
     let mesh = match parts.mesh {
@@ -176,7 +176,7 @@ fn own_error(choice: &Choice, requirement: &Requirement) -> String {
     }
 }
 
-/// Why it is not decided whether anything is adequate.
+/// Explains why it is not decided whether any candidate is adequate.
 fn undecided(choice: &Choice, limit: &str) -> String {
     let cure = "elastic gears with more elements (`flank_elements`, `rim_elements`) have a yardstick of finer ones";
     match choice.own_error {
@@ -193,7 +193,7 @@ fn undecided(choice: &Choice, limit: &str) -> String {
     }
 }
 
-/// What mesh and contact of the scene are off, and what all models are held against.
+/// Describes the errors of mesh and contact of the scene, and the yardstick of all models.
 fn beyond_the_mesh(choice: &Choice, metric: &str, refinement: &Refinement) -> Vec<String> {
     let mut said = Vec::new();
     let given = (choice.levels.iter())

@@ -1,4 +1,4 @@
-//! A choice as a record.
+//! Conversion of a choice into a record.
 
 use super::problem::Problem;
 use super::reason::yardstick;
@@ -11,7 +11,7 @@ use gearbench_reports::numbers::round_quantity;
 use gearbench_reports::record::{Part, Results, Tolerance, finite};
 use gearbench_reports::{ChoiceRecord, ChooseRecord, LevelRecord, Metric, TriedRecord};
 
-/// The record of a choice.
+/// Returns the record of a choice.
 pub fn results(
     problem: &Problem,
     (title, command): (&str, &str),

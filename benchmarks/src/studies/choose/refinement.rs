@@ -1,5 +1,4 @@
-//! The refinement: elastic gears with more and more modes on the window, until more of them change little; then a finer
-//! mesh with as many.
+//! Refinement of elastic gears on the window: more modes until the results converge, then a finer mesh with as many.
 //!
 //! With `d_i` the distance of level `i` to level `i + 1` in the metric, the refinement of modes ends where the last two are
 //! both below a part of the tolerance, as errors grow over the scene; for a metric that is a single number the force
@@ -29,20 +28,21 @@ use gearbench_integrators::modal::resonance::SAFE;
 use gearbench_reports::Metric;
 use gearbench_reports::choice_check::quantile;
 
-/// Steps per contact time of the refinement, for tolerances up to a limit: their own error is not to show beside it.
+/// Steps per contact time of the refinement, for tolerances up to a limit, so that its integration error is negligible.
 const STEPS: [(f64, f64); 3] = [(0.015, 512.0), (0.04, 256.0), (f64::INFINITY, 128.0)];
 /// Part of the tolerance that the last two differences stay below.
 const SETTLED: f64 = 0.25;
-/// The same for histories, in tolerances, where the metric is a single number.
+/// Multiple of the tolerance that the last two differences of the histories stay below, where the metric is a single
+/// number.
 const HISTORY: f64 = 2.0;
-/// What reduced gears are off from full ones of the same mesh however many modes they have, histories and single
-/// numbers: no estimate goes below.
+/// Least error of reduced gears against full ones of the same mesh, which no number of modes removes [-]: for
+/// histories, for single numbers. No estimate goes below.
 const FLOOR: [f64; 2] = [3e-3, 1e-3];
 /// Bounds of the ratio of differences.
 const RATIO: [f64; 2] = [0.3, 0.5];
 /// Error of a step over the distance to twice and to half the step, of a method of the second order.
 const OF_STEPS: [f64; 2] = [1.0 / 3.0, 4.0 / 3.0];
-/// Fewest differences that say whether they fall.
+/// Least number of differences from which a decreasing trend can be judged.
 const DIFFERENCES: usize = 4;
 /// Differences of the later half over those of the first half from which on they do not fall, medians.
 const STEADY: f64 = 0.5;
@@ -51,13 +51,14 @@ const OF_MESHES: [f64; 2] = [0.25, 0.5];
 /// Distance of two meshes up to which errors fall by that ratio.
 const IN_ORDER: f64 = 0.2;
 
-/// Steps per contact time at which the error of integration does not show under a tolerance.
+/// Returns the steps per contact time at which the integration error is negligible for a tolerance.
 pub fn steps_per_contact(tolerance: f64) -> f64 {
     let found = STEPS.iter().find(|(limit, _)| tolerance < *limit);
     found.map_or(STEPS[2].1, |s| s.1)
 }
 
-/// Error of a mesh by its distance to one with half the elements; where that is too large for the order to hold, all of it.
+/// Estimates the error of a mesh from its distance to one with half the elements; above the range of convergence, it is
+/// the whole distance.
 pub fn error_of_mesh(distance: f64, on_half_spaces: bool) -> f64 {
     let q = OF_MESHES[usize::from(!on_half_spaces)];
     match distance <= IN_ORDER {
@@ -66,67 +67,69 @@ pub fn error_of_mesh(distance: f64, on_half_spaces: bool) -> f64 {
     }
 }
 
-/// A level of elastic gears on the window.
+/// Level of elastic gears with its result on the window.
 #[derive(Clone, Debug)]
 pub struct RefinedLevel {
-    /// How it was run.
+    /// Model, integrator and resolution of the run.
     pub candidate: Candidate,
     pub outcome: Outcome,
-    /// Set-up [s].
+    /// Processor time of the set-up [s].
     pub setup_s: f64,
-    /// Distance to the next level.
+    /// Distance to the next level in the metric [-].
     pub step_up: Option<f64>,
 }
 
-/// The hierarchy as far as it was refined.
+/// Hierarchy of elastic gears as far as it was refined, with the error of its top level.
 #[derive(Clone, Debug)]
 pub struct Refinement {
     /// Levels that ran to the end, by modes, ascending.
     pub levels: Vec<RefinedLevel>,
-    /// As many modes as the last of them on a finer mesh, or why there is none.
+    /// Level with as many modes as the last one, on a finer mesh, or the reason why there is none.
     pub finer: Result<RefinedLevel, String>,
-    /// What the top one is estimated to be off on the window by its modes.
+    /// Estimated error of the top level on the window by the truncation of its modes [-].
     pub remaining: f64,
-    /// The same by its mesh, where there is a finer one.
+    /// Estimated error of the top level on the window by its mesh [-]; `None` without a finer mesh.
     pub of_finer: Option<f64>,
     /// Estimated error of integration of the top level on the window.
     pub integration: f64,
     /// Factor by which errors grow from the window to the scene.
     pub growth: f64,
-    /// The differences became small.
+    /// True if the differences between levels became small.
     pub settled: bool,
-    /// Why differences between levels say nothing of the error, if so: they do not fall with more modes.
+    /// Reason why differences between levels do not bound the error: they do not fall with more modes. `None` if they
+    /// fall.
     pub not_convergent: Option<String>,
     /// Levels that cannot run, with the reason.
     pub refused: Vec<(Candidate, String)>,
-    /// A finer mesh could be made, but did not run: what the mesh is off is not known.
+    /// True if a finer mesh is possible but did not run, so that the error of the mesh is unknown.
     pub lacks_finer: bool,
     /// Levels for which no processor time was left.
     pub not_tried: Vec<String>,
-    /// Steps per contact time.
+    /// Integration steps per contact time.
     steps: f64,
 }
 
 impl Refinement {
-    /// The top level.
+    /// Returns the top level: the one on the finer mesh, else the one with most modes.
     pub fn top(&self) -> Option<&RefinedLevel> {
         self.finer.as_ref().ok().or(self.levels.last())
     }
 
-    /// What the mesh of the scene is off: the distance of the finest modes on it to those on the finer one.
+    /// Returns the error of the mesh of the scene [-]: the distance of the finest modes on it to those on the finer
+    /// mesh; `None` without a finer mesh.
     pub fn of_mesh(&self) -> Option<f64> {
         let last = self.levels.last().filter(|_| self.finer.is_ok());
         last.and_then(|l| l.step_up)
     }
 
-    /// Estimated error of the top level itself over the whole scene; `None` where it is not known.
+    /// Returns the estimated error of the top level itself over the whole scene; `None` where it is unknown.
     pub fn own_error(&self) -> Option<f64> {
         let parts = self.remaining + self.of_finer.unwrap_or(0.0) + self.integration;
         let known = !self.lacks_finer && self.not_convergent.is_none();
         Some(self.growth * parts).filter(|e| known && e.is_finite())
     }
 
-    /// Runs a further level as the others were run.
+    /// Runs a further level at the same steps per contact time as the others.
     ///
     /// # Errors
     /// Why the run could not start, or why it is not to be used.
@@ -167,8 +170,9 @@ fn integration_error(
     Ok(found.unwrap_or(f64::INFINITY))
 }
 
-/// Error of a run by the step of its integration, from its `distance` to one with another step: twice the step, or half of it
-/// where twice the step does not carry modes up to the highest [Hz], or says nothing. The method is of the second order.
+/// Estimates the integration error of a run from its `distance` to one with another step, for a method of the second
+/// order. The other step is twice the step, or half of it where twice the step does not resolve modes up to `highest`
+/// [Hz] or has no result.
 ///
 /// # Errors
 /// Those of `distance`.
@@ -189,13 +193,13 @@ pub fn error_of_step<E>(
     Ok(None)
 }
 
-/// Error of elastic gears by the modes that they lack, from the distances between levels of fewer modes and the next, the last to
-/// themselves.
+/// Estimates the truncation error of elastic gears from the distances between levels of fewer modes and the next, the
+/// last to themselves.
 pub fn error_of_modes(distances: &[f64], metric: Metric) -> f64 {
     remaining(distances).max(FLOOR[usize::from(is_scalar(metric))])
 }
 
-/// Why differences between levels do not fall with more modes, if so.
+/// Returns the reason why differences between levels do not fall with more modes; `None` if they fall.
 fn not_falling(differences: &[f64], allowed: f64) -> Option<String> {
     if differences.len() < DIFFERENCES || differences.last().is_none_or(|d| *d <= allowed) {
         return None;
@@ -211,7 +215,7 @@ fn not_falling(differences: &[f64], allowed: f64) -> Option<String> {
     })
 }
 
-/// Runs a level on the window, or says why its numbers are not to be used.
+/// Runs a level on the window, or returns the reason why its results are not usable.
 fn level(
     problem: &Problem,
     candidate: Candidate,
@@ -233,7 +237,7 @@ fn level(
     }))
 }
 
-/// Refines.
+/// Refines elastic gears on the window, in modes and in the mesh, and estimates the error of the top level.
 ///
 /// # Errors
 /// [`ChooseError::Hierarchy`] when no elastic gears reach the end of the window.
@@ -249,7 +253,7 @@ pub fn refine(
     refine_over(what, (requirement, growth), &MODES, progress)
 }
 
-/// Refines over some numbers of modes.
+/// Refines elastic gears over the given numbers of modes.
 ///
 /// # Errors
 /// [`ChooseError`] for the reasons that [`refine`] names.
@@ -402,8 +406,7 @@ mod tests {
     use super::{error_of_step, not_falling, remaining};
     use std::convert::Infallible;
 
-    /// Differences that stay as large as they were say nothing of the error; those that fall, or are within what is allowed,
-    /// do.
+    /// Differences that do not fall give no bound on the error; those that fall, or are within the permitted error, do.
     #[test]
     fn differences_that_do_not_fall_are_recognised() {
         assert!(not_falling(&[0.6, 0.5, 0.6, 0.3, 0.5, 0.7], 0.1).is_some());
@@ -412,7 +415,8 @@ mod tests {
         assert_eq!(not_falling(&[0.6, 0.5, 0.6], 0.1), None);
     }
 
-    /// Of a method of the second order a third of the distance to twice the step is left, and four thirds of that to half.
+    /// The error of a method of the second order is a third of the distance to twice the step, and four thirds of that
+    /// to half.
     #[test]
     fn the_error_of_a_step_follows_from_another_one() {
         let exact = |h: f64| 3.0 * h * h;

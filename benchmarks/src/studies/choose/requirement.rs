@@ -1,29 +1,30 @@
-//! What is asked for: a metric and how large an error in it may be.
+//! Accuracy that the choice must reach: a metric and its largest relative error.
 //!
-//! Metrics are the relative errors of [`gearbench_reports::metrics`]; only the energy is another here: what damping and
-//! friction take, over all the energy that the reference has or is given, since all models keep their ledgers.
+//! Metrics are the relative errors of [`gearbench_reports::metrics`]. Only the energy metric differs: it is the error
+//! of the energy dissipated by damping and friction, over the initial energy and the external work of the reference,
+//! since all models have an energy balance.
 
 use gearbench_reports::Metric;
 use gearbench_reports::metrics::{Finished, compare};
 use gearbench_reports::record::Ledger;
 use gearbench_reports::series::TimeSeries;
 
-/// A metric and the largest error in it that is accurate enough.
+/// Metric and its largest relative error that counts as accurate enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Requirement {
-    /// What has to be right.
+    /// Metric whose error is limited.
     pub metric: Metric,
-    /// How far it may be off, relative [-].
+    /// Largest relative error that is permitted [-].
     pub tolerance: f64,
 }
 
 impl Requirement {
-    /// The metric on the command line.
+    /// Returns the name of the metric on the command line.
     pub fn name(&self) -> &'static str {
         self.metric.option().unwrap_or_default()
     }
 
-    /// The metric in words.
+    /// Returns the name of the metric in words.
     pub fn title(&self) -> &'static str {
         match self.metric {
             Metric::ForceL2 => "force history",
@@ -38,7 +39,8 @@ impl Requirement {
     }
 }
 
-/// A single number of each run, whose errors may cancel by chance; the others compare whole histories.
+/// True if the metric compares a single number of each run, whose errors may cancel by chance; the others compare whole
+/// histories.
 pub fn is_scalar(metric: Metric) -> bool {
     matches!(
         metric,
@@ -46,7 +48,7 @@ pub fn is_scalar(metric: Metric) -> bool {
     )
 }
 
-/// Error of a run against a reference, not negative; `None` where one of them does not have the quantity.
+/// Computes the absolute value of the error of a run against a reference; `None` where one of them lacks the quantity.
 pub fn error(
     metric: Metric,
     run: Finished<'_>,

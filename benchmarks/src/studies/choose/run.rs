@@ -1,4 +1,4 @@
-//! What the choice answers, and the order in which it asks.
+//! The choice of a model: its result, and the sequence of refinement, levels and candidates that leads to it.
 
 use super::detail::{Detail, Details};
 use super::level::Level;
@@ -16,7 +16,7 @@ use gearbench_reports::{Adequacy, ForceStatistics, ReferenceDistance, Verdict};
 /// Numbers of modes of which the statistics are described where a history does not repeat.
 const FEW: usize = 2;
 
-/// Why there is no answer at all.
+/// Error that prevents any result of the choice.
 #[derive(Debug, thiserror::Error)]
 pub enum ChooseError {
     /// The scene cannot be assembled.
@@ -25,7 +25,7 @@ pub enum ChooseError {
     /// A run could not start, or was stopped by the user.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// Teeth stay apart.
+    /// No teeth come into contact within the duration of the scene.
     #[error(
         "no teeth touch within {duration:.3e} s; there is no contact to choose a model for: simulate longer, or start closer"
     )]
@@ -33,7 +33,7 @@ pub enum ChooseError {
         /// Duration of the scene [s].
         duration: f64,
     },
-    /// Nothing can be estimated within the budget.
+    /// The budget is spent before an error can be estimated.
     #[error(
         "the budget of {0} is spent before two levels of elastic gears have run, and no error can be estimated: allow more with --budget, or give the elastic model fewer elements (`flank_elements`, `rim_elements`)"
     )]
@@ -45,20 +45,20 @@ pub enum ChooseError {
     Hierarchy(String),
 }
 
-/// How a level did on the window.
+/// Result of a level on the window.
 #[derive(Clone, Debug)]
 pub struct LevelTried {
-    /// The level.
+    /// Level of the model hierarchy.
     pub level: Level,
-    /// Integrator and resolution that make its own error small.
+    /// Integrator and resolution with a negligible integration error.
     pub method: Scheme,
-    /// Distance to the top level in the metric; what the top level itself is off is not in it.
+    /// Distance to the top level in the metric, without the error of the top level itself.
     pub distance: f64,
-    /// Distance to the next denser level, where the hierarchy goes on.
+    /// Distance to the next denser level, where there is one.
     pub step_up: Option<f64>,
     /// Estimated error against the top level over the whole scene.
     pub error: f64,
-    /// Whether it keeps the tolerance.
+    /// Verdict on the estimated error against the tolerance.
     pub adequate: Adequacy,
     /// Statistics of the contact force on the window, where its history does not repeat.
     pub statistics: Option<ForceStatistics>,
@@ -66,68 +66,68 @@ pub struct LevelTried {
     pub cheapest: Option<(Candidate, f64)>,
     /// Processor time of the set-up on this machine, caches as they were [s].
     pub setup_s: f64,
-    /// Why its numbers are not to be used, if so.
+    /// Reason why the results of the level are not usable; `None` if they are.
     pub failure: Option<String>,
 }
 
-/// A candidate that was run on the window.
+/// Candidate with its result on the window.
 #[derive(Clone, Debug)]
 pub struct Tried {
-    /// It.
+    /// Model, integrator and resolution that were tried.
     pub candidate: Candidate,
     /// Estimated error against the top level over the whole scene.
     pub error: f64,
     /// Predicted processor time of one run of the whole scene [s].
     pub cost_s: f64,
-    /// Whether it keeps the tolerance.
+    /// Verdict on the estimated error against the tolerance.
     pub adequate: Adequacy,
     /// Steps and force evaluations on the window.
     pub work: [u64; 2],
-    /// How the run failed, if so.
+    /// Reason of the failure of the run; `None` if it succeeded.
     pub failure: Option<String>,
 }
 
-/// The answer.
+/// Result of `choose`: the candidate with its estimated error and cost, and all that was tried.
 #[derive(Clone, Debug)]
 pub struct Choice {
-    /// The answer.
+    /// Verdict of the whole choice.
     pub verdict: Verdict,
     /// The chosen candidate; `None` when nothing is adequate, or when it is not decided.
     pub candidate: Option<Candidate>,
-    /// The top level, which all others are compared with.
+    /// Top level of the hierarchy, with which all others are compared.
     pub yardstick: Candidate,
     /// Estimated error of the yardstick itself over the whole scene; `None` where it is not known, and nothing is judged.
     pub own_error: Option<f64>,
-    /// Part of it of a history that does not repeat.
+    /// Part of the yardstick's error that is due to a history that does not repeat.
     pub scatter: f64,
-    /// Why the history does not repeat, if so.
+    /// Reason why the history does not repeat; `None` if it does.
     pub not_repeatable: Option<String>,
     /// Distances of the yardstick and of the choice to references of the scene.
     pub references: Vec<ReferenceDistance>,
-    /// Runs over which the set-up is distributed.
+    /// Number of runs over which the set-up is distributed.
     pub runs: u64,
     /// Processor time of the choice for all runs with one set-up [s].
     pub total_cost_s: f64,
     /// Estimated error of the choice against the yardstick over the whole scene, or the least there is.
     pub predicted_error: f64,
-    /// Parts of it: the model against the top level, the integrator against the model's own fine solution, what the top
-    /// level is off, and the factor from the window to the whole scene.
+    /// Parts of the predicted error: the model against the top level, the integrator against the model's own fine
+    /// solution, the error of the top level, and the growth from the window to the whole scene.
     pub parts: Parts,
     /// Processor time of one run of the whole scene on this machine [s].
     pub predicted_cost_s: f64,
     /// Processor time of the set-up (mesh, modes; kept on disk for next time) [s].
     pub setup_s: f64,
-    /// The reason, a sentence each.
+    /// Sentences that explain the choice.
     pub reason: Vec<String>,
-    /// The hierarchy.
+    /// Levels of the model hierarchy that were tried.
     pub levels: Vec<LevelTried>,
-    /// All that was run on the window.
+    /// All candidates that were run on the window.
     pub tried: Vec<Tried>,
-    /// The window.
+    /// Window of the scene on which the models were compared.
     pub window: Window,
-    /// In which ways the scene lies outside of what the choice has been checked on.
+    /// Properties of the scene that lie outside of the range in which the choice has been validated.
     pub outside: Vec<String>,
-    /// What elastic gears are made of, and what all models are held against.
+    /// Mesh and contact of the elastic gears, those of the yardstick included.
     pub details: Details,
     /// Levels and candidates for which no processor time was left.
     pub not_tried: Vec<String>,
@@ -136,24 +136,24 @@ pub struct Choice {
 /// Parts of an estimated error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parts {
-    /// Level against the top level.
+    /// Error of the level against the top level.
     pub model: f64,
-    /// Method against the level's own fine solution.
+    /// Error of the integrator against the level's own fine solution.
     pub integration: f64,
-    /// Top level against the limit of the hierarchy of modes.
+    /// Error of the top level against the limit of the hierarchy of modes.
     pub top: f64,
-    /// Top level against the limit of finer and finer meshes, where it is known.
+    /// Error of the top level against the limit of finer and finer meshes, where it is known.
     pub mesh: Option<f64>,
-    /// Top level against its own limit of short steps.
+    /// Integration error of the top level against its own limit of short steps.
     pub top_integration: f64,
     /// Factor by which errors grow from the window to the whole scene.
     pub growth: f64,
 }
 
-/// Chooses. `progress` is told what is being done.
+/// Chooses the cheapest adequate candidate of a problem. `progress` receives descriptions of the steps.
 ///
 /// # Errors
-/// [`ChooseError`] when there is no answer at all; that nothing is adequate is an answer.
+/// [`ChooseError`] when there is no result at all; that no candidate is adequate is a result.
 pub fn choose(
     problem: &Problem,
     requirement: &Requirement,

@@ -1,5 +1,4 @@
-//! The selection: of every adequate level each integrator is taken to its longest adequate step, and the cheapest of all is
-//! chosen.
+//! Selection of the cheapest candidate: each integrator on each adequate level at its longest adequate step.
 //!
 //! A candidate is run on the window and compared with the top level, the yardstick, so that errors of model and integrator
 //! count as they come together. It is adequate where its error and the yardstick's own error together keep the tolerance
@@ -37,7 +36,7 @@ struct Standing {
     fine: Option<Outcome>,
 }
 
-/// What all steps of the selection need.
+/// Data that all steps of the selection share.
 struct Selector<'a, 'p> {
     problem: &'a Problem,
     window: &'a Window,
@@ -63,7 +62,7 @@ impl Selector<'_, '_> {
         self.refinement.growth * distance
     }
 
-    /// Whether there is no processor time left for something, which is then listed.
+    /// True if the processor time is used up; the item is then listed as not tried.
     fn leaves(&mut self, name: impl FnOnce() -> String) -> bool {
         let spent = self.problem.runner.budget().is_spent();
         if spent {
@@ -169,8 +168,8 @@ impl Selector<'_, '_> {
         }
     }
 
-    /// What the contact of the scene itself is off, with the modes of the top level, where another has taken its place. It
-    /// is told, not taken: half-spaces cost no more.
+    /// Estimates the error of the contact of the scene itself, with the modes of the top level, where half-spaces have
+    /// replaced it. The result is reported, not a candidate: half-spaces cost no more.
     fn as_given(&mut self, prepared: &Prepared) -> Result<Option<Standing>, ChooseError> {
         let given = &self.problem.flexible;
         let top = self.refinement.levels.last();
@@ -196,8 +195,8 @@ impl Selector<'_, '_> {
         }))
     }
 
-    /// Predicted cost over the whole scene of a candidate that takes `cost` on the window: a method that flies pays for
-    /// contact only.
+    /// Predicts the cost over the whole scene from `cost` on the window; a method that is exact for the linear part
+    /// pays for contact only.
     fn whole_cost(&self, candidate: &Candidate, cost: f64) -> f64 {
         let flies = candidate.method.method.info().linear_part;
         cost * if flies {
@@ -207,7 +206,7 @@ impl Selector<'_, '_> {
         }
     }
 
-    /// Looks for the cheapest adequate candidate of an adequate level.
+    /// Searches the cheapest adequate candidate of an adequate level.
     fn look(
         &mut self,
         level: &mut LevelTried,
@@ -329,7 +328,7 @@ impl Selector<'_, '_> {
         }
     }
 
-    /// Keeps what a step of elastic gears costs.
+    /// Records the cost of a step of elastic gears.
     fn learn(&mut self, candidate: &Candidate, cost: f64) {
         if let (Some(_), Some(h)) = (candidate.level.modes(), candidate.method.resolution.step()) {
             let per_step = cost * h;
@@ -357,8 +356,8 @@ fn simplest_of_cheapest(costs: &[Option<f64>]) -> Option<usize> {
     costs.iter().position(same)
 }
 
-/// The answer, from what was tried: levels, each with its candidates. Nothing is adequate where no level is, and where of an
-/// adequate one candidates were tried and none of them is.
+/// Returns the verdict from all that was tried: levels, each with its candidates. No model is adequate if no level is,
+/// and if the candidates that were tried of an adequate level are not.
 fn verdict(chosen: bool, levels: impl IntoIterator<Item = (Adequacy, Vec<Adequacy>)>) -> Verdict {
     let not = |a: &Adequacy| *a == Adequacy::NotAdequate;
     let none = |(level, candidates): (Adequacy, Vec<Adequacy>)| {
@@ -555,7 +554,7 @@ mod tests {
         assert_eq!(chosen(&[]), None);
     }
 
-    /// Nothing is adequate only where that is decided of everything.
+    /// The verdict that no model is adequate requires a decision on every level and candidate.
     #[test]
     fn the_answer_follows_from_levels_and_candidates() {
         let of = |levels: &[(Adequacy, &[Adequacy])]| {

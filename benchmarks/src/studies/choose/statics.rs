@@ -50,7 +50,7 @@ const ANALYTIC: (ToothModel, Foundation, Hertz) = (
     },
 );
 
-/// Stiffness from analytic compliances.
+/// Returns the stiffness from analytic compliances of tooth, foundation and contact.
 pub fn analytic() -> PairStiffness {
     let (tooth, foundation, hertz) = ANALYTIC;
     PairStiffness::Compliance {
@@ -60,7 +60,7 @@ pub fn analytic() -> PairStiffness {
     }
 }
 
-/// Rigid gears with a contact for all meshes.
+/// Returns rigid gears with one contact for each mesh.
 pub fn rigid(scene: &SceneSpec, contacts: Vec<ContactSpec>) -> Modelling {
     Modelling {
         gears: vec![rigid::spec(); scene.gears.len()],
@@ -68,7 +68,7 @@ pub fn rigid(scene: &SceneSpec, contacts: Vec<ContactSpec>) -> Modelling {
     }
 }
 
-/// A contact between tooth pairs.
+/// Returns a contact between tooth pairs.
 pub fn contact(stiffness: PairStiffness, exponent: f64, damping: Damping) -> ContactSpec {
     ContactSpec {
         stiffness,
@@ -80,7 +80,7 @@ pub fn contact(stiffness: PairStiffness, exponent: f64, damping: Damping) -> Con
     }
 }
 
-/// Where the stiffness of a contact between rigid gears is from.
+/// Origin of the contact stiffness between rigid gears.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
     Norm,
@@ -89,7 +89,7 @@ pub enum Source<'a> {
 }
 
 impl Source<'_> {
-    /// The contact with the damper that goes with the relaxation time `tau` [s].
+    /// Returns the contact with a damper of the relaxation time `tau` [s].
     pub fn contact(self, tau: f64, oscillator: &MeshOscillator) -> ContactSpec {
         match self {
             Source::Norm => contact(norm(), 1.0, damper(tau, oscillator.stiffness)),
@@ -99,7 +99,7 @@ impl Source<'_> {
     }
 }
 
-/// The damper of a tooth pair with a stiffness [N/m] and the relaxation time `tau` [s].
+/// Returns the damper of a tooth pair with a stiffness [N/m] and the relaxation time `tau` [s].
 pub fn damper(tau: f64, stiffness: f64) -> Damping {
     if tau > 0.0 {
         Damping::KelvinVoigt { c: tau * stiffness }
@@ -108,7 +108,7 @@ pub fn damper(tau: f64, stiffness: f64) -> Damping {
     }
 }
 
-/// A mesh of rigid gears with the stiffness of the norm as an oscillator.
+/// Mesh of rigid gears with the stiffness of ISO 6336 as an oscillator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshOscillator {
     /// Reduced mass along the line of action [kg].
@@ -118,7 +118,7 @@ pub struct MeshOscillator {
 }
 
 impl MeshOscillator {
-    /// Of the stiffest mesh of a scene.
+    /// Computes the oscillator of the stiffest mesh of a scene.
     pub fn of(scene: &SceneSpec) -> Result<MeshOscillator, BuildError> {
         let contacts = vec![contact(norm(), 1.0, Damping::None); scene.meshes.len()];
         let built = Scene::build(scene, &rigid(scene, contacts), MODELS)?;
@@ -136,18 +136,18 @@ impl MeshOscillator {
         })
     }
 
-    /// Inverse of its angular frequency, `sqrt(m/k)` [s].
+    /// Returns the inverse of the angular frequency, `sqrt(m/k)` [s].
     pub fn lag(&self) -> f64 {
         (self.mass / self.stiffness).sqrt()
     }
 
-    /// Half a period: how long a tooth pair touches in an impact [s].
+    /// Returns half a period, the contact time of a tooth pair in an impact [s].
     pub fn contact_time(&self) -> f64 {
         std::f64::consts::PI * self.lag()
     }
 }
 
-/// Time `tau = c/k` of the damper of a tooth pair [s]; `None` for laws that are no dampers.
+/// Returns the relaxation time `tau = c/k` of the damper of a tooth pair [s]; `None` for laws that are no dampers.
 pub fn relaxation_of(scene: &SceneSpec, contact: &ContactSpec) -> Option<f64> {
     let oscillator = MeshOscillator::of(scene).ok()?;
     match contact.damping {
@@ -165,25 +165,25 @@ pub fn relaxation_of(scene: &SceneSpec, contact: &ContactSpec) -> Option<f64> {
 /// Stiffness of a tooth pair from static solves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibrated {
-    /// Path coordinates [m], ascending.
+    /// Path coordinates of the table [m], ascending.
     pub s: Vec<f64>,
-    /// Coefficient there [N/m^n].
+    /// Coefficients at the path coordinates [N/m^n].
     pub k: Vec<f64>,
-    /// Exponent `n`.
+    /// Exponent `n` of the force law.
     pub exponent: f64,
-    /// Largest approach that it is for [m].
+    /// Largest approach for which the table is valid [m].
     pub approach: f64,
-    /// Equilibria and Newton iterations that it took.
+    /// Equilibria and Newton iterations of the calibration.
     pub work: [u64; 2],
 }
 
 impl Calibrated {
-    /// As the stiffness of a contact.
+    /// Returns the table as the stiffness of a contact.
     pub fn stiffness(&self) -> PairStiffness {
         table(self.s.clone(), self.k.clone())
     }
 
-    /// Secant stiffness of the pair in the middle of the path at the approach that it is for [N/m].
+    /// Returns the secant stiffness of the pair in the middle of the path at the largest approach [N/m].
     pub fn secant(&self) -> f64 {
         self.k[self.k.len() / 2] * self.approach.powf(self.exponent - 1.0)
     }

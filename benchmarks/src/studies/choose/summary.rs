@@ -1,4 +1,4 @@
-//! What the terminal says of a choice.
+//! Terminal summary of a record of `choose`.
 
 use super::reason::{per_cent, runs, seconds};
 use super::run::Choice;
@@ -6,7 +6,7 @@ use crate::cli::terminal::say;
 use crate::experiment::budget::NOT_TRIED;
 use gearbench_reports::{Adequacy, ChoiceRecord, Verdict};
 
-/// The answer in plain words.
+/// Prints the result of the choice in words.
 pub(super) fn summarise(choice: &ChoiceRecord, found: &Choice) {
     let wanted = format!(
         "{} within {}",

@@ -23,7 +23,7 @@ fn problem() -> Problem {
     Problem::of(&coarse("modes = 30, damping_ratio = 0.01"))
 }
 
-/// The same without dashpots at flank points.
+/// Returns the scene of [`problem`] without dashpots at flank points.
 fn without_dashpots() -> Problem {
     let mut s = problem();
     for c in &mut s.flexible.contacts {
@@ -32,8 +32,8 @@ fn without_dashpots() -> Problem {
     s
 }
 
-/// Half-spaces on the mesh of the scene lead, twice the elements along the flanks judge; a scene that touches on
-/// half-spaces itself leads.
+/// Half-spaces on the mesh of the scene are the lead, and a mesh with twice the elements along the flanks is the
+/// yardstick; a scene with contact on half-spaces is itself the lead.
 #[test]
 fn half_spaces_lead_and_a_finer_mesh_judges() {
     let mut s = without_dashpots();
@@ -58,7 +58,8 @@ fn half_spaces_lead_and_a_finer_mesh_judges() {
     assert!(d.on_half_spaces() && d.finer.is_ok());
 }
 
-/// What half-spaces do not know keeps the contact of the scene, and a mesh from elsewhere is not refined; both are told.
+/// A contact that half-spaces cannot represent stays that of the scene, and an external mesh is not refined; both are
+/// reported.
 #[test]
 fn what_cannot_be_refined_is_told() {
     let mut s = problem();
@@ -78,8 +79,8 @@ fn what_cannot_be_refined_is_told() {
     assert!(why.contains("`b`") && why.contains("wheel.inp"), "{why}");
 }
 
-/// The choice holds all levels against the finer mesh: its distance is the error of the scene's own, the estimates hold it,
-/// and what is chosen is written with the contact and the mesh that it is for.
+/// The choice compares all levels with the finer mesh: its distance is the error of the scene's own mesh, the estimates
+/// include it, and the chosen candidate is written with the contact and the mesh that it is for.
 #[test]
 fn a_choice_is_held_against_the_finer_mesh() {
     let mut s = without_dashpots();
@@ -235,8 +236,8 @@ fn dampers_of_rigid_gears_follow_the_flanks() {
     assert!(s.relaxation(&s.flexible, 0, 1e12, force) == lag);
 }
 
-/// Under a load rigid gears and movable teeth swing in their mesh with the damping ratio of the elastic gears that judge,
-/// whatever law their contacts have: of 5 % in modes and contact little is left there.
+/// Under a load rigid gears and movable teeth vibrate in the mesh mode with the damping ratio of the elastic yardstick,
+/// for any law of their contacts: of 5 % in modes and contact little remains in this mode.
 #[test]
 fn derived_levels_have_the_damping_of_the_mesh_mode() {
     let file = |contact: &str| {

@@ -1,4 +1,4 @@
-//! A model that has been set up once and runs on the window under one method after the other.
+//! A model that is assembled once and runs on the window under one method after the other.
 
 use super::pilot::Window;
 use super::problem::Problem;
@@ -23,7 +23,8 @@ use std::time::{Duration, Instant};
 /// Time after which a run is not repeated further [s].
 const LONG_ENOUGH: f64 = 0.04;
 
-/// Why a model cannot run, of an error that is about it alone; `None` of one that ends the study.
+/// Returns the reason why a model cannot run, if the error concerns this model alone; `None` for one that ends the
+/// study.
 pub fn cannot_run(e: &RunError) -> Option<String> {
     match e {
         RunError::Interrupted | RunError::Journal(_) | RunError::Picture(_) => None,
@@ -31,12 +32,12 @@ pub fn cannot_run(e: &RunError) -> Option<String> {
     }
 }
 
-/// A model that is ready to run.
+/// Model that is assembled for runs on the window.
 pub struct Trial<'a> {
     spec: &'a SceneSpec,
     modelling: &'a Modelling,
     problem: &'a Problem,
-    /// The scene, set up.
+    /// The assembled scene.
     pub scene: Scene,
     /// No gear has coordinates but its hub's.
     rigid: bool,
@@ -44,26 +45,26 @@ pub struct Trial<'a> {
     pub setup: Duration,
 }
 
-/// What a run on the window gave.
+/// Result of a run on the window.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outcome {
-    /// History.
+    /// Recorded histories over time.
     pub series: TimeSeries,
-    /// Energy.
+    /// Energy balance of the run.
     pub ledger: Ledger,
-    /// The row without its history.
+    /// Row of the record, without its history.
     pub row: Run,
-    /// Time that it was to reach [s].
+    /// Intended end of the run [s].
     pub end_s: f64,
 }
 
 impl Outcome {
-    /// It reached the end and its numbers may be used.
+    /// True if the run reached its end and its results are usable.
     pub fn usable(&self) -> bool {
         !self.row.status.is_failure()
     }
 
-    /// Error against another run; infinite where there is none to be had.
+    /// Computes the error against another run; infinite where it cannot be evaluated.
     pub fn error(&self, metric: Metric, reference: &Outcome) -> f64 {
         let times = [self.row.simulated_s, self.end_s];
         (self.usable().then_some(()))
@@ -74,7 +75,7 @@ impl Outcome {
 }
 
 impl<'a> Trial<'a> {
-    /// Sets a model up.
+    /// Assembles a scene with a model for runs on the window.
     pub fn new(
         problem: &'a Problem,
         spec: &'a SceneSpec,
@@ -155,8 +156,8 @@ impl<'a> Trial<'a> {
         runner.piece(key, || Ok(outcome))
     }
 
-    /// Processor time that a method takes to the end of a window without observers [s]: the shortest of `repeats`. What an
-    /// earlier start has measured counts.
+    /// Measures the processor time of a method to the end of a window without observers [s]: the shortest of `repeats`.
+    /// Measurements of an earlier start are reused.
     ///
     /// # Errors
     /// Those of the journal.

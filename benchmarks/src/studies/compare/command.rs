@@ -1,4 +1,4 @@
-//! `gearbench compare SCENE`.
+//! Implements `gearbench compare SCENE`: runs models and integrators of a scene and compares them with a yardstick.
 
 use super::arguments::Compare;
 use super::summary::summarise;
@@ -68,7 +68,7 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
     )
 }
 
-/// First and last time of frames: those that are given, else of the whole run.
+/// Returns the first and last time of frames [s]: the given ones, else those of the whole run.
 fn window(given: &[f64], end: f64) -> Result<[f64; 2], Refusal> {
     match *given {
         [] => Ok([0.0, end]),

@@ -1,4 +1,4 @@
-//! What the comparison runs.
+//! Plan of a comparison: models, integrators, references and yardstick.
 
 use super::yardstick::{REFINED, Wanted};
 use crate::experiment::conditions::Conditions;
@@ -11,42 +11,42 @@ use gearbench_reference::data::Reference;
 use gearbench_reports::record::{ReferenceSeries, SELF, Tolerance};
 use std::path::PathBuf;
 
-/// Frames of every run for ParaView.
+/// Plan of the frames of every run for ParaView.
 #[derive(Clone, Debug)]
 pub struct FramePlan {
-    /// Where they go.
+    /// Folder to which the frames are written.
     pub folder: PathBuf,
-    /// How many of each run.
+    /// Number of frames of each run.
     pub frames: usize,
-    /// First and last time [s].
+    /// First and last time of the frames [s].
     pub window: [f64; 2],
 }
 
-/// What to compare.
+/// Plan of a comparison of models and integrators.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// What all runs share.
+    /// Conditions that all runs share.
     pub conditions: Conditions<'a>,
-    /// Models.
+    /// Models that are compared.
     pub entries: Vec<Configuration>,
-    /// Integrators.
+    /// Integrators of models without their own.
     pub methods: Vec<Scheme>,
-    /// What all models are held against: measured, or computed elsewhere.
+    /// References that all models are compared with, measured or computed by other programs.
     pub references: Vec<ReferenceSeries>,
-    /// What models are compared with.
+    /// Kind of yardstick that models are compared with.
     pub wanted: Wanted,
     /// Frequency above which the force of a mesh counts as ripple [Hz].
     pub ripple_above: Option<f64>,
-    /// Source of published times.
+    /// Source of the published computing times.
     pub published: Option<String>,
-    /// What the scene calls accurate enough.
+    /// Tolerance that the scene specifies for an adequate model.
     pub tolerance: Option<Tolerance>,
-    /// Frames for ParaView; none where nobody asks.
+    /// Plan of the frames for ParaView; `None` without frames.
     pub pictures: Option<FramePlan>,
 }
 
 impl Plan<'_> {
-    /// The comparison of some models of a scene as the scene describes it: one timed repeat, a minute per run.
+    /// Plans the comparison of some models with the settings of the scene: one timed repeat, a minute per run.
     pub fn of(
         scene: &SceneFile,
         choices: &[&ModelChoice],
@@ -73,7 +73,7 @@ impl Plan<'_> {
         }
     }
 
-    /// The same with what the scene, or the option `--yardstick`, asks models to be compared with. A tolerance of models
+    /// Returns the plan with the yardstick of the option `--yardstick`, else of the scene. A tolerance of models
     /// follows the option.
     ///
     /// # Errors
@@ -98,7 +98,7 @@ impl Plan<'_> {
         Ok(self)
     }
 
-    /// The same under other integrators, for all models.
+    /// Returns the plan with these integrators for all models.
     pub fn with_methods(mut self, methods: Vec<Scheme>) -> Self {
         for entry in &mut self.entries {
             entry.methods = None;
@@ -107,7 +107,7 @@ impl Plan<'_> {
         self
     }
 
-    /// Number of runs.
+    /// Returns the number of runs, one for each model and integrator.
     pub fn len(&self) -> usize {
         self.entries.iter().map(|e| self.methods_of(e).len()).sum()
     }
@@ -134,12 +134,12 @@ impl Plan<'_> {
         })
     }
 
-    /// Its own integrators of a configuration, else those of all.
+    /// Returns the integrators of a model: its own, else those of the plan.
     pub(super) fn methods_of<'p>(&'p self, entry: &'p Configuration) -> &'p [Scheme] {
         entry.methods.as_deref().unwrap_or(&self.methods)
     }
 
-    /// True when there is nothing to run.
+    /// True if the plan contains no runs.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -1,4 +1,4 @@
-//! Runs of the comparison.
+//! Runs of a comparison, and their errors against references and yardstick.
 
 use super::plan::Plan;
 use super::yardstick::{REFINED, Wanted, most_detailed, of_entry, of_stored, refined};
@@ -19,7 +19,7 @@ use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run, SE
 use gearbench_reports::series::TimeSeries;
 use std::fmt::Display;
 
-/// Runs the comparison.
+/// Runs all models and integrators of a comparison and evaluates their errors.
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built, or nothing of what is asked for can run.
@@ -205,7 +205,7 @@ fn meshes_of(entry: &Configuration) -> Vec<[String; 2]> {
         .collect()
 }
 
-/// How many modes each gear of an elastic model has, which the numbers and frequencies asked for only bound.
+/// Describes the number of modes of each gear of an elastic model, for which the settings are only upper bounds.
 fn modes_that_act((entry, runs): (&Configuration, &Vec<Run>)) -> Option<(String, String)> {
     let run = runs.iter().find(|r| r.modes.is_some())?;
     let gears = entry.scene.gears.iter().zip(&run.modes_of_gears);
@@ -217,7 +217,7 @@ fn modes_that_act((entry, runs): (&Configuration, &Vec<Run>)) -> Option<(String,
     Some((format!("modes of {}", entry.label), each.join(", ")))
 }
 
-/// Whether a tolerance is against a stored reference, or says nothing of models.
+/// True if a tolerance refers to a stored reference, or to each model's own converged solution.
 fn is_stored(references: &[ReferenceSeries], tolerance: &Tolerance) -> bool {
     tolerance.against == SELF || references.iter().any(|r| r.id == tolerance.against)
 }

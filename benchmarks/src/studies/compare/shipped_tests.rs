@@ -1,4 +1,4 @@
-//! What shipped scenes are there to show.
+//! Tests of the effects that the shipped scenes demonstrate.
 
 #![allow(clippy::print_stdout)]
 
@@ -118,7 +118,7 @@ fn elastic_gears_feel_small_misalignments() {
     falls([1, 2, 3, 20, 21, 39]);
 }
 
-/// At each thousandth of a degree.
+/// The peak force of elastic gears decreases with each further thousandth of a degree of misalignment.
 #[test]
 #[ignore = "a minute"]
 fn elastic_gears_feel_every_thousandth_of_a_degree() {

@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `compare`.
+//! Terminal summary of a record of `compare`.
 
 use crate::cli::terminal::say;
 use crate::experiment::run::LEFT_OUT;
@@ -6,13 +6,13 @@ use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Results, Run, SELF, Status};
 use gearbench_reports::{Metric, finding, yardstick_of};
 
-/// Whether the scene's tolerance excepts the model of a run.
+/// True if the scene's tolerance excepts the model of a run.
 fn is_excepted(results: &Results, run: &Run) -> bool {
     (results.tolerance.as_ref()).is_some_and(|t| t.except.contains(&run.model_label()))
 }
 
-/// One line per run with its error of integration and its error against the yardstick, failures with their reason; then the
-/// finding.
+/// Prints one line per run with its integration error and its error against the yardstick, failures with their reason,
+/// and then the finding.
 pub fn summarise(results: &Results) {
     let yardstick = yardstick_of(results);
     let id = yardstick.as_ref().map(|y| y.id.as_str());

@@ -1,4 +1,4 @@
-//! What the models of a comparison are compared with, and how far that is off itself.
+//! The yardstick of a comparison: the solution that models are compared with, and the estimate of its own error.
 //!
 //! | scene | yardstick |
 //! |---|---|
@@ -47,20 +47,20 @@ use gearbench_reports::series::TimeSeries;
 
 /// Id of refined gears among the references of a record, and in `tolerance.against` of a scene.
 pub const REFINED: &str = "refined";
-/// Dynamic modes per gear of refined gears, and of the runs that tell what they are off by these.
+/// Dynamic modes per gear of refined gears, and of the runs from which their truncation error is estimated.
 const MODES: usize = 100;
 const FEWER: [usize; 2] = [75, 50];
-/// Runs of the yardstick.
+/// Number of runs for the yardstick and the parts of its error.
 const RUNS: usize = 5;
-/// Tolerance that the step is fine enough for where the scene says none.
+/// Default tolerance for which the step is chosen, for scenes without one.
 const USUAL: f64 = 0.05;
 /// Tolerance of refined gears whose modes are coupled.
 const COUPLED_RTOL: f64 = 1e-6;
 
-/// What a comparison is to compare its models with.
+/// Kind of yardstick with which a comparison compares its models.
 #[derive(Clone, Debug, Default)]
 pub enum Wanted {
-    /// Its references, if it has any.
+    /// Stored references of the scene, if it has any.
     #[default]
     Stored,
     /// The most detailed model of the comparison, by its label.
@@ -72,7 +72,7 @@ pub enum Wanted {
 }
 
 impl Wanted {
-    /// What the option `--yardstick` asks for, else the scene.
+    /// Returns the kind of yardstick of the option `--yardstick`, else of the scene.
     pub fn of(scene: &SceneFile, entries: &[Configuration], option: Option<&str>) -> Wanted {
         let refined = || Wanted::Refined(Box::new(Problem::of(scene)));
         let against = scene.tolerance.as_ref().map(|t| t.against.as_str());
@@ -86,7 +86,7 @@ impl Wanted {
         }
     }
 
-    /// Label of the model that it is.
+    /// Returns the label of the model that serves as yardstick.
     pub fn label(&self) -> Option<&str> {
         match self {
             Wanted::MostDetailed(label) | Wanted::Named(label) => Some(label),
@@ -95,7 +95,7 @@ impl Wanted {
     }
 }
 
-/// The most detailed of some models, by its label; `None` where they are equally detailed.
+/// Returns the label of the most detailed model; `None` where all are equally detailed.
 pub fn most_detailed(entries: &[Configuration]) -> Option<String> {
     let kind = |e: &Configuration| {
         let of_gear = |g: &ModelSpec| match properties_of(models(), &g.id) {
@@ -120,15 +120,15 @@ pub fn most_detailed(entries: &[Configuration]) -> Option<String> {
     (kind(most) > least).then(|| most.label.clone())
 }
 
-/// Refined gears as a reference, and what they are off.
+/// Refined gears as a reference, with their estimated error.
 pub struct Refined {
-    /// Their history.
+    /// History of the refined gears.
     pub reference: ReferenceSeries,
-    /// Their error.
+    /// Estimated error of the refined gears.
     pub yardstick: Yardstick,
 }
 
-/// One way to run the gears.
+/// Variant of the refined gears: elements, modes and step.
 #[derive(Clone, Copy)]
 struct Variant<'a> {
     flexible: &'a Flexible,
@@ -144,9 +144,9 @@ struct Maker<'a> {
     runner: &'a Runner<'a>,
     step: f64,
     metric: Metric,
-    /// Runs that were begun.
+    /// Number of runs that were started.
     begun: usize,
-    /// Why parts of their error are not known.
+    /// Reasons why parts of the error of refined gears are unknown.
     unknown: Vec<String>,
 }
 
@@ -312,7 +312,7 @@ impl Maker<'_> {
         Ok(self.between((what, &made), series))
     }
 
-    /// Error of their integration.
+    /// Estimates the integration error of the refined gears.
     fn integration(
         &mut self,
         finest: &Variant<'_>,
@@ -363,7 +363,7 @@ impl Maker<'_> {
     }
 }
 
-/// A model of the comparison as the yardstick: of its own error the integration alone is known.
+/// Returns a model of the comparison as the yardstick: only the integration part of its own error is known.
 pub fn of_entry((id, kind): (&str, Kind), row: &Run, metric: Metric, note: &str) -> Yardstick {
     Yardstick {
         id: id.to_owned(),
@@ -377,7 +377,7 @@ pub fn of_entry((id, kind): (&str, Kind), row: &Run, metric: Metric, note: &str)
     }
 }
 
-/// A stored reference as the yardstick.
+/// Returns a stored reference as the yardstick.
 pub fn of_stored(reference: &ReferenceSeries) -> Yardstick {
     Yardstick {
         id: reference.id.clone(),
@@ -398,8 +398,8 @@ mod tests {
     use gearbench_reports::Adequacy;
     use std::time::Duration;
 
-    /// Refined gears are bounded by processor time as all runs are: where they do not reach the end there are none, and where a
-    /// run that tells what they are off gives nothing, their error is not known, nothing is decided, and both are told.
+    /// Refined gears are bounded by processor time as all runs are. If they do not reach the end there is no yardstick;
+    /// if a further run fails, their error is unknown and nothing is decided. Both are reported.
     #[test]
     fn refined_gears_that_do_not_end_are_told() {
         let scene = coarse("modes = 10");

@@ -57,8 +57,8 @@ fn choices<'s>(scene: &'s SceneFile, args: &Coupling) -> Result<Vec<&'s ModelCho
     Ok(all.into_iter().filter(|c| named || !full(c)).collect())
 }
 
-/// The models, and beside an elastic one its twin by plain truncation where the scene has none and none are named: its
-/// place, too.
+/// Returns the models, and after an elastic one its counterpart with plain truncation if the scene has none and no
+/// models are named; with the index of the counterpart.
 fn configurations(
     scene: &SceneFile,
     chosen: &[&ModelChoice],

@@ -1,30 +1,32 @@
-//! Courses over a communication step: forces extrapolated through their last values, places interpolated between two.
+//! Polynomials over a communication step: forces extrapolated through their last values, displacements interpolated
+//! between two.
 
 use gearbench_reports::coupling::{Extrapolation, Motion};
 
-/// The polynomial `c0 + c1 s + c2 s^2 + c3 s^3` of `s = t - from`.
+/// Polynomial `c0 + c1 s + c2 s^2 + c3 s^3` of `s = t - from`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Course {
     /// Time at which `s` is zero [s].
     pub from: f64,
-    /// Coefficients.
+    /// Coefficients of the cubic in `s`, constant term first.
     pub c: [f64; 4],
 }
 
 impl Course {
-    /// At a time.
+    /// Returns the value of the polynomial at time `t` [s].
     pub fn value(&self, t: f64) -> f64 {
         let [a, b, c, d] = self.c;
         let s = t - self.from;
         a + s * (b + s * (c + s * d))
     }
 
-    /// Second derivative at a time.
+    /// Returns the second derivative of the polynomial at time `t` [s].
     pub fn acceleration(&self, t: f64) -> f64 {
         2.0 * self.c[2] + 6.0 * self.c[3] * (t - self.from)
     }
 
-    /// Through the last values `(t, value)`, the newest last; as many as the extrapolation asks for and there are.
+    /// Returns the polynomial through the last values `(t, value)`, the newest last; its degree is that of the
+    /// extrapolation, or less with fewer values.
     pub fn through(past: &[(f64, f64)], extrapolation: Extrapolation) -> Course {
         let terms = match extrapolation {
             Extrapolation::Constant => 1,
@@ -46,7 +48,7 @@ impl Course {
         Course { from, c }
     }
 
-    /// From one `[place, speed]` to another over a time `h` [s].
+    /// Returns the polynomial from one `[place, speed]` to another over a time `h` [s].
     pub fn between(from: f64, h: f64, [a, b]: [[f64; 2]; 2], motion: Motion) -> Course {
         let mean = (b[0] - a[0]) / h;
         let c = match motion {

@@ -1,4 +1,4 @@
-//! Host and gears in turns, and the energy between them.
+//! Alternating integration of host and gears, and the energy balance between them.
 
 use super::course::Course;
 use super::frames::{Frame, Led};
@@ -17,64 +17,64 @@ const GAUSS: [(f64, f64); 3] = [
     (0.5, 8.0 / 18.0),
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
-/// Order of a method up to which powers are looked at between steps alone.
+/// Highest order of a method for which the power is evaluated at the ends of steps alone.
 const BY_ENDS: u32 = 2;
-/// Part of a communication step that is none: a last one is as long as it takes.
+/// Part of a communication step below which a remainder is merged with the last step.
 const SLIVER: f64 = 1e-6;
 
-/// How the parts are coupled.
+/// Scheme of the coupling: extrapolation, interpolation and communication step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manner {
-    /// Of forces.
+    /// Extrapolation of the forces on the hubs in the host.
     pub extrapolation: Extrapolation,
-    /// Of motions.
+    /// Interpolation of the motions of the hubs in the gears.
     pub motion: Motion,
-    /// Communication step [s].
+    /// Communication step [s], the interval between exchanges.
     pub step: f64,
 }
 
-/// Within which bounds.
+/// Bounds of a coupled run: end time, steps, processor time and energy error.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
-    /// End [s].
+    /// End of the simulated time [s].
     pub t_end: f64,
-    /// Events are located.
+    /// True if contact events are located.
     pub events: bool,
-    /// Steps of the gears, rejected ones included.
+    /// Largest number of steps of the gears, rejected ones included.
     pub max_steps: u64,
     /// Bound of processor time, if there is one.
     pub timeout: Option<Duration>,
-    /// Energy that the coupling may make up before the run is given up [J].
+    /// Energy error of the coupling at which the run is given up [J].
     pub hopeless: f64,
 }
 
-/// What became of a run in two parts.
+/// Result of a run in two coupled parts, host and gears.
 #[derive(Clone, Debug)]
 pub struct Exchanged {
-    /// Places and speeds of the hubs.
+    /// Displacements and velocities of the hubs at the end.
     pub hubs: Vec<[f64; 2]>,
-    /// Work that the host took less what the gears gave [J].
+    /// Energy error of the coupling [J]: work on the host minus work of the gears on their hubs.
     pub energy: f64,
-    /// Its largest magnitude in one communication step [J].
+    /// Largest magnitude of this energy in one communication step [J].
     pub largest: f64,
-    /// Communication steps.
+    /// Number of communication steps.
     pub exchanges: u64,
-    /// Time reached [s].
+    /// Simulated time that was reached [s].
     pub reached: f64,
-    /// How it ended.
+    /// Reason for the end of the run.
     pub end: End,
 }
 
-/// How a run in two parts ended.
+/// Reason for the end of a run in two parts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum End {
-    /// At its end.
+    /// The end time was reached.
     Reached,
     /// The gears could not go on.
     Gears(StepError),
     /// A hub, or the energy, is no number or beyond all bounds.
     RanAway,
-    /// It took too long.
+    /// The run exceeded its bound on processor time.
     Timeout,
 }
 
@@ -129,7 +129,7 @@ impl Sink for Given<'_> {
     }
 }
 
-/// Runs a scene in two parts.
+/// Runs a scene in two coupled parts, host and gears.
 pub fn exchange(
     scene: &mut Scene,
     frames: &[Frame],

@@ -1,4 +1,4 @@
-//! The gears of a scene with frames that are led along courses: all else is the scene.
+//! Scene with gears whose frames follow prescribed trajectories; all other coordinates are free.
 //!
 //! The frame of a gear is its motion as a whole, `u = r^T M x / J` with `J = r^T M r` and the motion `r` of all its coordinates
 //! by unit turn of the hub: teeth that have coordinates of their own turn with it, modes do not. Of the forces `f` a led gear
@@ -20,27 +20,27 @@ use gearbench_integrators::system::{
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, SceneSpec};
 
-/// A frame that a host has.
+/// Frame of a gear whose motion is that of a hub in the host.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// Its gear's name.
+    /// Name of the gear.
     pub name: String,
-    /// Coordinates that move with it by as much as the hub, that of the hub first, and their inertia.
+    /// Coordinates that move with the frame by as much as the hub, that of the hub first, and their inertia.
     pub moves: Vec<(usize, f64)>,
-    /// Inertia of all [kg m^2] or [kg].
+    /// Total inertia of these coordinates [kg m^2] or [kg].
     pub inertia: f64,
-    /// Loads on the hub.
+    /// Loads on the hub of the gear.
     pub loads: Vec<Load>,
 }
 
 impl Frame {
-    /// How far coordinates, or how fast their rates, move the frame.
+    /// Computes the displacement of the frame from coordinates, or its velocity from their rates.
     pub fn mean(&self, x: &[f64]) -> f64 {
         let sum: f64 = self.moves.iter().map(|(i, m)| m * x[*i]).sum();
         sum / self.inertia
     }
 
-    /// Moves all of the gear so that the frame is at a place.
+    /// Moves the whole gear so that the frame is at the displacement `at`.
     pub fn put(&self, x: &mut [f64], at: f64) {
         let by = at - self.mean(x);
         // A single coordinate is at the place itself, without rounding.
@@ -55,7 +55,7 @@ impl Frame {
         self.moves.iter().map(|(i, _)| f[*i]).sum()
     }
 
-    /// Its loads [N m] or [N].
+    /// Computes the sum of the loads on the hub [N m] or [N].
     pub fn load(&self, t: f64, speed: f64) -> f64 {
         let of = |l: &Load| match l {
             Load::Applied(p) => p.value(t),
@@ -65,16 +65,16 @@ impl Frame {
     }
 }
 
-/// Why a host cannot have the hubs of a scene.
+/// Reason why the hubs of a scene cannot be moved to a host.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoHost {
-    /// Its gears stand on shafts.
+    /// The gears are on shafts or on a carrier.
     #[error("its gears are on shafts or on a carrier, whose motions are not those of single hubs")]
     Shafts,
-    /// Nothing is free.
+    /// No hub of the scene is free.
     #[error("every gear is fixed or driven, so that there is no hub for a host")]
     NoneFree,
-    /// A hub has inertia in common with something else.
+    /// A hub has inertia coupling with other coordinates.
     #[error(
         "the hub of `{0}` has inertia coupling with other coordinates, by gyroscopic terms or by tilting"
     )]
@@ -82,7 +82,7 @@ pub enum NoHost {
 }
 
 impl NoHost {
-    /// The way out.
+    /// Returns advice on how to change the scene.
     pub fn help(&self) -> &'static str {
         match self {
             NoHost::Shafts => {
@@ -96,7 +96,7 @@ impl NoHost {
     }
 }
 
-/// The free hubs of a scene.
+/// Returns the frames of the free hubs of a scene.
 ///
 /// # Errors
 /// [`NoHost`].
@@ -134,11 +134,11 @@ pub fn frames(spec: &SceneSpec, scene: &mut Scene) -> Result<Vec<Frame>, NoHost>
     }
 }
 
-/// A scene whose hubs are led.
+/// A scene whose hubs follow prescribed trajectories.
 pub struct Led<'a> {
     scene: &'a mut Scene,
     frames: &'a [Frame],
-    /// Where each hub is led along.
+    /// Prescribed trajectory of each hub.
     pub courses: Vec<Course>,
     channels: Vec<String>,
     f: Vec<f64>,
@@ -146,7 +146,7 @@ pub struct Led<'a> {
 }
 
 impl<'a> Led<'a> {
-    /// A scene with these hubs at rest.
+    /// Creates the scene with its hubs at rest.
     pub fn new(scene: &'a mut Scene, frames: &'a [Frame]) -> Self {
         let n = scene.layout().n;
         let of = |f: &Frame| format!("hub_force:{}", f.name);
@@ -160,7 +160,7 @@ impl<'a> Led<'a> {
         }
     }
 
-    /// What the gears exert on each frame, without the loads on its hub [N m] or [N].
+    /// Computes the force or torque of the gears on each frame, without the loads on its hub [N m] or [N].
     pub fn forces(&mut self, at: StateView<'_>, out: &mut Vec<f64>) {
         self.scene.force(at, &mut self.f);
         out.clear();
@@ -168,7 +168,8 @@ impl<'a> Led<'a> {
         out.extend(self.frames.iter().map(of));
     }
 
-    /// Leaves of forces what deforms the gears, and adds what leads their frames.
+    /// Replaces the resultant of the forces on each frame by the force for its prescribed acceleration; forces that
+    /// deform the gears remain.
     fn lead(&self, t: f64, f: &mut [f64]) {
         for (frame, course) in self.frames.iter().zip(&self.courses) {
             let by = course.acceleration(t) - frame.total(f) / frame.inertia;
@@ -176,14 +177,14 @@ impl<'a> Led<'a> {
         }
     }
 
-    /// The same of accelerations.
+    /// Prescribes the accelerations of the frames by a derivative `of` their trajectories.
     fn lead_accelerations(&self, a: &mut [f64], of: impl Fn(&Course) -> f64) {
         for (frame, course) in self.frames.iter().zip(&self.courses) {
             frame.put(a, of(course));
         }
     }
 
-    /// The filter of a kick that moves no hub.
+    /// Returns the filter of a half-step impulse that moves no hub.
     fn without_hubs(&mut self, kick: &HalfStepImpulse<'_>) -> Vec<f64> {
         let mut filter = std::mem::take(&mut self.filter);
         filter.clear();

@@ -10,7 +10,7 @@ const PARTS: u32 = 8;
 /// Values of a force that are kept.
 const KEPT: usize = 3;
 
-/// A hub.
+/// Hub of the host under the extrapolated force of its gear.
 #[derive(Clone, Debug)]
 pub struct Hub<'a> {
     frame: &'a Frame,
@@ -21,7 +21,7 @@ pub struct Hub<'a> {
 }
 
 impl<'a> Hub<'a> {
-    /// A hub at a place with a speed.
+    /// Creates a hub with a displacement and a velocity.
     pub fn new(frame: &'a Frame, at: [f64; 2]) -> Self {
         Hub {
             frame,
@@ -30,7 +30,7 @@ impl<'a> Hub<'a> {
         }
     }
 
-    /// Learns the force on it at a communication point.
+    /// Records the force on the hub at a communication point.
     pub fn learn(&mut self, t: f64, force: f64) {
         self.past.push((t, force));
         if self.past.len() > KEPT {
@@ -38,7 +38,7 @@ impl<'a> Hub<'a> {
         }
     }
 
-    /// Goes on from one time to another; the work that it takes from the extrapolated force [J].
+    /// Integrates the hub from one time to another and returns the work of the extrapolated force [J].
     pub fn advance(&mut self, [from, to]: [f64; 2], extrapolation: Extrapolation) -> f64 {
         let course = Course::through(&self.past, extrapolation);
         let h = (to - from) / f64::from(PARTS);

@@ -1,5 +1,6 @@
-//! The study of coupling: a scene in two parts, the hubs of its gears in a host and the gears as a sub-system whose hubs the
-//! host moves, over the communication step; each model against its own run as one system.
+//! The study of coupling: a scene in two parts, the hubs of its gears in a host and the gears as a sub-system, over the
+//! communication step. The host prescribes the motion of the hubs. Each model is compared with its own run as one
+//! system.
 //!
 //! With the motion `u` of each free gear as a whole and all else `x` (how teeth and modes deform it, bearings) a scene is
 //!
@@ -27,9 +28,9 @@
 //! | module | owns |
 //! |---|---|
 //! | `course` | extrapolation of forces, interpolation of motions |
-//! | `frames` | the gears with hubs that are led |
+//! | `frames` | the gears with prescribed trajectories of their hubs |
 //! | `host` | hubs under extrapolated forces and loads |
-//! | `exchange` | both parts in turns, and the energy between them |
+//! | `exchange` | alternating integration of both parts, and the energy between them |
 //! | `theory` | an oscillator in two parts: growth and its limit |
 //! | `stiffness` | the scene as that oscillator |
 

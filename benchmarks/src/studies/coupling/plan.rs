@@ -1,4 +1,4 @@
-//! What a study of coupling runs.
+//! Plan of a study of coupling: models, hubs of the host, extrapolations and communication steps.
 
 use super::frames::Frame;
 use crate::experiment::conditions::Conditions;
@@ -8,31 +8,31 @@ use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::coupling::{Extrapolation, Motion};
 
-/// Energy that a coupling may make up over that which vibrates, before it counts as unstable.
+/// Energy error of a coupling over the vibration energy above which it counts as unstable [-].
 pub const ALLOWED: f64 = 0.5;
-/// The same at which a run is given up.
+/// Energy error of a coupling over the vibration energy at which a run is given up [-].
 pub const HOPELESS: f64 = 1e3;
-/// Largest communication step over the time of the hubs on their teeth, `1/omega`, when nobody says.
+/// Largest default communication step over the time `1/omega` of the hubs on their teeth.
 const LARGEST: f64 = 4.0;
 /// Communication steps over a run at least.
 const FEWEST: f64 = 2.5;
 
-/// A model in two parts.
+/// Model that is run in two coupled parts.
 #[derive(Clone, Debug)]
 pub struct Entry {
-    /// The model.
+    /// Model that is coupled to the host.
     pub configuration: Configuration,
-    /// The hubs of the host.
+    /// Frames of the hubs in the host.
     pub frames: Vec<Frame>,
-    /// Integrator of the gears, and of the whole.
+    /// Integrator of the gears, and of the whole system.
     pub method: Scheme,
-    /// Angular frequency [rad/s] and damping ratio of the hubs on the teeth; `None` where they do not touch.
+    /// Angular frequency [rad/s] and damping ratio of the hubs on the teeth in contact; `None` without contact.
     pub oscillator: Option<[f64; 2]>,
     /// Communication steps, ascending [s].
     pub steps: Vec<f64>,
 }
 
-/// What to study.
+/// Plan of a study of coupling.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     pub conditions: Conditions<'a>,
@@ -44,7 +44,7 @@ pub struct Plan<'a> {
 }
 
 impl Plan<'_> {
-    /// Models, extrapolations and motions of the study, in order.
+    /// Returns all combinations of models, extrapolations and motions of the study, in order.
     pub fn lines(&self) -> Vec<(usize, Extrapolation, Motion)> {
         let mut all = Vec::new();
         for entry in 0..self.entries.len() {
@@ -55,7 +55,7 @@ impl Plan<'_> {
         all
     }
 
-    /// Runs, those of models as one system among them.
+    /// Returns the number of runs, including those of models as one system.
     pub fn len(&self) -> usize {
         let ways = self.extrapolations.len() * self.motions.len();
         let of = |e: &Entry| 1 + ways * e.steps.len();
@@ -63,7 +63,8 @@ impl Plan<'_> {
     }
 }
 
-/// Communication steps when nobody says: the step of the gears doubled until hubs on their teeth cannot be followed.
+/// Returns the default communication steps [s]: the step of the gears doubled until the motion of hubs on their teeth
+/// cannot be resolved.
 pub fn usual_steps(method: &Scheme, oscillator: Option<[f64; 2]>, duration: f64) -> Vec<f64> {
     let most = duration / FEWEST;
     let last = oscillator.map_or(most, |[omega, _]| (LARGEST / omega).min(most));
@@ -77,7 +78,7 @@ pub fn usual_steps(method: &Scheme, oscillator: Option<[f64; 2]>, duration: f64)
         .collect()
 }
 
-/// The same elastic model by plain truncation: its lowest modes, without what the others would carry.
+/// Returns the elastic model with plain truncation: its lowest modes, without the residual compliance of the others.
 pub fn truncated(of: &Configuration, method: Scheme, step: f64) -> Configuration {
     let mut entry = of.clone();
     ElasticParameters::change(&mut entry.modelling, |p| {
@@ -91,7 +92,7 @@ pub fn truncated(of: &Configuration, method: Scheme, step: f64) -> Configuration
     entry
 }
 
-/// Whether gears keep the compliance of the modes that they cut; `None` of other than elastic gears.
+/// True if the gears keep the compliance of the truncated modes; `None` if no gear is elastic.
 pub fn keeps_residual(of: &Configuration) -> Option<bool> {
     let gears = of.modelling.gears.iter().filter_map(ElasticParameters::of);
     gears.map(|p| p.keeps_residual()).reduce(|a, b| a && b)

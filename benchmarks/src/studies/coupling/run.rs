@@ -1,4 +1,4 @@
-//! Runs in two parts on several threads, each held against its model's run as one system.
+//! Coupled runs on several threads, each compared with the run of its model as one system.
 
 use super::exchange::{Bounds, End, Exchanged, Manner, exchange};
 use super::plan::{ALLOWED, Entry, HOPELESS, Plan};
@@ -23,10 +23,11 @@ use gearbench_reports::{Finished, Metric};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Ratio of the smallest step that failed and the largest one below that held, where closing in ends.
+/// Ratio of the smallest step that failed to the largest successful one below it, at which the search for the limit
+/// ends.
 const BRACKET: f64 = 1.05;
 
-/// Id of a model's run as one system among the references of metrics.
+/// Reference id of a model's run as one system.
 pub const WHOLE: &str = "one system";
 
 /// A line of the study: place of the model, and how it is coupled.
@@ -61,7 +62,7 @@ fn wholes(plan: &Plan<'_>, runner: &Runner<'_>, grid: &[f64]) -> Result<Vec<Run>
     plan.entries.iter().enumerate().map(one).collect()
 }
 
-/// Runs the study on some threads.
+/// Runs all models, as one system and in two coupled parts, on several threads.
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are cells.
@@ -106,7 +107,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>, threads: usize) -> Result<Res
     })
 }
 
-/// What the runs of a line need to know.
+/// Data that the runs of a line share.
 struct About<'a> {
     plan: &'a Plan<'a>,
     runner: &'a Runner<'a>,

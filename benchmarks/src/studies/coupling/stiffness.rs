@@ -17,8 +17,8 @@ use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use nalgebra::DMatrix;
 
-/// Angular frequency [rad/s] and damping ratio of the frames on the gears in contact; `None` of a scene that does not touch, or
-/// is too large to be linearised.
+/// Computes the angular frequency [rad/s] and damping ratio of the frames on the gears in contact; `None` for a scene
+/// without contact, or one too large to be linearised.
 pub fn oscillator(
     spec: &SceneSpec,
     modelling: &Modelling,
@@ -40,7 +40,7 @@ pub fn oscillator(
     Ok(condensed(&all.stiffness, &all.damping, &r))
 }
 
-/// The fastest motion of frames with all else following.
+/// Returns the fastest mode of the frames with all other coordinates condensed statically.
 fn condensed(k: &DMatrix<f64>, d: &DMatrix<f64>, r: &DMatrix<f64>) -> Option<[f64; 2]> {
     let (n, frames) = r.shape();
     let mut held = DMatrix::zeros(n + frames, n + frames);

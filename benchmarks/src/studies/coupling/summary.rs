@@ -1,10 +1,10 @@
-//! What the terminal says of a record of `coupling`.
+//! Terminal summary of a record of `coupling`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::numbers::{percent, quantity};
 use gearbench_reports::record::Results;
 
-/// One line per model and extrapolation.
+/// Prints one line per model and extrapolation.
 pub fn summarise(results: &Results) {
     say(&format!(
         "{:<28} {:<22} {:>13} {:>13} {:>10} {:>24}",

@@ -16,7 +16,8 @@
 use gearbench_reports::coupling::Extrapolation;
 use nalgebra::DMatrix;
 
-/// Largest and smallest `omega h` that are looked at, their ratio from look to look, and the width of a limit.
+/// Smallest and largest `omega h` of the search for the limit, their ratio from trial to trial, and the relative width
+/// of a limit.
 const FROM: f64 = 1e-4;
 const TO: f64 = 20.0;
 const LOOK: f64 = 1.05;
@@ -35,7 +36,7 @@ fn weights(extrapolation: Extrapolation) -> &'static [[f64; 2]] {
     }
 }
 
-/// Factor by which the amplitude of an oscillator grows in a communication step, at most.
+/// Computes the largest amplitude growth of an oscillator in a communication step (spectral radius).
 pub fn radius(extrapolation: Extrapolation, omega_h: f64, zeta: f64) -> f64 {
     let weights = weights(extrapolation);
     let n = 1 + weights.len();
@@ -65,8 +66,9 @@ pub fn radius(extrapolation: Extrapolation, omega_h: f64, zeta: f64) -> f64 {
     values.iter().map(|z| z.norm()).fold(0.0, f64::max)
 }
 
-/// The communication step [s] from which on an oscillator of angular frequency `omega` [rad/s] and damping ratio `zeta` makes up
-/// more than the part `allowed` of its energy over a `time` [s]; `None` where no step that is looked at does.
+/// Returns the communication step [s] from which on the energy error of an oscillator of angular frequency `omega`
+/// [rad/s] and damping ratio `zeta` exceeds the part `allowed` of its energy over a `time` [s]; `None` if no step in
+/// the search range exceeds it.
 pub fn limit(
     extrapolation: Extrapolation,
     [omega, zeta]: [f64; 2],

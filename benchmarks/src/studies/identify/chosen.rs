@@ -1,4 +1,4 @@
-//! The parameters that a fit has, and the points that it starts from.
+//! Parameters of a fit, and its starting points.
 
 use super::estimate::coordinates::{Coordinate, values};
 use super::parameters::Parameter;
@@ -11,20 +11,20 @@ const SCATTER: f64 = 2.0;
 /// The parameters of a fit.
 #[derive(Clone, Debug, Default)]
 pub struct Chosen {
-    /// Which.
+    /// Parameters of the fit, those with a fixed value included.
     pub parameters: Vec<Parameter>,
-    /// Their coordinates.
+    /// Coordinates of the parameters.
     pub coordinates: Vec<Coordinate>,
-    /// Those that are fitted; the others are held at their start.
+    /// True for parameters that are fitted; the others keep their starting value.
     pub free: Vec<bool>,
-    /// What the others are held at, with all digits.
+    /// Fixed values of the other parameters, with all digits.
     pub held: Vec<Option<f64>>,
     /// Starting points in coordinates.
     pub starts: Vec<Vec<f64>>,
 }
 
 impl Chosen {
-    /// Which parameters refine a model that there is without them: courses of a stiffness along the path.
+    /// Returns true for parameters that refine an existing model: variations of a stiffness along the path.
     pub fn courses(&self) -> Vec<bool> {
         let is_course =
             |p: &Parameter| matches!(p, Parameter::Constant(k) if k == SLOPE || k == CURVATURE);
@@ -51,7 +51,7 @@ impl Chosen {
         }
     }
 
-    /// Values at coordinates as constants of a calibration; offsets of clocks are none.
+    /// Returns parameter values as constants of a calibration, without offsets of clocks.
     pub fn constants(&self, values: &[f64]) -> Constants {
         let named = self.parameters.iter().zip(values);
         Constants::of(named.filter_map(|(p, &x)| match p {
@@ -60,7 +60,7 @@ impl Chosen {
         }))
     }
 
-    /// The constants that a fit starts from.
+    /// Returns the constants from which a fit starts.
     pub fn initial(&self) -> Option<Constants> {
         let start = values(&self.coordinates, self.starts.first()?);
         let held = start.iter().zip(&self.held);
@@ -68,7 +68,7 @@ impl Chosen {
         Some(self.constants(&all))
     }
 
-    /// Offset of the clock of a data set [s].
+    /// Returns the offset of the clock of a data set [s].
     pub fn clock(&self, values: &[f64], set: usize) -> f64 {
         let of = |p: &Parameter| *p == Parameter::Clock(set);
         let place = self.parameters.iter().position(of);

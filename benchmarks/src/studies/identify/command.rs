@@ -33,7 +33,7 @@ use serde_json::json;
 /// Positions of a mesh cycle that statics are fitted at.
 const POSITIONS: usize = 24;
 
-/// Fits the models of a scene that have something to fit.
+/// Fits the models of a scene that have constants to fit, and writes the folder.
 pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     // What is identified is built by its fits; statics leave all constants but one as the impact has them.
     let mut scene = match args.to.to_history() {
@@ -150,7 +150,8 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     Ok(answer)
 }
 
-/// What goes into the scene file. What was not fitted stays as the calibration that the model takes has it.
+/// Returns the constants that are written into the scene file. A constant that was not fitted keeps its value in the
+/// calibration of the model.
 fn into_scene<'a>(
     found: &[(&'a ModelChoice, Identification)],
     args: &Identify,
@@ -183,7 +184,7 @@ fn into_scene<'a>(
     found.iter().map(of).collect()
 }
 
-/// A fit for programs.
+/// Returns a fit as JSON, for programs.
 fn told(fit: &gearbench_reports::identify::FitRecord) -> serde_json::Value {
     let data = |d: &gearbench_reports::identify::DataRecord| {
         json!({
@@ -204,12 +205,12 @@ fn calibrated(choice: &ModelChoice) -> bool {
     (choice.calibration.as_ref()).is_some_and(|c| c.label == choice.label)
 }
 
-/// What a reference is called.
+/// Returns the name of a reference.
 fn name_of(held: &Held) -> &str {
     held.named.stored().unwrap_or(&held.named.name)
 }
 
-/// What a model is fitted to, and what it is held against.
+/// Returns the plan of the fit of a model: data to fit, and data with which the fitted model is compared.
 fn plan<'a>(
     scene: &SceneFile,
     choice: &ModelChoice,
@@ -270,7 +271,7 @@ fn refuse(scene: &SceneFile, choice: &ModelChoice, e: IdentifyError) -> Refusal 
     }
 }
 
-/// The references whose histories are fitted or held out, at least one to fit.
+/// Returns the references whose histories are fitted or held out, at least one to fit.
 fn histories_of(scene: &mut SceneFile, args: &Identify) -> Result<Vec<Held>, Refusal> {
     let known = scene.odd.len();
     let mut references = scene.held(args.insist.any_reference)?;

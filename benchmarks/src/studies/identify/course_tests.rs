@@ -1,4 +1,4 @@
-//! Constants along the path and of single gears: found again, refused where there are none.
+//! Tests of constants along the path and of single gears: recovery from data, and refusal for models without them.
 
 use super::tests::{fitted, impact, keys, made, outcomes, plan};
 use super::*;
@@ -94,7 +94,7 @@ fn constants_of_single_gears_are_found_again() {
     assert_eq!(found.record.parameters[5].value, Some(3e-6));
 }
 
-/// What one gear has of its own counts before what all have, in whatever order they stand.
+/// The own constant of a gear overrides the one of all gears, in whatever order they are given.
 #[test]
 fn constants_of_a_gear_come_after_those_of_all() {
     let (plan, mut spec) = plan("movable-teeth");

@@ -1,4 +1,4 @@
-//! What the data do not tell apart, in words.
+//! Explanations, in words, of the parameter combinations that the data do not determine.
 
 use super::chosen::Chosen;
 use super::estimate::Estimate;
@@ -11,7 +11,7 @@ use crate::scene_file::calibration::{CURVATURE, DAMPING, GAP, SLOPE, STIFFNESS};
 const TOOTH_STIFFNESS: &str = "tooth_stiffness_n_per_m";
 const TOOTH_MASS: &str = "tooth_mass_kg";
 
-/// One sentence per combination that is not determined, without its full stop.
+/// Returns one sentence per combination that is not determined, without its full stop.
 pub fn undetermined(estimate: &Estimate, chosen: &Chosen, data: &[DataSet]) -> Vec<String> {
     let told = |w: &Weak| {
         let members: Vec<&Parameter> = (w.members().into_iter())

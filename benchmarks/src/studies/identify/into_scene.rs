@@ -1,4 +1,5 @@
-//! Constants written into the scene file itself: comments and layout stay, the model takes no calibration any more.
+//! Writing of fitted constants into the scene file: comments and layout stay, and the model no longer refers to a
+//! calibration.
 //!
 //! | constant | where it goes in the model's entry of `models` |
 //! |---|---|
@@ -22,18 +23,18 @@ use gearbench_reference::files;
 use std::path::PathBuf;
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
-/// What stands in front of the comments that this writes about a model.
+/// Returns the prefix of the comments that this module writes about a model.
 fn tag(label: &str) -> String {
     format!("# identified, {label}: ")
 }
 
-/// A model, the constants it gets, and what is to be told of them.
+/// Model with its fitted constants and the comments about them.
 pub struct Written<'a> {
-    /// The model.
+    /// Model whose entry is changed.
     pub choice: &'a ModelChoice,
-    /// All its constants.
+    /// All constants that the model gets.
     pub constants: Constants,
-    /// Lines of a comment.
+    /// Lines of the comment above the entry.
     pub told: Vec<String>,
 }
 
@@ -96,14 +97,14 @@ fn written(scene: &SceneFile, all: &[Written<'_>]) -> Result<String, Refusal> {
     Ok(text)
 }
 
-/// All of a model that was fitted, as text with all digits.
+/// Returns the fitted model as text with all digits, for comparison.
 fn fitted(scene: &SceneFile, w: &Written<'_>) -> String {
     let (mut spec, mut modelling) = (scene.spec_for(w.choice), w.choice.modelling.clone());
     apply(&w.constants, &w.choice.model, &mut spec, &mut modelling);
     format!("{spec:?}{modelling:?}")
 }
 
-/// Puts constants into the entry of a model; `None` where it stands in a way that is not seen through.
+/// Writes constants into the entry of a model; `None` if the form of the entry is not supported.
 fn put(document: &mut DocumentMut, scene: &SceneFile, w: &Written<'_>) -> Option<()> {
     let place = scene
         .models
@@ -133,7 +134,7 @@ fn put(document: &mut DocumentMut, scene: &SceneFile, w: &Written<'_>) -> Option
     Some(())
 }
 
-/// What stands above an entry, without what an earlier fit wrote there.
+/// Returns the comment above an entry without the lines of an earlier fit.
 fn above(text: &str, tag: &str) -> String {
     let kept = text.split_inclusive('\n').filter(|l| !l.starts_with(tag));
     kept.collect()
@@ -250,7 +251,7 @@ fn inner<'t>(table: &'t mut dyn TableLike, key: &str) -> Option<&'t mut dyn Tabl
     table.get_mut(key)?.as_table_like_mut()
 }
 
-/// Spaces as usual in a table that stands in a line.
+/// Normalises the spaces of an inline table.
 fn tidy(table: &mut dyn TableLike, key: &str) {
     let value = table.get_mut(key).and_then(Item::as_value_mut);
     if let Some(inline) = value.and_then(Value::as_inline_table_mut)
@@ -260,7 +261,7 @@ fn tidy(table: &mut dyn TableLike, key: &str) {
     }
 }
 
-/// A value in a table, with what stands beside it there.
+/// Sets a value in a table and keeps the comments and spaces around it.
 fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
     if let Some(old) = table.get(key).and_then(Item::as_value) {
         *value.decor_mut() = old.decor().clone();
@@ -277,7 +278,7 @@ fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
     }
 }
 
-/// What stands in a line, in a table of several lines.
+/// Copies the entries of an inline table into a table of several lines.
 fn fill(own: &mut Table, value: Value) {
     let Value::InlineTable(new) = value else {
         return;

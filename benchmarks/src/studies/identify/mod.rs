@@ -2,11 +2,11 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | `plan` | data, and what a fit is asked for |
-//! | `parameters` | what can be fitted, from where, between which bounds |
-//! | [`estimate`] | the mathematics: fit, intervals under correlated errors, what is not determined |
+//! | `plan` | data sets, user options, result |
+//! | `parameters` | parameters with starting values and bounds |
+//! | [`estimate`] | the mathematics: fit, intervals under correlated errors, identifiability |
 //! | `run` | the model on the data, and the record of the fit |
-//! | `explain` | what cannot be told apart, in words |
+//! | `explain` | combinations that are not determined, in words |
 //! | [`write`] | the calibration file |
 //! | `into_scene` | constants in the scene file itself |
 //!

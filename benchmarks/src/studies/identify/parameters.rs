@@ -1,4 +1,4 @@
-//! What can be fitted: its key and unit, how it enters a scene, where a fit starts, between which bounds.
+//! Parameters that can be fitted, with key, unit, effect on the scene, starting value and bounds.
 //!
 //! | key | of | coordinate |
 //! |---|---|---|
@@ -18,7 +18,7 @@ use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::spec::{Modelling, SceneSpec, Value};
 use gearbench_models::stiffness::PairStiffness;
 
-/// Key of the offset of a clock.
+/// Key of the clock offset of a data set.
 pub const CLOCK: &str = "clock_s";
 /// Stiffness of a tooth pair that fits start from [N/m per m]: steel has about that whatever the module.
 const PAIR: f64 = 1.5e10;
@@ -31,7 +31,7 @@ const COURSE: f64 = 0.3;
 /// Typical offset of a clock over the duration of the data.
 const OFFSET: f64 = 0.02;
 
-/// A parameter of a fit.
+/// Parameter of a fit: a constant of the model, or the clock offset of a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parameter {
     /// A constant of a calibration, by its key.
@@ -40,25 +40,25 @@ pub enum Parameter {
     Clock(usize),
 }
 
-/// What a fit is asked for beside the defaults.
+/// User options of a fit that replace the defaults.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wishes {
-    /// Keys to fit; `None` takes those of the model that the data may tell.
+    /// Keys to fit; `None` takes those of the model that the data may determine.
     pub fit: Option<Vec<String>>,
-    /// Keys with the values that they are held at.
+    /// Keys with their fixed values.
     pub held: Vec<(String, f64)>,
-    /// Keys with the values that the fit starts from.
+    /// Keys with their starting values.
     pub starts: Vec<(String, f64)>,
     /// Keys with their least and greatest value.
     pub bounds: Vec<(String, [f64; 2])>,
-    /// Further starting points, scattered about those of the model.
+    /// Number of further starting points, scattered about those of the model.
     pub scattered: usize,
-    /// Profiles of all parameters.
+    /// True if profiles of all parameters are computed.
     pub profiles: bool,
 }
 
 impl Parameter {
-    /// Its key; that of a clock names the data.
+    /// Returns the key of the parameter; the key of a clock contains the name of the data.
     pub fn key(&self, data: &[DataSet]) -> String {
         match self {
             Parameter::Constant(key) => key.clone(),
@@ -70,7 +70,7 @@ impl Parameter {
         }
     }
 
-    /// Its name in words.
+    /// Returns the name of the parameter in words.
     pub fn name(&self, data: &[DataSet]) -> String {
         match self {
             Parameter::Clock(_) if data.len() == 1 => "clock offset".into(),
@@ -92,7 +92,7 @@ impl Parameter {
         }
     }
 
-    /// Its unit.
+    /// Returns the unit of the parameter.
     pub fn unit(&self) -> String {
         match self {
             Parameter::Clock(_) => "s".into(),
@@ -100,7 +100,7 @@ impl Parameter {
         }
     }
 
-    /// Whether it is this constant.
+    /// True if the parameter is the constant with this key.
     pub fn is(&self, key: &str) -> bool {
         matches!(self, Parameter::Constant(own) if own == key)
     }
@@ -123,7 +123,7 @@ fn words(key: &str) -> (String, &'static str) {
     (stem.replace('_', " "), unit)
 }
 
-/// How many of [`keys`] are of the scene; the others are of the model of a gear.
+/// Number of [`keys`] that belong to the scene; the others belong to the model of a gear.
 const OF_SCENE: usize = 6;
 
 /// The keys that can be fitted in a model.
@@ -151,7 +151,7 @@ fn coordinate(key: &str, spec: &SceneSpec, duration: f64) -> Coordinate {
     Coordinate { scale, bounds }
 }
 
-/// What is fitted of a model, and from where.
+/// Selects the parameters of a fit, with their starting points and bounds.
 ///
 /// # Errors
 /// [`IdentifyError`] for a model without a recipe, a key that it has not, or a value that cannot be.
@@ -309,7 +309,7 @@ fn check(
     }
 }
 
-/// Whether a contact is one of tooth pairs on the path of contact, and not of points of elastic flanks.
+/// True if a contact is one of tooth pairs on the path of contact, and not of points of elastic flanks.
 fn has_path(spec: &SceneSpec, modelling: &Modelling, models: &[Model]) -> bool {
     let mut meshes = spec.meshes.iter().zip(&modelling.contacts);
     meshes.any(|(mesh, contact)| {
@@ -321,7 +321,7 @@ fn has_path(spec: &SceneSpec, modelling: &Modelling, models: &[Model]) -> bool {
     })
 }
 
-/// What a scene has now.
+/// Returns the present value of a constant in the scene.
 fn present(key: &str, spec: &SceneSpec, modelling: &Modelling, id: &str) -> Option<f64> {
     match key {
         GAP => Some(spec.meshes.first()?.start.gap.max(LEAST_GAP)),

@@ -1,4 +1,4 @@
-//! What is identified from what.
+//! Plan of an identification: the data sets, the model and its parameters, and the result.
 
 use super::chosen::Chosen;
 use super::parameters::Wishes;
@@ -13,31 +13,31 @@ use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle, StaticsError};
 use gearbench_reports::identify::FitRecord;
 
-/// Data that a model is fitted to, or held against.
+/// Data set that a model is fitted to, or compared with.
 #[derive(Clone, Debug)]
 pub struct DataSet {
-    /// Name.
+    /// Name of the data set.
     pub name: String,
-    /// Gears, speeds and loads under which they were taken.
+    /// Gears, speeds and loads under which the data were recorded.
     pub spec: SceneSpec,
-    /// What they say.
+    /// Measured or computed values.
     pub data: Data,
-    /// Weight of the residuals, which are taken over the size of the data.
+    /// Weight of the residuals, relative to the size of the data.
     pub weight: f64,
-    /// Weight of a residual where the data are greatest over that where they are nothing; it grows with their square.
+    /// Weight of a residual at the greatest value over that at zero; it increases with the square of the value.
     pub peak_weight: f64,
-    /// Its gap at the start over that of the scene, which is what is fitted [m].
+    /// Gap at the start of these data minus the fitted gap of the scene [m].
     pub further_gap: f64,
 }
 
-/// What data say.
+/// Values of a data set.
 #[derive(Clone, Debug)]
 pub enum Data {
     /// The contact force over time.
     History {
-        /// Times [s], ascending.
+        /// Sample times [s], ascending.
         time: Vec<f64>,
-        /// Force [N].
+        /// Contact force at these times [N].
         force: Vec<f64>,
     },
     /// A mesh cycle at rest.
@@ -45,7 +45,7 @@ pub enum Data {
 }
 
 impl DataSet {
-    /// A history of a scene.
+    /// Creates a data set from a history of a scene.
     pub fn history(name: &str, spec: &SceneSpec, time: &[f64], force: &[f64]) -> Self {
         DataSet {
             name: name.into(),
@@ -60,7 +60,7 @@ impl DataSet {
         }
     }
 
-    /// A mesh cycle of a scene at rest.
+    /// Creates a data set from a static mesh cycle of a scene.
     pub fn statics(name: &str, spec: &SceneSpec, target: StaticTarget) -> Self {
         DataSet {
             name: name.into(),
@@ -72,7 +72,7 @@ impl DataSet {
         }
     }
 
-    /// The numbers that the residuals are about.
+    /// Returns the values that are compared with the model.
     pub fn values(&self) -> &[f64] {
         match &self.data {
             Data::History { force, .. } => force,
@@ -80,7 +80,7 @@ impl DataSet {
         }
     }
 
-    /// Length of a history [s]; 0 of anything else.
+    /// Returns the length of a history [s]; 0 for other data.
     pub fn duration(&self) -> f64 {
         match &self.data {
             Data::History { time, .. } => {
@@ -91,7 +91,7 @@ impl DataSet {
         }
     }
 
-    /// What its residuals are multiplied by: `w p_i/|p y|` with `p_i = 1 + (p - 1)(y_i/max y)^2`.
+    /// Returns the weights of the residuals: `w p_i/|p y|` with `p_i = 1 + (p - 1)(y_i/max y)^2`.
     pub fn factors(&self) -> Vec<f64> {
         let y = self.values();
         let most = y.iter().fold(0.0_f64, |a, y| a.max(y.abs()));
@@ -102,18 +102,18 @@ impl DataSet {
         all.iter().map(|p| over * p).collect()
     }
 
-    /// A key to what they say: the same for the same numbers.
+    /// Returns a key to the values: equal numbers have equal keys.
     pub fn key(&self) -> Key {
         Key::new("data").and(&self.data)
     }
 
-    /// Root of the sum of the squared values.
+    /// Returns the root of the sum of the squared values.
     pub fn size(&self) -> f64 {
         size(self.values())
     }
 }
 
-/// Root of the sum of squares.
+/// Computes the root of the sum of squares.
 pub fn size(y: &[f64]) -> f64 {
     y.iter().map(|y| y * y).sum::<f64>().sqrt()
 }
@@ -129,7 +129,7 @@ pub struct StaticTarget {
 }
 
 impl StaticTarget {
-    /// That of a model of a scene.
+    /// Computes the mesh cycle of a model of a scene under a static force [N].
     ///
     /// # Errors
     /// [`StaticsError`] where it cannot be loaded.
@@ -148,38 +148,38 @@ impl StaticTarget {
     }
 }
 
-/// A fit to be made.
+/// Plan of a fit: the model, its data and the user options.
 #[derive(Clone, Debug)]
 pub struct FitPlan<'a> {
     /// Label of the model in its scene.
     pub label: String,
-    /// Gears of all models, and the contacts; the model of the first is the one whose constants are fitted.
+    /// Gear models and contacts; the model of the first gear is the one whose constants are fitted.
     pub modelling: Modelling,
-    /// Table of models.
+    /// Table of the available gear models.
     pub models: &'a [Model],
-    /// Data to fit, at least one.
+    /// Data sets to fit, at least one.
     pub data: Vec<DataSet>,
-    /// Data that the fitted model is held against.
+    /// Data that the fitted model is compared with.
     pub held_out: Vec<DataSet>,
-    /// What is fitted.
+    /// User options: parameters to fit, fixed values, starts and bounds.
     pub wishes: Wishes,
 }
 
-/// The result of an identification.
+/// Result of an identification: record, constants and data.
 #[derive(Clone, Debug)]
 pub struct Identification {
-    /// All that reports show.
+    /// Record of the fit for reports.
     pub record: FitRecord,
     /// Values of all parameters at the minimum, those that are not identifiable included.
     pub all: Constants,
-    /// The parameters.
+    /// Parameters of the fit with their starting points.
     pub chosen: Chosen,
-    /// Names of the data that were fitted, each with a key to what they say.
+    /// Names of the data that were fitted, each with a key to its values.
     pub data: Vec<(String, Key)>,
 }
 
 impl Identification {
-    /// What the data determine.
+    /// Returns the constants that the data determine.
     pub fn constants(&self) -> Constants {
         let known =
             (self.record.parameters.iter().zip(&self.chosen.parameters)).filter_map(|(p, of)| {
@@ -192,13 +192,13 @@ impl Identification {
     }
 }
 
-/// Why nothing could be identified.
+/// Error of an identification.
 #[derive(Debug, thiserror::Error)]
 pub enum IdentifyError {
     /// The scene cannot be assembled.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// There is no recipe for the model.
+    /// The model has no constants to identify.
     #[error("the model `{0}` has nothing to identify; {known} have a stiffness to fit", known = .1.join(" and "))]
     Model(String, Vec<&'static str>),
     /// A key is none that can be fitted.
@@ -217,7 +217,7 @@ pub enum IdentifyError {
     /// A constant of one gear, of a model whose gears have none.
     #[error("`{0}` cannot be fitted: gears of the model `{1}` have no constants of their own")]
     NothingOfGears(String, String),
-    /// A constant of a gear that is none, or takes another model.
+    /// The key refers to an unknown gear, or to a gear with another model.
     #[error("`{0}` cannot be fitted: it does not belong to a gear of the model `{1}`; there are {known}", known = .2.join(", "))]
     Gear(String, String, Vec<String>),
     /// A key that no gear has.
@@ -241,7 +241,7 @@ pub enum IdentifyError {
     /// The run of a trial does not reach the end of the data.
     #[error("the run ends before {0}")]
     Short(String),
-    /// No start led to a fit.
+    /// The fit failed from every starting point.
     #[error("the fit failed from every start: {0}")]
     Failed(String),
 }
@@ -261,7 +261,7 @@ impl ModelRefusal for IdentifyError {
 }
 
 impl IdentifyError {
-    /// Whether something was asked for that the model cannot do.
+    /// True if the user asked for a parameter or value that the model does not have.
     pub fn is_of_wishes(&self) -> bool {
         use IdentifyError::{Course, Gear, Key, KeyOfGear, Model, NoPath, NothingOfGears, Value};
         matches!(
@@ -278,7 +278,7 @@ impl IdentifyError {
     }
 }
 
-/// Puts constants into a scene and its models, as a calibration with them would be.
+/// Applies constants to a scene and its models, as a calibration with the same constants does.
 pub fn apply(constants: &Constants, model: &str, spec: &mut SceneSpec, modelling: &mut Modelling) {
     let names: Vec<&str> = spec.gears.iter().map(|g| g.name.as_str()).collect();
     constants.apply(model, &names, modelling);
@@ -296,7 +296,7 @@ mod tests {
     use crate::scene_file::{Selection, load_for};
     use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 
-    /// What is fitted is what a calibration with the same constants is: one spring of the mesh stays one.
+    /// A fit applies constants as a calibration does: a constant mesh stiffness stays a constant mesh stiffness.
     #[test]
     fn constants_mean_the_same_in_a_fit_and_in_a_calibration() {
         let scene = load_for("spur_impact", Selection::None).unwrap();

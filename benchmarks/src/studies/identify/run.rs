@@ -1,4 +1,4 @@
-//! The fit of a model to its data.
+//! Fit of a model to its data.
 
 use super::chosen::Chosen;
 use super::estimate::{Estimate, Problem, estimate};
@@ -29,7 +29,7 @@ const MAX_STEPS: u64 = 50_000;
 /// Sums of squares this close are one minimum.
 const SAME: f64 = 1e-3;
 
-/// A model with constants on data: its own values at the places of the data.
+/// Computes the values of a model with given constants at the sample points of the data.
 ///
 /// # Errors
 /// [`IdentifyError`] where it cannot be built, or does not reach the end.
@@ -176,7 +176,7 @@ fn trial(
     runner.piece(key, || modelled(plan, set, constants, clock))
 }
 
-/// The model beside data: errors of the history, of its peak and its impulse.
+/// Compares the model with data: errors of the history, of its peak and its impulse.
 fn against(set: &DataSet, model: Vec<f64>, validation: bool) -> DataRecord {
     let data = set.values();
     let off: Vec<f64> = model.iter().zip(data).map(|(a, b)| a - b).collect();

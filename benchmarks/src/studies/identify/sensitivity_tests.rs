@@ -1,4 +1,4 @@
-//! Sensitivities by differences against exact ones, and what the difference is to an estimate.
+//! Tests of sensitivities from differences against exact ones, and of the effect of their error on an estimate.
 //!
 //! Rigid gears with one spring for the mesh are one oscillator while they touch,
 //!

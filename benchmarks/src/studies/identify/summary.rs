@@ -1,10 +1,10 @@
-//! What the terminal says of a fit.
+//! Terminal summary of a record of `identify`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::identify::{DataRecord, FitRecord, Outcome, ParameterRecord};
 use gearbench_reports::record::Results;
 
-/// All fits of a record.
+/// Prints all fits of a record.
 pub fn summarise(results: &Results) {
     results.fits().iter().for_each(one);
 }

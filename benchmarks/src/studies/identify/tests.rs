@@ -1,4 +1,4 @@
-//! Data that were made with known constants: they are found again, and what cannot be told apart is said to be so.
+//! Tests with data made from known constants: the fit recovers them, and reports those that the data do not determine.
 
 use super::*;
 use crate::experiment::conditions::even;
@@ -19,7 +19,7 @@ const TRUTH: [(&str, f64); 4] = [
     (GAP, 3e-6),
 ];
 
-/// The shipped impact with its own constants, without data so far.
+/// Returns a plan for the shipped impact with its own constants, still without data.
 pub(super) fn plan(label: &str) -> (FitPlan<'static>, gearbench_models::spec::SceneSpec) {
     let scene = load_for("spur_impact", Selection::Labels(Some(label))).unwrap();
     let choice = scene.model(label).unwrap();
@@ -34,7 +34,7 @@ pub(super) fn plan(label: &str) -> (FitPlan<'static>, gearbench_models::spec::Sc
     (plan, scene.spec_for(choice))
 }
 
-/// Data that the model itself makes with constants, with some noise over the root mean square.
+/// Returns data that the model itself makes with constants, with noise relative to the root mean square.
 pub(super) fn made(plan: &FitPlan<'_>, mut set: DataSet, truth: &Constants, noise: f64) -> DataSet {
     let values = modelled(plan, &set, truth, 0.0).unwrap();
     let rms = plan::size(&values) / (values.len() as f64).sqrt();
@@ -49,7 +49,7 @@ pub(super) fn made(plan: &FitPlan<'_>, mut set: DataSet, truth: &Constants, nois
     set
 }
 
-/// An impact at a speed of the first gear.
+/// Returns an impact at a given speed of the first gear.
 pub(super) fn impact(spec: &gearbench_models::spec::SceneSpec, speed: f64, name: &str) -> DataSet {
     let mut spec = spec.clone();
     spec.gears[0].speed = speed;
@@ -78,7 +78,8 @@ pub(super) fn outcomes(found: &Identification) -> Vec<Outcome> {
     found.record.parameters.iter().map(|p| p.outcome).collect()
 }
 
-/// Two speeds at once give the constants back that the data were made with, and a third one, which was not fitted, is met.
+/// A fit to two speeds at once recovers the constants that the data were made with, and predicts a third speed, which
+/// was not fitted.
 #[test]
 fn constants_of_made_data_are_found_again() {
     let (mut plan, spec) = plan("movable-teeth");
@@ -114,7 +115,7 @@ fn constants_of_made_data_are_found_again() {
     assert!(between.impulse_rel.unwrap().abs() < 1e-3);
 }
 
-/// Three set-ups that cannot tell, each said in words and answered with no number.
+/// Three set-ups whose data do not determine a parameter: each is explained in words, and the parameter has no value.
 #[test]
 fn what_the_data_do_not_tell_is_said_and_has_no_value() {
     let truth = Constants::of(TRUTH);

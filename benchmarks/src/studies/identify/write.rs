@@ -1,4 +1,4 @@
-//! The calibration file: constants and where they come from, beside all that stands there already.
+//! Writing of the calibration file: constants and their origin, in addition to the entries that it already contains.
 //!
 //! Comments at its head say by which command, from which data and how sure each calibration is, a tag in front of each
 //! line; those of other calibrations stay, and so do comments between the tables.
@@ -16,7 +16,7 @@ use std::io::ErrorKind;
 use std::path::PathBuf;
 use toml_edit::{DocumentMut, Item, Table, Value};
 
-/// Writes what the data determine, with `force` all that was fitted.
+/// Writes the constants that the data determine, with `force` all fitted ones.
 pub fn write(
     scene: &SceneFile,
     (to, data): (FittedTo, &str),
@@ -137,7 +137,7 @@ fn told(record: &FitRecord) -> String {
     format!("{}: {}", record.label, told_of(record))
 }
 
-/// Errors and intervals of a fit in a line.
+/// Returns errors and intervals of a fit in one line.
 pub(super) fn told_of(record: &FitRecord) -> String {
     let errors = record.data.iter().map(|d| {
         let held = if d.validation { ", not fitted" } else { "" };

@@ -1,16 +1,16 @@
-//! What the study of natural frequencies looks at.
+//! Plan of a study of natural frequencies.
 
 use super::run::Wanted;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 
-/// What to study.
+/// Plan of a study of natural frequencies: conditions, models and range of frequencies.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// What heads the record.
+    /// Conditions of the scene, for the head of the record.
     pub conditions: Conditions<'a>,
-    /// The models.
+    /// Models whose natural frequencies are computed.
     pub entries: Vec<Configuration>,
-    /// What is wanted of each.
+    /// Range of frequencies that are listed for each model.
     pub wanted: Wanted,
 }

@@ -21,17 +21,17 @@ use gearbench_reports::modes::{
 use gearbench_reports::record::{MeshMode, Part, Results};
 use std::f64::consts::TAU;
 
-/// Largest way at a flank of the shapes that are told [m].
+/// Largest displacement at a flank of the shapes in the record [m].
 const WAY: f64 = 1e-6;
 
-/// What is wanted of a model.
+/// Range and grouping of the natural frequencies that are listed for a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {
-    /// Most frequencies that are listed.
+    /// Largest number of frequencies that are listed.
     pub most: usize,
-    /// Up to where [Hz].
+    /// Upper limit of the frequencies [Hz].
     pub up_to: f64,
-    /// Relative distance of frequencies that count as one.
+    /// Relative distance below which frequencies are grouped as one.
     pub group: f64,
 }
 
@@ -45,7 +45,7 @@ impl Default for Wanted {
     }
 }
 
-/// Natural frequencies of a model of a scene; where there are none the record says why.
+/// Computes the natural frequencies of a model of a scene; if there are none the record has the reason.
 ///
 /// # Errors
 /// [`BuildError`] where the scene cannot be assembled.
@@ -244,7 +244,7 @@ fn listed(
     }
 }
 
-/// Runs the study.
+/// Computes the natural frequencies and modes of all models.
 ///
 /// # Errors
 /// [`StudyError`]; models without an equilibrium are rows.

@@ -1,4 +1,4 @@
-//! How members move in a mode, its shares of energy, and what it is called for these.
+//! Motion of the members in a mode, its energy shares, and its name by these shares.
 
 use gearbench_integrators::system::{State, StateView};
 use gearbench_models::gear::GearModel;
@@ -6,14 +6,14 @@ use gearbench_models::scene::{Scene, StrainIn};
 use gearbench_models::spec::SceneSpec;
 use gearbench_reports::modes::MemberShape;
 
-/// Parts of a sum.
+/// Returns each energy over their sum [-]; zeros if the sum is zero.
 pub fn shares(energies: &[f64]) -> Vec<f64> {
     let all: f64 = energies.iter().sum();
     let share = |e: &f64| if all > 0.0 { e / all } else { 0.0 };
     energies.iter().map(share).collect()
 }
 
-/// How the members of a scene move by a displacement of its coordinates.
+/// Computes the motion of the members of a scene for a displacement of its coordinates.
 pub fn shape(scene: &Scene, s: &State, x: &[f64]) -> Vec<MemberShape> {
     let of = |g: &gearbench_models::scene::SceneGear| {
         let own = g.at(s.at());
@@ -45,7 +45,7 @@ fn turn(model: &dyn GearModel, _own: StateView<'_>, along: &[f64]) -> f64 {
     along[0] + model.hub().over_shapes(along)
 }
 
-/// A name of what holds strain energy.
+/// Returns the name of a component that stores strain energy.
 pub fn name_of(place: StrainIn, scene: &Scene, spec: &SceneSpec) -> String {
     let member = |i: usize| scene.gears()[i].name.clone();
     let shaft = |i: usize| {
@@ -69,11 +69,13 @@ pub fn name_of(place: StrainIn, scene: &Scene, spec: &SceneSpec) -> String {
     }
 }
 
-/// Part of the energy that names a mode alone, and that a second place has to have to be named beside.
+/// Share of the strain energy from which on one component alone names a mode, and least share of a second one in the
+/// name.
 const ALONE: f64 = 0.75;
 const BESIDE: f64 = 0.1;
 
-/// What a mode is called: by what holds most of its energy, and the next where that is not nearly all.
+/// Returns the name of a mode: the spring with most of its strain energy, and the next one where that is not nearly
+/// all.
 pub fn name(springs: &[String], strain: &[f64]) -> String {
     let mut order: Vec<usize> = (0..strain.len()).collect();
     order.sort_by(|a, b| strain[*b].total_cmp(&strain[*a]));

@@ -1,14 +1,14 @@
-//! What the terminal says of a record of `modes`.
+//! Terminal summary of a record of `modes`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::modes::{About, ModelModes};
 use gearbench_reports::numbers::{short, significant};
 use gearbench_reports::record::Results;
 
-/// Modes that are told of each model.
+/// Largest number of modes printed for each model.
 const MOST: usize = 12;
 
-/// The state and the lowest modes of each model.
+/// Prints the state and the lowest modes of each model.
 pub fn summarise(results: &Results) {
     for v in results.vibrations() {
         say(&format!("{}: {}", v.label, state(v)));

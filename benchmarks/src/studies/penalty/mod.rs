@@ -1,8 +1,8 @@
 //! The study of penalties: force, impulse and static transmission error of one model over the penalty of its contact,
-//! beside the same model with hard contact.
+//! compared with the same model with hard contact.
 //!
-//! A penalty is a spring that no body has. Results that change with it say nothing of the gears; with hard contact as
-//! the limit the study shows from where on they no longer do.
+//! A penalty is a numerical spring without physical counterpart. Results that depend on it are no results for the
+//! gears; with hard contact as the limit, the study shows above which penalty they no longer depend on it.
 
 pub(crate) mod arguments;
 pub(crate) mod command;

@@ -1,23 +1,23 @@
-//! What the study of penalties runs.
+//! Plan of a study of the contact penalty.
 
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use gearbench_integrators::Scheme;
 
-/// What to study.
+/// Plan of a study of the contact penalty: model, penalties and comparison with hard contact.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     pub conditions: Conditions<'a>,
-    /// The model; its penalty is the study's.
+    /// Model whose contact penalty is varied.
     pub entry: Configuration,
-    /// The same model with hard contact.
+    /// Model with hard contact and otherwise equal settings.
     pub hard: Option<Configuration>,
-    /// Integrator, if the model has none of its own.
+    /// Integrator, for a model without its own.
     pub method: Scheme,
-    /// Penalties [Pa/m].
+    /// Contact penalties [Pa/m], one run each.
     pub penalties: Vec<f64>,
-    /// Force along the line of action of the static equilibria [N]; `None` leaves them out.
+    /// Force along the line of action in the static equilibria [N]; `None` leaves them out.
     pub load: Option<f64>,
-    /// Positions of the static cycle.
+    /// Number of positions of the static cycle.
     pub positions: usize,
 }

@@ -1,4 +1,4 @@
-//! Runs over the penalty.
+//! Runs of a model over the contact penalty.
 
 use super::plan::Plan;
 use crate::experiment::configuration::Configuration;
@@ -11,7 +11,7 @@ use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run, SELF};
 use gearbench_reports::series::TimeSeries;
 
-/// The way out for a model without a penalty.
+/// Advice for a model without a penalty.
 pub(super) const TAKE_POINTS: &str =
     "use a model with contact at flank points: `contact = { penalty_pa_per_m = .. }`";
 
@@ -45,7 +45,7 @@ fn static_error(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, S
     Ok(Some(cycle.map_err(fail)?.mean_error()))
 }
 
-/// Runs the study.
+/// Runs the model at every penalty, and with hard contact where it is planned.
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are rows.

@@ -1,9 +1,9 @@
-//! What the terminal says of a record of `penalty`.
+//! Terminal summary of a record of `penalty`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::record::Results;
 
-/// One line per penalty.
+/// Prints one line per penalty.
 pub fn summarise(results: &Results) {
     say(&format!(
         "{:>10} {:>12} {:>13} {:>13}  {}",

@@ -1,4 +1,4 @@
-//! What accuracy against cost runs: variants of models with their series, and the references they are held against.
+//! Plan of a study of accuracy against cost: variants of models with their series of resolutions, and their references.
 
 use super::arguments::Asked;
 use super::references::{held_against, references};
@@ -18,27 +18,27 @@ use gearbench_reports::record::ReferenceSeries;
 use std::collections::HashSet;
 use std::time::Duration;
 
-/// Numbers of modes that are tried when nobody says.
+/// Default numbers of modes per gear.
 pub const COUNTS: [usize; 6] = [0, 10, 35, 70, 100, 150];
-/// Model that others are held against.
+/// Id of the full-order model, the reference of the others.
 pub(super) const FULL: &str = FullOrderParameters::MODEL;
 /// Steps of one integration at most: a timeout that does not depend on the machine.
 const MOST_STEPS: u64 = 20_000_000;
 
-/// A model with a number of modes, and its series.
+/// Model with a number of modes, and its series of resolutions.
 #[derive(Clone, Debug)]
 pub struct Variant {
     pub entry: Configuration,
-    /// Modes per gear, where they are the study's choice.
+    /// Modes per gear, where the study varies them; `None` keeps the model's own.
     pub modes: Option<usize>,
     /// Integrators at every step and tolerance, the coarsest of each first.
     pub methods: Vec<Scheme>,
-    /// Ids of the references it is held against.
+    /// Ids of the references that the variant is compared with.
     pub against: Vec<String>,
 }
 
 impl Variant {
-    /// What progress and settings call it.
+    /// Returns the label of the variant for progress output and settings.
     pub fn label(&self) -> String {
         match self.modes {
             Some(n) => format!("{}, {n} modes", self.entry.label),
@@ -47,36 +47,36 @@ impl Variant {
     }
 }
 
-/// A reference that the study computes.
+/// Reference that the study computes.
 #[derive(Clone, Debug)]
 pub struct Full {
-    /// Its id in metrics.
+    /// Id of the reference in metrics.
     pub id: String,
     pub entry: Configuration,
-    /// Its integrator at a step so small that its own error does not show; `None` takes the converged solution of
-    /// gears with modes.
+    /// Integrator at a step so small that its own error is negligible; `None` takes the converged solution of gears
+    /// with modes.
     pub method: Option<Scheme>,
-    /// What it is, for the record.
+    /// Title of the reference in the record.
     pub title: String,
 }
 
-/// What to study.
+/// Plan of a study of accuracy against cost.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     pub conditions: Conditions<'a>,
-    /// Models with their series.
+    /// Models with their series of resolutions.
     pub variants: Vec<Variant>,
     pub fulls: Vec<Full>,
-    /// References from elsewhere.
+    /// References from measurements or other programs.
     pub external: Vec<ReferenceSeries>,
-    /// The metrics, the first above all.
+    /// Metrics of the errors, the most important first.
     pub metrics: Vec<Metric>,
-    /// Short runs are repeated until their times together reach this.
+    /// Least total time of the repeats of a short run.
     pub timed: Duration,
 }
 
 impl Plan<'_> {
-    /// The study of some models of a scene.
+    /// Plans the study of some models of a scene.
     ///
     /// # Errors
     /// A sentence about what was asked for and cannot be had.
@@ -151,13 +151,13 @@ impl Plan<'_> {
         })
     }
 
-    /// Number of runs, references included.
+    /// Returns the number of runs, references included.
     pub fn len(&self) -> usize {
         self.fulls.len() + self.variants.iter().map(|v| v.methods.len()).sum::<usize>()
     }
 }
 
-/// Metrics asked for, else the scene's, else that of its tolerance.
+/// Returns the metrics of the command line, else those of the scene, else that of its tolerance.
 fn metrics(scene: &SceneFile, asked: &Asked) -> Vec<Metric> {
     if !asked.metrics.is_empty() {
         let mut each_once = asked.metrics.clone();

@@ -1,5 +1,5 @@
-//! What models are held against: full models on a fine step, the stored reference, the densest reduced model; and which
-//! of them goes with which contact.
+//! References of a study of accuracy against cost (full models on a fine step, the stored reference, the densest
+//! reduced model), and their assignment to contacts.
 
 use super::arguments::Asked;
 use super::plan::{FULL, Full, Variant};
@@ -22,8 +22,8 @@ fn is_lumped(choice: &ModelChoice) -> bool {
     gears.any(|p| p.mass == Some(MassKind::Lumped))
 }
 
-/// References that are computed: full models among those that run or asked for by label; failing all references, the
-/// elastic model with the most modes.
+/// Returns the references to compute: full models among those that run or selected by label; without any other
+/// reference, the elastic model with the most modes.
 pub(super) fn references(
     scene: &SceneFile,
     choices: &[&ModelChoice],
@@ -122,8 +122,8 @@ fn penalty(choice: &ModelChoice) -> String {
     }
 }
 
-/// Whether two contacts between flank points are the same physics: the penalty, and what it is counted by. Where the
-/// points lie is a matter of resolution.
+/// True if two contacts between flank points have the same physics: the penalty, and its unit. The positions of the
+/// points are a matter of resolution.
 fn akin(a: &PointContact, b: &PointContact) -> bool {
     let each = |c: &PointContact| c.rule == PointRule::EachNode;
     a.hard == b.hard
@@ -142,8 +142,8 @@ fn points(entry: &Configuration) -> Option<&PointContact> {
         .find_map(|c| c.points.as_ref())
 }
 
-/// References of a variant: of those with flank points the ones with the same contact; lines of action know no
-/// penalty and go with those whose penalty is one per area.
+/// Returns the references of a variant: for models with flank points the ones with the same contact. Lines of action
+/// have no penalty and are compared with references whose penalty is one per area.
 pub(super) fn held_against(
     scene: &SceneFile,
     variant: &Variant,

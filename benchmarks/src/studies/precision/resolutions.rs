@@ -1,11 +1,12 @@
-//! From an integrator of a scene to the steps and tolerances it is tried at, the coarsest first.
+//! Series of steps and tolerances of an integrator, the coarsest first.
 
 use gearbench_integrators::Scheme;
 use gearbench_integrators::{Resolution, Stepping};
 
-/// Steps over that of the scene: coarse enough to fail, fine enough to converge.
+/// Steps as multiples of the step of the scene: coarse enough to fail, fine enough to converge.
 pub const FACTORS: [f64; 8] = [16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
-/// The same of full finite elements, whose runs take seconds: the step of the scene is near what they can bear.
+/// Steps as multiples of the step of the scene for full finite elements, whose runs take seconds: the step of the scene
+/// is near their stability limit.
 pub const FULL_FACTORS: [f64; 3] = [4.0, 2.0, 1.0];
 pub const RTOLS: [f64; 7] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
 /// Tolerances of the method that is exact for modes: of second order at contacts, it pays tenfold for the last.
@@ -13,21 +14,21 @@ pub const EXACT_RTOLS: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
 /// Step of a method that a scene gives a tolerance only [s].
 const STEP: f64 = 1e-6;
 
-/// What the series of an integrator is made of; `None` takes the defaults.
+/// Series of resolutions of an integrator; `None` takes the defaults.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Resolutions {
-    /// Steps over that of the scene.
+    /// Steps as multiples of the step of the scene.
     pub factors: Option<Vec<f64>>,
     /// Steps [s], in place of factors.
     pub steps: Option<Vec<f64>>,
     pub rtols: Option<Vec<f64>>,
-    /// The model has full finite elements.
+    /// True if the model has full finite elements.
     pub full: bool,
 }
 
 impl Resolutions {
-    /// The series of a method: steps where it has fixed ones, tolerances where it is adaptive; the method that is
-    /// exact for modes and can do both has both.
+    /// Returns the series of a method: steps where it has fixed ones, tolerances where it is adaptive; the method that
+    /// is exact for modes and can do both has both.
     pub fn of(&self, method: &Scheme) -> Vec<Scheme> {
         let info = method.method.info();
         let both = info.stepping == Stepping::Both && info.linear_part;

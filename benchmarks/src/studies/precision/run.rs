@@ -1,4 +1,4 @@
-//! Runs of accuracy against cost.
+//! Runs of the study of accuracy against cost.
 
 use super::plan::{Full, Plan, Variant};
 use crate::experiment::budget::NOT_TRIED;
@@ -30,14 +30,14 @@ const FINER: f64 = 0.3;
 /// Steps of a reference with a fixed step at most.
 const MOST_STEPS: u64 = 20_000_000;
 
-/// The setting that says which resolutions were left out.
+/// Key of the setting that lists resolutions that were left out.
 const TOO_FINE: &str = "left out: finer than a run that took too long";
-/// The setting that says whose converged solution is coarser than it should be.
+/// Key of the setting that lists converged solutions coarser than intended.
 pub(super) const COARSE: &str = "converged less far than they should be";
-/// The setting that says whose errors of integration are unknown.
+/// Key of the setting that lists models with unknown integration errors.
 const UNKNOWN: &str = "without a converged solution";
 
-/// Runs the study.
+/// Runs all variants at all resolutions and computes their errors against the references.
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built, a reference does not reach the end, or the user interrupts.
@@ -159,7 +159,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
     })
 }
 
-/// What to know of the solution of gears with modes, where it is coarser than it should be.
+/// Returns a note on the converged solution of gears with modes, if its tolerance is coarser than intended.
 fn short_of(found: &Converged, whose: &str) -> Option<String> {
     let exact = exact_for_modes(EXACT_MODES[0].0);
     let (wanted, steps) = EXACT_MODES[0];
@@ -186,13 +186,14 @@ fn note(notes: &mut Vec<(String, String)>, what: &str, text: String) {
     }
 }
 
-/// Whether a method is the last of its series.
+/// True if an integrator is at the last resolution of its series.
 fn finest(variant: &Variant, method: &Scheme) -> bool {
     let last = variant.methods.iter().rfind(|m| m.method == method.method);
     last == Some(method)
 }
 
-/// What the caller of a run knows of it. Histories and pictures of hundreds of runs are nobody's business.
+/// Completes a row by the label and the published times of its model. Histories and pictures of hundreds of runs are
+/// not kept.
 fn fill(row: &mut Run, variant: &Variant) {
     let entry = &variant.entry;
     entry.sign(row);
@@ -287,7 +288,7 @@ impl Study<'_> {
         Ok((record, own))
     }
 
-    /// The model's own converged solution; `row` says how large the model is.
+    /// Computes the model's own converged solution; `row` has the size of the model.
     fn own_solution(
         &self,
         variant: &Variant,

@@ -1,4 +1,4 @@
-//! `[study] precision = { .. }` of a scene: what the study does when the command line does not say otherwise.
+//! `[study] precision = { .. }` of a scene: defaults of the study, which options on the command line override.
 
 use crate::scene_file::SceneError;
 use crate::scene_file::reading::Place;
@@ -32,24 +32,24 @@ keys! {
     }
 }
 
-/// What accuracy against cost does by default; empty lists leave it to the study.
+/// Defaults of accuracy against cost in a scene; empty lists leave the choice to the study.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Precision {
-    /// Labels of the models.
+    /// Labels of the models to run.
     pub models: Vec<String>,
-    /// Integrators.
+    /// Integrators in place of the study's.
     pub integrators: Vec<Scheme>,
-    /// Numbers of modes.
+    /// Numbers of modes per gear.
     pub modes: Vec<usize>,
-    /// Steps over that of the scene.
+    /// Steps as multiples of the step of the scene.
     pub factors: Vec<f64>,
-    /// Steps [s].
+    /// Steps [s], in place of factors.
     pub steps: Vec<f64>,
-    /// Tolerances.
+    /// Relative tolerances of adaptive methods.
     pub rtols: Vec<f64>,
-    /// Metrics.
+    /// Metrics of the error, the most important first.
     pub metrics: Vec<Metric>,
-    /// Simulated time [s].
+    /// Simulated time [s]; `None` takes that of the scene.
     pub duration: Option<f64>,
 }
 
@@ -58,7 +58,7 @@ fn plain<T, U>(list: Option<Vec<T>>, plain: impl Fn(T) -> U) -> Vec<U> {
 }
 
 impl PrecisionKeys {
-    /// What is asked for, if it goes together.
+    /// Validates the keys and returns the defaults; factors and steps exclude each other.
     pub(crate) fn read(self, at: &Place<'_>) -> Result<Precision, SceneError> {
         if self.factors.is_some() && self.steps_s.is_some() {
             return Err(at.key("steps_s").against(

@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `precision`.
+//! Terminal summary of a record of `precision`.
 
 use super::run::COARSE;
 use crate::cli::terminal::say;
@@ -7,7 +7,7 @@ use gearbench_reports::numbers::{percent, quantity};
 use gearbench_reports::precision::{Cost, LEVELS, Precision as Told, family, modes_and_step};
 use gearbench_reports::record::{Results, SELF, Status};
 
-/// The front against every reference, and who leads.
+/// Prints the Pareto front of error and cost against every reference, and the cheapest run within each error limit.
 pub fn summarise(results: &Results) {
     let told = Told::of(results);
     for id in &told.references {

@@ -1,27 +1,27 @@
-//! What the study of frequency response looks at.
+//! Plan of a study of frequency response.
 
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 
-/// What to study.
+/// Plan of a study of frequency response: conditions, models and range of frequencies.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// What heads the record.
+    /// Conditions of the scene, for the head of the record.
     pub conditions: Conditions<'a>,
-    /// The models.
+    /// Models whose response is computed.
     pub entries: Vec<Configuration>,
-    /// What is wanted of each.
+    /// Range and resolution of the response of each model.
     pub wanted: Wanted,
 }
 
-/// What is wanted of a model.
+/// Range and resolution of the frequency response of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {
     /// Lowest and highest mesh frequency of the first mesh [Hz]; `None` takes them from its resonance.
     pub range: Option<[f64; 2]>,
-    /// Number of frequencies.
+    /// Number of mesh frequencies.
     pub points: usize,
-    /// Phases of a mesh cycle.
+    /// Number of phases of a mesh cycle.
     pub phases: usize,
 }
 

@@ -21,9 +21,9 @@ use gearbench_reports::response::{
     GroupResponse, MeshLimit, MeshPoint, ModelResponse, MountPoint, ResponsePoint, ResponseRecord,
 };
 
-/// Harmonics that are kept.
+/// Largest number of harmonics in the record.
 const HARMONICS: usize = 24;
-/// Lowest mesh frequency over that of the resonance, and the highest, where nobody says otherwise.
+/// Default range of mesh frequencies over that of the resonance, lowest and highest [-].
 const RANGE: [f64; 2] = [0.05, 1.6];
 
 fn mean(x: impl Iterator<Item = f64>, n: usize) -> f64 {
@@ -153,7 +153,7 @@ fn solve(
     Ok(groups)
 }
 
-/// The response of a model of a scene; where there is none the record says why.
+/// Computes the response of a model of a scene; if there is none the record has the reason.
 ///
 /// # Errors
 /// [`BuildError`] where the scene cannot be assembled.
@@ -184,7 +184,7 @@ pub fn response(
     })
 }
 
-/// Runs the study.
+/// Computes the frequency responses of all models.
 ///
 /// # Errors
 /// [`StudyError`]; models without a response are rows.

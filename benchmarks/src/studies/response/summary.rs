@@ -1,10 +1,10 @@
-//! What the terminal says of a record of `response`.
+//! Terminal summary of a record of `response`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::record::Results;
 
-/// The limit of slow running and the peak of each mesh.
+/// Prints the limit of slow running and the peak of each mesh.
 pub fn summarise(results: &Results) {
     for r in results.responses() {
         if r.groups.is_empty() {

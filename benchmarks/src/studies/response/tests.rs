@@ -1,4 +1,4 @@
-//! Frequency response beside a closed form, and beside gears that run.
+//! Frequency responses compared with a closed form, and with simulations of running gears.
 #![allow(clippy::print_stdout, reason = "observed figures")]
 
 use super::plan::Wanted;
@@ -40,7 +40,7 @@ fn respond(
     found.groups.remove(0)
 }
 
-/// What gears that run under load settle to at mesh frequencies [Hz].
+/// Returns the steady states of gears that run under load at mesh frequencies [Hz].
 fn run(scene: &SceneFile, label: &str, method: Scheme, frequencies: &[f64]) -> Vec<Steady> {
     let plan = sweep::Plan {
         conditions: Conditions {
@@ -133,7 +133,8 @@ fn loaded_mesh(changes: &[(&str, &str)]) -> SceneFile {
     SceneFile::unbuilt("loaded_mesh", &text, Origin::Shipped, true).unwrap()
 }
 
-/// Real teeth, off and near the resonances of harmonics, wherever no flanks part.
+/// Responses agree with runs of gears under load, near and away from the resonances of harmonics, as long as no flanks
+/// separate.
 #[test]
 fn gears_under_load_answer_as_they_run() {
     let everywhere = &[2500.0, 4000.0, 8500.0][..];

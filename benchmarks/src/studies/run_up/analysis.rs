@@ -1,4 +1,4 @@
-//! The record of a run-up, from what was recorded of it.
+//! Evaluation of a recorded run-up.
 
 use super::channels::Recorded;
 use super::orders::tracked;
@@ -21,10 +21,10 @@ const HIDDEN: f64 = 2.0;
 
 /// Last part of a run whose mean speed is compared with that of its ramp.
 const AT_END: f64 = 0.01;
-/// How far the speed at the end may be from that of the ramp, over the change of speed.
+/// Permitted deviation of the final speed from that of the ramp, over the change of speed.
 const MISSED: f64 = 0.02;
 
-/// Why a run does not follow its ramp, if it does not, and a way out.
+/// Returns the reason why a run does not follow its ramp, with advice; `None` if it follows.
 fn missed(name: &str, turns: &[f64], recorder: &Recorder, ramp: &Ramp) -> Option<String> {
     let last = turns.len() - 1;
     let first = last - ((AT_END * last as f64).ceil() as usize).clamp(1, last);
@@ -65,10 +65,10 @@ fn axes(windows: &Windows, lines: Vec<f64>) -> RunUpMap {
     }
 }
 
-/// What a run-up says.
+/// Evaluates a recorded run-up: amplitudes of its quantities over frequency and order.
 ///
 /// # Errors
-/// Why there is nothing to say, with a way out.
+/// The reason why the run cannot be evaluated, with advice.
 pub fn analyse(
     spec: &SceneSpec,
     recorded: &Recorded<'_>,

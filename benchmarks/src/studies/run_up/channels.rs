@@ -1,5 +1,7 @@
-//! What is looked at in a run-up: the transmission error and the force of every mesh, the force of every bearing. Gears that go
-//! round with a carrier are seen from it, or what goes with the mesh would stand beside its order, by that of the carrier.
+//! Recorded quantities of a run-up: transmission error and force of every mesh, force of every bearing.
+//!
+//! The motion of gears on a carrier is relative to it; otherwise the order of the carrier would appear beside that of
+//! the mesh.
 
 use super::recorder::Recorder;
 use crate::experiment::record::carrier_of;
@@ -10,22 +12,23 @@ use gearbench_reports::metrics::TRANSMISSION_ERROR;
 /// Radial forces of a bearing.
 const RADIAL: [OfGear; 2] = [OfGear::BearingX, OfGear::BearingY];
 
-/// A quantity whose amplitudes are looked at.
+/// Recorded quantity whose amplitudes are evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
-    /// Name of its column, with the unit.
+    /// Name of the column of the quantity, with the unit.
     pub column: String,
-    /// Name for readers.
+    /// Name of the quantity in reports.
     pub name: String,
-    /// Its unit.
+    /// Unit of the quantity.
     pub unit: &'static str,
-    /// Those with one number are alike, as planets of a carrier are: of these one stands for all in maps.
+    /// Number of the group of equivalent quantities, such as those of the planets of a carrier; maps show one of each
+    /// group.
     pub kind: usize,
-    /// One history, or the components of a force.
+    /// Histories of the quantity: one, or one for each component of a force.
     pub histories: Vec<Vec<f64>>,
 }
 
-/// What is recorded of a scene, and where it stands.
+/// Layout of the recorded channels of a scene.
 pub struct Recorded<'a> {
     spec: &'a SceneSpec,
     /// Carrier of each gear, among the members.
@@ -34,7 +37,7 @@ pub struct Recorded<'a> {
 }
 
 impl<'a> Recorded<'a> {
-    /// Of a scene.
+    /// Returns the layout of the recorded channels for a scene.
     pub fn of(spec: &'a SceneSpec) -> Self {
         Recorded {
             spec,
@@ -43,7 +46,7 @@ impl<'a> Recorded<'a> {
         }
     }
 
-    /// Channels to record: angles of all members, forces of meshes, bearings of gears.
+    /// Returns the channels to record: angles of all members, forces of meshes, bearings of gears.
     pub fn channels(&self, scene: &Scene) -> Vec<usize> {
         let angles = (0..self.members).map(|i| Channel::Gear(i, OfGear::Displacement));
         let forces = (0..self.spec.meshes.len()).map(|m| Channel::Mesh(m, OfMesh::Force));
@@ -53,19 +56,19 @@ impl<'a> Recorded<'a> {
         all.filter_map(|c| scene.channel(c)).collect()
     }
 
-    /// Angle of a member [rad].
+    /// Returns the recorded angle of a member [rad].
     pub fn angle<'r>(&self, recorder: &'r Recorder, member: usize) -> &'r [f64] {
         &recorder.columns[member]
     }
 
-    /// How far a member turned between two samples, seen from its carrier where it has one [rad].
+    /// Computes the rotation of a member between two samples, relative to its carrier if it has one [rad].
     pub fn turned(&self, recorder: &Recorder, member: usize, [a, b]: [usize; 2]) -> f64 {
         let of = |i: usize| recorder.columns[i][b] - recorder.columns[i][a];
         let carrier = self.carriers.get(member).copied().flatten();
         of(member) - carrier.map_or(0.0, of)
     }
 
-    /// The carrier that the gears of a mesh are seen from.
+    /// Returns the carrier to which the motion of the gears of a mesh is relative.
     pub fn carrier_of_mesh(&self, mesh: usize) -> Option<usize> {
         let gears = self.spec.meshes[mesh].gears;
         gears.into_iter().find_map(|g| self.carriers[g])
@@ -82,7 +85,7 @@ impl<'a> Recorded<'a> {
         (0..gear).find(alike).unwrap_or(gear)
     }
 
-    /// All quantities from a sample on.
+    /// Returns the histories of all quantities from a sample on.
     pub fn quantities(&self, recorder: &Recorder, from: usize) -> Vec<Quantity> {
         let spec = self.spec;
         let name = |g: usize| spec.gears[g].name.as_str();

@@ -22,7 +22,7 @@ use gearbench_reports::Study;
 use gearbench_reports::record::Results;
 use std::time::Duration;
 
-/// Part of the run before the onset when nobody says.
+/// Default part of the run before the start of the evaluation.
 const BEFORE: f64 = 0.02;
 
 /// Runs the study and writes its folder.
@@ -90,7 +90,7 @@ pub fn run(args: &RunUp, command: &str) -> Result<Answer, Refusal> {
     folder.finish(results, ended, summarise)
 }
 
-/// The reference gear.
+/// Returns the index of the reference gear.
 fn gear_of(scene: &SceneFile, asked: Option<&str>) -> Result<usize, SceneError> {
     let turns = |g: &gearbench_models::spec::GearSpec| {
         matches!(g.body, Body::Gear(_)) && !matches!(g.mount, Mount::Fixed)
@@ -117,7 +117,7 @@ fn gear_of(scene: &SceneFile, asked: Option<&str>) -> Result<usize, SceneError> 
     })
 }
 
-/// A run of which nothing can be said has failed, too.
+/// Returns the exit code; a run without evaluation counts as failed.
 fn ended(results: &Results) -> Exit {
     match results.run_ups().iter().any(|r| !r.message.is_empty()) {
         true => Exit::FailedRun,

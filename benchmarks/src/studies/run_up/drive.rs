@@ -1,4 +1,4 @@
-//! The run-up of a scene: its own, or from a speed to another over a time.
+//! Run-up of a scene: its own, or from one speed to another over a time.
 //!
 //! Where a hub is driven its speed becomes the ramp, by the ratio that it has to the reference gear. Where none is, all members
 //! get the torques `J_i alpha_i` that accelerate each alone as the train turns: these press no flank. The loads of the scene stay
@@ -19,11 +19,11 @@ use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, Modelling, Mount, Profile, SceneSpec, StationMember};
 
-/// Why a scene has no such run-up, and a way out.
+/// Reason why a scene cannot follow a ramp, and advice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoRamp(pub String, pub &'static str);
 
-/// What of a member a ramp changes.
+/// Mutable mount, loads and speed of a member, which a ramp changes.
 struct Driven<'a> {
     mount: &'a mut Mount,
     loads: &'a mut Vec<Load>,
@@ -51,7 +51,7 @@ fn members(spec: &mut SceneSpec) -> Vec<Driven<'_>> {
     all
 }
 
-/// The scene with a run-up of a gear.
+/// Returns the scene with a run-up of a gear.
 ///
 /// # Errors
 /// [`BuildError`] where the scene cannot be assembled; within, why it has no such run-up.

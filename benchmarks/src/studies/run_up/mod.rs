@@ -1,4 +1,5 @@
-//! Run-ups: a scene whose shafts are brought from one speed to another runs once, and is cut into windows.
+//! Run-ups: a scene whose shafts accelerate from one speed to another runs once, and its histories are divided into
+//! windows.
 //!
 //! ```text
 //! A_k = 2/sum(w_j) |sum_j w_j (x_j - line) e^{-2 pi i k j/n}|,    w_j = (1 - cos(2 pi j/n))/2

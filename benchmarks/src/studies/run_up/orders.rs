@@ -1,4 +1,5 @@
-//! Orders of a scene: how often teeth mesh, and shafts turn, while the reference gear turns once; from how far hubs turned.
+//! Orders of a scene: frequencies of meshes and shafts over the rotation frequency of the reference gear, from the
+//! rotations of the hubs.
 
 use super::channels::Recorded;
 use super::recorder::Recorder;
@@ -27,7 +28,7 @@ fn add(families: &mut Vec<Family>, order: f64, name: String) {
     }
 }
 
-/// The orders that are followed, those of meshes first; `shortest` is the least order that a window knows.
+/// Returns the orders to follow, those of meshes first; `shortest` is the least order that a window resolves.
 pub fn tracked(
     (spec, recorded): (&SceneSpec, &Recorded<'_>),
     recorder: &Recorder,

@@ -1,47 +1,47 @@
-//! What a run-up runs, and how it is looked at.
+//! Plan of a run-up: the speed ramp, the models, and the evaluation of the histories.
 
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use gearbench_integrators::Scheme;
 use serde::Serialize;
 
-/// Speeds of a run-up in place of what the scene does.
+/// Linear speed ramp of the reference gear, in place of the scene's own speeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ramp {
-    /// Speed of the reference gear at the start [rad/s], without its sense.
+    /// Magnitude of the speed of the reference gear at the start [rad/s].
     pub from: f64,
-    /// At the end.
+    /// Magnitude of the speed of the reference gear at the end [rad/s].
     pub to: f64,
-    /// How long it takes [s].
+    /// Duration of the ramp [s].
     pub over: f64,
 }
 
-/// How a run is looked at.
+/// Settings of the evaluation of a run-up.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Look {
-    /// The reference gear, by its place in the scene.
+    /// Index of the reference gear in the scene.
     pub gear: usize,
-    /// Multiples of mesh orders that are followed and shown.
+    /// Number of multiples of mesh orders that are followed and shown.
     pub multiples: usize,
-    /// Whole turns of a window; `None` takes a hundredth of the run.
+    /// Number of whole turns in a window; `None` takes a hundredth of the run.
     pub turns: Option<u32>,
-    /// What begins earlier is not looked at [s].
+    /// Start of the evaluation [s]; earlier samples are left out.
     pub onset: f64,
-    /// Samples of the run.
+    /// Number of samples of the run.
     pub samples: usize,
 }
 
-/// What to run.
+/// Plan of a study of run-ups.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// What heads the record; its duration is that of the run-up.
+    /// Conditions of the scene, for the head of the record; the duration is that of the run-up.
     pub conditions: Conditions<'a>,
-    /// The models.
+    /// Models that are run up.
     pub entries: Vec<Configuration>,
     /// Integrator of models without their own.
     pub method: Scheme,
-    /// In place of what the scene does.
+    /// Speed ramp in place of the scene's own speeds and loads; `None` keeps these.
     pub ramp: Option<Ramp>,
-    /// How it is looked at.
+    /// Settings of the evaluation.
     pub look: Look,
 }

@@ -1,17 +1,17 @@
-//! Records few channels of a run at many even times, where a history of all of them would take the memory.
+//! Recorder of few channels of a run at many even times, where a history of all channels would need too much memory.
 
 use crate::experiment::history::state_within;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Sink};
 
-/// Channels over even times.
+/// Recorder of channels at evenly spaced times.
 #[derive(Clone, Debug, Default)]
 pub struct Recorder {
     channels: Vec<usize>,
     begin: f64,
     apart: f64,
     most: usize,
-    /// One by one, in the order in which they were asked for.
+    /// Recorded channels in the requested order, one column of samples each.
     pub columns: Vec<Vec<f64>>,
     taken: usize,
     sample: State,
@@ -19,7 +19,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Of so many samples of channels, the first at `begin` and the last at `end` [s].
+    /// Creates a recorder for a number of samples of channels, the first at `begin` and the last at `end` [s].
     pub fn new(channels: Vec<usize>, [begin, end]: [f64; 2], samples: usize) -> Self {
         Recorder {
             columns: vec![Vec::with_capacity(samples); channels.len()],
@@ -31,17 +31,17 @@ impl Recorder {
         }
     }
 
-    /// Time from a sample to the next [s].
+    /// Returns the time from a sample to the next [s].
     pub fn apart(&self) -> f64 {
         self.apart
     }
 
-    /// Samples so far.
+    /// Returns the number of samples recorded so far.
     pub fn len(&self) -> usize {
         self.taken
     }
 
-    /// Time of a sample [s].
+    /// Returns the time of a sample [s].
     pub fn time(&self, sample: usize) -> f64 {
         self.begin + self.apart * sample as f64
     }

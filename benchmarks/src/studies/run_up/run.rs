@@ -1,4 +1,4 @@
-//! Runs of the study.
+//! Runs of the run-up study, one for each model.
 
 use super::analysis::analyse;
 use super::channels::Recorded;
@@ -20,12 +20,12 @@ use gearbench_reports::record::{Results, Run};
 use gearbench_reports::run_up::{ModelRunUp, NaturalFrequency, RunUpRecord};
 use std::time::Instant;
 
-/// Coordinates up to which natural frequencies are cheap beside the run.
+/// Largest number of coordinates for which natural frequencies are cheap compared with the run.
 const FEW: usize = 300;
 /// Natural frequencies that are marked at most.
 const MARKED: usize = 12;
 
-/// Runs the study.
+/// Runs and evaluates the run-up of every model.
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are rows.

@@ -1,4 +1,4 @@
-//! Amplitudes of what a window holds, after a line is taken off it: a fit that is weighted as the window is, so that neither a
+//! Amplitude spectrum of a window after subtraction of a line, fitted with the weights of the window, so that neither a
 //! mean nor a slow change leaks into the lowest bins.
 
 use std::f64::consts::TAU;
@@ -8,7 +8,7 @@ fn hann(n: usize) -> impl Iterator<Item = f64> {
     (0..n).map(move |i| 0.5 * (1.0 - (TAU * i as f64 / n as f64).cos()))
 }
 
-/// Sum of [`hann`].
+/// Returns the sum of [`hann`].
 fn weight(n: usize) -> f64 {
     0.5 * n as f64
 }
@@ -34,7 +34,7 @@ fn windowed(x: &[f64]) -> Vec<f64> {
     hann(n).zip(x).enumerate().map(off).collect()
 }
 
-/// Amplitudes in the bins `0 .. n/2`; `n` is a power of two.
+/// Computes the amplitudes in the bins `0 .. n/2`; `n` is a power of two.
 pub fn amplitudes(x: &[f64]) -> Vec<f64> {
     let n = x.len();
     let (mut re, mut im) = (windowed(x), vec![0.0; n]);
@@ -45,16 +45,16 @@ pub fn amplitudes(x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// A window that is ready for amplitudes at any number of cycles.
+/// Windowed samples of a signal, for amplitudes at any number of cycles.
 pub struct Window(Vec<f64>);
 
 impl Window {
-    /// Of samples.
+    /// Returns the windowed samples of a signal.
     pub fn of(x: &[f64]) -> Self {
         Window(windowed(x))
     }
 
-    /// Amplitude of what goes round so many times over the window, whole times or not.
+    /// Computes the amplitude at a number of cycles over the window, which need not be whole.
     pub fn amplitude(&self, cycles: f64) -> f64 {
         let n = self.0.len();
         // One turn of a phasor per sample; after some hundreds it is set anew, so that rounding does not grow.
@@ -126,7 +126,7 @@ mod tests {
         (0..n).map(at).collect()
     }
 
-    /// A sine of 1 um reads 1 um in its bin, whatever stands beside it and however large mean and slope are.
+    /// A sine of 1 um has an amplitude of 1 um in its bin, for any other component, mean and slope.
     #[test]
     fn a_sine_reads_its_amplitude_in_its_bin() {
         let x = wave(1024, &[(1e-6, 16.0), (2.5e-7, 40.0)], 1e-3, 1e-3);
@@ -142,7 +142,7 @@ mod tests {
         assert!((between[16] - 0.8488).abs() < 1e-3, "{}", between[16]);
     }
 
-    /// At its very order a sine reads its amplitude between bins as well.
+    /// A sine at a tracked order has its exact amplitude between bins as well.
     #[test]
     fn an_order_between_bins_is_followed_exactly() {
         for k in [10.25, 16.5, 37.9] {
@@ -151,7 +151,7 @@ mod tests {
         }
     }
 
-    /// Against the sums themselves.
+    /// The fast transform equals the direct sums.
     #[test]
     fn the_fast_transform_is_the_transform() {
         let x = wave(64, &[(1.0, 3.3), (0.7, 21.0)], 0.2, -0.4);

@@ -1,14 +1,14 @@
-//! What the terminal says of a record of `run-up`.
+//! Terminal summary of a record of `run-up`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::record::Results;
 use gearbench_reports::run_up::strongest;
 
-/// Peaks that are told of each model.
+/// Largest number of peaks printed for each model.
 const MOST: usize = 12;
 
-/// The strongest order of each quantity with the speed at which it peaks.
+/// Prints the strongest order of each quantity with the speed at which it peaks.
 pub fn summarise(results: &Results) {
     for run in results.run_ups() {
         if !run.message.is_empty() {

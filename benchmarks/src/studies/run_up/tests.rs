@@ -1,4 +1,4 @@
-//! Run-ups with known answers: chirps, and a pair beside what speed sweep and natural frequencies have of it.
+//! Run-ups with known results: chirps, and a pair compared with speed sweep and natural frequencies.
 
 use super::*;
 use crate::experiment::conditions::Conditions;
@@ -106,7 +106,7 @@ fn pair() -> SceneFile {
     scene
 }
 
-/// Of the wave of stiffness.
+/// Relative amplitude of the stiffness variation.
 const DEPTH: f64 = 0.05;
 
 fn conditions(scene: &SceneFile) -> Conditions<'static> {
@@ -147,7 +147,8 @@ fn run_up_of(scene: &SceneFile, ramp: Option<Ramp>, duration: f64) -> ModelRunUp
     found.clone()
 }
 
-/// Where a line that is sampled at ascending places is largest: the vertex of the parabola through three of them.
+/// Returns the place of the maximum of a line sampled at ascending places: the vertex of the parabola through three of
+/// them.
 fn peak(x: &[f64], y: &[f64]) -> f64 {
     let i = (1..y.len() - 1)
         .max_by(|a, b| y[*a].total_cmp(&y[*b]))
@@ -243,7 +244,7 @@ fn a_run_up_meets_the_resonance_that_sweep_and_modes_have() {
     );
 }
 
-/// A speed that stays is no run-up, and says so.
+/// A constant speed is refused with the reason that it is no run-up.
 #[test]
 fn a_constant_speed_is_refused_with_a_way_out() {
     let scene = pair();

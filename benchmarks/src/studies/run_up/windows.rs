@@ -1,39 +1,39 @@
-//! How a run is cut: into windows of equal time, and into windows of whole turns at even angles. Both overlap.
+//! Windows of a recorded run: windows of equal time, and windows of whole turns at even angles. Both overlap.
 
 use super::spectrum::{Window, amplitudes};
 use crate::experiment::resample::resample_smooth;
 
-/// Parts of a run that a window of turns is, when nobody says.
+/// Default number of turn windows of a run, without their overlap.
 const PARTS: f64 = 100.0;
 /// Windows at most; longer runs overlap less, never less than by half.
 const MOST_WINDOWS: f64 = 160.0;
-/// Samples of the highest order that is looked at, at least.
+/// Least number of samples per cycle of the highest order that is evaluated.
 const PER_CYCLE: f64 = 8.0;
-/// Lines of a map at most; where there are more the largest of neighbours stands for them.
+/// Largest number of lines of a map; more lines are reduced to the largest of neighbours.
 const MOST_LINES: usize = 200;
 
-/// What can be cut: samples at even times, and how far the reference gear has turned at each.
+/// Recording that is divided into windows: evenly spaced samples, with the turns of the reference gear at each.
 pub struct Cut<'a> {
-    /// Time of the first sample, and from one to the next [s].
+    /// Time of the first sample, and the interval between samples [s].
     pub time: [f64; 2],
     /// Turns of the reference gear, ascending.
     pub turns: &'a [f64],
 }
 
-/// Windows of one kind.
+/// Windows of one kind, of equal time or of equal turns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Windows {
-    /// First and last sample that a window takes (of turns: between which its angles lie).
+    /// First and last sample of each window (of windows of turns: between which its angles lie).
     pub samples: Vec<[usize; 2]>,
     /// Turns at which each begins; empty for windows of equal time.
     starts: Vec<f64>,
-    /// Samples of a window, a power of two.
+    /// Number of samples of a window, a power of two.
     pub length: usize,
-    /// Its length: time [s], or turns.
+    /// Length of a window: time [s], or turns.
     pub span: f64,
-    /// Time in the middle of each [s].
+    /// Time in the middle of each window [s].
     pub time: Vec<f64>,
-    /// Mean speed of the reference gear [rad/s].
+    /// Mean speed of the reference gear in each window [rad/s].
     pub speed: Vec<f64>,
 }
 
@@ -60,7 +60,7 @@ impl Cut<'_> {
         self.at((i - 1) as f64 + (turns - a) / (b - a))
     }
 
-    /// Windows of whole turns for orders up to `highest`.
+    /// Returns windows of whole turns for orders up to `highest`.
     pub fn by_turns(&self, highest: f64, wanted: Option<f64>) -> Option<Windows> {
         let range = [*self.turns.first()?, *self.turns.last()?];
         let all = range[1] - range[0];
@@ -127,7 +127,7 @@ impl Cut<'_> {
         })
     }
 
-    /// What a history has in each window.
+    /// Returns the samples of a history in each window.
     pub fn within<'w>(
         &'w self,
         windows: &'w Windows,
@@ -151,16 +151,17 @@ fn together(of_each: impl Iterator<Item = f64>) -> f64 {
     of_each.map(|a| a * a).sum::<f64>().sqrt()
 }
 
-/// A map of amplitudes: lines, and amplitudes by window.
+/// Map of amplitudes over lines and windows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Map {
-    /// Frequencies [Hz] or orders.
+    /// Frequencies [Hz] or orders of the lines.
     pub lines: Vec<f64>,
-    /// Amplitudes by window.
+    /// Amplitudes at these lines, by window.
     pub amplitudes: Vec<Vec<f64>>,
 }
 
-/// Amplitudes of histories (those of one quantity together) in all bins up to `highest` (in cycles per unit of the span).
+/// Computes the amplitudes of histories (those of one quantity together) in all bins up to `highest` (in cycles per
+/// unit of the span).
 pub fn map(cut: &Cut<'_>, windows: &Windows, histories: &[Vec<f64>], highest: f64) -> Map {
     let bins = ((highest * windows.span).ceil() as usize + 1).min(windows.length / 2);
     let group = bins.div_ceil(MOST_LINES).max(1);
@@ -185,7 +186,7 @@ pub fn map(cut: &Cut<'_>, windows: &Windows, histories: &[Vec<f64>], highest: f6
     }
 }
 
-/// Amplitudes at orders, each over the windows.
+/// Computes the amplitudes at given orders in each window.
 pub fn follow(
     cut: &Cut<'_>,
     windows: &Windows,
@@ -204,7 +205,7 @@ pub fn follow(
     all
 }
 
-/// Numbers of a record: four digits are more than a window knows.
+/// Rounds a number for the record to four digits, the resolution of a window.
 pub fn rounded(x: f64) -> f64 {
     if x == 0.0 || !x.is_finite() {
         return 0.0;

@@ -1,6 +1,6 @@
-//! The parameters that a map goes over: their names, ranges and values.
+//! Parameters of a stability map: their names, ranges and values.
 
-/// A parameter of a map.
+/// Parameter that an axis of a stability map varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Axis {
@@ -12,16 +12,16 @@ pub enum Axis {
     Damping,
     /// Factor on initial speeds and prescribed motions.
     Speed,
-    /// Modes of elastic gears.
+    /// Number of modes per gear of elastic gears.
     Modes,
     /// Spectral radius at infinite step of generalised-alpha.
     RhoInf,
-    /// Alpha of HHT.
+    /// Parameter alpha of the HHT method.
     HhtAlpha,
 }
 
 impl Axis {
-    /// All of them.
+    /// All parameters that an axis can vary.
     pub const ALL: [Axis; 7] = [
         Axis::ContactStiffness,
         Axis::ToothStiffness,
@@ -32,7 +32,7 @@ impl Axis {
         Axis::HhtAlpha,
     ];
 
-    /// The word of scenes and of the command line.
+    /// Returns the name of the parameter in scenes and on the command line.
     pub fn id(self) -> &'static str {
         match self {
             Axis::ContactStiffness => "contact-stiffness",
@@ -45,7 +45,7 @@ impl Axis {
         }
     }
 
-    /// Name on axes.
+    /// Returns the label of the parameter on axes of plots.
     pub fn name(self) -> &'static str {
         match self {
             Axis::ContactStiffness => "contact stiffness over the scene's",
@@ -58,7 +58,7 @@ impl Axis {
         }
     }
 
-    /// Unit, empty for ratios and counts.
+    /// Returns the unit of the parameter, empty for ratios and counts.
     pub fn unit(self) -> &'static str {
         match self {
             Axis::ToothStiffness => "N/m",
@@ -66,7 +66,7 @@ impl Axis {
         }
     }
 
-    /// Smallest and largest value that makes sense.
+    /// Returns the smallest and largest valid value.
     pub fn range(self) -> [f64; 2] {
         match self {
             Axis::ContactStiffness | Axis::Speed => [1e-9, 1e9],
@@ -78,7 +78,7 @@ impl Axis {
         }
     }
 
-    /// Values when nobody says; empty where there are none that go with every scene.
+    /// Returns the default values of the parameter; empty where no values suit every scene.
     pub fn defaults(self) -> Vec<f64> {
         match self {
             Axis::ContactStiffness => spaced(0.1, 100.0, 7),
@@ -91,18 +91,18 @@ impl Axis {
         }
     }
 
-    /// Whether values are whole numbers.
+    /// True if values of the parameter are whole numbers.
     pub fn is_count(self) -> bool {
         self == Axis::Modes
     }
 
-    /// Whether the parameter is the integrator's: the model's own solution does not depend on it.
+    /// True if the parameter belongs to the integrator: the model's own solution does not depend on it.
     pub fn is_of_method(self) -> bool {
         matches!(self, Axis::RhoInf | Axis::HhtAlpha)
     }
 }
 
-/// Values from one end to the other, evenly over the decades, ends exact.
+/// Returns values from one end to the other, evenly spaced on a logarithmic scale, with exact ends.
 pub fn spaced(from: f64, to: f64, points: usize) -> Vec<f64> {
     let last = points.max(2) - 1;
     let at = |i: usize| match i {

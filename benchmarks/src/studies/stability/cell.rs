@@ -1,4 +1,4 @@
-//! One run of a map and the converged solution that it is held against.
+//! One run of a map, and the converged solution that it is compared with.
 //!
 //! The converged solution is computed once per model and row: Dormand-Prince with located events at a tight tolerance;
 //! of gears with modes the trigonometric method. It is trusted only when a second run, at another tolerance or by
@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 const AGREEMENT: f64 = 0.2;
 /// Bound on the steps of a converged solution, over that of a cell.
 const MORE_STEPS: u64 = 20;
-/// Metric and limit of scenes that have no tolerance which goes with a converged solution.
+/// Default metric and limit, for scenes without a tolerance for errors against a converged solution.
 const DEFAULT_METRIC: Metric = Metric::ForceL1;
 const DEFAULT_LIMIT: f64 = 0.05;
 
@@ -35,7 +35,7 @@ const SMALL: [[(MethodSpec, f64); 2]; 2] = [
 ];
 const WITH_MODES: [[(MethodSpec, f64); 2]; 1] = [[(TRIGONOMETRIC, 1e-4), (DOPRI5, 1e-5)]];
 
-/// The tolerance of the cells: that of the scene, against the model's own converged solution.
+/// Returns the tolerance of the cells: that of the scene, against the model's own converged solution.
 pub fn tolerance(scene: Option<&Tolerance>) -> Tolerance {
     let own = scene.filter(|t| t.metric.is_error());
     Tolerance {
@@ -46,12 +46,12 @@ pub fn tolerance(scene: Option<&Tolerance>) -> Tolerance {
     }
 }
 
-/// A converged solution, or why there is none.
+/// Converged solution, or the reason why there is none.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Reference {
-    /// Histories; `None` where none is to be had.
+    /// Histories of the converged solution; `None` where there is none.
     pub series: Option<TimeSeries>,
-    /// What the record says of it.
+    /// Description of the converged solution in the record.
     pub told: SelfReference,
 }
 
@@ -77,7 +77,7 @@ fn error(row: &Run, against: &TimeSeries, tolerance: &Tolerance) -> Option<f64> 
     metrics.get(tolerance.metric).map(f64::abs).and_then(finite)
 }
 
-/// The converged solution of a setup.
+/// Computes the converged solution of a set-up.
 pub fn reference(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Result<Reference, RunError> {
     let any = |has: fn(Properties) -> bool| {
         let mut gears = setup.modelling.gears.iter();
@@ -136,7 +136,7 @@ pub fn reference(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Result<Refere
     })
 }
 
-/// Runs a cell at a step or tolerance and labels it; also the wall time.
+/// Runs a cell at a step or tolerance and labels it; returns the cell and the wall time.
 pub fn cell(
     plan: &Plan<'_>,
     map: &MapPlan,

@@ -31,7 +31,7 @@ use gearbench_reports::numbers::short;
 use gearbench_reports::stability::Columns;
 use std::path::{Path, PathBuf};
 
-/// Integrators of a map when nobody says: explicit ones, the one that is exact for modes, implicit ones.
+/// Default integrators of a map: explicit ones, the one that is exact for modes, implicit ones.
 const USUAL: [MethodSpec; 6] = [
     VELOCITY_VERLET,
     RK4,
@@ -40,11 +40,11 @@ const USUAL: [MethodSpec; 6] = [
     NEWMARK,
     GENERALISED_ALPHA.with_value(0.8),
 ];
-/// Steps when nobody says, over the characteristic time of the model.
+/// Default range of steps, over the characteristic time of the model.
 const STEPS: [f64; 2] = [0.05, 20.0];
-/// Tolerances when nobody says.
+/// Default range of relative tolerances.
 const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
-/// Samples of the histories that errors are taken from.
+/// Samples of the histories from which errors are computed.
 const SAMPLES: usize = 500;
 /// Wall times of the runs.
 const TIMINGS: &str = "timings.csv";
@@ -150,7 +150,8 @@ fn sets(scene: &SceneFile, args: &Stability) -> Result<Vec<StabilitySet>, Refusa
     Ok(sets)
 }
 
-/// Labels of a set: those it names, else those of the study, but for full finite elements, whose maps take too long.
+/// Returns the models of a set: those it names, else those of the study without full finite elements, whose maps take
+/// too long.
 fn choices<'s>(scene: &'s SceneFile, set: &StabilitySet) -> Result<Vec<&'s ModelChoice>, Refusal> {
     Ok(match &set.models {
         Some(labels) => scene.select(Some(&labels.join(",")))?,
@@ -236,7 +237,7 @@ fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'stat
     })
 }
 
-/// What a map needs to know of its model.
+/// Data about a model that its maps need.
 struct About<'a> {
     scene: &'a SceneFile,
     set: &'a StabilitySet,

@@ -1,13 +1,13 @@
-//! The study of stability: where methods fail. For each model under each integrator a map over step and one or two
-//! parameters of contact, teeth, damping, speed, modes or the method itself; every cell is a short run of the scene with
-//! exactly one label.
+//! The study of stability: maps of the steps at which methods fail. Each model under each integrator has a map over the
+//! step and one or two parameters of contact, teeth, damping, speed, modes or the method itself. Every cell is a short
+//! run of the scene with exactly one label.
 //!
 //! | module | owns |
 //! |---|---|
-//! | `axis` | the parameters: what they change, and which models have them |
+//! | `axis` | the parameters: their effect, and the models that have them |
 //! | `plan` | maps, their cells in order, the echo of a plan |
-//! | `cell` | one run and its label, the converged solution it is held against |
-//! | `theory` | lines of theory over the rows of a map |
+//! | `cell` | one run and its label, the converged solution that it is compared with |
+//! | `theory` | theoretical limits as lines over the rows of a map |
 //!
 //! The study runs on several threads in any order; the record is put together in the order of the
 //! plan, so that it does not depend on threads, kills and resumptions. A run ends by its number of steps; the wall

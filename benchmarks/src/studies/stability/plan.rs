@@ -1,4 +1,4 @@
-//! What a study of stability is to compute: maps with their axes, cells in order.
+//! Plan of a study of stability: maps with their axes, and the order of their cells.
 
 use super::axis::Axis;
 use super::setup::{AxisError, Setup};
@@ -8,18 +8,18 @@ use gearbench_integrators::MethodSpec;
 use gearbench_reports::record::Tolerance;
 use gearbench_reports::stability::Columns;
 
-/// One parameter with its values.
+/// Parameter of an axis with its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedAxis {
     pub axis: Axis,
-    /// Its values, ascending, the scene's own among them.
+    /// Values of the parameter, ascending, the scene's own among them.
     pub values: Vec<f64>,
-    /// Place of the scene's own value.
+    /// Index of the scene's own value.
     pub own: usize,
 }
 
 impl PlannedAxis {
-    /// The values of an axis for a model: the scene's own takes the place of a value that is next to it, or is added.
+    /// Creates an axis for a model: the scene's own value replaces a value close to it, or is added.
     ///
     /// # Errors
     /// [`AxisError`] when the parameter does not go with the model or the method.
@@ -37,33 +37,33 @@ impl PlannedAxis {
     }
 }
 
-/// Values this close to the scene's own, relatively, are taken for it.
+/// Relative distance to the scene's own value up to which a value is replaced by it.
 const NEXT_TO: f64 = 0.12;
 
-/// One model under one integrator.
+/// Map of one model under one integrator.
 #[derive(Clone, Debug)]
 pub struct MapPlan {
-    /// Maps of one set share axes and duration.
+    /// Number of the set; maps of one set share axes and duration.
     pub set: usize,
-    /// Place of the model in the plan.
+    /// Index of the model in the plan.
     pub entry: usize,
     pub method: MethodSpec,
-    /// Whether it is implicit.
+    /// True if the integrator is implicit.
     pub implicit: bool,
-    /// Steps, or tolerances for methods that choose their steps.
+    /// Kind of the columns: steps, or tolerances for methods that choose their steps.
     pub columns: Columns,
-    /// Steps [s] or tolerances, ascending.
+    /// Values of the columns, steps [s] or tolerances, ascending.
     pub at: Vec<f64>,
-    /// One or two parameters.
+    /// Axes of the map, one or two parameters.
     pub axes: Vec<PlannedAxis>,
-    /// Simulated time [s].
+    /// Simulated time of each run [s].
     pub duration: f64,
     /// Bound on the steps of a run, rejected ones included.
     pub max_steps: u64,
 }
 
 impl MapPlan {
-    /// Number of rows: the first axis runs first.
+    /// Returns the number of rows; the first axis varies fastest.
     pub fn rows(&self) -> usize {
         self.axes.iter().map(|a| a.values.len()).product()
     }
@@ -72,7 +72,7 @@ impl MapPlan {
         self.rows() * self.at.len()
     }
 
-    /// The row of the scene's own parameters.
+    /// Returns the row of the scene's own parameters.
     pub fn own_row(&self) -> usize {
         let mut place = 1;
         let mut row = 0;
@@ -83,7 +83,7 @@ impl MapPlan {
         row
     }
 
-    /// Value of every axis in a row.
+    /// Returns the value of every axis in a row.
     pub fn values(&self, row: usize) -> Vec<(Axis, f64)> {
         let mut rest = row;
         (self.axes.iter())
@@ -96,21 +96,21 @@ impl MapPlan {
     }
 }
 
-/// What to study.
+/// Plan of a study of stability.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     pub conditions: Conditions<'a>,
     pub entries: Vec<Configuration>,
-    /// Maps, in the order of the record.
+    /// Maps of the study, in the order of the record.
     pub maps: Vec<MapPlan>,
-    /// What is accurate enough, against the model's own converged solution.
+    /// Tolerance for accurate cells, against the model's own converged solution.
     pub tolerance: Tolerance,
-    /// Close in on the largest stable step.
+    /// True if the largest stable step is refined by further runs.
     pub refine: bool,
 }
 
 impl Plan<'_> {
-    /// Scene, models and integrator of a row of a map.
+    /// Returns scene, models and integrator of a row of a map.
     pub fn setup(&self, map: &MapPlan, row: usize) -> Result<Setup, AxisError> {
         let mut setup = self.own(map);
         for (axis, value) in map.values(row) {
@@ -119,7 +119,7 @@ impl Plan<'_> {
         Ok(setup)
     }
 
-    /// The same at the scene's own parameters.
+    /// Returns the set-up of a map at the scene's own parameters.
     pub fn own(&self, map: &MapPlan) -> Setup {
         let entry = &self.entries[map.entry];
         Setup {
@@ -129,7 +129,7 @@ impl Plan<'_> {
         }
     }
 
-    /// Number of cells of all maps.
+    /// Returns the number of cells of all maps.
     pub fn cells(&self) -> usize {
         self.maps.iter().map(MapPlan::len).sum()
     }

@@ -27,7 +27,7 @@ const MOST_REFINED: usize = 24;
 /// Wall time of a run by its name [s].
 pub type Timings = Vec<(String, f64)>;
 
-/// A finished run.
+/// A finished run with its wall time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Done {
     cell: Cell,
@@ -41,13 +41,13 @@ type Slot = Arc<Mutex<Option<Arc<Reference>>>>;
 struct Work<'a> {
     plan: &'a Plan<'a>,
     runner: &'a Runner<'a>,
-    /// Finished runs by name.
+    /// Finished runs by the name of their cell.
     done: Mutex<HashMap<String, Done>>,
     references: Mutex<HashMap<Key, Slot>>,
     total: AtomicUsize,
 }
 
-/// Name of a cell.
+/// Returns the name of a cell of a map.
 fn cell_name(map: usize, cell: usize) -> String {
     format!("m{map}/c{cell}")
 }
@@ -57,7 +57,7 @@ fn refined_name(map: usize, step: f64) -> String {
     format!("m{map}/h{step:e}")
 }
 
-/// Runs the study on some threads.
+/// Runs the maps of the study on several threads.
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are cells.
@@ -138,7 +138,7 @@ pub fn study(
     ))
 }
 
-/// What stops work after an interruption is no error: its runs are cells that were not made.
+/// Returns success for errors after an interruption: the runs concerned are cells that were not computed.
 fn unless_interrupted(e: StudyError) -> Result<(), StudyError> {
     if interruption::requested() {
         Ok(())
@@ -167,8 +167,8 @@ fn run_key(plan: &Plan<'_>, map: &MapPlan, setup: &Setup, at: f64) -> Key {
     key("cell", plan, map, setup).and(&(setup.method.to_string(), map.columns, at))
 }
 
-/// Builds the gears that keep most modes first: reductions are kept in the process by what was asked for, and one with
-/// more modes serves those with fewer.
+/// Builds the gears with most modes first: reductions stay in the process, and one with more modes serves those with
+/// fewer.
 fn reduce_once(plan: &Plan<'_>) -> Result<(), StudyError> {
     let mut seen: Vec<(usize, usize)> = Vec::new();
     for map in &plan.maps {
@@ -204,7 +204,7 @@ impl Work<'_> {
         lock(&self.done).insert(name, done);
     }
 
-    /// The converged solution of a row, computed by the first who asks.
+    /// Returns the converged solution of a row; the first thread that needs it computes it.
     fn reference(&self, m: usize, row: usize) -> Result<Arc<Reference>, StudyError> {
         let map = &self.plan.maps[m];
         let setup = setup(self.plan, map, row)?;
@@ -222,7 +222,7 @@ impl Work<'_> {
         Ok(slot.insert(Arc::new(found)).clone())
     }
 
-    /// What is told of a converged solution: nothing where an interruption kept it from being computed.
+    /// Returns the description of a converged solution; empty if an interruption prevented its computation.
     fn told(&self, key: Key) -> Result<gearbench_reports::stability::SelfReference, StudyError> {
         let slot = lock(&self.references).get(&key).cloned();
         if let Some(found) = slot.and_then(|slot| lock(&slot).clone()) {

@@ -1,4 +1,4 @@
-//! `[study] stability` of a scene: the maps that are made when the command line does not say otherwise.
+//! `[study] stability` of a scene: maps that are computed by default, without options on the command line.
 
 use super::axis::{Axis, spaced};
 use crate::scene_file::SceneError;
@@ -7,13 +7,13 @@ use crate::scene_file::reading::keys::keys;
 use crate::scene_file::reading::values::{Count, Distinct, Label, Method, Positive};
 use gearbench_integrators::MethodSpec;
 
-/// Steps after which a run is a timeout when a scene does not say.
+/// Default bound on the steps of a run.
 pub const MAX_STEPS: u64 = 200_000;
-/// Columns of a map when nobody says.
+/// Default number of columns of a map.
 pub const COLUMNS: usize = 12;
-/// Rows of a map when nobody says.
+/// Default number of rows of a map.
 pub const ROWS: usize = 8;
-/// Cells along one side of a map at most.
+/// Largest number of cells along one side of a map.
 pub const MOST: u32 = 400;
 
 keys! {
@@ -57,55 +57,55 @@ keys! {
     }
 }
 
-/// Values evenly over the decades.
+/// Range of values, evenly spaced on a logarithmic scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// Smallest.
+    /// Smallest value of the span.
     pub from: f64,
-    /// Greatest.
+    /// Greatest value of the span.
     pub to: f64,
-    /// Number.
+    /// Number of values, both ends included.
     pub points: usize,
 }
 
 impl Span {
-    /// The values.
+    /// Returns the values, evenly spaced on a logarithmic scale.
     #[must_use]
     pub fn values(&self) -> Vec<f64> {
         spaced(self.from, self.to, self.points)
     }
 }
 
-/// A parameter with the values that were asked for.
+/// Parameter of an axis with its requested values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisValues {
-    /// The parameter.
+    /// Parameter of the axis.
     pub axis: Axis,
-    /// Its values, ascending.
+    /// Values of the parameter, ascending.
     pub values: Vec<f64>,
 }
 
-/// One set of maps: models under integrators over the same axes.
+/// Set of maps: models under integrators over the same axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StabilitySet {
-    /// Labels; `None` takes those of the study.
+    /// Labels of the models; `None` takes those of the study.
     pub models: Option<Vec<String>>,
-    /// Integrators; `None` takes the usual ones.
+    /// Integrators of the maps; `None` takes the defaults of the study.
     pub integrators: Option<Vec<MethodSpec>>,
-    /// Simulated time [s].
+    /// Simulated time [s]; `None` leaves it to the study.
     pub duration: Option<f64>,
-    /// Steps [s].
+    /// Span of the steps [s].
     pub steps: Option<Span>,
-    /// Tolerances.
+    /// Span of the relative tolerances.
     pub tolerances: Option<Span>,
-    /// One or two parameters; none takes the contact stiffness.
+    /// Axes with one or two parameters; without any the axis is the contact stiffness.
     pub axes: Vec<AxisValues>,
     /// Bound on the steps of a run.
     pub max_steps: Option<u64>,
 }
 
 impl AxisValues {
-    /// Each value once and ascending.
+    /// Creates the values of a parameter, sorted and without duplicates.
     ///
     /// # Errors
     /// The first value that the parameter cannot have.
@@ -121,7 +121,7 @@ impl AxisValues {
 }
 
 impl StabilityKeys {
-    /// What is asked for, if it goes together.
+    /// Validates the keys and returns the set of maps that they describe.
     pub(crate) fn read(self, at: &Place<'_>) -> Result<StabilitySet, SceneError> {
         let span = |keys: Option<SpanKeys>, key: &str, below: f64| {
             let read = |keys: SpanKeys| {

@@ -1,5 +1,4 @@
-//! What the parameters of a map change in a scene, its models and its integrator; which of them have it, and what the
-//! scene's own value is.
+//! Effect of the parameters of a map on a scene, its models and its integrator, and the scene's own value of each.
 
 use super::axis::Axis;
 use gearbench_integrators::{METHODS, MethodSpec};
@@ -17,18 +16,18 @@ use gearbench_reference::reduction::ElasticParameters;
 /// Points at which a computed stiffness is sampled before it is scaled.
 const SAMPLES: usize = 97;
 
-/// One run's scene, models and integrator.
+/// Scene, models and integrator of one run.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// Gears and meshes.
+    /// Gears and meshes of the scene.
     pub scene: SceneSpec,
-    /// Their models.
+    /// Gear models and contacts.
     pub modelling: Modelling,
     /// Integrator, `id` or `id(name=value)`.
     pub method: MethodSpec,
 }
 
-/// Why a parameter does not go with a model or a method.
+/// Reason why a parameter cannot be varied for a model or a method.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AxisError {
     /// The model or the method has no such parameter.
@@ -44,10 +43,10 @@ fn without<T>(why: impl Into<String>) -> Result<T, AxisError> {
 }
 
 impl Axis {
-    /// The value that a setup has.
+    /// Returns the value of the parameter in a set-up.
     ///
     /// # Errors
-    /// [`AxisError::Without`] says why the parameter does not go with it.
+    /// [`AxisError::Without`] with the reason why the set-up does not have the parameter.
     pub fn own(self, setup: &Setup) -> Result<f64, AxisError> {
         let gears = &setup.modelling.gears;
         let elastic = gears.iter().find_map(ElasticParameters::of);
@@ -113,7 +112,7 @@ impl Axis {
         }
     }
 
-    /// Gives a setup another value; its own leaves it as it is, bit for bit.
+    /// Sets the parameter of a set-up to a value; the set-up's own value leaves it unchanged, bit for bit.
     pub fn apply(self, value: f64, setup: &mut Setup) -> Result<(), AxisError> {
         if self.own(setup)? == value {
             return Ok(());

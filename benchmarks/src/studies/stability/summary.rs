@@ -1,11 +1,11 @@
-//! What the terminal says of a record of `stability`.
+//! Terminal summary of a record of `stability`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::record::{Results, Status};
 use gearbench_reports::stability::Map;
 
-/// How many cells of each label, and the largest stable steps.
+/// Prints the number of cells of each label, and the largest stable steps.
 pub fn summarise(results: &Results) {
     let total: usize = results.maps().iter().map(|m| m.cells.len()).sum();
     let of = |s: Status| -> usize {

@@ -1,6 +1,6 @@
-//! Lines of theory over the rows of a map.
+//! Theoretical limits as lines over the rows of a map.
 //!
-//! A scene is linearised once per model and row; all integrators of the model take their lines from there.
+//! A scene is linearised once per model and row; all integrators of the model get their lines from it.
 
 use super::plan::Plan;
 use super::setup::Setup;
@@ -60,7 +60,7 @@ fn put(lines: &mut Vec<MapLine>, (row, rows): (usize, usize), step: StepLine) {
     lines[at].step_s[row] = finite(step.step_s);
 }
 
-/// The places of maps that share their linearised scenes.
+/// Returns the indices of maps that share their linearised scenes.
 pub fn shared(plan: &Plan<'_>) -> Vec<Vec<usize>> {
     let mut found: Vec<Vec<usize>> = Vec::new();
     for (m, map) in plan.maps.iter().enumerate() {

@@ -84,7 +84,8 @@ fn ended(results: &Results) -> Exit {
     }
 }
 
-/// Force in the transverse plane by which the loads of the scene press the flanks of the start [N]; `None` where they do not.
+/// Computes the contact force in the transverse plane under the loads of the scene [N]; `None` where they do not load
+/// the flank of the start.
 ///
 /// Loads are those at the end of their ramps. Between gears that the loads accelerate the force is that of rigid gears:
 ///
@@ -120,12 +121,12 @@ struct StaticLoad {
     force: f64,
     /// Common face width [m].
     face_width: f64,
-    /// Where the force is from, in words.
+    /// Origin of the force in words.
     origin: &'static str,
 }
 
 impl StaticLoad {
-    /// The load of the command line, else `own`, that of the scene, else the default.
+    /// Returns the load of the command line, else `own`, that of the scene, else the default.
     ///
     /// # Errors
     /// [`Refusal::Failed`] where the gears do not mesh.

@@ -1,4 +1,4 @@
-//! Static mesh stiffness of the models of a scene, beside ISO 6336 and the analytic tooth compliance.
+//! Static mesh stiffness of the models of a scene, compared with ISO 6336 and the analytic tooth compliance.
 //!
 //! All rows go through the same equilibria ([`MeshCycle`](gearbench_reference::statics::MeshCycle)); the norm and the analytic curve are those of rigid gears
 //! with that stiffness of a pair.

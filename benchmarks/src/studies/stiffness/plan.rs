@@ -1,4 +1,4 @@
-//! What is loaded: models of a scene, and rigid gears with the stiffness of formulas.
+//! Plan of a study of mesh stiffness: models of the scene, and rigid gears with the stiffness of formulas.
 
 use crate::experiment::conditions::Conditions;
 use crate::scene_file::formula_limits;
@@ -10,20 +10,20 @@ use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, PairStiffness, ToothModel, iso_of,
 };
 
-/// What to study.
+/// Plan of a study of mesh stiffness.
 pub struct Plan<'a> {
-    /// What heads the record.
+    /// Conditions of the scene, for the head of the record.
     pub conditions: Conditions<'a>,
-    /// Models of the scene, and behind them formulas, each with its force along the line of action [N].
+    /// Models of the scene, followed by formulas, each with its force along the line of action [N].
     pub entries: Vec<(Entry, f64)>,
-    /// Positions over one base pitch.
+    /// Number of positions over one base pitch.
     pub positions: usize,
 }
 
-/// A model to load.
+/// Model whose static mesh stiffness is computed.
 pub struct Entry {
     pub label: String,
-    /// What its stiffness includes.
+    /// Description of the compliances that the stiffness includes.
     pub includes: String,
     pub spec: SceneSpec,
     pub modelling: Modelling,
@@ -42,8 +42,8 @@ impl Entry {
     }
 }
 
-/// Rigid gears with the stiffness of the norm, and with the analytic compliance of teeth, bodies and contact, in
-/// place of a model of the same gears.
+/// Returns rigid gears with the stiffness of ISO 6336, and with the analytic compliance of teeth, bodies and contact,
+/// in place of a model of the same gears.
 pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
     let with = |label: &str, includes: &str, stiffness: PairStiffness| {
         let mut modelling = modelling.clone();
@@ -86,7 +86,8 @@ pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
     ]
 }
 
-/// `c'` and `c_gamma_alpha` of ISO 6336-1 for the gears of a mesh [N/m^2]; `None` where the formula has no value.
+/// Computes `c'` and `c_gamma_alpha` of ISO 6336-1 for the gears of a mesh [N/m^2]; `None` where the formula has no
+/// value.
 pub fn iso_values(spec: &SceneSpec) -> Option<[f64; 2]> {
     let [a, b] = spec.meshes.first()?.gears.map(|i| &spec.gears[i]);
     let Body::Gear(gear) = &a.body else {
@@ -101,7 +102,7 @@ pub fn iso_values(spec: &SceneSpec) -> Option<[f64; 2]> {
     Some([iso.c_prime, iso.c_gamma_alpha])
 }
 
-/// What the stiffness of a modelling includes, in words: what acts in its contact.
+/// Describes the compliances that the stiffness of a modelling includes.
 pub fn includes(modelling: &Modelling, models: &[Model]) -> String {
     let properties = (modelling.gears.iter()).map(|g| properties_of(models, &g.id));
     let all_rigid = properties.clone().all(|p| p.rigid);

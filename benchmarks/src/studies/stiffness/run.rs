@@ -1,4 +1,4 @@
-//! Equilibria over a mesh cycle, model by model.
+//! Static equilibria over a mesh cycle, model by model.
 
 use super::plan::{Entry, Plan};
 use crate::experiment::error::StudyError;
@@ -14,7 +14,7 @@ use gearbench_reports::stiffness::{
 };
 use std::time::Instant;
 
-/// Runs the study: a piece of work for each model and formula.
+/// Runs the study, one piece of work for each model and formula.
 ///
 /// # Errors
 /// [`StudyError`]; a model without equilibria is a row with the reason. Where no model has any, the reason of the first.
@@ -135,7 +135,7 @@ mod tests {
     use crate::scene_file::load_unbuilt;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// Models that an interrupted start has finished are taken from its journal, with the same numbers.
+    /// Models that an earlier, interrupted start has finished are read from its journal, with the same numbers.
     #[test]
     fn finished_models_are_not_solved_again() {
         let scene = load_unbuilt("spur_impact").unwrap();

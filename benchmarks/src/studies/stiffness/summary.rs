@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `stiffness`.
+//! Terminal summary of a record of `stiffness`.
 
 use super::command::STATIC_LOAD;
 use crate::cli::terminal::say;
@@ -6,7 +6,7 @@ use gearbench_reports::numbers::short;
 use gearbench_reports::record::Results;
 use gearbench_reports::stiffness::PER_MM_UM;
 
-/// One line per model, and what finite elements took.
+/// Prints one line per model, and the computing time of finite elements.
 pub fn summarise(results: &Results) {
     let all = results.stiffness();
     let solved = || all.iter().filter(|m| !m.positions.is_empty());

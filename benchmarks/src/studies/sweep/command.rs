@@ -17,7 +17,7 @@ use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::gear::table::properties_of;
 use gearbench_reports::Study;
 
-/// Speeds around the mesh resonance when nobody says.
+/// Default range of mesh frequencies over that of the resonance [-].
 const AROUND: [f64; 2] = [0.06, 1.5];
 
 /// Runs the sweep and writes its folder.

@@ -1,4 +1,4 @@
-//! The mesh that is swept: what presses its flanks at a speed, and the scene at that speed.
+//! The mesh that is swept: the load of its flanks at a speed, and the scene at that speed.
 //!
 //! What acts on a hub is a constant torque, harmonics, and a viscous load at the speed that is swept. The loads of two
 //! free gears balance, or the speed would drift. Constant torques do at every speed or at none; a viscous load grows with
@@ -21,12 +21,12 @@ use std::f64::consts::TAU;
 /// Imbalance of the loads' power, over the larger one, that keeps a speed.
 const BALANCE: f64 = 1e-6;
 
-/// What acts on a hub in the mean.
+/// Mean load on a hub: a constant torque and viscous damping.
 #[derive(Clone, Copy, Debug)]
 struct MeanLoad {
-    /// [N m].
+    /// Constant part of the torque [N m].
     constant: f64,
-    /// [N m s/rad].
+    /// Viscous damping of the rotation [N m s/rad].
     viscous: f64,
 }
 
@@ -50,21 +50,21 @@ impl MeanLoad {
     }
 }
 
-/// The mesh that is swept.
+/// Gear pair of a sweep, with its loads.
 pub struct Pair {
     pub layout: MeshLayout,
-    /// Transverse base radii of both gears with their signs [m].
+    /// Signed transverse base radii of both gears [m].
     pub base_radii: [f64; 2],
-    /// Numbers of teeth.
+    /// Numbers of teeth of both gears.
     pub teeth: [usize; 2],
-    /// Of the flank in contact, as the first gear turns.
+    /// Sign of the flank in contact, in the sense of rotation of the first gear.
     pub sign: f64,
     /// Path coordinate of the reference pair at zero displacement [m].
     pub start: f64,
     loads: [MeanLoad; 2],
-    /// The gear whose load does not press the flanks as it stands: it is driven, or holds the speed.
+    /// Index of the gear whose own load does not determine the contact force: it is driven, or keeps the speed.
     holds: Option<usize>,
-    /// Both gears are free to turn.
+    /// True if both gears are free to turn.
     free: bool,
     /// Mesh frequency at the scene's own speed [Hz].
     own: f64,
@@ -165,7 +165,7 @@ impl Pair {
         Ok(pair)
     }
 
-    /// Mesh cycles in so many turns of the first gear of a scene.
+    /// Returns the number of mesh cycles in a number of turns of the first gear of a scene.
     pub fn cycles_of(spec: &SceneSpec, turns: usize) -> usize {
         match spec.gears.first().map(|g| &g.body) {
             Some(Body::Gear(first)) => turns * first.teeth() as usize,
@@ -173,7 +173,7 @@ impl Pair {
         }
     }
 
-    /// That of a model, or why there is none.
+    /// Returns the pair of a model, or the reason why it cannot be swept.
     pub fn of_entry(plan: &Plan<'_>, entry: &Configuration) -> Result<Self, StudyError> {
         Pair::in_scene(&plan.conditions.name, &entry.scene)
     }
@@ -186,7 +186,7 @@ impl Pair {
         })
     }
 
-    /// Force in the transverse plane at a mesh frequency [N]: torque over base radius.
+    /// Computes the force in the transverse plane at a mesh frequency [N]: torque over base radius.
     pub fn force(&self, frequency: f64) -> f64 {
         let pressing = match self.holds {
             Some(0) => 1,
@@ -196,7 +196,7 @@ impl Pair {
         self.sign * torque / self.base_radii[pressing]
     }
 
-    /// Refuses speeds at which the loads do not press the flank.
+    /// Returns an error for speeds at which the loads do not load the flank of the start.
     pub fn check_speeds(
         &self,
         name: &str,
@@ -214,7 +214,7 @@ impl Pair {
         }
     }
 
-    /// The same at the speed of the scene [N].
+    /// Returns the force in the transverse plane at the speed of the scene [N].
     pub fn own_force(&self) -> f64 {
         self.force(self.own)
     }
@@ -225,8 +225,8 @@ impl Pair {
         [first, -first * self.base_radii[0] / self.base_radii[1]]
     }
 
-    /// The scene at a speed with its teeth touching, its loads rising from nothing in sum until `rise` [s]; or as it
-    /// goes on from what a run of the same gears left, under its whole loads.
+    /// Returns the scene at a speed with its teeth in contact and its loads rising from zero until `rise` [s]; or,
+    /// after an earlier run of the same gears, from its end state under the whole loads.
     pub fn scene(
         &self,
         spec: &SceneSpec,
@@ -275,13 +275,13 @@ impl Pair {
         spec
     }
 
-    /// Whether no motion is prescribed, so that what is lost to damping slows the gears down.
+    /// True if no motion is prescribed, so that damping losses decelerate the gears.
     pub fn is_free(&self) -> bool {
         self.free
     }
 
-    /// The scene with torques that drive both gears alike, by their inertias, so that they press nothing: an acceleration
-    /// of the first gear [rad/s^2]. `built` tells the inertias.
+    /// Returns the scene with torques for an acceleration of the first gear [rad/s^2]. They are in proportion to the
+    /// inertias of `built`, so that they do not load the contact.
     pub fn driven_by(&self, spec: &SceneSpec, built: &Scene, drive: f64) -> SceneSpec {
         let mut spec = spec.clone();
         if drive != 0.0 {
@@ -304,9 +304,9 @@ impl Pair {
         turned / inertia
     }
 
-    /// Brings the common rotation of free gears to a mesh frequency, by what their hubs turned in the last `period` [s], a
-    /// mesh cycle: within one it goes to and fro, the more the slower they turn, as the teeth take energy from it and give
-    /// it back. The gears vibrate on as they did. Returns what the first gear was too fast [rad/s].
+    /// Corrects the common rotation of free gears to a mesh frequency, by the rotation of their hubs in the last
+    /// `period` [s], a mesh cycle: within a cycle it varies, the more the slower they turn, as the teeth store energy
+    /// and return it. The vibration of the gears is kept. Returns the excess speed of the first gear [rad/s].
     pub fn govern(
         &self,
         scene: &Scene,
@@ -329,8 +329,8 @@ impl Pair {
         [1.0, -self.base_radii[0] / self.base_radii[1]]
     }
 
-    /// The state in which a run in a scene of this mesh starts: assembled, or as another left it, turning at the new
-    /// speed. Only the rigid rotation changes: the gears vibrate on as they did.
+    /// Returns the state in which a run in a scene of this mesh starts: assembled, or the end of another run, turning
+    /// at the new speed. Only the rigid rotation changes: the vibration of the gears is kept.
     pub fn start(&self, scene: &Scene, frequency: f64, from: Option<&EndState>) -> State {
         let mut state = scene.initial();
         let Some(end) = from.filter(|e| e.q.len() == state.q.len()) else {

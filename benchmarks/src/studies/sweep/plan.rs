@@ -1,34 +1,34 @@
-//! What a sweep runs.
+//! Plan of a sweep of mesh frequencies.
 
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use gearbench_integrators::Scheme;
 use gearbench_reports::sweep::Branch;
 
-/// What to sweep.
+/// Plan of a sweep of mesh frequencies: models, integrator, frequencies and branches.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
     pub conditions: Conditions<'a>,
-    /// Models that run.
+    /// Models that are swept.
     pub entries: Vec<Configuration>,
-    /// Further models that stand still only.
+    /// Further models for which only the static cycle is computed.
     pub standing: Vec<Configuration>,
     /// Integrator of models without their own.
     pub method: Scheme,
-    /// Mesh frequencies [Hz], ascending.
+    /// Mesh frequencies of the sweep [Hz], ascending.
     pub frequencies: Vec<f64>,
-    /// How a run comes to its speed, each at all speeds.
+    /// Branches of the sweep (speed upwards, downwards, or fresh starts), each at all speeds.
     pub branches: Vec<Branch>,
-    /// Whole mesh cycles to measure.
+    /// Number of whole mesh cycles to measure.
     pub cycles: usize,
-    /// Time to settle [s], mesh cycles or not.
+    /// Settling time before the measurement [s].
     pub settle: f64,
-    /// Positions of the static cycle.
+    /// Number of positions of the static cycle.
     pub positions: usize,
 }
 
 impl Plan<'_> {
-    /// Number of runs.
+    /// Returns the number of runs: frequencies times branches times models.
     pub fn count(&self) -> usize {
         self.frequencies.len() * self.branches.len() * self.entries.len()
     }

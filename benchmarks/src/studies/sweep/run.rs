@@ -1,4 +1,4 @@
-//! Runs over the speed.
+//! Runs of a sweep over the speed, branch by branch.
 
 use super::end_state::EndState;
 use super::pair::Pair;
@@ -37,11 +37,11 @@ const RISE: f64 = 1.0 / 3.0;
 const GOVERNED: usize = 3;
 /// Mesh cycles of settling at least.
 const LEAST_CYCLES: f64 = 4.0;
-/// What does not repeat, over what does, beyond which a run counts as unsettled.
+/// Ratio of the non-periodic to the periodic part beyond which a run counts as unsettled [-].
 const UNSETTLED: f64 = 0.2;
 
 impl Pair {
-    /// What a run settled to.
+    /// Evaluates the steady state of a run.
     fn steady(
         &self,
         gears: [(&str, bool); 2],
@@ -120,7 +120,7 @@ fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, Study
     })
 }
 
-/// Whether a scene can be swept at all, before any of its models is built.
+/// Checks that a scene can be swept, before any of its models is built.
 ///
 /// # Errors
 /// [`StudyError`] when it is no loaded pair.
@@ -128,7 +128,7 @@ pub fn check(name: &str, spec: &SceneSpec) -> Result<(), StudyError> {
     Pair::in_scene(name, spec).map(|_| ())
 }
 
-/// Mesh resonance of a model at the loads of its scene [Hz]: for the choice of speeds.
+/// Computes the mesh resonance of a model at the loads of its scene [Hz], for the choice of speeds.
 ///
 /// # Errors
 /// [`StudyError`] when there is no static contact.
@@ -136,7 +136,7 @@ pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f
     Ok(standing(plan, entry)?.resonance_hz)
 }
 
-/// Runs the sweep.
+/// Runs all models at all mesh frequencies, branch by branch.
 ///
 /// # Errors
 /// [`StudyError`] when the scene is no loaded pair, a model cannot be built, or the user interrupts. Runs that fail
@@ -204,13 +204,14 @@ struct Branches<'a, 'p> {
     entry: &'a Configuration,
     pair: Pair,
     method: &'a Scheme,
-    /// Of the mesh at rest [Hz].
+    /// Mesh resonance from the static cycle [Hz].
     resonance: f64,
     total: usize,
 }
 
 impl Branches<'_, '_> {
-    /// All speeds in one way, from what the last one of another way left; what the last speed leaves.
+    /// Runs all speeds of a branch from the end state of the branch before, and returns the end state at the last
+    /// speed.
     fn run(
         &self,
         branch: Branch,

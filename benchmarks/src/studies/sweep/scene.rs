@@ -1,4 +1,4 @@
-//! `[study] sweep` of a scene: the speeds at which a sweep runs when the command line does not say otherwise.
+//! `[study] sweep` of a scene: default speeds of a sweep.
 
 use crate::scene_file::SceneError;
 use crate::scene_file::reading::Place;
@@ -45,37 +45,37 @@ impl Default for Sweep {
 }
 
 impl Sweep {
-    /// Lowest and highest mesh frequency [Hz]; `None` takes them from the mesh resonance.
+    /// Returns the lowest and highest mesh frequency [Hz]; `None` takes them from the mesh resonance.
     pub fn range(&self) -> Option<[f64; 2]> {
         Some([self.from_hz?.0, self.to_hz?.0])
     }
 
-    /// Number of speeds.
+    /// Returns the number of speeds.
     pub fn points(&self) -> usize {
         self.points.0
     }
 
-    /// Whole mesh cycles that are measured.
+    /// Returns the number of whole mesh cycles that are measured.
     pub fn cycles(&self) -> usize {
         self.cycles.0
     }
 
-    /// Whole turns of the first gear to measure, in place of mesh cycles.
+    /// Returns the number of whole turns of the first gear to measure, in place of mesh cycles.
     pub fn turns(&self) -> Option<usize> {
         self.turns.map(|n| n.0)
     }
 
-    /// Time to settle [s].
+    /// Returns the settling time [s].
     pub fn settle(&self) -> f64 {
         self.settle_s.0
     }
 
-    /// How runs come to their speed.
+    /// Returns the branches of the sweep.
     pub fn branches(&self) -> &[Branch] {
         &self.branches.0
     }
 
-    /// Refuses what does not go together.
+    /// Returns an error for settings that exclude each other.
     pub(crate) fn check(&self, at: &Place<'_>) -> Result<(), SceneError> {
         match (self.from_hz, self.to_hz) {
             (Some(from), Some(to)) if to.0 <= from.0 => at.key("to_hz").refuse(

@@ -1,4 +1,4 @@
-//! What a run settles to: channels over exactly whole mesh cycles, their harmonics, and one mean cycle.
+//! Steady state of a run: channels over exactly whole mesh cycles, their harmonics, and one mean cycle.
 
 use crate::experiment::resample::{resample, resample_smooth};
 use gearbench_reports::force::ForceHistory;
@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 /// Samples of a mean mesh cycle.
 const PER_CYCLE: usize = 128;
-/// Harmonics of the mesh frequency that are kept.
+/// Number of harmonics of the mesh frequency in the record.
 pub const HARMONICS: usize = 24;
 /// Orders of a shaft that are kept beyond twice that of the mesh.
 const SIDEBANDS: usize = 4;
@@ -17,19 +17,20 @@ const APART: f64 = 1e-6;
 
 /// Histories of a run on its time grid.
 pub struct Histories<'a> {
-    /// Time [s].
+    /// Times of the grid [s], ascending.
     pub time: &'a [f64],
     /// Position of the reference pair over the base pitch, from the pitch point, by the second gear's displacement.
     pub position: &'a [f64],
-    /// Transmission error [m].
+    /// Transmission error along the line of action [m].
     pub error: &'a [f64],
-    /// Contact force [N].
+    /// Contact force of the mesh [N].
     pub force: &'a [f64],
-    /// The same between events, where it is known: greatest force, mean and contact are its own, not of samples.
+    /// Piecewise contact force between events, where it is known: its greatest value, mean and contact times do not
+    /// depend on samples.
     pub pieces: Option<&'a ForceHistory>,
     /// Speed of the first gear [rad/s].
     pub speed: &'a [f64],
-    /// Names and teeth of both gears.
+    /// Names and numbers of teeth of both gears.
     pub gears: [(&'a str, usize); 2],
     /// Bearing forces: gear, whether they contain its own inertia, x and y [N].
     pub bearings: Vec<(String, bool, &'a [f64], &'a [f64])>,
@@ -141,7 +142,7 @@ fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64
 }
 
-/// About the mean.
+/// Computes the root mean square about the mean.
 fn rms(x: &[f64]) -> f64 {
     let m = mean(x);
     (x.iter().map(|x| (x - m).powi(2)).sum::<f64>() / x.len() as f64).sqrt()
@@ -170,8 +171,8 @@ fn in_blocks(x: &[f64]) -> Vec<f64> {
     x.chunks(x.len() / PER_CYCLE).map(mean).collect()
 }
 
-/// Amplitudes of the harmonics `1 .. HARMONICS` of the cycle in samples over whole cycles: sums over all samples, so
-/// that no window is needed and other harmonics do not leak.
+/// Computes the amplitudes of the harmonics `1 .. HARMONICS` of the cycle from samples over whole cycles: sums over all
+/// samples, so that no window is needed and other harmonics do not leak.
 pub fn amplitudes(x: &[f64], cycles: usize) -> Vec<f64> {
     (1..=HARMONICS).map(|k| amplitude(x, k * cycles)).collect()
 }
@@ -204,7 +205,7 @@ fn running_mean(x: &[f64], length: usize) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Two harmonics on a mean, at a frequency, sampled over a time that is no whole number of cycles.
+    /// Returns two harmonics on a mean, at a frequency, sampled over a time that is no whole number of cycles.
     fn histories(frequency: f64, drift: f64, turn: f64) -> [Vec<f64>; 5] {
         let time: Vec<f64> = (0..4000).map(|i| f64::from(i) * 5e-6).collect();
         let position: Vec<f64> = (time.iter())
@@ -263,7 +264,7 @@ mod tests {
         }
     }
 
-    /// A pitch deviation of every third tooth and a run-out stand at their orders.
+    /// A pitch deviation of every third tooth and a run-out have harmonics at the orders of their shafts.
     #[test]
     fn whole_turns_have_the_orders_of_their_shaft() {
         let time: Vec<f64> = (0..6000).map(|i| f64::from(i) * 5e-6).collect();

@@ -1,10 +1,10 @@
-//! What the terminal says of a record of `sweep`.
+//! Terminal summary of a record of `sweep`.
 
 use crate::cli::terminal::say;
 use gearbench_reports::record::{Results, Status};
 use gearbench_reports::sweep::bistable;
 
-/// One line per model, and the failures.
+/// Prints one line per model, and the failures.
 pub fn summarise(results: &Results) {
     say(&format!(
         "{:<28} {:>11} {:>9} {:>13} {:>13} {:>8} {:>9}",

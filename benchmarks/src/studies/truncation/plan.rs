@@ -1,4 +1,4 @@
-//! What the study of mode counts runs: models and integrators of the scene, ways of keeping modes, numbers of modes.
+//! Plan of the study of mode counts: models and integrators of the scene, truncation variants, numbers of modes.
 
 use super::arguments::Truncation;
 use crate::cli::terminal::{Refusal, refuse_run};
@@ -17,7 +17,7 @@ use gearbench_reports::record::ReferenceSeries;
 
 /// Model whose modes are counted.
 const ELASTIC: &str = ElasticParameters::MODEL;
-/// Model that it is held against, and its id as a reference.
+/// Id of the full-order model, also its id as a reference.
 pub(super) const FULL: &str = FullOrderParameters::MODEL;
 /// Step of the full model over that of the scene.
 const FINER: f64 = 0.2;
@@ -25,7 +25,7 @@ const FINER: f64 = 0.2;
 const STEP: f64 = 1e-6;
 const FULL_STEP: f64 = 5e-7;
 const TRUNCATED_STEP: f64 = 2e-8;
-/// Numbers of modes that are tried when nobody says.
+/// Default numbers of modes per gear.
 const COUNTS: [usize; 10] = [0, 10, 25, 35, 50, 75, 100, 150, 200, 300];
 /// Frequency bound of the published truncation [Hz]: "modes up to 80 kHz" (GTM, SIMPACK User Meeting 2014; rack and
 /// pinion of an electric power steering).
@@ -33,20 +33,20 @@ const PUBLISHED_HZ: f64 = 80e3;
 /// Published number of elastic coordinates per body.
 const PUBLISHED_MODES: usize = 200;
 
-/// A way of keeping modes.
+/// Variant of modal truncation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Way {
-    /// Variant in the record.
+    /// Label of the variant in the record.
     pub label: &'static str,
-    /// Value of the parameter `choose`.
+    /// Criterion of the mode selection, the parameter `choose`.
     pub choose: Criterion,
-    /// Value of the parameter `residual`.
+    /// True if the residual compliance is kept, the parameter `residual`.
     pub residual: bool,
-    /// Part of the step of the scene's integrator.
+    /// Factor of the step relative to that of the scene's integrator.
     pub step: f64,
 }
 
-/// The ways that are compared.
+/// Truncation variants that are compared.
 pub(super) const WAYS: [Way; 5] = [
     way("by flank compliance", BY_COMPLIANCE, true, 1.0),
     // What the step costs beside what the cut modes cost.
@@ -72,26 +72,26 @@ const fn way(label: &'static str, choose: Criterion, residual: bool, step: f64) 
     }
 }
 
-/// What to study.
+/// Plan of the study of mode counts.
 #[derive(Clone, Debug)]
 pub(super) struct Plan<'a> {
     pub conditions: Conditions<'a>,
-    /// The elastic model; modes, `choose` and `residual` are the study's.
+    /// Elastic model; the study varies its modes, `choose` and `residual`.
     pub elastic: Configuration,
     pub method: Scheme,
     /// Integrator of plain truncation, whose contact is stiff.
     pub truncated: Scheme,
-    /// The full model on the same mesh.
+    /// Full-order model on the same mesh.
     pub full: Configuration,
     pub full_method: Scheme,
     pub counts: Vec<usize>,
-    /// Halve the distance to the fewest modes.
+    /// True if the fewest sufficient modes are refined by bisection.
     pub refine: bool,
-    /// References from elsewhere.
+    /// References from measurements or other programs.
     pub external: Vec<ReferenceSeries>,
 }
 
-/// What a run keeps.
+/// Truncation variant and number of modes of a run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Case {
     pub way: Way,
@@ -101,9 +101,9 @@ pub(super) struct Case {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Kept {
-    /// At most so many.
+    /// Upper bound on the number of modes per gear.
     Count(usize),
-    /// All below a frequency [Hz].
+    /// All modes below a frequency [Hz].
     Below(f64),
 }
 
@@ -117,7 +117,7 @@ impl std::fmt::Display for Kept {
 }
 
 impl Plan<'_> {
-    /// The study of a scene under some conditions, as the command line asks for it.
+    /// Plans the study of a scene under the given conditions and options of the command line.
     pub fn of<'a>(
         scene: &SceneFile,
         (elastic, full): (&ModelChoice, &ModelChoice),
@@ -143,7 +143,7 @@ impl Plan<'_> {
         })
     }
 
-    /// The runs of the grid, without refinement.
+    /// Returns the runs of the grid, without refinement.
     pub fn cases(&self) -> Vec<Case> {
         let mut cases = Vec::new();
         for way in WAYS {
@@ -179,7 +179,7 @@ impl Plan<'_> {
         })
     }
 
-    /// The elastic model with the modes of a case.
+    /// Returns the elastic model with the modes of a case.
     pub fn modelling(&self, case: &Case) -> Modelling {
         let mut modelling = self.elastic.modelling.clone();
         // Modes that the step cannot carry are cut.
@@ -236,7 +236,7 @@ pub(super) fn sides<'s>(
     })
 }
 
-/// Whether an elastic and a full model have the same mesh of each gear and the same contact at their flanks.
+/// True if an elastic and a full model have the same mesh of each gear and the same contact at their flanks.
 fn differ_in_modes_alone(elastic: &Modelling, full: &Modelling) -> bool {
     let same_mesh = |(e, f): (&ModelSpec, &ModelSpec)| {
         ElasticParameters::of(e).map(|p| p.mesh) == FullOrderParameters::of(f).map(|p| p.mesh)

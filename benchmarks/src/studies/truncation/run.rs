@@ -1,4 +1,4 @@
-//! Runs over the number of modes.
+//! Runs of the study over the number of modes.
 
 use super::plan::{Case, FULL, Kept, Plan, WAYS};
 use crate::experiment::run::{Job, RunError, run};
@@ -8,10 +8,10 @@ use gearbench_reports::metrics::compare_all;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
 use gearbench_reports::truncation::{LIMITS, ways};
 
-/// So many times longer than others the full model may take.
+/// Factor by which the time limit of the full model exceeds that of other runs.
 const PATIENCE: u32 = 10;
 
-/// Runs the study.
+/// Runs the full model and all truncated ones, and computes the errors of the truncated ones.
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built, the full model does not reach the end, or the user interrupts.
@@ -145,8 +145,8 @@ fn between(results: &Results, label: &str, limit: f64) -> Option<usize> {
     (fewest - below > 1).then_some(below + (fewest - below) / 2)
 }
 
-/// Histories stay where they are looked at: the reference, runs that are pointed out, the best of each way and the
-/// one that reaches the middle limit.
+/// Keeps only the histories that reports show: the reference, marked runs, the best of each variant and the one that
+/// reaches the middle limit.
 fn keep_histories(results: &mut Results) {
     let mut keep = vec![0];
     for way in ways(results) {

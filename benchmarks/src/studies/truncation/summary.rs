@@ -1,4 +1,4 @@
-//! What the terminal says of a record of `truncation`.
+//! Terminal summary of a record of `truncation`.
 
 use super::plan::FULL;
 use crate::cli::terminal::say;
@@ -6,7 +6,7 @@ use gearbench_reports::numbers::percent;
 use gearbench_reports::record::Results;
 use gearbench_reports::truncation::{LIMITS, Way, counts, ways};
 
-/// The table of errors and the fewest modes.
+/// Prints the table of errors and the fewest modes.
 pub fn summarise(results: &Results) {
     let all = ways(results);
     say("force-history error against full finite elements [%]");

@@ -1,4 +1,4 @@
-//! What check files say, and what is wrong with them.
+//! Tests of the reading of check files and of the error messages for malformed ones.
 
 use super::*;
 

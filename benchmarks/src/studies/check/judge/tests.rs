@@ -1,4 +1,4 @@
-//! What a check has to catch, and what it has to leave alone.
+//! Tests of the verdicts of a check: deviations that it must detect, and differences that it must accept.
 
 use super::super::file::tests_support::rules;
 use super::*;
@@ -108,8 +108,8 @@ fn failures_limits_and_what_is_missing() {
     assert_eq!(gone(&measured()).moved().count(), 1);
 }
 
-/// A program that is slower by less than any entry may be is named as a whole; a few disturbed entries are not it, and few
-/// entries say nothing of a whole.
+/// A program that is slower in all entries is detected by the median, even within the limit of each entry; a few
+/// disturbed entries, or few entries, are not sufficient.
 #[test]
 fn a_program_that_is_slower_everywhere_is_named() {
     let rules = rules("");

@@ -1,4 +1,4 @@
-//! The coupling against the whole: orders, the limit of theory, energy, and what is exact.
+//! Tests of the coupled parts against the whole system: orders, theoretical limit, energy, and exact cases.
 
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
 
@@ -20,7 +20,7 @@ use gearbench_integrators::{NullSink, Scheme, TimePlan, Work};
 use gearbench_models::scene::Scene;
 use gearbench_reports::coupling::{Extrapolation, Motion};
 
-/// Two gears that torques press together from rest, on one spring and a damper.
+/// Two gears at rest whose torques load their contact, with one spring and a damper.
 fn pressed(more: &str, model: &str) -> SceneFile {
     let text = format!(
         r#"

@@ -1,4 +1,4 @@
-//! The study: labels, limits that are closed in on, twins, steps when nobody says, refusals.
+//! Tests of the study of coupling: labels, refined limits, truncated models, default steps, refusals.
 
 use super::{Built, built, rigid};
 use crate::experiment::conditions::Conditions;

@@ -1,10 +1,10 @@
-//! Coordinates of a fit: how a parameter is turned into a number of order one, and between which bounds it lies.
+//! Coordinates of a fit: parameters transformed to numbers of order one, with bounds.
 //!
 //! Stiffnesses, masses and dampings are positive and known to a factor: their coordinate is the logarithm, so that steps
 //! are relative. Gaps and offsets of a clock may be zero: theirs is the value over a typical size. A coordinate that
 //! moves by one moves its parameter by as much as a prior guess may be off.
 
-/// How a parameter becomes a coordinate.
+/// Transformation of a parameter into a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
     /// The logarithm of a positive value.
@@ -13,23 +13,23 @@ pub enum Scale {
     Linear(f64),
 }
 
-/// A parameter of a fit.
+/// Coordinate of a parameter: its scale and bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coordinate {
-    /// Its scale.
+    /// Scale of the coordinate, linear or logarithmic.
     pub scale: Scale,
-    /// Least and greatest value.
+    /// Least and greatest value of the parameter.
     pub bounds: [f64; 2],
 }
 
 impl Coordinate {
-    /// A positive parameter without bounds.
+    /// Coordinate of a positive parameter without bounds.
     pub const POSITIVE: Coordinate = Coordinate {
         scale: Scale::Logarithm,
         bounds: [0.0, f64::INFINITY],
     };
 
-    /// Coordinate of a value.
+    /// Returns the coordinate of a parameter value.
     pub fn of(&self, x: f64) -> f64 {
         match self.scale {
             Scale::Logarithm => x.ln(),
@@ -37,7 +37,7 @@ impl Coordinate {
         }
     }
 
-    /// Value at a coordinate.
+    /// Returns the parameter value at a coordinate.
     pub fn value(&self, z: f64) -> f64 {
         match self.scale {
             Scale::Logarithm => z.exp(),
@@ -45,19 +45,19 @@ impl Coordinate {
         }
     }
 
-    /// Bounds of the coordinate.
+    /// Returns the bounds of the coordinate.
     pub fn range(&self) -> [f64; 2] {
         self.bounds.map(|x| self.of(x))
     }
 
-    /// A coordinate within the bounds.
+    /// Returns the coordinate clamped to the bounds.
     pub fn clamp(&self, z: f64) -> f64 {
         let [low, high] = self.range();
         z.max(low).min(high)
     }
 }
 
-/// Values at coordinates.
+/// Returns the parameter values at the coordinates `z`.
 pub fn values(all: &[Coordinate], z: &[f64]) -> Vec<f64> {
     all.iter().zip(z).map(|(c, &z)| c.value(z)).collect()
 }

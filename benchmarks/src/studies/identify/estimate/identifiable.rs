@@ -1,4 +1,4 @@
-//! Which combinations of parameters the data determine.
+//! Identifiability: the combinations of parameters that the data determine.
 //!
 //! Coordinates are scaled so that one is what a prior guess may be off by: a factor e, a typical gap, or the value itself
 //! where that is greater. A direction among them
@@ -24,7 +24,7 @@ pub struct Weak {
 }
 
 impl Weak {
-    /// Coordinates that belong to it, those with the greatest part first.
+    /// Returns the coordinates that belong to the combination, those with the greatest part first.
     pub fn members(&self) -> Vec<usize> {
         let of = &self.direction;
         let mut all: Vec<usize> = (0..of.len()).filter(|&j| of[j].abs() > PART).collect();
@@ -33,7 +33,8 @@ impl Weak {
     }
 }
 
-/// What a coordinate may be off by: one, or itself where it counts from zero and is greater.
+/// Returns the prior uncertainty of each coordinate: one, or its magnitude where its scale is linear and that is
+/// greater.
 fn sizes(minimum: &Minimum, known: &Uncertainty) -> Vec<f64> {
     let linear = |j: usize| known.linear[j].then(|| minimum.z[j].abs());
     (0..minimum.z.len())
@@ -41,7 +42,7 @@ fn sizes(minimum: &Minimum, known: &Uncertainty) -> Vec<f64> {
         .collect()
 }
 
-/// The combinations that are not determined.
+/// Returns the combinations of parameters that are not determined.
 pub fn weak(minimum: &Minimum, known: &Uncertainty) -> Vec<Weak> {
     let empty = known.empty.iter().map(|direction| Weak {
         direction: direction.clone(),
@@ -77,8 +78,8 @@ pub fn weak(minimum: &Minimum, known: &Uncertainty) -> Vec<Weak> {
     all
 }
 
-/// Coordinates whose value is no answer: members of a combination that is not determined, where the combination is
-/// nothing but undetermined or the coordinate's own interval is as wide.
+/// Returns true for coordinates without a usable value: members of a combination that is not determined, if its
+/// interval is infinite or the coordinate's own interval is as wide.
 pub fn unknown(minimum: &Minimum, known: &Uncertainty, weak: &[Weak]) -> Vec<bool> {
     let size = sizes(minimum, known);
     (0..known.half.len())
@@ -96,7 +97,7 @@ mod tests {
     use super::*;
     use nalgebra::DVector;
 
-    /// A variance without bound is no answer, and what it stands for is named.
+    /// A coordinate with infinite variance has no value, and its combination is named.
     #[test]
     fn without_an_interval_there_is_no_answer() {
         let minimum = Minimum {

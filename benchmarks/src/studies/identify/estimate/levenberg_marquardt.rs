@@ -1,4 +1,4 @@
-//! Levenberg-Marquardt between bounds.
+//! Levenberg-Marquardt minimisation of a sum of squares between bounds.
 //!
 //! The step of `min |r(z)|^2` solves `(J^T J + lambda diag(J^T J)) d = -J^T r` over the coordinates that are free: one on
 //! a bound is held while the gradient points outwards. `J` comes from central differences, at a bound from one side.
@@ -22,17 +22,17 @@ pub type Residuals<'a> = dyn FnMut(&[f64]) -> Option<Vec<f64>> + 'a;
 /// A minimum of the sum of squares.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Minimum {
-    /// Coordinates.
+    /// Coordinates at the minimum.
     pub z: Vec<f64>,
-    /// Residuals.
+    /// Residuals at the minimum.
     pub residuals: DVector<f64>,
-    /// Their derivatives by the coordinates, a column each.
+    /// Derivatives of the residuals by the coordinates, one column per coordinate.
     pub jacobian: DMatrix<f64>,
     /// Sum of squared residuals.
     pub sum: f64,
-    /// Evaluations of the residuals.
+    /// Number of evaluations of the residuals.
     pub evaluations: u32,
-    /// The sum stopped falling before the bound on iterations.
+    /// True if the sum converged before the bound on iterations.
     pub converged: bool,
     /// Coordinates that ended on a bound with the sum falling outwards.
     pub at_bound: Vec<bool>,
@@ -40,29 +40,29 @@ pub struct Minimum {
 
 /// Change of a coordinate for the Jacobian: the error of central differences is its square.
 const DIFFERENCE: f64 = 1e-3;
-/// Iterations at most.
+/// Largest number of iterations.
 const MAX_ITERATIONS: u32 = 60;
 /// Longest step of a coordinate: half a decade is as far as a linear model may be trusted.
 const LONGEST: f64 = 1.15;
 /// Step below which a fit has converged.
 const SHORTEST: f64 = 1e-7;
 
-/// How far a fit goes.
+/// Stopping criterion and extent of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
-    /// Relative fall of the sum in an iteration below which it has converged.
+    /// Relative decrease of the sum in an iteration below which the fit has converged.
     pub settled: f64,
-    /// The Jacobian at the minimum is wanted; otherwise it is empty.
+    /// True if the Jacobian at the minimum is computed; otherwise it is empty.
     pub jacobian: bool,
 }
 
 impl Effort {
-    /// For estimates.
+    /// Effort for an estimate, with the Jacobian at the minimum.
     pub const WHOLE: Effort = Effort {
         settled: 1e-9,
         jacobian: true,
     };
-    /// For sums of squares to two digits.
+    /// Effort for a sum of squares to two digits, without Jacobian.
     pub const SUM: Effort = Effort {
         settled: 1e-4,
         jacobian: false,

@@ -26,56 +26,56 @@ use levenberg_marquardt::{Effort, Minimum, Residuals, minimise};
 use profile::{Profile, Profiled};
 use uncertainty::{Uncertainty, uncertainty};
 
-/// Level of all intervals.
+/// Confidence level of all intervals.
 pub const LEVEL: f64 = 0.95;
 
-/// What is estimated.
+/// Estimation problem: coordinates, data blocks and starting points.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// Parameters.
+    /// Coordinates of the parameters.
     pub coordinates: Vec<Coordinate>,
-    /// Those that are fitted; the others stay at their start.
+    /// True for parameters that are fitted; the others keep their starting value.
     pub free: Vec<bool>,
-    /// Residuals of each data set: correlated within, independent between.
+    /// Number of residuals of each data set: correlated within, independent between.
     pub blocks: Vec<usize>,
     /// Starting points in coordinates.
     pub starts: Vec<Vec<f64>>,
-    /// Parameters that refine a model which is there without them, at zero: fits begin without them as well.
+    /// True for parameters that refine a model which exists without them, at zero: fits start without them as well.
     pub courses: Vec<bool>,
-    /// Profiles of all parameters in place of those that need them.
+    /// True if profiles of all parameters are computed, in place of those that need them.
     pub profiles: bool,
 }
 
-/// An estimate.
+/// Result of an estimation: minimum, uncertainty, and combinations that are not determined.
 #[derive(Clone, Debug)]
 pub struct Estimate {
-    /// The fit.
+    /// Minimum of the sum of squares.
     pub minimum: Minimum,
-    /// What is known of it.
+    /// Covariance and degrees of freedom at the minimum.
     pub known: Uncertainty,
     /// Combinations that the data do not determine.
     pub weak: Vec<Weak>,
-    /// Parameters whose value is no answer.
+    /// True for parameters that have no usable value.
     pub unknown: Vec<bool>,
-    /// Profiles, where they were taken.
+    /// Profiles of the parameters, where they were computed.
     pub profiles: Vec<Option<Profile>>,
-    /// Values and 95 % intervals; that of a parameter which was not fitted is its value alone.
+    /// Values and 95 % intervals; the interval of a parameter which was not fitted is its value alone.
     pub values: Vec<(f64, [f64; 2])>,
-    /// Sums of squares that the starts led to; `None` where one could not be evaluated.
+    /// Sums of squares reached from each start; `None` where one could not be evaluated.
     pub starts: Vec<Option<f64>>,
-    /// Evaluations of the residuals in all.
+    /// Total number of evaluations of the residuals.
     pub evaluations: u32,
 }
 
 impl Estimate {
-    /// Correlation of two parameters; 0 where one did not move.
+    /// Returns the correlation of two parameters; 0 where one was not fitted or is on a bound.
     pub fn correlation(&self, i: usize, j: usize) -> f64 {
         let c = &self.known.covariance;
         let size = (c[(i, i)] * c[(j, j)]).sqrt();
         if size > 0.0 { c[(i, j)] / size } else { 0.0 }
     }
 
-    /// Condition number of the Jacobian; infinite where a direction changes nothing.
+    /// Returns the condition number of the Jacobian; infinite where a direction changes nothing.
     pub fn condition(&self) -> f64 {
         let s = &self.known.singular;
         match (s.first(), s.last()) {
@@ -86,17 +86,17 @@ impl Estimate {
     }
 }
 
-/// Fits so far: what each start led to, and the least of them.
+/// Fits so far: the sum reached from each start, and the least minimum.
 #[derive(Default)]
 struct Descents {
-    /// As [`Estimate::starts`].
+    /// Sums of squares as in [`Estimate::starts`].
     sums: Vec<Option<f64>>,
     least: Option<Minimum>,
     evaluations: u32,
 }
 
 impl Descents {
-    /// Goes down from further starts.
+    /// Minimises from further starting points.
     fn from(
         &mut self,
         (coordinates, free): (&[Coordinate], &[bool]),
@@ -115,7 +115,7 @@ impl Descents {
     }
 }
 
-/// The fits with the courses held at zero, if there are any.
+/// Returns the fits with the variations along the path fixed at zero, if there are any.
 fn simplest(problem: &Problem, residuals: &mut Residuals<'_>) -> Descents {
     let courses: Vec<usize> = (0..problem.free.len())
         .filter(|&j| problem.free[j] && problem.courses[j])
@@ -134,7 +134,7 @@ fn simplest(problem: &Problem, residuals: &mut Residuals<'_>) -> Descents {
     descents
 }
 
-/// Estimates; `None` where no start can be evaluated.
+/// Solves an estimation problem; `None` where no start can be evaluated.
 pub fn estimate(problem: &Problem, residuals: &mut Residuals<'_>) -> Option<Estimate> {
     let Problem {
         coordinates, free, ..

@@ -26,21 +26,21 @@ const BEYOND: f64 = 1e4;
 /// Bound of `a`: a partial autocorrelation of 0.9999.
 const STEEPEST: f64 = 4.95;
 
-/// A stationary autoregressive process.
+/// Stationary autoregressive process of the residuals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
     /// Inverse hyperbolic tangents of the partial autocorrelations.
     pub a: Vec<f64>,
     /// Variance of the innovations.
     pub variance: f64,
-    /// Degrees of freedom of that variance.
+    /// Degrees of freedom of the variance.
     pub freedom: f64,
     /// Covariance of the estimates `a`.
     pub covariance: DMatrix<f64>,
 }
 
 impl Noise {
-    /// Autocovariances at the lags 0 to `n - 1`.
+    /// Returns the autocovariances at the lags 0 to `n - 1`.
     pub fn autocovariance(&self, n: usize) -> Vec<f64> {
         autocovariance(&self.a, n)
             .into_iter()
@@ -48,13 +48,13 @@ impl Noise {
             .collect()
     }
 
-    /// Autocorrelation at a lag.
+    /// Returns the autocorrelation at a lag.
     pub fn correlation(&self, lag: usize) -> f64 {
         let g = autocovariance(&self.a, lag + 1);
         g[lag] / g[0]
     }
 
-    /// Standard deviation.
+    /// Returns the standard deviation of the process.
     pub fn deviation(&self) -> f64 {
         self.autocovariance(1)[0].sqrt()
     }
@@ -75,7 +75,7 @@ fn levinson(a: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
     (rows, variances)
 }
 
-/// Autocovariances for unit innovations.
+/// Computes the autocovariances for unit innovations.
 fn autocovariance(a: &[f64], n: usize) -> Vec<f64> {
     let (rows, variances) = levinson(a);
     let p = a.len();
@@ -113,7 +113,7 @@ fn whitened(a: &[f64], x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// `-2 l` and `s^2` at partial autocorrelations.
+/// Computes `-2 l` and `s^2` at partial autocorrelations.
 pub(super) fn restricted(a: &[f64], e: &[f64], basis: &DMatrix<f64>) -> (f64, f64) {
     let (n, k) = (e.len(), basis.ncols());
     let (_, variances) = levinson(a);

@@ -1,4 +1,5 @@
-//! Profiles: how much worse a fit gets when one parameter is held beside its estimate and all others are fitted again.
+//! Profiles: increase of the sum of squares when one parameter is fixed away from its estimate and all others are
+//! fitted again.
 //!
 //! `S_j(z)` is the least sum of squares with coordinate `j` held at `z`. Near its least `S` it is `S + (z - z_j)^2/B_jj`
 //! with `B = (J^T J)^-1`. With correlated residuals the sum is no likelihood; scaled so that its curvature gives the
@@ -11,24 +12,25 @@ use super::coordinates::Coordinate;
 use super::levenberg_marquardt::{Effort, Minimum, Residuals, minimise};
 use super::uncertainty::Uncertainty;
 
-/// A profile of one coordinate.
+/// Profile of one coordinate: the increase of the sum of squares over its fixed values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// Held values of the coordinate, ascending.
+    /// Fixed values of the coordinate, ascending.
     pub z: Vec<f64>,
-    /// Standardised deviation there: signed root of the scaled rise.
+    /// Standardised deviations at the fixed values: signed root of the scaled increase.
     pub deviation: Vec<f64>,
-    /// Ends of the interval; infinite where the fit does not get worse enough.
+    /// Ends of the interval; infinite where the increase stays below the quantile.
     pub interval: [f64; 2],
-    /// The problem is not linear over the interval of the linear one: this is the profile's own.
+    /// True if the problem is not linear over the linear interval, so that the interval is that of the profile.
     pub bent: bool,
-    /// Deviation at the ends of the interval.
+    /// Standardised deviation at the ends of the interval.
     pub quantile: f64,
 }
 
 impl Profile {
-    /// Whether the data bound the coordinate to one side alone, or not at all: a side has no end although the fit was tried
-    /// at values that differ by more than a hundredth. Closer by, the sum of squares of data without noise is rounding.
+    /// True if the data do not bound the coordinate on both sides: the interval has an infinite end although the fit
+    /// was tried at values that differ by more than a hundredth. Closer by, the sum of squares of data without noise is
+    /// rounding.
     pub fn is_open(&self, coordinate: &Coordinate) -> bool {
         let best = (self.z.iter().zip(&self.deviation)).find(|(_, d)| **d == 0.0);
         let Some(best) = best.map(|(z, _)| coordinate.value(*z)) else {
@@ -42,27 +44,27 @@ impl Profile {
     }
 }
 
-/// Deviation of the profile from the straight line, relative, from which on it gives the interval.
+/// Relative deviation of the profile from the straight line above which the profile gives the interval.
 pub const BENT: f64 = 0.15;
 /// Relative distance of values that a measurement can distinguish.
 const APART: f64 = 0.01;
 /// Places of a profile in half widths.
 const PLACES: [f64; 5] = [0.5, 1.0, 1.5, 2.25, 4.0];
-/// Half width of a step at most: over several factors a held value is far from anything.
+/// Largest half width of a step: over several factors a fixed value is no longer near the estimate.
 const FURTHEST: f64 = 3.0;
 
-/// What profiles are taken of.
+/// Fit whose profiles are computed.
 pub struct Profiled<'a> {
-    /// Coordinates.
+    /// Coordinates of the parameters.
     pub coordinates: &'a [Coordinate],
-    /// The fit.
+    /// Minimum of the sum of squares.
     pub minimum: &'a Minimum,
-    /// Its uncertainty.
+    /// Uncertainty at the minimum.
     pub known: &'a Uncertainty,
 }
 
 impl Profiled<'_> {
-    /// The standardised deviation with coordinate `j` held a number of half widths away, with the place.
+    /// Returns the standardised deviation with coordinate `j` fixed a number of half widths away, with its place.
     fn at(&self, residuals: &mut Residuals<'_>, j: usize, widths: f64) -> Option<(f64, f64)> {
         let Profiled {
             coordinates,

@@ -1,4 +1,4 @@
-//! Quantiles of Student's distribution.
+//! Quantiles of Student's t distribution.
 
 /// The half width, in standard errors, of a two-sided interval of a level with some degrees of freedom (1 or more): with
 /// `t = sqrt(nu) tan(x)` the probability of `|t|` is that part of the integral of `cos^(nu-1)` up to `pi/2`.

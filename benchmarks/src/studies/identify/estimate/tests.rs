@@ -1,4 +1,4 @@
-//! Intervals that hold under correlated noise, and what cannot be told apart.
+//! Tests of the coverage of intervals under correlated noise, and of combinations that are not determined.
 
 use super::coordinates::{Coordinate, Scale, values};
 use super::*;
@@ -52,7 +52,7 @@ fn coordinates() -> Vec<Coordinate> {
     ]
 }
 
-/// Parts of draws in which the interval of each parameter holds the truth.
+/// Returns the part of draws in which the interval of each parameter contains the true value.
 fn coverage(draws: usize, coefficients: &[f64]) -> [f64; 4] {
     let (n, all) = (240, coordinates());
     let mut held = [0.0; 4];
@@ -90,7 +90,8 @@ fn coverage(draws: usize, coefficients: &[f64]) -> [f64; 4] {
     held
 }
 
-/// Under white noise, and under noise that is correlated over 30 samples of 240, or rings.
+/// The intervals have their nominal coverage under white noise, and under noise that is correlated over 30 samples of
+/// 240, or oscillates.
 #[test]
 fn intervals_hold_under_white_and_coloured_noise() {
     for (name, coefficients) in [

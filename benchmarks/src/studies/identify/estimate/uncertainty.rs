@@ -25,28 +25,29 @@ use super::student::two_sided;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Singular value over the greatest below which a direction is not determined at all: what differences of integrated
-/// residuals tell apart from nothing.
+/// Singular value over the greatest below which a direction is not determined at all: the accuracy of differences of
+/// integrated residuals.
 pub const RANK: f64 = 1e-4;
-/// Residuals and derivatives below this part of the greatest are nothing: a flank that does not touch tells nothing.
+/// Residuals and derivatives below this part of the greatest are negligible: without contact of the flanks the data
+/// have no information.
 const NOTHING: f64 = 1e-9;
 
-/// What is known of the coordinates of a fit.
+/// Uncertainty of the coordinates of a fit: covariance, degrees of freedom and 95 % intervals.
 #[derive(Clone, Debug)]
 pub struct Uncertainty {
-    /// Coordinates that count from zero, in place of logarithms.
+    /// True for coordinates with a linear scale, in place of a logarithmic one.
     pub linear: Vec<bool>,
-    /// Coordinates that moved: free, and not on a bound.
+    /// Indices of the coordinates that are free and not on a bound.
     pub moving: Vec<usize>,
-    /// Covariance of all coordinates; zero for those that did not move.
+    /// Covariance of all coordinates; zero for fixed ones and those on a bound.
     pub covariance: DMatrix<f64>,
-    /// `B` of all coordinates.
+    /// Matrix `B` of all coordinates.
     pub inverse: DMatrix<f64>,
-    /// Degrees of freedom of each variance.
+    /// Degrees of freedom of each variance, one per coordinate.
     pub freedom: Vec<f64>,
     /// Half widths of the 95 % intervals.
     pub half: Vec<f64>,
-    /// The process of each data set; `None` where nothing was left of its residuals.
+    /// Noise process of each data set; `None` where its residuals vanish.
     pub noise: Vec<Option<Noise>>,
     /// Singular values of the Jacobian over the moving coordinates, descending.
     pub singular: Vec<f64>,
@@ -54,7 +55,7 @@ pub struct Uncertainty {
     pub empty: Vec<Vec<f64>>,
 }
 
-/// Autocorrelation of neighbours above which their mean stands for them, and samples that are to be left.
+/// Autocorrelation above which neighbours are replaced by their mean, and the least number of samples that remains.
 const ALIKE: (f64, usize) = (0.8, 64);
 
 /// Degrees of freedom at least: fewer come of the quadratic expansion about a process that is correlated over much of the
@@ -63,7 +64,7 @@ const LEAST_FREEDOM: f64 = 6.0;
 
 /// A data set: its part of the residuals in which there is anything, its columns, its process.
 struct Block {
-    /// Neighbours in a mean.
+    /// Number of neighbours in a mean.
     of: f64,
     columns: DMatrix<f64>,
     residuals: Vec<f64>,
@@ -71,7 +72,7 @@ struct Block {
     noise: Option<Noise>,
 }
 
-/// Rows of a data set from the first to the last that tells anything.
+/// Returns the rows of a data set from the first to the last with a residual or derivative that is not negligible.
 fn telling(minimum: &Minimum, rows: Range<usize>) -> Range<usize> {
     let largest = |m: &mut dyn Iterator<Item = f64>| m.fold(0.0_f64, |a, x| a.max(x.abs()));
     let of_r = NOTHING * largest(&mut minimum.residuals.iter().copied());
@@ -85,7 +86,7 @@ fn telling(minimum: &Minimum, rows: Range<usize>) -> Range<usize> {
     first..last
 }
 
-/// How many neighbours are so alike that their mean stands for them.
+/// Returns the number of neighbours that are replaced by their mean, because they are almost equal.
 fn alike(e: &[f64]) -> usize {
     let square: f64 = e.iter().map(|x| x * x).sum();
     let correlated = |lag: usize| {
@@ -137,7 +138,8 @@ impl Block {
         c.tr_mul(&through)
     }
 
-    /// Diagonal of the same with the process at other partial autocorrelations and the variance that goes with them.
+    /// Returns the diagonal of `c^T G c` for the process at other partial autocorrelations, with the corresponding
+    /// variance.
     fn at(&self, a: &[f64], noise: &Noise, c: &DMatrix<f64>) -> DVector<f64> {
         let variance = noise::restricted(a, &self.residuals, &self.basis).1;
         let moved = Noise {
@@ -149,7 +151,7 @@ impl Block {
     }
 }
 
-/// The uncertainty of a fit to data sets with `blocks` residuals each.
+/// Computes the uncertainty of a fit to data sets with `blocks` residuals each.
 pub fn uncertainty(
     minimum: &Minimum,
     (coordinates, free): (&[Coordinate], &[bool]),

@@ -1,4 +1,4 @@
-//! The study on small scenes.
+//! Tests of the study of accuracy against cost on small scenes.
 
 use super::*;
 use crate::experiment::journal::{JOURNAL, Journal, Subject};
@@ -35,7 +35,7 @@ fn small(asked: &Asked) -> Results {
     results
 }
 
-/// Ids of the references that a model is held against.
+/// Returns the ids of the references that a model is compared with.
 fn against(plan: &Plan<'_>, label: &str) -> String {
     let mut of = plan.variants.iter().filter(|v| v.entry.label == label);
     of.next().unwrap().against.join(" ")

@@ -1,4 +1,4 @@
-//! The limit of a method as it is implemented, found without theory: the program steps a linear system, and the step is
+//! Stability limit of a method as implemented, without theory: the program steps a linear system, and the step is
 //! halved and doubled until growth begins.
 //!
 //! Where dampers do not couple the modes, or the system is small, growth is the **spectral radius** of the amplification.
@@ -33,14 +33,15 @@ use nalgebra::DMatrix;
 const SMALL: usize = 40;
 /// Radius above one that counts as growth.
 const GROWTH: f64 = 1e-7;
-/// The same for a whole system, in which the motion of free bodies is a double eigenvalue of one that rounding splits.
+/// Spectral radius above one that counts as growth of a whole system, in which the motion of free bodies is a double
+/// eigenvalue of one that rounding splits.
 const GROWTH_OF_ALL: f64 = 1e-5;
 /// Singular values below this part of the largest are rounding.
 const RANK: f64 = 1e-9;
 /// Steps of a long run, and by how much the energy grows in its second half when it is unstable.
 const LONG: u32 = 1600;
 const LONG_GROWTH: f64 = 100.0;
-/// Steps over the fastest mode's time, `omega h`, between which limits are looked for.
+/// Bounds of the search for limits, as steps over the fastest mode's time, `omega h`.
 const FROM: f64 = 0.2;
 const TO: f64 = 1e3;
 
@@ -65,7 +66,7 @@ pub fn found(
     }
 }
 
-/// A method on trial.
+/// Integrator whose stability limit is searched.
 struct Trial {
     integrator: Box<dyn Integrator>,
 }
@@ -200,7 +201,7 @@ impl Trial {
         (ended && seen.0.len() == 4).then_some(seen.0)
     }
 
-    /// Every mode on its own, all in two runs.
+    /// True if any of the independent modes grows; two runs suffice for all modes.
     fn modes_grow(&mut self, sys: &mut Vibrations, h: f64) -> Result<bool, LimitError> {
         let n = sys.n();
         let omega: Vec<f64> = sys.square.iter().map(|x| x.sqrt()).collect();

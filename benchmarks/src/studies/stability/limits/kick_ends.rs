@@ -1,17 +1,17 @@
-//! Which dampers a scene knows at the end of a kick, by the forces that methods ask for there
-//! ([`force_after`](SecondOrderSystem::force_after)).
+//! Dampers of a scene that act at the velocities at the end of a half-step impulse, identified by the forces that
+//! methods evaluate there ([`force_after`](SecondOrderSystem::force_after)).
 
 use gearbench_integrators::{HalfStepImpulse, SecondOrderSystem, State, StateView};
 use gearbench_models::scene::Scene;
 use nalgebra::DMatrix;
 
-/// Time of a kick that changes no velocity, over the characteristic time of a scene.
+/// Duration of an impulse that changes no velocity, over the characteristic time of a scene.
 const INSTANT: f64 = 1e-9;
-/// Part of a typical velocity by which dampers are looked at.
+/// Perturbation of the velocities from which dampers are computed, over a typical velocity.
 const SMALL: f64 = 1e-2;
 
-/// Forces that are asked for at the end of a kick that changes no velocity, where `x` more than the velocities was
-/// predicted.
+/// Computes the forces at the end of a half-step impulse that changes no velocity, for predicted velocities that differ
+/// by `x`.
 fn at_end(scene: &mut Scene, s: &State, x: &[f64], f: &mut [f64]) {
     let v: Vec<f64> = s.v.iter().zip(x).map(|(v, x)| v + x).collect();
     let at = StateView { v: &v, ..s.at() };
@@ -24,7 +24,8 @@ fn at_end(scene: &mut Scene, s: &State, x: &[f64], f: &mut [f64]) {
     scene.force_after(at, &kick, f);
 }
 
-/// `-D x` of the dampers that a kick sees at the velocities that it predicts, by forces on either side.
+/// Computes `-D x` of the dampers that an impulse evaluates at the velocities that it predicts, by central differences
+/// of forces.
 pub(super) fn predicted(scene: &mut Scene, s: &State, x: &[f64], df: &mut [f64]) {
     let side = |sign: f64| -> Vec<f64> { x.iter().map(|x| sign * SMALL * x).collect() };
     let mut below = vec![0.0; df.len()];
@@ -35,7 +36,7 @@ pub(super) fn predicted(scene: &mut Scene, s: &State, x: &[f64], df: &mut [f64])
     }
 }
 
-/// Whether forces at the end of a kick are others than those at the velocities that it predicts.
+/// True if the forces at the end of a half-step impulse differ from those at the velocities that it predicts.
 pub(super) fn knows_ends(scene: &mut Scene, s: &State, v: &[f64]) -> bool {
     let x: Vec<f64> = v.iter().map(|v| SMALL * v).collect();
     let moved: Vec<f64> = s.v.iter().zip(&x).map(|(v, x)| v + x).collect();
@@ -51,7 +52,7 @@ pub(super) fn knows_ends(scene: &mut Scene, s: &State, v: &[f64]) -> bool {
     plain != asked
 }
 
-/// Typical velocities of the coordinates.
+/// Returns typical velocities of the coordinates.
 pub(super) fn speeds(scene: &Scene) -> Vec<f64> {
     let n = scene.layout().n;
     let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
@@ -59,7 +60,7 @@ pub(super) fn speeds(scene: &Scene) -> Vec<f64> {
     v
 }
 
-/// The part of the damping `d` that forces at the end of a kick know there.
+/// Returns the part of the damping `d` that acts at the velocities at the end of a half-step impulse.
 pub(super) fn known_at_ends(
     scene: &mut Scene,
     s: &State,

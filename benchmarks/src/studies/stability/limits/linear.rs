@@ -1,4 +1,4 @@
-//! A linear system `q'' + D q' + K q = 0` with unit masses and the limit of a method on it.
+//! Linear system `q'' + D q' + K q = 0` with unit masses, and the limit of a method on it.
 //!
 //! With `M = L L^T` the coordinates are `L^T q`, so that `D` and `K` become `L^-1 D L^-T` and `L^-1 K L^-T`; all
 //! methods of the table commute with that. Only the symmetric parts are kept: what contacts that move along the path and
@@ -14,43 +14,45 @@ const FREE: f64 = 1e-5;
 /// Coupling of modes by dampers, over the largest damping, that counts as none.
 const COUPLED: f64 = 1e-9;
 
-/// A linear system.
+/// Linear system with unit masses, complete or reduced to its fastest mode.
 #[derive(Clone, Debug)]
 pub enum Linear {
-    /// All of it.
+    /// Complete matrices of the system.
     Dense(Dense),
-    /// Of a large system its fastest mode.
+    /// Fastest mode of a large system.
     Top(Top),
 }
 
-/// Matrices for unit masses.
+/// Dense stiffness and damping matrices for unit masses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dense {
-    /// Stiffness [1/s^2], symmetric.
+    /// Symmetric stiffness matrix for unit masses [1/s^2].
     pub stiffness: DMatrix<f64>,
-    /// Damping [1/s], symmetric.
+    /// Symmetric damping matrix for unit masses [1/s].
     pub damping: DMatrix<f64>,
-    /// The part of it that forces at the end of a kick know there ([`force_after`]), implicitly: dashpots and friction of
-    /// flank points. Methods that predict velocities ([`Flip::predicts`]) do not see it at these. `None` where it is none.
+    /// Part of the damping that acts at the velocities at the end of a half-step impulse ([`force_after`]), implicitly:
+    /// dashpots and friction of flank points. Methods that predict velocities ([`Flip::predicts`]) do not evaluate it
+    /// at the predicted ones. `None` if there is none.
     ///
     /// [`force_after`]: gearbench_integrators::SecondOrderSystem::force_after
     /// [`Flip::predicts`]: gearbench_integrators::linear_stability::Flip::predicts
     pub at_ends: Option<DMatrix<f64>>,
 }
 
-/// The fastest mode of a system.
+/// Fastest mode of a system.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Top {
-    /// Frequency without damping [rad/s].
+    /// Undamped angular frequency [rad/s].
     pub omega: f64,
     /// Damping ratio: that of `phi^T D phi`, exact where dampers do not couple the modes.
     pub zeta: f64,
-    /// The same of the dampers that methods which predict velocities see at these, see [`Dense::at_ends`].
+    /// Damping ratio of the dampers that act at predicted velocities, for methods that predict them; see
+    /// [`Dense::at_ends`].
     pub zeta_predicted: f64,
 }
 
 impl Linear {
-    /// The highest frequency without damping [rad/s]; zero where nothing vibrates.
+    /// Returns the highest undamped angular frequency [rad/s]; zero where nothing vibrates.
     pub fn highest(&self) -> f64 {
         match self {
             Linear::Dense(x) => x.highest(),
@@ -58,8 +60,8 @@ impl Linear {
         }
     }
 
-    /// The largest stable step [s] of a method; `None` where every step is stable, or where the method's limit is not
-    /// one of `D` and `K` alone.
+    /// Returns the largest stable step [s] of a method; `None` where every step is stable, or where the method's limit
+    /// does not depend on `D` and `K` alone.
     pub fn largest_step(&self, stability: &Stability) -> Result<Option<f64>, LimitError> {
         match self {
             Linear::Dense(x) => x.largest_step(stability),
@@ -82,7 +84,7 @@ fn symmetric_eigenvalues(a: &DMatrix<f64>) -> Vec<f64> {
 }
 
 impl Dense {
-    /// From `M`, `D`, `K`, and the part of `D` that is known at the end of a kick.
+    /// Creates the system from `M`, `D`, `K`, and the part of `D` that acts at the velocities at the end of an impulse.
     ///
     /// # Errors
     /// [`LimitError::Matrices`] where the mass is not positive definite or an entry is not finite.
@@ -117,12 +119,12 @@ impl Dense {
         })
     }
 
-    /// Number of coordinates.
+    /// Returns the number of coordinates.
     pub fn n(&self) -> usize {
         self.stiffness.nrows()
     }
 
-    /// The same without dampers.
+    /// Returns the system without dampers.
     pub fn undamped(&self) -> Dense {
         Dense {
             stiffness: self.stiffness.clone(),
@@ -131,7 +133,7 @@ impl Dense {
         }
     }
 
-    /// True without dampers.
+    /// True if the damping matrix is zero.
     pub fn is_undamped(&self) -> bool {
         self.damping.iter().all(|x| *x == 0.0)
     }
@@ -141,7 +143,8 @@ impl Dense {
         highest.unwrap_or(0.0).max(0.0).sqrt()
     }
 
-    /// Frequencies [rad/s] and damping ratios of the modes that vibrate, where dampers do not couple them.
+    /// Returns the angular frequencies [rad/s] and damping ratios of the modes that vibrate; `None` where dampers
+    /// couple them.
     pub fn modes(&self) -> Option<Vec<[f64; 2]>> {
         let n = self.n();
         let eigen = self.stiffness.clone().symmetric_eigen();
@@ -160,7 +163,7 @@ impl Dense {
         Some((0..n).filter_map(of_mode).collect())
     }
 
-    /// Eigenvalues `[re, im]` [1/s] of the system in first order, without the bodies that move freely.
+    /// Computes the eigenvalues `[re, im]` [1/s] of the system in first order, without those of rigid-body motion.
     ///
     /// # Errors
     /// [`LimitError::Matrices`] where they could not be found.
@@ -228,7 +231,8 @@ impl Dense {
     }
 }
 
-/// Eigenvalues `[re, im]` of a matrix whose entries are of size one, checked by the traces of it and its square.
+/// Computes the eigenvalues `[re, im]` of a matrix with entries of order one, and checks them by the traces of the
+/// matrix and of its square.
 pub(super) fn eigenvalues(matrix: &Mat<f64>) -> Result<Vec<[f64; 2]>, LimitError> {
     let fail = LimitError::Matrices("its eigenvalues could not be found");
     let values = matrix.eigenvalues().map_err(|_| fail.clone())?;

@@ -1,4 +1,4 @@
-//! A scene held where its contacts are closed, and its matrices there.
+//! Linearisation of a scene at a state with closed contacts: the state and its matrices.
 
 use super::LimitError;
 use super::kick_ends::{known_at_ends, knows_ends, predicted, speeds};
@@ -17,18 +17,18 @@ use nalgebra::DMatrix;
 
 /// Coordinates up to which matrices are formed; beyond, only the fastest mode is sought.
 const DENSE: usize = 450;
-/// Steps of the run that looks for the state; a scene that has not touched by then counts as open.
+/// Largest number of steps of the run that searches the state; a scene without contact until then counts as open.
 const MOST_STEPS: u64 = 20_000;
-/// The same where a step is a search over flank nodes.
+/// Largest number of steps of the search run, for contacts whose force requires a search over flank nodes.
 const MOST_STEPS_OF_FIELDS: u64 = 4_000;
-/// Its tolerance: the state need not be accurate.
+/// Tolerance of the search run: the state need not be accurate.
 const TOLERANCE: f64 = 1e-4;
-/// States in contact that are kept; when there are more, every other goes.
+/// Largest number of stored states in contact; beyond it every other one is dropped.
 const KEPT: usize = 128;
 /// Steps of the largest Krylov space in which the fastest mode of a large scene is sought.
 const KRYLOV: usize = 120;
 
-/// A scene and a state of it with closed contacts.
+/// Scene with a state in which its contacts are closed.
 pub struct Linearised {
     scene: Scene,
     closed: Option<State>,
@@ -52,17 +52,17 @@ impl Linearised {
         })
     }
 
-    /// The scene.
+    /// Returns the scene that is linearised.
     pub fn scene(&mut self) -> &mut Scene {
         &mut self.scene
     }
 
-    /// The state with closed contacts, if the scene came into contact.
+    /// Returns the state with closed contacts, if the scene came into contact.
     pub fn closed(&self) -> Option<&State> {
         self.closed.as_ref()
     }
 
-    /// The scene around its closed state; around its start where it did not touch.
+    /// Linearises the scene about its closed state, or about its start where it did not come into contact.
     pub fn linear(&mut self) -> Result<Linear, LimitError> {
         let s = self.closed.as_ref().unwrap_or(&self.start);
         if self.scene.layout().n > DENSE {
@@ -87,8 +87,8 @@ impl Linearised {
         Some(omega)
     }
 
-    /// The stiffness of the rest that a method with these kicks sees at a step `h` [s]: `K - Omega^2` for unit masses.
-    /// `omega` are [`Self::oscillators`].
+    /// Returns the remaining stiffness beside the oscillators for a method with these impulses at a step `h` [s]: `K -
+    /// Omega^2` for unit masses. `omega` are [`Self::oscillators`].
     pub fn rest(
         &mut self,
         omega: &[f64],
@@ -113,8 +113,8 @@ impl Linearised {
         Ok(rest)
     }
 
-    /// Frequency of the bodies' masses on the penalty of the contact alone [rad/s]; `None` without a penalty that
-    /// carries a force.
+    /// Computes the angular frequency of the bodies' masses on the penalty of the contact alone [rad/s]; `None` without
+    /// a penalty that carries a force.
     pub fn penalty_frequency(&mut self) -> Option<f64> {
         let s = self.closed.as_ref()?;
         let mut stiffness = vec![0.0; self.scene.meshes().len()];
@@ -135,7 +135,7 @@ impl Linearised {
     }
 }
 
-/// Keeps states in contact.
+/// Observer that stores states in contact.
 struct Watch {
     force: Vec<usize>,
     /// Channel of the first gear's displacement, and its pitch.

@@ -1,4 +1,4 @@
-//! Theory as lines over the step.
+//! Theoretical limits as lines over the step.
 
 use super::linearised::Linearised;
 use super::{LimitError, LineKind, StepLine, first_unstable};
@@ -52,8 +52,8 @@ impl Linearised {
         Ok(lines)
     }
 
-    /// The largest stable step [s]; `None` where every step is, or where none is marked: for the trigonometric method
-    /// no limit below the first resonance.
+    /// Returns the largest stable step [s]; `None` where every step is stable, or where no limit is marked: for the
+    /// trigonometric method no limit below the first resonance.
     pub fn largest_step(&mut self, stability: &Stability) -> Result<Option<f64>, LimitError> {
         match stability {
             Stability::Impulses(impulses) => self.largest_kick(*impulses),
@@ -62,7 +62,7 @@ impl Linearised {
         }
     }
 
-    /// The largest step between kicks, up to the first resonance: where `2 + 2 cos - h^2 S F K_c F S` loses
+    /// Returns the largest step between impulses, up to the first resonance: where `2 + 2 cos - h^2 S F K_c F S` loses
     /// definiteness.
     fn largest_kick(&mut self, impulses: Impulses) -> Result<Option<f64>, LimitError> {
         let Some(omega) = self.oscillators() else {

@@ -1,4 +1,4 @@
-//! The largest stable step of a method on a scene: what linear theory says, and what the method as implemented does.
+//! Largest stable step of a method on a scene, by linear theory and by the method as implemented.
 //!
 //! A scene is linear as long as its contacts neither open nor close. At such a state ([`Linearised`]) it is
 //! `M q'' + D q' + K q = 0`, for which [`linear_stability`](gearbench_integrators::linear_stability) knows the limit of
@@ -11,11 +11,11 @@
 //! | module | owns |
 //! |---|---|
 //! | [`linearised`] | the state, the matrices there |
-//! | `kick_ends` | which dampers the end of a kick knows |
+//! | `kick_ends` | dampers that act at the velocities at the end of a half-step impulse |
 //! | [`linear`] | mass-scaled matrices, frequencies, the limit of a method on them |
 //! | [`lines`] | limits, resonances and penalty frequency as lines over the step |
 //! | [`found`] | the limit of the method as implemented, by stepping the linear system |
-//! | [`table`] | both side by side for models and methods |
+//! | [`table`] | comparison of both for models and methods |
 
 pub mod found;
 mod kick_ends;
@@ -35,18 +35,18 @@ pub use gearbench_reports::stability::LineKind;
 
 use gearbench_models::error::BuildError;
 
-/// A step that theory marks.
+/// Step that theory marks, with a description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepLine {
-    /// What it is, in words.
+    /// Description of the step in words.
     pub label: String,
-    /// Where [s].
+    /// Step of the line [s].
     pub step_s: f64,
-    /// Its kind.
+    /// Kind of limit that the line marks.
     pub kind: LineKind,
 }
 
-/// Why there is no limit.
+/// Reason why a limit cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LimitError {
     /// The scene cannot be assembled.
@@ -57,7 +57,7 @@ pub enum LimitError {
     Matrices(&'static str),
 }
 
-/// Ratio of looks for the first unstable step, and the relative width at which the search ends.
+/// Ratio of trial steps in the search for the first unstable step, and the relative width at which the search ends.
 const LOOK: f64 = 1.25;
 const WIDTH: f64 = 1e-3;
 

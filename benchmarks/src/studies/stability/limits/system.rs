@@ -1,4 +1,4 @@
-//! Linear systems as integrators see them.
+//! Linear systems in the form that integrators require.
 
 use super::linear::Dense;
 use gearbench_integrators::{Change, HalfStepImpulse, system::Singular};
@@ -10,27 +10,27 @@ use nalgebra::{DMatrix, DVector, DVectorView, Dyn, LU};
 /// `q'' + D q' + K q = 0` in the modes of `K`: independent oscillators, or coupled by dampers.
 #[derive(Clone, Debug)]
 pub(super) struct Vibrations {
-    /// Squared frequencies [1/s^2].
+    /// Squared angular frequencies [1/s^2].
     pub square: DVector<f64>,
-    /// Damping: its diagonal, or all of it.
+    /// Damping matrix of the modes, diagonal or full.
     pub damping: Damping,
-    /// Highest frequency [rad/s].
+    /// Highest angular frequency [rad/s].
     pub highest: f64,
-    /// The part of the dampers that is known at the end of a kick.
+    /// Part of the dampers that acts at the velocities at the end of an impulse.
     at_ends: Option<AtEnds>,
 }
 
-/// Dampers that are taken implicitly at the end of a kick.
+/// Dampers that act implicitly at the end of an impulse.
 #[derive(Clone, Debug)]
 struct AtEnds {
-    /// In the modes of the stiffness [1/s].
+    /// Damping matrix in the modes of the stiffness [1/s].
     damping: DMatrix<f64>,
-    /// `1 + time D`, factorised for the time of the kicks.
+    /// Matrix `1 + time D`, factorised for the duration of the impulses.
     factor: Option<(f64, LU<f64, Dyn, Dyn>)>,
 }
 
 impl AtEnds {
-    /// Velocities at the end of a kick that lasts so long, by those that other forces make.
+    /// Replaces the velocities `v` from the other forces by those at the end of an impulse of duration `time` [s].
     fn solve(&mut self, time: f64, v: &mut DVector<f64>) -> bool {
         let n = v.len();
         let factor = match &mut self.factor {
@@ -44,7 +44,7 @@ impl AtEnds {
     }
 }
 
-/// Dampers in the modes of the stiffness [1/s].
+/// Damping matrix in the modes of the stiffness [1/s].
 #[derive(Clone, Debug)]
 pub(super) enum Damping {
     Diagonal(DVector<f64>),
@@ -52,7 +52,7 @@ pub(super) enum Damping {
 }
 
 impl Vibrations {
-    /// Independent oscillators from frequencies [rad/s] and damping ratios.
+    /// Creates independent oscillators from angular frequencies [rad/s] and damping ratios.
     pub(super) fn independent(modes: &[[f64; 2]]) -> Self {
         Vibrations {
             square: DVector::from_iterator(modes.len(), modes.iter().map(|m| m[0] * m[0])),
@@ -65,7 +65,7 @@ impl Vibrations {
         }
     }
 
-    /// Coordinates that dampers couple.
+    /// Returns the oscillators of a system whose dampers couple the modes.
     pub(super) fn coupled(dense: &Dense) -> Self {
         let eigen = dense.stiffness.clone().symmetric_eigen();
         let in_modes = |d: &DMatrix<f64>| eigen.eigenvectors.transpose() * d * &eigen.eigenvectors;
@@ -173,11 +173,11 @@ impl SecondOrderSystem for Vibrations {
     }
 }
 
-/// Oscillators without damping and a linear rest between them, `q'' + Omega^2 q = -K_c q`.
+/// Undamped oscillators with a linear coupling, `q'' + Omega^2 q = -K_c q`.
 #[derive(Clone, Debug)]
 pub(super) struct Kicked {
     pub omega: Vec<f64>,
-    /// The rest's stiffness at the step that is tried [1/s^2].
+    /// Remaining stiffness at the trial step [1/s^2].
     pub rest: DMatrix<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! Theory beside what is found, model by model and method by method.
+//! Comparison of the theoretical stability limit with the one found by stepping, for each model and method.
 
 use super::LimitError;
 use super::found::found;
@@ -13,46 +13,47 @@ use gearbench_models::law::Damping;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, SceneSpec};
 use gearbench_reference::reduction::ElasticParameters;
 
-/// The damping that a model without any is given: ratio of its modes, of its contact, of its teeth.
+/// Damping ratio of the modes, contacts and teeth of a model that has no damping of its own.
 pub const RATIO: f64 = 0.02;
 
 /// The largest stable step of a method on a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepLimit {
-    /// Label of the model.
+    /// Label of the model in the scene.
     pub model: String,
-    /// Integrator, as in a scene.
+    /// Integrator in the notation of a scene.
     pub integrator: String,
-    /// What damps it.
+    /// Description of the damping of the model.
     pub damping: String,
-    /// By theory [s].
+    /// Largest stable step by linear theory [s].
     pub theory_s: f64,
-    /// Found by stepping the linear system [s].
+    /// Largest stable step found by stepping the linear system [s].
     pub found_s: f64,
 }
 
 impl StepLimit {
-    /// Found over theory.
+    /// Returns the largest stable step found by stepping, over that of the theory [-].
     pub fn ratio(&self) -> f64 {
         self.found_s / self.theory_s
     }
 }
 
-/// A model of the table.
+/// Model of the table, with damping.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Label of the model.
+    /// Label of the model in the scene.
     pub label: String,
-    /// What damps it.
+    /// Description of the damping of the model.
     pub damping: String,
-    /// The scene.
+    /// Gears and meshes of the scene.
     pub scene: SceneSpec,
-    /// Its models, with damping.
+    /// Gear models and contacts, with damping.
     pub modelling: Modelling,
 }
 
 impl Case {
-    /// A model with its own damping; one without any gets [`RATIO`] in its modes, teeth, or contacts.
+    /// Creates the case of a model with its own damping; one without any gets [`RATIO`] in its modes, teeth, or
+    /// contacts.
     pub fn of(entry: &Configuration) -> Case {
         let mut modelling = entry.modelling.clone();
         let own = modelling.gears.iter().any(damps) || modelling.contacts.iter().any(dissipates);
@@ -121,7 +122,7 @@ fn damp_contact(contact: &mut ContactSpec) -> Option<&'static str> {
 
 /// Limits of methods on models, without dampers and with those of the case. Methods and models without a limit have no
 /// row, nor have scenes too large to be stepped for it; the trigonometric method has rows without dampers only.
-/// `progress` is told what comes next.
+/// `progress` receives descriptions of the steps.
 pub fn table(
     cases: &[Case],
     models: &[Model],

@@ -1,4 +1,4 @@
-//! The study as a whole, on rigid gears: labels, threads, limits.
+//! Tests of the study of stability on rigid gears: labels, threads, limits.
 
 use super::study;
 use crate::experiment::conditions::Conditions;
@@ -22,7 +22,8 @@ use gearbench_reference::reduction::{ElasticParameters, ModeSelection, Mounting,
 use gearbench_reports::record::{Results, Status};
 use gearbench_reports::stability::Columns;
 
-/// Rigid gears in an impact under some methods, from steps that are cut off by their number to hopeless ones.
+/// Returns a plan for rigid gears in an impact under some methods, with steps from ones that exceed the bound on their
+/// number to unstable ones.
 fn plan(methods: &[MethodSpec]) -> Plan<'static> {
     let scene = load_for("spur_impact", Selection::Labels(Some("rigid"))).unwrap();
     let choice = scene.model("rigid").unwrap();
@@ -133,8 +134,8 @@ fn the_limit_goes_with_the_root_of_the_stiffness() {
     }
 }
 
-/// A start that was cut off after any line goes on to the same maps and the same wall times of what it had; another
-/// plan takes what it has in common.
+/// A study that was interrupted after any line resumes to the same maps, and keeps the wall times of finished runs;
+/// another plan reuses the runs that both have in common.
 #[test]
 fn a_study_that_was_cut_off_goes_on() {
     let folder = tempfile::tempdir().unwrap();
@@ -177,8 +178,8 @@ fn a_study_that_was_cut_off_goes_on() {
     assert!(before == after && more > before, "one column is another");
 }
 
-/// A stored reduction keeps all its modes unless it is asked for fewer: its own value is that number, and the cell of
-/// another number runs that.
+/// A stored reduction keeps all its modes by default: the scene's own value is that number, and a cell with another
+/// number runs with that.
 #[test]
 fn modes_of_a_stored_reduction_are_its_own() {
     let scene = load_for("spur_impact", Selection::None).unwrap();

@@ -1,4 +1,4 @@
-//! Drives that go on from one speed to the next.
+//! Tests that the prescribed rotation of driven gears continues from one speed to the next.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Sweeps with known answers.
+//! Sweeps whose results are known in closed form or from a static solution.
 
 use super::*;
 use crate::experiment::conditions::Conditions;
@@ -109,8 +109,8 @@ fn what_cannot_be_swept_is_said() {
     assert!(Pair::in_scene("wave", &driven.spec).is_ok());
 }
 
-/// Two free gears with a brake on one: the other is given the torque that holds the speed, and the force on the flanks
-/// is that of the brake at the speed.
+/// In a pair of free gears with a brake on one, the other gets the torque that keeps the speed, and the contact force
+/// is that of the brake at this speed.
 #[test]
 fn viscous_loads_count_at_the_speed_that_is_swept() {
     let mut scene = scene(0.01, 0.2, 0.0);
@@ -130,8 +130,8 @@ fn viscous_loads_count_at_the_speed_that_is_swept() {
     }
 }
 
-/// What gears do by themselves within a slow mesh cycle is seen: a step in the stiffness rings at the resonance, and its
-/// peak does not depend on the speed.
+/// Free vibrations of the gears within a slow mesh cycle are resolved: a step in the stiffness excites the resonance,
+/// and its peak does not depend on the speed.
 #[test]
 fn the_peak_at_low_speed_does_not_depend_on_the_samples() {
     let mut scene = scene(0.0, 0.05, 15.0);

@@ -1,5 +1,5 @@
-//! Dashpots at flanks of elastic gears do not limit velocity Verlet, which takes them implicitly: theory against the
-//! amplification of the step itself, in the scene.
+//! Tests that dashpots at flanks of elastic gears do not limit velocity Verlet, which treats them implicitly: theory
+//! against the amplification of the step itself, in the scene.
 
 #![allow(clippy::print_stdout)]
 

@@ -18,17 +18,17 @@ use std::f64::consts::TAU;
 /// Half of the dead zone over the base pitch; the mean deflection is a tenth of it. Larger ones shift the teeth, by some
 /// 1e-6 of the answer; smaller ones drown in the rounding of hub angles after a thousand mesh cycles.
 const B: f64 = 2e-5;
-/// Periods to settle: between jumps, and where the branch ends, which takes the longest to leave.
+/// Periods of settling: between jumps, and at the end of the branch, where the transient is longest.
 const PERIODS: [f64; 2] = [120.0, 400.0];
 
-/// Gears that are the oscillator: the pinion turns evenly or stands, the wheel vibrates on the mesh.
+/// Gears that are equivalent to the oscillator: the pinion turns evenly or is at rest, the wheel vibrates on the mesh.
 struct Gears {
     scene: SceneFile,
     /// Base pitch [m], half of the dead zone [m], base radius of the wheel [m].
     pitch: f64,
     b: f64,
     rb: f64,
-    /// Its own frequency [rad/s] and inertia.
+    /// Natural frequency [rad/s] and inertia of the oscillator.
     omega: f64,
     inertia: f64,
     sign: f64,
@@ -56,7 +56,7 @@ impl Gears {
         }
     }
 
-    /// The wheel's loads at a speed: they press with Fm whatever the damper takes, and shake with Fa.
+    /// Sets the wheel's loads at a speed: the mean force is Fm at any damping, the oscillating one Fa.
     fn load(&self, spec: &mut SceneSpec, w: f64, speed: f64, phase: f64) {
         let c = 2.0 * Z * self.omega * self.inertia;
         let unit = self.sign * self.rb * K * self.b;
@@ -82,7 +82,7 @@ impl Gears {
         }
     }
 
-    /// The rms over [`B`] in the last periods of the shipped scene with a model, as it stands.
+    /// Returns the rms over [`B`] in the last periods of the shipped scene with a model.
     fn as_shipped(&self, label: &str) -> f64 {
         let choice = self.scene.model(label).unwrap();
         let entry = Configuration::of(&self.scene, choice);
@@ -149,7 +149,7 @@ impl Gears {
         found
     }
 
-    /// The same while nothing turns and the load shakes.
+    /// Returns the rms over [`B`] of the oscillator for gears at rest under an oscillating load.
     fn shaken(&self, ws: &[f64], last: f64) -> Vec<f64> {
         let modelling: &Modelling = &self.scene.models[0].modelling;
         let mut from: Option<State> = None;
@@ -210,7 +210,7 @@ const KNOWN_UP: [(f64, f64); 4] = [
 ];
 const KNOWN_DOWN: [(f64, f64); 3] = [(0.85, 0.14429031), (0.90, 0.12608384), (0.80, 0.03985167)];
 
-/// The oracle, written anew.
+/// The independent implementation of the oscillator jumps at the known frequencies.
 #[test]
 fn the_oscillator_jumps_where_it_is_known_to() {
     let own = |ws: &[f64]| -> Vec<f64> {
@@ -255,7 +255,8 @@ fn commands_refuse_to_sweep_them() {
     );
 }
 
-/// What the shipped scenes are, and both solutions of each as it stands: the table of benchmarks/scenes/README.md.
+/// The shipped scenes have the parameters of the oscillators, and both solutions of each have the amplitudes in the
+/// table of benchmarks/scenes/README.md.
 #[test]
 #[allow(clippy::print_stdout)]
 fn shipped_scenes_are_the_oscillators() {

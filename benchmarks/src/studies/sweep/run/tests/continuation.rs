@@ -38,8 +38,8 @@ contact = { stiffness = { kind = "constant", stiffness_n_per_m2 = 1.4e10 }, damp
 /// Steps of a mesh cycle.
 const STEPS: usize = 3000;
 
-/// Two gears on one coordinate, the approach `x` of their flanks along the line of action, while their common rotation is
-/// even.
+/// Two gears with one degree of freedom, the approach `x` of their flanks along the line of action, at constant common
+/// rotation.
 struct Own {
     /// Base radii, tip radii [m].
     rb: [f64; 2],
@@ -56,7 +56,7 @@ struct Own {
     share: [f64; 2],
     mass: f64,
     force: f64,
-    /// Of a pair.
+    /// Stiffness of a tooth pair [N/m].
     stiffness: f64,
     damping: f64,
     /// Path coordinate of a pair, its rate, approach and its rate.
@@ -178,7 +178,7 @@ impl Own {
         }
     }
 
-    /// Goes on at a mesh frequency; root mean square of the last of some cycles, and the least approach.
+    /// Integrates on at a mesh frequency; returns the root mean square of the last cycle, and the least approach.
     fn at(&mut self, frequency: f64, cycles: usize) -> [f64; 2] {
         self.speed = frequency * self.pitch;
         let h = 1.0 / (frequency * STEPS as f64);
@@ -228,8 +228,8 @@ fn loaded_gears_follow_both_branches_of_the_backlash_resonance() {
     assert!(apart > 10 && behind > 0, "{apart} {behind}");
 }
 
-/// Teeth hold half as much energy as free gears that turn this slowly: what their rotation has at an instant says little of
-/// their speed.
+/// The teeth store half as much energy as free gears that turn this slowly, so that the instantaneous rotation is no
+/// measure of their speed.
 #[test]
 fn free_gears_that_turn_slowly_keep_their_speed() {
     let scene = SceneFile::parse("backlash.toml", SCENE, Origin::Shipped, false).unwrap();

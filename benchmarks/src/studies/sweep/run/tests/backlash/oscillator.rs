@@ -1,14 +1,14 @@
-//! The oscillator itself and an integration of its own: the oracle of the gears.
+//! Oscillator with backlash and its independent integration, the reference of the gears.
 
 use std::f64::consts::TAU;
 
 pub(super) const Z: f64 = 0.05;
 pub(super) const FM: f64 = 0.1;
 
-/// A case of the oscillator.
+/// Parameters of a case of the oscillator.
 #[derive(Clone, Copy)]
 pub(super) struct Case {
-    /// Its shipped scene, and the frequency there.
+    /// Name of the shipped scene, and the frequency there.
     pub(super) scene: &'static str,
     pub(super) w: f64,
     pub(super) e: f64,
@@ -28,7 +28,7 @@ pub(super) const FORCED: Case = Case {
     fa: 0.05,
 };
 
-/// An integration of its own: fixed steps, cut where the contact opens or closes.
+/// Independent integration of the oscillator with fixed steps, divided where the contact opens or closes.
 pub(super) struct Own {
     pub(super) case: Case,
     pub(super) w: f64,
@@ -82,7 +82,7 @@ impl Own {
         }
     }
 
-    /// Goes on at another frequency, the phase kept, and returns the rms of the last of some periods.
+    /// Integrates on at another frequency with continuous phase, and returns the rms of the last of some periods.
     pub(super) fn at(&mut self, w: f64, periods: usize) -> f64 {
         self.t *= self.w / w;
         self.w = w;
