@@ -5,11 +5,11 @@ use crate::escape;
 /// A table that a study writes to a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CsvTable {
-    /// File name.
+    /// Name of the file in the study's folder.
     pub file: String,
     /// Names of the columns.
     pub header: Vec<String>,
-    /// Cells by row.
+    /// Texts of the cells, row by row, as many per row as the header has names.
     pub rows: Vec<Vec<String>>,
 }
 
@@ -77,7 +77,7 @@ pub fn exact(x: f64) -> String {
     format!("{x:e}")
 }
 
-/// What a text says, or nothing.
+/// Returns the text of a value, or an empty text for `None`.
 pub fn text<T: ToString>(x: &Option<T>) -> String {
     x.as_ref().map_or(String::new(), T::to_string)
 }

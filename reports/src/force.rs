@@ -63,12 +63,12 @@ impl ForceHistory {
         self.force_n.extend(nodes.iter().map(|n| n.1));
     }
 
-    /// Number of pieces.
+    /// Returns the number of pieces.
     pub fn len(&self) -> usize {
         self.first.len()
     }
 
-    /// Whether there never was a force.
+    /// True if the force was zero throughout, so that there are no pieces.
     pub fn is_empty(&self) -> bool {
         self.first.is_empty()
     }
@@ -148,7 +148,7 @@ impl ForceHistory {
     }
 }
 
-/// What a force does between two times.
+/// Peak, impulse and contact time of a force between two times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Within {
     /// Greatest force \[N\].

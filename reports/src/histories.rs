@@ -9,13 +9,13 @@ use crate::csv_table::{CsvTable, number};
 use crate::series::{Column, TimeSeries};
 use serde::{Deserialize, Serialize};
 
-/// What the names of its files add to that of a run: histories on the grid, tooth pairs, events.
+/// Endings of a run's CSV files after the stem of its name: histories on the grid, tooth pairs, contact events.
 pub(crate) const ENDINGS: [&str; 3] = [".csv", "-pairs.csv", "-events.csv"];
 
 /// Force of a tooth pair at a time of the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PairSample {
-    /// Time \[s\].
+    /// Time of the sample on the grid \[s\].
     pub time_s: f64,
     /// Mesh, counted from 1 in the order of the scene.
     pub mesh: usize,
@@ -48,7 +48,7 @@ fn no_tooth_moves(sprung: &[Option<SprungTooth>; 2]) -> bool {
 /// A contact that closes or opens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactEvent {
-    /// When \[s\].
+    /// Time of the event \[s\].
     pub time_s: f64,
     /// It closes; else it opens.
     pub closes: bool,
@@ -63,7 +63,7 @@ pub struct ContactEvent {
     pub located: bool,
 }
 
-/// What the files of a run hold.
+/// Histories of a run at full resolution: the content of its CSV files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Histories {
@@ -115,7 +115,7 @@ impl Histories {
     }
 }
 
-/// What a cell of the table of pairs says.
+/// Formats one cell of the table of tooth pairs.
 type Text<'c> = &'c dyn Fn(&&PairSample) -> String;
 
 fn pairs(samples: &[PairSample]) -> CsvTable {

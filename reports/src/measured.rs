@@ -25,7 +25,7 @@ use crate::numbers::{Prefix, per_cent};
 use maud::{Markup, html};
 use serde::{Deserialize, Serialize};
 
-/// A measured curve.
+/// A measured curve with its abscissa, ordinate and source, as the scene gives it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredCurve {
     /// The file that it comes from.
@@ -91,7 +91,7 @@ impl MeasuredCurve {
         }
     }
 
-    /// What it is of, in words.
+    /// Returns the heading of the curve: ordinate over abscissa, with the rows it is restricted to.
     fn title(&self) -> String {
         let of = |name: &str| named_unit(name).0.replace('_', " ");
         let only: Vec<&str> = self.only.iter().map(|(_, text)| text.as_str()).collect();

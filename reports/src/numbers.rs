@@ -1,6 +1,6 @@
 //! Numbers as people read them: significant digits, SI prefixes, grouped counts.
 
-/// What stands where there is no number.
+/// Text of a missing value, an en dash.
 pub const ABSENT: &str = "\u{2013}";
 
 /// `x` to `digits` significant digits; powers of ten outside 1e-4 .. 1e6. Absent if not finite.
@@ -77,7 +77,7 @@ pub fn digits_apart(values: &[f64], least: usize) -> usize {
         .unwrap_or(17)
 }
 
-/// What lies below this, as a ratio or in SI units, is rounding: no digit of it says anything.
+/// Threshold (a ratio, or a value in SI units) below which a number is rounding error and is written without digits.
 pub const ROUNDING: f64 = 1e-12;
 
 /// A ratio in per cent, without the sign of the unit; below [`ROUNDING`] only that it is.

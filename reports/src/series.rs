@@ -10,13 +10,14 @@ use serde::{Deserialize, Serialize};
 pub const BACKLASH_POSITION: &str = "backlash_position";
 /// Column of the error of the speed ratio of the first mesh [-], likewise.
 pub const SPEED_RATIO_ERROR: &str = "speed_ratio_error";
-/// What columns of the deflection of movable teeth begin with, before the name of the gear.
+/// Prefix of the columns with the deflection of a movable tooth; the name of the gear follows it.
 pub const TOOTH_DEFLECTION: &str = "tooth_deflection";
-/// The same of the radial part of the contact force on such a tooth.
+/// Prefix of the columns with the radial part of the contact force on a movable tooth; the name of the gear follows it.
 pub const TOOTH_RADIAL_FORCE: &str = "tooth_radial_force";
-/// The same of its tangential part.
+/// Prefix of the columns with the tangential part of the contact force on a movable tooth; the name of the gear follows
+/// it.
 pub const TOOTH_TANGENTIAL_FORCE: &str = "tooth_tangential_force";
-/// The same of the force of its spring and damper.
+/// Prefix of the columns with the force of the spring and damper of a movable tooth; the name of the gear follows it.
 pub const TOOTH_SPRING_FORCE: &str = "tooth_spring_force";
 
 /// Sampled histories over a common time axis.
@@ -27,7 +28,7 @@ pub const TOOTH_SPRING_FORCE: &str = "tooth_spring_force";
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TimeSeries {
-    /// Time \[s\].
+    /// Times of the samples \[s\], not decreasing; two equal times are the two sides of a jump.
     pub time_s: Vec<f64>,
     /// Contact force, the magnitude in space of the vector sum over the tooth pairs: on helical gears the force normal to
     /// the flanks, not its transverse part \[N\].
@@ -90,12 +91,12 @@ impl TimeSeries {
         Some(&found.values)
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub fn len(&self) -> usize {
         self.time_s.len()
     }
 
-    /// Whether there is no sample.
+    /// True if the series has no samples.
     pub fn is_empty(&self) -> bool {
         self.time_s.is_empty()
     }

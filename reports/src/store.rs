@@ -29,15 +29,15 @@ pub enum ReportError {
     /// A file or folder refused.
     #[error("{}: {source}", path.display())]
     Io {
-        /// File or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Reason.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A record is not what this version reads.
     #[error("{}: {reason}", path.display())]
     Record {
-        /// The record.
+        /// Path of the record.
         path: PathBuf,
         /// Reason, with line and column where there is one.
         reason: String,
@@ -154,7 +154,7 @@ fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
     Ok(results)
 }
 
-/// What a file holds: histories are written one by one, never all in memory.
+/// Content of a file. Histories are written one by one and are never all in memory.
 enum Content<'a> {
     Text(String),
     Table(Box<dyn Fn() -> CsvTable + 'a>),

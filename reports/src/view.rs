@@ -1,4 +1,4 @@
-//! What charts and page both ask of a record: models in order, their best runs, the reference.
+//! The view of a record that charts and page share: models in order of appearance, their best runs, and the reference.
 
 use crate::metrics::Metric;
 use crate::numbers::{per_cent, quantity, round_quantity};
@@ -10,12 +10,12 @@ use std::borrow::Cow;
 /// A relative error below this is rounding, not a result.
 pub const NOTHING: f64 = 1e-10;
 
-/// What an error against a model's own converged solution is.
+/// Kind of an error against the converged solution of the run's own model, for use before the word "error".
 pub const INTEGRATION: &str = "integration";
 
 /// The runs of one model variant.
 pub struct Group<'a> {
-    /// Model and variant.
+    /// Label of the model with its variant.
     pub label: String,
     /// Place in the order of appearance: decides colour, dash and marker everywhere.
     pub style: usize,
@@ -30,11 +30,11 @@ pub struct View<'a> {
     pub groups: Vec<Group<'a>>,
     /// Id of the reference that errors refer to.
     pub against: Option<String>,
-    /// The error metric.
+    /// Metric of the errors in the report.
     pub metric: Metric,
     /// Greatest error in it that is accurate enough, where the scene says one.
     pub limit: Option<f64>,
-    /// What a comparison compares its models with.
+    /// Yardstick that the models of a comparison are compared with; `None` in records of other studies.
     pub yardstick: Option<Cow<'a, Yardstick>>,
 }
 
@@ -138,12 +138,12 @@ impl<'a> View<'a> {
             .map(f64::abs)
     }
 
-    /// Whether the constants of a run were fitted to the very history that errors refer to.
+    /// True if the constants of a run were fitted to the history that its errors refer to.
     pub fn is_fitted(&self, run: &Run) -> bool {
         run.fitted_to.is_some() && run.fitted_to == self.against
     }
 
-    /// What an error of a run that was not fitted is.
+    /// Returns the kind of the error of a run that was not fitted, for use before the word "error".
     pub fn kind_of_error(&self) -> &'static str {
         match self.against.as_deref() {
             Some(SELF) => INTEGRATION,
@@ -167,7 +167,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Whether a run is accurate enough; `None` where the scene asks for nothing, or the run cannot be judged.
+    /// Returns the verdict on the accuracy of a run; `None` if the scene states no tolerance or the run has no error.
     pub fn verdict(&self, run: &Run) -> Option<Adequacy> {
         if run.status.is_failure() {
             return None;
@@ -180,14 +180,15 @@ impl<'a> View<'a> {
         })
     }
 
-    /// Whether a run is the yardstick itself or of its model.
+    /// True if the run is the yardstick of the comparison, or a run of the model that the yardstick comes from.
     pub fn is_yardstick(&self, run: &Run) -> bool {
         (self.yardstick.as_ref()).is_some_and(|y| {
             matches!(y.kind, Kind::Model | Kind::Named) && y.title == run.model_label()
         })
     }
 
-    /// Whether a run ended well and is accurate enough: by the limit of the scene, else by its integration.
+    /// True if a run is adequate by the tolerance of the scene, or, without a tolerance, if its status is one that
+    /// holds.
     pub fn adequate(&self, run: &Run) -> bool {
         match self.limit {
             Some(_) => self.verdict(run) == Some(Adequacy::Adequate),
@@ -214,7 +215,8 @@ impl<'a> View<'a> {
         self.best_by(group, Run::cost_s)
     }
 
-    /// The same with another cost.
+    /// Returns the run with the least error of a model; among runs that share its three leading digits the one of least
+    /// `cost`.
     fn best_by<'g>(
         &self,
         group: &'g Group<'a>,

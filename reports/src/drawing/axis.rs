@@ -230,7 +230,7 @@ impl Frame {
         self.paint_at(c, &ticks, x_name, y_name, x_labels);
     }
 
-    /// The same with ticks of the abscissa as given.
+    /// Paints the frame like `paint`, but with ticks of the abscissa that the caller gives.
     pub fn paint_at(
         &self,
         c: &mut Canvas<'_>,

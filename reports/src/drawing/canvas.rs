@@ -73,7 +73,7 @@ pub struct Stroke {
 }
 
 impl Stroke {
-    /// A full line.
+    /// Makes a solid line of the given width.
     pub fn new(ink: Ink, width: f64) -> Self {
         Self {
             ink,
@@ -219,7 +219,7 @@ impl Canvas<'_> {
         }
     }
 
-    /// A filled rectangle.
+    /// Fills a rectangle with a colour.
     pub fn fill(&mut self, r: &Rect, ink: Ink) {
         self.polygon(
             &[(r.x0, r.y0), (r.x1, r.y0), (r.x1, r.y1), (r.x0, r.y1)],

@@ -21,7 +21,7 @@ impl Rect {
     pub fn grown(&self, by: f64) -> Self {
         Self::new(self.x0 - by, self.y0 - by, self.x1 + by, self.y1 + by)
     }
-    /// Half way down.
+    /// Returns the ordinate of the centre.
     pub fn middle(&self) -> f64 {
         0.5 * (self.y0 + self.y1)
     }
@@ -34,11 +34,11 @@ impl Rect {
     pub fn overlaps(&self, other: &Self) -> bool {
         self.x0 < other.x1 && other.x0 < self.x1 && self.y0 < other.y1 && other.y0 < self.y1
     }
-    /// Whether a point lies inside.
+    /// True if a point lies inside, edges included.
     pub fn holds(&self, (x, y): (f64, f64)) -> bool {
         (self.x0..=self.x1).contains(&x) && (self.y0..=self.y1).contains(&y)
     }
-    /// Whether the other lies inside.
+    /// True if the other rectangle lies inside, edges included.
     pub fn contains(&self, other: &Self) -> bool {
         self.x0 <= other.x0 && other.x1 <= self.x1 && self.y0 <= other.y0 && other.y1 <= self.y1
     }

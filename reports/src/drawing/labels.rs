@@ -16,13 +16,13 @@ const CLEAR: f64 = 1.5;
 pub struct Room {
     area: Rect,
     boxes: Vec<Rect>,
-    /// What names keep clear of as long as there is room elsewhere.
+    /// Rectangles that names avoid as long as there is free space elsewhere.
     soft: Vec<Rect>,
     lines: Vec<(Point, Point)>,
 }
 
 impl Room {
-    /// An empty area.
+    /// Makes an area in which nothing is taken yet.
     pub fn of(area: Rect) -> Self {
         Self {
             area,
@@ -32,7 +32,7 @@ impl Room {
         }
     }
 
-    /// Takes a box.
+    /// Marks a rectangle as taken.
     pub fn keep(&mut self, taken: Rect) {
         self.boxes.push(taken);
     }
@@ -59,7 +59,7 @@ impl Room {
         self.lines.extend(inside);
     }
 
-    /// Whether a name may stand here: inside, on no other, and on no line.
+    /// True if a name fits at `place`: inside the area, clear of all taken rectangles and of all lines.
     pub fn is_free(&self, place: &Rect) -> bool {
         let place = place.grown(CLEAR);
         self.area.contains(&place)
@@ -67,7 +67,7 @@ impl Room {
             && !(self.lines.iter()).any(|(a, b)| clip_segment(*a, *b, &place).is_some())
     }
 
-    /// Whether a leader may run here: through no box but that of its own point.
+    /// True if a leader from a point to its name crosses no taken rectangle but that of its own point.
     fn is_open(&self, from: Point, to: Point) -> bool {
         let own = |r: &Rect| r.contains(&Rect::around(from, 0.0));
         let mut boxes = self.boxes.iter().filter(|r| !own(r));

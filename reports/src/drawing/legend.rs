@@ -16,7 +16,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// A line.
+    /// Makes an entry with a line sample and no marker.
     pub fn line(text: &str, stroke: Stroke) -> Self {
         Self {
             text: text.into(),

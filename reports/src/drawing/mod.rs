@@ -26,15 +26,15 @@ pub mod style;
 
 pub use canvas::DrawError;
 
-/// One chart.
+/// A chart as an SVG document with its file name and texts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// File name.
+    /// Name of the SVG file.
     pub file: String,
-    /// Heading.
+    /// Heading of the chart.
     pub title: String,
     /// How to read it, in plain text.
     pub caption: String,
-    /// The SVG document.
+    /// Text of the SVG document.
     pub svg: String,
 }

@@ -45,7 +45,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// A line.
+    /// Makes a curve that is a line without markers.
     pub fn line(stroke: Stroke, points: Vec<(f64, f64)>) -> Self {
         Self {
             stroke: Some(stroke),
@@ -130,7 +130,7 @@ pub struct Panel {
     pub verticals: Vec<(f64, String)>,
     /// Ranges of the abscissa that are tinted.
     pub bands: Vec<([f64; 2], Ink)>,
-    /// Points with names.
+    /// Points that are marked with a name.
     pub marks: Vec<((f64, f64), String)>,
 }
 

@@ -1,5 +1,5 @@
-//! What charts of error against cost share: the key of models, integrators by number, the edge of failures, the line of
-//! the tolerance.
+//! Common parts of charts of error over cost: key of models, numbers of integrators, strip of failed runs, line of the
+//! tolerance.
 
 use super::axis::{Frame, NAME_SIZE, TICK_SIZE};
 use super::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
@@ -23,7 +23,7 @@ fn key_places(names: &[(&str, usize)]) -> Vec<(f64, usize)> {
     )
 }
 
-/// What filling says, in every chart of runs.
+/// Legend text for filled and open markers in every chart of runs.
 const FILLING: &str = "filled: explicit, open: implicit";
 
 /// Height of [`key`].

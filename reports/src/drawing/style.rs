@@ -23,7 +23,7 @@ pub enum Marker {
     Square,
     Triangle,
     Diamond,
-    /// Triangle, point down.
+    /// Triangle with its point down.
     Wedge,
     /// Star of five points.
     Star,

@@ -9,14 +9,14 @@ const SIZE: f64 = 12.5;
 const BETWEEN: f64 = 12.0;
 /// Text wraps beyond this \[px\].
 const WRAP: f64 = 150.0;
-/// What a column is for.
+/// Rank of a column, by which it is kept in the table at a glance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rank {
     /// Says which row it is.
     Key,
     /// Answers the question of the table.
     Result,
-    /// All else.
+    /// Further information, dropped first where the page is too narrow.
     Detail,
 }
 
@@ -30,7 +30,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// Whether its text is too long for a line.
+    /// True if a cell holds a text that is too long for one line.
     pub fn wraps(&self) -> bool {
         let long = |t: &String| text_width(t, SIZE) > WRAP;
         self.text && self.cells.iter().flatten().any(long)

@@ -27,7 +27,7 @@ pub fn glance(heading: &str, content: impl Render) -> Markup {
     html! { section.glance { h2 { (heading) } (content) } }
 }
 
-/// What to know of a table.
+/// Renders a note below a table.
 pub fn note(text: impl Render) -> Markup {
     html! { p.note { (text) } }
 }
@@ -167,7 +167,7 @@ fn setting_of<'r>(results: &'r Results, label: &str) -> Option<(&'r String, &'r 
     found.map(|(k, v)| (k, v))
 }
 
-/// What the models of the tables and charts are.
+/// Renders the list of the models of tables and charts, each with its settings; empty where the record has none.
 fn models(view: &View<'_>) -> Markup {
     let known = |g: &Group<'_>| setting_of(view.results, &g.label).is_some();
     let groups: Vec<&Group<'_>> = view.groups.iter().filter(|g| known(g)).collect();

@@ -124,7 +124,7 @@ fn metrics(view: &View<'_>) -> Markup {
     }
 }
 
-/// What the runs cost.
+/// Returns the table with the cost of the runs: times, steps, evaluations.
 fn work(view: &View<'_>) -> Markup {
     let rows = rows(view);
     if rows.is_empty() {

@@ -41,7 +41,7 @@ impl<'r, R> Table<'r, R> {
         self
     }
 
-    /// Classes of rows.
+    /// Sets the CSS class of each row.
     pub fn classed(mut self, class: impl Fn(&R) -> &'static str) -> Self {
         self.classes = self.rows.iter().map(class).collect();
         self
@@ -96,7 +96,7 @@ impl<'r, R> Table<'r, R> {
         self.column(heading, "", true, cells)
     }
 
-    /// Numbers already written.
+    /// Adds a column of numbers that are already formatted.
     pub fn written<T: Into<Option<String>>>(
         self,
         heading: &str,

@@ -135,7 +135,8 @@ impl Pair {
         squares.zip(&self.weights).map(|(s, w)| s * w).sum()
     }
 
-    /// What an error is over: the span, of a constant its magnitude.
+    /// Returns the denominator of the relative error: the span of the reference, or its largest magnitude where it is
+    /// constant.
     fn scale(&self, span: f64) -> f64 {
         let magnitude = self.reference.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
         match span > 1e-9 * magnitude {
@@ -217,8 +218,8 @@ mod tests {
         }
     }
 
-    /// What is not there is absent: other columns, another gear, a run that ends before its reference, a reference that is
-    /// a run of the study.
+    /// A metric is absent without its data: a missing column, another gear, a run that ends early, or a reference that
+    /// is itself a run of the study.
     #[test]
     fn what_is_not_there_has_no_error() {
         let run = run();

@@ -129,7 +129,7 @@ impl<'a> Force<'a> {
     }
 }
 
-/// What a run is held against.
+/// Reference force that a run is compared with.
 pub(super) enum Target<'a> {
     /// Pieces, up to an end \[s\].
     Pieces { force: Force<'a>, end: f64 },
@@ -174,7 +174,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// Whether there is a force, be it zero throughout.
+    /// True if the reference has a force history, which may be zero throughout.
     fn is_known(&self) -> bool {
         match self {
             Self::Pieces { .. } => true,

@@ -15,28 +15,28 @@ words! {
         /// Relative L2 error of the force history.
         #[serde(alias = "force")]
         ForceL2 = "force_l2",
-        /// The same after the best shift in time.
+        /// Relative L2 error of the force history after the time shift that minimises it.
         #[default]
         #[serde(alias = "force-aligned")]
         ForceL2Aligned = "force_l2_aligned",
-        /// That shift.
+        /// Time shift \[s\] that minimises the relative L2 error of the force history.
         TimeShift = "time_shift_s",
         /// Peak of the contact force.
         PeakForce = "peak_force_n",
-        /// Its deviation, over the reference.
+        /// Deviation of the peak of the contact force from the reference, over the reference.
         #[serde(alias = "peak")]
         PeakForceRel = "peak_force_rel",
         /// Root mean square of the contact force over the time of the run.
         RmsForce = "rms_force_n",
-        /// Its deviation, over the reference.
+        /// Deviation of the root mean square of the contact force from the reference, over the reference.
         #[serde(alias = "rms")]
         RmsForceRel = "rms_force_rel",
         /// Impulse of the contact force.
         Impulse = "impulse_ns",
-        /// Its deviation, over the reference.
+        /// Deviation of the impulse from the reference, over the reference.
         #[serde(alias = "impulse")]
         ImpulseRel = "impulse_rel",
-        /// Time in contact.
+        /// Time in contact \[s\].
         Duration = "duration_s",
         /// Last angular velocity of gear 1.
         Omega1End = "omega1_end",
@@ -50,7 +50,7 @@ words! {
         TransmissionError = "transmission_error_l2",
         /// Peak to peak of the transmission error.
         TransmissionErrorSpan = "transmission_error_pp_m",
-        /// Its deviation, over the reference.
+        /// Deviation of the peak to peak of the transmission error from the reference, over the reference.
         #[serde(alias = "transmission-error-pp")]
         TransmissionErrorSpanRel = "transmission_error_pp_rel",
         /// Error of the amplitudes of the transmission error by orders of the mesh cycle.
@@ -80,7 +80,7 @@ impl Metric {
         self.as_str()
     }
 
-    /// What it is called in prose, its SI unit (empty for ratios), its name on the command line.
+    /// Returns name in prose, SI unit (empty for ratios) and name on the command line.
     fn facts(self) -> (&'static str, &'static str, Option<&'static str>) {
         match self {
             Self::ForceL1 => (
@@ -141,12 +141,12 @@ impl Metric {
         }
     }
 
-    /// Whether it can be told of references from elsewhere alone, not of a run against another of the same study.
+    /// True if the metric exists against external references only, not between two runs of the same study.
     pub fn is_of_measurements(self) -> bool {
         matches!(self, Self::Angle | Self::Torque | Self::TorquePeakRel)
     }
 
-    /// In prose.
+    /// Returns the name in prose.
     pub fn words(self) -> &'static str {
         self.facts().0
     }
@@ -180,12 +180,12 @@ impl Metric {
         self.facts().2
     }
 
-    /// Whether it is a relative error: the larger its magnitude, the worse.
+    /// True if the metric is a relative error: the larger its magnitude, the worse.
     pub fn is_error(self) -> bool {
         self.option().is_some()
     }
 
-    /// What an axis of it is called.
+    /// Returns the label of an axis with this metric: name in prose and unit, per cent for ratios.
     pub fn axis(self) -> String {
         match self.unit() {
             "" => format!("{} [%]", self.words()),

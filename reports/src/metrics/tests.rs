@@ -261,7 +261,7 @@ fn a_late_jump_costs_its_delay() {
     );
 }
 
-/// What is known of a reference from elsewhere are its samples: a run is evaluated there.
+/// A reference without pieces is known at its samples alone, so the run is evaluated at their times.
 #[test]
 fn samples_from_elsewhere_are_met_at_their_own_times() {
     let mut run = jumping(0.5);

@@ -1,4 +1,4 @@
-//! What a record must satisfy to be saved, and the form in which it is saved.
+//! Rules that a record must satisfy to be saved, and the form in which it is saved.
 
 use crate::record::{ContactSnapshot, FlankLoad, Results, Run, SCHEMA, Steady, TorquePaths};
 use crate::series::TimeSeries;

@@ -68,7 +68,7 @@ pub(crate) fn damping_to_text(ratio: f64) -> String {
     }
 }
 
-/// What to know of models whose mesh modes are damped differently; `None` where they are not.
+/// Returns a remark on models whose mesh modes are damped differently; `None` where they are not.
 pub fn damping_differs(all: &[MeshMode]) -> Option<String> {
     let known: Vec<(&str, f64)> = (all.iter())
         .filter_map(|m| Some((m.label.as_str(), m.damping_ratio?)))

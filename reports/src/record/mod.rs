@@ -68,7 +68,7 @@ fn nan() -> f64 {
     f64::NAN
 }
 
-/// What every record says of itself.
+/// The header that all records share: scene, command, machine, version and inputs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StudyHeader {
     /// Format version, [`SCHEMA`].
@@ -86,7 +86,7 @@ pub struct StudyHeader {
     pub commit: String,
     /// Time of the study (RFC 3339), as given by the caller.
     pub created: String,
-    /// What it was made of; `None` in records of versions that did not keep it.
+    /// Inputs of the record; `None` in records of versions that did not keep them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<Source>,
 }
@@ -109,13 +109,13 @@ impl Default for StudyHeader {
 /// One study of one scene: the content of `results.json`, without levels between header, part and the rest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Results {
-    /// What every record says of itself.
+    /// Header that all records share.
     #[serde(flatten)]
     pub header: StudyHeader,
     /// Settings of the scene in the order to be shown: what, value with unit.
     #[serde(default, with = "ordered_map", skip_serializing_if = "Vec::is_empty")]
     pub settings: Vec<(String, String)>,
-    /// What the scene calls accurate enough.
+    /// Tolerance of the scene; absent where it states none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<Tolerance>,
     /// Independent references; the first is the one the charts show as the dark line.
@@ -127,7 +127,7 @@ pub struct Results {
     /// The mesh mode of each model, of studies of models of a scene with loads.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mesh_modes: Vec<MeshMode>,
-    /// What the study alone has, under its name.
+    /// Part that is specific to the study, under the study's name.
     #[serde(flatten)]
     pub part: Part,
     /// The runs, failed ones included, in the order to be shown.
@@ -147,11 +147,11 @@ impl Results {
 pub struct Machine {
     /// Processor, as the operating system names it.
     pub cpu: String,
-    /// Logical cores.
+    /// Number of logical processor cores.
     pub cores: usize,
-    /// Operating system.
+    /// Name of the operating system.
     pub os: String,
-    /// Processor architecture.
+    /// Architecture of the processor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arch: Option<String>,
     /// Build profile, such as `release`.
@@ -188,7 +188,7 @@ pub struct ReferenceSeries {
     pub title: String,
     /// Where the data come from: program, deck, file.
     pub source: String,
-    /// What a reader has to know to judge it.
+    /// Remark on the reference that its reader needs to judge it.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub note: String,
     /// Own error of the reference, as a share of the quantities that runs are compared in [-].
@@ -200,7 +200,7 @@ pub struct ReferenceSeries {
     /// Processor time it cost \[s\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub cpu_s: Option<f64>,
-    /// What was done to the data between their file and here, a line each.
+    /// Steps of processing between the reference's file and these data, a line each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub processing: Vec<String>,
     /// The data: the contact force and what has its times. A column that the reference does not have is empty.
@@ -240,10 +240,10 @@ pub struct Metrics {
     /// Relative L2 error of the force history [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub force_l2: Option<f64>,
-    /// The same after the best shift in time [-].
+    /// Relative L2 error of the force history after the time shift that minimises it [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub force_l2_aligned: Option<f64>,
-    /// That shift: add it to the run's time to meet the reference \[s\].
+    /// Time shift \[s\] that minimises the relative L2 error; added to the times of the run.
     #[serde(skip_serializing_if = "not_a_number")]
     pub time_shift_s: Option<f64>,
     /// Peak force of the run \[N\].
@@ -367,17 +367,17 @@ pub struct Ledger {
     /// Energy taken out by damping and friction \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub dissipated_j: Option<f64>,
-    /// What switches brought in, such as a pair of teeth that comes into contact with its whole force \[J\].
+    /// Energy that switching adds \[J\], such as a tooth pair that comes into contact with its full force.
     #[serde(skip_serializing_if = "not_a_number")]
     pub jumps_j: Option<f64>,
-    /// What the balance leaves over: the integrator's doing \[J\].
+    /// Residual of the energy balance \[J\], the error of the integration.
     #[serde(skip_serializing_if = "not_a_number")]
     pub residual_j: Option<f64>,
     /// The residual over the largest energy in the ledger [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub residual_rel: Option<f64>,
-    /// What growth is judged by: the largest energy of strain, contact and motion of the gears against each other, and
-    /// what passed through contacts \[J\].
+    /// Energy that a growth of energy is compared with \[J\]: the largest sum of strain energy, contact energy and
+    /// kinetic energy of the gears against each other, and the energy that passed through contacts.
     #[serde(skip_serializing_if = "not_a_number")]
     pub vibrating_j: Option<f64>,
     /// Impulse of the contact force along the line of action [N s].

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TorquePaths {
-    /// Means are taken from here on [s].
+    /// Start of the interval of the means [s].
     pub from_s: f64,
-    /// To here [s].
+    /// End of the interval of the means [s].
     pub to_s: f64,
     /// How far the run is from settled [-]: the largest relative change between both halves of that time of the mean torque of
     /// a mesh, or the power that speeds members up over the input.
@@ -29,15 +29,15 @@ pub struct TorquePaths {
     pub work_in_j: f64,
     /// Work of those that take energy out [J].
     pub work_out_j: f64,
-    /// What damping and friction took [J].
+    /// Energy dissipated by damping and friction over the whole run [J].
     pub dissipated_j: f64,
-    /// What the scene has gained: motion, strain, contact [J].
+    /// Increase of the scene's kinetic, strain and contact energy over the whole run [J].
     pub stored_j: f64,
     /// In less out, dissipated and stored [J]: what the integration made up or lost, and what sums over the grid leave.
     pub unexplained_j: f64,
 }
 
-/// A mesh.
+/// Mean force, torques and power of a mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MeshPath {
@@ -49,7 +49,7 @@ pub struct MeshPath {
     pub torque_nm: [f64; 2],
     /// Mean power that the first gear gives (below zero: gets), of a planet its mate, in space [W].
     pub power_w: f64,
-    /// Its magnitude over the input [-].
+    /// Magnitude of that power over the input power [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share: Option<f64>,
     /// Mean power from gear to gear as the carrier of a planetary set sees it [W].
@@ -59,11 +59,11 @@ pub struct MeshPath {
     pub loss_w: f64,
 }
 
-/// A gear or a body.
+/// Mean speed, torques and power of a gear or a body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MemberPath {
-    /// Name.
+    /// Name of the gear or body.
     pub name: String,
     /// Mean speed [rad/s].
     pub speed_rad_s: f64,
@@ -97,15 +97,15 @@ pub struct ShaftPath {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Sharing {
-    /// The carrier.
+    /// Name of the carrier.
     pub carrier: String,
     /// The gear that they mesh with.
     pub gear: String,
-    /// Each of them.
+    /// Shares of the planets, one each.
     pub planets: Vec<PlanetShare>,
     /// Load sharing factor of the mean forces: number of planets times the largest over their sum [-].
     pub factor: f64,
-    /// The largest that it ever is [-].
+    /// Largest load sharing factor at any time [-].
     pub factor_greatest: f64,
 }
 
@@ -113,13 +113,13 @@ pub struct Sharing {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PlanetShare {
-    /// Its name.
+    /// Name of the planet.
     pub planet: String,
     /// Mean force of its mesh over the sum of all [-].
     pub mean: f64,
-    /// The least that it is at a time [-].
+    /// Least share at any time [-].
     pub least: f64,
-    /// The greatest [-].
+    /// Greatest share at any time [-].
     pub greatest: f64,
 }
 
@@ -127,12 +127,12 @@ pub struct PlanetShare {
 const SETTLED: f64 = 0.1;
 
 impl TorquePaths {
-    /// Whether the run has settled, so that its means say where torque and power go.
+    /// True if the run has settled, so that its means are meaningful: `change_rel` at most 0.1.
     pub fn has_settled(&self) -> bool {
         self.change_rel <= SETTLED
     }
 
-    /// Whether every number is one.
+    /// True if every number is finite.
     pub fn is_finite(&self) -> bool {
         let whole = [
             self.change_rel,

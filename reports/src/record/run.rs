@@ -34,7 +34,7 @@ words! {
         BlowUp = "blow-up",
         /// A tooth passed through another unseen.
         Tunnelling = "tunnelling",
-        /// A contact pulled.
+        /// A contact force was adhesive, that is, the contact pulled.
         AdhesiveForce = "adhesive force",
         /// The run was stopped for taking too long.
         Timeout = "timeout",
@@ -48,12 +48,12 @@ words! {
 }
 
 impl Status {
-    /// Whether the run's numbers must not be used: it did not reach its end soundly.
+    /// True if the run did not reach its end soundly, so that its numbers must not be used.
     pub fn is_failure(self) -> bool {
         !matches!(self, Self::Converged | Self::Unchecked | Self::Inaccurate)
     }
 
-    /// Whether nothing is known against the run.
+    /// True if the run reached its end and no comparison shows an error beyond the tolerance.
     pub fn holds(self) -> bool {
         matches!(self, Self::Converged | Self::Unchecked)
     }
@@ -64,15 +64,15 @@ impl Status {
 pub struct Run {
     /// Model id: `rigid`, `movable-teeth`, `elastic`, `fe`.
     pub model: String,
-    /// What sets this model apart from others of its id, such as `k = 3.6e9 N/m`.
+    /// Variant that distinguishes the model from others of its id, such as `k = 3.6e9 N/m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub variant: Option<String>,
-    /// Integrator id.
+    /// Id of the integrator.
     pub integrator: String,
-    /// Whether the integrator is implicit.
+    /// True if the integrator is implicit.
     #[serde(default)]
     pub implicit: bool,
-    /// Whether the integrator solves the linear part of the model exactly.
+    /// True if the integrator solves the linear part of the model exactly.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub exact_linear: bool,
     /// Fixed step \[s\].
@@ -81,7 +81,7 @@ pub struct Run {
     /// Relative tolerance of an adaptive method [-].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub rtol: Option<f64>,
-    /// How it ended.
+    /// Status of the run.
     pub status: Status,
     /// Why it did not converge: when, and how much; or what to know of a run that did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -107,20 +107,20 @@ pub struct Run {
     /// Time that it was to reach \[s\]; known while a study runs, a record has the metrics.
     #[serde(skip)]
     pub end_s: Option<f64>,
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: u64,
-    /// Rejected steps.
+    /// Number of rejected steps.
     pub rejected: u64,
     /// Evaluations of the force.
     pub force_evaluations: u64,
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub newton_iterations: u64,
-    /// Matrix factorisations.
+    /// Number of matrix factorisations.
     pub factorisations: u64,
-    /// Located events.
+    /// Number of located events.
     #[serde(default)]
     pub events: u64,
-    /// Degrees of freedom.
+    /// Number of degrees of freedom.
     pub dofs: usize,
     /// Calibration of the stiffness, such as `impact`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -138,7 +138,7 @@ pub struct Run {
     /// Dynamic modes of each gear in the order of the scene, 0 of a gear that has none (elastic model).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub modes_of_gears: Vec<usize>,
-    /// Whether the truncated modes are kept as residual compliance (elastic model).
+    /// True if the truncated modes are kept as residual compliance (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<bool>,
     /// How its modes were chosen, `flank-compliance` or `frequency` (elastic model).
@@ -156,7 +156,7 @@ pub struct Run {
     /// Mean static transmission error over one base pitch under the load of the study \[m\].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub static_error_m: Option<f64>,
-    /// What it settles to (loaded running).
+    /// Steady state that the run settles to (loaded running).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steady: Option<Steady>,
     /// [`Run::published_s`] is not printed there but follows from other published numbers.
@@ -165,7 +165,7 @@ pub struct Run {
     /// Time that others publish for such a model \[s\]; see [`crate::studies::compare::CompareRecord`].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub published_s: Option<f64>,
-    /// What charts call this run where it stands out among others of its variant.
+    /// Name of the run in charts, where it stands out among others of its variant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mark: Option<String>,
     /// The model's own converged solution that its metrics against `self` are measured against; absent where there is
@@ -187,7 +187,7 @@ pub struct Run {
     /// CSV files with its histories, in the folder of the record.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<String>,
-    /// Recorded histories.
+    /// Recorded histories of the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<TimeSeries>,
     /// The histories whole, for files of their own: known while a study runs and in its journal, not kept in records.
@@ -201,7 +201,7 @@ pub struct Run {
 /// How a model's own converged solution was computed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OwnSolution {
-    /// Integrator id.
+    /// Id of the integrator.
     pub integrator: String,
     /// Fixed step \[s\].
     #[serde(default, skip_serializing_if = "not_a_number")]
@@ -209,7 +209,7 @@ pub struct OwnSolution {
     /// Relative tolerance [-].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub rtol: Option<f64>,
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: u64,
 }
 
@@ -264,7 +264,7 @@ impl Run {
         }
     }
 
-    /// What metrics can be told of.
+    /// Returns the history of the run if it reached its end, so that metrics can be computed from it.
     ///
     /// # Errors
     /// [`Unfinished`] when it has no history, or one that ends before the run was to end.

@@ -1,4 +1,4 @@
-//! What pages and CSV files say of the mesh modes of a record, whatever its study.
+//! Table, note and CSV file of the mesh modes of a record, for every study.
 
 use crate::csv_table::{CsvTable, number};
 use crate::markup::table::Table;

@@ -32,14 +32,14 @@ use maud::Markup;
 use serde::{Deserialize, Serialize};
 
 words! {
-    /// A study.
+    /// The study that made a record.
     pub enum Study {
         /// All models and integrators of a scene against its references.
         #[default]
         Compare = "compare",
-        /// Error against cost.
+        /// Error against cost of models and integrators.
         Precision = "precision",
-        /// Where methods fail.
+        /// Maps of where integrators fail over step and parameters.
         Stability = "stability",
         /// The cheapest adequate model, integrator and step.
         Choose = "choose",
@@ -68,7 +68,7 @@ words! {
     }
 }
 
-/// What the record of each study has beside header, references and runs.
+/// The part of a record that is specific to its study, next to header, references and runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "study", rename_all = "kebab-case")]
 pub enum Part {
@@ -111,7 +111,7 @@ impl Default for Part {
 }
 
 impl Part {
-    /// The study.
+    /// Returns the study that the part belongs to.
     pub fn study(&self) -> Study {
         match self {
             Part::Compare(_) => Study::Compare,
@@ -177,7 +177,7 @@ impl Part {
     }
 }
 
-/// What the study of a record says: the one place that knows the modules of all studies.
+/// Returns the report of a record. It is the only function with a branch for every study.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.
@@ -213,7 +213,7 @@ pub fn measured_lines(results: &Results) -> Result<Vec<String>, DrawError> {
     Ok(measured::lines(&results.measured, &of_part(results)?.csv))
 }
 
-/// What the part of the study alone says.
+/// Returns the report of the part that is specific to the study, without mesh modes, measured curves and `runs.csv`.
 fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
     let view = &View::new(results);
     let mut report = match &results.part {
@@ -237,14 +237,14 @@ fn of_part(results: &Results) -> Result<StudyReport, DrawError> {
     Ok(report)
 }
 
-/// What a study says of a record: all that the page, the charts and the tables in CSV are written from.
+/// The report of a study: everything that page, charts and CSV files are written from.
 #[derive(Clone, Debug, Default)]
 pub struct StudyReport {
     /// The finding in plain words: at most four sentences.
     pub finding: Vec<Markup>,
     /// Sections above the charts.
     pub tables: Markup,
-    /// Charts.
+    /// Charts, in the order of the page.
     pub charts: Vec<Chart>,
     /// Sections below the charts.
     pub details: Markup,

@@ -45,7 +45,7 @@ fn as_documented(files: &BTreeMap<String, String>) {
     }
 }
 
-/// Whether all of some files are there.
+/// Asserts that all of the named files are present.
 fn holds(files: &BTreeMap<String, String>, names: &[&str]) {
     for name in names {
         assert!(files.contains_key(*name), "{name}");

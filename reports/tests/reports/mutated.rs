@@ -303,7 +303,7 @@ fn places(value: &Value, at: &str, all: &mut Vec<String>) {
     }
 }
 
-/// What may stand in the place of a number.
+/// Returns a number, or null, to replace the number `old`.
 fn number(old: f64, random: &mut Random) -> Value {
     let all = [
         json!(0),
@@ -326,7 +326,7 @@ fn number(old: f64, random: &mut Random) -> Value {
     all[random.below(all.len())].clone()
 }
 
-/// Edits one place.
+/// Edits one random place of a record and returns its path.
 fn edit(record: &mut Value, random: &mut Random) -> String {
     let mut all = Vec::new();
     places(record, "", &mut all);

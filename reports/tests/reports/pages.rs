@@ -1,5 +1,5 @@
-//! What holds for the page of every study: tables that show their results, findings that are short and say what was
-//! fitted, plain words, sizes.
+//! Rules for the page of every study: tables that show their results, findings that are short and name fitted models,
+//! plain words, sizes.
 
 use crate::{finding, made_up, precision, written};
 use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice};
@@ -152,7 +152,7 @@ fn pages() -> Vec<(&'static str, String)> {
     all.iter().map(|(name, r)| (*name, page(r))).collect()
 }
 
-/// What stands between tags.
+/// Returns the text of a page without its tags.
 fn text(html: &str) -> String {
     let html = html.replace("<br>", " ");
     let parts = html

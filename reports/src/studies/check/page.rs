@@ -62,7 +62,8 @@ fn table(rows: &[Row<'_>]) -> Markup {
     html! { (table) }
 }
 
-/// What moved or is reported, at a glance.
+/// Returns the tables of quantities beyond their tolerance and of those that are reported alone; empty without a
+/// baseline.
 pub fn moved(record: &CheckRecord) -> Markup {
     // Against nothing everything is new.
     if record.stored.is_none() {
@@ -78,7 +79,7 @@ pub fn moved(record: &CheckRecord) -> Markup {
     }
 }
 
-/// Every quantity.
+/// Returns the table of all quantities of all entries.
 pub fn all(record: &CheckRecord) -> Markup {
     let all = rows(record, |_| true);
     if all.is_empty() {

@@ -1,4 +1,4 @@
-//! What moved is named in every form of the report.
+//! Every form of the report names the quantities beyond their tolerance.
 
 use super::*;
 

@@ -9,7 +9,7 @@ use crate::drawing::style::{Look, Marker, look};
 use crate::record::finite;
 use crate::studies::choice_check::{Outcome, ValidatedChoice, quantile};
 
-/// Look of misses.
+/// Marker of scenes in which the choice missed.
 const MISSED: Look = Look {
     ink: Ink::FAIL,
     dash: &[],
@@ -34,7 +34,7 @@ fn ordered(choices: &[ValidatedChoice]) -> Vec<(f64, &ValidatedChoice)> {
     placed.map(|(i, s)| (i as f64 + 1.0, s)).collect()
 }
 
-/// Where kinds begin.
+/// Returns the abscissae at which the kinds of scenes begin, with their names.
 fn starts(scenes: &[(f64, &ValidatedChoice)]) -> Vec<(f64, String)> {
     let mut found: Vec<(f64, String)> = Vec::new();
     for (x, s) in scenes {

@@ -18,9 +18,9 @@ use serde::{Deserialize, Serialize};
 words! {
     /// How a choice came out.
     pub enum Outcome {
-        /// It keeps the tolerance.
+        /// The chosen candidate keeps the tolerance.
         Adequate = "adequate",
-        /// It does not.
+        /// The chosen candidate exceeds the tolerance.
         Inadequate = "inadequate",
         /// None was chosen, and none keeps the tolerance.
         RightlyNone = "rightly none",
@@ -47,7 +47,7 @@ impl Outcome {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TriedCandidate {
-    /// Its name.
+    /// Name of the candidate.
     pub name: String,
     /// Error against the reference; absent when it failed, or costs more than the cheapest that is adequate.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -67,9 +67,9 @@ pub struct ValidatedChoice {
     pub scene: String,
     /// Its number in the set.
     pub number: usize,
-    /// What happens in it.
+    /// Kind of motion in the scene, the key by which scenes are grouped.
     pub kind: String,
-    /// Its gears.
+    /// Gears of the scene in words.
     pub gears: String,
     /// Simulated time \[s\].
     pub duration_s: f64,
@@ -77,15 +77,15 @@ pub struct ValidatedChoice {
     pub metric: Metric,
     /// Largest error that is accurate enough [-].
     pub tolerance: f64,
-    /// What errors are against.
+    /// Reference that errors are taken against.
     pub reference: String,
-    /// What the reference itself may be off: the larger of what twice the step and fewer modes change [-].
+    /// Estimated error of the reference: the larger of its changes by twice the step and by fewer modes [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_error: Option<f64>,
-    /// What the mesh of the scene is off the reference with as many modes and the same contact [-].
+    /// Error of the scene's own mesh against the reference, with as many modes and the same contact [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_error: Option<f64>,
-    /// What mesh and contact of the scene are off the reference with as many modes [-].
+    /// Error of the scene's own mesh and contact together against the reference, with as many modes [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub given_error: Option<f64>,
     /// Error of the choice against full finite elements on a finer mesh, where they were run as well [-].
@@ -97,9 +97,9 @@ pub struct ValidatedChoice {
     /// Samples that were not sound before this scene.
     #[serde(alias = "redraws")]
     pub rejected: u32,
-    /// Number of candidates.
+    /// Number of candidates of the choice.
     pub candidates: usize,
-    /// Candidates that failed.
+    /// Number of candidates that failed.
     pub failed: usize,
     /// Candidates that were not run to the end, because they could not be the cheapest.
     pub cut_short: usize,
@@ -157,7 +157,7 @@ impl ValidatedChoice {
         (self.outcome == Outcome::Adequate && ratio.is_finite()).then_some(ratio)
     }
 
-    /// Error over tolerance.
+    /// Returns error over tolerance.
     #[must_use]
     pub fn error_ratio(&self) -> Option<f64> {
         over(self.error?, self.tolerance)
@@ -203,9 +203,9 @@ fn over(a: f64, b: f64) -> Option<f64> {
 /// Figures of a group of scenes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Share {
-    /// What the scenes have in common.
+    /// Common property of the scenes in the group.
     pub name: String,
-    /// Scenes.
+    /// Number of scenes in the group.
     pub scenes: usize,
     /// Scenes that are met.
     pub met: usize,
@@ -213,7 +213,7 @@ pub struct Share {
     pub rightly_none: usize,
     /// Quartiles and 90 % point of the cost ratios.
     pub cost_ratio: [Option<f64>; 4],
-    /// The same of predicted over true errors.
+    /// Quartiles and 90 % point of predicted over true errors.
     pub prediction: [Option<f64>; 4],
 }
 
@@ -232,7 +232,7 @@ pub fn quantile(values: &[f64], part: f64) -> Option<f64> {
     Some(sorted[low] + rest * (sorted[high] - sorted[low]))
 }
 
-/// Figures of scenes.
+/// Computes the figures of a group of scenes.
 #[must_use]
 pub fn share(name: &str, scenes: &[&ValidatedChoice]) -> Share {
     let quantiles = |get: fn(&ValidatedChoice) -> Option<f64>| {
@@ -270,7 +270,7 @@ pub fn shares(scenes: &[ValidatedChoice]) -> Vec<Share> {
     found
 }
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a validation of choices.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckRecord {
     /// Choices of a model validated on random scenes.
@@ -288,7 +288,7 @@ impl Results {
     }
 }
 
-/// What the study says of a record.
+/// Returns the report of a validation of choices.
 pub(super) fn report(choices: &[ValidatedChoice]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(choices),

@@ -37,7 +37,7 @@ pub fn finding(choices: &[ValidatedChoice]) -> Vec<Markup> {
     sentences
 }
 
-/// What the scenes' own meshes and contacts are off, and how choices do against full finite elements.
+/// Returns sentences on the errors of the scenes' own meshes and contacts, and of choices against full finite elements.
 fn beyond_the_mesh(choices: &[ValidatedChoice]) -> Vec<Markup> {
     let mut sentences = Vec::new();
     let errors = |of: fn(&ValidatedChoice) -> Option<f64>| -> Vec<(f64, f64)> {

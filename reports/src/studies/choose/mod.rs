@@ -1,4 +1,4 @@
-//! What a study of model choice records beside its scene: the requirement, the hierarchy, what was tried, the answer.
+//! The study of model choice: requirement, hierarchy of models, candidates that were run on a window, and the choice.
 
 mod chart;
 mod csv;
@@ -90,7 +90,7 @@ pub struct ChoiceRecord {
     /// The hierarchy, simplest model first.
     #[serde(alias = "rungs")]
     pub levels: Vec<LevelRecord>,
-    /// What was run on the window.
+    /// Candidates that were run on the window.
     pub tried: Vec<TriedRecord>,
 }
 
@@ -98,7 +98,7 @@ pub struct ChoiceRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LevelRecord {
-    /// Name.
+    /// Name of the level.
     pub name: String,
     /// Family: `rigid`, `movable-teeth`, `quasi-static`, `elastic`.
     pub family: String,
@@ -114,7 +114,7 @@ pub struct LevelRecord {
     /// Estimated error against the yardstick over the whole scene [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
-    /// Whether it keeps the tolerance, as far as the yardstick can decide.
+    /// Verdict on the level's error under the tolerance, as far as the yardstick can decide.
     pub adequate: Adequacy,
     /// Forces on the window, where a history does not repeat.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -134,12 +134,12 @@ pub struct LevelRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TriedRecord {
-    /// Its level.
+    /// Name of the candidate's level.
     #[serde(alias = "rung")]
     pub level: String,
     /// Family of its level.
     pub family: String,
-    /// Integrator.
+    /// Integrator of the candidate.
     pub integrator: String,
     /// Fixed step \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -157,7 +157,7 @@ pub struct TriedRecord {
     pub steps: u64,
     /// Force evaluations on the window.
     pub force_evaluations: u64,
-    /// Whether it keeps the tolerance, as far as the yardstick can decide.
+    /// Verdict on the candidate's error under the tolerance, as far as the yardstick can decide.
     pub adequate: Adequacy,
     /// How the run failed, if so.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -168,7 +168,7 @@ pub struct TriedRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ReferenceDistance {
-    /// The reference.
+    /// Name of the reference.
     pub reference: String,
     /// Distance of the yardstick to it [-]; absent where the yardstick was not run or the reference has no such quantity.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -184,9 +184,9 @@ pub struct ReferenceDistance {
 pub struct ForceStatistics {
     /// Root mean square \[N\].
     pub rms_n: f64,
-    /// Spells of contact.
+    /// Number of intervals of contact.
     pub spells: usize,
-    /// Median of the peaks of the spells \[N\].
+    /// Median of the peak forces of these intervals \[N\].
     pub median_peak_n: f64,
     /// Greatest peak \[N\].
     pub greatest_peak_n: f64,
@@ -222,7 +222,7 @@ impl ChoiceRecord {
         all
     }
 
-    /// What was chosen.
+    /// Returns the chosen candidate; `None` when nothing is adequate.
     #[must_use]
     pub fn choice(&self) -> Option<&TriedRecord> {
         self.tried.get(self.chosen?)
@@ -237,7 +237,8 @@ impl ChoiceRecord {
         })
     }
 
-    /// Whether an error against the yardstick [-] keeps the tolerance.
+    /// Returns the verdict on an error against the yardstick [-] under the tolerance. An unknown error counts as
+    /// infinite.
     #[must_use]
     pub fn adequacy(&self, error: Option<f64>) -> Adequacy {
         let own = self.yardstick_error.unwrap_or(f64::INFINITY);
@@ -284,14 +285,14 @@ impl ChoiceRecord {
     }
 }
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a study of model choice.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ChooseRecord {
     /// The answer, and how it was found.
     pub choice: ChoiceRecord,
 }
 
-/// What the study says of a record.
+/// Returns the report of a study of model choice.
 pub(super) fn report(choice: &ChoiceRecord) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(choice),

@@ -6,7 +6,7 @@ use crate::markup::{glance, note, prose, section};
 use crate::numbers::{counted, limit, per_cent, quantity};
 use maud::{Markup, html};
 
-/// The answer.
+/// Returns the sentences with the choice and its error.
 pub fn finding(choice: &ChoiceRecord) -> Vec<Markup> {
     let asked = format!("{} within {}", choice.metric_title, limit(choice.tolerance));
     let least = choice.predicted_error.map(|e| per_cent(e, 2));

@@ -1,4 +1,4 @@
-//! Whether an estimated error keeps a tolerance where the yardstick has an error of its own.
+//! Verdict on an estimated error under a tolerance, where the yardstick has an error of its own.
 //!
 //! With the estimated error `E` against the yardstick, the yardstick's own error `Y` and the tolerance `T`, the error against
 //! the truth lies between `E - Y` and `E + Y`:
@@ -25,17 +25,17 @@ words! {
     }
 }
 
-/// Whether a model keeps the tolerance.
+/// Adequacy of a model under the tolerance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub enum Adequacy {
-    /// It does.
+    /// The model keeps the tolerance.
     #[serde(rename = "adequate")]
     Adequate,
     /// The error of the yardstick is too large to decide.
     #[default]
     #[serde(rename = "not decided")]
     NotDecided,
-    /// It does not.
+    /// The model exceeds the tolerance.
     #[serde(rename = "not adequate")]
     NotAdequate,
 }

@@ -1,4 +1,4 @@
-//! What runs cost: processor time per run, and error against processor time. Failures are drawn as failures.
+//! Cost of runs: processor time per run, and error over processor time. Failed runs are drawn as failures.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame, TICK_SIZE};

@@ -12,7 +12,7 @@ use crate::studies::choose::Adequacy;
 use crate::view::{INTEGRATION, View, capital, resolution};
 use maud::{Markup, html};
 
-/// The sentences.
+/// Returns the sentences of the finding.
 pub fn finding(view: &View<'_>) -> Vec<Markup> {
     let mut sentences: Vec<Markup> = view.yardstick.iter().map(|y| yardstick(y)).collect();
     sentences.push(cheapest(view));
@@ -28,7 +28,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
     sentences
 }
 
-/// What models are compared with, and how far that is off itself.
+/// Returns the sentence on the yardstick and its own error.
 fn yardstick(y: &Yardstick) -> Markup {
     let what = match y.kind {
         Kind::Stored => "",

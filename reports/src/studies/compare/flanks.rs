@@ -22,7 +22,7 @@ const BELOW: f64 = 46.0;
 /// Space of the ordinate at the left and of the colour bar at the right.
 const LEFT: f64 = 62.0;
 const BAR: f64 = 92.0;
-/// Between maps.
+/// Gap between the maps on the page.
 const GAP: f64 = 14.0;
 /// Teeth of a model that are shown.
 const MOST_TEETH: usize = 4;

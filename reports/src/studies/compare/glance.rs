@@ -1,5 +1,5 @@
-//! What a reader looks at first: the results of each model next to those of the yardstick, and the error of integration of
-//! each model in a table of its own.
+//! Tables at a glance: results of each model compared with those of the yardstick, and, in a table of its own, the
+//! error of the integration of each model.
 
 use super::finding::costs;
 use crate::markup::table::Table;

@@ -46,7 +46,7 @@ pub(super) struct History<'a> {
     pub style: Option<usize>,
 }
 
-/// What both history charts share.
+/// Curves, time axes and names that all charts of histories share.
 pub(super) struct Histories<'a> {
     reference: Option<&'a ReferenceSeries>,
     runs: Vec<Drawn<'a>>,
@@ -323,7 +323,7 @@ impl<'a> Histories<'a> {
     }
 }
 
-/// Whether one panel shows so many meshes or gears.
+/// True if one panel shows all of so many meshes or gears.
 pub(super) fn overlay(members: usize) -> bool {
     (2..=MOST_OVERLAID).contains(&members)
 }
@@ -334,7 +334,7 @@ pub(super) fn legend_of(members: &[Member]) -> impl Iterator<Item = Entry> + '_ 
     members.iter().map(entry)
 }
 
-/// Whether a reference is a run of the record: it then has the run's label, `model` or `model-variant`.
+/// True if a reference is a run of the record: its id is then the run's label, `model` or `model-variant`.
 fn is_run(id: &str, run: &Run) -> bool {
     match &run.variant {
         None => run.model == id,
@@ -496,7 +496,7 @@ fn residual(
 /// Speed over the greatest of all gears below which a gear is at rest.
 const AT_REST: f64 = 1e-9;
 
-/// What names of further columns with the speed of a gear end in.
+/// Ending of the names of further columns with the speed of a gear.
 const SPEED: &str = "_rad_s";
 
 /// The speed of a gear by the name of its column, without the unit.

@@ -93,7 +93,7 @@ pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     }))
 }
 
-/// What part of the world a picture shows: centre and half width \[m\].
+/// Returns the section of the plane that the picture shows: centre and half width \[m\].
 fn focus(s: &ContactSnapshot) -> Option<((f64, f64), f64)> {
     let finite = |p: &&[f64; 2]| p[0].is_finite() && p[1].is_finite();
     let contacts: Vec<[f64; 2]> = (s.contacts.iter().map(|c| &c.point))

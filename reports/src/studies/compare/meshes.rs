@@ -51,7 +51,7 @@ pub fn table(view: &View<'_>) -> Markup {
     )
 }
 
-/// The same of all runs.
+/// Returns the CSV file with the forces of all meshes of all runs.
 pub fn csv(view: &View<'_>) -> Vec<CsvTable> {
     type Row<'a> = (&'a Run, &'a MeshForce);
     let rows: Vec<Row<'_>> = view.results.runs.iter().flat_map(pairs).collect();

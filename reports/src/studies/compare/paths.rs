@@ -286,7 +286,7 @@ pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     .map(Some)
 }
 
-/// The same of all runs that have settled as files.
+/// Returns the CSV files with torque paths and load sharing of all runs that have settled.
 pub fn csv(view: &View<'_>) -> Vec<CsvTable> {
     let runs: Vec<(&Run, &TorquePaths)> = (view.results.runs.iter())
         .filter_map(|r| Some((r, r.paths.as_ref().filter(|p| p.has_settled())?)))

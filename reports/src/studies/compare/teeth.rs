@@ -15,13 +15,13 @@ use crate::view::View;
 
 /// A quantity of meshes or of gears.
 struct Quantity {
-    /// What its columns begin with.
+    /// Prefix of the columns of the quantity.
     begin: &'static str,
-    /// What panels call it.
+    /// Name of the quantity in panels.
     words: &'static str,
     /// Endings of its columns with their units; a quantity of meshes has none.
     units: &'static [(&'static str, &'static str)],
-    /// What the caption says of it.
+    /// Sentence of the caption that defines the quantity.
     meaning: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! What the models cost beside each other and beside full finite elements, with times that others publish.
+//! Processor times of the models compared with each other, with full finite elements and with published times.
 
 use super::CompareRecord;
 use crate::markup::table::Table;
@@ -11,7 +11,7 @@ use maud::{Markup, html};
 /// Coordinates from which on a model that keeps no modes is one of full finite elements.
 const FULL: usize = 100;
 
-/// What a model, or a reference from elsewhere, costs.
+/// Processor time of a model, or of a stored reference.
 struct Row<'a> {
     label: String,
     /// Integrator and step; of a reference that its time is its own.

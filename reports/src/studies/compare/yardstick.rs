@@ -11,7 +11,7 @@ use crate::words::words;
 use serde::{Deserialize, Serialize};
 
 words! {
-    /// What a yardstick is.
+    /// Kind of a yardstick.
     pub enum Kind {
         /// A stored reference: measured, or computed by another program.
         #[default]
@@ -25,12 +25,12 @@ words! {
     }
 }
 
-/// What the models of a comparison are compared with.
+/// The history that the models of a comparison are compared with, and its own error.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Yardstick {
     /// Id of the reference, as in [`crate::record::Metrics::against`].
     pub id: String,
-    /// What it is.
+    /// Kind of the yardstick.
     pub kind: Kind,
     /// Its name in a sentence.
     pub title: String,
@@ -63,7 +63,7 @@ impl Yardstick {
         Adequacy::of(error, own, limit)
     }
 
-    /// What is known of its own error, for the end of a sentence.
+    /// Returns the clause on the yardstick's own error, for the end of a sentence.
     pub fn own_error(&self) -> String {
         let parts = [
             ("integration", self.integration_error),

@@ -10,7 +10,7 @@ use crate::studies::StudyReport;
 use crate::view::View;
 pub use record::{Coupling, CouplingCell, CouplingRecord, Extrapolation, Motion};
 
-/// What the study says of a record.
+/// Returns the report of a study of coupling.
 pub(super) fn report(view: &View<'_>, couplings: &[Coupling]) -> Result<StudyReport, DrawError> {
     let limit = view.results.tolerance.as_ref().map(|t| t.limit);
     Ok(StudyReport {

@@ -5,7 +5,7 @@ use crate::studies::Part;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a study of coupling.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CouplingRecord {
     /// Couplings, model by model.
@@ -50,12 +50,12 @@ words! {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Coupling {
-    /// Model id.
+    /// Id of the model.
     pub model: String,
-    /// What sets this model apart from others of its id.
+    /// Variant that distinguishes the model from others of its id.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variant: Option<String>,
-    /// Whether the modes that are cut are kept as residual compliance (elastic model).
+    /// True if the truncated modes are kept as residual compliance (elastic model).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual: Option<bool>,
     /// Of the forces on hubs.
@@ -95,9 +95,9 @@ pub struct Coupling {
 pub struct CouplingCell {
     /// Communication step [s].
     pub step_s: f64,
-    /// How it ended.
+    /// Status of the run.
     pub status: Status,
-    /// Why.
+    /// Reason of the status.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
     /// Relative L2 error of the force history against the run as one system [-].
@@ -109,7 +109,7 @@ pub struct CouplingCell {
     /// Work that the host took from extrapolated forces, less what the gears gave along their motion [J].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error_j: Option<f64>,
-    /// The same over the energy that vibrates [-].
+    /// Energy error of the coupling over the energy that vibrates [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error_rel: Option<f64>,
     /// Its largest magnitude in one communication step, over the same [-].
@@ -118,7 +118,7 @@ pub struct CouplingCell {
     /// Simulated time reached [s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reached_s: Option<f64>,
-    /// Communication steps.
+    /// Number of communication steps.
     pub exchanges: u64,
 }
 

@@ -54,7 +54,7 @@ fn error_at(c: &Coupling, step: f64) -> Option<f64> {
     Some((a + (at - x) / (y - x) * (b - a)).exp())
 }
 
-/// What residual compliance gains: elastic gears with and without it under the same coupling.
+/// Returns the sentence on the gain by residual compliance: elastic gears with and without it under the same coupling.
 fn gain(couplings: &[Coupling]) -> Option<Markup> {
     let of = |residual: bool| {
         let all = couplings

@@ -12,7 +12,7 @@ pub use record::{
     ParameterRecord, ProfileRecord,
 };
 
-/// What the study says of a record.
+/// Returns the report of an identification.
 pub(super) fn report(part: &IdentifyRecord) -> Result<StudyReport, DrawError> {
     let fits = &part.fits;
     Ok(StudyReport {

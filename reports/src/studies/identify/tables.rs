@@ -139,7 +139,7 @@ fn how(f: &FitRecord) -> String {
     )
 }
 
-/// What stands along the abscissa of data.
+/// Returns the labels of abscissa and ordinate of a data set.
 pub fn axis_names(kind: DataKind) -> [&'static str; 2] {
     match kind {
         DataKind::Force => ["time [\u{b5}s]", "force [N]"],

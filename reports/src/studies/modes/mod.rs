@@ -9,7 +9,7 @@ use crate::drawing::canvas::DrawError;
 use crate::studies::StudyReport;
 pub use record::{About, MemberPlace, MemberShape, MeshState, ModeRecord, ModelModes, ModesRecord};
 
-/// What the study says of a record.
+/// Returns the report of natural frequencies.
 pub(super) fn report(vibrations: &[ModelModes]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(vibrations),

@@ -6,7 +6,7 @@ use crate::studies::Part;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to natural frequencies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModesRecord {
     /// Natural frequencies, model by model.
@@ -61,12 +61,12 @@ pub struct ModelModes {
     pub frequencies: usize,
     /// The highest of all [Hz].
     pub highest_hz: f64,
-    /// Meshes.
+    /// Meshes with their forces in the state.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub meshes: Vec<MeshState>,
     /// Gears, and behind them bodies on shafts.
     pub members: Vec<MemberPlace>,
-    /// What holds strain energy, in the order of the shares of modes.
+    /// Names of the springs that store strain energy, in the order of the shares of modes.
     pub springs: Vec<String>,
     /// Modes by frequency, rigid motions first.
     pub modes: Vec<ModeRecord>,
@@ -102,11 +102,11 @@ pub struct MeshState {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MemberPlace {
-    /// Name.
+    /// Name of the gear or body.
     pub name: String,
     /// Where its hub stands, in the plane across the axis of the first gear [m].
     pub x_m: f64,
-    /// See `x_m`.
+    /// Second coordinate of its hub in that plane [m]; see `x_m`.
     pub y_m: f64,
     /// Radius by which its turn moves flanks [m]; 1 of what slides.
     pub radius_m: f64,
@@ -132,7 +132,7 @@ pub struct ModeRecord {
     /// Frequency with damping and gyroscopic terms [Hz], where these couple modes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damped_frequency_hz: Option<f64>,
-    /// What it is, by where its energy lies.
+    /// Name of the mode, by where its energy lies.
     pub name: String,
     /// Shares of members in the kinetic energy [-].
     pub kinetic: Vec<f64>,

@@ -12,7 +12,7 @@ use crate::view::View;
 /// A quantity of a run: its name, its value in the unit of the name.
 type Quantity = (&'static str, fn(&Run) -> Option<f64>);
 
-/// What is shown.
+/// Quantities over the penalty, each with name and unit, one panel each.
 pub const QUANTITIES: [Quantity; 3] = [
     ("peak force [N]", |r| r.metrics.first()?.peak_force_n),
     ("impulse [N s]", |r| r.metrics.first()?.impulse_ns),

@@ -1,4 +1,5 @@
-//! What a study of accuracy against cost says: families of runs, their points, who leads.
+//! The study of accuracy against cost: families of runs, their points, and the factor by which the cheapest family
+//! leads.
 //!
 //! A family is a model under an integrator, at every step, tolerance and number of modes. Models whose truncated modes
 //! stay as residual compliance, under a method that solves their linear part exactly, are the ones whose lead is reported.
@@ -22,7 +23,7 @@ pub const LEVELS: [f64; 4] = [0.05, 0.02, 0.01, 0.005];
 /// A point of a front is news when its error is less than this times that of the last that was.
 const NEWS: f64 = 0.95;
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a study of accuracy against cost.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PrecisionRecord {
     /// Metrics that the study is about, the first one above all.
@@ -30,7 +31,7 @@ pub struct PrecisionRecord {
     pub metrics: Vec<Metric>,
 }
 
-/// What a run is charged with.
+/// Measure of the cost of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cost {
     /// Processor time \[s\].
@@ -53,16 +54,16 @@ impl Cost {
 /// A run that reached its end, as a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Shown<'a> {
-    /// The run.
+    /// Run that the point stands for.
     pub run: &'a Run,
     /// Place of its model in the order of appearance.
     pub style: usize,
-    /// Cost and error.
+    /// Cost and error of the run.
     pub point: Point,
 }
 
 impl Shown<'_> {
-    /// Whether its constants were fitted to a reference of the record.
+    /// True if the constants of the run were fitted to a reference of the record.
     pub fn is_fitted(&self) -> bool {
         self.run.fitted_to.is_some()
     }
@@ -70,7 +71,7 @@ impl Shown<'_> {
 
 /// The points of a record against one reference.
 pub struct Cloud<'a> {
-    /// Reference.
+    /// Id of the reference.
     pub against: String,
     /// Runs that reached their end with an error that is known, in the order of the record.
     pub shown: Vec<Shown<'a>>,
@@ -80,17 +81,18 @@ pub struct Cloud<'a> {
 
 /// A record seen as accuracy against cost.
 pub struct Precision<'a> {
-    /// The record.
+    /// Record of the study.
     pub results: &'a Results,
     /// Labels of the models in the order of appearance.
     pub models: Vec<String>,
     /// References that runs are held against, those with most runs that are no own converged solution first.
     pub references: Vec<String>,
-    /// The metrics.
+    /// Metrics of the study, the headline first.
     pub metrics: Vec<Metric>,
 }
 
-/// Whether a run is one of those whose lead is reported.
+/// True if the run belongs to the models whose lead is reported: residual compliance, and a method that solves the
+/// linear part exactly.
 pub fn is_ours(run: &Run) -> bool {
     run.residual == Some(true) && run.exact_linear
 }
@@ -118,7 +120,7 @@ pub fn modes_and_step(run: &Run) -> String {
 }
 
 impl<'a> Precision<'a> {
-    /// Sorts a record.
+    /// Makes the view of accuracy against cost from a record.
     pub fn of(results: &'a Results) -> Self {
         let mut models: Vec<String> = Vec::new();
         for run in &results.runs {
@@ -151,7 +153,8 @@ impl<'a> Precision<'a> {
         self.metrics.first().copied().unwrap_or_default()
     }
 
-    /// The same against a reference: integration errors have a metric of their own.
+    /// Returns the headline metric against a reference. Errors against a model's own converged solution have a metric
+    /// of their own.
     pub fn headline_against(&self, id: &str) -> Metric {
         metric_against(self.results, id, self.headline())
     }
@@ -213,7 +216,7 @@ impl<'a> Cloud<'a> {
         pareto::cheapest(&points, limit).map(|i| &self.shown[kept[i]])
     }
 
-    /// Whether any of the models was fitted to a reference of the record.
+    /// True if any of the models was fitted to a reference of the record.
     pub fn has_fitted(&self) -> bool {
         self.shown.iter().any(Shown::is_fitted)
     }
@@ -279,16 +282,17 @@ impl<'a> Cloud<'a> {
     }
 }
 
-/// Who keeps a limit of the error the cheapest.
+/// The cheapest runs within a limit of the error, by group of models.
 #[derive(Clone, Copy, Debug)]
 pub struct Standing<'c, 'a> {
-    /// The limit.
+    /// Limit of the error [-].
     pub limit: f64,
     /// The cheapest of ours.
     pub ours: &'c Shown<'a>,
     /// The cheapest of all other families with its cost over that of ours; `None` when none keeps the limit.
     pub next: Option<(&'c Shown<'a>, f64)>,
-    /// The same among models without residual compliance.
+    /// The cheapest run of models without residual compliance with its cost over that of `ours`; `None` when none keeps
+    /// the limit.
     pub other: Option<(&'c Shown<'a>, f64)>,
 }
 
@@ -298,7 +302,7 @@ impl Standing<'_, '_> {
         format!("\u{2264} {} %", short(100.0 * self.limit, 2))
     }
 
-    /// Ours, in words.
+    /// Returns the description of `ours`: model, integrator, modes and step, time.
     pub fn own(&self) -> String {
         let run = self.ours.run;
         format!(
@@ -364,7 +368,7 @@ fn beside(rival: Option<(&Shown<'_>, f64)>) -> String {
     }
 }
 
-/// What the study says of a record.
+/// Returns the report of a study of accuracy against cost.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(view),

@@ -4,7 +4,7 @@
 //! none dominates are the Pareto front. Nothing is interpolated: every statement is about points that are there.
 //! Points whose cost or error is not a finite number belong to nothing; failed runs must not be made points at all.
 
-/// What a run costs and how far off it is.
+/// Cost and error of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Cost, in any unit, positive.
@@ -14,7 +14,7 @@ pub struct Point {
 }
 
 impl Point {
-    /// Whether cost and error are numbers that can be compared.
+    /// True if cost and error are finite, the cost above zero and the error not below zero.
     pub fn is_sound(&self) -> bool {
         self.cost.is_finite() && self.cost > 0.0 && self.error.is_finite() && self.error >= 0.0
     }

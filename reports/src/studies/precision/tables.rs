@@ -63,7 +63,7 @@ fn clouds<'a>(study: &Precision<'a>) -> Vec<Cloud<'a>> {
     all.filter(|c| !c.shown.is_empty()).collect()
 }
 
-/// What models that were fitted to this very history change.
+/// Returns the sentence on models that were fitted to this very history; `None` when the front has none.
 fn fits(cloud: &Cloud<'_>) -> Option<Markup> {
     let all = cloud.stretches(Shown::is_fitted);
     let least = (all.iter().map(|s| s.1)).min_by(f64::total_cmp)?;

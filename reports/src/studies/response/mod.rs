@@ -11,7 +11,7 @@ pub use record::{
     GroupResponse, MeshLimit, MeshPoint, ModelResponse, MountPoint, ResponsePoint, ResponseRecord,
 };
 
-/// What the study says of a record.
+/// Returns the report of a frequency response.
 pub(super) fn report(responses: &[ModelResponse]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(responses),

@@ -5,7 +5,7 @@ use crate::record::checks::{each, same_length};
 use crate::studies::Part;
 use serde::{Deserialize, Serialize};
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a frequency response.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResponseRecord {
     /// Responses, model by model.
@@ -68,7 +68,7 @@ impl ModelResponse {
 pub struct GroupResponse {
     /// Mesh frequency at the speeds of the scene [Hz].
     pub own_frequency_hz: f64,
-    /// The meshes.
+    /// Meshes of the group at low speed.
     pub meshes: Vec<MeshLimit>,
     /// Names of the gears whose mounts are looked at.
     pub mounts: Vec<String>,
@@ -115,7 +115,7 @@ pub struct ResponsePoint {
 }
 
 impl ResponsePoint {
-    /// No flanks part.
+    /// True if no flanks separate, so that the linear response is valid.
     pub fn holds(&self) -> bool {
         self.meshes.iter().all(|m| m.force_least_n > 0.0)
     }
@@ -139,7 +139,7 @@ pub struct MeshPoint {
     pub force_greatest_n: f64,
 }
 
-/// What a mount exerts at a mesh frequency.
+/// Force of a mount at a mesh frequency.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MountPoint {

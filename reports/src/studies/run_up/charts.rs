@@ -59,7 +59,7 @@ struct Marked {
     stroke: Stroke,
 }
 
-/// Whether a map shows frequencies or orders.
+/// Abscissa of a map: frequency or order.
 #[derive(Clone, Copy, PartialEq)]
 enum By {
     Frequency,

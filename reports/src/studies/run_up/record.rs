@@ -8,7 +8,7 @@ use crate::record::checks::{each, same_length};
 use crate::studies::Part;
 use serde::{Deserialize, Serialize};
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a run-up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunUpRecord {
     /// Run-ups, model by model.
@@ -34,9 +34,9 @@ pub struct ModelRunUp {
     /// Why there is none.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
-    /// The reference gear.
+    /// Name of the reference gear, in whose turns orders are counted.
     pub gear: String,
-    /// From when on the run was looked at [s].
+    /// Time from which on the run is evaluated [s].
     pub onset_s: f64,
     /// How often the reference gear turned from there on.
     pub turns: f64,
@@ -61,7 +61,7 @@ pub struct ModelRunUp {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TrackedOrder {
-    /// Whose multiple it is.
+    /// Name of the frequency that the order is a multiple of.
     pub name: String,
     /// Cycles per turn of the reference gear.
     pub order: f64,
@@ -83,13 +83,13 @@ pub struct RunUpMap {
     pub lines: Vec<f64>,
 }
 
-/// A natural frequency.
+/// A natural frequency of the scene under its loads.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct NaturalFrequency {
-    /// Without damping [Hz].
+    /// Natural frequency without damping [Hz].
     pub frequency_hz: f64,
-    /// What holds most of its strain energy.
+    /// Name of the spring that stores most of its strain energy.
     pub name: String,
 }
 
@@ -99,7 +99,7 @@ pub struct NaturalFrequency {
 pub struct RunUpChannel {
     /// Name of its column in files.
     pub column: String,
-    /// Name for readers.
+    /// Name of the quantity in words.
     pub name: String,
     /// Unit of its amplitudes.
     pub unit: String,
@@ -116,11 +116,11 @@ pub struct RunUpChannel {
 /// Where an order is largest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak<'a> {
-    /// The quantity.
+    /// Quantity whose amplitude peaks.
     pub channel: &'a RunUpChannel,
-    /// The order.
+    /// Order along which it peaks.
     pub order: &'a TrackedOrder,
-    /// Its largest amplitude.
+    /// Largest amplitude along the order, in the unit of the quantity.
     pub amplitude: f64,
     /// The speed there [rad/s].
     pub speed_rad_s: f64,

@@ -1,4 +1,4 @@
-//! The largest stable step of a map, beside that of theory.
+//! The largest stable step of a map, compared with that of theory.
 
 use super::{Cell, Columns, LineKind, Map};
 use crate::record::Status;
@@ -6,8 +6,8 @@ use crate::record::Status;
 /// Narrowest bracket of the largest stable step: its upper end over its lower end.
 pub const BRACKET: f64 = 1.02;
 
-/// Whether a run lost its stability. One whose contact pulled has a force history that no contact has, but it went on:
-/// that says nothing of growth.
+/// True if a run became unstable. A run with an adhesive contact force has a force history that no contact has, but its
+/// energy did not grow: it counts as stable.
 #[must_use]
 pub fn is_lost(status: Status) -> bool {
     status.is_failure() && status != Status::AdhesiveForce
@@ -20,7 +20,7 @@ pub struct Limit {
     pub stable_s: Option<f64>,
     /// The next larger one that was tried, which failed \[s\].
     pub unstable_s: Option<f64>,
-    /// How it failed.
+    /// Status of the run at `unstable_s`.
     pub status: Option<Status>,
     /// Some larger steps hold again.
     pub holds_again: bool,
@@ -31,7 +31,8 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// Whether a further run between the two would narrow the bracket.
+    /// Returns the step at which a further run narrows the bracket, the geometric mean of its ends; `None` once it is
+    /// narrow enough.
     #[must_use]
     pub fn next(&self) -> Option<f64> {
         let (a, b) = (self.stable_s?, self.unstable_s?);

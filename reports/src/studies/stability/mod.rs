@@ -1,4 +1,4 @@
-//! What a study of stability says: maps of how runs ended over step and parameters, and the largest step that held.
+//! The study of stability: maps of how runs ended over step and parameters, and the largest stable step.
 //!
 //! A map belongs to one model under one integrator. Its cells stand in rows of one value of every axis, and a row runs
 //! from the smallest to the largest step (or tolerance, for methods that choose their steps). Every cell has exactly one
@@ -20,7 +20,7 @@ use maud::Markup;
 use serde::{Deserialize, Serialize};
 
 words! {
-    /// What the columns of a map are.
+    /// Quantity along the columns of a map.
     pub enum Columns {
         /// Fixed steps \[s\].
         #[default]
@@ -40,7 +40,7 @@ pub struct MapAxis {
     /// Unit, empty for ratios and counts.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub unit: String,
-    /// Its values, ascending.
+    /// Values of the parameter, ascending.
     pub values: Vec<f64>,
     /// Place of the scene's own value among them.
     pub own: usize,
@@ -51,7 +51,7 @@ pub struct MapAxis {
 pub struct Cell {
     /// Step \[s\] or relative tolerance [-].
     pub at: f64,
-    /// How it ended.
+    /// Status of the run.
     pub status: Status,
     /// Why, or what to know of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -65,18 +65,18 @@ pub struct Cell {
     /// Simulated time reached \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reached_s: Option<f64>,
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: u64,
-    /// Rejected steps.
+    /// Number of rejected steps.
     pub rejected: u64,
     /// Evaluations of the force.
     pub force_evaluations: u64,
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub newton_iterations: u64,
 }
 
 words! {
-    /// What a line of theory stands for.
+    /// Kind of a line of theory.
     pub enum LineKind {
         /// Beyond this step the linear system grows.
         #[default]
@@ -91,9 +91,9 @@ words! {
 /// A line of theory over the rows of a map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MapLine {
-    /// What it says, such as `omega_max h = 2`.
+    /// Label of the line, such as `omega_max h = 2`.
     pub label: String,
-    /// What it stands for.
+    /// Kind of the line.
     pub kind: LineKind,
     /// Step of every row \[s\]; none where theory has none.
     pub step_s: Vec<Option<f64>>,
@@ -117,18 +117,18 @@ pub struct SelfReference {
 pub struct Map {
     /// Maps of one set share axes and duration.
     pub set: usize,
-    /// Model id.
+    /// Id of the model.
     pub model: String,
-    /// What sets this model apart from others of its id.
+    /// Variant that distinguishes the model from others of its id.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub variant: Option<String>,
-    /// Integrator.
+    /// Integrator with its parameters.
     pub integrator: String,
-    /// Whether it is implicit.
+    /// True if the integrator is implicit.
     pub implicit: bool,
     /// Simulated time \[s\].
     pub duration_s: f64,
-    /// What the columns are.
+    /// Quantity along the columns.
     pub columns: Columns,
     /// Steps or tolerances, ascending.
     pub at: Vec<f64>,
@@ -139,7 +139,7 @@ pub struct Map {
     /// Runs at the scene's own parameters that close in on the largest stable step, in the order they were made.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub refined: Vec<Cell>,
-    /// Theory beside.
+    /// Lines of theory over the map.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<MapLine>,
     /// Converged solutions, one per row.
@@ -168,7 +168,7 @@ impl Map {
         }
     }
 
-    /// Number of rows.
+    /// Returns the number of rows, one per combination of parameter values.
     pub fn rows(&self) -> usize {
         self.axes.iter().map(|a| a.values.len()).product()
     }
@@ -247,7 +247,7 @@ impl Map {
     }
 }
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to a study of stability.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StabilityRecord {
     /// Maps of where methods fail.
@@ -265,7 +265,7 @@ impl Results {
     }
 }
 
-/// What the study says of a record.
+/// Returns the report of a study of stability.
 pub(super) fn report(part: &StabilityRecord) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(&part.maps),

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// N/(mm um) in \[N/m^2\]: the unit of ISO 6336-1.
 pub const PER_MM_UM: f64 = 1e9;
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to static stiffness.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StiffnessRecord {
     /// Models of the scene, and behind them formulas.
@@ -37,7 +37,7 @@ pub struct ModelStiffness {
     /// Why there are no numbers.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
-    /// What its stiffness includes.
+    /// Compliances that the stiffness of the model includes, in words.
     pub includes: String,
     /// Formulas in it that have left their range: its numbers are no better than they are there.
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -36,7 +36,7 @@ fn orders(resonance: Option<f64>, axis: &Axis) -> Vec<(f64, String)> {
         .collect()
 }
 
-/// The same lines without their names.
+/// Returns the vertical lines of `marks` without their names.
 fn unnamed(marks: &[(f64, String)]) -> Vec<(f64, String)> {
     marks.iter().map(|(x, _)| (*x, String::new())).collect()
 }

@@ -18,7 +18,7 @@ pub use record::{
 
 /// A model with its runs by mesh frequency, in one way of coming to the speed.
 pub struct Swept<'a> {
-    /// Its name.
+    /// Label of the model.
     pub label: String,
     /// Place of the model in the order of appearance.
     pub style: usize,
@@ -32,7 +32,7 @@ pub struct Swept<'a> {
     pub unsettled: Vec<(&'a Steady, &'a Run)>,
     /// Mesh frequencies at which it failed \[Hz\].
     pub failed: Vec<f64>,
-    /// Its static limit.
+    /// Quasi-static mesh cycle of the model.
     pub statics: Option<&'a StaticCycle>,
 }
 
@@ -89,7 +89,7 @@ pub fn resonance(all: &[Swept<'_>]) -> Option<f64> {
     all.iter().rev().find_map(|s| s.statics?.resonance_hz)
 }
 
-/// What the study says of a record.
+/// Returns the report of a sweep.
 pub(super) fn report(view: &View<'_>, statics: &[StaticCycle]) -> Result<StudyReport, DrawError> {
     let all = swept(view, statics);
     let two = bistable(view.results);

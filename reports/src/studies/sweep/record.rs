@@ -11,10 +11,10 @@ use crate::studies::Part;
 use crate::words::words;
 use serde::{Deserialize, Serialize};
 
-/// What the record of this study has of its own.
+/// The part of a record that is specific to loaded running.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SweepRecord {
-    /// Static limits.
+    /// Quasi-static mesh cycles, one per model: the limit of low speed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub statics: Vec<StaticCycle>,
 }
@@ -113,7 +113,7 @@ pub struct Steady {
     pub error_rms_m: f64,
     /// Greatest less least \[m\].
     pub error_peak_to_peak_m: f64,
-    /// Harmonics \[m\].
+    /// Amplitudes of the transmission error at one, two, ... times the mesh frequency \[m\].
     pub error_harmonics_m: Vec<f64>,
     /// Greatest less least of its mean over a running mesh cycle \[m\]: what deviations from tooth to tooth make of it.
     pub error_long_peak_to_peak_m: f64,
@@ -126,7 +126,7 @@ pub struct Steady {
     pub force_peak_n: f64,
     /// Part of the time without any contact force [-].
     pub separated: f64,
-    /// What does not repeat from cycle to cycle, over what does: root mean squares [-].
+    /// Root mean square of the part that does not repeat from cycle to cycle, over that of the part that does [-].
     pub irregular: f64,
     /// Bearing forces by gear.
     pub bearings: Vec<Bearing>,
@@ -178,7 +178,7 @@ pub struct StaticCycle {
     pub position: Vec<f64>,
     /// Static transmission error there \[m\].
     pub error_m: Vec<f64>,
-    /// Mean \[m\].
+    /// Mean transmission error \[m\].
     pub error_mean_m: f64,
     /// Greatest less least \[m\].
     pub error_peak_to_peak_m: f64,
@@ -193,7 +193,7 @@ pub struct StaticCycle {
 }
 
 impl Steady {
-    /// Whether every number is one.
+    /// True if every number is finite.
     pub fn is_finite(&self) -> bool {
         let single = [
             self.mesh_frequency_hz,
@@ -249,7 +249,7 @@ impl StaticCycle {
         )
     }
 
-    /// Whether every number is one.
+    /// True if every number is finite.
     pub fn is_finite(&self) -> bool {
         let single = [
             self.force_n,

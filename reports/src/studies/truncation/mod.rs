@@ -1,4 +1,4 @@
-//! What a study of mode counts says: runs of the elastic model by the way its modes were kept.
+//! The study of mode counts: error of the elastic model over the number of modes, by method of reduction.
 
 mod charts;
 mod csv;
@@ -19,9 +19,9 @@ pub const LIMITS: [f64; 3] = [0.02, 0.01, 0.005];
 pub struct Way<'a> {
     /// Variant of its runs, such as `by flank compliance`.
     pub label: String,
-    /// `flank-compliance` or `frequency`.
+    /// Criterion by which modes are chosen: `flank-compliance` or `frequency`.
     pub choose: String,
-    /// Whether the truncated modes are kept as residual compliance.
+    /// True if the truncated modes are kept as residual compliance.
     pub residual: bool,
     /// Its runs with their index in the record, ascending in modes.
     pub runs: Vec<(usize, &'a Run)>,
@@ -94,7 +94,7 @@ pub fn counts<'w, 'a: 'w>(ways: impl IntoIterator<Item = &'w Way<'a>>) -> Vec<us
     all
 }
 
-/// What the study says of a record.
+/// Returns the report of a study of mode counts.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     let mut charts = charts::truncation(view)?;
     charts.extend(histories::force(view)?);

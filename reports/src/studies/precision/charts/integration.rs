@@ -1,4 +1,4 @@
-//! What integrators lose: one small diagram per model, against its own converged solution.
+//! Error of the integration over cost: one small diagram per model, against its own converged solution.
 
 use super::{ABOVE, SMALL, Scale, faint, staircase};
 use crate::drawing::Chart;

@@ -240,7 +240,7 @@ fn caption(reference: &str, metric: Metric, cost: Cost, fitted: bool, own: bool)
     )
 }
 
-/// What a point of the front is called beside its colour and marker.
+/// Returns the text at a point of the front: integrator, modes and step.
 fn words(s: &Shown<'_>) -> String {
     format!("{} {}", id_of(&s.run.integrator), modes_and_step(s.run))
 }

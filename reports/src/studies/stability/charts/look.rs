@@ -79,7 +79,7 @@ pub fn found_mark(c: &mut Canvas<'_>, (x, y): (f64, f64)) {
     c.polygon(&shape(4.4), Ink::DARK);
 }
 
-/// What a legend names.
+/// An entry of the legend of a map.
 pub enum Entry {
     Label(Status),
     Theory(LineKind),

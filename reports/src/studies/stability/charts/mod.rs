@@ -21,7 +21,7 @@ use panel::{Panel, labels};
 const ACROSS: usize = 3;
 /// Space for the values of the parameter.
 const LEFT: f64 = 74.0;
-/// Space between panels.
+/// Space between the panels of a figure.
 const BETWEEN: f64 = 16.0;
 /// Space above a panel for its heading, below for its ticks, and below the last for the name of the abscissa.
 const ABOVE: f64 = 26.0;
@@ -81,7 +81,7 @@ pub fn stability(maps: &[Map]) -> Result<Vec<Chart>, DrawError> {
     Ok(charts)
 }
 
-/// What a figure shows, as no other does: model, parameters, and the integrator where there is but one.
+/// Returns the heading of a figure: model, integrator (their number where there are several) and parameters.
 fn heading(maps: &[&Map]) -> String {
     let first = maps[0];
     let names: Vec<&str> = first.axes.iter().map(|a| a.name.as_str()).collect();

@@ -109,7 +109,7 @@ pub fn labels(axis: &MapAxis) -> (Vec<String>, String) {
     (texts, name)
 }
 
-/// What a panel shows.
+/// A panel of a figure: the part of a map at one value of its second axis.
 pub struct Panel<'a> {
     pub map: &'a Map,
     /// Which value of the second axis.
