@@ -1,4 +1,4 @@
-//! Tables in CSV: SI units in the header, numbers to ten digits, nothing where there is none.
+//! Tables in CSV: SI units in the header, ten digits per number, empty cells for missing values.
 
 use crate::escape;
 
@@ -66,7 +66,7 @@ impl CsvTable {
     }
 }
 
-/// A number, or nothing where there is none.
+/// Returns a number with ten digits, or an empty text for a missing one.
 pub fn number(x: impl Into<Option<f64>>) -> String {
     let finite = x.into().filter(|x| x.is_finite());
     finite.map_or(String::new(), |x| format!("{x:.9e}"))

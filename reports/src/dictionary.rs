@@ -20,7 +20,7 @@ pub fn violations(record: &Value) -> Vec<String> {
     found
 }
 
-/// The part of JSON Schema that ours is written in.
+/// Checks a value against the part of JSON Schema that `results.schema.json` uses.
 fn check(x: &Value, schema: &Value, root: &Value, place: &str, found: &mut Vec<String>) {
     if let Some(name) = schema["$ref"].as_str() {
         let target = root.pointer(name.trim_start_matches('#'));

@@ -1,7 +1,7 @@
-//! Text from data at the edges of the program: in a terminal, in Markdown, in a cell of a table.
+//! Escaping of texts from data for terminals, Markdown and table cells.
 //!
-//! Names of gears, labels and messages come from files that others wrote. Each edge has one function here; pages and
-//! pictures are escaped by `maud`.
+//! Names of gears, labels and messages come from files of any origin. Each kind of output has one function here; `maud`
+//! escapes pages and pictures.
 
 use std::borrow::Cow;
 

@@ -73,7 +73,7 @@ impl ForceHistory {
         self.first.is_empty()
     }
 
-    /// When the force first acts \[s\].
+    /// Returns the time at which the force first acts \[s\].
     pub fn begins(&self) -> Option<f64> {
         self.time_s.first().copied()
     }
@@ -153,9 +153,9 @@ impl ForceHistory {
 pub struct Within {
     /// Greatest force \[N\].
     pub peak_n: f64,
-    /// Its integral \[N s\].
+    /// Integral of the force over time \[N s\].
     pub impulse_ns: f64,
-    /// How long it acts \[s\].
+    /// Time during which the force acts \[s\].
     pub contact_s: f64,
 }
 
@@ -178,9 +178,9 @@ pub(crate) struct Piece<'a> {
     pub t: &'a [f64],
     /// Forces there \[N\].
     pub f: &'a [f64],
-    /// Where it begins \[s\].
+    /// Time at which the piece begins \[s\].
     pub start: f64,
-    /// Where it ends \[s\]: at its last node or before.
+    /// Time at which the piece ends \[s\]: its last node or earlier.
     pub end: f64,
     scale: f64,
     /// Divided differences over times from the start, in lengths of the piece.
@@ -235,7 +235,7 @@ impl<'a> Piece<'a> {
         (inner.take_while(|(t, _)| *t < self.end)).chain([(self.end, last)])
     }
 
-    /// Its greatest value and where it is \[s, N\]: of the nodes, and of the polynomial around the greatest of them.
+    /// Returns time and value of the maximum \[s, N\]: of the nodes, and of the polynomial around the greatest of them.
     pub fn peak(&self) -> (f64, f64) {
         let nodes: Vec<(f64, f64)> = self.nodes().collect();
         let best = (0..nodes.len()).max_by(|&a, &b| nodes[a].1.total_cmp(&nodes[b].1));

@@ -1,9 +1,9 @@
-//! Histories as data: what the files of a run hold, whole and on an even grid.
+//! Histories of a run at full resolution and on an even grid, as CSV files.
 //!
-//! `results.json` keeps what charts need; these tables go to CSV files once, by the study that made the run, and are
-//! described in `docs/data.md`: `runNN-NAME.csv` (a row per time of the grid, strictly ascending), `-pairs.csv` (a row per
-//! tooth pair that touches at such a time), `-events.csv` (a row per contact that closes or opens, with the force on both
-//! sides of the instant).
+//! `results.json` keeps the thinned histories of charts. The study that made the run writes these tables to CSV files
+//! once; `docs/data.md` describes them: `runNN-NAME.csv` (a row per time of the grid, strictly ascending), `-pairs.csv`
+//! (a row per tooth pair in contact at such a time), `-events.csv` (a row per contact that closes or opens, with the
+//! force on both sides of the instant).
 
 use crate::csv_table::{CsvTable, number};
 use crate::series::{Column, TimeSeries};
@@ -50,7 +50,7 @@ fn no_tooth_moves(sprung: &[Option<SprungTooth>; 2]) -> bool {
 pub struct ContactEvent {
     /// Time of the event \[s\].
     pub time_s: f64,
-    /// It closes; else it opens.
+    /// True if the contact closes, false if it opens.
     pub closes: bool,
     /// Mesh, counted from 1 in the order of the scene.
     pub mesh: usize,
@@ -58,8 +58,8 @@ pub struct ContactEvent {
     pub teeth: [i64; 2],
     /// Contact force of the whole mesh just before and just after \[N\].
     pub force_n: [f64; 2],
-    /// The time is that of a located event, and the forces are both sides of it; else both are those of neighbouring
-    /// times of the grid.
+    /// True if the time is that of a located event and the forces are its two sides; else the forces are those at
+    /// neighbouring times of the grid.
     pub located: bool,
 }
 
@@ -81,7 +81,7 @@ pub struct Histories {
 }
 
 impl Histories {
-    /// The table of one of the [`ENDINGS`]; `kept` is the series that stands in the record.
+    /// Returns the table of one of the [`ENDINGS`]; `kept` is the series in the record.
     pub(crate) fn table(&self, ending: usize, kept: Option<&TimeSeries>) -> CsvTable {
         match ending {
             0 => self.even(kept),

@@ -1,4 +1,4 @@
-//! Numbers as people read them: significant digits, SI prefixes, grouped counts.
+//! Formatting of numbers: significant digits, SI prefixes, grouped counts.
 
 /// Text of a missing value, an en dash.
 pub const ABSENT: &str = "\u{2013}";
@@ -56,7 +56,7 @@ pub fn short(x: f64, digits: usize) -> String {
     }
 }
 
-/// The digits, at least `least`, that tell values apart that differ, and keep each to a two-thousandth.
+/// Returns the number of digits, at least `least`, at which different values differ and each is kept to 1/2000.
 pub fn digits_apart(values: &[f64], least: usize) -> usize {
     let texts = |digits: usize| -> Vec<String> {
         (values.iter().map(|x| format!("{x:.*e}", digits - 1))).collect()
@@ -116,7 +116,7 @@ pub fn counted(n: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(n as u64), if n == 1 { one } else { many })
 }
 
-/// A ratio of costs or steps in words, `2.8 times `; nothing where it is one to the digits that it has.
+/// Returns a ratio of costs or steps in words, `2.8 times `; an empty text where it rounds to 1.0.
 pub fn times(ratio: f64) -> String {
     match significant(ratio, 2).as_str() {
         "1.0" => String::new(),
@@ -137,18 +137,18 @@ pub fn count(n: u64) -> String {
     out
 }
 
-/// A factor and the prefix that goes with it.
+/// An SI prefix with its factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prefix {
     /// Multiply SI values with this.
     pub factor: f64,
-    /// Put this before the unit.
+    /// Symbol to be written before the unit.
     pub symbol: &'static str,
 }
 
 impl Prefix {
-    /// The prefix under which a magnitude reads as 1 .. 1000. `small_from` moves the boundary: 20
-    /// keeps 15 000 N as `15000` and calls 25 000 N `25 kN`.
+    /// Returns the prefix under which a magnitude reads as 1 to 1000. `small_from` moves the boundary: 20 keeps 15 000
+    /// N as `15000` and makes 25 000 N `25 kN`.
     pub fn of(magnitude: f64, small_from: f64) -> Self {
         const TABLE: [(f64, &str); 8] = [
             (1e-9, "n"),
@@ -177,7 +177,7 @@ impl Prefix {
     }
 }
 
-/// The kilogram has its prefix already: a prefix goes before the gram.
+/// Converts a quantity in kilograms to grams, since a unit has one prefix at most.
 fn in_grams(x: f64, unit: &str) -> (f64, &str) {
     match unit.strip_prefix('k') {
         Some(grams) if grams.starts_with('g') => (1e3 * x, grams),

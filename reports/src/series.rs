@@ -1,4 +1,4 @@
-//! Time series: what a run or a reference recorded over time, in SI units.
+//! Time series of a run or of a reference, in SI units.
 //!
 //! Owns [`TimeSeries`] with its invariants (all columns as long as the time axis or absent, time not
 //! decreasing), linear interpolation, and thinning that keeps the extrema.
@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 /// Column of the place of the tooth of the first mesh in its backlash [-]; further meshes name their gears behind it.
 pub const BACKLASH_POSITION: &str = "backlash_position";
-/// Column of the error of the speed ratio of the first mesh [-], likewise.
+/// Column of the error of the speed ratio of the first mesh [-]; names of further meshes follow it as for the columns
+/// above.
 pub const SPEED_RATIO_ERROR: &str = "speed_ratio_error";
 /// Prefix of the columns with the deflection of a movable tooth; the name of the gear follows it.
 pub const TOOTH_DEFLECTION: &str = "tooth_deflection";
@@ -121,7 +122,8 @@ impl TimeSeries {
         }
     }
 
-    /// The columns beside time with their names, standard ones first; without those that a reference does not have.
+    /// Returns all columns except time with their names, standard ones first; columns that a reference does not have
+    /// are left out.
     pub fn named_columns(&self) -> impl Iterator<Item = (&str, &[f64])> {
         [
             ("contact_force_n", self.contact_force_n.as_slice()),
@@ -154,8 +156,8 @@ impl TimeSeries {
             .unwrap_or(0)
     }
 
-    /// A series of at most about `6 * buckets` samples in which every bucket of time keeps the
-    /// least and the greatest value of each standard column: peaks stay, the file gets small.
+    /// Returns a series of at most about `6 * buckets` samples that keeps the extrema of each standard column in every
+    /// bucket of time.
     #[must_use]
     pub fn thinned(&self, buckets: usize) -> Self {
         if buckets == 0 || self.len() <= 6 * buckets || self.validate().is_err() {
@@ -177,8 +179,8 @@ impl TimeSeries {
         self.select(&keep)
     }
 
-    /// As [`TimeSeries::thinned`], but every sample with a time in `window` \[s\] stays: charts show a part of a
-    /// long history in close-up.
+    /// Returns a thinned series as [`TimeSeries::thinned`] does, but with every sample whose time lies in `window`
+    /// \[s\]: charts show a part of a long history in close-up.
     #[must_use]
     pub fn thinned_around(&self, buckets: usize, window: [f64; 2]) -> Self {
         let thin = self.thinned(buckets);

@@ -42,7 +42,7 @@ pub enum ReportError {
         /// Reason, with line and column where there is one.
         reason: String,
     },
-    /// A chart could not be drawn.
+    /// A chart failed to be drawn.
     #[error(transparent)]
     Draw(#[from] DrawError),
 }
@@ -94,7 +94,7 @@ pub fn write_results(dir: &Path, results: &Results) -> Result<PathBuf, ReportErr
 }
 
 /// Draws charts, tables and page of a folder again from its `results.json` alone. The files of histories stay as the
-/// study wrote them: the record has only what charts need of them.
+/// study wrote them, since the record keeps only the thinned histories of charts.
 ///
 /// # Errors
 /// [`ReportError`] when the record cannot be read or a file cannot be written.

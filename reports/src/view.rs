@@ -32,7 +32,7 @@ pub struct View<'a> {
     pub against: Option<String>,
     /// Metric of the errors in the report.
     pub metric: Metric,
-    /// Greatest error in it that is accurate enough, where the scene says one.
+    /// Greatest adequate error in that metric; `None` if the scene states no tolerance.
     pub limit: Option<f64>,
     /// Yardstick that the models of a comparison are compared with; `None` in records of other studies.
     pub yardstick: Option<Cow<'a, Yardstick>>,
@@ -108,7 +108,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The reference drawn as the dark line.
+    /// Returns the reference that charts show as the dark line.
     pub fn reference(&self) -> Option<&'a ReferenceSeries> {
         let all = &self.results.references;
         let id = self.against.as_deref();
@@ -196,8 +196,8 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The run that a model costs: its cheapest adequate one, else its most accurate one. All that is said of the time of a
-    /// model is said of this run.
+    /// Returns the run whose cost counts as that of its model: the cheapest adequate one, else the most accurate one.
+    /// All texts on the time of a model refer to this run.
     pub fn costed<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
         self.cheapest(group).or_else(|| self.best(group))
     }
@@ -209,8 +209,8 @@ impl<'a> View<'a> {
             .min_by(|a, b| a.1.cost_s().total_cmp(&b.1.cost_s()))
     }
 
-    /// The run that stands for its model: the least error among runs that did not fail, the
-    /// cheapest of those that share its three leading digits.
+    /// Returns the run that represents its model: the least error among runs that did not fail, and the least cost
+    /// among those that share its three leading digits.
     pub fn best<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
         self.best_by(group, Run::cost_s)
     }
@@ -241,13 +241,13 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The run whose histories are drawn for a model: the best one with a series, failing that the
-    /// longest failed one.
+    /// Returns the run whose histories charts show for a model: the best one with a series, else the longest failed
+    /// one.
     pub fn drawn<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
         self.drawn_by(group, Run::cost_s)
     }
 
-    /// The run whose histories have files: as [`View::drawn`], but chosen by work and not by the clock.
+    /// Returns the run whose histories are written to files, as [`View::drawn`], but by work instead of time.
     pub fn kept<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
         self.drawn_by(group, |r| r.force_evaluations as f64)
     }
@@ -279,8 +279,8 @@ impl<'a> View<'a> {
     }
 }
 
-/// The metric that errors against a reference are told in where `metric` is the study's: that of the integrator against
-/// the model's own converged solution, where the record has it.
+/// Returns the metric of errors against a reference, where `metric` is the study's: against the model's own converged
+/// solution it is the metric of integration errors, if the record has it.
 pub fn metric_against(results: &Results, id: &str, metric: Metric) -> Metric {
     let own = metric.of_integration();
     let known = |r: &Run| r.against(id).is_some_and(|m| m.get(own).is_some());

@@ -9,7 +9,7 @@ pub const TICK_SIZE: f64 = 12.5;
 /// Font size of axis names and legends.
 pub const NAME_SIZE: f64 = 13.5;
 
-/// Magnitudes beyond which a chart shows a value at its edge: decades, spans and scales of the page stay numbers.
+/// Largest magnitude on a chart: larger values are drawn at the edge, so that decades, spans and scales stay finite.
 const GREATEST: f64 = 1e100;
 const LEAST: f64 = 1e-100;
 
@@ -191,7 +191,7 @@ fn power_of_ten(x: f64) -> String {
 
 /// A plot on the page with its two axes.
 pub struct Frame {
-    /// Where it lies on the page.
+    /// Area of the plot on the page.
     pub area: Rect,
     pub x: Axis,
     pub y: Axis,
@@ -221,7 +221,7 @@ impl Frame {
         c.text(name, at, Type::new(NAME_SIZE, Anchor::Middle));
     }
 
-    /// Grid, tick labels, names and edge. `x_labels` is off for panels that share the axis below.
+    /// Paints grid, tick labels, names and edge. `x_labels` is off for panels that share the axis below.
     pub fn paint(&self, c: &mut Canvas<'_>, x_name: &str, y_name: &str, x_labels: bool) {
         let ticks = self.x.ticks((self.area.width() / 85.0) as usize);
         let ticks: Vec<(f64, String)> = (ticks.iter())
@@ -300,7 +300,7 @@ mod tests {
         assert_eq!(nice_step(0.031), 0.05);
     }
 
-    /// An axis is in one notation: never 1e-5 beside 0.001.
+    /// All tick labels of an axis have the same notation: never 1e-5 next to 0.001.
     #[test]
     fn ticks_of_an_axis_are_in_one_notation() {
         let labels = |ticks: &[f64], log| -> Vec<String> {

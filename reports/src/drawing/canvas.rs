@@ -11,13 +11,13 @@ use plotters::prelude::{DrawingBackend, FontTransform, RGBColor, SVGBackend, Sha
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, IntoFont};
 
-/// Drawn units per unit of the page.
+/// Units of the SVG backend per unit of the page.
 const SCALE: f64 = 10.0;
 
 /// Points of long lines closer than this to what is left are left out.
 const FINE: f64 = 0.12;
 
-/// Where text stands relative to its point.
+/// Alignment of a text relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anchor {
     /// Begins at the point.
@@ -227,7 +227,7 @@ impl Canvas<'_> {
         );
     }
 
-    /// Many rectangles of one colour as one element, under all that is drawn otherwise, edge to edge.
+    /// Fills many rectangles of one colour as one element beneath all other drawings, without gaps.
     pub fn cells(&mut self, cells: &[Rect], Ink(r, g, b, _): Ink) {
         let mut path = String::new();
         for cell in cells {
@@ -254,7 +254,7 @@ impl Canvas<'_> {
         self.line(&corners, stroke);
     }
 
-    /// The ground on which failed runs stand.
+    /// Paints the background of the strip of failed runs.
     pub fn edge_of_failures(&mut self, r: &Rect) {
         self.fill(r, Ink::FAILED_GROUND);
         self.frame(r, Stroke::new(Ink::PALE, 1.0));

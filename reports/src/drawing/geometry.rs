@@ -1,4 +1,4 @@
-//! Rectangles on the page or in data, and what of lines and polygons lies inside.
+//! Rectangles on the page or in data, and clipping of lines and polygons to them.
 
 /// A rectangle: left, top, right, bottom, on the page or in data (then top > bottom).
 #[derive(Clone, Copy, Debug, PartialEq)]

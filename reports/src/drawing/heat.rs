@@ -1,5 +1,5 @@
-//! Heat maps: cells in colours that run evenly in lightness from dark to light (viridis, S. van der Walt and N. Smith, 2015), so
-//! that they are read without seeing colour, and the bar that says what they mean.
+//! Heat maps with their colour bar; the colours increase evenly in lightness (viridis, S. van der Walt and N. Smith,
+//! 2015), so that they can be read without colour vision.
 
 use super::axis::{Axis, Frame, NAME_SIZE, TICK_SIZE, tick_label};
 use super::canvas::{Anchor, Canvas, Ink, Stroke, Type};
@@ -43,7 +43,7 @@ fn of_level(level: usize) -> Ink {
     colour(level as f64 / (LEVELS - 1) as f64)
 }
 
-/// Edges of cells around values: half way between neighbours.
+/// Returns the edges of the cells around values: midpoints between neighbours.
 fn edges(x: &[f64]) -> Vec<f64> {
     let n = x.len();
     if n < 2 {
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
     use crate::drawing::canvas::draw;
 
-    /// A large value among small ones stands in its place in the lightest colour; equal neighbours are one cell.
+    /// A single large value has the lightest colour in its own place; equal neighbours are merged to one cell.
     #[test]
     fn a_cell_has_the_colour_of_its_value() {
         let scale = Axis::decades(1e-3, 1.0);

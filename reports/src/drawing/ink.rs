@@ -1,4 +1,4 @@
-//! Colours by day, and what they become on a dark page.
+//! Colours of charts on a light page, and their counterparts on a dark one.
 
 /// A colour with opacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,11 +14,11 @@ impl Ink {
     pub const GRID: Self = Self(0xe4, 0xe7, 0xea, 1.0);
     pub const WHITE: Self = Self(0xff, 0xff, 0xff, 1.0);
     pub const FAIL: Self = Self(0x8c, 0x1d, 0x18, 1.0);
-    /// Ground on which failures stand.
+    /// Background of failed runs.
     pub const FAILED_GROUND: Self = Self(0xf7, 0xf3, 0xf2, 1.0);
     /// Text on coloured cells, by day and by night.
     pub const ON_CELL: Self = Self(0x14, 0x18, 0x1c, 1.0);
-    /// Bodies of two gears beside each other, and their edge.
+    /// Fill colours of two neighbouring gears, and the colour of their edge.
     pub const BODIES: [Self; 2] = [Self(0xdf, 0xe7, 0xef, 1.0), Self(0xf1, 0xea, 0xdf, 1.0)];
     pub const BODY_EDGE: Self = Self(0x4a, 0x55, 0x60, 1.0);
 

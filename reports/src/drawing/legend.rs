@@ -1,4 +1,4 @@
-//! Legends: entries side by side, in as many rows as they take.
+//! Legends of charts: entries in as few rows as the width allows.
 
 use super::axis::NAME_SIZE;
 use super::canvas::{Anchor, Canvas, Stroke, Type, text_width};

@@ -33,7 +33,7 @@ pub struct Chart {
     pub file: String,
     /// Heading of the chart.
     pub title: String,
-    /// How to read it, in plain text.
+    /// Caption in plain text: how to read the chart.
     pub caption: String,
     /// Text of the SVG document.
     pub svg: String,

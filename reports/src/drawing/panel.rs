@@ -1,4 +1,4 @@
-//! Panels of curves, one above the other under one legend: lines, points, limits, marks and failures.
+//! Panels of curves under one legend: lines, points, limits, marks and failures.
 
 use super::Chart;
 use super::axis::{Axis, Frame, TICK_SIZE, tick_label};
@@ -15,14 +15,14 @@ pub const WIDTH: f64 = 860.0;
 pub const LEFT: f64 = 78.0;
 /// Space at the right.
 pub const RIGHT: f64 = 16.0;
-/// Height of the strip above a panel in which failures stand.
+/// Height of the strip of failed runs above a panel.
 const STRIP: f64 = 22.0;
 /// Between panels, and below one with names under its abscissa.
 const GAP: f64 = 14.0;
 const NAMES: f64 = 52.0;
 /// Extremes of a long history are kept in so many parts of a panel.
 const BUCKETS: usize = 700;
-/// A line without points of its own carries the marker of its model at about this distance, and models take turns.
+/// Approximate distance between the markers of its model on a line without points of its own; models alternate.
 const SPACING: f64 = 150.0;
 /// Height of the line of text above a panel.
 const ABOVE: f64 = 17.0;
@@ -30,9 +30,9 @@ const ABOVE: f64 = 17.0;
 /// Points of one variant, and the line through them.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// The line; none leaves the points alone.
+    /// Stroke of the line; `None` draws the points alone.
     pub stroke: Option<Stroke>,
-    /// Look, radius and filling of the markers; none leaves the line alone.
+    /// Look, radius and filling of the markers; `None` draws the line alone.
     pub marker: Option<(Look, f64, bool)>,
     /// Points, ascending in the abscissa.
     pub points: Vec<(f64, f64)>,
@@ -40,7 +40,7 @@ pub struct Curve {
     pub failed: Vec<f64>,
     /// Colour of their crosses.
     pub ink: Ink,
-    /// Place of the model whose markers stand along the line.
+    /// Place of the model whose markers are drawn along the line.
     pub along: Option<usize>,
 }
 
@@ -69,7 +69,7 @@ impl Curve {
         }
     }
 
-    /// Markers joined by a line in the look of their variant.
+    /// Makes a curve of markers joined by a line in the look of their variant.
     pub fn joined(look: Look, width: f64, radius: f64, points: Vec<(f64, f64)>) -> Self {
         Self {
             stroke: Some(Stroke::dashed(look.ink, width, look.dash)),
@@ -112,9 +112,9 @@ pub struct Panel {
     /// Height of the plot.
     pub height: f64,
     pub x: Axis,
-    /// Its ticks; empty takes those of the axis.
+    /// Ticks of the abscissa; empty for those of the axis.
     pub x_ticks: Vec<(f64, String)>,
-    /// Its name, when this panel shows it.
+    /// Name of the abscissa, if this panel shows it.
     pub x_name: Option<String>,
     /// Ordinate; taken from the points when absent.
     pub y: Option<Axis>,

@@ -31,7 +31,8 @@ pub fn key_height(names: &[(&str, usize)]) -> f64 {
     8.0 + 20.0 * (key_places(names).last().map_or(0, |p| p.1) + 1) as f64
 }
 
-/// Models by colour and marker, in the order of their styles; `methods` adds what filling says of integrators.
+/// Paints the key of models by colour and marker, in the order of their styles; `methods` adds the meaning of filled
+/// markers.
 pub fn key(c: &mut Canvas<'_>, names: &[(&str, usize)], methods: bool) {
     let places = key_places(names);
     for ((name, style), (x, row)) in names.iter().zip(&places) {
@@ -97,7 +98,8 @@ pub fn failures_height(failed: usize) -> f64 {
     }
 }
 
-/// Failed runs with their colours, on an edge of their own that ends above `bottom`; `rest` says where the others stand.
+/// Paints failed runs with their colours in a strip that ends above `bottom`; `rest` names the place of those that do
+/// not fit.
 pub fn failures(c: &mut Canvas<'_>, failed: &[(Ink, String)], bottom: f64, rest: &str) {
     if failed.is_empty() {
         return;

@@ -8,7 +8,7 @@
 use super::canvas::{Canvas, Ink, Stroke};
 use maud::{Markup, html};
 
-/// Look of one model.
+/// Colour, dash pattern and marker of one model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     pub ink: Ink,
@@ -55,7 +55,7 @@ const SHAPES: [(Marker, &[f64]); 8] = [
     (Marker::Hourglass, &[14.0, 3.0, 5.0, 3.0]),
 ];
 
-/// The look of the model with this place in the order of appearance: the first 64 differ.
+/// Returns the look of the model with this place in the order of appearance; the first 64 differ.
 pub fn look(style: usize) -> Look {
     let n = SHAPES.len();
     let (marker, dash) = SHAPES[style % n];
@@ -104,7 +104,7 @@ pub fn reference_stroke() -> Stroke {
     Stroke::new(Ink::DARK.opacity(0.82), 3.2)
 }
 
-/// The look of measured points.
+/// Returns the look of measured points.
 pub fn reference_look() -> Look {
     Look {
         ink: Ink::DARK,
@@ -196,8 +196,8 @@ pub fn cross(c: &mut Canvas<'_>, at: (f64, f64), r: f64, ink: Ink) {
 mod tests {
     use super::*;
 
-    /// Any two models that a chart can show together differ in marker and in dash, whatever their colours; with more
-    /// models than markers no two share both.
+    /// Any two models of a chart differ in marker and in dash, whatever their colours; with more models than markers no
+    /// two share both.
     #[test]
     fn models_differ_in_shape() {
         for a in 0..8 {

@@ -22,7 +22,7 @@ pub fn section(heading: &str, content: impl Render) -> Markup {
     html! { section { h2 { (heading) } (content) } }
 }
 
-/// A section that a reader in a hurry looks at.
+/// Renders a section that belongs to the short version of the page.
 pub fn glance(heading: &str, content: impl Render) -> Markup {
     html! { section.glance { h2 { (heading) } (content) } }
 }
@@ -75,7 +75,7 @@ pub fn prose(text: &str) -> Markup {
     html! { @for (i, part) in parts { @if i % 2 == 1 { code { (part) } } @else { (part) } } }
 }
 
-/// How many runs of a record failed, for the end of a sentence.
+/// Returns the clause on the number of failed runs of a record, for the end of a sentence.
 pub fn failed_of(results: &Results) -> String {
     let failed = results.runs.iter().filter(|r| r.status.is_failure());
     match (failed.count(), results.runs.len()) {
@@ -87,7 +87,7 @@ pub fn failed_of(results: &Results) -> String {
     }
 }
 
-/// How many runs failed, and how many of the others are inaccurate.
+/// Returns the clause on the numbers of failed and of inaccurate runs.
 pub fn short_of(results: &Results) -> String {
     let inaccurate = |r: &&Run| r.status == Status::Inaccurate;
     match results.runs.iter().filter(inaccurate).count() {
@@ -96,7 +96,7 @@ pub fn short_of(results: &Results) -> String {
     }
 }
 
-/// The page of a record with what its study says.
+/// Returns the HTML page of a record with the report of its study.
 pub fn page(results: &Results, report: &StudyReport) -> String {
     let name = if results.header.title.is_empty() {
         &results.header.scene
@@ -160,7 +160,7 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
         .collect()
 }
 
-/// The setting that says what a model is: its key has the model's label as scenes write it.
+/// Returns the setting that describes a model: its key contains the model's label as scenes write it.
 fn setting_of<'r>(results: &'r Results, label: &str) -> Option<(&'r String, &'r String)> {
     let key = format!("model {}", label.replace(", ", "-"));
     let found = results.settings.iter().find(|(k, _)| *k == key);

@@ -16,7 +16,7 @@ pub fn all(view: &View<'_>) -> Markup {
     html! { (metrics(view)) (work(view)) (ledger(view)) (failures(view)) }
 }
 
-/// All runs in the order of the groups.
+/// Returns all runs in the order of the groups.
 pub fn rows<'v>(view: &'v View<'_>) -> Vec<Row<'v>> {
     let groups = view.groups.iter();
     groups
@@ -24,7 +24,7 @@ pub fn rows<'v>(view: &'v View<'_>) -> Vec<Row<'v>> {
         .collect()
 }
 
-/// How a run is shown.
+/// Returns the CSS class of a run's row.
 pub fn class(run: &Run) -> &'static str {
     match run.status {
         Status::Converged | Status::Unchecked => "",
@@ -38,7 +38,7 @@ pub fn modes(run: &Run) -> Option<String> {
     run.modes.map(|n| n.to_string())
 }
 
-/// A table of runs by model that begins with what tells them apart.
+/// Returns a table of runs by model whose first columns identify the run.
 fn identified<'r>(rows: &'r [Row<'r>]) -> Table<'r, Row<'r>> {
     Table::of(rows)
         .grouped(|(_, label, style)| ((*label).into(), *style))

@@ -19,9 +19,9 @@ pub struct Table<'r, R> {
     classes: Vec<&'static str>,
 }
 
-/// Rows from which on a table opens on demand: the page is to be read, the CSV holds the data.
+/// Number of rows from which on a table is folded; all data are in the CSV files.
 const LONG: usize = 60;
-/// Part of the largest magnitude of a column below which a number of it is rounding.
+/// Fraction of the largest magnitude of a column below which a number is rounding error.
 const NOTHING: f64 = 1e-9;
 
 impl<'r, R> Table<'r, R> {
@@ -35,7 +35,7 @@ impl<'r, R> Table<'r, R> {
         }
     }
 
-    /// Neighbours of one label stand under it as a heading, beside the colour of that place.
+    /// Groups adjacent rows of one label under a heading with the colour of its style.
     pub fn grouped(mut self, group: impl Fn(&R) -> (String, usize)) -> Self {
         self.groups = self.rows.iter().map(|r| Some(group(r))).collect();
         self
@@ -70,12 +70,12 @@ impl<'r, R> Table<'r, R> {
         self
     }
 
-    /// The last column says which row it is.
+    /// Ranks the last column as one that identifies the row.
     pub fn key(self) -> Self {
         self.ranked(Rank::Key)
     }
 
-    /// The last column answers the question of the table.
+    /// Ranks the last column as the result of the table.
     pub fn result(self) -> Self {
         self.ranked(Rank::Result)
     }
@@ -90,7 +90,7 @@ impl<'r, R> Table<'r, R> {
         self.rows.iter().map(finite).collect()
     }
 
-    /// Text, left-aligned; nothing where it is empty.
+    /// Adds a column of left-aligned text; cells of empty text stay empty.
     pub fn text<T: Into<Option<String>>>(self, heading: &str, cell: impl Fn(&R) -> T) -> Self {
         let cells = self.cells(cell);
         self.column(heading, "", true, cells)
@@ -210,7 +210,7 @@ fn common_prefix(values: impl Iterator<Item = f64>, unit: &str) -> Prefix {
 }
 
 impl<R> Table<'_, R> {
-    /// The tables that the columns stand in, the one at a glance first.
+    /// Returns the columns of each part of the table, the part at a glance first.
     fn parts(&self) -> Vec<Vec<&Column>> {
         let any = |c: &&Column| c.cells.iter().any(Option::is_some);
         let shown: Vec<&Column> = self.columns.iter().filter(any).collect();
@@ -271,7 +271,7 @@ impl<R> Table<'_, R> {
     }
 }
 
-/// A cell; on a narrow screen its heading stands beside it, and nothing where it is empty.
+/// Renders a cell; on a narrow screen its heading is next to it, and an empty cell is left out.
 fn cell(c: &Column, row: usize) -> Markup {
     let text = c.cells[row].as_deref();
     let label = match c.unit.as_str() {
@@ -317,8 +317,8 @@ impl<R> Render for Table<'_, R> {
 mod tests {
     use super::*;
 
-    /// However many details there are: keys and results stand at a glance, every column somewhere, nothing is wider than
-    /// the page.
+    /// For any number of details, keys and results are in the table at a glance, every column is in some part, and no
+    /// part is wider than the page.
     #[test]
     fn results_stand_at_a_glance_and_nothing_is_wider_than_the_page() {
         let rows = ["dopri5", "generalised-alpha(rho_inf=0.8)"];

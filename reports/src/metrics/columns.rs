@@ -15,7 +15,7 @@ use super::{TRANSMISSION_ERROR, larger};
 use crate::record::finite;
 use crate::series::TimeSeries;
 
-/// A column of angles of a hub, or of the way of a rack.
+/// True if the column is an angle of a hub, or the displacement of a rack.
 pub(super) fn is_angle(name: &str) -> bool {
     name.starts_with("hub_angle_") || name.starts_with("hub_displacement_")
 }

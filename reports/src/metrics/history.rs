@@ -1,4 +1,4 @@
-//! A force history as metrics take it: peak, impulse, duration, and how far two of them are apart.
+//! A force history as the metrics use it: peak, impulse, duration, and the distance between two histories.
 
 use crate::force::{ForceHistory, Piece, gauss, minimum};
 use crate::series::TimeSeries;
@@ -133,7 +133,7 @@ impl<'a> Force<'a> {
 pub(super) enum Target<'a> {
     /// Pieces, up to an end \[s\].
     Pieces { force: Force<'a>, end: f64 },
-    /// Samples, and nothing is known between them: times, forces, weights of the trapezoidal rule.
+    /// Times, forces and trapezoidal weights of samples; between samples the force is unknown.
     Samples {
         t: &'a [f64],
         y: &'a [f64],
@@ -166,7 +166,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// The last time at which it says anything \[s\].
+    /// Returns the last time at which the force is known \[s\].
     pub fn end(&self) -> f64 {
         match self {
             Self::Pieces { end, .. } => *end,
@@ -182,7 +182,8 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// How far a run, moved by `shift`, is from it: over the union of all pieces, or at its own times.
+    /// Computes the distance between the reference and a run moved by `shift`: over the union of all pieces, or at the
+    /// reference's own times.
     pub fn distance(&self, run: &Force<'_>, shift: f64) -> Distance {
         // Difference and reference: magnitudes, squares.
         let mut sums = [[0.0; 2]; 2];
@@ -231,7 +232,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// The shift that brings a run closest, and the distance then: a coarse scan about each guess (no shift, equal
+    /// Returns the shift with the least distance, and that distance: a coarse scan about each guess (no shift, equal
     /// centroids, equal peaks), then golden section.
     pub fn best_shift(&self, run: &Force<'_>) -> (f64, f64) {
         const SCAN: i32 = 32;

@@ -1,4 +1,4 @@
-//! The metrics there are, with what is said of them: the only place that knows their names.
+//! The list of metrics with their keys, names and units; no other module names them.
 
 use crate::words::words;
 
@@ -129,8 +129,9 @@ impl Metric {
         }
     }
 
-    /// The metric that tells the integrator's error where this one tells the model's: a force that jumps converges in
-    /// the L1 norm as its event times do, in the L2 norm as their square root (see [`crate::metrics`]).
+    /// Returns the metric for integration errors that corresponds to this metric for model errors. A force with jumps
+    /// converges in the L1 norm with the order of its event times, in the L2 norm with half of it (see
+    /// [`crate::metrics`]).
     #[must_use]
     pub fn of_integration(self) -> Self {
         match self {
@@ -151,7 +152,7 @@ impl Metric {
         self.facts().0
     }
 
-    /// In the head of a column: what the error is of.
+    /// Returns the name of the metric in the head of a column.
     pub fn short(self) -> String {
         let words = self.words();
         let what = words.strip_suffix(" error").unwrap_or(words);
@@ -170,7 +171,7 @@ impl Metric {
         joined.into_iter().fold(what.to_owned(), apart)
     }
 
-    /// SI unit; empty for ratios, which pages show in per cent.
+    /// Returns the SI unit; empty for ratios, which pages show in per cent.
     pub fn unit(self) -> &'static str {
         self.facts().1
     }
@@ -211,7 +212,7 @@ impl std::str::FromStr for Metric {
 mod tests {
     use super::*;
 
-    /// Keys are the fields of the record, in its order; keys and names lead back to their metric.
+    /// Keys are the fields of the record in its order, and keys and names can be parsed back to their metric.
     #[test]
     fn keys_are_the_fields_of_the_record() {
         use crate::record::Metrics;

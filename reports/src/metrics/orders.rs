@@ -1,6 +1,6 @@
-//! The transmission error by orders of the mesh cycle, without its mean, and without a shift.
+//! Transmission error by orders of the mesh cycle, independent of its mean and of its phase.
 //!
-//! Over the last whole mesh cycles that both sides have, with c the cycles that have passed,
+//! Over the last whole mesh cycles that both sides have, with c the number of elapsed cycles,
 //!
 //! ```text
 //! E_n = 2/N int e(c) exp(-2 pi i n c) dc          over N whole cycles, n = 1, 2, ..
@@ -49,7 +49,7 @@ impl Order {
     }
 }
 
-/// The values of a column that is known at all times.
+/// Returns the values of a column that has a finite value at all times.
 fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
     let values = series.column(name)?;
     (values.len() == series.time_s.len()).then_some(values)
@@ -126,7 +126,7 @@ impl OverCycles {
         ((until(last) - until(first)) as f64 / (last - first) / SAMPLES) as usize
     }
 
-    /// Samples between two cycles with both ends, which stand on the line between neighbours: cycles and errors.
+    /// Returns cycles and errors of the samples between two cycles, with both ends interpolated linearly.
     pub fn between(&self, [first, last]: [f64; 2]) -> (Vec<f64>, Vec<f64>) {
         let inner =
             self.cycle.partition_point(|&c| c <= first)..self.cycle.partition_point(|&c| c < last);

@@ -46,7 +46,7 @@ fn half_sine_has_its_closed_form() {
     close(m.omega2_end, -4000.0, 0.0);
 }
 
-/// Teeth that never touch: zero agrees with zero, and is no reference for anything else.
+/// Two forces of zero have zero error against each other, and a force of zero is no reference for any other.
 #[test]
 fn a_force_of_zero_agrees_with_zero() {
     let none = half_sine(1e-4, 1e-4, 0.0, 1e-7);
@@ -239,7 +239,7 @@ fn jumping(start: f64) -> TimeSeries {
     s
 }
 
-/// An event that comes d late misplaces 2 d of the impulse: the L1 norm is that, the L2 norm its square root.
+/// An event that is late by d misplaces 2 d of the impulse: the L1 error is that, the L2 error its square root.
 #[test]
 fn a_late_jump_costs_its_delay() {
     let reference = jumping(0.6);

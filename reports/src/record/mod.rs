@@ -1,9 +1,9 @@
-//! The versioned result records: everything a report needs and nothing it could compute itself.
+//! The versioned result records: all data of a report that it cannot compute itself.
 //!
-//! The JSON keys of [`Results`], [`Run`] and [`Metrics`] are a public format (`"schema": 1`): a key
-//! may be added (`docs/results.schema.json` has them all), never renamed or given another meaning without a new schema number. Quantities are
-//! in SI units, the unit stands at the end of the name. A quantity that was not measured, or is not
-//! finite, is absent: use [`finite`].
+//! The JSON keys of [`Results`], [`Run`] and [`Metrics`] are a public format (`"schema": 1`). A key may be added
+//! (`docs/results.schema.json` lists them all), but never renamed or given another meaning without a new schema number.
+//! Quantities are in SI units, and the name of a key ends in its unit. A quantity that was not measured, or is not
+//! finite, is absent: see [`finite`].
 
 pub(crate) mod checks;
 mod mesh_force;
@@ -75,7 +75,7 @@ pub struct StudyHeader {
     pub schema: u32,
     /// Name of the scene.
     pub scene: String,
-    /// One line that tells a reader what is simulated.
+    /// One line that describes the simulation.
     #[serde(default)]
     pub title: String,
     /// Command line that makes the record again.
@@ -118,7 +118,7 @@ pub struct Results {
     /// Tolerance of the scene; absent where it states none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<Tolerance>,
-    /// Independent references; the first is the one the charts show as the dark line.
+    /// Independent references; charts show the first one as the dark line.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<ReferenceSeries>,
     /// Measured curves that the tables of the study are compared with.
@@ -157,7 +157,7 @@ pub struct Machine {
     /// Build profile, such as `release`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<String>,
-    /// Whatever else bears on the times, for example that other work ran beside.
+    /// Remark on other influences on the times, for example further load on the machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -186,7 +186,7 @@ pub struct ReferenceSeries {
     /// Name for legends, such as `CalculiX 2.20, C3D8`.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub title: String,
-    /// Where the data come from: program, deck, file.
+    /// Origin of the data: program, deck, file.
     pub source: String,
     /// Remark on the reference that its reader needs to judge it.
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -211,7 +211,7 @@ pub struct ReferenceSeries {
 }
 
 impl ReferenceSeries {
-    /// All its data, those with the contact force first.
+    /// Returns all series of the reference, the one with the contact force first.
     pub fn all_series(&self) -> Vec<&TimeSeries> {
         std::iter::once(&self.series).chain(&self.further).collect()
     }
@@ -342,7 +342,7 @@ impl Metrics {
     }
 }
 
-/// Where energy and impulse went. Balance: `energy_end = energy_start + external_work - dissipated + jumps + residual`.
+/// Ledger of energy and impulse, with `energy_end = energy_start + external_work - dissipated + jumps + residual`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Ledger {
@@ -376,8 +376,8 @@ pub struct Ledger {
     /// The residual over the largest energy in the ledger [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub residual_rel: Option<f64>,
-    /// Energy that a growth of energy is compared with \[J\]: the largest sum of strain energy, contact energy and
-    /// kinetic energy of the gears against each other, and the energy that passed through contacts.
+    /// Energy that energy growth is compared with \[J\]: the largest sum of strain energy, contact energy and
+    /// vibrational kinetic energy of the gears, plus the energy that passed through contacts.
     #[serde(skip_serializing_if = "not_a_number")]
     pub vibrating_j: Option<f64>,
     /// Impulse of the contact force along the line of action [N s].
@@ -422,7 +422,7 @@ mod ordered_map {
 mod tests {
     use super::*;
 
-    /// Records of former versions have columns that nothing fills any more.
+    /// Records of former versions may have columns that are no longer in use.
     #[test]
     fn ledgers_of_older_records_are_read() {
         let text = r#"{"energy_start_j": 2.0, "parametric_work_j": 0.0, "dissipated_j": 0.5}"#;

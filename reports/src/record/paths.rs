@@ -1,4 +1,4 @@
-//! Where torque and power go in a train: through meshes, shafts and bearings, into and out of members; how planets share.
+//! The record of torque paths in a train: meshes, shafts, bearings, loads and drives, and load sharing of planets.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,10 +10,10 @@ pub struct TorquePaths {
     pub from_s: f64,
     /// End of the interval of the means [s].
     pub to_s: f64,
-    /// How far the run is from settled [-]: the largest relative change between both halves of that time of the mean torque of
-    /// a mesh, or the power that speeds members up over the input.
+    /// Measure of the distance from a settled state [-]: the largest relative change of a mesh's mean torque between
+    /// both halves of the interval, or the power that accelerates members over the input power.
     pub change_rel: f64,
-    /// Mean power of the loads and drives that put power in [W].
+    /// Mean power of the loads and drives that supply power [W].
     pub input_w: f64,
     /// Meshes in the order of the scene.
     pub meshes: Vec<MeshPath>,
@@ -22,18 +22,19 @@ pub struct TorquePaths {
     /// Shafts between neighbouring stations.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shafts: Vec<ShaftPath>,
-    /// How planets share the load of a gear that they all mesh with.
+    /// Load sharing of planets at each gear that they all mesh with.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sharing: Vec<Sharing>,
-    /// Work of all loads and drives that put energy in, over the whole run [J].
+    /// Work of all loads and drives that supply energy, over the whole run [J].
     pub work_in_j: f64,
-    /// Work of those that take energy out [J].
+    /// Work of all loads and drives that absorb energy, over the whole run [J].
     pub work_out_j: f64,
     /// Energy dissipated by damping and friction over the whole run [J].
     pub dissipated_j: f64,
     /// Increase of the scene's kinetic, strain and contact energy over the whole run [J].
     pub stored_j: f64,
-    /// In less out, dissipated and stored [J]: what the integration made up or lost, and what sums over the grid leave.
+    /// Unexplained energy [J]: `work_in_j` less work out, dissipated and stored energy, by errors of the integration
+    /// and of the sums over the grid.
     pub unexplained_j: f64,
 }
 
@@ -47,7 +48,8 @@ pub struct MeshPath {
     pub force_n: f64,
     /// Mean torques on both gears about their axes [N m]; of a rack the force along its slide [N].
     pub torque_nm: [f64; 2],
-    /// Mean power that the first gear gives (below zero: gets), of a planet its mate, in space [W].
+    /// Mean power that the first gear (of a planet and its mate, the planet) delivers in space, negative if it receives
+    /// power [W].
     pub power_w: f64,
     /// Magnitude of that power over the input power [-].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -55,7 +57,7 @@ pub struct MeshPath {
     /// Mean power from gear to gear as the carrier of a planetary set sees it [W].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolling_w: Option<f64>,
-    /// Mean power that its contacts take: damping, friction, and what they store [W].
+    /// Mean power lost in the contacts: damping, friction, and change of stored energy [W].
     pub loss_w: f64,
 }
 
@@ -89,11 +91,11 @@ pub struct ShaftPath {
     pub between: [String; 2],
     /// Mean torque that the first exerts on the second [N m].
     pub torque_nm: f64,
-    /// Mean power that goes over [W].
+    /// Mean power through the shaft [W].
     pub power_w: f64,
 }
 
-/// How the planets of a carrier share the load of a gear.
+/// Load sharing of the planets of a carrier at one gear.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Sharing {

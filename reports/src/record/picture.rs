@@ -1,4 +1,4 @@
-//! Records for pictures: outlines and contacts in world coordinates.
+//! The record of pictures: outlines, contacts and flank loads in world coordinates.
 
 use super::checks::{each, same_length};
 use serde::{Deserialize, Serialize};
@@ -72,7 +72,7 @@ pub struct ContactPoint {
     /// Hertz's pressure in its middle, of a line between flanks on half-spaces \[Pa\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_pa: Option<f64>,
-    /// Half its width \[m\].
+    /// Half width of the contact \[m\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub half_width_m: Option<f64>,
 }
@@ -85,7 +85,7 @@ pub struct DeformedSection {
     pub gear: String,
     /// The tooth, counted from 1.
     pub tooth: i64,
-    /// Side of it, `left` or `right`.
+    /// Side of the tooth, `left` or `right`.
     pub side: String,
     /// Positions of the nodes under the rigid motion alone \[m\].
     pub points: Vec<[f64; 2]>,
@@ -145,12 +145,12 @@ pub struct FlankPatch {
     pub value: f64,
 }
 
-/// Values over a flank: rows from the form circle to the tip at equal steps of the length of roll, columns from the lower to
-/// the upper end of the face; 0 where nothing touched.
+/// Values over a flank: rows from the form circle to the tip at equal steps of the length of roll, columns from the
+/// lower to the upper end of the face; 0 without contact.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FlankGrid {
-    /// Instants that were looked at.
+    /// Number of instants of the run that were evaluated.
     pub instants: usize,
     /// Rows over the profile.
     pub rows: usize,

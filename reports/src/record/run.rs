@@ -1,4 +1,4 @@
-//! A run: one model under one integrator, what it cost, and how it ended.
+//! The record of a run: one model under one integrator, with cost, status and results.
 
 use super::{
     ContactSnapshot, Ledger, MeshForce, Metrics, Steady, TorquePaths, is_not_finite, nan,
@@ -13,16 +13,16 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 words! {
-    /// How a run ended. All but those that hold are drawn as what they are.
+    /// Status at the end of a run. Charts draw failed runs by their status.
     pub enum Status {
-        /// Reached the end, and a comparison shows an error within the tolerance.
+        /// The run reached its end, and a comparison shows an error within the tolerance.
         #[default]
         Converged = "converged",
-        /// Reached the end with a sound energy balance, but was not judged: nothing shows its error.
+        /// The run reached its end with a sound energy balance, but no comparison shows its error.
         Unchecked = "unchecked",
         /// Reached the end beyond the tolerance.
         Inaccurate = "inaccurate",
-        /// The energy ledger gained what nothing put in.
+        /// The energy ledger grew by more than loads and drives supplied.
         EnergyGrowth = "energy growth",
         /// Contact opened and closed without end.
         Chatter = "chatter",
@@ -38,7 +38,7 @@ words! {
         AdhesiveForce = "adhesive force",
         /// The run was stopped for taking too long.
         Timeout = "timeout",
-        /// The model cannot run the scene, or would take more memory than it may: nothing was run.
+        /// The model cannot run the scene, or would exceed the memory limit: the run was not started.
         Refused = "refused",
         /// The program itself failed in the run.
         Aborted = "aborted",
@@ -83,7 +83,7 @@ pub struct Run {
     pub rtol: Option<f64>,
     /// Status of the run.
     pub status: Status,
-    /// Why it did not converge: when, and how much; or what to know of a run that did.
+    /// Reason why the run did not converge, with time and amount; or a remark on a run that did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
     /// Wall time, the median of the repeats \[s\].
@@ -104,7 +104,7 @@ pub struct Run {
     /// Simulated time reached \[s\].
     #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
     pub simulated_s: f64,
-    /// Time that it was to reach \[s\]; known while a study runs, a record has the metrics.
+    /// Time that the run should reach \[s\]; it exists while a study runs and is not in records.
     #[serde(skip)]
     pub end_s: Option<f64>,
     /// Number of accepted steps.
@@ -132,7 +132,7 @@ pub struct Run {
     /// Parameters by gear (`contact A - B` for a mesh) and key, in SI units: numbers as numbers.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, BTreeMap<String, serde_json::Value>>,
-    /// Dynamic modes of the gear that has most of them (elastic model).
+    /// Largest number of dynamic modes of a gear (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,
     /// Dynamic modes of each gear in the order of the scene, 0 of a gear that has none (elastic model).
@@ -141,7 +141,7 @@ pub struct Run {
     /// True if the truncated modes are kept as residual compliance (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<bool>,
-    /// How its modes were chosen, `flank-compliance` or `frequency` (elastic model).
+    /// Criterion by which the modes were chosen, `flank-compliance` or `frequency` (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub choose: Option<String>,
     /// Highest frequency among its modes \[Hz\] (elastic model).
@@ -150,7 +150,7 @@ pub struct Run {
     /// Penalty of its contact \[Pa/m\] (study of penalties).
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub penalty_pa_per_m: Option<f64>,
-    /// Its contact is hard, without a penalty (study of penalties).
+    /// True if the contact is hard, without a penalty (study of penalties).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hard: Option<bool>,
     /// Mean static transmission error over one base pitch under the load of the study \[m\].
@@ -168,8 +168,8 @@ pub struct Run {
     /// Name of the run in charts, where it stands out among others of its variant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mark: Option<String>,
-    /// The model's own converged solution that its metrics against `self` are measured against; absent where there is
-    /// none that is ten times finer than the run.
+    /// The model's own converged solution that the metrics against `self` refer to; absent unless it is ten times finer
+    /// than the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub own_solution: Option<OwnSolution>,
     /// One entry per reference the run is compared with.
@@ -178,7 +178,7 @@ pub struct Run {
     /// Energy and impulse ledger.
     #[serde(default)]
     pub ledger: Ledger,
-    /// Where torque and power go, of trains and shafts.
+    /// Paths of torque and power, of trains and shafts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paths: Option<TorquePaths>,
     /// The contact force of each mesh, of scenes with several.
@@ -190,7 +190,8 @@ pub struct Run {
     /// Recorded histories of the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<TimeSeries>,
-    /// The histories whole, for files of their own: known while a study runs and in its journal, not kept in records.
+    /// Histories at full resolution, for files of their own; they exist while a study runs and in its journal, not in
+    /// records.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub histories: Option<Histories>,
     /// The mesh at peak force.
@@ -198,7 +199,7 @@ pub struct Run {
     pub contacts: Option<ContactSnapshot>,
 }
 
-/// How a model's own converged solution was computed.
+/// Method, step and tolerance of a model's own converged solution.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OwnSolution {
     /// Id of the integrator.
@@ -236,8 +237,7 @@ impl fmt::Display for OwnSolution {
 }
 
 impl Run {
-    /// A run, so far without anything but its name, of a model that goes by a label: the variant is the label without
-    /// the model's id in front.
+    /// Makes a run with model and variant alone: the variant is the label without the model's id in front.
     pub fn called(label: &str, model: &str) -> Run {
         let rest = (label.strip_prefix(model)).and_then(|rest| rest.strip_prefix('-'));
         Run {

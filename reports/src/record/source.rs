@@ -13,7 +13,7 @@ pub struct Source {
     pub name: String,
     /// Text of the scene file.
     pub scene: String,
-    /// Constants that models took from calibrations: text of a calibration file by the scene that they were fitted in.
+    /// Texts of the calibration files that models used, by the scene that their constants were fitted in.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub calibrations: BTreeMap<String, String>,
     /// Hash (FNV-1a, 128 bits) of every file that was read, by path: decks, meshes, stored reductions, tables of references.

@@ -7,7 +7,7 @@ use crate::numbers::quantity;
 use crate::record::{MeshMode, damping_differs, damping_to_text};
 use maud::{Markup, html};
 
-/// The section of a page; nothing where there are none.
+/// Returns the section of the page; empty if the record has no mesh modes.
 pub fn tables(all: &[MeshMode]) -> Markup {
     if all.is_empty() {
         return Markup::default();

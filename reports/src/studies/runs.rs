@@ -1,7 +1,7 @@
-//! `runs.csv` of every study: a row per run with all scalar quantities that the record has of it.
+//! The table `runs.csv` of every study: a row per run with all its scalar quantities.
 //!
-//! Studies whose runs stand in the record as such share the columns below. Of the others (cells of a map, candidates,
-//! modes, fits) the rows are those of the first table of the study, under this name.
+//! Studies with runs in the record share the columns below. For the others (cells of a map, candidates, modes, fits)
+//! the file repeats the first table of the study.
 
 use super::sweep;
 use crate::csv_table::{CsvColumn, CsvTable, number, text};
@@ -101,7 +101,7 @@ const RESULTS: [(&str, Metric); 8] = [
     ("energy_drift_rel", Metric::EnergyDrift),
 ];
 
-/// All runs of a record with all their scalars; a column in which no run has a value is left out.
+/// Returns the table of all runs of a record with all their scalars; a column in which no run has a value is left out.
 fn table(results: &Results) -> CsvTable {
     fn of_run(r: &Run) -> Option<&Run> {
         Some(r)
@@ -158,7 +158,7 @@ fn table(results: &Results) -> CsvTable {
     }
 }
 
-/// `runs.csv` of a record whose study has written these tables; none where nothing was run.
+/// Returns `runs.csv` of a record whose study has written `tables`; `None` where nothing was run.
 pub fn of_study(results: &Results, tables: &[CsvTable]) -> Option<CsvTable> {
     match results.study() {
         Study::Compare

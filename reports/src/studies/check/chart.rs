@@ -1,4 +1,4 @@
-//! A quantity over all stored baselines.
+//! Chart of a quantity over all stored baselines.
 
 use super::CheckRecord;
 use crate::drawing::Chart;

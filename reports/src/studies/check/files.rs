@@ -1,11 +1,12 @@
-//! A check for other programs: a summary in Markdown for a pull request, JUnit XML for a CI server, CSV.
+//! Files of a regression check for other programs: summary in Markdown for a pull request, JUnit XML for a CI server,
+//! CSV.
 
 use super::{CheckRecord, Checked, CheckedValue, Finding, Verdict};
 use crate::csv_table::{CsvTable, exact, number};
 use crate::escape::markdown as markdown_text;
 use maud::{PreEscaped, html};
 
-/// Findings that the summary shows at most; the page has all.
+/// Largest number of findings in the summary; the page has all.
 const MOST: usize = 40;
 
 /// The summary in Markdown.

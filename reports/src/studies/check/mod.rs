@@ -1,8 +1,9 @@
-//! The regression check: what was measured, what of it differs from a stored baseline, and by how much it may.
+//! The regression check: measured quantities, their deviations from a stored baseline, and the allowed deviations.
 //!
-//! An **entry** is one scene under one model and one method. A **finding** is one quantity of an entry beside its baseline:
-//! metrics and counts of work gate; runtime, in units of a kernel that is timed beside it, gates where the check says so;
-//! parameters never gate and name what was changed. The verdict of the whole is that of its worst finding.
+//! An **entry** is one scene under one model and one method. A **finding** is one quantity of an entry compared with
+//! its baseline. Metrics and counts of work decide the verdict; runtime, in units of a kernel that is timed together
+//! with it, decides where the check states this; parameters never decide and name the changes. The verdict of the whole
+//! is that of its worst finding.
 
 mod chart;
 mod files;
@@ -21,7 +22,7 @@ use std::collections::BTreeMap;
 words! {
     /// Kind of the quantity of a finding.
     pub enum Kind {
-        /// How the run ended.
+        /// Status of the run.
         #[default]
         Status = "status",
         /// A metric of the run.
@@ -64,9 +65,9 @@ pub struct Measured {
     pub model: String,
     /// Method with its step or tolerance, such as `dopri5@1e-6`.
     pub method: String,
-    /// How the run ended.
+    /// Status of the run.
     pub status: Status,
-    /// Why it did not converge, where it did not.
+    /// Reason why the run did not converge, if it did not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
     /// Results by key, in SI units; errors against references as `force_l2@calculix`.
@@ -151,7 +152,7 @@ pub struct Finding {
     pub what: String,
     /// Value in the present run.
     pub now: CheckedValue,
-    /// Its value in the baseline.
+    /// Value in the baseline.
     pub before: CheckedValue,
     /// Change over the baseline [-], where both are numbers and the baseline is not zero.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -175,7 +176,7 @@ impl Finding {
         })
     }
 
-    /// In one line: `peak_force_n 3612.3, baseline 3599.1 (+0.37 %, allowed 1e-6 of it)`.
+    /// Returns the finding in one line: `peak_force_n 3612.3, baseline 3599.1 (+0.37 %, allowed 1e-6 of it)`.
     pub fn told(&self) -> String {
         let change = self.change.map_or(String::new(), |c| {
             format!("{}\u{a0}%, ", numbers::deviation(c, 3))
@@ -224,7 +225,7 @@ impl Checked {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Stored {
-    /// Its number, from 1.
+    /// Number of the baseline, from 1.
     pub baseline: u32,
     /// Commit of gearbench that stored it.
     pub commit: String,
@@ -247,14 +248,14 @@ pub struct Trend {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CheckRecord {
-    /// The file that says what is checked.
+    /// File that defines the check.
     pub file: String,
     /// Baseline that the entries are compared with.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stored: Option<Stored>,
     /// All entries of the check.
     pub entries: Vec<Checked>,
-    /// Quantity whose history is drawn.
+    /// Key of the quantity whose history is drawn.
     pub quantity: String,
     /// History of that quantity, one trend per entry.
     pub history: Vec<Trend>,

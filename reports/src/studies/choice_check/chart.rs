@@ -1,4 +1,4 @@
-//! Choices validated on random scenes: cost ratio, and error over tolerance, scene by scene.
+//! Chart of validated choices: cost ratio and error over tolerance, scene by scene.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
@@ -15,13 +15,13 @@ const MISSED: Look = Look {
     dash: &[],
     marker: Marker::Wedge,
 };
-/// Look of scenes in which nothing keeps the tolerance.
+/// Marker of scenes without any adequate candidate.
 const NONE: Look = Look {
     ink: Ink::GREY,
     dash: &[],
     marker: Marker::Diamond,
 };
-/// Cost ratio that the median is held against.
+/// Cost ratio that the median is compared with.
 const DEAR: f64 = 2.0;
 /// Ratios beyond which points lie on the edge of their panel.
 const ERRORS: [f64; 2] = [1e-3, 1e2];

@@ -1,4 +1,4 @@
-//! The table of validated choices.
+//! CSV table of validated choices, a row per scene.
 
 use super::ValidatedChoice;
 use crate::csv_table::{CsvTable, number, text};

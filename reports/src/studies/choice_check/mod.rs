@@ -1,4 +1,4 @@
-//! Choices of a model validated on random scenes, and what they come to together.
+//! The validation of model choices on random scenes.
 //!
 //! A scene is **met** when the chosen candidate keeps the tolerance against the reference over the whole scene, or when
 //! none was chosen and none of all that were tried keeps it. Its **cost ratio** is the time of the chosen candidate over
@@ -16,19 +16,19 @@ use crate::words::words;
 use serde::{Deserialize, Serialize};
 
 words! {
-    /// How a choice came out.
+    /// Outcome of a choice against the reference.
     pub enum Outcome {
         /// The chosen candidate keeps the tolerance.
         Adequate = "adequate",
         /// The chosen candidate exceeds the tolerance.
         Inadequate = "inadequate",
-        /// None was chosen, and none keeps the tolerance.
+        /// No candidate was chosen, and none keeps the tolerance.
         RightlyNone = "rightly none",
-        /// None was chosen, but there is one that keeps the tolerance.
+        /// No candidate was chosen, but at least one keeps the tolerance.
         WronglyNone = "wrongly none",
-        /// None was chosen, for the yardstick of the choice could not decide.
+        /// No candidate was chosen because the yardstick of the choice could not decide.
         NotDecided = "not decided",
-        /// There is no reference to validate against.
+        /// The scene has no reference to validate against.
         #[default]
         #[serde(alias = "not judged")]
         NotValidated = "not validated",
@@ -36,7 +36,7 @@ words! {
 }
 
 impl Outcome {
-    /// The choice did what was asked; one that could not decide, and a scene that could not be validated, did not.
+    /// True if the choice is correct. A choice that could not decide, and a scene without validation, are not met.
     #[must_use]
     pub fn is_met(self) -> bool {
         matches!(self, Outcome::Adequate | Outcome::RightlyNone)
@@ -65,7 +65,7 @@ pub struct TriedCandidate {
 pub struct ValidatedChoice {
     /// Name of the scene.
     pub scene: String,
-    /// Its number in the set.
+    /// Number of the scene in the set.
     pub number: usize,
     /// Kind of motion in the scene, the key by which scenes are grouped.
     pub kind: String,
@@ -73,7 +73,7 @@ pub struct ValidatedChoice {
     pub gears: String,
     /// Simulated time \[s\].
     pub duration_s: f64,
-    /// Metric that was asked for.
+    /// Metric of the requirement.
     pub metric: Metric,
     /// Largest error that is accurate enough [-].
     pub tolerance: f64,
@@ -103,48 +103,48 @@ pub struct ValidatedChoice {
     pub failed: usize,
     /// Candidates that were not run to the end, because they could not be the cheapest.
     pub cut_short: usize,
-    /// How the choice came out.
+    /// Outcome of the choice against the reference.
     pub outcome: Outcome,
     /// The candidate that was chosen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chosen: Option<String>,
-    /// Its error as the choice predicts it [-].
+    /// Error of the chosen candidate as predicted by the choice [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted_error: Option<f64>,
-    /// Its error [-].
+    /// Error of the chosen candidate against the reference [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
-    /// Its time as the choice predicts it \[s\].
+    /// Processor time of the chosen candidate as predicted by the choice \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted_cost_s: Option<f64>,
-    /// Its time on a processor \[s\].
+    /// Processor time of the chosen candidate \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cost_s: Option<f64>,
     /// The cheapest candidate that keeps the tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cheapest: Option<String>,
-    /// Its error [-].
+    /// Error of the cheapest adequate candidate [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cheapest_error: Option<f64>,
-    /// Its time, measured in turn with that of the choice \[s\].
+    /// Processor time of the cheapest adequate candidate, measured in turn with that of the choice \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cheapest_cost_s: Option<f64>,
     /// Least error of all candidates that were run to the end [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_error: Option<f64>,
-    /// Time that choosing took \[s\].
+    /// Time of the choice itself \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub choosing_s: Option<f64>,
-    /// Time of it that setting up the finer mesh took, caches as they were \[s\].
+    /// Part of that time for setting up the finer mesh, with the caches as they were \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refining_s: Option<f64>,
-    /// In which ways the choice says that the scene lies outside of what it has been checked on.
+    /// Properties of the scene outside of the range in which choices have been validated, as the choice states them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<String>,
-    /// Why it could not be validated, or there is no answer.
+    /// Reason why the scene could not be validated, or why there is no choice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
-    /// All candidates; left out of records that are kept.
+    /// All candidates; left out of stored records.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tried: Vec<TriedCandidate>,
 }
@@ -169,7 +169,7 @@ impl ValidatedChoice {
         over(self.predicted_error?, self.error?)
     }
 
-    /// Why a scene was missed, in words.
+    /// Returns the reason why a scene was missed, in words.
     #[must_use]
     pub fn why_missed(&self) -> String {
         let percent =
@@ -209,7 +209,7 @@ pub struct Share {
     pub scenes: usize,
     /// Scenes that are met.
     pub met: usize,
-    /// Scenes among them in which nothing keeps the tolerance, as the choice said.
+    /// Number of these scenes without any adequate candidate, as the choice stated.
     pub rightly_none: usize,
     /// Quartiles and 90 % point of the cost ratios.
     pub cost_ratio: [Option<f64>; 4],
@@ -217,10 +217,10 @@ pub struct Share {
     pub prediction: [Option<f64>; 4],
 }
 
-/// Parts of the sorted values at which [`Share`] looks.
+/// Quantiles of the ratios in [`Share`].
 pub const QUANTILES: [f64; 4] = [0.25, 0.5, 0.75, 0.9];
 
-/// The value below which a part of the values lies, between neighbours by proportion; values in any order.
+/// Computes a quantile of the finite values, in any order, by linear interpolation between neighbours.
 #[must_use]
 pub fn quantile(values: &[f64], part: f64) -> Option<f64> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();

@@ -120,7 +120,7 @@ fn chosen(s: &ValidatedChoice) -> String {
     s.chosen.clone().unwrap_or_else(|| "none".into())
 }
 
-/// All scenes, one line each.
+/// Returns the table of all scenes, a row each.
 pub fn scenes(choices: &[ValidatedChoice]) -> Markup {
     let table = Table::of(choices)
         .classed(|s| if s.outcome.is_met() { "" } else { "failed" })

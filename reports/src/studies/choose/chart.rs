@@ -1,4 +1,4 @@
-//! Estimated error against predicted cost of everything that a choice has tried.
+//! Chart of estimated error over predicted cost of all candidates of a choice.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame, TICK_SIZE};

@@ -1,4 +1,4 @@
-//! Tables of a choice: its candidates, and the levels of its hierarchy.
+//! CSV tables of a model choice: its candidates, and the levels of its hierarchy.
 
 use super::{ChoiceRecord, LevelRecord, TriedRecord};
 use crate::csv_table::{CsvTable, number, text};

@@ -11,7 +11,7 @@ use maud::Markup;
 use serde::{Deserialize, Serialize};
 pub use verdict::{Adequacy, Verdict};
 
-/// The answer to "what is the cheapest that will do", and how it was found.
+/// The cheapest adequate model, integrator and step of a scene, and the data that the choice follows from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ChoiceRecord {
@@ -21,28 +21,28 @@ pub struct ChoiceRecord {
     pub metric_title: String,
     /// Largest relative error that is accurate enough [-].
     pub tolerance: f64,
-    /// The answer: a model is adequate, nothing that was tried is, or the yardstick cannot decide. Absent in records of
-    /// earlier versions.
+    /// Verdict: a model is adequate, no candidate is, or the yardstick cannot decide. Absent in records of earlier
+    /// versions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Verdict>,
     /// The model that all others are compared with.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub yardstick: String,
-    /// Estimated error of the yardstick itself over the whole scene, by its modes, its mesh and its integration [-]; absent
-    /// where it is not known, and then nothing is judged.
+    /// Estimated error of the yardstick itself over the whole scene, by its modes, its mesh and its integration [-];
+    /// absent where it is unknown, and then no model is adequate or inadequate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yardstick_error: Option<f64>,
-    /// Part of it by the integration, on the window [-].
+    /// Part of the yardstick's error by its integration, on the window [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yardstick_integration_error: Option<f64>,
-    /// Part of it by the mesh, on the window [-]; absent where the mesh cannot be refined.
+    /// Part of the yardstick's error by its mesh, on the window [-]; absent where the mesh cannot be refined.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yardstick_mesh_error: Option<f64>,
-    /// Part of it of a history that does not repeat: change of the metric over the whole scene by 1 % more stiffness of rigid
-    /// gears [-].
+    /// Part of the yardstick's error for a history that is not repeatable: change of the metric over the whole scene by
+    /// 1 % more stiffness of rigid gears [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scatter: Option<f64>,
-    /// Why the history does not repeat; absent where it does.
+    /// Reason why the history is not repeatable; absent where it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_repeatable: Option<String>,
     /// Distances of the yardstick and of the choice to the references of the scene.
@@ -54,16 +54,16 @@ pub struct ChoiceRecord {
     /// Predicted processor time of the choice for all runs with one set-up \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub total_cost_s: Option<f64>,
-    /// Place of the choice in [`ChoiceRecord::tried`]; none when nothing is adequate.
+    /// Index of the choice in [`ChoiceRecord::tried`]; absent when nothing is adequate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chosen: Option<usize>,
     /// Estimated error of the choice against the yardstick over the whole scene, else the least there is [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted_error: Option<f64>,
-    /// Part of it by the model, against the top level [-].
+    /// Part of the predicted error by the model, against the top level [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model_error: Option<f64>,
-    /// Part of it by the integrator, against the model's own fine solution [-].
+    /// Part of the predicted error by the integrator, against the model's own fine solution [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integration_error: Option<f64>,
     /// Part of the yardstick's error by its modes, on the window [-].
@@ -80,12 +80,12 @@ pub struct ChoiceRecord {
     pub setup_s: Option<f64>,
     /// The window in words.
     pub window: String,
-    /// Its end \[s\].
+    /// End of the window \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window_s: Option<f64>,
     /// The reason, a sentence each.
     pub reason: Vec<String>,
-    /// In which ways the scene lies outside of what choices were checked on.
+    /// Properties of the scene outside of the range in which choices were validated.
     pub outside: Vec<String>,
     /// The hierarchy, simplest model first.
     #[serde(alias = "rungs")]
@@ -125,7 +125,7 @@ pub struct LevelRecord {
     /// Processor time of the set-up \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub setup_s: Option<f64>,
-    /// Why its numbers are not to be used, if so.
+    /// Reason why the numbers of the level must not be used, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
 }
@@ -159,12 +159,13 @@ pub struct TriedRecord {
     pub force_evaluations: u64,
     /// Verdict on the candidate's error under the tolerance, as far as the yardstick can decide.
     pub adequate: Adequacy,
-    /// How the run failed, if so.
+    /// Reason of the failure, if the run failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
 }
 
-/// Distances in the metric asked for to a reference of the scene, over the whole scene.
+/// Distances of yardstick and choice to a reference of the scene, in the metric of the requirement, over the whole
+/// scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ReferenceDistance {
@@ -173,7 +174,7 @@ pub struct ReferenceDistance {
     /// Distance of the yardstick to it [-]; absent where the yardstick was not run or the reference has no such quantity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yardstick: Option<f64>,
-    /// Distance of the choice to it [-]; absent likewise.
+    /// Distance of the choice to the reference [-]; absent if it was not run or the reference has no such quantity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub choice: Option<f64>,
 }
@@ -228,7 +229,7 @@ impl ChoiceRecord {
         self.tried.get(self.chosen?)
     }
 
-    /// The answer; records of earlier versions know a choice or none.
+    /// Returns the verdict; in records of earlier versions it follows from the presence of a choice.
     #[must_use]
     pub fn answer(&self) -> Verdict {
         self.verdict.unwrap_or(match self.chosen {
@@ -288,7 +289,7 @@ impl ChoiceRecord {
 /// The part of a record that is specific to a study of model choice.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ChooseRecord {
-    /// The answer, and how it was found.
+    /// The choice, and the data that it follows from.
     pub choice: ChoiceRecord,
 }
 

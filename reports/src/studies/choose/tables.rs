@@ -1,4 +1,4 @@
-//! Answer, reason and hierarchy of a choice.
+//! Finding and tables of a model choice: choice, reasons, hierarchy of models and candidates.
 
 use super::{Adequacy, ChoiceRecord, ForceStatistics, LevelRecord, Verdict};
 use crate::markup::table::Table;

@@ -13,14 +13,14 @@ use crate::words::words;
 use serde::{Deserialize, Deserializer};
 
 words! {
-    /// The answer of a choice.
+    /// Verdict of a model choice.
     pub enum Verdict {
         /// A candidate keeps the tolerance.
         Adequate = "adequate",
-        /// The yardstick cannot decide whether anything that was tried keeps the tolerance.
+        /// The yardstick cannot decide whether any candidate keeps the tolerance.
         #[default]
         NotDecided = "not decided",
-        /// Nothing that was tried keeps the tolerance.
+        /// No candidate keeps the tolerance.
         NoneAdequate = "none adequate",
     }
 }
@@ -41,8 +41,8 @@ pub enum Adequacy {
 }
 
 impl Adequacy {
-    /// Adequacy of an estimated error under the yardstick's own error and a tolerance; of a run without an error, which is
-    /// infinite, nothing is adequate.
+    /// Returns the adequacy of an estimated error under the yardstick's own error and a tolerance. An infinite error,
+    /// that of a run without one, is never adequate.
     #[must_use]
     pub fn of(error: f64, own: f64, tolerance: f64) -> Adequacy {
         if !error.is_finite() {
@@ -100,7 +100,7 @@ impl<'de> Deserialize<'de> for Adequacy {
 mod tests {
     use super::Adequacy;
 
-    /// The three answers, at their bounds, without a known error of the yardstick, and of failed runs.
+    /// The three verdicts at their bounds, without a known error of the yardstick, and for failed runs.
     #[test]
     fn the_yardsticks_own_error_bounds_what_is_decided() {
         for (error, own, expected) in [

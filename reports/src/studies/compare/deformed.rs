@@ -1,4 +1,4 @@
-//! Deformed teeth at peak force: sections of flanks with their displacements magnified.
+//! Picture of deformed teeth at peak force: sections of flanks with magnified displacements.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::nice_step;
@@ -11,7 +11,7 @@ use crate::record::{ContactSnapshot, DeformedSection, Run};
 use crate::view::View;
 
 const HEIGHT: f64 = 430.0;
-/// The largest displacement as it is drawn, over the half width of the picture.
+/// Drawn length of the largest displacement over the half width of the picture.
 const SHOWN: f64 = 0.09;
 
 /// A round number not above `x`.
@@ -141,7 +141,7 @@ fn outline(sections: &[&DeformedSection], times: f64) -> (Vec<[f64; 2]>, Vec<[f6
     (still, moved)
 }
 
-/// How long a length is on the page, and how long a displacement.
+/// Paints the scale bars of lengths and of displacements.
 fn bars(c: &mut Canvas<'_>, area: &Rect, scale: f64, times: f64, most: f64) {
     let rows = [
         (nice_step(55.0 / scale), scale, "length"),

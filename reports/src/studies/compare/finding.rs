@@ -1,8 +1,7 @@
-//! The finding in plain words, computed from the record: what models are compared with, which is enough, what each is off,
-//! what they cost.
+//! The finding of a comparison in sentences: yardstick, cheapest adequate model, errors and costs.
 //!
-//! Errors of models and errors of integration never stand in one sentence. Where nothing but each model's own converged
-//! solution is there, the finding is about the integration alone, and says so.
+//! Errors of models and errors of integration are never in one sentence. If the record has only each model's own
+//! converged solution to compare with, the finding is about the integration alone and states this.
 
 use super::{Kind, Yardstick};
 use crate::markup::failed_of;
@@ -71,7 +70,7 @@ fn cheapest(view: &View<'_>) -> Markup {
     }
 }
 
-/// Of a scene that says nothing of how accurate models have to be.
+/// Returns the sentence for a scene without tolerance.
 fn no_limit(view: &View<'_>) -> Markup {
     let by_integration = view
         .results
@@ -102,7 +101,8 @@ fn asked(view: &View<'_>, tolerance: &Tolerance) -> String {
     )
 }
 
-/// Of models that nothing else is compared with: what their integration costs.
+/// Returns the sentence for models that are compared with their own converged solutions alone: the cost of their
+/// integration.
 fn of_integration(view: &View<'_>) -> Markup {
     let runs = view.results.runs.iter();
     let found = cheapest_of(runs.filter(|r| view.adequate(r)));

@@ -1,4 +1,4 @@
-//! Loads on flanks: maps at the peak and over the run, load over the width.
+//! Charts of loads on flanks: maps at the peak and over the run, load over the width.
 //!
 //! A flank is drawn with the face width across and the length of roll upwards, from the form circle to the tip.
 
@@ -29,7 +29,7 @@ const MOST_TEETH: usize = 4;
 /// Height of a line of contact on a map.
 const LINE: f64 = 5.0;
 
-/// A model whose flanks are known at its peak.
+/// Flank loads of a model at its peak force.
 struct Borne<'a> {
     label: &'a str,
     style: usize,
@@ -38,7 +38,7 @@ struct Borne<'a> {
     time: f64,
 }
 
-/// The first model, and beside it the one with most contacts, each with the flanks of its first mesh that bear most.
+/// Returns the first model and the one with most contacts, each with its most loaded flanks.
 fn chosen<'a>(view: &'a View<'a>) -> Vec<Borne<'a>> {
     let mut all: Vec<Borne<'a>> = Vec::new();
     for group in &view.groups {
@@ -137,7 +137,7 @@ fn map(
     );
 }
 
-/// The colours beside the maps of a model.
+/// Paints the colour bar next to the maps of a model.
 fn bar(c: &mut Canvas<'_>, (y0, y1): (f64, f64), value: FlankValue, greatest: f64) {
     const PARTS: usize = 48;
     let x = WIDTH - BAR + 8.0;
@@ -291,7 +291,7 @@ fn over_run(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
     }))
 }
 
-/// Maps at the peak and over the run, load over the width; none where no run knows its flanks.
+/// Draws maps at the peak and over the run, and the load over the width; empty if no run has flank loads.
 pub fn flanks(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let all = chosen(view);
     if all.is_empty() {

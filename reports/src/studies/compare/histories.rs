@@ -1,4 +1,4 @@
-//! Contact force and angular velocities over time: one run per model, with the reference.
+//! Charts of contact force and angular velocities over time: one run per model, with the reference.
 //!
 //! A quantity that meshes (or gears) of a scene have each their own history of is drawn in one of two layouts: a panel for
 //! each model with all meshes in it, or, where a panel would hold too many curves, a panel for each mesh with all models.
@@ -15,31 +15,31 @@ use crate::record::{ReferenceSeries, Run};
 use crate::series::{TimeSeries, resample};
 use crate::view::View;
 
-/// A run that a history chart shows.
+/// A run that is drawn in a chart of histories.
 struct Drawn<'a> {
     run: &'a Run,
     history: usize,
 }
 
-/// Meshes or gears whose curves one panel shows at most: more of them cannot be told apart.
+/// Largest number of meshes or gears whose curves share a panel; more cannot be distinguished.
 const MOST_OVERLAID: usize = 4;
 
-/// A mesh or a gear, and the column that a quantity of it stands in.
+/// A mesh or a gear, and the column of a quantity of it.
 pub(super) struct Member {
-    /// Its name; empty where a scene has but one.
+    /// Name of the mesh or gear; empty if the scene has one only.
     pub name: String,
     pub column: String,
-    /// Place of its look, behind those of all models.
+    /// Index of its look, after those of all models.
     pub style: usize,
 }
 
 /// A history with its look.
 pub(super) struct History<'a> {
     pub label: String,
-    /// It is a reference that is a run of the record.
+    /// True if it is a reference that is a run of the record.
     pub is_copy: bool,
     pub series: &'a TimeSeries,
-    /// Of a reference, its histories at other times.
+    /// Further histories of a reference, at other times.
     pub further: &'a [TimeSeries],
     pub stroke: Stroke,
     /// Place of its model; none of a reference.
@@ -53,16 +53,16 @@ pub(super) struct Histories<'a> {
     /// The reference first, then one run per model.
     pub curves: Vec<History<'a>>,
     pub time: TimeAxis,
-    /// A window to look into when the whole is too busy to read.
+    /// Short time interval for a close-up, if the whole history is too dense to read.
     pub zoom: Option<TimeAxis>,
     /// Names of the gears of each mesh, of scenes with several.
     meshes: Vec<[String; 2]>,
-    /// Number of models, whose looks come first.
+    /// Number of models, whose looks have the first indices.
     models: usize,
 }
 
 impl<'a> History<'a> {
-    /// Its histories, of a reference also those at other times.
+    /// Returns all series of the history, for a reference including those at other times.
     pub fn all_series(&self) -> impl Iterator<Item = &'a TimeSeries> {
         std::iter::once(self.series).chain(self.further)
     }
@@ -164,7 +164,8 @@ impl<'a> Histories<'a> {
         Some(found)
     }
 
-    /// Times and contact forces of all histories: of the first mesh, and of the others where panels show them.
+    /// Returns times and contact forces of all histories: of the first mesh, and of further meshes where panels show
+    /// them.
     fn forces(&self) -> Vec<(&'a [f64], &'a [f64])> {
         let meshes = self.meshes_with("contact_force", "_n");
         let shown = match overlay(meshes.len()) {
@@ -288,7 +289,7 @@ impl<'a> Histories<'a> {
         peak_of(&self.forces())
     }
 
-    /// All curves of a column.
+    /// Returns the curves of a column for all histories.
     pub fn lines(
         &self,
         column: impl Fn(&TimeSeries) -> Option<&[f64]>,
@@ -305,7 +306,7 @@ impl<'a> Histories<'a> {
         self.curves.iter().filter_map(line).collect()
     }
 
-    /// A curve with its look. Busy overviews take thin full lines: dashes would be lost in them.
+    /// Returns a curve with its look. Dense overviews have thin solid lines, in which dashes would not be visible.
     fn curve(
         &self,
         (stroke, style): (Stroke, Option<usize>),

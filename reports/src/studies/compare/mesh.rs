@@ -1,4 +1,4 @@
-//! The meshing teeth at peak force, with the contact forces drawn.
+//! Picture of the meshing teeth at peak force, with the contact forces.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::nice_step;
@@ -180,7 +180,7 @@ fn panel(c: &mut Canvas<'_>, p: &Picture<'_>, area: Rect) {
     c.frame(&area, Stroke::new(Ink::PALE, 1.0));
 }
 
-/// The point of a grid that lies deepest in a body: where its name has room.
+/// Returns the grid point deepest inside a body, where its name has space.
 fn deepest(body: &[(f64, f64)], area: &Rect) -> Option<(f64, f64)> {
     const ACROSS: i32 = 24;
     let inside = |(x, y): (f64, f64)| {

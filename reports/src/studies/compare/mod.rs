@@ -1,4 +1,4 @@
-//! The study that compares models and integrators of a scene; other studies borrow its charts of histories.
+//! The study that compares models and integrators of a scene; other studies use its charts of histories.
 
 mod channels;
 mod cost;
@@ -28,7 +28,7 @@ pub use yardstick::{Kind, Yardstick};
 /// The part of a record that is specific to a comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CompareRecord {
-    /// Where times of other programs were published, for [`crate::record::Run::published_s`].
+    /// Publication of the times of other programs, for [`crate::record::Run::published_s`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published: Option<String>,
     /// The yardstick of the comparison; absent where each model has only its own converged solution to be compared

@@ -1,4 +1,4 @@
-//! Where torque and power go in a train, and how planets share: tables, a chart over time, files.
+//! Paths of torque and power in a train, and load sharing of planets: tables, a chart over time, CSV files.
 
 use crate::csv_table::{CsvTable, number};
 use crate::drawing::Chart;
@@ -42,7 +42,7 @@ fn shown<'a>(view: &'a View<'a>) -> Vec<Shown<'a>> {
     view.groups.iter().filter_map(of).collect()
 }
 
-/// Rows of all models with their look.
+/// Returns the rows of all models, each with its run.
 fn rows<'a, R>(all: &[&'a Shown<'a>], of: fn(&TorquePaths) -> &[R]) -> Vec<(&'a Shown<'a>, &'a R)> {
     let each = |s: &&'a Shown<'a>| {
         let s = *s;
@@ -51,7 +51,7 @@ fn rows<'a, R>(all: &[&'a Shown<'a>], of: fn(&TorquePaths) -> &[R]) -> Vec<(&'a 
     all.iter().flat_map(each).collect()
 }
 
-/// Four digits; what is rounding beside what trains carry is zero.
+/// Formats a number with four digits; magnitudes below 1e-6 are zero.
 fn told(x: f64) -> String {
     match x.abs() < 1e-6 {
         true => "0".into(),

@@ -1,4 +1,4 @@
-//! Contact pressure over time, of runs whose flanks touch on half-spaces.
+//! Chart of the contact pressure over time, for runs with half-space contact.
 
 use super::histories::{Histories, History};
 use crate::drawing::Chart;

@@ -1,5 +1,5 @@
-//! How teeth move: their place in the backlash where they hammer, the error of the speed ratio, the deflection of movable
-//! teeth and the forces on them.
+//! Charts of the motion of teeth: position in the backlash of hammering gears, error of the speed ratio, deflection of
+//! movable teeth and the forces on them.
 
 use super::histories::{Histories, Member, legend_of, overlay};
 use crate::drawing::Chart;

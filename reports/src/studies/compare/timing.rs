@@ -17,7 +17,7 @@ struct Row<'a> {
     /// Integrator and step; of a reference that its time is its own.
     how: String,
     seconds: f64,
-    /// It is one of full finite elements.
+    /// True if the model is one of full finite elements.
     full: bool,
     run: Option<&'a Run>,
 }
@@ -46,7 +46,7 @@ fn rows<'a>(view: &View<'a>) -> Vec<Row<'a>> {
     models.chain(stored).collect()
 }
 
-/// Processor time by model; nothing without full finite elements and another model.
+/// Returns the table of processor times by model; empty without full finite elements or without another model.
 pub fn timing(view: &View<'_>, part: &CompareRecord) -> Markup {
     let rows = rows(view);
     let full = |r: &&Row<'_>| r.full;

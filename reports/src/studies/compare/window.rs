@@ -1,4 +1,4 @@
-//! The part of time that charts of histories show.
+//! The time interval that charts of histories show.
 
 use crate::drawing::axis::Axis;
 use crate::numbers::Prefix;

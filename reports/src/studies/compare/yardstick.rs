@@ -1,4 +1,5 @@
-//! The yardstick of a comparison: the history that all models are compared with, its own error, and whether a model is adequate.
+//! The yardstick of a comparison: the history that all models are compared with, its own error, and the adequacy of a
+//! model.
 //!
 //! With the error `e` of a run against the yardstick and the error `u` of the yardstick itself, both in the metric of the
 //! tolerance `T`, a model is adequate where `e + u <= T`, not adequate where `e - u > T`, and not decided between the two.
@@ -32,21 +33,21 @@ pub struct Yardstick {
     pub id: String,
     /// Kind of the yardstick.
     pub kind: Kind,
-    /// Its name in a sentence.
+    /// Name of the yardstick in a sentence.
     pub title: String,
     /// Error of its integration, in the metric of the comparison [-].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub integration_error: Option<f64>,
-    /// Error of its truncated modes, likewise [-].
+    /// Error of its truncated modes, in the metric of the comparison [-].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub modes_error: Option<f64>,
-    /// Error of its mesh, likewise [-].
+    /// Error of its mesh, in the metric of the comparison [-].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub mesh_error: Option<f64>,
-    /// Their sum; absent where one of them is not known [-].
+    /// Sum of the three errors; absent where one of them is unknown [-].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub error: Option<f64>,
-    /// Why it is no better one, such as why no refined gears could be made.
+    /// Reason why there is no better yardstick, such as why no refined gears could be made.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub note: String,
 }

@@ -1,4 +1,4 @@
-//! Errors of force and energy over the communication step, and how runs ended.
+//! Charts of errors of force and energy over the communication step, with the status of the runs.
 
 use super::{Coupling, CouplingCell, manners, models};
 use crate::drawing::Chart;
@@ -10,9 +10,9 @@ use crate::drawing::style::look;
 use crate::numbers::per_cent;
 use crate::studies::stability::{Cell, Columns, LineKind, Map, MapAxis, MapLine, overview};
 
-/// Errors below are drawn at this edge.
+/// Lower edge of the charts; smaller errors are drawn there.
 const LEAST: f64 = 1e-9;
-/// And above at this one: beyond, nothing of a run is left.
+/// Upper edge of the charts; larger errors are drawn there.
 const MOST: f64 = 10.0;
 
 /// Name of the abscissa of the map.

@@ -1,4 +1,4 @@
-//! The table of runs in two parts.
+//! CSV table of runs coupled to a host, a row per model and communication step.
 
 use super::{Coupling, CouplingCell};
 use crate::csv_table::{CsvTable, number};

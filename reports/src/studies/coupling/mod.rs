@@ -1,4 +1,4 @@
-//! The study of coupling: gears as a sub-system whose hubs a host moves, over the communication step.
+//! The study of coupling: gears as a sub-system whose hubs are moved by a host, over the communication step.
 
 mod charts;
 mod csv;

@@ -1,4 +1,4 @@
-//! The record of a study of coupling: models of a scene whose hubs a host moves, over the communication step.
+//! The record of a study of coupling: models of a scene whose hubs are moved by a host, over the communication step.
 
 use crate::record::{Results, Status, finite};
 use crate::studies::Part;
@@ -23,9 +23,9 @@ impl Results {
 }
 
 words! {
-    /// How a host goes on with the forces on its hubs over a communication step.
+    /// Extrapolation of the forces on the hubs over a communication step, by the host.
     pub enum Extrapolation {
-        /// They hold their last value.
+        /// The last value is constant over the step.
         Constant = "constant",
         /// The line through the last two.
         Linear = "linear",
@@ -36,12 +36,12 @@ words! {
 }
 
 words! {
-    /// How the gears go from one place of a hub to the next.
+    /// Interpolation of the hubs' motion between two communication points, by the gears.
     pub enum Motion {
-        /// Along the line between both places.
+        /// The straight line between both positions.
         #[default]
         Linear = "linear",
-        /// Along the cubic through both places with both speeds.
+        /// The cubic through both positions with both velocities.
         Cubic = "cubic",
     }
 }
@@ -58,25 +58,26 @@ pub struct Coupling {
     /// True if the truncated modes are kept as residual compliance (elastic model).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual: Option<bool>,
-    /// Of the forces on hubs.
+    /// Extrapolation of the forces on the hubs.
     pub extrapolation: Extrapolation,
-    /// Of the motion of hubs.
+    /// Interpolation of the motion of the hubs.
     pub motion: Motion,
     /// Integrator of the gears.
     pub integrator: String,
-    /// Their step [s]; absent under a tolerance.
+    /// Fixed step of that integrator [s]; absent under a tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_s: Option<f64>,
     /// Natural frequency of the hubs on the static stiffness of the gears in contact [Hz].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frequency_hz: Option<f64>,
-    /// Its damping ratio [-].
+    /// Damping ratio of that vibration [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_ratio: Option<f64>,
     /// Time in contact of the run as one system [s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact_s: Option<f64>,
-    /// Energy that errors of energy are told over: what vibrates and passes through contacts in the run as one system [J].
+    /// Reference energy of the energy errors [J]: the energy that vibrates and passes through contacts in the run as
+    /// one system.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_j: Option<f64>,
     /// Communication step from which on linear theory has the coupling make up more energy than is allowed [s].
@@ -106,13 +107,14 @@ pub struct CouplingCell {
     /// Largest deviation of the last speed of a gear over the span of its speed [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rebound_rel: Option<f64>,
-    /// Work that the host took from extrapolated forces, less what the gears gave along their motion [J].
+    /// Energy error of the coupling [J]: work of the extrapolated forces on the host, less that of the gears along
+    /// their motion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error_j: Option<f64>,
     /// Energy error of the coupling over the energy that vibrates [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error_rel: Option<f64>,
-    /// Its largest magnitude in one communication step, over the same [-].
+    /// Largest magnitude of the energy error in one communication step, over the energy that vibrates [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error_step_rel: Option<f64>,
     /// Simulated time reached [s].
@@ -123,7 +125,7 @@ pub struct CouplingCell {
 }
 
 impl CouplingRecord {
-    /// Takes out what is not finite.
+    /// Removes all numbers that are not finite.
     pub(crate) fn keep_finite(&mut self) {
         for c in &mut self.couplings {
             for x in c.cells.iter_mut().chain(&mut c.refined) {
@@ -159,14 +161,14 @@ impl Coupling {
         }
     }
 
-    /// All runs by their communication step.
+    /// Returns all runs, ascending in communication step.
     pub fn all(&self) -> Vec<&CouplingCell> {
         let mut all: Vec<&CouplingCell> = self.cells.iter().chain(&self.refined).collect();
         all.sort_by(|a, b| a.step_s.total_cmp(&b.step_s));
         all
     }
 
-    /// The largest step up to which something holds of all runs, and the next one, of which it does not.
+    /// Returns the largest step up to which the condition holds for all runs, and the next one, for which it does not.
     fn up_to(&self, holds: impl Fn(Status) -> bool) -> [Option<f64>; 2] {
         let mut made = self.all();
         made.retain(|c| c.status != Status::Interrupted);

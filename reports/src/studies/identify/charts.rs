@@ -1,4 +1,4 @@
-//! Data beside the fitted models, residuals, profiles.
+//! Charts of an identification: data with the fitted models, residuals, profiles.
 
 use super::tables::axis_names;
 use super::{DataKind, FitRecord};

@@ -1,4 +1,4 @@
-//! The tables of an identification: parameters, residuals, profiles, histories that measured curves are compared with.
+//! CSV tables of an identification: parameters, residuals, profiles, and histories for measured curves.
 
 use super::{DataRecord, FitHistory, FitRecord, IdentifyRecord, ParameterRecord, ProfileRecord};
 use crate::csv_table::{CsvTable, number};

@@ -1,4 +1,5 @@
-//! The study of identification: estimates with their intervals, data beside the fitted model, what is not determined.
+//! The study of identification: estimates with their intervals, data compared with the fitted model, and undetermined
+//! parameters.
 
 mod charts;
 mod csv;

@@ -1,4 +1,5 @@
-//! Records of identification: what was fitted to what, how sure it is, and what the data do not tell.
+//! The record of an identification: fits, estimates with their intervals, and parameters that the data do not
+//! determine.
 
 use crate::record::Results;
 use crate::record::checks::{each, same_length};
@@ -12,8 +13,8 @@ use serde::{Deserialize, Serialize};
 pub struct IdentifyRecord {
     /// Fits, one per model.
     pub fits: Vec<FitRecord>,
-    /// Runs of the scene that measured curves are compared with: each fitted model with its initial and with its identified
-    /// constants; none where nothing measured was given.
+    /// Runs of the scene that measured curves are compared with: each fitted model with its initial and with its
+    /// identified constants; empty without measured curves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub histories: Vec<FitHistory>,
 }
@@ -59,7 +60,7 @@ words! {
         Identified = "identified",
         /// The data would have it beyond a bound; its value is the bound.
         AtBound = "at bound",
-        /// It was not fitted; its value is what was given.
+        /// The parameter was held at its given value.
         Held = "held",
         /// The data do not determine it; it has no value.
         NotIdentifiable = "not identifiable",
@@ -87,7 +88,7 @@ pub struct FitRecord {
     pub parameters: Vec<ParameterRecord>,
     /// Correlation of the parameters that were fitted, in their order, a row each.
     pub correlation: Vec<Vec<f64>>,
-    /// Condition number of the sensitivities; absent where a combination changes nothing.
+    /// Condition number of the sensitivities; absent where a combination of parameters has no effect.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub condition: Option<f64>,
     /// Combinations of parameters that the data do not determine, in words.
@@ -135,7 +136,7 @@ pub struct ParameterRecord {
 }
 
 impl ParameterRecord {
-    /// Half the interval over the value, where both ends are known.
+    /// Returns half the width of the interval over the magnitude of the value, where both ends are known.
     pub fn relative(&self) -> Option<f64> {
         let (low, high) = (self.low?, self.high?);
         let x = self.value.filter(|x| *x != 0.0)?;
@@ -213,7 +214,7 @@ impl FitRecord {
         })
     }
 
-    /// Takes out what is not finite.
+    /// Removes all numbers that are not finite.
     pub fn keep_finite(&mut self) {
         let finite = |x: Option<f64>| x.filter(|x| x.is_finite());
         self.condition = finite(self.condition);

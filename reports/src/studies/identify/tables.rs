@@ -6,7 +6,7 @@ use crate::markup::{glance, note, section};
 use crate::numbers::{per_cent, quantity, significant};
 use maud::{Markup, html};
 
-/// Correlation from which on two parameters are said to go together.
+/// Correlation from which on two parameters count as correlated.
 const TOGETHER: f64 = 0.95;
 
 pub fn finding(fits: &[FitRecord]) -> Vec<Markup> {
@@ -32,7 +32,7 @@ pub fn finding(fits: &[FitRecord]) -> Vec<Markup> {
     all
 }
 
-/// An interval as a reader wants it: both ends, in the unit of the value.
+/// Formats an interval: both ends, in the unit of the value.
 fn interval(p: &ParameterRecord) -> Option<String> {
     if p.outcome != Outcome::Identified {
         return None;

@@ -1,4 +1,4 @@
-//! Pictures of modes: shares of energy as a table of cells, and gears turned and moved in the plane.
+//! Pictures of modes: shares of energy as a table of cells, and mode shapes of the gears in the plane.
 
 use super::{MemberPlace, MemberShape, ModeRecord, ModelModes};
 use crate::drawing::Chart;
@@ -40,7 +40,8 @@ pub fn charts(vibrations: &[ModelModes]) -> Result<Vec<Chart>, DrawError> {
     Ok(all)
 }
 
-/// Names of holders of an energy with their share by mode; those that hold next to nothing everywhere are left out.
+/// Returns the members or springs with their share of an energy by mode; those with negligible shares in all modes are
+/// left out.
 fn columns<'a>(
     names: impl Iterator<Item = &'a str>,
     modes: &[&ModeRecord],
@@ -131,7 +132,7 @@ fn paint_share(c: &mut Canvas<'_>, r: &Rect, share: f64, style: usize) {
     }
 }
 
-/// Gears of a plane in the first modes; none where axes stand across each other.
+/// Draws the gears of a plane in the first modes; `None` if axes are not parallel.
 fn shapes(v: &ModelModes, modes: &[&ModeRecord]) -> Result<Option<Chart>, DrawError> {
     let toothed: Vec<(&MemberPlace, usize)> = (v.members.iter().enumerate())
         .filter(|(_, p)| p.toothed)

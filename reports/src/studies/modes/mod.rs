@@ -1,4 +1,4 @@
-//! The study of natural frequencies: frequencies and damping, where the energies of each mode lie, how gears move in it.
+//! The study of natural frequencies: frequencies and damping, distribution of the energies, and mode shapes.
 
 mod charts;
 mod csv;

@@ -1,4 +1,4 @@
-//! Force, impulse and transmission error over the penalty, with hard contact as their limit.
+//! Charts of force, impulse and transmission error over the penalty, with hard contact as their limit.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;

@@ -1,4 +1,4 @@
-//! The table of penalties.
+//! CSV table of runs by penalty.
 
 use crate::csv_table::{CsvTable, number};
 use crate::record::Results;

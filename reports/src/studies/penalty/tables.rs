@@ -93,7 +93,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
     all
 }
 
-/// All penalties with their outputs and distances.
+/// Returns the table of all penalties with forces, impulses and distances.
 pub fn tables(view: &View<'_>) -> Markup {
     let all = series(view);
     let rows: Vec<(&Series<'_>, &Run)> = (all.iter())

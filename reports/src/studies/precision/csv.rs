@@ -1,4 +1,4 @@
-//! The table of accuracy against cost.
+//! CSV table of cost and error of all runs against all references.
 
 use super::{Cloud, Cost, Precision, Shown};
 use crate::csv_table::{CsvColumn, CsvTable, number, text};

@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 
 /// Limits of the error at which families are compared.
 pub const LEVELS: [f64; 4] = [0.05, 0.02, 0.01, 0.005];
-/// A point of a front is news when its error is less than this times that of the last that was.
+/// Factor by which the error of a point of a front must be below that of the last marked point to be marked itself.
 const NEWS: f64 = 0.95;
 
 /// The part of a record that is specific to a study of accuracy against cost.
@@ -54,7 +54,7 @@ impl Cost {
 /// A run that reached its end, as a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Shown<'a> {
-    /// Run that the point stands for.
+    /// Run of the point.
     pub run: &'a Run,
     /// Place of its model in the order of appearance.
     pub style: usize,
@@ -73,7 +73,7 @@ impl Shown<'_> {
 pub struct Cloud<'a> {
     /// Id of the reference.
     pub against: String,
-    /// Runs that reached their end with an error that is known, in the order of the record.
+    /// Runs that reached their end and have an error, in the order of the record.
     pub shown: Vec<Shown<'a>>,
     /// Runs of the same models that failed, with the place of their model.
     pub failed: Vec<(&'a Run, usize)>,
@@ -85,7 +85,7 @@ pub struct Precision<'a> {
     pub results: &'a Results,
     /// Labels of the models in the order of appearance.
     pub models: Vec<String>,
-    /// References that runs are held against, those with most runs that are no own converged solution first.
+    /// References that runs are compared with, in the order of the record.
     pub references: Vec<String>,
     /// Metrics of the study, the headline first.
     pub metrics: Vec<Metric>,
@@ -221,8 +221,8 @@ impl<'a> Cloud<'a> {
         self.shown.iter().any(Shown::is_fitted)
     }
 
-    /// Who keeps a limit of the error the cheapest, among all or among those that were not fitted; `None` when none of
-    /// ours keeps it.
+    /// Returns the cheapest runs within a limit of the error, among all models or among those that were not fitted;
+    /// `None` when no run with [`is_ours`] is within it.
     pub fn standing(&self, limit: f64, fitted_too: bool) -> Option<Standing<'_, 'a>> {
         let among = |rival: &dyn Fn(&Shown<'a>) -> bool| {
             let (kept, points) =
@@ -242,7 +242,7 @@ impl<'a> Cloud<'a> {
         })
     }
 
-    /// The points of a front that are news: each errs less than the last by more than a twentieth of it.
+    /// Returns the points of a front whose error is at least 5 % below that of the last such point.
     pub fn news(&self, front: &[usize]) -> Vec<usize> {
         let mut last = f64::INFINITY;
         let mut kept = front.to_vec();
@@ -257,7 +257,8 @@ impl<'a> Cloud<'a> {
         kept
     }
 
-    /// The news of the front as stretches of one family, all of ours being one: the first point, and the least error.
+    /// Returns the front as sections of one family each, all runs with [`is_ours`] being one family: first point and
+    /// least error of each.
     pub fn stretches(&self, keep: impl Fn(&Shown<'a>) -> bool) -> Vec<(&Shown<'a>, f64)> {
         let mut all: Vec<(&Shown<'a>, f64)> = Vec::new();
         let alike = |a: &Run, b: &Run| (is_ours(a) && is_ours(b)) || family(a) == family(b);
@@ -287,9 +288,9 @@ impl<'a> Cloud<'a> {
 pub struct Standing<'c, 'a> {
     /// Limit of the error [-].
     pub limit: f64,
-    /// The cheapest of ours.
+    /// Cheapest run with [`is_ours`].
     pub ours: &'c Shown<'a>,
-    /// The cheapest of all other families with its cost over that of ours; `None` when none keeps the limit.
+    /// Cheapest run of all other families with its cost over that of `ours`; `None` when none is within the limit.
     pub next: Option<(&'c Shown<'a>, f64)>,
     /// The cheapest run of models without residual compliance with its cost over that of `ours`; `None` when none keeps
     /// the limit.
@@ -313,7 +314,7 @@ impl Standing<'_, '_> {
         )
     }
 
-    /// Who is cheapest of all, and what the other side costs, in words.
+    /// Returns the clause on the cheapest run of all, and the cost of the cheapest one of the other group.
     pub fn winner(&self) -> String {
         let named = |s: &Shown<'_>| {
             let time = quantity(s.run.cost_s(), "s", 2).replace('\u{a0}', " ");
@@ -353,7 +354,7 @@ impl Standing<'_, '_> {
     }
 }
 
-/// By how much ours is faster than a rival, or a rival than ours.
+/// Returns the clause on the ratio of costs between `ours` and a rival.
 fn beside(rival: Option<(&Shown<'_>, f64)>) -> String {
     let Some((rival, factor)) = rival else {
         return "no other is within the limit".into();

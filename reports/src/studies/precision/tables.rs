@@ -12,7 +12,7 @@ use maud::{Markup, html};
 /// The limits that the finding names; the table has all.
 const NAMED: [f64; 2] = [LEVELS[0], LEVELS[2]];
 
-/// The finding: who is cheapest against the first reference, what fits change, what failed.
+/// Returns the finding: the cheapest run against the first reference, the effect of fits, and failures.
 pub fn finding(view: &View<'_>) -> Vec<Markup> {
     let study = Precision::of(view.results);
     let clouds = clouds(&study);
@@ -78,7 +78,7 @@ fn fits(cloud: &Cloud<'_>) -> Option<Markup> {
     })
 }
 
-/// Fronts, who leads, and what each model costs within limits of the error.
+/// Returns the tables of fronts, of the cheapest families, and of the cost of each model within limits of the error.
 pub fn tables(view: &View<'_>) -> Markup {
     let study = Precision::of(view.results);
     let metric = study.headline();
@@ -112,7 +112,7 @@ pub fn tables(view: &View<'_>) -> Markup {
     }
 }
 
-/// How residual compliance stands beside what is next to it, limit by limit.
+/// Returns the table of the cheapest run with residual compliance compared with its next rivals, limit by limit.
 fn leaders(cloud: &Cloud<'_>) -> Markup {
     let of = |fitted_too: bool| {
         let all = LEVELS
@@ -220,7 +220,7 @@ fn within(study: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
     html! { (table.result()) }
 }
 
-/// All runs, shortly, and the failures counted.
+/// Returns the table of all runs and the number of failures by reason.
 pub fn runs(view: &View<'_>) -> Markup {
     let study = Precision::of(view.results);
     let metric = study.headline();

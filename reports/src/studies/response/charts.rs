@@ -12,7 +12,7 @@ use crate::record::slug;
 const KHZ: f64 = 1e-3;
 const UM: f64 = 1e6;
 const X_NAME: &str = "mesh frequency [kHz]";
-/// Harmonics, and mounts, that are drawn.
+/// Number of harmonics, and of mounts, in a chart.
 const SHOWN: usize = 4;
 const MOST_MOUNTS: usize = 4;
 
@@ -83,7 +83,7 @@ pub fn charts(responses: &[ModelResponse]) -> Result<Vec<Chart>, DrawError> {
 
 type Of<'a> = [(usize, &'a ModelResponse, &'a GroupResponse)];
 
-/// Where a harmonic of the mesh frequency meets the resonance of a group.
+/// Returns the mesh frequencies at which one of their first four harmonics equals the resonance of a group, with names.
 fn orders(of: &Of<'_>, x: &Axis, named: bool) -> Vec<(f64, String)> {
     let Some(f) = of.iter().rev().find_map(|(.., g)| g.resonance_hz) else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! Tables of frequency response: meshes and mounts over the mesh frequency, meshes that run slowly.
+//! CSV tables of a frequency response: meshes and mounts over the mesh frequency, and meshes at low speed.
 
 use super::{GroupResponse, MeshLimit, MeshPoint, ModelResponse, MountPoint, ResponsePoint};
 use crate::csv_table::{CsvTable, number};

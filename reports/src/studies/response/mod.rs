@@ -1,4 +1,4 @@
-//! The study of frequency response to the passing of teeth: transmission errors, mesh forces and forces of mounts.
+//! The study of the frequency response to tooth meshing: transmission errors, mesh forces and forces of mounts.
 
 mod charts;
 mod csv;

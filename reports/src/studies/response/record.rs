@@ -1,4 +1,5 @@
-//! The record of frequency response to the passing of teeth: of each mesh and each mount, at mesh frequency after mesh frequency.
+//! The record of the frequency response to tooth meshing: forces and transmission errors of meshes and mounts by mesh
+//! frequency.
 
 use crate::record::Results;
 use crate::record::checks::{each, same_length};
@@ -28,7 +29,7 @@ impl Results {
 pub struct ModelResponse {
     /// Label of the model in its scene.
     pub label: String,
-    /// Why there is none.
+    /// Reason why the model has no response.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
     /// Coordinates of the scene.
@@ -70,7 +71,7 @@ pub struct GroupResponse {
     pub own_frequency_hz: f64,
     /// Meshes of the group at low speed.
     pub meshes: Vec<MeshLimit>,
-    /// Names of the gears whose mounts are looked at.
+    /// Names of the gears whose mounts are evaluated.
     pub mounts: Vec<String>,
     /// Resonance of these meshes: root mean square over their cycle of the natural frequency that strains them most [Hz].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -133,7 +134,7 @@ pub struct MeshPoint {
     pub error_harmonics_m: Vec<f64>,
     /// Root mean square of the force about its mean [N].
     pub force_rms_n: f64,
-    /// Least force [N]; below zero flanks part, and the response holds no more.
+    /// Least force [N]; below zero flanks separate, and the linear response is not valid.
     pub force_least_n: f64,
     /// Greatest force [N].
     pub force_greatest_n: f64,

@@ -14,7 +14,7 @@ fn peak(group: &GroupResponse, mesh: usize) -> Option<&ResponsePoint> {
     valid.max_by(|a, b| rms(a).total_cmp(&rms(b)))
 }
 
-/// Where flanks part: lowest and highest mesh frequency [Hz].
+/// Returns lowest and highest mesh frequency at which flanks separate [Hz].
 fn parting(group: &GroupResponse) -> Option<[f64; 2]> {
     let parts = group.points.iter().filter(|p| !p.holds());
     let mut parts = parts.map(|p| p.mesh_frequency_hz);

@@ -13,7 +13,7 @@ use crate::numbers::{Prefix, quantity, short};
 use crate::record::slug;
 use std::f64::consts::TAU;
 
-/// Heights of a map, of what stands above it, and of the axis below.
+/// Heights of a map, of the space above it, and of the axis below.
 const MAP: f64 = 330.0;
 const ABOVE: f64 = 34.0;
 const BELOW: f64 = 48.0;
@@ -22,7 +22,7 @@ const NAMES: f64 = 128.0;
 const BAR: f64 = 92.0;
 /// Decades of amplitudes that are shown.
 const DECADES: f64 = 3.0;
-/// Lines of a map that hold the mean and what changes slowly: they say nothing of the scale.
+/// Lowest lines of a map, with the mean and slow changes; they are left out of the scale.
 const SLOW: f64 = 2.5;
 /// Orders in the picture of curves.
 const CURVES: usize = 6;
@@ -98,7 +98,8 @@ fn marks(run: &ModelRunUp, by: By, x: &Axis) -> Vec<Marked> {
     all
 }
 
-/// Lines clipped to the map, and their names where there is room: at the right, or above where they leave at the top.
+/// Paints lines clipped to the map, and their names where there is space: at the right, or above where they end at the
+/// top.
 fn paint_marks(c: &mut Canvas<'_>, frame: &Frame, marks: &[Marked]) {
     let area = frame.area;
     let (mut right, mut above): (Vec<f64>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());

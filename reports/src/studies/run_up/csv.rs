@@ -1,4 +1,4 @@
-//! Tables of run-ups: amplitudes of orders, spectra, maps of orders. A column for each quantity.
+//! CSV tables of run-ups: amplitudes of orders, spectra, maps of orders, with a column for each quantity.
 
 use super::{ModelRunUp, RunUpChannel, RunUpMap};
 use crate::csv_table::{CsvTable, number};

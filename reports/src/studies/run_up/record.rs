@@ -31,18 +31,18 @@ impl Results {
 pub struct ModelRunUp {
     /// Label of the model in its scene.
     pub label: String,
-    /// Why there is none.
+    /// Reason why the model has no run-up.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
     /// Name of the reference gear, in whose turns orders are counted.
     pub gear: String,
     /// Time from which on the run is evaluated [s].
     pub onset_s: f64,
-    /// How often the reference gear turned from there on.
+    /// Number of turns of the reference gear from `onset_s` on.
     pub turns: f64,
-    /// Its lowest speed, mean of a window [rad/s].
+    /// Lowest speed of the reference gear, mean of a window [rad/s].
     pub lowest_rad_s: f64,
-    /// Its highest [rad/s].
+    /// Highest speed of the reference gear, mean of a window [rad/s].
     pub highest_rad_s: f64,
     /// Orders that were followed.
     pub orders: Vec<TrackedOrder>,
@@ -65,7 +65,7 @@ pub struct TrackedOrder {
     pub name: String,
     /// Cycles per turn of the reference gear.
     pub order: f64,
-    /// It is one of teeth in mesh, not of a shaft.
+    /// True for an order of teeth in mesh, false for one of a shaft.
     pub of_mesh: bool,
 }
 
@@ -73,7 +73,7 @@ pub struct TrackedOrder {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RunUpMap {
-    /// Length of a window: [s] or turns. Lines closer than twice its inverse are not told apart.
+    /// Length of a window: [s] or turns. Lines closer than twice its inverse are not resolved.
     pub span: f64,
     /// Time in the middle of each window [s].
     pub time_s: Vec<f64>,
@@ -108,12 +108,12 @@ pub struct RunUpChannel {
     /// Amplitudes by window of time and frequency; of planets that are alike the first has them for all.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub spectra: Vec<Vec<f64>>,
-    /// Amplitudes by window of turns and order, likewise.
+    /// Amplitudes by window of turns and order; of planets that are alike the first has them for all.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub order_spectra: Vec<Vec<f64>>,
 }
 
-/// Where an order is largest.
+/// Largest amplitude of a quantity along an order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak<'a> {
     /// Quantity whose amplitude peaks.
@@ -124,7 +124,7 @@ pub struct Peak<'a> {
     pub amplitude: f64,
     /// The speed there [rad/s].
     pub speed_rad_s: f64,
-    /// It lies at the end of the run-up: the order may grow further beyond.
+    /// True if it is at an end of the run-up, so that the order may grow further beyond.
     pub at_the_end: bool,
 }
 

@@ -1,4 +1,4 @@
-//! The tables of maps.
+//! CSV tables of stability maps and of their limits.
 
 use super::{Cell, Columns, Limit, Map};
 use crate::csv_table::{CsvTable, number, text};

@@ -22,7 +22,7 @@ pub struct Limit {
     pub unstable_s: Option<f64>,
     /// Status of the run at `unstable_s`.
     pub status: Option<Status>,
-    /// Some larger steps hold again.
+    /// True if some larger steps are stable again.
     pub holds_again: bool,
     /// Largest step up to which every run was within the tolerance \[s\].
     pub accurate_s: Option<f64>,
@@ -41,8 +41,8 @@ impl Limit {
 }
 
 impl Map {
-    /// The largest stable step at the scene's own parameters; `None` for tolerances. Runs that were stopped for
-    /// their many steps say nothing of stability: those at the smallest steps are passed over.
+    /// Returns the largest stable step at the scene's own parameters; `None` for tolerances. Runs that were stopped for
+    /// their many steps have no verdict on stability: those at the smallest steps are skipped.
     pub fn limit(&self) -> Option<Limit> {
         if self.columns != Columns::Step {
             return None;
@@ -68,7 +68,7 @@ impl Map {
         })
     }
 
-    /// The smallest step in a row at which theory says the method becomes unstable, with what it says.
+    /// Returns the smallest step in a row at which the method is unstable by theory, with the label of the theory.
     pub fn theory(&self, row: usize) -> Option<(f64, &str)> {
         (self.lines.iter())
             .filter(|l| l.kind == LineKind::Stability)
@@ -76,7 +76,7 @@ impl Map {
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// The largest stable step over that of theory, where both are known.
+    /// Returns the largest stable step over that of theory, where both are known.
     pub fn ratio(&self) -> Option<f64> {
         let limit = self.limit()?;
         let (found, theory) = (limit.stable_s?, self.theory(self.own_row())?.0);

@@ -30,7 +30,7 @@ words! {
     }
 }
 
-/// A parameter that a map goes over.
+/// A parameter that a map varies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MapAxis {
     /// Id, such as `contact-stiffness`.
@@ -46,14 +46,14 @@ pub struct MapAxis {
     pub own: usize,
 }
 
-/// How one run ended.
+/// Status and work of one run of a map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// Step \[s\] or relative tolerance [-].
     pub at: f64,
     /// Status of the run.
     pub status: Status,
-    /// Why, or what to know of it.
+    /// Reason of the status, or a remark on the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
     /// Error against the model's own converged solution, in the metric of the tolerance.
@@ -99,7 +99,7 @@ pub struct MapLine {
     pub step_s: Vec<Option<f64>>,
 }
 
-/// The model's own converged solution that the cells of a row are held against.
+/// The model's own converged solution that the cells of a row are compared with.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SelfReference {
     /// Method and tolerance of the solution and of the run that checks it.
@@ -107,7 +107,7 @@ pub struct SelfReference {
     /// Distance of the two in the metric of the tolerance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub checked: Option<f64>,
-    /// Why there is none; the cells are then classified by the energy ledger alone.
+    /// Reason why there is no solution; the cells are then classified by the energy ledger alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub missing: Option<String>,
 }
@@ -146,7 +146,7 @@ pub struct Map {
     pub references: Vec<SelfReference>,
 }
 
-/// Each pair of model and integrator once, by its first map: several sets may have it.
+/// Returns each pair of model and integrator once, by its first map; several sets may contain the pair.
 pub(crate) fn once<'a>(maps: impl IntoIterator<Item = &'a Map>) -> Vec<&'a Map> {
     let mut found: Vec<&Map> = Vec::new();
     for map in maps {

@@ -112,7 +112,7 @@ fn about(label: &str, maps: &[&Map]) -> Option<Markup> {
     Some(html! { b { (label) } " " (range) (held) })
 }
 
-/// Where every explicit method of a model fails and an implicit one does not.
+/// Returns the sentence on models for which every explicit method fails at a step where an implicit one does not.
 fn beside(maps: &[Map]) -> Option<String> {
     let (mut lost, mut kept, mut accurate) = (0, 0, 0);
     for label in models(maps) {
@@ -158,7 +158,7 @@ pub fn tables(maps: &[Map]) -> Markup {
     html! { (limits(maps)) (labels(maps)) (references(maps)) }
 }
 
-/// Maps with those of a model beside each other.
+/// Returns the maps ordered by model, in the order of appearance.
 fn by_model<'a>(maps: impl Iterator<Item = &'a Map>) -> Vec<&'a Map> {
     let mut all: Vec<&Map> = maps.collect();
     let order: Vec<String> = all.iter().map(|m| m.model_label()).collect();

@@ -1,4 +1,4 @@
-//! Mesh stiffness, load sharing and transmission error over the path of contact.
+//! Charts of mesh stiffness, load sharing and transmission error over the path of contact.
 
 use super::{ModelStiffness, PER_MM_UM, StiffnessPosition};
 use crate::drawing::Chart;
@@ -9,7 +9,7 @@ use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::model_stroke;
 use crate::numbers::{round_quantity, short};
 
-/// Room beside the path on the abscissa.
+/// Margin beyond the path of contact on the abscissa, relative to it.
 const MARGIN: f64 = 0.08;
 
 /// Values of the cycle, repeated with the base pitch at all positions within a range.

@@ -1,4 +1,4 @@
-//! Tables of static stiffness: a line per model, and a table per model over the positions.
+//! CSV tables of static stiffness: a row per model, and a table per model over the positions.
 
 use super::{ModelStiffness, StiffnessPosition};
 use crate::csv_table::{CsvTable, number};

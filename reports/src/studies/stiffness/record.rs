@@ -34,7 +34,7 @@ impl Results {
 pub struct ModelStiffness {
     /// Label of the model in its scene, or the name of the formula.
     pub label: String,
-    /// Why there are no numbers.
+    /// Reason why the model has no numbers.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub message: String,
     /// Compliances that the stiffness of the model includes, in words.
@@ -101,9 +101,9 @@ pub struct StiffnessPosition {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PairLoad {
-    /// How many base pitches it is ahead of the reference pair.
+    /// Number of base pitches by which the pair is ahead of the reference pair.
     pub offset: i64,
-    /// Its part of the force \[N\].
+    /// Part of the force that the pair carries \[N\].
     pub force_n: f64,
 }
 
@@ -111,7 +111,7 @@ pub struct PairLoad {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LinePressure {
-    /// Half the width of the line \[m\].
+    /// Half width of the contact \[m\].
     pub half_width_m: f64,
     /// Hertz's pressure in its middle \[Pa\].
     pub peak_pa: f64,

@@ -17,7 +17,7 @@ const KHZ: f64 = 1e-3;
 const UM: f64 = 1e6;
 const X_NAME: &str = "mesh frequency [kHz]";
 
-/// Lines at the mesh resonance and where harmonics of the mesh frequency meet it.
+/// Returns the vertical lines at the mesh resonance and at the mesh frequencies whose harmonics equal it.
 fn orders(resonance: Option<f64>, axis: &Axis) -> Vec<(f64, String)> {
     let Some(f) = resonance else {
         return Vec::new();
@@ -46,7 +46,7 @@ fn legend(all: &[Swept<'_>]) -> Vec<Entry> {
     all.iter().map(entry).collect()
 }
 
-/// On the way down markers are open.
+/// True if markers are filled; on the way down they are open.
 fn filled(s: &Swept<'_>) -> bool {
     s.branch != Branch::Down
 }
@@ -299,7 +299,7 @@ fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, Dra
     chart("sweep_cycles.svg", title, caption, &names, &panels).map(Some)
 }
 
-/// Look of a model that was not swept.
+/// Look of the quasi-static limit of a model without runs in the sweep.
 const STANDING: Look = Look {
     ink: Ink::DARK,
     dash: &[],

@@ -1,4 +1,4 @@
-//! The tables of a sweep: speeds, mesh cycles, static limits.
+//! CSV tables of a sweep: speeds, mesh cycles, quasi-static limits.
 
 use super::{ShaftOrders, StaticCycle, Steady};
 use crate::csv_table::{CsvColumn, CsvTable, number};

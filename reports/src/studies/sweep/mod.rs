@@ -1,4 +1,4 @@
-//! The study of loaded running at speed after speed: transmission error, bearing forces, spectra.
+//! The study of loaded running over a sequence of speeds: transmission error, bearing forces, spectra.
 
 mod charts;
 mod csv;
@@ -16,19 +16,20 @@ pub use record::{
     Bearing, Bistable, Branch, ShaftOrders, StaticCycle, Steady, SweepRecord, bistable,
 };
 
-/// A model with its runs by mesh frequency, in one way of coming to the speed.
+/// Runs of a model by mesh frequency, on one branch.
 pub struct Swept<'a> {
     /// Label of the model.
     pub label: String,
     /// Place of the model in the order of appearance.
     pub style: usize,
-    /// How its runs came to their speed.
+    /// Branch of the runs.
     pub branch: Branch,
-    /// Nothing of its model stands before it.
+    /// True if this is the first branch of its model.
     pub first: bool,
     /// Runs that settled, ascending in mesh frequency.
     pub runs: Vec<(&'a Steady, &'a Run)>,
-    /// Runs that reached their end and did not settle, likewise: their amplitude stands for no speed.
+    /// Runs that reached their end without settling, ascending in mesh frequency; their amplitude belongs to no steady
+    /// state.
     pub unsettled: Vec<(&'a Steady, &'a Run)>,
     /// Mesh frequencies at which it failed \[Hz\].
     pub failed: Vec<f64>,

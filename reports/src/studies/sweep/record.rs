@@ -1,9 +1,9 @@
-//! Records of loaded running: what a run settles to over whole mesh cycles, and the static limit beside it.
+//! The record of loaded running: steady states over whole mesh cycles, and the quasi-static limit.
 //!
-//! Transmission error is how far the first gear has turned ahead of rigid, unmodified flanks in touch, on the line of
-//! action \[m\]: positive under load. Positions in a cycle are path coordinates of the reference pair from the pitch
-//! point over the base pitch, as the second gear has it. Harmonics are amplitudes (half of peak to peak) at one, two,
-//! ... times the mesh frequency.
+//! The transmission error is the displacement of the first gear ahead of rigid, unmodified flanks in contact, along the
+//! line of action \[m\], positive under load. Positions in a cycle are path coordinates of the reference pair from the
+//! pitch point over the base pitch, as seen from the second gear. Harmonics are amplitudes (half of peak to peak) at
+//! one, two, ... times the mesh frequency.
 
 use crate::record::checks::same_length;
 use crate::record::{Results, Run};
@@ -30,20 +30,20 @@ impl Results {
 }
 
 words! {
-    /// How a run came to its speed. A mesh with backlash may run in more than one way at the same speed, and goes on in
-    /// the way it comes from.
+    /// Initial state of a run at its speed. A mesh with backlash may have several steady states at one speed, and stays
+    /// on the branch that it comes from.
     pub enum Branch {
-        /// From teeth that touch unloaded, under a rising load.
+        /// Start from unloaded contact, under a rising load.
         #[default]
         Fresh = "fresh",
-        /// From what the next lower speed settled to.
+        /// Start from the steady state of the next lower speed.
         Up = "up",
-        /// From what the next higher speed settled to.
+        /// Start from the steady state of the next higher speed.
         Down = "down",
     }
 }
 
-/// Speeds at which a model runs in one way on the way up and in another on the way down.
+/// Ranges of mesh frequency in which a model has different steady states on the way up and on the way down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bistable {
     /// The model, as its runs call it.
@@ -99,7 +99,7 @@ pub fn bistable(results: &Results) -> Vec<Bistable> {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Steady {
-    /// How the run came to its speed.
+    /// Initial state of the run at its speed.
     pub branch: Branch,
     /// Mesh frequency \[Hz\], of the mean speed in the window.
     pub mesh_frequency_hz: f64,
@@ -115,7 +115,8 @@ pub struct Steady {
     pub error_peak_to_peak_m: f64,
     /// Amplitudes of the transmission error at one, two, ... times the mesh frequency \[m\].
     pub error_harmonics_m: Vec<f64>,
-    /// Greatest less least of its mean over a running mesh cycle \[m\]: what deviations from tooth to tooth make of it.
+    /// Peak to peak of the transmission error averaged over a moving mesh cycle \[m\]: the part by deviations from
+    /// tooth to tooth.
     pub error_long_peak_to_peak_m: f64,
     /// Amplitudes at the orders of the shafts, where whole turns were measured.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -144,7 +145,7 @@ pub struct Steady {
 pub struct ShaftOrders {
     /// Name of the gear.
     pub gear: String,
-    /// Its number of teeth, the order of the mesh frequency.
+    /// Number of teeth, the order of the mesh frequency.
     pub teeth: usize,
     /// Amplitudes at one, two, ... times its turns per second \[m\].
     pub error_m: Vec<f64>,

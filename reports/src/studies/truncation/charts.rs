@@ -1,4 +1,4 @@
-//! Error and cost over the number of modes and their highest frequency.
+//! Charts of error and cost over the number of modes and their highest frequency.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, tick_label};
@@ -11,10 +11,10 @@ use crate::record::{Metrics, Run, finite};
 use crate::studies::truncation::{LIMITS, Way, counts, ways};
 use crate::view::View;
 
-/// Where gears without modes stand on the logarithmic abscissa, over the fewest modes there are.
+/// Abscissa of gears without modes on the logarithmic axis, over the least number of modes.
 const NONE_AT: f64 = 0.5;
 
-/// A way of keeping modes with its look. Truncated ones have open markers.
+/// A method of reduction with its look. Truncation has open markers.
 struct Shown<'a> {
     way: Way<'a>,
     look: Look,

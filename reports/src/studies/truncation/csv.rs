@@ -1,4 +1,4 @@
-//! The table of mode counts.
+//! CSV table of runs by number of modes.
 
 use crate::csv_table::{CsvTable, number, text};
 use crate::record::{Metrics, Results, Run};

@@ -15,7 +15,7 @@ use crate::view::View;
 /// Limits of the force-history error whose fewest modes a report names.
 pub const LIMITS: [f64; 3] = [0.02, 0.01, 0.005];
 
-/// One way of keeping modes, over their number.
+/// Runs of one method of reduction, over the number of modes.
 pub struct Way<'a> {
     /// Variant of its runs, such as `by flank compliance`.
     pub label: String,
@@ -23,7 +23,7 @@ pub struct Way<'a> {
     pub choose: String,
     /// True if the truncated modes are kept as residual compliance.
     pub residual: bool,
-    /// Its runs with their index in the record, ascending in modes.
+    /// Runs of the method with their index in the record, ascending in modes.
     pub runs: Vec<(usize, &'a Run)>,
 }
 
@@ -84,7 +84,7 @@ pub fn ways(results: &Results) -> Vec<Way<'_>> {
     ways
 }
 
-/// All numbers of modes that were tried, ascending.
+/// Returns all numbers of modes in the study, ascending.
 pub fn counts<'w, 'a: 'w>(ways: impl IntoIterator<Item = &'w Way<'a>>) -> Vec<usize> {
     let mut all: Vec<usize> = (ways.into_iter())
         .flat_map(|w| w.runs.iter().filter_map(|(_, r)| r.modes))

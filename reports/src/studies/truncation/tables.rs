@@ -69,7 +69,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
     sentences
 }
 
-/// A run that is pointed out beside the best that residual compliance does with no more modes.
+/// Returns the sentence that compares a marked run with the best run with residual compliance and no more modes.
 fn beside(all: &[Way<'_>], run: &Run, id: &str) -> Option<Markup> {
     let name = capital(run.mark.as_deref()?);
     let modes = run.modes?;

@@ -1,4 +1,4 @@
-//! Normal force per width of the face at the peak.
+//! Chart of the normal force per face width at the peak.
 
 use super::{Borne, axes, teeth};
 use crate::drawing::Chart;

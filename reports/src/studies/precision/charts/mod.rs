@@ -1,4 +1,4 @@
-//! Error against cost: every run a point, the Pareto front a staircase, failures on an edge of their own.
+//! Charts of error over cost: a point per run, the Pareto front as a staircase, failed runs in a strip of their own.
 
 mod families;
 mod integration;
@@ -114,7 +114,7 @@ fn faint(look: Look) -> Look {
     }
 }
 
-/// The staircase under a front: everything above and to the right of it is beaten.
+/// Paints the staircase of a front: all points above and to the right of it are dominated.
 fn staircase(
     c: &mut Canvas<'_>,
     frame: &Frame,
@@ -136,7 +136,7 @@ fn staircase(
     }
 }
 
-/// All runs against one reference.
+/// Draws the chart of all runs against one reference.
 fn all_runs(
     view: &View<'_>,
     study: &Precision<'_>,

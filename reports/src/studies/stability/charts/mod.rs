@@ -1,4 +1,4 @@
-//! Maps of where methods fail: an overview at the scene's own parameters, and one figure of small multiples per model.
+//! Charts of stability maps: an overview at the scene's own parameters, and one figure of small multiples per model.
 
 mod look;
 mod overview;
@@ -30,7 +30,7 @@ const NAME: f64 = 22.0;
 /// Height of a line with the name of the ordinate, where that is longer than the panels are high.
 const NAME_ABOVE: f64 = 20.0;
 
-/// Maps that are drawn; those beyond are left out, and the last caption says so.
+/// Largest number of maps that are drawn; the last caption states the number of those that are left out.
 const DRAWN: usize = 24;
 
 /// The maps of one model over one set of axes.
@@ -100,7 +100,7 @@ fn heading(maps: &[&Map]) -> String {
     )
 }
 
-/// How far two converged solutions are apart, in words.
+/// Returns the clause on the distance between two converged solutions.
 fn distance(checked: f64) -> String {
     format!(
         "a second solution at another tolerance differs from it by at most {} in the metric of the tolerance",
@@ -351,7 +351,8 @@ mod tests {
         assert!(!page.contains("NaN") && page.contains("&lt;b&gt;"));
     }
 
-    /// The name of the ordinate stands upright beside panels that are as high as it is long, else in a line above them.
+    /// The name of the ordinate is upright next to panels that are at least as high as it is long, else in a line above
+    /// them.
     #[test]
     fn a_long_name_of_the_ordinate_stands_above() {
         let short = map(0, "rk4", 0);

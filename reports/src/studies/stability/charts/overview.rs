@@ -1,4 +1,4 @@
-//! Where methods fail at the scene's own parameters: one strip of cells per model and integrator.
+//! Overview of stability at the scene's own parameters: one strip of cells per model and integrator.
 
 use super::look::{self, Entry, found_mark, legend, legend_height};
 use super::panel::{Abscissa, column_scale};

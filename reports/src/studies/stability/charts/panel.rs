@@ -7,10 +7,10 @@ use crate::drawing::geometry::Rect;
 use crate::numbers::{Prefix, short};
 use crate::studies::stability::{Cell, Columns, LineKind, Map, MapAxis};
 
-/// Letters are drawn in cells from this width on, and at this distance in smaller ones.
+/// Width of a cell from which on it has a letter, and the distance of letters in smaller cells.
 const LETTER: f64 = 9.0;
 
-/// Steps are told in microseconds, tolerances as they are.
+/// Returns factor and unit of the columns: microseconds for steps, none for tolerances.
 pub fn column_scale(columns: Columns) -> (f64, &'static str) {
     match columns {
         Columns::Step => (1e6, "step [\u{b5}s]"),

@@ -1,4 +1,4 @@
-//! Amplitudes over frequency and over the orders of shafts.
+//! Charts of amplitudes over frequency and over the orders of shafts.
 
 use super::{KHZ, UM, legend, settled};
 use crate::drawing::Chart;
@@ -11,7 +11,7 @@ use crate::numbers::quantity;
 use crate::record::{Bearing, Steady};
 use crate::studies::sweep::{Swept, resonance};
 
-/// Every harmonic of every speed at its own frequency: what the system answers there.
+/// Draws the amplitude of every harmonic at every speed over its own frequency.
 pub(super) fn spectra(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
     let harmonics = |r: &Steady| r.mesh_frequency_hz * r.error_harmonics_m.len() as f64;
     let highest = settled(all).map(harmonics).fold(0.0, f64::max);
