@@ -6,10 +6,10 @@
 use crate::force::ForceHistory;
 use serde::{Deserialize, Serialize};
 
-/// Column of the place of the tooth of the first mesh in its backlash [-]; further meshes name their gears behind it.
+/// Column of the position of the tooth of the first mesh in its backlash [-]; for further meshes the names of their
+/// gears follow.
 pub const BACKLASH_POSITION: &str = "backlash_position";
-/// Column of the error of the speed ratio of the first mesh [-]; names of further meshes follow it as for the columns
-/// above.
+/// Column of the error of the speed ratio of the first mesh [-]; for further meshes the names of their gears follow.
 pub const SPEED_RATIO_ERROR: &str = "speed_ratio_error";
 /// Prefix of the columns with the deflection of a movable tooth; the name of the gear follows it.
 pub const TOOTH_DEFLECTION: &str = "tooth_deflection";
@@ -86,7 +86,7 @@ impl TimeSeries {
         self.omega2_rad_s.push(omega2);
     }
 
-    /// The values of a further column by its name.
+    /// Returns the values of a further column by its name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let found = self.columns.iter().find(|c| c.name == name)?;
         Some(&found.values)
@@ -139,14 +139,14 @@ impl TimeSeries {
         .filter(|(_, column)| self.is_empty() || !column.is_empty())
     }
 
-    /// The samples before the first that is not finite in any column: what a run that blew up left
-    /// behind.
+    /// Returns the samples before the first that is not finite in any column, which are the usable part of a run that
+    /// blew up.
     #[must_use]
     pub fn finite_prefix(&self) -> Self {
         self.select(&(0..self.finite_len()).collect::<Vec<_>>())
     }
 
-    /// The number of these samples.
+    /// Returns the number of samples before the first that is not finite in any column.
     pub(crate) fn finite_len(&self) -> usize {
         self.named_columns()
             .map(|(_, c)| c)
@@ -232,7 +232,7 @@ impl TimeSeries {
     }
 }
 
-/// Min-max decimation of a polyline over `buckets` equal parts of its time span.
+/// Returns the indices of a min-max decimation of a polyline over `buckets` equal parts of its time span.
 ///
 /// Returns ascending indices: the first and last sample, and of each bucket the samples with the
 /// least and the greatest value. Nothing is dropped where this would not shorten the line.
@@ -281,8 +281,8 @@ fn extrema_per_bucket(t: &[f64], y: &[f64], buckets: usize) -> Vec<usize> {
     keep
 }
 
-/// Linear interpolation of `y(t)` at the ascending times `at`, each moved by `-shift`; zero outside
-/// the samples: a force that was not computed counts as none.
+/// Interpolates `y(t)` linearly at the ascending times `at`, each moved by `-shift`; zero outside the samples, since a
+/// force that was not computed counts as none.
 pub(crate) fn resample(t: &[f64], y: &[f64], at: &[f64], shift: f64, out: &mut Vec<f64>) {
     out.clear();
     let n = t.len().min(y.len());

@@ -34,7 +34,7 @@ pub enum ReportError {
         /// Error of the operating system.
         source: io::Error,
     },
-    /// A record is not what this version reads.
+    /// A record does not conform to the format that this version reads.
     #[error("{}: {reason}", path.display())]
     Record {
         /// Path of the record.
@@ -184,8 +184,8 @@ struct HistoryFile<'a> {
     file: File<'a>,
 }
 
-/// Runs whose histories have files. Of a comparison that is one run of each model, the most accurate one: files of all runs
-/// would be hundreds that differ by integration errors alone.
+/// Returns the runs whose histories have files. For a comparison this is the most accurate run of each model: files of
+/// all runs would be hundreds that differ by integration errors alone.
 fn runs_with_files(results: &Results) -> Vec<usize> {
     if results.study() != Study::Compare {
         return (0..results.runs.len()).collect();
@@ -195,7 +195,8 @@ fn runs_with_files(results: &Results) -> Vec<usize> {
     kept.map(|(i, _)| *i).collect()
 }
 
-/// The histories of references, and of runs the whole ones that a study hands over, else what the record has.
+/// Returns the histories of references, and those of runs: at full resolution where the study has them, else as in the
+/// record.
 fn histories<'a>(results: &'a Results) -> Vec<HistoryFile<'a>> {
     let mut files: Vec<HistoryFile<'a>> = Vec::new();
     let mut add = |run: Option<usize>, name: String, table: Box<dyn Fn() -> CsvTable + 'a>| {

@@ -14,7 +14,7 @@ use plotters::style::{Color, IntoFont};
 /// Units of the SVG backend per unit of the page.
 const SCALE: f64 = 10.0;
 
-/// Points of long lines closer than this to what is left are left out.
+/// Distance below which points of long lines are left out \[page units\].
 const FINE: f64 = 0.12;
 
 /// Alignment of a text relative to its point.
@@ -86,7 +86,7 @@ impl Stroke {
     }
 }
 
-/// The drawing failed; on a text buffer this does not happen.
+/// An error of the drawing backend; a text buffer has none.
 #[derive(Debug, thiserror::Error)]
 #[error("a chart could not be drawn: {0}")]
 pub struct DrawError(String);

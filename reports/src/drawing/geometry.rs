@@ -77,8 +77,8 @@ pub fn clip_segment(a: (f64, f64), b: (f64, f64), r: &Rect) -> Option<((f64, f64
     })
 }
 
-/// A polyline without the points that lie closer than `within` to what is left (Douglas and Peucker, Cartographica 10,
-/// 1973); first and last point stay.
+/// Simplifies a polyline (Douglas and Peucker, Cartographica 10, 1973): every point that is left out lies closer than
+/// `within` to the result; first and last point stay.
 pub fn simplified(points: &[(f64, f64)], within: f64) -> Vec<(f64, f64)> {
     if points.len() < 3 {
         return points.to_vec();

@@ -12,7 +12,7 @@ const COVERED: f64 = 14.0;
 /// Between the lines of a leader and a name.
 const CLEAR: f64 = 1.5;
 
-/// The room for names in an area of the page: what is taken there already.
+/// Occupied rectangles and lines in an area of the page, for the placement of names.
 pub struct Room {
     area: Rect,
     boxes: Vec<Rect>,

@@ -179,7 +179,7 @@ impl Panel {
         self.above() + self.strip() + self.height + below
     }
 
-    /// Least and greatest finite ordinate of all points.
+    /// Returns least and greatest finite ordinate of all points.
     pub fn ordinates(&self) -> (f64, f64) {
         let values = self
             .curves
@@ -326,7 +326,7 @@ impl Panel {
     }
 }
 
-/// Least and greatest finite value.
+/// Returns least and greatest finite value.
 pub fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let ends = (f64::INFINITY, f64::NEG_INFINITY);
     let finite = values.filter(|x| x.is_finite());

@@ -13,7 +13,7 @@ use super::style::{cross, look, marker};
 const NAMED: usize = 6;
 const ROW: f64 = 18.0;
 
-/// Rows of the key of models, with what filling means.
+/// Returns left edge and row of the entries of the key: models, then the meaning of filled markers.
 fn key_places(names: &[(&str, usize)]) -> Vec<(f64, usize)> {
     let widths = names.iter().map(|n| 38.0 + text_width(n.0, NAME_SIZE));
     in_rows(

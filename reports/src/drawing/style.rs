@@ -33,7 +33,7 @@ pub enum Marker {
     Hourglass,
 }
 
-/// Colours, and what they become on a dark page.
+/// Colours of models on a light page, each with its counterpart on a dark one.
 const INKS: [(Ink, Ink); 8] = [
     (Ink(0xd5, 0x5e, 0x00, 1.0), Ink(0xf0, 0x88, 0x3e, 1.0)),
     (Ink(0x00, 0x72, 0xb2, 1.0), Ink(0x58, 0xa6, 0xe8, 1.0)),

@@ -4,7 +4,7 @@ use crate::force::{ForceHistory, Piece, gauss, minimum};
 use crate::series::TimeSeries;
 use std::borrow::Cow;
 
-/// The force of a series: as the run kept it, else its samples joined by lines.
+/// Returns the force of a series: the pieces of the run where it has them, else its samples joined by lines.
 pub(super) fn force_of(series: &TimeSeries) -> Cow<'_, ForceHistory> {
     match &series.force {
         Some(force) => Cow::Borrowed(force),
@@ -34,7 +34,7 @@ impl<'a> Force<'a> {
         }
     }
 
-    /// The greatest force and when it acts \[N, s\].
+    /// Returns the greatest force and its time [N, s].
     pub fn peak(&self) -> (f64, f64) {
         let at_nodes = |p: &Piece<'_>| p.nodes().fold(0.0_f64, |m, (_, f)| m.max(f));
         let highest = self.pieces.iter().map(at_nodes).fold(0.0, f64::max);
@@ -60,17 +60,17 @@ impl<'a> Force<'a> {
         self.integral(|_, f| f)
     }
 
-    /// Integral of the square of the force [N^2 s].
+    /// Computes the integral of the square of the force [N^2 s].
     pub fn square(&self) -> f64 {
         self.integral(|_, f| f * f)
     }
 
-    /// Centroid of the force in time.
+    /// Computes the centroid of the force in time \[s\].
     fn centroid(&self) -> f64 {
         self.integral(|t, f| t * f) / self.impulse()
     }
 
-    /// Time in which the force exceeds `level`.
+    /// Computes the time in which the force exceeds `level` \[s\].
     pub fn time_above(&self, level: f64) -> f64 {
         let between = |p: &Piece<'_>, a: (f64, f64), b: (f64, f64)| {
             let whole = b.0 - a.0;
@@ -95,7 +95,7 @@ impl<'a> Force<'a> {
         self.pieces.iter().map(piece).sum()
     }
 
-    /// Width of the highest peak at half its height.
+    /// Computes the width of the highest peak at half its height \[s\].
     fn half_width(&self) -> f64 {
         let (peak, at) = self.peak();
         let nodes: Vec<(f64, f64)> = self.pieces.iter().flat_map(Piece::nodes).collect();
@@ -109,7 +109,7 @@ impl<'a> Force<'a> {
         }
     }
 
-    /// The force at ascending times, each moved by `-shift`; 0 between pieces.
+    /// Returns the force at ascending times, each moved by `-shift`; 0 between pieces.
     pub fn at_times(
         &self,
         times: impl Iterator<Item = f64>,
@@ -142,7 +142,7 @@ pub(super) enum Target<'a> {
 }
 
 impl<'a> Target<'a> {
-    /// The force of a reference: pieces where it has them, else its samples up to the first that is not finite.
+    /// Returns the force of a reference: pieces where it has them, else its samples up to the first that is not finite.
     pub fn of(series: &'a TimeSeries) -> Self {
         let (t, y) = (&series.time_s, &series.contact_force_n);
         match &series.force {

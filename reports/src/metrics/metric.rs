@@ -152,7 +152,7 @@ impl Metric {
         self.facts().0
     }
 
-    /// Returns the name of the metric in the head of a column.
+    /// Returns the head of a column with the metric: its name in prose without the word "error".
     pub fn short(self) -> String {
         let words = self.words();
         let what = words.strip_suffix(" error").unwrap_or(words);

@@ -84,8 +84,8 @@ pub struct Unfinished {
 }
 
 impl<'a> Finished<'a> {
-    /// Histories and ledger of a run, with the time that it reached and the time that it was to reach \[s\]: the history
-    /// may end before, where only spells of contact are recorded.
+    /// Returns the run if it reached its end: histories and ledger, with the time that it reached and the time that it
+    /// should reach \[s\]. The history may end before, where only intervals of contact are recorded.
     ///
     /// # Errors
     /// [`Unfinished`] when it did not reach its end, or has no history.
@@ -228,7 +228,7 @@ pub fn compare_all(run: Finished<'_>, all: &[&TimeSeries], against: &str) -> Met
     whole
 }
 
-/// Deviation of a value over that of a reference; zero agrees with zero.
+/// Computes the deviation of a value over that of a reference; zero agrees with zero.
 fn deviation(value: f64, reference: f64) -> f64 {
     match (value, reference) {
         (0.0, 0.0) => 0.0,
@@ -236,7 +236,7 @@ fn deviation(value: f64, reference: f64) -> f64 {
     }
 }
 
-/// The error of larger magnitude, of those that there are.
+/// Returns the error of larger magnitude among those that are known.
 fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     match (a, b) {
         (Some(x), Some(y)) => Some(if y.abs() > x.abs() { y } else { x }),
@@ -244,7 +244,7 @@ fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     }
 }
 
-/// Peak to peak of the transmission error up to a time \[m\]; `None` where it was not recorded.
+/// Computes the peak to peak of the transmission error up to a time \[m\]; `None` where it was not recorded.
 fn span_of_transmission_error(series: &TimeSeries, until: f64) -> Option<f64> {
     let column = series.column(TRANSMISSION_ERROR)?;
     let known = series.time_s.partition_point(|&t| t <= until);

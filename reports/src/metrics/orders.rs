@@ -49,7 +49,7 @@ impl Order {
     }
 }
 
-/// Returns the values of a column that has a finite value at all times.
+/// Returns the values of a column that has one value per time.
 fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
     let values = series.column(name)?;
     (values.len() == series.time_s.len()).then_some(values)

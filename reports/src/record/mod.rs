@@ -29,7 +29,8 @@ pub use run::{OwnSolution, Run, Status};
 use serde::{Deserialize, Serialize};
 pub use source::Source;
 
-/// Keys of what depends on the clock or on the machine: two records of one study differ in these, at every depth.
+/// Keys of values that depend on the clock or on the machine: two records of one study may differ in these, at every
+/// depth.
 pub const OF_THE_CLOCK: [&str; 12] = [
     "wall_s",
     "wall_spread_s",
@@ -112,7 +113,7 @@ pub struct Results {
     /// Header that all records share.
     #[serde(flatten)]
     pub header: StudyHeader,
-    /// Settings of the scene in the order to be shown: what, value with unit.
+    /// Settings of the scene in the order of display: name, and value with unit.
     #[serde(default, with = "ordered_map", skip_serializing_if = "Vec::is_empty")]
     pub settings: Vec<(String, String)>,
     /// Tolerance of the scene; absent where it states none.
@@ -167,12 +168,12 @@ pub struct Machine {
 pub struct Tolerance {
     /// The metric it limits.
     pub metric: Metric,
-    /// Greatest magnitude that is accurate enough, in the metric's unit.
+    /// Largest adequate magnitude of the metric, in its unit.
     pub limit: f64,
     /// Reference it refers to, an id in [`Metrics::against`].
     pub against: String,
-    /// Models by [`Run::model_label`] that are shown for their error: beyond the limit they are inaccurate as others
-    /// are, which is no failure of the study.
+    /// Models by [`Run::model_label`] that the study includes for their error: beyond the limit they are inaccurate as
+    /// others are, but this is no failure of the study.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub except: Vec<String>,
 }
@@ -203,7 +204,7 @@ pub struct ReferenceSeries {
     /// Steps of processing between the reference's file and these data, a line each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub processing: Vec<String>,
-    /// The data: the contact force and what has its times. A column that the reference does not have is empty.
+    /// Contact force of the reference and the columns at the same times. A column that the reference lacks is empty.
     pub series: TimeSeries,
     /// Data at other times.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -298,7 +299,7 @@ pub struct Metrics {
     /// Largest error of an angle: root mean square over the span of the reference's [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub angle_l2: Option<f64>,
-    /// Largest error of a torque, likewise [-].
+    /// Largest error of a torque: root mean square over the span of the reference's [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub torque_l2: Option<f64>,
     /// Largest deviation of the peak of a torque from the reference, over the reference [-].

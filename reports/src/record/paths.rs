@@ -57,7 +57,7 @@ pub struct MeshPath {
     /// Mean power from gear to gear as the carrier of a planetary set sees it [W].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolling_w: Option<f64>,
-    /// Mean power lost in the contacts: damping, friction, and change of stored energy [W].
+    /// Mean power absorbed in the contacts: damping, friction, and change of stored energy [W].
     pub loss_w: f64,
 }
 

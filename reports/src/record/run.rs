@@ -34,7 +34,7 @@ words! {
         BlowUp = "blow-up",
         /// A tooth passed through another unseen.
         Tunnelling = "tunnelling",
-        /// A contact force was adhesive, that is, the contact pulled.
+        /// A contact force was adhesive (pulled the flanks together).
         AdhesiveForce = "adhesive force",
         /// The run was stopped for taking too long.
         Timeout = "timeout",
@@ -92,7 +92,8 @@ pub struct Run {
     /// Shortest and longest wall time of the repeats \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wall_spread_s: Option<[f64; 2]>,
-    /// Processor time of the integration, the median of the repeats \[s\]: other work on the machine does not change it.
+    /// Processor time of the integration, the median of the repeats \[s\]; it does not depend on other work on the
+    /// machine.
     #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
     pub cpu_s: f64,
     /// Number of timed repeats without observers; 0 when the observed run itself was timed.
@@ -125,8 +126,8 @@ pub struct Run {
     /// Calibration of the stiffness, such as `impact`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibration: Option<String>,
-    /// Id of the reference to whose history its constants were fitted, where that is one of this record: its error
-    /// there is the rest of a fit, not a prediction.
+    /// Id of the reference of this record to whose history the constants were fitted, if any: the error against it is
+    /// the residual of a fit, not a prediction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fitted_to: Option<String>,
     /// Parameters by gear (`contact A - B` for a mesh) and key, in SI units: numbers as numbers.
@@ -255,8 +256,8 @@ impl Run {
         }
     }
 
-    /// Processor time of the integration \[s\], which other work on the machine does not change; of records without it
-    /// the wall time.
+    /// Returns the processor time of the integration \[s\], which does not depend on other work on the machine; for
+    /// records without it the wall time.
     pub fn cost_s(&self) -> f64 {
         match self.cpu_s {
             x if x.is_finite() && x > 0.0 => x,

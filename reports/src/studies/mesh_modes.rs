@@ -40,7 +40,7 @@ pub fn tables(all: &[MeshMode]) -> Markup {
     )
 }
 
-/// The table in CSV; `None` where there are none.
+/// Returns the CSV table of mesh modes; `None` where there are none.
 pub fn csv(all: &[MeshMode]) -> Option<CsvTable> {
     (!all.is_empty()).then(|| {
         CsvTable::new::<&MeshMode>(

@@ -75,7 +75,7 @@ fn ledger() -> [CsvColumn<'static, Ledger>; 13] {
     ]
 }
 
-/// Columns of what belongs to a run.
+/// Returns columns of a part of the run; their cells are empty where the run lacks the part.
 fn of_part<'c, T: 'static>(
     columns: impl IntoIterator<Item = CsvColumn<'static, T>>,
     part: impl Fn(&Run) -> Option<&T> + Copy + 'c,
@@ -89,7 +89,7 @@ fn of_part<'c, T: 'static>(
     })
 }
 
-/// Results that do not depend on a reference: every comparison has them.
+/// Metrics that do not depend on a reference, so that every comparison has them.
 const RESULTS: [(&str, Metric); 8] = [
     ("peak_force_n", Metric::PeakForce),
     ("rms_force_n", Metric::RmsForce),

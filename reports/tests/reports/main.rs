@@ -1,4 +1,4 @@
-//! Reports of made-up records: their files, what they say, and that they say it honestly.
+//! Reports of made-up records: their files, their texts, and the accuracy of the texts.
 
 mod files;
 mod made_up;
@@ -34,7 +34,7 @@ fn written(results: &Results) -> BTreeMap<String, String> {
     files
 }
 
-/// The record keeps to its schema, and every column stands in the dictionary.
+/// Asserts that a record conforms to its schema, and that the dictionary has every column.
 fn as_documented(files: &BTreeMap<String, String>) {
     let record = serde_json::from_str(&files[gearbench_reports::store::RECORD]).unwrap();
     assert_eq!(dictionary::violations(&record), Vec::<String>::new());
@@ -58,7 +58,7 @@ fn finding(page: &str) -> &str {
     text.split("</section>").next().unwrap()
 }
 
-/// No number that is none may be in any file.
+/// Asserts that no file contains a number that is not finite.
 fn has_only_numbers(files: &BTreeMap<String, String>) {
     for (name, text) in files {
         for word in ["NaN", "nan,", "inf,", "Infinity", "null", ">inf", "\"inf"] {

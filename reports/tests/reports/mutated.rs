@@ -1,5 +1,5 @@
-//! Records that were edited at random, of every study: a report is written, or the record is refused with its file and the
-//! place in it; nothing panics.
+//! Reports of records of every study that were edited at random: the report is written, or the record is refused with
+//! its file and the place in it; there is no panic.
 
 use crate::{contents, has_only_numbers, made_up, modes, pages, precision, trains, written};
 use gearbench_reports::check::{

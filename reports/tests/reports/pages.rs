@@ -223,7 +223,7 @@ fn no_table_hides_its_results() {
     }
 }
 
-/// The columns that were once cut off at the right.
+/// The last columns, which were cut off in an earlier version, are in the table at a glance.
 #[test]
 fn the_columns_at_the_end_are_at_a_glance() {
     for (study, section, columns) in [
@@ -267,7 +267,8 @@ fn findings_are_four_sentences_at_most() {
     }
 }
 
-/// A model that was fitted to the very history that it is held against predicts nothing there, and is not named as if.
+/// A model that was fitted to the history it is compared with makes no prediction there, and the page does not present
+/// it as one.
 #[test]
 fn a_fit_is_no_prediction() {
     let mut results = made_up::impact_results();
@@ -305,7 +306,7 @@ fn a_fit_is_no_prediction() {
     assert!(said.contains("No model predicts the scene"), "{said}");
 }
 
-/// Neither keys of the format nor the quotes of names stand in what is read, and one is not several.
+/// A page has neither keys of the format nor quoted names in its sentences, and singular and plural are correct.
 #[test]
 fn pages_speak_in_words() {
     for (name, page) in pages() {
@@ -327,7 +328,7 @@ fn pages_speak_in_words() {
     }
 }
 
-/// Titles of figures are all different: each says what it is against.
+/// Titles of figures are all different: each names its reference.
 #[test]
 fn no_two_figures_have_one_title() {
     for (name, page) in pages() {

@@ -102,7 +102,7 @@ fn a_run_up_tells_where_its_orders_peak() {
     assert!(broken.validate().is_err());
 }
 
-/// Two planets of which one bears twice what the other does.
+/// Makes a record with two planets, of which one carries twice the load of the other.
 pub fn trains() -> Results {
     let mesh = |a: &str, b: &str, force_n: f64| MeshPath {
         gears: [a.into(), b.into()],
@@ -286,7 +286,7 @@ fn pairs(meshes: usize) -> Results {
     }
 }
 
-/// How often a chart has a text.
+/// Counts the occurrences of a text in a chart.
 fn texts(svg: &str, text: &str) -> usize {
     svg.lines().filter(|line| *line == text).count()
 }

@@ -247,8 +247,9 @@ impl ChoiceRecord {
     }
 
     /// Checks the rules that the types do not enforce: the verdict follows from the numbers.
-    ///    ///
+    ///
     /// # Errors
+    ///
     /// A sentence that names the rule.
     pub fn validate(&self) -> Result<(), String> {
         let places = self.levels.iter().filter_map(|r| r.cheapest);

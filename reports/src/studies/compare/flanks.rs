@@ -24,7 +24,7 @@ const LEFT: f64 = 62.0;
 const BAR: f64 = 92.0;
 /// Gap between the maps on the page.
 const GAP: f64 = 14.0;
-/// Teeth of a model that are shown.
+/// Largest number of teeth per model in a map.
 const MOST_TEETH: usize = 4;
 /// Height of a line of contact on a map.
 const LINE: f64 = 5.0;
@@ -102,7 +102,7 @@ fn axes(load: &FlankLoad) -> [Axis; 2] {
     [mm(load.width_m), mm(load.roll_m)]
 }
 
-/// A flank: ground, axes, what `paint` fills in, edge.
+/// Paints the map of a flank: background, axes, the content that `paint` draws, edge.
 fn map(
     c: &mut Canvas<'_>,
     (load, area, first): (&FlankLoad, Rect, bool),
@@ -167,7 +167,7 @@ fn bar(c: &mut Canvas<'_>, (y0, y1): (f64, f64), value: FlankValue, greatest: f6
     );
 }
 
-/// A patch on the page; lines keep a height that is seen.
+/// Paints a patch of contact; a contact line has a visible least height.
 fn patch(c: &mut Canvas<'_>, frame: &Frame, p: &FlankPatch, greatest: f64) {
     let half = p.size_m.map(|s| 0.5e3 * s);
     let (x, y) = (1e3 * p.height_m, 1e3 * p.roll_m);

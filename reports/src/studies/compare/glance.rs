@@ -148,7 +148,7 @@ pub fn glance(view: &View<'_>) -> Markup {
     }
 }
 
-/// The least error of each model against every reference that is not the yardstick.
+/// Returns the table with the least error of each model against every reference that is not the yardstick.
 fn others(view: &View<'_>) -> Markup {
     let compared = |id: &str| view.results.runs.iter().any(|r| r.against(id).is_some());
     let further = (view.results.references.iter())

@@ -78,7 +78,7 @@ impl<'a> History<'a> {
     }
 }
 
-/// The values of a column, of the standard ones or a further one; a column that a reference does not have is none.
+/// Returns the values of a standard or further column; `None` if a reference lacks it.
 fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
     let mut columns = series.named_columns();
     columns.find_map(|(n, values)| (n == name && !values.is_empty()).then_some(values))
@@ -232,7 +232,7 @@ impl<'a> Histories<'a> {
             .count()
     }
 
-    /// Least and greatest value of some columns, and zero.
+    /// Returns least and greatest value of some columns, zero included.
     pub fn extremes(&self, members: &[Member]) -> (f64, f64) {
         let all = || {
             self.curves

@@ -236,7 +236,7 @@ fn by_pair(contacts: &[ContactPoint]) -> Vec<ContactPoint> {
     pairs.into_iter().map(|(pair, _)| pair).collect()
 }
 
-/// Draws the force of every pair; the texts that go with them, each with the point it belongs to.
+/// Draws the force of every pair as an arrow and returns the texts, each with the point of its arrow.
 fn arrows(
     c: &mut Canvas<'_>,
     p: &Picture<'_>,

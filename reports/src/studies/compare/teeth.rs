@@ -107,7 +107,7 @@ pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     chart("teeth.svg", title, said.join(" "), &legend, &drawn.panels).map(Some)
 }
 
-/// Panels, and what their legend has to name.
+/// Panels of a chart with the entries of its legend.
 #[derive(Default)]
 struct Drawn {
     panels: Vec<Panel>,

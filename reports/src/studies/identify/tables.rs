@@ -89,7 +89,7 @@ pub fn tables(fits: &[FitRecord]) -> Markup {
     }
 }
 
-/// Correlation of what was fitted, and how the fit was found.
+/// Returns the correlations of the fitted parameters, and the data on the fit itself.
 pub fn details(fits: &[FitRecord]) -> Markup {
     html! {
         @for f in fits {

@@ -14,7 +14,7 @@ const MOST_SHARES: usize = 24;
 const MOST_SHAPES: usize = 9;
 /// Columns of a picture of shares.
 const MOST_HOLDERS: usize = 14;
-/// Share that makes a column worth its place, and one that is written.
+/// Least share for a column to be in the picture, and for a number to be written in a cell.
 const SHOWN: f64 = 0.02;
 const WRITTEN: f64 = 0.005;
 /// Heights of a row, of the heads, and the width of the names of modes.

@@ -108,7 +108,7 @@ pub struct MemberPlace {
     pub x_m: f64,
     /// Second coordinate of its hub in that plane [m]; see `x_m`.
     pub y_m: f64,
-    /// Radius by which its turn moves flanks [m]; 1 of what slides.
+    /// Radius by which its turn displaces flanks [m]; 1 for a sliding member.
     pub radius_m: f64,
     /// True if the member slides instead of turning: its turn is then a displacement in [m].
     pub slides: bool,

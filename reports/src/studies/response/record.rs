@@ -97,7 +97,7 @@ pub struct MeshLimit {
     pub stiffness_range_n_per_m: [f64; 2],
     /// Transmission error in the transverse plane, about its mean [m]: root mean square.
     pub error_rms_m: f64,
-    /// Greatest less least [m].
+    /// Peak to peak of the transmission error [m].
     pub error_peak_to_peak_m: f64,
     /// Amplitudes of its harmonics [m].
     pub error_harmonics_m: Vec<f64>,
@@ -128,7 +128,7 @@ impl ResponsePoint {
 pub struct MeshPoint {
     /// Transmission error about its mean [m]: root mean square.
     pub error_rms_m: f64,
-    /// Greatest less least [m].
+    /// Peak to peak of the transmission error [m].
     pub error_peak_to_peak_m: f64,
     /// Amplitudes of its harmonics [m].
     pub error_harmonics_m: Vec<f64>,

@@ -20,7 +20,7 @@ const BELOW: f64 = 48.0;
 /// Space at the right: names of lines, and the bar.
 const NAMES: f64 = 128.0;
 const BAR: f64 = 92.0;
-/// Decades of amplitudes that are shown.
+/// Number of decades of amplitude in a map.
 const DECADES: f64 = 3.0;
 /// Lowest lines of a map, with the mean and slow changes; they are left out of the scale.
 const SLOW: f64 = 2.5;
@@ -138,7 +138,7 @@ fn paint_marks(c: &mut Canvas<'_>, frame: &Frame, marks: &[Marked]) {
     }
 }
 
-/// As much of a name as there is room for.
+/// Shortens a name to 20 characters.
 fn short_name(name: &str) -> String {
     const MOST: usize = 20;
     match name.chars().count() > MOST {

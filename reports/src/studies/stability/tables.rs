@@ -112,7 +112,8 @@ fn about(label: &str, maps: &[&Map]) -> Option<Markup> {
     Some(html! { b { (label) } " " (range) (held) })
 }
 
-/// Returns the sentence on models for which every explicit method fails at a step where an implicit one does not.
+/// Returns the sentence on combinations of step and parameters at which every explicit method is unstable, and the
+/// numbers of those at which an implicit one is stable or accurate.
 fn beside(maps: &[Map]) -> Option<String> {
     let (mut lost, mut kept, mut accurate) = (0, 0, 0);
     for label in models(maps) {
@@ -238,7 +239,7 @@ fn labels(maps: &[Map]) -> Markup {
     section("How runs ended", table)
 }
 
-/// The converged solutions: how they were made and checked, or why there are none.
+/// Returns the table of converged solutions: method and check, or the reason why there is none.
 fn references(maps: &[Map]) -> Markup {
     let mut lines: Vec<(String, String, usize, f64)> = Vec::new();
     for label in models(maps) {

@@ -9,7 +9,7 @@ use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::model_stroke;
 use crate::numbers::{round_quantity, short};
 
-/// Margin beyond the path of contact on the abscissa, relative to it.
+/// Margin beyond the path of contact on the abscissa [base pitches].
 const MARGIN: f64 = 0.08;
 
 /// Values of the cycle, repeated with the base pitch at all positions within a range.

@@ -52,17 +52,17 @@ pub struct ModelStiffness {
     pub pitch_point_m: f64,
     /// Path coordinates of start and end of contact \[m\].
     pub path_m: [f64; 2],
-    /// Stiffness of one pair per width \[N/m^2\]: what a norm states, else the largest secant.
+    /// Stiffness of one pair per width \[N/m^2\]: the value of the norm, else the largest secant.
     pub single_stiffness_n_per_m2: f64,
     /// Secant stiffness of the pair at the pitch point per width \[N/m^2\].
     pub at_pitch_point_n_per_m2: f64,
-    /// Stiffness of the mesh per width \[N/m^2\]: what a norm states, else the mean secant.
+    /// Stiffness of the mesh per width \[N/m^2\]: the value of the norm, else the mean secant.
     pub mesh_stiffness_n_per_m2: f64,
     /// Mean tangent stiffness of the mesh per width \[N/m^2\].
     pub mesh_tangent_n_per_m2: f64,
     /// Mean static transmission error \[m\].
     pub error_mean_m: f64,
-    /// Greatest less least static transmission error \[m\].
+    /// Peak to peak of the static transmission error \[m\].
     pub error_peak_to_peak_m: f64,
     /// Coordinates that were solved for.
     pub unknowns: usize,

@@ -2,8 +2,8 @@
 //!
 //! The transmission error is the displacement of the first gear ahead of rigid, unmodified flanks in contact, along the
 //! line of action \[m\], positive under load. Positions in a cycle are path coordinates of the reference pair from the
-//! pitch point over the base pitch, as seen from the second gear. Harmonics are amplitudes (half of peak to peak) at
-//! one, two, ... times the mesh frequency.
+//! pitch point over the base pitch, computed from the rotation of the second gear. Harmonics are amplitudes (half of
+//! peak to peak) at one, two, ... times the mesh frequency.
 
 use crate::record::checks::same_length;
 use crate::record::{Results, Run};
@@ -111,7 +111,7 @@ pub struct Steady {
     pub error_mean_m: f64,
     /// Root mean square about the mean \[m\].
     pub error_rms_m: f64,
-    /// Greatest less least \[m\].
+    /// Peak to peak of the transmission error \[m\].
     pub error_peak_to_peak_m: f64,
     /// Amplitudes of the transmission error at one, two, ... times the mesh frequency \[m\].
     pub error_harmonics_m: Vec<f64>,
@@ -181,7 +181,7 @@ pub struct StaticCycle {
     pub error_m: Vec<f64>,
     /// Mean transmission error \[m\].
     pub error_mean_m: f64,
-    /// Greatest less least \[m\].
+    /// Peak to peak of the transmission error \[m\].
     pub error_peak_to_peak_m: f64,
     /// Mean tangent stiffness along the line of action \[N/m\].
     pub tangent_n_per_m: f64,

@@ -18,7 +18,7 @@ fn error(run: &Run, against: &str) -> Option<f64> {
     e.filter(|e| e.is_finite())
 }
 
-/// A number of modes and the frequency that they go up to.
+/// Returns the number of modes of a run and their highest frequency, in words.
 fn kept(run: &Run) -> String {
     let modes = run.modes.unwrap_or(0);
     match run.highest_hz {

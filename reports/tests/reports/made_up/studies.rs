@@ -9,7 +9,7 @@ use gearbench_reports::sweep::{Bearing, ShaftOrders, StaticCycle, Steady, SweepR
 use gearbench_reports::{Ledger, Part, Results, Run, Status};
 use std::f64::consts::PI;
 
-/// A study of mode counts: four ways of keeping modes, one failed run, one that is pointed out.
+/// Makes a study of mode counts: four methods of reduction, one failed run, one marked run.
 pub fn mode_results() -> Results {
     let calculix = impact_results().references.remove(0);
     let fe = impact(1.9e-5, 3610.0, 0.05, 5e-7);
@@ -207,8 +207,8 @@ pub fn penalty_results() -> Results {
     )
 }
 
-/// An identification: one parameter known, one on its bound, one that the data do not tell; data that were fitted and held
-/// out; a profile; and numbers that are none.
+/// Makes an identification: one parameter identified, one at its bound, one that the data do not determine; fitted and
+/// held-out data; a profile; and numbers that are not finite.
 pub fn identify_results() -> Results {
     let parameter = |key: &str, outcome: Outcome, value: Option<f64>| ParameterRecord {
         key: key.into(),

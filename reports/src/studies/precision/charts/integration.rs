@@ -15,7 +15,7 @@ use crate::studies::precision::pareto::{Point, front};
 use crate::studies::precision::{Cost, Precision, Shown};
 use crate::view::{capital, metric_against};
 
-/// Work-precision diagrams, one per model: what its integrators lose.
+/// Draws work-precision diagrams of the integrators, one per model.
 pub(super) fn integration(
     study: &Precision<'_>,
     metric: Metric,

@@ -21,7 +21,7 @@ use crate::view::{View, capital, metric_against};
 use families::families;
 use integration::integration;
 
-/// Opacity of what something else beats.
+/// Opacity of points that are dominated.
 const FAINT: f64 = 0.3;
 /// Height of a plot and of a small one.
 const PLOT: f64 = 400.0;

@@ -81,7 +81,8 @@ fn top_decades(panel: &Panel, decades: f64) -> Option<Axis> {
     (high > 0.0).then(|| Axis::logarithmic(low.max(high * 10f64.powf(-decades)), high))
 }
 
-/// Transmission error at the orders of the shafts, at the lowest speed: what deviations from tooth to tooth excite.
+/// Draws the transmission error at the orders of the shafts at the lowest speed, which deviations from tooth to tooth
+/// excite.
 pub(super) fn shaft_orders(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
     let shown: Vec<(&Swept<'_>, &Steady)> = (all.iter())
         .filter(|s| s.first)
