@@ -34,8 +34,8 @@ pub struct ForceHistory {
 }
 
 impl ForceHistory {
-    /// Samples joined by straight lines; two at one time are both sides of a jump. Ends before the first that is not
-    /// finite.
+    /// Makes the piecewise linear force through samples; two at one time are both sides of a jump. It ends before the
+    /// first sample that is not finite.
     pub fn polyline(t: &[f64], force: &[f64]) -> Self {
         let mut history = Self::default();
         let finite = |(t, f): &(&f64, &f64)| t.is_finite() && f.is_finite();
@@ -78,13 +78,13 @@ impl ForceHistory {
         self.time_s.first().copied()
     }
 
-    /// Spells of contact: stretches of pieces without a gap between them.
+    /// Returns the number of intervals of contact, that is, of sequences of pieces without a gap.
     pub fn spells(&self) -> usize {
         let meet = |w: &&[usize]| self.time_s[w[1] - 1] < self.time_s[w[1]];
         usize::from(!self.is_empty()) + self.first.windows(2).filter(meet).count()
     }
 
-    /// Begin and end of the first spell of contact \[s\].
+    /// Returns begin and end of the first interval of contact \[s\].
     pub fn first_spell(&self) -> Option<[f64; 2]> {
         let begin = self.begins()?;
         let mut nodes = self.first.iter().skip(1).copied();
@@ -114,7 +114,7 @@ impl ForceHistory {
         }
     }
 
-    /// Greatest force \[N\], impulse \[N s\] and time in contact \[s\] between two times \[s\].
+    /// Computes greatest force \[N\], impulse \[N s\] and time in contact \[s\] between two times \[s\].
     pub fn within(&self, from: f64, to: f64) -> Within {
         let mut all = Within::default();
         for p in self.until(to).iter().filter(|p| p.end > from) {
@@ -134,7 +134,7 @@ impl ForceHistory {
         all
     }
 
-    /// The pieces up to a time \[s\].
+    /// Returns the pieces up to a time \[s\].
     pub(crate) fn until(&self, end: f64) -> Vec<Piece<'_>> {
         let ends = (self.first.iter().skip(1).copied()).chain([self.time_s.len()]);
         (self.first.iter().zip(ends))
@@ -159,8 +159,8 @@ pub struct Within {
     pub contact_s: f64,
 }
 
-/// Integral of the polynomial through nodes, times \[s\] with values, ascending and at most [`MOST_NODES`]; 0 where they
-/// are no piece.
+/// Integrates the polynomial through nodes, times \[s\] with values, ascending and at most [`MOST_NODES`]; 0 for nodes
+/// that make no piece.
 pub fn integral(nodes: &[(f64, f64)]) -> f64 {
     let mut one = ForceHistory::default();
     one.push(nodes);
@@ -209,7 +209,7 @@ impl<'a> Piece<'a> {
         }
     }
 
-    /// Force at a time of the piece \[N\].
+    /// Returns the force at a time of the piece \[N\].
     pub fn at(&self, t: f64) -> f64 {
         let n = self.t.len();
         let mut y = self.c[n - 1];
@@ -219,12 +219,12 @@ impl<'a> Piece<'a> {
         y
     }
 
-    /// Times and weights of quadrature over the piece \[s\].
+    /// Returns times and weights of Gauss quadrature over the piece \[s\].
     pub fn quadrature(&self) -> impl Iterator<Item = (f64, f64)> {
         gauss(self.start, self.end)
     }
 
-    /// The nodes that lie before its end, and its end, with their forces.
+    /// Returns the nodes that lie before its end, and its end, with their forces.
     pub fn nodes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let last = if self.end < self.t[self.t.len() - 1] {
             self.at(self.end)
@@ -256,13 +256,13 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// Times and weights of quadrature between two times \[s\].
+/// Returns times and weights of Gauss quadrature between two times \[s\].
 pub(crate) fn gauss(start: f64, end: f64) -> impl Iterator<Item = (f64, f64)> {
     let h = end - start;
     GAUSS.into_iter().map(move |(x, w)| (start + x * h, w * h))
 }
 
-/// The minimum of a function between two times by golden section: where it is, and its value.
+/// Returns place and value of the minimum of a function between two times, by golden section.
 pub(crate) fn minimum([mut a, mut b]: [f64; 2], f: &mut dyn FnMut(f64) -> f64) -> (f64, f64) {
     const RATIO: f64 = 0.618_033_988_749_894_8;
     let (mut c, mut d) = (b - RATIO * (b - a), a + RATIO * (b - a));

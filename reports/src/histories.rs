@@ -56,7 +56,7 @@ pub struct ContactEvent {
     pub mesh: usize,
     /// Teeth of its two gears, counted from 1.
     pub teeth: [i64; 2],
-    /// Contact force of the whole mesh just before and just after \[N\].
+    /// Contact force of the whole mesh just before and just after the event \[N\].
     pub force_n: [f64; 2],
     /// True if the time is that of a located event and the forces are its two sides; else the forces are those at
     /// neighbouring times of the grid.
@@ -67,10 +67,10 @@ pub struct ContactEvent {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Histories {
-    /// The whole series, once the record's own has been thinned.
+    /// The series at full resolution, if the record's own has been thinned.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub series: Option<TimeSeries>,
-    /// Rows of the whole series that lie on the grid, ascending.
+    /// Rows of that series at times of the grid, ascending.
     pub on_grid: Vec<usize>,
     /// Further columns, on the grid alone.
     pub further: Vec<Column>,

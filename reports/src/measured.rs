@@ -101,7 +101,7 @@ impl MeasuredCurve {
         format!("{}{only} over {}", of(&self.ordinate), of(&self.abscissa))
     }
 
-    /// The computed curves of its two columns with their distances.
+    /// Returns the computed curves of its two columns with their errors.
     pub fn compared(&self, tables: &[CsvTable]) -> Vec<ComparedCurve> {
         let has = |t: &CsvTable, name: &str| t.header.iter().any(|h| h == name);
         let fits = |t: &&CsvTable| has(t, &self.abscissa) && has(t, &self.ordinate);
@@ -116,7 +116,7 @@ impl MeasuredCurve {
             .collect()
     }
 
-    /// The curves of a table.
+    /// Returns the curves of a table.
     fn curves(&self, table: &CsvTable) -> Curves {
         let place = |name: &str| table.header.iter().position(|h| h == name);
         let (Some(x), Some(y)) = (place(&self.abscissa), place(&self.ordinate)) else {
@@ -238,7 +238,7 @@ fn nothing_to_compare(curve: &MeasuredCurve, tables: &[CsvTable]) -> String {
     }
 }
 
-/// Section and charts of the measured curves of a record.
+/// Returns the section and the charts of the measured curves of a record.
 pub(crate) fn report(
     curves: &[MeasuredCurve],
     tables: &[CsvTable],

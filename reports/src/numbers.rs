@@ -3,7 +3,7 @@
 /// Text of a missing value, an en dash.
 pub const ABSENT: &str = "\u{2013}";
 
-/// `x` to `digits` significant digits; powers of ten outside 1e-4 .. 1e6. Absent if not finite.
+/// Formats `x` with `digits` significant digits, and with a power of ten outside 1e-4 to 1e6; [`ABSENT`] if not finite.
 pub fn significant(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         return ABSENT.into();
@@ -28,7 +28,7 @@ pub fn significant(x: f64, digits: usize) -> String {
     minus(text)
 }
 
-/// `x` with a power of ten, whatever its size.
+/// Formats `x` with a power of ten, whatever its magnitude.
 pub fn power(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         ABSENT.into()
@@ -39,7 +39,7 @@ pub fn power(x: f64, digits: usize) -> String {
     }
 }
 
-/// As [`significant`], without trailing zeros: for labels and prose.
+/// Formats `x` as [`significant`] does, without trailing zeros: for labels and prose.
 pub fn short(x: f64, digits: usize) -> String {
     let text = significant(x, digits);
     let (mantissa, exponent) = text
@@ -80,7 +80,7 @@ pub fn digits_apart(values: &[f64], least: usize) -> usize {
 /// Threshold (a ratio, or a value in SI units) below which a number is rounding error and is written without digits.
 pub const ROUNDING: f64 = 1e-12;
 
-/// A ratio in per cent, without the sign of the unit; below [`ROUNDING`] only that it is.
+/// Formats a ratio in per cent, without the sign of the unit; below [`ROUNDING`] only as rounding.
 pub fn percent(ratio: f64, digits: usize) -> String {
     if ratio != 0.0 && ratio.abs() < ROUNDING {
         return "<\u{a0}1e\u{2212}10".into();
@@ -88,7 +88,7 @@ pub fn percent(ratio: f64, digits: usize) -> String {
     significant(100.0 * ratio, digits)
 }
 
-/// A ratio in per cent with its unit, such as `4.69 %`; without trailing zeros as [`short`].
+/// Formats a ratio in per cent with its unit, such as `4.69 %`; without trailing zeros as [`short`].
 pub fn per_cent(ratio: f64, digits: usize) -> String {
     if ratio.is_finite() {
         format!("{}\u{a0}%", percent(ratio, digits))
@@ -97,12 +97,12 @@ pub fn per_cent(ratio: f64, digits: usize) -> String {
     }
 }
 
-/// A limit in per cent: `5 %`, `0.5 %`.
+/// Formats a limit in per cent: `5 %`, `0.5 %`.
 pub fn limit(ratio: f64) -> String {
     format!("{}\u{a0}%", short(100.0 * ratio, 3))
 }
 
-/// A deviation in per cent with its sign, without the unit; rounding is no deviation.
+/// Formats a deviation in per cent with its sign, without the unit; a deviation below [`ROUNDING`] is 0.
 pub fn deviation(ratio: f64, digits: usize) -> String {
     if ratio.abs() < ROUNDING {
         return "0".into();
@@ -111,7 +111,7 @@ pub fn deviation(ratio: f64, digits: usize) -> String {
     format!("{sign}{}", significant(100.0 * ratio, digits))
 }
 
-/// So many of something: `1 choice`, `2 choices`.
+/// Formats a number of things with their noun: `1 choice`, `2 choices`.
 pub fn counted(n: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(n as u64), if n == 1 { one } else { many })
 }
@@ -124,7 +124,7 @@ pub fn times(ratio: f64) -> String {
     }
 }
 
-/// A count in groups of three.
+/// Formats a count with its digits in groups of three.
 pub fn count(n: u64) -> String {
     let digits = n.to_string();
     let mut out = String::new();
@@ -185,7 +185,7 @@ fn in_grams(x: f64, unit: &str) -> (f64, &str) {
     }
 }
 
-/// As [`quantity`], without trailing zeros: for steps and other numbers that were set.
+/// Formats a quantity as [`quantity`] does, without trailing zeros: for steps and other given numbers.
 pub fn round_quantity(x: f64, unit: &str, digits: usize) -> String {
     if !x.is_finite() || x.abs() < ROUNDING {
         return quantity(x, unit, digits);
@@ -195,7 +195,7 @@ pub fn round_quantity(x: f64, unit: &str, digits: usize) -> String {
     format!("{}\u{a0}{}{unit}", short(x * p.factor, digits), p.symbol)
 }
 
-/// A quantity with prefix and unit, such as `1.23 ms`; zero below [`ROUNDING`].
+/// Formats a quantity with prefix and unit, such as `1.23 ms`; zero below [`ROUNDING`].
 pub fn quantity(x: f64, unit: &str, digits: usize) -> String {
     if !x.is_finite() {
         return ABSENT.into();
@@ -212,7 +212,7 @@ pub fn quantity(x: f64, unit: &str, digits: usize) -> String {
     )
 }
 
-/// The true minus sign, also in the exponent.
+/// Replaces hyphens by the minus sign, also in the exponent.
 fn minus(text: String) -> String {
     text.replace('-', "\u{2212}")
 }

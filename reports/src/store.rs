@@ -236,7 +236,7 @@ fn histories<'a>(results: &'a Results) -> Vec<HistoryFile<'a>> {
     files
 }
 
-/// The names of all files of histories that a record may have made.
+/// Returns the names of all files of histories that a record can have.
 fn history_names(results: &Results) -> impl Iterator<Item = String> {
     let references = results.references.iter().enumerate();
     let runs = results
@@ -249,7 +249,7 @@ fn history_names(results: &Results) -> impl Iterator<Item = String> {
         .chain(runs.flat_map(|(i, r)| ENDINGS.map(|ending| format!("{}{ending}", r.file_stem(i)))))
 }
 
-/// The name of the file of a reference, and of its histories at other times.
+/// Returns the name of the file of a reference, and of its histories at other times.
 fn reference_name(i: usize, reference: &ReferenceSeries, k: usize) -> String {
     let more = match k {
         0 => String::new(),
@@ -304,7 +304,7 @@ fn put(dir: &Path, files: &[File<'_>]) -> Result<(), ReportError> {
     result
 }
 
-/// JSON with objects on lines and arrays of numbers in one line.
+/// Formats a record as JSON, with objects on several lines and arrays of numbers on one.
 fn to_json(results: &Results) -> serde_json::Result<String> {
     let mut bytes = Vec::new();
     let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, Layout { depth: 0 });

@@ -38,7 +38,8 @@ pub struct View<'a> {
     pub yardstick: Option<Cow<'a, Yardstick>>,
 }
 
-/// The yardstick of a comparison. Records of former versions do not name theirs: it is the first of their references.
+/// Returns the yardstick of a comparison. Records of former versions do not name theirs: it is the first of their
+/// references.
 pub fn yardstick_of(results: &Results) -> Option<Cow<'_, Yardstick>> {
     let Part::Compare(part) = &results.part else {
         return None;
@@ -56,7 +57,7 @@ pub fn yardstick_of(results: &Results) -> Option<Cow<'_, Yardstick>> {
 }
 
 impl<'a> View<'a> {
-    /// Sorts a record for the report.
+    /// Makes the view of a record for the report.
     pub fn new(results: &'a Results) -> Self {
         let mut groups: Vec<Group<'a>> = Vec::new();
         for (index, run) in results.runs.iter().enumerate() {
@@ -118,7 +119,7 @@ impl<'a> View<'a> {
             .filter(|r| !r.series.is_empty())
     }
 
-    /// Name of a reference for prose and legends.
+    /// Returns the name of a reference for prose and legends.
     pub fn reference_name(&self, id: &str) -> String {
         if id == SELF {
             return "the model's own converged solution".into();
@@ -129,7 +130,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The error of a run, as a magnitude.
+    /// Returns the magnitude of a run's error in the metric of the view.
     pub fn error(&self, run: &Run) -> Option<f64> {
         let metrics = run.against(self.against.as_deref()?)?;
         metrics
@@ -158,7 +159,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// An error in the metric of the view, with its unit.
+    /// Formats an error in the metric of the view, with its unit.
     pub fn error_text(&self, error: f64) -> String {
         match self.metric.unit() {
             "" if error < NOTHING => "below 1e\u{2212}8\u{a0}%".into(),
@@ -202,7 +203,7 @@ impl<'a> View<'a> {
         self.cheapest(group).or_else(|| self.best(group))
     }
 
-    /// The cheapest adequate run of a model.
+    /// Returns the cheapest adequate run of a model.
     pub fn cheapest<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
         (group.runs.iter())
             .filter(|(_, r)| self.adequate(r) && r.cost_s().is_finite())
@@ -291,7 +292,7 @@ pub fn metric_against(results: &Results, id: &str, metric: Metric) -> Metric {
     }
 }
 
-/// Step or tolerance of a run, for labels.
+/// Returns the step or tolerance of a run, for labels.
 pub fn resolution(run: &Run) -> String {
     match (run.step, run.rtol) {
         (Some(h), _) => format!("h\u{a0}=\u{a0}{}", round_quantity(h, "s", 3)),
@@ -300,7 +301,7 @@ pub fn resolution(run: &Run) -> String {
     }
 }
 
-/// A text with a capital letter at its beginning.
+/// Returns a text with its first letter in upper case.
 pub fn capital(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or(String::new(), |first| {

@@ -13,7 +13,7 @@ macro_rules! words {
             /// All variants, in the order of the format.
             pub const ALL: [Self; [$($word),+].len()] = [$(Self::$variant),+];
 
-            /// The word of the format and of the report.
+            /// Returns the word of the format and of the report.
             #[must_use]
             pub fn as_str(self) -> &'static str {
                 match self {

@@ -161,7 +161,7 @@ fn with_dashes(body: &str, dashes: &[(usize, &'static [f64])]) -> String {
     out
 }
 
-/// Text without control characters and the quotes of names.
+/// Returns the text without control characters and without the quotes of names.
 fn printable(text: &str) -> String {
     let kept = text.chars().filter(|c| !c.is_control() && *c != '`');
     kept.collect()
@@ -172,7 +172,7 @@ fn unit(x: f64) -> i32 {
 }
 
 impl Canvas<'_> {
-    /// A polyline through points on the page.
+    /// Draws a polyline through points on the page.
     pub fn line(&mut self, points: &[(f64, f64)], stroke: Stroke) {
         let points = match points.len() {
             0..16 => whole(points),
@@ -190,7 +190,7 @@ impl Canvas<'_> {
         self.note(result);
     }
 
-    /// The parts of a polyline that lie in a rectangle of the page.
+    /// Draws the parts of a polyline inside a rectangle of the page.
     pub fn line_within(&mut self, points: &[(f64, f64)], frame: &Rect, stroke: Stroke) {
         let mut piece: Vec<(f64, f64)> = Vec::new();
         for pair in points.windows(2) {
@@ -242,7 +242,7 @@ impl Canvas<'_> {
         }
     }
 
-    /// The edge of a rectangle.
+    /// Draws the edge of a rectangle.
     pub fn frame(&mut self, r: &Rect, stroke: Stroke) {
         let corners = [
             (r.x0, r.y0),
@@ -260,7 +260,7 @@ impl Canvas<'_> {
         self.frame(r, Stroke::new(Ink::PALE, 1.0));
     }
 
-    /// Diagonal hatching of a rectangle.
+    /// Draws diagonal hatching in a rectangle.
     pub fn hatch(&mut self, r: &Rect, spacing: f64, stroke: Stroke) {
         let reach = r.height().abs();
         let mut x = r.x0 - reach + spacing * 0.5;
@@ -272,7 +272,7 @@ impl Canvas<'_> {
         }
     }
 
-    /// A circle, filled or as a ring.
+    /// Draws a circle, filled or as a ring.
     pub fn circle(&mut self, at: (f64, f64), radius: f64, ink: Ink, width: Option<f64>) {
         if !(at.0.is_finite() && at.1.is_finite()) {
             return;
@@ -286,7 +286,7 @@ impl Canvas<'_> {
         self.note(result);
     }
 
-    /// Text; control characters and the quotes of names are dropped.
+    /// Writes a text without control characters and without the quotes of names.
     pub fn text(&mut self, text: &str, at: (f64, f64), kind: Type) {
         let text = printable(text);
         if text.is_empty() || !(at.0.is_finite() && at.1.is_finite()) {
@@ -322,7 +322,7 @@ impl Canvas<'_> {
     }
 }
 
-/// Estimated width of text: fonts are the viewer's.
+/// Estimates the width of a text, since the viewer chooses the font.
 pub fn text_width(text: &str, size: f64) -> f64 {
     let em: f64 = text
         .chars()

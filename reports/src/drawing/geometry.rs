@@ -13,11 +13,11 @@ impl Rect {
     pub fn new(x0: f64, y0: f64, x1: f64, y1: f64) -> Self {
         Self { x0, y0, x1, y1 }
     }
-    /// The square with a point in its middle.
+    /// Makes the square with a point in its middle.
     pub fn around((x, y): (f64, f64), half: f64) -> Self {
         Self::new(x - half, y - half, x + half, y + half)
     }
-    /// With so much more on every side.
+    /// Returns the rectangle enlarged by `by` on every side.
     pub fn grown(&self, by: f64) -> Self {
         Self::new(self.x0 - by, self.y0 - by, self.x1 + by, self.y1 + by)
     }
@@ -44,7 +44,7 @@ impl Rect {
     }
 }
 
-/// The part of a segment inside a rectangle (Liang and Barsky, ACM Trans. Graphics 3, 1984).
+/// Returns the part of a segment inside a rectangle (Liang and Barsky, ACM Trans. Graphics 3, 1984).
 pub fn clip_segment(a: (f64, f64), b: (f64, f64), r: &Rect) -> Option<((f64, f64), (f64, f64))> {
     if ![a.0, a.1, b.0, b.1].iter().all(|x| x.is_finite()) {
         return None;
@@ -112,7 +112,7 @@ pub fn simplified(points: &[(f64, f64)], within: f64) -> Vec<(f64, f64)> {
     all.filter(|(_, kept)| *kept).map(|(p, _)| *p).collect()
 }
 
-/// A polygon cut to a rectangle (Sutherland and Hodgman, Comm. ACM 17, 1974).
+/// Returns a polygon cut to a rectangle (Sutherland and Hodgman, Comm. ACM 17, 1974).
 pub fn clip_polygon(points: &[(f64, f64)], r: &Rect) -> Vec<(f64, f64)> {
     type Point = (f64, f64);
     let mut polygon: Vec<Point> = points.to_vec();

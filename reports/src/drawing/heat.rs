@@ -21,7 +21,7 @@ const COLOURS: [[u8; 3]; 9] = [
 /// Colours of a map: enough that steps are not seen, few enough that neighbours are one cell.
 const LEVELS: usize = 40;
 
-/// Colour of a part of the greatest value.
+/// Returns the colour for a value, as a fraction of the greatest.
 pub fn colour(part: f64) -> Ink {
     let last = COLOURS.len() - 1;
     let x = if part.is_finite() {
@@ -38,7 +38,7 @@ pub fn colour(part: f64) -> Ink {
     Ink(mixed(0), mixed(1), mixed(2), 1.0)
 }
 
-/// Colour of a level.
+/// Returns the colour of a level.
 fn of_level(level: usize) -> Ink {
     colour(level as f64 / (LEVELS - 1) as f64)
 }
@@ -108,7 +108,7 @@ impl HeatMap<'_> {
     }
 }
 
-/// The bar of a scale: colours, ticks at its right, name and unit above.
+/// Paints the bar of a scale: colours, ticks at its right, name and unit above.
 pub fn colour_bar(c: &mut Canvas<'_>, area: Rect, scale: &Axis, name: &str) {
     let frame = Frame {
         area,

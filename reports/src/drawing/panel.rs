@@ -40,7 +40,7 @@ pub struct Curve {
     pub failed: Vec<f64>,
     /// Colour of their crosses.
     pub ink: Ink,
-    /// Place of the model whose markers are drawn along the line.
+    /// Index of the model whose markers are drawn along the line.
     pub along: Option<usize>,
 }
 
@@ -57,7 +57,7 @@ impl Curve {
         }
     }
 
-    /// Markers of a radius.
+    /// Makes a curve of markers without a line.
     pub fn points(look: Look, radius: f64, filled: bool, points: Vec<(f64, f64)>) -> Self {
         Self {
             stroke: None,
@@ -77,7 +77,7 @@ impl Curve {
         }
     }
 
-    /// With the marker of the model at a place along the line.
+    /// Adds the markers of a model along the line.
     pub fn along(self, style: Option<usize>) -> Self {
         Self {
             along: style,
@@ -85,12 +85,12 @@ impl Curve {
         }
     }
 
-    /// With runs that failed.
+    /// Adds the abscissae of runs that failed.
     pub fn failed(self, failed: Vec<f64>) -> Self {
         Self { failed, ..self }
     }
 
-    /// A history in a window of its abscissa, thinned so that peaks stay.
+    /// Makes a history in a window of its abscissa, thinned without losing its extrema.
     pub fn history(stroke: Stroke, window: &Axis, x: &[f64], y: &[f64]) -> Self {
         let n = x.len().min(y.len());
         let start = x[..n]
@@ -116,7 +116,7 @@ pub struct Panel {
     pub x_ticks: Vec<(f64, String)>,
     /// Name of the abscissa, if this panel shows it.
     pub x_name: Option<String>,
-    /// Ordinate; taken from the points when absent.
+    /// Axis of the ordinate; `None` for a range around the points.
     pub y: Option<Axis>,
     /// Name and unit of the ordinate.
     pub y_name: String,
@@ -135,7 +135,7 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// A panel without curves.
+    /// Makes a panel without curves.
     pub fn new(height: f64, x: &Axis, y_name: &str) -> Self {
         Self {
             height,
@@ -168,7 +168,7 @@ impl Panel {
         if failed { STRIP } else { 0.0 }
     }
 
-    /// Height of the heading and of the names of vertical lines.
+    /// Returns the height of the heading and of the names of vertical lines.
     fn above(&self) -> f64 {
         let named = self.verticals.iter().any(|v| !v.1.is_empty());
         ABOVE * (usize::from(named) + usize::from(!self.remark.is_empty())) as f64
@@ -188,14 +188,14 @@ impl Panel {
         extremes(values)
     }
 
-    /// With an ordinate close around all points.
+    /// Sets the ordinate to the range of all points.
     pub fn close(mut self) -> Self {
         let (low, high) = self.ordinates();
         self.y = Some(Axis::padded(low, high, 0.07));
         self
     }
 
-    /// A range of all points and limits; logarithmic when it spans more than a decade.
+    /// Returns an axis over all points and limits, logarithmic when they span more than a decade.
     fn range(&self) -> Axis {
         let (a, b) = self.ordinates();
         let (low, high) = extremes(self.limits.iter().map(|l| l.0).chain([a, b]));
@@ -288,7 +288,7 @@ impl Panel {
         }
     }
 
-    /// Vertical lines; names that would overlap the one before are left out.
+    /// Paints vertical lines; a name that would overlap the one before it is left out.
     fn paint_verticals(&self, c: &mut Canvas<'_>, frame: &Frame, y: f64, room: &mut Room) {
         let area = frame.area;
         let mut free = f64::NEG_INFINITY;
@@ -310,7 +310,7 @@ impl Panel {
         }
     }
 
-    /// The strip above a panel with a cross for every failed run.
+    /// Paints the strip above a panel with a cross for every failed run.
     fn paint_failures(&self, c: &mut Canvas<'_>, frame: &Frame) {
         let area = frame.area;
         let strip = Rect::new(area.x0, area.y0 - STRIP, area.x1, area.y0 - 4.0);
@@ -333,7 +333,7 @@ pub fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     finite.fold(ends, |(low, high), x| (low.min(x), high.max(x)))
 }
 
-/// The point of a line at an abscissa of the page.
+/// Returns the point of a line at an abscissa of the page.
 fn at_abscissa(points: &[(f64, f64)], x: f64) -> Option<(f64, f64)> {
     let pair = points.windows(2).find(|p| p[0].0 <= x && x <= p[1].0)?;
     let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
@@ -341,7 +341,7 @@ fn at_abscissa(points: &[(f64, f64)], x: f64) -> Option<(f64, f64)> {
     Some((x, y0 + part * (y1 - y0)))
 }
 
-/// A chart of panels under one legend.
+/// Draws a chart of panels under one legend.
 pub fn chart(
     file: &str,
     title: impl Into<String>,

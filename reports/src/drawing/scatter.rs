@@ -26,7 +26,7 @@ fn key_places(names: &[(&str, usize)]) -> Vec<(f64, usize)> {
 /// Legend text for filled and open markers in every chart of runs.
 const FILLING: &str = "filled: explicit, open: implicit";
 
-/// Height of [`key`].
+/// Returns the height of [`key`].
 pub fn key_height(names: &[(&str, usize)]) -> f64 {
     8.0 + 20.0 * (key_places(names).last().map_or(0, |p| p.1) + 1) as f64
 }
@@ -62,7 +62,7 @@ impl<'a> Numbers<'a> {
         Self { names: all }
     }
 
-    /// The number of an integrator.
+    /// Returns the number of an integrator.
     pub fn text(&self, name: &str) -> String {
         let place = self.names.iter().position(|n| *n == name);
         place.map_or_else(String::new, |i| (i + 1).to_string())
@@ -73,7 +73,7 @@ impl<'a> Numbers<'a> {
         in_rows(widths, LEFT, WIDTH - RIGHT)
     }
 
-    /// Height of the key below a plot.
+    /// Returns the height of the key below a plot.
     pub fn height(&self) -> f64 {
         8.0 + ROW * self.places().last().map_or(0, |p| p.1 + 1) as f64
     }
@@ -90,7 +90,7 @@ impl<'a> Numbers<'a> {
     }
 }
 
-/// Height of the edge of so many failures.
+/// Returns the height of the strip for a number of failed runs.
 pub fn failures_height(failed: usize) -> f64 {
     match failed {
         0 => 0.0,
@@ -124,7 +124,7 @@ pub fn failures(c: &mut Canvas<'_>, failed: &[(Ink, String)], bottom: f64, rest:
     }
 }
 
-/// The line of a tolerance; [`Room::write_along`] names it when all points are there.
+/// Draws the line of a tolerance and returns its ordinate; [`Room::write_along`] names it when all points are placed.
 pub fn tolerance(c: &mut Canvas<'_>, frame: &Frame, limit: f64, room: &mut Room) -> f64 {
     let (x, y) = frame.at(frame.x.max, limit);
     let line = [(frame.area.x0, y), (x, y)];

@@ -66,7 +66,8 @@ pub fn look(style: usize) -> Look {
     }
 }
 
-/// Rules that turn the inks of charts for a dark page: charts write their colours as attributes, which rules override.
+/// Returns the CSS rules that replace the colours of charts on a dark page: charts write colours as attributes, which
+/// rules override.
 pub fn night() -> String {
     let hex = |Ink(r, g, b, _): Ink| format!("#{r:02X}{g:02X}{b:02X}");
     let pairs = INKS.iter().chain(&Ink::NIGHT);
@@ -78,7 +79,7 @@ pub fn night() -> String {
         .collect()
 }
 
-/// The mark of a model, for HTML.
+/// Renders the marker of a model for HTML.
 pub fn mark(style: usize) -> Markup {
     let look = look(style);
     let Ink(r, g, b, _) = look.ink;
@@ -99,7 +100,7 @@ pub fn mark(style: usize) -> Markup {
     }
 }
 
-/// The stroke of a reference: thick, dark, full.
+/// Returns the stroke of a reference: thick, dark, solid.
 pub fn reference_stroke() -> Stroke {
     Stroke::new(Ink::DARK.opacity(0.82), 3.2)
 }
@@ -113,13 +114,13 @@ pub fn reference_look() -> Look {
     }
 }
 
-/// The stroke of a model.
+/// Returns the stroke of a model.
 pub fn model_stroke(style: usize) -> Stroke {
     let look = look(style);
     Stroke::dashed(look.ink, 1.9, look.dash)
 }
 
-/// Corners of a marker; of a circle none.
+/// Returns the corners of a marker; empty for a circle.
 fn outline(marker: Marker, (x, y): (f64, f64), r: f64) -> Vec<(f64, f64)> {
     let at = |corners: &[(f64, f64)]| {
         let placed = corners.iter().map(|(a, b)| (x + a * r, y + b * r));

@@ -36,7 +36,7 @@ impl Column {
         self.text && self.cells.iter().flatten().any(long)
     }
 
-    /// Width on the page; text wraps, and headings at their spaces \[px\].
+    /// Returns the width on the page \[px\]; text and headings wrap at their spaces.
     pub fn width(&self) -> f64 {
         let cells = self.cells.iter().flatten();
         let widest = cells.map(|t| text_width(t, SIZE)).fold(0.0, f64::max);

@@ -17,7 +17,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 const STYLE: &str = include_str!("style.css");
 
-/// A section under a heading.
+/// Renders a section under a heading.
 pub fn section(heading: &str, content: impl Render) -> Markup {
     html! { section { h2 { (heading) } (content) } }
 }
@@ -32,13 +32,13 @@ pub fn note(text: impl Render) -> Markup {
     html! { p.note { (text) } }
 }
 
-/// Sentences one after another.
+/// Renders sentences in sequence.
 fn sentences(all: &[Markup]) -> Markup {
     let all: Vec<&str> = all.iter().map(|m| m.0.as_str()).collect();
     PreEscaped(all.join(" "))
 }
 
-/// The text of a sentence of a page, without its elements.
+/// Returns the text of a sentence of a page, without its elements.
 pub fn text(markup: &Markup) -> String {
     let mut plain = String::with_capacity(markup.0.len());
     let mut inside = false;
@@ -61,7 +61,7 @@ pub fn text(markup: &Markup) -> String {
         .fold(plain, |text, (entity, sign)| text.replace(entity, sign))
 }
 
-/// Text of a record in plain words: metrics by their names, other names of the format as code.
+/// Renders a text of a record in plain words: metrics by their names, other names of the format as code.
 pub fn prose(text: &str) -> Markup {
     // A key that is a word of its own, quoted or not, is a metric.
     let mut text = text.to_owned();
@@ -185,7 +185,7 @@ fn models(view: &View<'_>) -> Markup {
     section("What the models are", list)
 }
 
-/// Settings, references, machine, version, and how to make the report again.
+/// Renders settings, references, machine and version, and the command that makes the report again.
 fn setting(view: &View<'_>) -> Markup {
     let r = view.results;
     let list = |pairs: &[(&str, &str)]| {

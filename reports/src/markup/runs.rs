@@ -11,7 +11,7 @@ use maud::{Markup, html};
 /// A run with the label and the place of its model.
 type Row<'a> = (&'a Run, &'a str, usize);
 
-/// Metrics, work, ledger and failures.
+/// Renders the tables of metrics, work, ledger and failures.
 pub fn all(view: &View<'_>) -> Markup {
     html! { (metrics(view)) (work(view)) (ledger(view)) (failures(view)) }
 }
@@ -33,7 +33,7 @@ pub fn class(run: &Run) -> &'static str {
     }
 }
 
-/// A number of modes.
+/// Returns the number of modes of a run as a text.
 pub fn modes(run: &Run) -> Option<String> {
     run.modes.map(|n| n.to_string())
 }
@@ -51,7 +51,7 @@ fn identified<'r>(rows: &'r [Row<'r>]) -> Table<'r, Row<'r>> {
         .text("Status", |(r, ..)| r.status.to_string())
 }
 
-/// Metrics against every reference.
+/// Renders the table of metrics against every reference.
 fn metrics(view: &View<'_>) -> Markup {
     let rows = rows(view);
     let mut ids: Vec<&str> = Vec::new();
@@ -168,7 +168,7 @@ fn work(view: &View<'_>) -> Markup {
     section("Work", html! { (table) (note(remark)) })
 }
 
-/// Energy and impulse ledger.
+/// Renders the table of the energy and impulse ledger.
 fn ledger(view: &View<'_>) -> Markup {
     let rows = rows(view);
     if rows.iter().all(|(r, ..)| r.ledger == Ledger::default()) {
@@ -200,7 +200,7 @@ fn ledger(view: &View<'_>) -> Markup {
     section("Energy and impulse ledger", html! { (table) (remark) })
 }
 
-/// Every run that fell short, with the reason.
+/// Renders the table of failed and inaccurate runs with their reasons.
 pub fn failures(view: &View<'_>) -> Markup {
     let mut short = rows(view);
     // What the tolerance of the scene did not judge has not passed it.

@@ -25,7 +25,7 @@ const LONG: usize = 60;
 const NOTHING: f64 = 1e-9;
 
 impl<'r, R> Table<'r, R> {
-    /// A table of some rows without columns.
+    /// Makes a table of some rows without columns.
     pub fn of(rows: &'r [R]) -> Self {
         Self {
             rows,
@@ -107,8 +107,8 @@ impl<'r, R> Table<'r, R> {
         self.column(heading, unit, false, cells)
     }
 
-    /// Numbers in SI units: one prefix for the column, by its typical magnitude. Without a unit
-    /// the numbers stay as they are.
+    /// Adds a column of numbers in SI units with one prefix by their typical magnitude. Without a unit the numbers have
+    /// no prefix.
     pub fn numbers<T: Into<Option<f64>>>(
         self,
         heading: &str,
@@ -134,7 +134,7 @@ impl<'r, R> Table<'r, R> {
         self.column(heading, &unit, false, cells)
     }
 
-    /// Spans from least to greatest, with one prefix for the column.
+    /// Adds a column of ranges from least to greatest value, with one prefix.
     pub fn ranges(
         self,
         heading: &str,
@@ -154,7 +154,7 @@ impl<'r, R> Table<'r, R> {
         self.column(heading, &unit, false, cells)
     }
 
-    /// Residuals, always as powers of ten.
+    /// Adds a column of residuals, always as powers of ten.
     pub fn powers<T: Into<Option<f64>>>(
         self,
         heading: &str,
@@ -173,7 +173,7 @@ impl<'r, R> Table<'r, R> {
         self.column(heading, unit, false, cells)
     }
 
-    /// Ratios in per cent.
+    /// Adds a column of ratios in per cent.
     pub fn percents<T: Into<Option<f64>>>(
         self,
         heading: &str,
@@ -186,7 +186,7 @@ impl<'r, R> Table<'r, R> {
         self.column(heading, "%", false, cells)
     }
 
-    /// Deviations in per cent, with their sign.
+    /// Adds a column of deviations in per cent, with their sign.
     pub fn deviations<T: Into<Option<f64>>>(self, heading: &str, value: impl Fn(&R) -> T) -> Self {
         let values = self.values(value);
         let cells = values.iter().map(|x| Some(deviation((*x)?, 3))).collect();
@@ -194,7 +194,7 @@ impl<'r, R> Table<'r, R> {
     }
 }
 
-/// The prefix for the typical magnitude of a column; none without a unit.
+/// Returns the prefix for the typical magnitude of a column; no prefix without a unit.
 fn common_prefix(values: impl Iterator<Item = f64>, unit: &str) -> Prefix {
     let mut sizes: Vec<f64> = values
         .map(f64::abs)

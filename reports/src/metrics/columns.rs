@@ -153,7 +153,7 @@ mod tests {
     use crate::record::{Ledger, Metrics};
     use crate::series::Column;
 
-    /// A run of a second: an angle of 2 rad, a torque that jumps from 0 to 3 N m in its middle.
+    /// Makes a run of one second with an angle up to 2 rad and a torque that jumps from 0 to 3 N m at half time.
     fn run() -> TimeSeries {
         let time_s = vec![0.0, 0.25, 0.5, 0.5, 0.75, 1.0];
         let column = |name: &str, values: Vec<f64>| Column {

@@ -13,11 +13,11 @@ use crate::series::TimeSeries;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
-/// Times that the ripple is taken at, at most.
+/// Largest number of times at which the ripple is sampled.
 const MOST_TIMES: usize = 1 << 14;
 
-/// The name of the column with the contact force of a mesh by the names of its gears; that of the first mesh of a scene has
-/// none in it.
+/// Returns the name of the column with the contact force of a mesh, by the names of its gears; the first mesh of a
+/// scene has a name without them.
 pub fn force_column([a, b]: &[String; 2], first: bool) -> String {
     match first {
         true => "contact_force_n".into(),

@@ -75,7 +75,7 @@ words! {
 }
 
 impl Metric {
-    /// Key in records, tables and scene files.
+    /// Returns the key in records, tables and scene files.
     pub fn key(self) -> &'static str {
         self.as_str()
     }
@@ -176,7 +176,7 @@ impl Metric {
         self.facts().1
     }
 
-    /// Name on the command line; only relative errors have one.
+    /// Returns the name on the command line; only relative errors have one.
     pub fn option(self) -> Option<&'static str> {
         self.facts().2
     }
@@ -198,7 +198,7 @@ impl Metric {
 impl std::str::FromStr for Metric {
     type Err = String;
 
-    /// A metric by its key, or by its name on the command line.
+    /// Parses a metric from its key, or from its name on the command line.
     fn from_str(text: &str) -> Result<Self, String> {
         let named = |m: &Self| m.key() == text || m.option() == Some(text);
         Self::ALL.into_iter().find(named).ok_or_else(|| {

@@ -66,7 +66,7 @@ pub const TRANSMISSION_ERROR: &str = "transmission_error_m";
 /// Name of the column that counts the cycles of the first mesh since the start.
 pub const MESH_CYCLE: &str = "mesh_cycle";
 
-/// Histories and ledger of a run that reached its end: no other has metrics.
+/// Histories and ledger of a run that reached its end, as input of the metrics; other runs have none.
 #[derive(Clone, Copy, Debug)]
 pub struct Finished<'a> {
     series: &'a TimeSeries,
@@ -255,7 +255,7 @@ fn span_of_transmission_error(series: &TimeSeries, until: f64) -> Option<f64> {
     finite(most - least)
 }
 
-/// Speeds that change by less than this part of the fastest gear's change belong to a held gear.
+/// Relative change of speed below which a gear counts as held, over the change of the fastest gear.
 const HELD: f64 = 1e-6;
 
 /// Computes the rebound error (see the head of the module); `None` where no speed changes or the run stops before the

@@ -56,14 +56,14 @@ fn column<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
 }
 
 impl OverCycles {
-    /// The transmission error of a run over its own mesh cycles; `None` where it was not recorded, or where the gears turn
-    /// back by more than rounding.
+    /// Returns the transmission error of a run over its own mesh cycles; `None` where it was not recorded, or where the
+    /// gears turn back by more than rounding errors.
     pub fn of_run(series: &TimeSeries) -> Option<Self> {
         Self::at(series, column(series, MESH_CYCLE)?)
     }
 
-    /// The transmission error of a reference, whose mesh cycles are its own where it has them, else those of a run at the
-    /// same times.
+    /// Returns the transmission error of a reference over its own mesh cycles, or over those of a run at the same
+    /// times.
     pub fn of_reference(series: &TimeSeries, run: &TimeSeries) -> Option<Self> {
         let cycles = match column(series, MESH_CYCLE) {
             Some(own) => own.to_vec(),
@@ -100,8 +100,8 @@ impl OverCycles {
         (found.cycle.len() > 1).then_some(found)
     }
 
-    /// First and last of the whole cycles that all of some histories have at their ends; `None` where they share less than
-    /// one cycle.
+    /// Returns first and last of the whole cycles that all histories share; `None` where they share less than one
+    /// cycle.
     pub fn whole<'s>(all: impl IntoIterator<Item = &'s Self>) -> Option<[f64; 2]> {
         let mut shared: Option<[f64; 2]> = None;
         for of in all {
@@ -113,14 +113,14 @@ impl OverCycles {
         (whole >= 1.0).then_some([last - whole, last])
     }
 
-    /// Amplitudes of the orders over whole cycles \[m\], from the first on.
+    /// Computes the amplitudes of the orders over whole cycles \[m\], from the first on.
     pub fn amplitudes(&self, cycles: [f64; 2], most: usize) -> Vec<f64> {
         let kept = self.resolved(cycles).min(most);
         let orders = self.orders(cycles, kept);
         orders.iter().map(|o| o.square().sqrt()).collect()
     }
 
-    /// Number of orders that the samples between two cycles resolve.
+    /// Returns the number of orders that the samples between two cycles resolve.
     fn resolved(&self, [first, last]: [f64; 2]) -> usize {
         let until = |c: f64| self.cycle.partition_point(|&x| x < c);
         ((until(last) - until(first)) as f64 / (last - first) / SAMPLES) as usize

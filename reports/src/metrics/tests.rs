@@ -4,7 +4,7 @@ use super::*;
 use crate::record::Run;
 use std::f64::consts::PI;
 
-/// Half-sine of height `peak` and length `length` that starts at `start`.
+/// Makes a half-sine of height `peak` and length `length` that starts at `start`.
 fn half_sine(start: f64, length: f64, peak: f64, h: f64) -> TimeSeries {
     let mut s = TimeSeries::default();
     for i in 0..=((4.0 * length / h) as usize) {
@@ -20,7 +20,7 @@ fn half_sine(start: f64, length: f64, peak: f64, h: f64) -> TimeSeries {
     s
 }
 
-/// Metrics of a run that was to end where it does.
+/// Computes the metrics of a run that counts as having reached its end.
 fn metrics_of(s: &TimeSeries, reference: &TimeSeries, against: &str) -> Metrics {
     let ledger = Ledger::default();
     let run = Finished::reached(s, &ledger, [0.0, 0.0]).unwrap();
@@ -119,8 +119,8 @@ fn scaled_force_has_the_scale_as_error() {
     close(m.time_shift_s, 0.0, 1e-8);
 }
 
-/// Two half-sines of length T, d apart: the squared error is 2 (1 - c(d)) with the overlap
-/// c(d) = (1 - d/T) cos(pi d/T) + sin(pi d/T)/pi.
+/// The squared error of two half-sines of length T at a distance d is 2 (1 - c(d)) with the overlap c(d) = (1 - d/T)
+/// cos(pi d/T) + sin(pi d/T)/pi.
 #[test]
 fn shifted_force_is_found_and_raw_error_exact() {
     let length = 1e-4;
@@ -224,7 +224,7 @@ fn a_run_that_did_not_reach_its_end_is_refused() {
     assert!(run.finished().is_ok());
 }
 
-/// A force of height one that jumps up at `start` and down at `start + 1`, in pieces.
+/// Makes a force of height one in pieces, with a jump up at `start` and a jump down at `start + 1`.
 fn jumping(start: f64) -> TimeSeries {
     let mut s = TimeSeries::default();
     for i in 0..=4 {

@@ -52,7 +52,7 @@ pub const SCHEMA: u32 = 1;
 /// Id of a model's own converged solution in [`Metrics::against`].
 pub const SELF: &str = "self";
 
-/// `Some(x)` for a finite number, `None` otherwise.
+/// Returns `Some(x)` for a finite number, `None` otherwise.
 pub fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
 }
@@ -136,7 +136,7 @@ pub struct Results {
 }
 
 impl Results {
-    /// The study that made the record.
+    /// Returns the study that made the record.
     pub fn study(&self) -> Study {
         self.part.study()
     }
@@ -218,7 +218,7 @@ impl ReferenceSeries {
     }
 }
 
-/// Lower-case letters, digits, single hyphens.
+/// Returns a text in lower-case letters, digits and single hyphens, for file names.
 pub(crate) fn slug(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars().take(60) {
@@ -313,7 +313,7 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// The value of a metric.
+    /// Returns the value of a metric.
     pub fn get(&self, metric: Metric) -> Option<f64> {
         match metric {
             Metric::ForceL1 => self.force_l1,
@@ -365,7 +365,7 @@ pub struct Ledger {
     /// Work of loads and drives \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub external_work_j: Option<f64>,
-    /// Energy taken out by damping and friction \[J\].
+    /// Energy dissipated by damping and friction \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub dissipated_j: Option<f64>,
     /// Energy that switching adds \[J\], such as a tooth pair that comes into contact with its full force.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Paths of torque through a scene: means from a time on, works over the whole run.
+/// Paths of torque through a scene: mean values over an interval, and work over the whole run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TorquePaths {
@@ -48,8 +48,8 @@ pub struct MeshPath {
     pub force_n: f64,
     /// Mean torques on both gears about their axes [N m]; of a rack the force along its slide [N].
     pub torque_nm: [f64; 2],
-    /// Mean power that the first gear (of a planet and its mate, the planet) delivers in space, negative if it receives
-    /// power [W].
+    /// Mean power from the first gear to the second in space [W]: by torque and speed of the first gear, or of the
+    /// second where the first is a planet.
     pub power_w: f64,
     /// Magnitude of that power over the input power [-].
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -248,7 +248,7 @@ impl Run {
         }
     }
 
-    /// The model with its variant: runs that share it differ by integrator only.
+    /// Returns the label of the model with its variant: runs with the same label differ by integrator only.
     pub fn model_label(&self) -> String {
         match &self.variant {
             Some(variant) => format!("{}, {variant}", self.model),
@@ -280,12 +280,12 @@ impl Run {
         }
     }
 
-    /// The metrics against one reference.
+    /// Returns the metrics against one reference.
     pub fn against(&self, reference: &str) -> Option<&Metrics> {
         self.metrics.iter().find(|m| m.against == reference)
     }
 
-    /// File name without ending, unique through `index`, the run's place in the record.
+    /// Returns the file name without ending, unique through `index`, the run's place in the record.
     pub fn file_stem(&self, index: usize) -> String {
         let mut stem = format!("run{:02}", index + 1);
         for part in [

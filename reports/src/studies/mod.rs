@@ -194,7 +194,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
     Ok(report)
 }
 
-/// The finding of a record as sentences without markup, for a terminal.
+/// Returns the finding of a record as sentences without markup, for a terminal.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.

@@ -15,7 +15,7 @@ pub const RUNS: &str = "runs.csv";
 /// A column of runs that may depend on the record, such as on the ids of its references.
 type Column<'c> = (String, Box<dyn Fn(&Run) -> String + 'c>);
 
-/// Columns that identify a run within its study, and its status.
+/// Returns the columns that identify a run within its study, and its status.
 pub fn identity() -> [CsvColumn<'static, Run>; 17] {
     [
         ("model", &|r| r.model_label()),
@@ -38,7 +38,7 @@ pub fn identity() -> [CsvColumn<'static, Run>; 17] {
     ]
 }
 
-/// Columns with the cost of a run: times, steps, evaluations, factorisations.
+/// Returns the columns with the cost of a run: times, steps, evaluations, factorisations.
 pub fn work() -> [CsvColumn<'static, Run>; 12] {
     [
         ("cpu_s", &|r| number(r.cpu_s)),
@@ -56,7 +56,7 @@ pub fn work() -> [CsvColumn<'static, Run>; 12] {
     ]
 }
 
-/// Columns of the ledger of energy and impulse.
+/// Returns the columns of the ledger of energy and impulse.
 fn ledger() -> [CsvColumn<'static, Ledger>; 13] {
     [
         ("energy_start_j", &|l| number(l.energy_start_j)),

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// The files of a folder by name.
+/// Reads the files of a folder by name.
 fn contents(dir: &Path) -> BTreeMap<String, String> {
     let entries = fs::read_dir(dir).unwrap().map(|e| e.unwrap());
     let file = |e: fs::DirEntry| {
@@ -25,7 +25,7 @@ fn contents(dir: &Path) -> BTreeMap<String, String> {
     entries.map(file).collect()
 }
 
-/// The files of a report.
+/// Writes a report and returns its files.
 fn written(results: &Results) -> BTreeMap<String, String> {
     let dir = tempfile::tempdir().unwrap();
     write_results(dir.path(), results).unwrap();
@@ -52,7 +52,7 @@ fn holds(files: &BTreeMap<String, String>, names: &[&str]) {
     }
 }
 
-/// The finding of a page.
+/// Returns the finding of a page.
 fn finding(page: &str) -> &str {
     let text = page.split("class=\"finding\"").nth(1).unwrap();
     text.split("</section>").next().unwrap()

@@ -134,7 +134,7 @@ pub fn choice_check() -> Results {
     }
 }
 
-/// The page of every study.
+/// Returns the page of every study.
 fn pages() -> Vec<(&'static str, String)> {
     let all = [
         ("compare", made_up::impact_results()),
@@ -161,7 +161,7 @@ fn text(html: &str) -> String {
     parts.collect::<Vec<_>>().concat()
 }
 
-/// Attribute and text of all elements of a name.
+/// Returns attribute and text of all elements of a name.
 fn elements<'h>(html: &'h str, name: &str) -> Vec<(&'h str, String)> {
     let (open, close) = (format!("<{name}"), format!("</{name}>"));
     let all = html.split(&open[..]).skip(1);
@@ -171,7 +171,7 @@ fn elements<'h>(html: &'h str, name: &str) -> Vec<(&'h str, String)> {
         .collect()
 }
 
-/// Width of a table by its longest cells and words of its heads: text of more than 23 characters wraps.
+/// Estimates the width of a table by its longest cells and words of its heads: text of more than 23 characters wraps.
 fn width(table: &str) -> f64 {
     let heads: Vec<usize> = (elements(table, "th").iter())
         .filter(|(a, _)| !a.contains("colspan"))
@@ -186,8 +186,8 @@ fn width(table: &str) -> f64 {
     widest.iter().map(|n| 12.0 + CHARACTER * *n as f64).sum()
 }
 
-/// Results stand in the table at a glance of every study, and no table is wider than the page: nothing hides in a box
-/// that scrolls, on a screen or on paper.
+/// Every study has its results in the table at a glance, and no table is wider than the page, so that nothing is hidden
+/// in a scrolling box, on a screen or on paper.
 #[test]
 fn no_table_hides_its_results() {
     for (name, page) in pages() {
@@ -340,7 +340,7 @@ fn no_two_figures_have_one_title() {
     }
 }
 
-/// Twenty models with long histories: a page keeps below 3 MB, the CSV hold the data.
+/// A page of twenty models with long histories is smaller than 3 MB; the CSV files have the data.
 #[test]
 fn pages_stay_small() {
     let mut results = made_up::rotation_results();

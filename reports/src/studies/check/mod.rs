@@ -105,7 +105,7 @@ pub enum CheckedValue {
 }
 
 impl CheckedValue {
-    /// The number, if it is one.
+    /// Returns the number, if it is one.
     pub fn number(&self) -> Option<f64> {
         match self {
             CheckedValue::Number(x) => Some(*x),
@@ -164,7 +164,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// Both values as people read them, `now` first: numbers with as many digits as distinguish them.
+    /// Returns both values for people, `now` first: numbers with as many digits as distinguish them.
     pub fn texts(&self) -> [String; 2] {
         let numbers = [&self.now, &self.before].map(CheckedValue::number);
         let known: Vec<f64> = numbers.iter().copied().flatten().collect();
@@ -262,7 +262,7 @@ pub struct CheckRecord {
 }
 
 impl CheckRecord {
-    /// Entries in which something moved.
+    /// Returns the entries with a quantity beyond its tolerance.
     pub fn moved(&self) -> impl Iterator<Item = &Checked> {
         self.entries.iter().filter(|e| e.moved().next().is_some())
     }
@@ -272,7 +272,7 @@ impl CheckRecord {
         self.moved().next().is_none()
     }
 
-    /// The verdict in one line, the same in terminal, page and summary.
+    /// Returns the verdict in one line, the same in terminal, page and summary.
     pub fn verdict(&self) -> String {
         use numbers::counted;
         let entries = counted(self.entries.len(), "entry", "entries");

@@ -26,7 +26,7 @@ const DEAR: f64 = 2.0;
 /// Ratios beyond which points lie on the edge of their panel.
 const ERRORS: [f64; 2] = [1e-3, 1e2];
 
-/// Scenes at their places on the chart: by kind, within a kind by number.
+/// Returns the scenes with their abscissae on the chart: by kind, within a kind by number.
 fn ordered(choices: &[ValidatedChoice]) -> Vec<(f64, &ValidatedChoice)> {
     let mut all: Vec<&ValidatedChoice> = choices.iter().collect();
     all.sort_by(|a, b| (&a.kind, a.number).cmp(&(&b.kind, b.number)));
@@ -45,7 +45,7 @@ fn starts(scenes: &[(f64, &ValidatedChoice)]) -> Vec<(f64, String)> {
     found
 }
 
-/// The chart of a check.
+/// Draws the chart of validated choices.
 pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError> {
     let scenes = ordered(choices);
     if scenes.is_empty() {

@@ -3,7 +3,7 @@
 use super::ValidatedChoice;
 use crate::csv_table::{CsvTable, number, text};
 
-/// One line per scene.
+/// Returns the table with a row per scene.
 pub fn tables(choices: &[ValidatedChoice]) -> Vec<CsvTable> {
     vec![CsvTable::new(
         "choice_check.csv",

@@ -43,7 +43,7 @@ impl Outcome {
     }
 }
 
-/// A candidate that was tried on the whole scene.
+/// A candidate that was run on the whole scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TriedCandidate {
@@ -88,10 +88,10 @@ pub struct ValidatedChoice {
     /// Error of the scene's own mesh and contact together against the reference, with as many modes [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub given_error: Option<f64>,
-    /// Error of the choice against full finite elements on a finer mesh, where they were run as well [-].
+    /// Error of the choice against full finite elements on a finer mesh [-]; absent where these were not run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub full_error: Option<f64>,
-    /// Error of the densest elastic model against full finite elements, where they were run [-].
+    /// Error of the elastic model with most modes against full finite elements [-]; absent where these were not run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub densest_error: Option<f64>,
     /// Samples that were not sound before this scene.
@@ -101,7 +101,7 @@ pub struct ValidatedChoice {
     pub candidates: usize,
     /// Number of candidates that failed.
     pub failed: usize,
-    /// Candidates that were not run to the end, because they could not be the cheapest.
+    /// Number of candidates that were stopped early because they could not be the cheapest.
     pub cut_short: usize,
     /// Outcome of the choice against the reference.
     pub outcome: Outcome,
@@ -150,7 +150,7 @@ pub struct ValidatedChoice {
 }
 
 impl ValidatedChoice {
-    /// Cost of the choice over that of the cheapest adequate candidate, where the choice is adequate.
+    /// Returns the cost of the choice over that of the cheapest adequate candidate, where the choice is adequate.
     #[must_use]
     pub fn cost_ratio(&self) -> Option<f64> {
         let ratio = self.cost_s? / self.cheapest_cost_s?;
@@ -163,7 +163,7 @@ impl ValidatedChoice {
         over(self.error?, self.tolerance)
     }
 
-    /// Predicted error over the error that was found.
+    /// Returns the predicted error over the error against the reference.
     #[must_use]
     pub fn prediction_ratio(&self) -> Option<f64> {
         over(self.predicted_error?, self.error?)
@@ -250,7 +250,7 @@ pub fn share(name: &str, scenes: &[&ValidatedChoice]) -> Share {
     }
 }
 
-/// Figures of all scenes, then by kind, by metric and by reference.
+/// Computes the figures of all scenes, then by kind, by metric and by reference.
 #[must_use]
 pub fn shares(scenes: &[ValidatedChoice]) -> Vec<Share> {
     let all: Vec<&ValidatedChoice> = scenes.iter().collect();
@@ -279,7 +279,7 @@ pub struct CheckRecord {
 }
 
 impl Results {
-    /// Choices of a model validated on random scenes; none in records of other studies.
+    /// Returns the validated choices; empty in records of other studies.
     pub fn choices(&self) -> &[ValidatedChoice] {
         match &self.part {
             Part::ChoiceCheck(part) => &part.choices,

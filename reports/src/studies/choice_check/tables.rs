@@ -71,7 +71,7 @@ fn beyond_the_mesh(choices: &[ValidatedChoice]) -> Vec<Markup> {
     sentences
 }
 
-/// Tables: figures by group, and the scenes that were missed.
+/// Returns the tables with the figures by group, and with the scenes that were missed.
 pub fn tables(choices: &[ValidatedChoice]) -> Markup {
     let groups = shares(choices);
     let sure = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| significant(x, 3));

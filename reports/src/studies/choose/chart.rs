@@ -20,7 +20,7 @@ struct Point<'a> {
     chosen: bool,
 }
 
-/// The chart of a choice.
+/// Draws the chart of a choice.
 pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
     let families = choice.families();
     let style = |t: &TriedRecord| families.iter().position(|f| *f == t.family).unwrap_or(0);

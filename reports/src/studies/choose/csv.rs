@@ -3,7 +3,7 @@
 use super::{ChoiceRecord, LevelRecord, TriedRecord};
 use crate::csv_table::{CsvTable, number, text};
 
-/// One line per candidate, and one per level.
+/// Returns the tables with a row per candidate, and with a row per level.
 pub fn tables(choice: &ChoiceRecord) -> Vec<CsvTable> {
     vec![candidates(choice), levels(choice)]
 }

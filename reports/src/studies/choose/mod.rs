@@ -57,7 +57,8 @@ pub struct ChoiceRecord {
     /// Index of the choice in [`ChoiceRecord::tried`]; absent when nothing is adequate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chosen: Option<usize>,
-    /// Estimated error of the choice against the yardstick over the whole scene, else the least there is [-].
+    /// Estimated error of the choice against the yardstick over the whole scene, or, without a choice, the least of all
+    /// candidates [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted_error: Option<f64>,
     /// Part of the predicted error by the model, against the top level [-].
@@ -147,7 +148,7 @@ pub struct TriedRecord {
     /// Relative tolerance [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rtol: Option<f64>,
-    /// Estimated error against the yardstick over the whole scene [-]; none where the run failed.
+    /// Estimated error against the yardstick over the whole scene [-]; absent where the run failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
     /// Predicted processor time for the whole scene \[s\].
@@ -198,7 +199,7 @@ fn is_zero(n: &u64) -> bool {
 }
 
 impl TriedRecord {
-    /// Integrator with its step or tolerance.
+    /// Returns the integrator with its step or tolerance.
     #[must_use]
     pub fn method(&self) -> String {
         let at = match (self.step_s, self.rtol) {
@@ -211,7 +212,7 @@ impl TriedRecord {
 }
 
 impl ChoiceRecord {
-    /// The families in the order of the hierarchy: their place is their style.
+    /// Returns the families in the order of the hierarchy; the index is that of their style.
     #[must_use]
     pub fn families(&self) -> Vec<&str> {
         let mut all: Vec<&str> = Vec::new();

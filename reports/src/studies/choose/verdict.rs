@@ -56,7 +56,7 @@ impl Adequacy {
         }
     }
 
-    /// The word of the format and of the report.
+    /// Returns the word of the format and of the report.
     #[must_use]
     pub fn as_str(self) -> &'static str {
         match self {

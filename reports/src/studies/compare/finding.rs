@@ -88,7 +88,7 @@ fn no_limit(view: &View<'_>) -> Markup {
     }
 }
 
-/// A limit of a tolerance in words.
+/// Formats the limit of a tolerance with its metric.
 fn asked(view: &View<'_>, tolerance: &Tolerance) -> String {
     let most = match tolerance.metric.unit() {
         "" => limit(tolerance.limit),
@@ -124,7 +124,7 @@ fn of_integration(view: &View<'_>) -> Markup {
     }
 }
 
-/// Which model is enough.
+/// Returns the sentence on the adequate models.
 fn within(view: &View<'_>, most: f64) -> Markup {
     let time = |r: &Run| quantity(r.cost_s(), "s", 3);
     let runs = || (view.results.runs.iter()).filter(|r| !view.is_yardstick(r));
@@ -178,7 +178,7 @@ fn within(view: &View<'_>, most: f64) -> Markup {
     }
 }
 
-/// The least error of each model, predictions and fits apart.
+/// Returns the sentences on the least error of each model, with predictions and fits apart.
 fn least(view: &View<'_>) -> Option<Markup> {
     let of = |fitted: bool| -> Vec<String> {
         (view.groups.iter())
@@ -205,8 +205,8 @@ fn least(view: &View<'_>) -> Option<Markup> {
     })
 }
 
-/// For every model but the first: the median ratio of its processor time to the first model's, over
-/// the runs at the same method and step that did not fail.
+/// Computes, for every model but the first, the median ratio of its processor time to the first model's, over the runs
+/// at the same method and step that did not fail.
 pub fn costs(view: &View<'_>) -> Vec<(String, f64)> {
     let Some((base, others)) = view.groups.split_first() else {
         return Vec::new();

@@ -73,7 +73,7 @@ fn chosen<'a>(view: &'a View<'a>) -> Vec<Borne<'a>> {
     all
 }
 
-/// Teeth in contact, the one that bears most first, in the order of their numbers.
+/// Returns the teeth in contact with the largest loads, in the order of their numbers.
 fn teeth(load: &FlankLoad) -> Vec<i64> {
     let mut forces: Vec<(i64, f64)> = Vec::new();
     for p in &load.patches {
@@ -96,7 +96,7 @@ fn unit(value: FlankValue) -> (&'static str, &'static str) {
     }
 }
 
-/// The axes of a flank, in millimetres.
+/// Returns the axes of a flank, in millimetres.
 fn axes(load: &FlankLoad) -> [Axis; 2] {
     let mm = |ends: [f64; 2]| Axis::linear(1e3 * ends[0], 1e3 * ends[1]);
     [mm(load.width_m), mm(load.roll_m)]
@@ -192,7 +192,7 @@ fn heading(c: &mut Canvas<'_>, b: &Borne<'_>, y: f64, tail: &str) {
     c.text(&text, (21.0, y), Type::new(13.5, Anchor::Start).bold());
 }
 
-/// Flanks at the peak, one map for each tooth in contact.
+/// Draws the flanks at the peak, one map for each tooth in contact.
 fn at_peak(all: &[Borne<'_>]) -> Result<Chart, DrawError> {
     let row = ABOVE + MAP + BELOW;
     let title = "Load on the flanks at peak force";
@@ -243,7 +243,7 @@ fn at_peak(all: &[Borne<'_>]) -> Result<Chart, DrawError> {
     })
 }
 
-/// The greatest load at each place of a flank over the run.
+/// Draws the greatest load at each place of a flank over the run.
 fn over_run(all: &[Borne<'_>]) -> Result<Option<Chart>, DrawError> {
     let shown: Vec<_> = (all.iter())
         .filter_map(|b| Some((b, b.load.over_run.as_ref().filter(|g| g.instants > 1)?)))

@@ -71,7 +71,7 @@ impl<'a> History<'a> {
         !self.series.contact_force_n.is_empty()
     }
 
-    /// Times and values of a column, of the first of its series that has it.
+    /// Returns times and values of a column, from the first of its series that has it.
     fn column(&self, name: &str) -> Option<(&'a [f64], &'a [f64])> {
         let mut all = self.all_series();
         all.find_map(|s| Some((s.time_s.as_slice(), column(s, name)?)))
@@ -181,7 +181,8 @@ impl<'a> Histories<'a> {
         self.curves.iter().flat_map(of).collect()
     }
 
-    /// The meshes of the scene with the columns of a quantity, whose names consist of a beginning and an ending.
+    /// Returns the meshes of the scene with the columns of a quantity, whose names consist of a beginning and an
+    /// ending.
     pub fn meshes_with(&self, begin: &str, end: &str) -> Vec<Member> {
         let first = Member {
             name: String::new(),
@@ -202,7 +203,8 @@ impl<'a> Histories<'a> {
         self.meshes.iter().enumerate().map(member).collect()
     }
 
-    /// Gears with columns of a quantity; the name of such a column begins with that of the quantity and ends with a unit.
+    /// Returns the gears with columns of a quantity; the name of such a column begins with that of the quantity and
+    /// ends with a unit.
     pub fn gears_with(&self, begin: &str, unit: &str) -> Vec<Member> {
         let first = self.models + self.meshes.len();
         let mut found: Vec<Member> = Vec::new();
@@ -222,7 +224,7 @@ impl<'a> Histories<'a> {
         found
     }
 
-    /// Number of models that have any of these columns.
+    /// Returns the number of models that have any of these columns.
     pub fn models_with(&self, members: &[Member]) -> usize {
         let has = |c: &&History<'_>| members.iter().any(|m| c.column(&m.column).is_some());
         self.curves
@@ -245,7 +247,7 @@ impl<'a> Histories<'a> {
         extremes(values.copied().chain([0.0]))
     }
 
-    /// A panel for each history with the curves of all members in it.
+    /// Returns a panel for each history with the curves of all members in it.
     pub fn by_model(
         &self,
         members: &[Member],
@@ -265,7 +267,7 @@ impl<'a> Histories<'a> {
         own.filter_map(of).collect()
     }
 
-    /// A panel for each member with the curves of all histories in it.
+    /// Returns a panel for each member with the curves of all histories in it.
     pub fn by_member(
         &self,
         members: &[Member],
@@ -329,7 +331,7 @@ pub(super) fn overlay(members: usize) -> bool {
     (2..=MOST_OVERLAID).contains(&members)
 }
 
-/// Entries of a legend for members.
+/// Returns the entries of a legend for members.
 pub(super) fn legend_of(members: &[Member]) -> impl Iterator<Item = Entry> + '_ {
     let entry = |m: &Member| Entry::history(&m.name, model_stroke(m.style), Some(m.style));
     members.iter().map(entry)
@@ -347,7 +349,7 @@ fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
     values.iter().map(|x| x * factor).collect()
 }
 
-/// Contact force over time, and where the models miss the reference.
+/// Draws the contact force over time, and the deviations of the models from the reference.
 pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
@@ -500,13 +502,13 @@ const AT_REST: f64 = 1e-9;
 /// Ending of the names of further columns with the speed of a gear.
 const SPEED: &str = "_rad_s";
 
-/// The speed of a gear by the name of its column, without the unit.
+/// Returns the name of a gear from the column of its speed, without the unit.
 fn speed<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
     let mut columns = series.named_columns();
     columns.find_map(|(n, values)| (n.strip_suffix(SPEED)? == name).then_some(values))
 }
 
-/// Speeds of all gears over time.
+/// Draws the speeds of all gears over time.
 pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);

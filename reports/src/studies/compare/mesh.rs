@@ -20,7 +20,7 @@ struct Picture<'a> {
     snapshot: &'a ContactSnapshot,
 }
 
-/// Up to two models side by side, each at its own peak force.
+/// Draws up to two models next to each other, each at its own peak force.
 pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let mut pictures: Vec<Picture<'_>> = Vec::new();
     for group in &view.groups {
@@ -208,7 +208,7 @@ fn deepest(body: &[(f64, f64)], area: &Rect) -> Option<(f64, f64)> {
         .max_by(|a, b| depth(*a).total_cmp(&depth(*b)))
 }
 
-/// Forces of one tooth pair as one, where they act on the whole: many points of a flank would hide each other.
+/// Sums the forces of each tooth pair at one point, since the many contact points of a flank would cover each other.
 fn by_pair(contacts: &[ContactPoint]) -> Vec<ContactPoint> {
     let mut pairs: Vec<(ContactPoint, f64)> = Vec::new();
     for contact in contacts {

@@ -74,7 +74,7 @@ pub fn csv(view: &View<'_>) -> Vec<CsvTable> {
     )]
 }
 
-/// A run with each of its meshes.
+/// Returns each pair of a run and one of its meshes.
 fn pairs(run: &Run) -> Vec<(&Run, &MeshForce)> {
     run.mesh_forces.iter().map(|m| (run, m)).collect()
 }

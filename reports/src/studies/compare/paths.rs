@@ -59,7 +59,7 @@ fn told(x: f64) -> String {
     }
 }
 
-/// The tables, where a scene has a train or shafts.
+/// Returns the tables of torque paths; empty for a scene without train and shafts.
 pub fn tables(view: &View<'_>) -> Markup {
     let all = shown(view);
     let Some(first) = all.first() else {
@@ -190,14 +190,14 @@ fn sharing(all: &[&Shown<'_>]) -> Markup {
     )
 }
 
-/// The force of a mesh over time.
+/// Returns the contact force of a mesh over time.
 fn force<'s>(series: &'s TimeSeries, gears: &[String; 2], first: bool) -> Option<&'s [f64]> {
     let name = force_column(gears, first);
     let mut columns = series.named_columns();
     columns.find_map(|(n, values)| (n == name).then_some(values))
 }
 
-/// Shares of planets over time, a panel for each gear that they mesh with; of the first model that has them.
+/// Draws the shares of planets over time, a panel for each gear that they mesh with, for the first model that has them.
 pub fn shares(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let all = shown(view);
     let with = all.iter().find(|s| {

@@ -68,7 +68,7 @@ const QUANTITIES: [Quantity; 6] = [
     },
 ];
 
-/// Panels of the motion of teeth; none where no run has such a history.
+/// Draws the panels of the motion of teeth; `None` where no run has such a history.
 pub fn teeth(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);

@@ -15,8 +15,8 @@ const SHOWN: f64 = 3.0;
 /// Number of orders in the chart.
 const ORDERS: usize = 10;
 
-/// The chart over the last whole cycles that all histories have, less the mean of each; none where no run lasts a whole
-/// cycle, or where the teeth hammer to and fro.
+/// Draws the chart over the last whole cycles that all histories have, less the mean of each; `None` where no run lasts
+/// a whole cycle, or where the gears hammer.
 pub(super) fn error(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);

@@ -53,8 +53,8 @@ pub struct Yardstick {
 }
 
 impl Yardstick {
-    /// The verdict on an error under a limit. Stored references whose own error is not stated count as exact, and so do
-    /// models that the user names.
+    /// Returns the verdict on an error under a limit. Stored references without a stated error count as exact, and so
+    /// do models that the user names.
     pub fn verdict(&self, error: f64, limit: f64) -> Adequacy {
         let own = match (self.error, self.kind) {
             (Some(own), _) => own,

@@ -21,7 +21,7 @@ const STEP: &str = "communication step [\u{b5}s]";
 /// A quantity of a run.
 type Quantity = fn(&CouplingCell) -> Option<f64>;
 
-/// The charts of a study of coupling.
+/// Draws the charts of a study of coupling.
 pub fn charts(couplings: &[Coupling], limit: Option<f64>) -> Result<Vec<Chart>, DrawError> {
     let mut all = Vec::new();
     let force: Quantity = |c| c.force_l2;
@@ -68,7 +68,7 @@ pub fn charts(couplings: &[Coupling], limit: Option<f64>) -> Result<Vec<Chart>, 
     Ok(all)
 }
 
-/// A panel per manner of coupling, a curve per model.
+/// Draws a panel per method of coupling with a curve per model.
 fn errors(
     couplings: &[Coupling],
     (file, title, caption): (&str, &str, &str),
@@ -128,7 +128,7 @@ fn errors(
     chart(file, title, caption, &legend, &panels).map(Some)
 }
 
-/// A coupling as a map of one row.
+/// Makes a map of one row from a coupling.
 fn map(c: &Coupling) -> Map {
     let cell = |x: &CouplingCell| Cell {
         at: x.step_s,

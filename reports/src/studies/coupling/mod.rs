@@ -23,12 +23,12 @@ pub(super) fn report(view: &View<'_>, couplings: &[Coupling]) -> Result<StudyRep
     })
 }
 
-/// The ways of coupling of a record, each once, in order.
+/// Returns the methods of coupling of a record, each once, in order.
 fn manners(couplings: &[Coupling]) -> Vec<String> {
     once(couplings.iter().map(Coupling::manner))
 }
 
-/// The models of a record, each once, in order.
+/// Returns the labels of the models of a record, each once, in order.
 fn models(couplings: &[Coupling]) -> Vec<String> {
     once(couplings.iter().map(Coupling::model_label))
 }

@@ -13,7 +13,7 @@ pub struct CouplingRecord {
 }
 
 impl Results {
-    /// Couplings of models to a host; none in records of other studies.
+    /// Returns the couplings of models to a host; empty in records of other studies.
     pub fn couplings(&self) -> &[Coupling] {
         match &self.part {
             Part::Coupling(part) => &part.couplings,
@@ -85,7 +85,7 @@ pub struct Coupling {
     pub theory_s: Option<f64>,
     /// Runs, from the smallest communication step to the largest.
     pub cells: Vec<CouplingCell>,
-    /// Runs that close in on the largest stable step, in the order they were made.
+    /// Runs that narrow the bracket of the largest stable step, in the order they were made.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub refined: Vec<CouplingCell>,
 }
@@ -145,7 +145,7 @@ impl CouplingRecord {
 }
 
 impl Coupling {
-    /// The model with its variant.
+    /// Returns the label of the model with its variant.
     pub fn model_label(&self) -> String {
         match &self.variant {
             Some(variant) => format!("{}, {variant}", self.model),
@@ -153,7 +153,7 @@ impl Coupling {
         }
     }
 
-    /// Extrapolation and interpolation in words.
+    /// Returns extrapolation and interpolation in words.
     pub fn manner(&self) -> String {
         match self.motion {
             Motion::Linear => self.extrapolation.to_string(),
@@ -177,12 +177,12 @@ impl Coupling {
         [held.checked_sub(1).and_then(step), step(held)]
     }
 
-    /// The largest communication step up to which every run was within the tolerance, and the next one.
+    /// Returns the largest communication step up to which every run was within the tolerance, and the next one.
     pub fn accurate(&self) -> [Option<f64>; 2] {
         self.up_to(|s| s == Status::Converged)
     }
 
-    /// The largest communication step up to which every run held, and the next one.
+    /// Returns the largest communication step up to which no run failed, and the next one.
     pub fn stable(&self) -> [Option<f64>; 2] {
         self.up_to(|s| !s.is_failure())
     }

@@ -43,7 +43,7 @@ pub struct FitHistory {
 }
 
 impl Results {
-    /// Fits; none in records of other studies.
+    /// Returns the fits; empty in records of other studies.
     pub fn fits(&self) -> &[FitRecord] {
         match &self.part {
             Part::Identify(part) => &part.fits,
@@ -94,7 +94,7 @@ pub struct FitRecord {
     /// Combinations of parameters that the data do not determine, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub undetermined: Vec<String>,
-    /// Data that were fitted, and data held out for validation.
+    /// Data sets of the fit, and data sets held out for validation.
     pub data: Vec<DataRecord>,
     /// Profiles of the sum of squares over single parameters.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -164,7 +164,7 @@ pub struct DataRecord {
     /// Relative error of the impulse.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub impulse_rel: Option<f64>,
-    /// Autocorrelation of the residuals at lag 1, of the process that they are a part of.
+    /// Autocorrelation at lag 1 of the noise process of which the residuals are a sample.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub correlation_lag1: Option<f64>,
     /// Order of that process.

@@ -26,7 +26,7 @@ const AROUND: usize = 72;
 const ABREAST: usize = 3;
 const TALL: f64 = 210.0;
 
-/// The pictures of all models.
+/// Draws the pictures of all models.
 pub fn charts(vibrations: &[ModelModes]) -> Result<Vec<Chart>, DrawError> {
     let mut all = Vec::new();
     for v in vibrations {
@@ -200,7 +200,7 @@ fn shapes(v: &ModelModes, modes: &[&ModeRecord]) -> Result<Option<Chart>, DrawEr
     }))
 }
 
-/// A gear at rest and moved, with a mark that turns.
+/// Paints a gear in its initial and in its displaced position, with a mark that shows its turn.
 fn paint_gear(
     c: &mut Canvas<'_>,
     p: &MemberPlace,

@@ -3,7 +3,7 @@
 use super::{ModeRecord, ModelModes};
 use crate::csv_table::{CsvTable, number};
 
-/// A line per mode and holder of energy, and per mode and member.
+/// Returns the tables with a row per mode and member or spring.
 pub fn tables(vibrations: &[ModelModes]) -> Vec<CsvTable> {
     vec![
         frequencies(vibrations),

@@ -14,7 +14,7 @@ pub struct ModesRecord {
 }
 
 impl Results {
-    /// Natural frequencies of models; none in records of other studies.
+    /// Returns the natural frequencies of models; empty in records of other studies.
     pub fn vibrations(&self) -> &[ModelModes] {
         match &self.part {
             Part::Modes(part) => &part.vibrations,
@@ -44,7 +44,7 @@ words! {
 pub struct ModelModes {
     /// Label of the model in its scene.
     pub label: String,
-    /// The state that they are about.
+    /// State in which the model is linearised.
     pub about: About,
     /// Reason why there are no frequencies, or a remark on them.
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -158,6 +158,6 @@ pub struct MemberShape {
     pub tilt_x_rad: f64,
     /// Tilt about its second axis [rad].
     pub tilt_y_rad: f64,
-    /// Share of its own coordinates (teeth, modes) in the kinetic energy of the whole [-].
+    /// Share of the member's own coordinates (teeth, modes) in the total kinetic energy [-].
     pub own: f64,
 }

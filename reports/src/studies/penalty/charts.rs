@@ -30,7 +30,7 @@ pub struct Series<'a> {
     pub hard: Option<&'a Run>,
 }
 
-/// The models of a study of penalties.
+/// Returns the models of a study of penalties.
 pub fn series<'a>(view: &View<'a>) -> Vec<Series<'a>> {
     (view.groups.iter())
         .map(|g| {
@@ -51,7 +51,7 @@ pub fn series<'a>(view: &View<'a>) -> Vec<Series<'a>> {
         .collect()
 }
 
-/// The charts of a study of penalties.
+/// Draws the charts of a study of penalties.
 pub fn penalty(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let all = series(view);
     if all.is_empty() {

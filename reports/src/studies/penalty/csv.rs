@@ -3,7 +3,7 @@
 use crate::csv_table::{CsvTable, number};
 use crate::record::Results;
 
-/// One line per run.
+/// Returns the table with a row per run.
 pub fn tables(results: &Results) -> Vec<CsvTable> {
     vec![CsvTable::new(
         "penalty.csv",

@@ -20,7 +20,7 @@ fn still(r: &Run) -> Option<f64> {
     r.static_error_m
 }
 
-/// The least penalty from which on a quantity stays within 1 % of hard contact.
+/// Returns the least penalty from which on a quantity stays within 1 % of hard contact.
 fn enough(s: &Series<'_>, get: fn(&Run) -> Option<f64>) -> Option<f64> {
     let limit = get(s.hard?)?;
     let mut found = None;

@@ -41,7 +41,7 @@ pub enum Cost {
 }
 
 impl Cost {
-    /// The cost of a run, if it was measured.
+    /// Returns the cost of a run, if it was measured.
     pub fn of(self, run: &Run) -> Option<f64> {
         let x = match self {
             Cost::Processor => run.cost_s(),
@@ -97,17 +97,17 @@ pub fn is_ours(run: &Run) -> bool {
     run.residual == Some(true) && run.exact_linear
 }
 
-/// An integrator without its parameters.
+/// Returns the id of an integrator without its parameters.
 pub fn id_of(integrator: &str) -> &str {
     integrator.split('(').next().unwrap_or(integrator).trim()
 }
 
-/// A family in words: model and integrator.
+/// Returns the name of a run's family: model and integrator.
 pub fn family(run: &Run) -> String {
     format!("{} under {}", run.model_label(), run.integrator)
 }
 
-/// A run in few words: modes, step or tolerance.
+/// Returns number of modes, and step or tolerance of a run, for labels.
 pub fn modes_and_step(run: &Run) -> String {
     let resolution = match run.step {
         Some(h) => round_quantity(h, "s", 3),
@@ -148,7 +148,7 @@ impl<'a> Precision<'a> {
         }
     }
 
-    /// The metric above all.
+    /// Returns the first metric of the study.
     pub fn headline(&self) -> Metric {
         self.metrics.first().copied().unwrap_or_default()
     }
@@ -164,7 +164,7 @@ impl<'a> Precision<'a> {
         self.models.iter().position(|m| *m == label).unwrap_or(0)
     }
 
-    /// The points against a reference.
+    /// Returns the points of all runs against a reference.
     pub fn cloud(&self, against: &str, metric: Metric, cost: Cost) -> Cloud<'a> {
         let runs = &self.results.runs;
         let compared: Vec<String> = (runs.iter())
@@ -204,13 +204,13 @@ impl<'a> Cloud<'a> {
         kept.map(|i| (i, self.shown[i].point)).unzip()
     }
 
-    /// Indices of the front among some of the points, ascending in cost.
+    /// Returns the indices of the Pareto front of selected points, ascending in cost.
     pub fn front(&self, keep: impl Fn(&Shown<'a>) -> bool) -> Vec<usize> {
         let (kept, points) = self.points(keep);
         front(&points).into_iter().map(|i| kept[i]).collect()
     }
 
-    /// The cheapest run within a limit of the error, among some.
+    /// Returns the cheapest of selected runs within a limit of the error.
     pub fn cheapest(&self, limit: f64, keep: impl Fn(&Shown<'a>) -> bool) -> Option<&Shown<'a>> {
         let (kept, points) = self.points(keep);
         pareto::cheapest(&points, limit).map(|i| &self.shown[kept[i]])
@@ -272,7 +272,7 @@ impl<'a> Cloud<'a> {
         all
     }
 
-    /// The reasons of failures in the order of the format, each with its runs.
+    /// Returns the reasons of failures in the order of the format, each with its runs.
     pub fn reasons(&self) -> Vec<(Status, Vec<(&'a Run, usize)>)> {
         let of = |status: Status| {
             let all = self.failed.iter().filter(|(r, _)| r.status == status);
@@ -298,7 +298,7 @@ pub struct Standing<'c, 'a> {
 }
 
 impl Standing<'_, '_> {
-    /// The limit, in words.
+    /// Returns the limit, in words.
     pub fn level(&self) -> String {
         format!("\u{2264} {} %", short(100.0 * self.limit, 2))
     }
@@ -343,12 +343,12 @@ impl Standing<'_, '_> {
         }
     }
 
-    /// The next family, in words.
+    /// Returns the clause that compares `ours` with the next family.
     pub fn beside_next(&self) -> String {
         beside(self.next)
     }
 
-    /// The next other model, in words.
+    /// Returns the clause that compares `ours` with the next model without residual compliance.
     pub fn beside_other(&self) -> String {
         beside(self.other)
     }

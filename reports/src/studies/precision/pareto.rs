@@ -41,7 +41,7 @@ pub fn front(points: &[Point]) -> Vec<usize> {
     order
 }
 
-/// The cheapest point whose error is within a limit; of equal cost the more accurate one.
+/// Returns the cheapest point whose error is within a limit; of equal cost the more accurate one.
 pub fn cheapest(points: &[Point], limit: f64) -> Option<usize> {
     let within = |i: &usize| points[*i].is_sound() && points[*i].error <= limit;
     (0..points.len()).filter(within).min_by(|&a, &b| {

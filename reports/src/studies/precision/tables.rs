@@ -56,7 +56,7 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
     sentences
 }
 
-/// The points against every reference that has any.
+/// Returns the points against every reference that has any.
 fn clouds<'a>(study: &Precision<'a>) -> Vec<Cloud<'a>> {
     let metric = study.headline();
     let all = (study.references.iter()).map(|id| study.cloud(id, metric, Cost::Processor));
@@ -271,7 +271,7 @@ pub fn runs(view: &View<'_>) -> Markup {
     }
 }
 
-/// Failures by family and reason.
+/// Returns the table of failures by family and reason.
 fn failures<'a>(runs: impl Iterator<Item = &'a Run>) -> Markup {
     let mut found: Vec<(String, Status, Vec<&Run>)> = Vec::new();
     for r in runs.filter(|r| r.status.is_failure()) {

@@ -29,7 +29,7 @@ fn append<T>(table: &mut CsvTable, name: &str, unit: &str, rows: &[T], of: impl 
     }
 }
 
-/// The tables of a record.
+/// Returns the tables of a record.
 pub fn tables(responses: &[ModelResponse]) -> Vec<CsvTable> {
     let meshes: Vec<Row<'_, MeshPoint>> = points(responses)
         .flat_map(|(r, g, p)| {

@@ -14,7 +14,7 @@ pub struct ResponseRecord {
 }
 
 impl Results {
-    /// Frequency responses; none in records of other studies.
+    /// Returns the frequency responses; empty in records of other studies.
     pub fn responses(&self) -> &[ModelResponse] {
         match &self.part {
             Part::Response(part) => &part.responses,

@@ -32,7 +32,7 @@ const APART: f64 = 13.0;
 const ORDER: Ink = Ink(0xfe, 0xfe, 0xfe, 1.0);
 const NATURAL: Ink = Ink(0xff, 0xa0, 0x5e, 1.0);
 
-/// The pictures of all models.
+/// Draws the pictures of all models.
 pub fn charts(run_ups: &[ModelRunUp]) -> Result<Vec<Chart>, DrawError> {
     let mut all = Vec::new();
     for run in run_ups.iter().filter(|r| r.message.is_empty()) {
@@ -44,7 +44,7 @@ pub fn charts(run_ups: &[ModelRunUp]) -> Result<Vec<Chart>, DrawError> {
     Ok(all)
 }
 
-/// The largest amplitude of maps but for the lines next to zero.
+/// Returns the largest amplitude of a map, without the lines next to zero.
 fn largest(rows: &[Vec<f64>], map: &RunUpMap) -> f64 {
     let slow = SLOW / map.span;
     let beyond = map.lines.partition_point(|l| *l < slow);
@@ -147,7 +147,7 @@ fn short_name(name: &str) -> String {
     }
 }
 
-/// Spectra over the speed above, orders over the speed below, in one scale of amplitudes.
+/// Draws spectra over the speed above and orders over the speed below, with one scale of amplitudes.
 fn maps(run: &ModelRunUp, channel: &RunUpChannel) -> Result<Chart, DrawError> {
     let title = format!("{}: {}", capital(&channel.name), run.label);
     let top =
@@ -217,7 +217,7 @@ fn maps(run: &ModelRunUp, channel: &RunUpChannel) -> Result<Chart, DrawError> {
     })
 }
 
-/// Ticks and names outside of a map, without the grid that would cover it.
+/// Paints ticks and names outside of a map, without the grid that would cover it.
 fn paint_axes(c: &mut Canvas<'_>, frame: &Frame, [x_name, y_name]: [&str; 2]) {
     use crate::drawing::axis::{NAME_SIZE, tick_label};
     let r = frame.area;
@@ -244,7 +244,7 @@ fn paint_axes(c: &mut Canvas<'_>, frame: &Frame, [x_name, y_name]: [&str; 2]) {
     c.text(y_name, (14.0, r.middle()), name.upwards());
 }
 
-/// The strongest orders over the speed, a panel for each quantity that has maps.
+/// Draws the strongest orders over the speed, a panel for each quantity that has maps.
 fn curves(run: &ModelRunUp) -> Result<Option<Chart>, DrawError> {
     let shown: Vec<&RunUpChannel> = run
         .channels

@@ -16,7 +16,7 @@ pub struct RunUpRecord {
 }
 
 impl Results {
-    /// Run-ups of models; none in records of other studies.
+    /// Returns the run-ups of models; empty in records of other studies.
     pub fn run_ups(&self) -> &[ModelRunUp] {
         match &self.part {
             Part::RunUp(part) => &part.run_ups,
@@ -129,14 +129,14 @@ pub struct Peak<'a> {
 }
 
 impl Peak<'_> {
-    /// Frequency of the order there [Hz].
+    /// Returns the frequency of the order at the peak [Hz].
     pub fn frequency_hz(&self) -> f64 {
         self.order.order * self.speed_rad_s / std::f64::consts::TAU
     }
 }
 
 impl ModelRunUp {
-    /// The peak of an order of a quantity.
+    /// Returns the peak of an order of a quantity.
     pub fn peak<'a>(&'a self, channel: &'a RunUpChannel, order: usize) -> Option<Peak<'a>> {
         let amplitudes = channel.orders.get(order)?;
         let at = (0..amplitudes.len()).max_by(|a, b| amplitudes[*a].total_cmp(&amplitudes[*b]))?;
@@ -152,7 +152,7 @@ impl ModelRunUp {
     /// Checks what the types do not enforce.
     ///
     /// # Errors
-    /// What does not fit together.
+    /// A sentence that names the lists whose lengths differ.
     pub fn validate(&self) -> Result<(), String> {
         for (key, map) in [("by_time", &self.by_time), ("by_turns", &self.by_turns)] {
             let (speeds, windows) = (map.speed_rad_s.len(), map.time_s.len());
@@ -184,7 +184,7 @@ impl ModelRunUp {
     }
 }
 
-/// The orders of each quantity with the largest amplitudes, so many of each, the largest first.
+/// Returns, for each quantity, the peaks of its `each` strongest orders, the largest first.
 pub fn strongest(run: &ModelRunUp, each: usize) -> Vec<Peak<'_>> {
     let mut all = Vec::new();
     for channel in &run.channels {

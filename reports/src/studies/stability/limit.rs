@@ -13,10 +13,10 @@ pub fn is_lost(status: Status) -> bool {
     status.is_failure() && status != Status::AdhesiveForce
 }
 
-/// The largest step at the scene's own parameters up to which every run held.
+/// The largest stable step at the scene's own parameters, with the next larger step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limit {
-    /// Largest step up to which every run held \[s\].
+    /// Largest step up to which every run was stable \[s\].
     pub stable_s: Option<f64>,
     /// The next larger one that was tried, which failed \[s\].
     pub unstable_s: Option<f64>,
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use crate::studies::stability::MapAxis;
 
-    /// A map of one axis whose own row ended as given, other rows converged.
+    /// Returns a map of one axis whose own row ended as given, other rows converged.
     fn map(own: &[(f64, Status)]) -> Map {
         let at: Vec<f64> = own.iter().map(|x| x.0).collect();
         let cell = |at: f64, status| Cell {

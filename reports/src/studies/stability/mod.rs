@@ -136,7 +136,8 @@ pub struct Map {
     pub axes: Vec<MapAxis>,
     /// The cells: along the columns first, then along the first axis, then along the second.
     pub cells: Vec<Cell>,
-    /// Runs at the scene's own parameters that close in on the largest stable step, in the order they were made.
+    /// Runs at the scene's own parameters that narrow the bracket of the largest stable step, in the order they were
+    /// made.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub refined: Vec<Cell>,
     /// Lines of theory over the map.
@@ -160,7 +161,7 @@ pub(crate) fn once<'a>(maps: impl IntoIterator<Item = &'a Map>) -> Vec<&'a Map> 
 }
 
 impl Map {
-    /// The model with its variant.
+    /// Returns the label of the model with its variant.
     pub fn model_label(&self) -> String {
         match &self.variant {
             Some(variant) => format!("{}, {variant}", self.model),
@@ -173,20 +174,20 @@ impl Map {
         self.axes.iter().map(|a| a.values.len()).product()
     }
 
-    /// The row of the scene's own parameters.
+    /// Returns the index of the row of the scene's own parameters.
     pub fn own_row(&self) -> usize {
         let second = self.axes.get(1).map_or(0, |a| a.own);
         let (own, length) = (self.axes.first()).map_or((0, 1), |a| (a.own, a.values.len()));
         second * length + own
     }
 
-    /// The cells of a row.
+    /// Returns the cells of a row.
     pub fn row(&self, row: usize) -> &[Cell] {
         let n = self.at.len();
         self.cells.get(row * n..(row + 1) * n).unwrap_or(&[])
     }
 
-    /// Values of the axes in a row.
+    /// Returns the values of the axes in a row.
     pub fn values(&self, row: usize) -> Vec<f64> {
         let mut rest = row;
         let mut value = |a: &MapAxis| {
@@ -198,7 +199,7 @@ impl Map {
         self.axes.iter().map(&mut value).collect()
     }
 
-    /// Number of cells of each status, in the order of [`Status::ALL`].
+    /// Returns the number of cells of each status, in the order of [`Status::ALL`].
     pub fn counts(&self) -> [usize; Status::ALL.len()] {
         Status::ALL.map(|s| self.cells.iter().filter(|c| c.status == s).count())
     }
@@ -256,7 +257,7 @@ pub struct StabilityRecord {
 }
 
 impl Results {
-    /// Maps of where methods fail; none in records of other studies.
+    /// Returns the stability maps; empty in records of other studies.
     pub fn maps(&self) -> &[Map] {
         match &self.part {
             Part::Stability(part) => &part.maps,

@@ -7,7 +7,7 @@ use crate::numbers::{count, counted, per_cent, quantity, short, times};
 use crate::record::Status;
 use maud::{Markup, html};
 
-/// Labels of models in the order of appearance.
+/// Returns the labels of models in the order of appearance.
 fn models(maps: &[Map]) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for label in maps.iter().map(Map::model_label) {
@@ -18,7 +18,7 @@ fn models(maps: &[Map]) -> Vec<String> {
     found
 }
 
-/// The largest stable step in words.
+/// Returns the largest stable step in words.
 fn step(limit: &Limit) -> String {
     match (limit.stable_s, limit.unstable_s) {
         (Some(h), Some(_)) => quantity(h, "s", 3),
@@ -74,7 +74,7 @@ pub fn finding(maps: &[Map]) -> Vec<Markup> {
     parts
 }
 
-/// The smallest and the largest limit of a model, and the methods that never failed.
+/// Returns the sentence on the smallest and the largest limit of a model, and on the methods that never failed.
 fn about(label: &str, maps: &[&Map]) -> Option<Markup> {
     let mut limited: Vec<(f64, &Map)> = (maps.iter())
         .filter_map(|m| {
@@ -154,7 +154,7 @@ fn beside(maps: &[Map]) -> Option<String> {
     })
 }
 
-/// The largest stable steps and how often each label occurs.
+/// Returns the tables of the largest stable steps and of the frequency of each label.
 pub fn tables(maps: &[Map]) -> Markup {
     html! { (limits(maps)) (labels(maps)) (references(maps)) }
 }
@@ -167,7 +167,7 @@ fn by_model<'a>(maps: impl Iterator<Item = &'a Map>) -> Vec<&'a Map> {
     all
 }
 
-/// A table of maps under the names of their models.
+/// Returns a table of maps under the names of their models.
 fn table<'r, 'a>(rows: &'r [&'a Map]) -> Table<'r, &'a Map> {
     let mut labels: Vec<String> = rows.iter().map(|m| m.model_label()).collect();
     labels.dedup();

@@ -4,7 +4,7 @@ use super::{ModelStiffness, StiffnessPosition};
 use crate::csv_table::{CsvTable, number};
 use crate::record::slug;
 
-/// The table of models, and the cycle of each.
+/// Returns the table of models, and the table of the mesh cycle of each.
 pub fn tables(stiffness: &[ModelStiffness]) -> Vec<CsvTable> {
     let mut all = vec![models(stiffness)];
     for model in stiffness.iter().filter(|m| !m.positions.is_empty()) {

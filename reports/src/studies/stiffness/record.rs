@@ -19,7 +19,7 @@ pub struct StiffnessRecord {
 }
 
 impl Results {
-    /// Static stiffness of models; none in records of other studies.
+    /// Returns the static stiffness of models; empty in records of other studies.
     pub fn stiffness(&self) -> &[ModelStiffness] {
         match &self.part {
             Part::Stiffness(part) => &part.stiffness,
@@ -39,7 +39,7 @@ pub struct ModelStiffness {
     pub message: String,
     /// Compliances that the stiffness of the model includes, in words.
     pub includes: String,
-    /// Formulas in it that have left their range: its numbers are no better than they are there.
+    /// Formulas of the model beyond their range of validity, which limits the accuracy of its numbers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub limits: Vec<String>,
     /// Force along the line of action \[N\].
@@ -118,12 +118,12 @@ pub struct LinePressure {
 }
 
 impl StiffnessPosition {
-    /// Force over approach \[N/m\].
+    /// Returns the secant stiffness, force over approach \[N/m\].
     pub fn secant(&self) -> f64 {
         self.force_n / self.error_m
     }
 
-    /// Force of the pair so many base pitches ahead of the reference pair \[N\].
+    /// Returns the force of the pair `offset` base pitches ahead of the reference pair \[N\].
     pub fn pair(&self, offset: i64) -> f64 {
         let of = self.pairs.iter().find(|p| p.offset == offset);
         of.map_or(0.0, |p| p.force_n)
@@ -145,18 +145,18 @@ impl ModelStiffness {
         })
     }
 
-    /// A path coordinate from the pitch point, over the base pitch.
+    /// Returns a path coordinate relative to the pitch point, over the base pitch.
     pub fn relative(&self, path_coordinate_m: f64) -> f64 {
         (path_coordinate_m - self.pitch_point_m) / self.base_pitch_m
     }
 
-    /// The least and the greatest offset of pairs that carry load.
+    /// Returns the least and the greatest offset of pairs that carry load.
     pub fn offsets(&self) -> [i64; 2] {
         let pairs = self.positions.iter().flat_map(|p| &p.pairs);
         pairs.fold([0, 0], |[a, b], p| [a.min(p.offset), b.max(p.offset)])
     }
 
-    /// The load over the common face width \[N/m\].
+    /// Returns the load over the common face width \[N/m\].
     pub fn line_load(&self) -> f64 {
         self.force_n / self.face_width_m
     }

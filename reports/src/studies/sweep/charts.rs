@@ -51,12 +51,12 @@ fn filled(s: &Swept<'_>) -> bool {
     s.branch != Branch::Down
 }
 
-/// Every run that settled.
+/// Returns all runs that settled.
 fn settled<'s>(all: &'s [Swept<'_>]) -> impl Iterator<Item = &'s Steady> {
     all.iter().flat_map(|s| s.runs.iter().map(|r| r.0))
 }
 
-/// The charts of a sweep.
+/// Draws the charts of a sweep.
 pub fn sweep(
     all: &[Swept<'_>],
     statics: &[StaticCycle],
@@ -164,7 +164,7 @@ fn over_speed(all: &[Swept<'_>], x: &Axis, two: &[Bistable]) -> Result<Chart, Dr
     chart("sweep.svg", title, caption, &legend(all), &panels)
 }
 
-/// The first harmonics over speed, of the most detailed model.
+/// Draws the first harmonics over speed, of the most detailed model.
 fn harmonics(all: &[Swept<'_>], x: &Axis) -> Result<Option<Chart>, DrawError> {
     const SHOWN: usize = 4;
     let Some(s) = (all.iter().rev()).find(|s| s.first && s.runs.len() > 1) else {
@@ -222,7 +222,7 @@ fn harmonics(all: &[Swept<'_>], x: &Axis) -> Result<Option<Chart>, DrawError> {
     .map(Some)
 }
 
-/// Transmission error over two mesh cycles: at rest, slow, and where each resonance is.
+/// Draws the transmission error over two mesh cycles: quasi-static, at low speed, and at each resonance.
 fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
     let Some(detailed) = all.iter().rev().find(|s| !s.runs.is_empty()) else {
         return Ok(None);

@@ -38,7 +38,7 @@ pub struct Swept<'a> {
 }
 
 impl Swept<'_> {
-    /// The speed with the largest transmission error.
+    /// Returns the steady state with the largest root mean square of the transmission error.
     pub fn peak(&self) -> Option<&Steady> {
         let rms = |s: &Steady| s.error_rms_m;
         (self.runs.iter())
@@ -47,7 +47,7 @@ impl Swept<'_> {
     }
 }
 
-/// The models of a sweep.
+/// Returns the models of a sweep, one entry per branch.
 pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<Swept<'a>> {
     let mut all = Vec::new();
     for g in &view.groups {
@@ -85,7 +85,7 @@ pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<Swept<'a>> 
     all
 }
 
-/// Resonance of the mesh: that of the last model that has one, the most detailed of a scene.
+/// Returns the resonance of the mesh by the last model that has one, the most detailed of a scene [Hz].
 pub fn resonance(all: &[Swept<'_>]) -> Option<f64> {
     all.iter().rev().find_map(|s| s.statics?.resonance_hz)
 }

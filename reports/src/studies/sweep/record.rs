@@ -20,7 +20,7 @@ pub struct SweepRecord {
 }
 
 impl Results {
-    /// Static limits; none in records of other studies.
+    /// Returns the quasi-static mesh cycles; empty in records of other studies.
     pub fn statics(&self) -> &[StaticCycle] {
         match &self.part {
             Part::Sweep(part) => &part.statics,
@@ -52,10 +52,11 @@ pub struct Bistable {
     pub ranges: Vec<[f64; 2]>,
 }
 
-/// Difference of the transmission errors (root mean square) up and down, over the greater, from which on they are two.
+/// Relative difference of the transmission errors (root mean square) up and down from which on they are two steady
+/// states.
 const APART: f64 = 0.1;
 
-/// The models of a record that run in two ways, and where.
+/// Returns the models of a record with two steady states at one speed, and the ranges of mesh frequency.
 pub fn bistable(results: &Results) -> Vec<Bistable> {
     let steady = |branch: Branch, label: &str| -> Vec<&Steady> {
         let mut found: Vec<&Steady> = (results.runs.iter())
@@ -118,7 +119,7 @@ pub struct Steady {
     /// Peak to peak of the transmission error averaged over a moving mesh cycle \[m\]: the part by deviations from
     /// tooth to tooth.
     pub error_long_peak_to_peak_m: f64,
-    /// Amplitudes at the orders of the shafts, where whole turns were measured.
+    /// Amplitudes at the orders of the shafts; empty unless whole turns were measured.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shaft_orders: Vec<ShaftOrders>,
     /// Mean contact force \[N\].
@@ -262,7 +263,7 @@ impl StaticCycle {
         lists.chain(&single).all(|x| x.is_finite())
     }
 
-    /// Root mean square of the error about its mean \[m\].
+    /// Computes the root mean square of the transmission error about its mean \[m\].
     pub fn rms(&self) -> f64 {
         let n = self.error_m.len().max(1) as f64;
         let of = |e: &f64| (e - self.error_mean_m).powi(2);

@@ -28,7 +28,7 @@ pub struct Way<'a> {
 }
 
 impl<'a> Way<'a> {
-    /// Runs that ended well and have a finite metric against a reference: modes, magnitude, run.
+    /// Returns the runs that ended well and have a finite metric against a reference: modes, magnitude, run.
     pub fn errors(&self, against: &str, metric: Metric) -> Vec<(usize, f64, &'a Run)> {
         (self.runs.iter())
             .filter(|(_, r)| !r.status.is_failure())
@@ -39,7 +39,7 @@ impl<'a> Way<'a> {
             .collect()
     }
 
-    /// The run with the fewest modes from which on no number of modes that was tried is beyond the limit of the
+    /// Returns the run with the fewest modes from which on every number of modes is within the limit of the
     /// force-history error; a failed run is beyond every limit.
     pub fn fewest(&self, against: &str, limit: f64) -> Option<&'a Run> {
         let mut found = None;
@@ -53,14 +53,15 @@ impl<'a> Way<'a> {
         found
     }
 
-    /// The run with a number of modes.
+    /// Returns the run with the given number of modes.
     pub fn with(&self, modes: usize) -> Option<&'a Run> {
         let found = self.runs.iter().find(|(_, r)| r.modes == Some(modes));
         found.map(|(_, r)| *r)
     }
 }
 
-/// The ways of a record in the order of appearance; runs without modes (references, other models) belong to none.
+/// Returns the methods of reduction of a record in the order of appearance; runs without modes (references, other
+/// models) belong to none.
 pub fn ways(results: &Results) -> Vec<Way<'_>> {
     let mut ways: Vec<Way<'_>> = Vec::new();
     for (index, run) in results.runs.iter().enumerate() {

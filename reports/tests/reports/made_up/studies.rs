@@ -90,7 +90,7 @@ pub fn mode_results() -> Results {
     study(command, Part::Truncation, vec![fe, calculix], runs)
 }
 
-/// A sweep of two models over their mesh resonance, one run failed.
+/// Makes a sweep of two models over their mesh resonance, with one failed run.
 pub fn sweep_results() -> Results {
     let (mut runs, mut statics) = (Vec::new(), Vec::new());
     let position: Vec<f64> = (0..64).map(|i| (f64::from(i) + 0.5) / 64.0 - 0.5).collect();
@@ -175,7 +175,7 @@ pub fn sweep_results() -> Results {
     results
 }
 
-/// A study of penalties that come to hard contact, the stiffest failed.
+/// Makes a study of penalties that converge to hard contact; the run with the stiffest one failed.
 pub fn penalty_results() -> Results {
     let hard = impact(1.9e-5, 3610.0, 0.05, 1e-6);
     let mut runs = Vec::new();
@@ -279,7 +279,8 @@ pub fn identify_results() -> Results {
     )
 }
 
-/// Two elastic models in two parts under two extrapolations: orders one and three, failures at large steps.
+/// Makes a study of coupling of two elastic models under two extrapolations: orders one and three, failures at large
+/// steps.
 pub fn coupling_results() -> Results {
     let coupling = |variant: Option<&str>, extrapolation, limit: f64| {
         let order = match extrapolation {

@@ -102,7 +102,7 @@ pub(super) fn integration(
     }))
 }
 
-/// The number of modes that most integrators run, of several the largest.
+/// Returns the number of modes that occurs with most integrators; of several the largest.
 fn busiest(shown: &[&Shown<'_>]) -> Option<usize> {
     let mut counts: Vec<(usize, Option<usize>)> = Vec::new();
     for s in shown {

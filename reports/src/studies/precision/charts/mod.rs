@@ -32,7 +32,7 @@ const ROW: f64 = 19.0;
 /// Size of the names of points.
 const NAME: f64 = 11.5;
 
-/// The charts of accuracy against cost.
+/// Draws the charts of error over cost.
 pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let study = Precision::of(view.results);
     let metric = study.headline();
@@ -62,7 +62,7 @@ pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     Ok(charts)
 }
 
-/// File name of a chart that there may be several of.
+/// Returns the file name of a chart of which there may be several.
 fn numbered(what: &str, place: usize) -> String {
     match place {
         0 => format!("precision_{what}.svg"),
@@ -245,7 +245,7 @@ fn words(s: &Shown<'_>) -> String {
     format!("{} {}", id_of(&s.run.integrator), modes_and_step(s.run))
 }
 
-/// Models of a cloud: place, label, fitted or not.
+/// Returns the models of a cloud: place, label and whether they are fitted.
 fn models_of(study: &Precision<'_>, cloud: &Cloud<'_>) -> Vec<(usize, String)> {
     let styles = (cloud.shown.iter().map(|s| (s.style, s.is_fitted()))).chain(
         cloud
@@ -280,7 +280,7 @@ fn strip_height(reasons: &[(Status, Vec<(&Run, usize)>)]) -> f64 {
     }
 }
 
-/// Failed runs, one row per reason.
+/// Paints failed runs in their strip, a row per reason.
 fn failures(c: &mut Canvas<'_>, reasons: &[(Status, Vec<(&Run, usize)>)], edge: &Rect) {
     if reasons.is_empty() {
         return;

@@ -63,7 +63,7 @@ pub const KINDS: [(LineKind, &str, &[f64]); 3] = [
     ),
 ];
 
-/// A line of theory, readable on every colour.
+/// Paints a line of theory that is readable on every colour.
 pub fn theory_line(c: &mut Canvas<'_>, points: &[(f64, f64)], frame: &Rect, kind: LineKind) {
     let dash = (KINDS.iter())
         .find(|k| k.0 == kind)
@@ -72,7 +72,7 @@ pub fn theory_line(c: &mut Canvas<'_>, points: &[(f64, f64)], frame: &Rect, kind
     c.line_within(points, frame, Stroke::dashed(Ink::DARK, 1.7, dash));
 }
 
-/// The mark of the largest stable step that was found.
+/// Paints the mark of the largest stable step.
 pub fn found_mark(c: &mut Canvas<'_>, (x, y): (f64, f64)) {
     let shape = |r: f64| [(x, y - r), (x + r, y), (x, y + r), (x - r, y)];
     c.polygon(&shape(6.2), Ink::WHITE);

@@ -33,7 +33,7 @@ const NAME_ABOVE: f64 = 20.0;
 /// Largest number of maps that are drawn; the last caption states the number of those that are left out.
 const DRAWN: usize = 24;
 
-/// The maps of one model over one set of axes.
+/// Returns the maps of one model over one set of axes.
 fn figures(maps: &[Map]) -> Vec<Vec<&Map>> {
     let mut found: Vec<Vec<&Map>> = Vec::new();
     for map in maps {
@@ -47,7 +47,7 @@ fn figures(maps: &[Map]) -> Vec<Vec<&Map>> {
     found
 }
 
-/// The charts of a study of stability.
+/// Draws the charts of a study of stability.
 pub fn stability(maps: &[Map]) -> Result<Vec<Chart>, DrawError> {
     let mut charts = Vec::new();
     if let Some(svg) = overview(maps, "Where methods fail", None)? {
@@ -140,7 +140,7 @@ fn caption(maps: &[&Map]) -> String {
     )
 }
 
-/// The panels of a figure, in rows.
+/// Returns the panels of a figure, in rows.
 fn panels<'a>(maps: &[&'a Map]) -> Vec<Vec<Panel<'a>>> {
     let name = |map: &Map| {
         if map.implicit {
@@ -187,7 +187,7 @@ fn panels<'a>(maps: &[&'a Map]) -> Vec<Vec<Panel<'a>>> {
     rows
 }
 
-/// The integrator without its parameters.
+/// Returns the integrator without its parameters.
 fn short_name(map: &Map) -> &str {
     map.integrator.split('(').next().unwrap_or("")
 }
@@ -263,7 +263,7 @@ mod tests {
         Cell, Columns, MapAxis, MapLine, SelfReference, StabilityRecord,
     };
 
-    /// A map with every label in its own row.
+    /// Makes a map with every label in its own row.
     fn map(set: usize, integrator: &str, seconds: usize) -> Map {
         let steps = 0..Status::ALL.len() as i32;
         let at: Vec<f64> = steps.map(|i| 1e-8 * 2_f64.powi(i)).collect();

@@ -75,7 +75,7 @@ pub(super) fn spectra(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
     chart("sweep_spectra.svg", title, caption, &legend(all), &panels).map(Some)
 }
 
-/// A logarithmic ordinate over the upper decades of a panel.
+/// Returns a logarithmic ordinate over the upper decades of a panel.
 fn top_decades(panel: &Panel, decades: f64) -> Option<Axis> {
     let (low, high) = panel.ordinates();
     (high > 0.0).then(|| Axis::logarithmic(low.max(high * 10f64.powf(-decades)), high))
